@@ -1,0 +1,2 @@
+//! The `edof` command.
+fn main() {}

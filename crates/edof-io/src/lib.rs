@@ -1,0 +1,1 @@
+//! Photographs and raw Bayer frames in files.

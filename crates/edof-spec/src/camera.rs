@@ -1,0 +1,323 @@
+//! A camera: lens, phase mask, focus and sensor, and the JSON files that describe one.
+
+use crate::cfa::Channel;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Everything that decides how a point at a given depth falls on the sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// Short name, as in `ring-2018`.
+    pub name: String,
+    /// Focal length in millimetres.
+    pub focal_length_mm: f64,
+    /// Radius R of the aperture in millimetres.
+    pub aperture_radius_mm: f64,
+    /// Distance between pixels in micrometres.
+    pub pixel_pitch_um: f64,
+    /// Light that the red, green and blue filters pass.
+    pub spectra: [Spectrum; 3],
+    /// Wavelength in nanometres for which ψ is stated.
+    pub reference_wavelength_nm: f64,
+    /// Sign of the defocus phase: which side of focus positive ψ lies on, seen by the mask.
+    pub defocus_sign: Sign,
+    /// ψ at which the lens is focused (the clear aperture's sharpest depth).
+    pub focus_psi: f64,
+    /// Range of ψ that the camera is meant for.
+    pub psi_range: [f64; 2],
+    /// Rings of the phase mask; none for a clear aperture.
+    pub rings: Vec<Ring>,
+    /// Where the numbers come from and how sure we are.
+    pub source: String,
+}
+
+/// One wavelength in nanometres, or several with relative weights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Spectrum {
+    /// A single wavelength.
+    Line(f64),
+    /// Pairs of wavelength and weight, wavelengths ascending; linear between them.
+    Sampled(Vec<[f64; 2]>),
+}
+
+/// Sign of the defocus phase in the pupil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "i8", into = "i8")]
+pub enum Sign {
+    /// exp(+iψρ²).
+    Plus,
+    /// exp(−iψρ²).
+    Minus,
+}
+
+impl Sign {
+    /// +1 or −1.
+    #[must_use]
+    pub const fn factor(self) -> f64 {
+        match self {
+            Self::Plus => 1.0,
+            Self::Minus => -1.0,
+        }
+    }
+}
+
+impl TryFrom<i8> for Sign {
+    type Error = String;
+
+    fn try_from(sign: i8) -> Result<Self, String> {
+        match sign {
+            1 => Ok(Self::Plus),
+            -1 => Ok(Self::Minus),
+            _ => Err(format!("defocus_sign {sign}: must be 1 or -1")),
+        }
+    }
+}
+
+impl From<Sign> for i8 {
+    fn from(sign: Sign) -> Self {
+        sign.factor() as Self
+    }
+}
+
+/// A ring of the mask between two normalised pupil radii.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ring {
+    /// Inner radius, 0…1.
+    pub inner: f64,
+    /// Outer radius, 0…1.
+    pub outer: f64,
+    /// What the ring does to the phase.
+    pub delay: Delay,
+}
+
+/// Phase delay of a ring.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Delay {
+    /// Stated as a phase: at λ it is `rad`·`at_nm`/λ.
+    Phase {
+        /// Radians.
+        rad: f64,
+        /// Wavelength in nanometres for which they are stated.
+        at_nm: f64,
+    },
+    /// Etched height: the phase is 2π·height·(n(λ) − 1)/λ.
+    Etched {
+        /// Height in micrometres.
+        height_um: f64,
+        /// n(λ) = `cauchy[0]` + `cauchy[1]`/λ² with λ in micrometres.
+        cauchy: [f64; 2],
+    },
+}
+
+impl Delay {
+    /// Phase in radians at `wavelength_nm`.
+    #[must_use]
+    pub fn phase_rad(self, wavelength_nm: f64) -> f64 {
+        match self {
+            Self::Phase { rad, at_nm } => rad * at_nm / wavelength_nm,
+            Self::Etched { height_um, cauchy: [a, b] } => {
+                let um = wavelength_nm * 1e-3;
+                std::f64::consts::TAU * height_um * (a + b / (um * um) - 1.0) / um
+            }
+        }
+    }
+}
+
+/// A camera that cannot be read, or could not be built.
+#[derive(Debug, thiserror::Error)]
+pub enum CameraError {
+    /// The file cannot be opened.
+    #[error("{path}: cannot read: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The text is no camera.
+    #[error("{origin}: not a camera: {source}")]
+    Parse {
+        /// File or preset.
+        origin: String,
+        /// What is wrong, with line and column.
+        source: serde_json::Error,
+    },
+    /// A number is out of range.
+    #[error("camera {camera}: {field} is {value}, expected {expected}")]
+    Value {
+        /// Its name.
+        camera: String,
+        /// The field.
+        field: &'static str,
+        /// What it says.
+        value: String,
+        /// What would have been right.
+        expected: &'static str,
+    },
+    /// Neither a preset nor a file.
+    #[error("camera '{name}': no such file, and not one of the presets {presets}")]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        presets: String,
+    },
+}
+
+macro_rules! presets {
+    ($($name:literal),*) => {
+        /// The cameras that come with the program: name and JSON text.
+        pub const PRESETS: &[(&str, &str)] = &[$(
+            ($name, include_str!(concat!("../../../cameras/", $name, ".json")))
+        ),*];
+    };
+}
+presets!("clear", "clear-mid", "ring-2015", "ring-2018", "ring-depth-2018", "ring-outer");
+
+impl Camera {
+    /// A preset by its name or a camera from a JSON file.
+    ///
+    /// ```
+    /// let camera = edof_spec::Camera::resolve("ring-2018")?;
+    /// assert_eq!(camera.f_number().round(), 3.0);
+    /// # Ok::<(), edof_spec::camera::CameraError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CameraError`]: unknown name, unreadable file, wrong text, a number out of range.
+    pub fn resolve(name_or_path: &str) -> Result<Self, CameraError> {
+        if let Some((name, text)) = PRESETS.iter().find(|(name, _)| *name == name_or_path) {
+            return Self::from_json(text, name);
+        }
+        let path = Path::new(name_or_path);
+        if !path.exists() {
+            return Err(CameraError::Unknown {
+                name: name_or_path.to_owned(),
+                presets: PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
+            });
+        }
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
+        Self::from_json(&text, name_or_path)
+    }
+
+    /// A camera from JSON text; `origin` names it in errors.
+    ///
+    /// # Errors
+    /// [`CameraError::Parse`] or [`CameraError::Value`].
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, CameraError> {
+        let camera: Self = serde_json::from_str(text)
+            .map_err(|source| CameraError::Parse { origin: origin.to_owned(), source })?;
+        camera.check()?;
+        Ok(camera)
+    }
+
+    /// JSON text that [`Camera::from_json`] reads back.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// Focal length over aperture diameter.
+    #[must_use]
+    pub fn f_number(&self) -> f64 {
+        self.focal_length_mm / (2.0 * self.aperture_radius_mm)
+    }
+
+    /// What a channel's filter passes.
+    #[must_use]
+    pub const fn spectrum(&self, channel: Channel) -> &Spectrum {
+        &self.spectra[channel.plane()]
+    }
+
+    /// # Errors
+    /// [`CameraError::Value`] for the first number that no camera can have.
+    pub fn check(&self) -> Result<(), CameraError> {
+        let refuse = |field, value: String, expected| {
+            Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
+        };
+        let positive = [
+            ("focal_length_mm", self.focal_length_mm),
+            ("aperture_radius_mm", self.aperture_radius_mm),
+            ("pixel_pitch_um", self.pixel_pitch_um),
+            ("reference_wavelength_nm", self.reference_wavelength_nm),
+        ];
+        for (field, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return refuse(field, value.to_string(), "a positive number");
+            }
+        }
+        let [low, high] = self.psi_range;
+        if !(low.is_finite() && high.is_finite() && low <= high) {
+            return refuse("psi_range", format!("[{low}, {high}]"), "two numbers, the smaller first");
+        }
+        if !self.focus_psi.is_finite() {
+            return refuse("focus_psi", self.focus_psi.to_string(), "a finite number");
+        }
+        for spectrum in &self.spectra {
+            let good = match spectrum {
+                Spectrum::Line(nm) => nm.is_finite() && *nm > 0.0,
+                Spectrum::Sampled(pairs) => {
+                    pairs.iter().all(|[nm, w]| *nm > 0.0 && *w >= 0.0 && nm.is_finite() && w.is_finite())
+                        && pairs.windows(2).all(|p| p[0][0] < p[1][0])
+                        && pairs.iter().any(|[_, w]| *w > 0.0)
+                }
+            };
+            if !good {
+                let expected = "a wavelength in nm, or ascending [nm, weight] pairs of some positive weight";
+                return refuse("spectra", format!("{spectrum:?}"), expected);
+            }
+        }
+        for ring in &self.rings {
+            if !(0.0 <= ring.inner && ring.inner < ring.outer && ring.outer <= 1.0) {
+                return refuse("rings", format!("{}..{}", ring.inner, ring.outer), "0 <= inner < outer <= 1");
+            }
+            let finite = match ring.delay {
+                Delay::Phase { rad, at_nm } => rad.is_finite() && at_nm.is_finite() && at_nm > 0.0,
+                Delay::Etched { height_um, cauchy } => [height_um, cauchy[0], cauchy[1]].iter().all(|v| v.is_finite()),
+            };
+            if !finite {
+                return refuse("rings", format!("{:?}", ring.delay), "finite numbers, a positive wavelength");
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_reads_and_round_trips() {
+        for (name, _) in PRESETS {
+            let camera = Camera::resolve(name).unwrap();
+            assert_eq!(camera.name, *name);
+            assert_eq!(Camera::from_json(&camera.to_json(), name).unwrap(), camera);
+        }
+    }
+
+    #[test]
+    fn an_unknown_camera_is_told_the_presets() {
+        let error = Camera::resolve("ring-1999").unwrap_err().to_string();
+        assert!(error.starts_with("camera 'ring-1999': no such file") && error.contains("ring-2018"));
+    }
+
+    #[test]
+    fn a_ring_outside_the_pupil_is_refused() {
+        let mut camera = Camera::resolve("ring-2018").unwrap();
+        camera.rings[0].outer = 1.2;
+        let error = Camera::from_json(&camera.to_json(), "file").unwrap_err().to_string();
+        assert_eq!(error, "camera ring-2018: rings is 0.68..1.2, expected 0 <= inner < outer <= 1");
+    }
+
+    #[test]
+    fn an_etched_ring_has_the_phase_of_its_height() {
+        let delay = Delay::Etched { height_um: 0.46, cauchy: [1.5, 0.0] };
+        assert!((delay.phase_rad(460.0) - std::f64::consts::PI).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,44 @@
+//! What every other crate of edof agrees on. Data and checks, no algorithms; it knows no other crate of ours.
+//!
+//! | what | module |
+//! |---|---|
+//! | colour filter array, its four phases | [`cfa`] |
+//! | raw frames, colour frames, 4:2:2 frames, mirrored borders | [`frame`] |
+//! | windows, strides, where patches lie | [`geometry`] |
+//! | BT.709 Y′CbCr and the 4:2:2 sites of a patch | [`colour`] |
+//! | the averaging window of overlapping patches | [`overlap`] |
+//! | lens, mask and sensor, and their files | [`camera`] |
+//! | fixed-point words and their rounding | [`number`] |
+//! | the float network | [`network`] |
+//! | the integer network, its shifts and thresholds | [`fixed_network`] |
+//! | the file both kinds of network live in | [`weight_file`] |
+//! | what every reconstruction method implements | [`reconstructor`] |
+//! | files that appear whole or not at all | [`atomic`] |
+//!
+//! ```
+//! use edof_spec::geometry::{Geometry, Stride, Window};
+//! let g = Geometry::new(Window::new(12)?, Stride::new(8)?);
+//! assert_eq!(g.patches(1080, 1920), (135, 240));
+//! # Ok::<(), edof_spec::geometry::GeometryError>(())
+//! ```
+
+pub mod atomic;
+pub mod camera;
+pub mod cfa;
+pub mod colour;
+pub mod fixed_network;
+pub mod frame;
+pub mod geometry;
+pub mod network;
+pub mod number;
+pub mod overlap;
+pub mod reconstructor;
+pub mod weight_file;
+
+pub use camera::Camera;
+pub use cfa::{CfaPhase, Channel};
+pub use fixed_network::FixedNetwork;
+pub use frame::{ColourFrame, Frame422, RawFrame};
+pub use geometry::{Geometry, Stride, Window};
+pub use network::Network;
+pub use reconstructor::{ReconstructError, Reconstruction, Reconstructor};

@@ -1,0 +1,244 @@
+//! The float network (network.md, "Function"): its form, its matrices, where it came from.
+//!
+//! ```text
+//! b₁      = A y                   I layer
+//! z_t     = shrink_θt(b_t)        t = 1…T−1
+//! b_{t+1} = b₁ + S_t z_t          M layers, t = 1…T−2        (direct)
+//! b_{t+1} = b_t + S_t (z_t − z_{t−1}), z_0 = 0               (difference)
+//! x       = D z_{T−1} + R y       F layer, R where the form has a linear path
+//! ```
+
+use crate::camera::Camera;
+use crate::colour::RGB_OUTPUTS;
+use crate::geometry::Window;
+use ndarray::{Array1, Array2};
+use serde::{Deserialize, Serialize};
+
+/// The soft threshold σ_θ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shrinkage {
+    /// sign(b)·max(|b| − θ, 0), θ ≥ 0: the paper's.
+    TwoSided,
+    /// max(b − θ, 0), θ of any sign.
+    OneSided,
+}
+
+/// What an M layer adds its product to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Recurrence {
+    /// To b₁.
+    Direct,
+    /// To the previous b, multiplying the change of z (the paper's Algorithm 1).
+    Difference,
+}
+
+/// The form of a network; from it follow the shapes of all its matrices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Form {
+    /// Side of the raw window.
+    pub window: Window,
+    /// Length of b and z.
+    pub codes: usize,
+    /// T: one I, T − 2 M, one F.
+    pub layers: usize,
+    /// The soft threshold.
+    pub shrinkage: Shrinkage,
+    /// What M layers add to.
+    pub recurrence: Recurrence,
+    /// Whether F also sees the raw window through R.
+    pub linear_path: bool,
+    /// Whether all M layers share one S.
+    pub tied: bool,
+}
+
+/// A form that no network has, or matrices that do not fit their form.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NetworkError {
+    /// T out of range.
+    #[error("layers {0}: must be 2 to 10")]
+    Layers(usize),
+    /// Code length out of range.
+    #[error("codes {0}: must be 1 to 1024")]
+    Codes(usize),
+    /// Wrong number of matrices or thresholds.
+    #[error("{what}: {found} given, this form has {expected}")]
+    Count {
+        /// Which.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A matrix of the wrong shape.
+    #[error("{what}: {rows}x{columns}, this form needs {expected_rows}x{expected_columns}")]
+    Shape {
+        /// Which.
+        what: &'static str,
+        /// Rows found.
+        rows: usize,
+        /// Columns found.
+        columns: usize,
+        /// Rows needed.
+        expected_rows: usize,
+        /// Columns needed.
+        expected_columns: usize,
+    },
+    /// NaN or infinity.
+    #[error("{what}: holds {value}, every weight must be a finite number")]
+    NotFinite {
+        /// Which.
+        what: &'static str,
+        /// The first such value.
+        value: f32,
+    },
+    /// Two-sided thresholds cannot be negative.
+    #[error("thresholds: holds {0}, two-sided shrinkage needs thresholds of 0 or more")]
+    NegativeThreshold(f32),
+}
+
+impl Form {
+    /// # Errors
+    /// [`NetworkError::Layers`] or [`NetworkError::Codes`].
+    pub const fn check(&self) -> Result<(), NetworkError> {
+        if self.layers < 2 || self.layers > 10 {
+            return Err(NetworkError::Layers(self.layers));
+        }
+        if self.codes == 0 || self.codes > 1024 {
+            return Err(NetworkError::Codes(self.codes));
+        }
+        Ok(())
+    }
+
+    /// M layers: T − 2.
+    #[must_use]
+    pub const fn middle_layers(&self) -> usize {
+        self.layers - 2
+    }
+
+    /// Soft thresholds: T − 1.
+    #[must_use]
+    pub const fn shrinkages(&self) -> usize {
+        self.layers - 1
+    }
+
+    /// Distinct S matrices: T − 2, or 1 where they are tied.
+    #[must_use]
+    pub const fn recurrent_matrices(&self) -> usize {
+        if self.tied && self.layers > 2 { 1 } else { self.layers - 2 }
+    }
+
+    /// Which of the S matrices M layer `layer` (0 first) uses.
+    #[must_use]
+    pub const fn recurrent_index(&self, layer: usize) -> usize {
+        if self.tied { 0 } else { layer }
+    }
+}
+
+/// A trained network. All arithmetic is in f32 on raw pixels of 0…1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Network {
+    /// Its form.
+    pub form: Form,
+    /// A: codes × window pixels.
+    pub analysis: Array2<f32>,
+    /// θ_t: one vector of length codes a soft threshold.
+    pub thresholds: Vec<Array1<f32>>,
+    /// S_t: codes × codes each.
+    pub recurrent: Vec<Array2<f32>>,
+    /// D: 192 × codes, RGB.
+    pub dictionary: Array2<f32>,
+    /// R: 192 × window pixels, RGB.
+    pub linear_path: Option<Array2<f32>>,
+    /// How it came to be.
+    pub origin: Origin,
+}
+
+/// How a network came to be.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Origin {
+    /// Name, as in `edof-t4w12`.
+    pub name: String,
+    /// Camera it was trained for.
+    pub camera: Camera,
+    /// Noise it was trained for: largest σ, in units of full scale.
+    pub noise: f64,
+    /// The command that made it.
+    pub command: String,
+    /// Patches seen.
+    pub patches: u64,
+    /// Mean PSNR in dB on validation patches held out of the training photos.
+    pub validation_db: f64,
+}
+
+impl Network {
+    /// # Errors
+    /// [`NetworkError`] for the first thing that does not fit the form.
+    pub fn check(&self) -> Result<(), NetworkError> {
+        let form = &self.form;
+        form.check()?;
+        let (codes, pixels) = (form.codes, form.window.pixels());
+        check_count("thresholds", self.thresholds.len(), form.shrinkages())?;
+        check_count("recurrent", self.recurrent.len(), form.recurrent_matrices())?;
+        check_count("linear_path", self.linear_path.iter().count(), usize::from(form.linear_path))?;
+        check_shape("analysis", self.analysis.dim(), (codes, pixels))?;
+        for theta in &self.thresholds {
+            check_shape("thresholds", (theta.len(), 1), (codes, 1))?;
+            check_finite("thresholds", theta.iter())?;
+            let negative = theta.iter().find(|v| **v < 0.0);
+            if let (Shrinkage::TwoSided, Some(&value)) = (form.shrinkage, negative) {
+                return Err(NetworkError::NegativeThreshold(value));
+            }
+        }
+        for s in &self.recurrent {
+            check_shape("recurrent", s.dim(), (codes, codes))?;
+            check_finite("recurrent", s.iter())?;
+        }
+        check_shape("dictionary", self.dictionary.dim(), (RGB_OUTPUTS, codes))?;
+        if let Some(r) = &self.linear_path {
+            check_shape("linear_path", r.dim(), (RGB_OUTPUTS, pixels))?;
+            check_finite("linear_path", r.iter())?;
+        }
+        check_finite("analysis", self.analysis.iter())?;
+        check_finite("dictionary", self.dictionary.iter())
+    }
+}
+
+pub(crate) const fn check_count(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), NetworkError> {
+    if found == expected { Ok(()) } else { Err(NetworkError::Count { what, found, expected }) }
+}
+
+pub(crate) fn check_shape(
+    what: &'static str,
+    found: (usize, usize),
+    expected: (usize, usize),
+) -> Result<(), NetworkError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(NetworkError::Shape {
+        what,
+        rows: found.0,
+        columns: found.1,
+        expected_rows: expected.0,
+        expected_columns: expected.1,
+    })
+}
+
+fn check_finite<'a>(
+    what: &'static str,
+    mut values: impl Iterator<Item = &'a f32>,
+) -> Result<(), NetworkError> {
+    match values.find(|v| !v.is_finite()) {
+        Some(&value) => Err(NetworkError::NotFinite { what, value }),
+        None => Ok(()),
+    }
+}

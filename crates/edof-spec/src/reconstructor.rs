@@ -1,0 +1,43 @@
+//! The contract that every reconstruction method fulfils: a raw frame in, a colour frame out, with the time and work it took.
+
+use crate::frame::{ColourFrame, RawFrame};
+use crate::geometry::GeometryError;
+
+/// What a method made of a raw frame, and what it cost.
+#[derive(Debug, Clone)]
+pub struct Reconstruction {
+    /// The colour frame, linear light, as large as the raw frame.
+    pub frame: ColourFrame,
+    /// Wall-clock seconds, without reading and writing files.
+    pub seconds: f64,
+    /// Multiply-accumulates that were carried out, where the method counts them.
+    pub multiply_accumulates: Option<u64>,
+}
+
+/// A frame that a method cannot reconstruct.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ReconstructError {
+    /// Odd or too small.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Anything else, in one line.
+    #[error("{method}: {reason}")]
+    Method {
+        /// Name of the method.
+        method: String,
+        /// What was wrong and what would have been right.
+        reason: String,
+    },
+}
+
+/// A method that turns raw frames into colour frames.
+pub trait Reconstructor: Sync {
+    /// Name in reports, as in `edof-t4w12.fixed`.
+    fn name(&self) -> &str;
+
+    /// Reconstructs one frame of any CFA phase.
+    ///
+    /// # Errors
+    /// [`ReconstructError`] for frames of sides that the method cannot take.
+    fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError>;
+}

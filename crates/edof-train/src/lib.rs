@@ -1,0 +1,1 @@
+//! The float network: forward, gradient, training, quantization.
