@@ -1,1 +1,13 @@
 //! From a scene to the raw frame that a sensor behind a coded lens would give.
+//!
+//! | step | module | gives |
+//! |---|---|---|
+//! | lens | [`pupil`] | complex pupil for a mask, a defocus ψ, a wavelength |
+//! | blur | [`psf`] | the PSF on the sensor's grid, and what cutting it cost |
+//! | | [`blur`](mod@blur) | pictures blurred with it, and the adjoint |
+//! | | [`cosine`] | the transform of even planes that both stand on |
+
+pub mod blur;
+pub mod cosine;
+pub mod psf;
+pub mod pupil;

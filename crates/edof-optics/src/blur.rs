@@ -1,0 +1,174 @@
+//! Blurring pictures with PSFs: mirrored borders, kernels of any size, and the adjoint.
+
+use crate::cosine::{EvenTransform, fold_rows, period};
+use crate::psf::Psf;
+use edof_spec::ColourFrame;
+use ndarray::{Array2, ArrayView2, Axis, s};
+use rayon::prelude::*;
+
+/// Plans for blurring planes of one size. A plane's spectrum can be blurred by many PSFs, a PSF's transfer can blur many planes;
+/// each further pair then costs one multiplication and one transform.
+///
+/// ```
+/// use edof_optics::{blur::Blur, psf::{Settings, channel_psfs}};
+/// let psfs = channel_psfs(&edof_spec::Camera::resolve("ring-2018")?, 4.0, &Settings::default());
+/// let plan = Blur::new(20, 30);
+/// let spectrum = plan.spectrum(ndarray::Array2::from_elem((20, 30), 0.5).view());
+/// let blurred = plan.apply(&spectrum, &plan.transfer(&psfs[0]));
+/// assert!((blurred[(3, 3)] - 0.5).abs() < 1e-5);
+/// # Ok::<(), edof_spec::camera::CameraError>(())
+/// ```
+pub struct Blur {
+    along_rows: EvenTransform<f32>,
+    along_columns: EvenTransform<f32>,
+}
+
+/// Spectrum of a mirrored plane, as [`Blur::spectrum`] gives it.
+#[derive(Debug, Clone)]
+pub struct Spectrum(Array2<f32>);
+
+/// What a PSF does to each frequency of a mirrored plane of one size, scaled for the way back.
+#[derive(Debug, Clone)]
+pub struct Transfer(Array2<f32>);
+
+impl Blur {
+    /// Plans for planes of `height`×`width` pixels, one pixel at least.
+    #[must_use]
+    pub fn new(height: usize, width: usize) -> Self {
+        Self { along_rows: EvenTransform::new(width), along_columns: EvenTransform::new(height) }
+    }
+
+    /// Rows and columns of the planes.
+    #[must_use]
+    pub const fn size(&self) -> (usize, usize) {
+        (self.along_columns.len(), self.along_rows.len())
+    }
+
+    /// Spectrum of a plane, mirrored without end about its edge pixels.
+    #[must_use]
+    pub fn spectrum(&self, plane: ArrayView2<f32>) -> Spectrum {
+        assert_eq!(plane.dim(), self.size(), "the plan is for another size");
+        Spectrum(self.transform(plane))
+    }
+
+    /// The transfer function of a PSF on planes of this size.
+    #[must_use]
+    pub fn transfer(&self, psf: &Psf) -> Transfer {
+        let (height, width) = self.size();
+        let half = psf.kernel.nrows() / 2;
+        let quarter = psf.kernel.slice(s![half.., half..]);
+        let wide = fold_rows(quarter, width);
+        let wrapped = fold_rows(wide.t(), height);
+        let scale = 1.0 / (period(height) * period(width)) as f32;
+        Transfer(self.transform(wrapped.t()) * scale)
+    }
+
+    /// The plane of `spectrum` blurred by the PSF of `transfer`.
+    #[must_use]
+    pub fn apply(&self, spectrum: &Spectrum, transfer: &Transfer) -> Array2<f32> {
+        self.transform((&spectrum.0 * &transfer.0).view())
+    }
+
+    fn transform(&self, plane: ArrayView2<f32>) -> Array2<f32> {
+        let (height, width) = self.size();
+        let half_way = self.along_rows.rows_transposed(plane, width);
+        self.along_columns.rows_transposed(half_way.view(), height)
+    }
+}
+
+/// Blurs one colour plane with a PSF (paper §2, image formation). Linear light in, linear light out; borders mirrored about the
+/// edge pixel, as often as the kernel reaches.
+#[must_use]
+pub fn blur(plane: ArrayView2<f32>, psf: &Psf) -> Array2<f32> {
+    let plan = Blur::new(plane.nrows(), plane.ncols());
+    plan.apply(&plan.spectrum(plane), &plan.transfer(psf))
+}
+
+/// Adjoint of [`blur`]: ⟨blur(x), y⟩ = ⟨x, blur_adjoint(y)⟩.
+///
+/// Pixels inside the picture stand in the mirrored plane twice along each axis and those of its border once. With W the diagonal
+/// of these counts and an even kernel the adjoint is W·blur·W⁻¹.
+#[must_use]
+pub fn blur_adjoint(plane: ArrayView2<f32>, psf: &Psf) -> Array2<f32> {
+    let (height, width) = plane.dim();
+    let count = |index: usize, n: usize| if index == 0 || index + 1 == n { 1.0 } else { 2.0 };
+    let weights = Array2::from_shape_fn((height, width), |(r, c)| count(r, height) * count(c, width));
+    blur((&plane / &weights).view(), psf) * weights
+}
+
+/// Blurs each plane of a frame with the PSF of its channel.
+#[must_use]
+pub fn blur_frame(frame: &ColourFrame, psfs: &[Psf; 3]) -> ColourFrame {
+    let (height, width) = frame.size();
+    let plan = Blur::new(height, width);
+    let channels: Vec<_> = frame.planes.axis_iter(Axis(0)).zip(psfs).collect();
+    let blurred: Vec<_> = channels
+        .into_par_iter()
+        .map(|(plane, psf)| plan.apply(&plan.spectrum(plane), &plan.transfer(psf)))
+        .collect();
+    let mut out = ColourFrame::zeros(height, width);
+    out.planes.axis_iter_mut(Axis(0)).zip(&blurred).for_each(|(mut plane, b)| plane.assign(b));
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cosine::mirror_index;
+    use proptest::prelude::*;
+
+    /// An even kernel of side 2·half + 1, of no other symmetry.
+    fn kernel(half: usize) -> Psf {
+        let side = 2 * half + 1;
+        let weight = |r: usize, c: usize| {
+            1.0 / (1.0 + r.abs_diff(half) as f32 + 2.5 * (c.abs_diff(half) as f32).powi(2))
+        };
+        let raw = Array2::from_shape_fn((side, side), |(r, c)| weight(r, c));
+        let sum = raw.sum();
+        Psf::new(raw / sum).unwrap()
+    }
+
+    fn picture(height: usize, width: usize, seed: u32) -> Array2<f32> {
+        Array2::from_shape_fn((height, width), |(r, c)| {
+            ((r as u32 * 7919 + c as u32 * 104_729).wrapping_mul(seed | 1) >> 8) as f32 / (1 << 24) as f32
+        })
+    }
+
+    fn direct(plane: &Array2<f32>, psf: &Psf) -> Array2<f32> {
+        let half = (psf.kernel.nrows() / 2) as isize;
+        let (height, width) = plane.dim();
+        Array2::from_shape_fn((height, width), |(r, c)| {
+            let terms = psf.kernel.indexed_iter().map(|((i, j), &k)| {
+                let row = mirror_index(r as isize + i as isize - half, height);
+                k * plane[(row, mirror_index(c as isize + j as isize - half, width))]
+            });
+            terms.sum()
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+
+        #[test]
+        fn blurring_is_convolution_with_mirrored_borders(
+            height in 1usize..14, width in 1usize..14, half in 0usize..20, seed in any::<u32>()
+        ) {
+            let (plane, psf) = (picture(height, width, seed), kernel(half));
+            let (fast, slow) = (blur(plane.view(), &psf), direct(&plane, &psf));
+            for (a, b) in fast.iter().zip(&slow) { prop_assert!((a - b).abs() < 1e-5); }
+        }
+
+        #[test]
+        fn the_adjoint_passes_the_dot_product_test(
+            height in 1usize..40, width in 1usize..40, half in 0usize..30, seed in any::<u32>()
+        ) {
+            let (x, y, psf) = (picture(height, width, seed), picture(height, width, !seed), kernel(half));
+            let dot = |a: &Array2<f32>, b: &Array2<f32>| -> f64 {
+                a.iter().zip(b).map(|(&u, &v)| f64::from(u) * f64::from(v)).sum()
+            };
+            let left = dot(&blur(x.view(), &psf), &y);
+            let right = dot(&x, &blur_adjoint(y.view(), &psf));
+            prop_assert!((left - right).abs() <= 1e-5 * left.abs().max(1.0), "{left} {right}");
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Fourier transforms of even sequences (DCT-I), in which mirrored borders and lenses of round pupils are at home.
+//!
+//! A plane mirrored about its edge pixels without repeating them (… c b | a b c …) is periodic with period 2(n − 1) and even, so
+//! its Fourier transform is real and n numbers a side say everything. Blurring it with an even kernel of any size, however far
+//! beyond the picture it reaches, is one multiplication there. A round pupil, its field and its PSF are even as well.
+
+use ndarray::{Array2, ArrayView2};
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftNum, FftPlanner};
+use std::sync::Arc;
+
+/// Rows transformed at a time: with 16 `f32` a written cache line is filled at once.
+const BLOCK: usize = 16;
+
+/// Length of the period of `n` samples mirrored about both ends.
+#[must_use]
+pub fn period(n: usize) -> usize {
+    (2 * n).saturating_sub(2).max(1)
+}
+
+/// Index 0…n−1 of the sample that stands at `index` of the mirrored, periodic sequence; `mirror` of `edof-spec` without its limit.
+#[must_use]
+pub fn mirror_index(index: isize, n: usize) -> usize {
+    let period = period(n);
+    let folded = index.rem_euclid(period as isize) as usize;
+    folded.min(period - folded)
+}
+
+/// The Fourier transform of even sequences of `n` samples each side of zero: X\[j\] = Σ over a period of x\[i\]·cos(2π i j / period).
+/// Applying it twice multiplies by the period.
+pub struct EvenTransform<T: FftNum> {
+    n: usize,
+    fft: Arc<dyn Fft<T>>,
+}
+
+impl<T: FftNum> EvenTransform<T> {
+    /// A plan for sequences whose samples 0…n−1 are given.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        assert!(n > 0, "an even transform needs a sample");
+        Self { n, fft: FftPlanner::new().plan_fft_forward(period(n)) }
+    }
+
+    /// Samples 0…n−1.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.n
+    }
+
+    /// Never: a plan has a sample at least.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Transforms every row (shorter ones are continued with zeros) and returns the first `keep` coefficients of each as a
+    /// column: `keep` × rows. Two such steps are the transform in two dimensions.
+    #[must_use]
+    pub fn rows_transposed(&self, plane: ArrayView2<T>, keep: usize) -> Array2<T> {
+        let (rows, columns) = plane.dim();
+        let period = self.fft.len();
+        assert!(columns <= self.n && keep <= self.n, "rows of at most {} samples", self.n);
+        let zero = Complex::new(T::zero(), T::zero());
+        let mut buffer = vec![zero; BLOCK / 2 * period];
+        let mut scratch = vec![zero; self.fft.get_inplace_scratch_len()];
+        let mut out = Array2::from_elem((keep, rows), T::zero());
+        let written = out.as_slice_mut().unwrap_or_default();
+        for first in (0..rows).step_by(BLOCK) {
+            let count = BLOCK.min(rows - first);
+            let pairs = count.div_ceil(2);
+            // Two real rows ride in one complex row: the transform of an even real row is real, so they come out apart.
+            for (pair, row) in buffer.chunks_exact_mut(period).take(pairs).enumerate() {
+                let even = plane.row(first + 2 * pair);
+                if 2 * pair + 1 < count {
+                    let odd = plane.row(first + 2 * pair + 1);
+                    row.iter_mut()
+                        .zip(even.iter().zip(odd))
+                        .for_each(|(c, (&a, &b))| *c = Complex::new(a, b));
+                } else {
+                    row.iter_mut().zip(even).for_each(|(c, &a)| *c = Complex::new(a, T::zero()));
+                }
+                row[columns..].fill(zero);
+                for i in self.n..period {
+                    row[i] = row[period - i];
+                }
+            }
+            self.fft.process_with_scratch(&mut buffer[..pairs * period], &mut scratch);
+            for j in 0..keep {
+                let line = &mut written[j * rows + first..][..count];
+                for (pair, two) in line.chunks_mut(2).enumerate() {
+                    let value = buffer[pair * period + j];
+                    two[0] = value.re;
+                    if let Some(second) = two.get_mut(1) {
+                        *second = value.im;
+                    }
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Sums an even sequence, given by its samples 0…m−1 and zero beyond, into one period of `n` samples: entry j is the sum over all
+/// integers q ≡ j modulo the period. Both ways of sampling need it: wrapping a kernel and folding a spectrum.
+pub fn fold_rows<T: FftNum>(plane: ArrayView2<T>, n: usize) -> Array2<T> {
+    let (rows, columns) = plane.dim();
+    let period = period(n) as isize;
+    let mut out = Array2::from_elem((rows, n), T::zero());
+    for q in -(columns as isize - 1)..columns as isize {
+        let j = q.rem_euclid(period) as usize;
+        if j < n {
+            let source = plane.column(q.unsigned_abs());
+            out.column_mut(j).iter_mut().zip(source).for_each(|(sum, &v)| *sum = *sum + v);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn direct(row: &[f64], n: usize) -> Vec<f64> {
+        let p = period(n);
+        (0..n)
+            .map(|j| {
+                (0..p)
+                    .map(|i| {
+                        let x = row.get(mirror_index(i as isize, n)).copied().unwrap_or(0.0);
+                        x * (std::f64::consts::TAU * (i * j) as f64 / p as f64).cos()
+                    })
+                    .sum()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn indices_are_mirrored_as_in_the_frame_and_on_for_ever() {
+        for n in 2..9 {
+            for i in -(n as isize) + 1..2 * n as isize - 1 {
+                assert_eq!(mirror_index(i, n), edof_spec::geometry::mirror(i, n));
+            }
+        }
+        assert_eq!([-7, 7, 13].map(|i| mirror_index(i, 4)), [1, 1, 1]);
+        assert_eq!([-3, 0, 5].map(|i| mirror_index(i, 1)), [0, 0, 0]);
+    }
+
+    #[test]
+    fn a_folded_sequence_keeps_its_sum_over_both_sides() {
+        let plane = Array2::from_shape_fn((1, 23), |(_, c)| c as f64 + 1.0);
+        let whole: f64 = plane[(0, 0)] + 2.0 * plane.iter().skip(1).sum::<f64>();
+        for n in [1, 2, 5, 40] {
+            let folded = fold_rows(plane.view(), n);
+            let sum: f64 = (0..period(n) as isize).map(|i| folded[(0, mirror_index(i, n))]).sum();
+            assert!((sum - whole).abs() < 1e-9, "n = {n}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_transform_is_the_sum_of_cosines(
+            rows in 1usize..40, n in 1usize..20, given in 1usize..20, seed in any::<u32>()
+        ) {
+            let given = given.min(n);
+            let plane = Array2::from_shape_fn((rows, given), |(r, c)| {
+                f64::from(seed.wrapping_mul(2_654_435_761).wrapping_add((r * 31 + c * 7) as u32) % 97) / 97.0
+            });
+            let out = EvenTransform::new(n).rows_transposed(plane.view(), n);
+            for r in 0..rows {
+                let row: Vec<f64> = plane.row(r).to_vec();
+                for (a, b) in out.column(r).iter().zip(direct(&row, n)) { prop_assert!((a - b).abs() < 1e-9); }
+            }
+        }
+
+        #[test]
+        fn twice_is_the_period(rows in 1usize..20, columns in 2usize..20) {
+            let plane = Array2::from_shape_fn((rows, columns), |(r, c)| ((r * 5 + c * 3) % 11) as f64);
+            let t = EvenTransform::new(columns);
+            let once = t.rows_transposed(plane.view(), columns).reversed_axes();
+            let twice = t.rows_transposed(once.view(), columns).reversed_axes();
+            for (a, b) in twice.iter().zip(&plane) {
+                prop_assert!((a / period(columns) as f64 - b).abs() < 1e-9);
+            }
+        }
+    }
+}

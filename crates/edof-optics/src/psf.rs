@@ -1,0 +1,298 @@
+//! The point spread function on the sensor's grid, and what cutting it cost.
+//!
+//! The pupil is sampled with spacing 1/L in frequency, L the side of the support on the sensor, and transformed to the field on a
+//! grid fine enough that the field's squared magnitude does not alias. The PSF's own transform, the OTF, times the footprint of a
+//! square pixel, folded at the sensor's sampling frequency and transformed back, is the light that each pixel collects, exactly.
+
+use crate::cosine::{EvenTransform, fold_rows, period};
+use crate::pupil::Pupil;
+use edof_spec::Channel;
+use edof_spec::camera::{Camera, Spectrum};
+use ndarray::{Array2, s};
+use rayon::prelude::*;
+
+/// Side of the computed support in pixels.
+pub const SUPPORT: usize = 512;
+
+/// How exactly PSFs are computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Share of the energy that a cut kernel keeps, 0…1.
+    pub energy: f64,
+    /// Share of the energy that may lie wrong because a spectrum is sampled at few wavelengths.
+    pub wavelength_tolerance: f64,
+    /// No cuts: the whole computed support, and as many wavelengths as the program ever takes.
+    pub exact: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { energy: 0.999, wavelength_tolerance: 0.01, exact: false }
+    }
+}
+
+impl Settings {
+    /// No cuts.
+    #[must_use]
+    pub fn exact() -> Self {
+        Self { exact: true, ..Self::default() }
+    }
+}
+
+/// Light that a point gives to the pixels around its own; even about its centre along rows and along columns.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Psf {
+    /// Odd side, sum 1, the point on the centre of the middle pixel.
+    pub kernel: Array2<f32>,
+    /// Share of the computed energy that the kernel held before it was scaled to sum 1.
+    pub energy_kept: f64,
+    /// Wavelengths in nanometres that were summed, equally weighted.
+    pub wavelengths_nm: Vec<f64>,
+    /// Share of the energy that the last refinement of the wavelengths moved; 0 for a single line.
+    pub wavelength_error: f64,
+}
+
+/// A kernel that is no PSF.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PsfError {
+    /// No centre pixel.
+    #[error("kernel {height}x{width}: must be square with an odd side")]
+    Shape {
+        /// Rows.
+        height: usize,
+        /// Columns.
+        width: usize,
+    },
+    /// Not even.
+    #[error(
+        "kernel: row {row}, column {column} differs from its mirror image, must be even about the centre along both axes"
+    )]
+    Uneven {
+        /// Row of the first such pixel.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// Creates or loses light.
+    #[error("kernel: sums to {0}, must sum to 1")]
+    Sum(f32),
+}
+
+impl Psf {
+    /// A PSF from a kernel of one's own.
+    ///
+    /// # Errors
+    /// [`PsfError`] if the kernel has no centre, is not even along both axes or does not sum to 1 within 10⁻³.
+    pub fn new(kernel: Array2<f32>) -> Result<Self, PsfError> {
+        let (height, width) = kernel.dim();
+        if height != width || height % 2 == 0 {
+            return Err(PsfError::Shape { height, width });
+        }
+        let sum = kernel.sum();
+        if sum.is_nan() || (sum - 1.0).abs() > 1e-3 {
+            return Err(PsfError::Sum(sum));
+        }
+        let last = height - 1;
+        let uneven = kernel.indexed_iter().find(|((r, c), v)| {
+            [(last - r, *c), (*r, last - c)].iter().any(|&at| (kernel[at] - **v).abs() > 1e-6)
+        });
+        if let Some(((row, column), _)) = uneven {
+            return Err(PsfError::Uneven { row, column });
+        }
+        Ok(Self { kernel, energy_kept: 1.0, wavelengths_nm: vec![], wavelength_error: 0.0 })
+    }
+
+    /// Pixels along one side of the kernel.
+    #[must_use]
+    pub fn side(&self) -> usize {
+        self.kernel.nrows()
+    }
+
+    /// Share of this kernel's energy inside the centred square of `side` pixels, odd.
+    #[must_use]
+    pub fn energy_within(&self, side: usize) -> f64 {
+        let half = self.side() / 2;
+        let reach = (side / 2).min(half);
+        let part = self.kernel.slice(s![half - reach..=half + reach, half - reach..=half + reach]);
+        part.iter().map(|&v| f64::from(v)).sum::<f64>()
+            / self.kernel.iter().map(|&v| f64::from(v)).sum::<f64>()
+    }
+}
+
+/// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength).
+///
+/// ```
+/// use edof_optics::psf::{Settings, channel_psfs};
+/// let [red, _, blue] = channel_psfs(&edof_spec::Camera::resolve("ring-2018")?, 1.0, &Settings::default());
+/// let middle = |psf: &edof_optics::psf::Psf| psf.kernel[(psf.side() / 2, psf.side() / 2)];
+/// assert!(middle(&red) > middle(&blue), "red is in focus at psi 1");
+/// # Ok::<(), edof_spec::camera::CameraError>(())
+/// ```
+#[must_use]
+pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> [Psf; 3] {
+    let psfs: Vec<Psf> =
+        Channel::ALL.par_iter().map(|&channel| psf(camera, channel, psi, settings)).collect();
+    <[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs"))
+}
+
+/// PSF of one channel for an object at `psi`.
+#[must_use]
+pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
+    let (quarter, wavelengths_nm, wavelength_error) = summed(camera, camera.spectrum(channel), psi, settings);
+    let (half, energy_kept) =
+        if settings.exact { (quarter.nrows() - 2, 1.0) } else { smallest_square(&quarter, settings.energy) };
+    let side = 2 * half + 1;
+    let kernel = Array2::from_shape_fn((side, side), |(r, c)| quarter[(r.abs_diff(half), c.abs_diff(half))]);
+    let sum = kernel.sum();
+    Psf { kernel: kernel.mapv(|v| (v / sum) as f32), energy_kept, wavelengths_nm, wavelength_error }
+}
+
+/// The most wavelengths a channel is sampled at.
+const MOST_WAVELENGTHS: usize = 27;
+
+/// Quarter PSF of a spectrum: as many wavelengths as the tolerance needs, tripled until the PSF no longer moves.
+fn summed(
+    camera: &Camera,
+    spectrum: &Spectrum,
+    psi: f64,
+    settings: &Settings,
+) -> (Array2<f64>, Vec<f64>, f64) {
+    let at = |nm: f64| quarter_psf(camera, nm, psi);
+    let (mut nodes, mut error) = (wavelengths(spectrum, 1), 0.0);
+    let mut mean = at(nodes[0]);
+    if !has_width(spectrum) {
+        return (mean, nodes, error);
+    }
+    while nodes.len() < MOST_WAVELENGTHS {
+        // The nodes of a third of the count are every third of these from the second on, so their sum is not done again.
+        let finer = wavelengths(spectrum, 3 * nodes.len());
+        let mut sum = &mean * nodes.len() as f64;
+        finer.iter().enumerate().filter(|(i, _)| i % 3 != 1).for_each(|(_, &nm)| sum += &at(nm));
+        let next = sum / finer.len() as f64;
+        error = whole_sum(&(&next - &mean).mapv(f64::abs)) / 2.0;
+        (nodes, mean) = (finer, next);
+        if !settings.exact && error <= settings.wavelength_tolerance {
+            break;
+        }
+    }
+    (mean, nodes, error)
+}
+
+fn has_width(spectrum: &Spectrum) -> bool {
+    matches!(spectrum, Spectrum::Sampled(pairs) if pairs.iter().filter(|[_, w]| *w > 0.0).count() > 0 && pairs.len() > 1)
+}
+
+/// `count` wavelengths (nm), each standing for an equal part of the spectrum's light: the middles of its quantiles.
+#[must_use]
+pub fn wavelengths(spectrum: &Spectrum, count: usize) -> Vec<f64> {
+    let pairs = match spectrum {
+        Spectrum::Line(nm) => return vec![*nm; count],
+        Spectrum::Sampled(pairs) if pairs.len() < 2 => {
+            return vec![pairs.first().map_or(550.0, |p| p[0]); count];
+        }
+        Spectrum::Sampled(pairs) => pairs,
+    };
+    let areas: Vec<f64> = pairs.windows(2).map(|p| 0.5 * (p[0][1] + p[1][1]) * (p[1][0] - p[0][0])).collect();
+    let total: f64 = areas.iter().sum();
+    let quantile = |share: f64| {
+        let mut left = share * total;
+        let last = areas.len() - 1;
+        let segment = areas.iter().position(|area| {
+            let inside = left <= *area;
+            if !inside {
+                left -= area;
+            }
+            inside
+        });
+        let [[from, a], [to, b]] = [pairs[segment.unwrap_or(last)], pairs[segment.unwrap_or(last) + 1]];
+        // The light up to a part t of the segment is (to − from)·(a·t + (b − a)·t²/2); solved for t without dividing by b − a.
+        let light = left / (to - from);
+        let root = (a * a + 2.0 * (b - a) * light).max(0.0).sqrt();
+        let t = if a + root > 0.0 { 2.0 * light / (a + root) } else { 0.5 };
+        from + t.clamp(0.0, 1.0) * (to - from)
+    };
+    (0..count).map(|i| quantile((i as f64 + 0.5) / count as f64)).collect()
+}
+
+/// λ·F# in micrometres: the PSF's unit of length; 1/(λF#) is the cut-off frequency.
+#[must_use]
+pub fn wave_um(camera: &Camera, wavelength_nm: f64) -> f64 {
+    wavelength_nm * 1e-3 * camera.f_number()
+}
+
+/// The PSF at one wavelength, integrated over pixels, for pixel offsets 0…[`SUPPORT`]/2 along rows and columns (it is even). It
+/// sums to 1 over the whole support.
+#[must_use]
+pub fn quarter_psf(camera: &Camera, wavelength_nm: f64, psi: f64) -> Array2<f64> {
+    let n = SUPPORT / 2 + 1;
+    let mut otf = quarter_otf(camera, wavelength_nm, psi, SUPPORT);
+    let footprint: Vec<f64> = (0..otf.nrows()).map(|q| sinc(q as f64 / SUPPORT as f64)).collect();
+    otf.indexed_iter_mut().for_each(|((r, c), v)| *v *= footprint[r] * footprint[c]);
+    let folded = fold_rows(fold_rows(otf.view(), n).t(), n);
+    let transform = EvenTransform::new(n);
+    let half_way = transform.rows_transposed(folded.view(), n);
+    let scale = 1.0 / (period(n) * period(n)) as f64;
+    transform.rows_transposed(half_way.view(), n).mapv(|v| (v * scale).max(0.0))
+}
+
+/// The optical transfer function at one wavelength, without the pixel's footprint: entry (r, c) is at the frequency
+/// (r, c)/(`support`·pitch), up to the cut-off. It is real and even, and 1 at zero.
+#[must_use]
+pub fn quarter_otf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
+    let wave = wave_um(camera, wavelength_nm) / camera.pixel_pitch_um;
+    // Grid spacing pitch/k of at most half of λF#, so that the PSF's band, ±1/(λF#), fits.
+    let k = (2.0 / wave).ceil().max(1.0) as usize;
+    let n = support * k / 2 + 1;
+    let radius = support as f64 / (2.0 * wave);
+    let samples = (radius.ceil() as usize + 1).min(n);
+    let pupil = Pupil::new(camera, wavelength_nm, psi);
+    let sampled = Array2::from_shape_fn((samples, samples), |(r, c)| {
+        pupil.sample((r as f64).hypot(c as f64) / radius, 1.0 / radius)
+    });
+    let transform = EvenTransform::new(n);
+    let squared_field = |part: Array2<f64>| {
+        let half_way = transform.rows_transposed(part.view(), n);
+        transform.rows_transposed(half_way.view(), n).mapv_into(|v| v * v)
+    };
+    let intensity = squared_field(sampled.mapv(|p| p.re)) + squared_field(sampled.mapv(|p| p.im));
+    let band = (2 * samples).min(n);
+    let half_way = transform.rows_transposed(intensity.view(), band);
+    let otf = transform.rows_transposed(half_way.view(), band);
+    let light = otf[(0, 0)];
+    otf / light
+}
+
+/// sin(πx)/(πx).
+pub(crate) fn sinc(x: f64) -> f64 {
+    let angle = std::f64::consts::PI * x;
+    if angle.abs() < 1e-9 { 1.0 } else { angle.sin() / angle }
+}
+
+/// Sum over all four quarters of an even plane of which one, with the axes, is given.
+fn whole_sum(quarter: &Array2<f64>) -> f64 {
+    square_sums(quarter).last().copied().unwrap_or(0.0)
+}
+
+/// Sums over the centred squares of sides 1, 3, 5 … of an even plane.
+fn square_sums(quarter: &Array2<f64>) -> Vec<f64> {
+    let count = |i: usize| if i == 0 { 1.0 } else { 2.0 };
+    let mut sum = 0.0;
+    (0..quarter.nrows())
+        .map(|h| {
+            let side: f64 = (0..h).map(|i| (quarter[(h, i)] + quarter[(i, h)]) * count(i) * count(h)).sum();
+            sum += side + quarter[(h, h)] * count(h) * count(h);
+            sum
+        })
+        .collect()
+}
+
+/// Half side of the smallest centred square that keeps a share `energy` of the light, and the share it keeps. The last row and
+/// column of the support stand for both of its edges and belong to no square.
+fn smallest_square(quarter: &Array2<f64>, energy: f64) -> (usize, f64) {
+    let sums = square_sums(quarter);
+    let usable = sums.len() - 1;
+    let total: f64 = sums[usable - 1];
+    let half = sums[..usable].iter().position(|&s| s >= energy * total).unwrap_or(usable - 1);
+    (half, sums[half] / total)
+}

@@ -1,0 +1,92 @@
+//! The lens: its generalised pupil for a mask, a defocus and a wavelength.
+
+use edof_spec::camera::Camera;
+use rustfft::num_complex::Complex64;
+
+/// exp(i(s·(ψ − ψ_focus)·(λ_ref/λ)·ρ² + φ_λ(ρ))) inside the unit circle, nothing outside; ρ is the normalised radius.
+#[derive(Debug, Clone)]
+pub struct Pupil {
+    defocus_rad: f64,
+    /// Radii at which a zone of constant mask phase ends, ascending, with that zone's phasor.
+    zones: Vec<(f64, Complex64)>,
+}
+
+impl Pupil {
+    /// The pupil of `camera` at `wavelength_nm` for an object at `psi` (radians, stated at the camera's reference wavelength).
+    /// Where rings overlap their phases add.
+    #[must_use]
+    pub fn new(camera: &Camera, wavelength_nm: f64, psi: f64) -> Self {
+        let scale = camera.reference_wavelength_nm / wavelength_nm;
+        let mut edges: Vec<f64> = camera.rings.iter().flat_map(|r| [r.inner, r.outer]).chain([1.0]).collect();
+        edges.retain(|&e| e > 0.0);
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        let mut from = 0.0;
+        let zones = edges
+            .into_iter()
+            .map(|to| {
+                let middle = 0.5 * (from + to);
+                from = to;
+                let inside = camera.rings.iter().filter(|r| r.inner < middle && middle < r.outer);
+                let phase: f64 = inside.map(|r| r.delay.phase_rad(wavelength_nm)).sum();
+                (to, Complex64::cis(phase))
+            })
+            .collect();
+        Self { defocus_rad: camera.defocus_sign.factor() * (psi - camera.focus_psi) * scale, zones }
+    }
+
+    /// Phase of the defocus at the pupil's edge, in radians at this wavelength, with its sign.
+    #[must_use]
+    pub const fn defocus_rad(&self) -> f64 {
+        self.defocus_rad
+    }
+
+    /// Mean of the pupil over the radii within `width`/2 of `rho`: a sample of that width sees soft edges, so that the grid does
+    /// not show in the PSF.
+    #[must_use]
+    pub fn sample(&self, rho: f64, width: f64) -> Complex64 {
+        let (low, high) = (rho - 0.5 * width, rho + 0.5 * width);
+        let mut from = f64::NEG_INFINITY;
+        let mut mask = Complex64::new(0.0, 0.0);
+        for &(to, phasor) in &self.zones {
+            mask += phasor * (high.min(to) - low.max(from)).max(0.0);
+            from = to;
+        }
+        mask / width * Complex64::cis(self.defocus_rad * rho * rho)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clear_pupil_in_focus_is_one_inside_and_soft_at_its_edge() {
+        let pupil = Pupil::new(&Camera::resolve("clear").unwrap(), 535.0, 0.0);
+        assert!((pupil.sample(0.5, 0.01) - 1.0).norm() < 1e-12);
+        assert!((pupil.sample(1.0, 0.01).norm() - 0.5).abs() < 1e-12);
+        assert_eq!(pupil.sample(1.1, 0.01).norm(), 0.0);
+    }
+
+    #[test]
+    fn psi_is_the_phase_at_the_edge_and_scales_with_wavelength() {
+        let camera = Camera::resolve("ring-2018").unwrap();
+        assert!((Pupil::new(&camera, 460.0, 6.0).defocus_rad() + 6.0).abs() < 1e-12);
+        assert!((Pupil::new(&camera, 920.0, 6.0).defocus_rad() + 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_ring_delays_its_zone_only() {
+        let camera = Camera::resolve("ring-2018").unwrap();
+        let pupil = Pupil::new(&camera, 455.0, 0.0);
+        assert!(pupil.sample(0.6, 1e-6).arg().abs() < 1e-9);
+        let phase = 9.079_203_f64.rem_euclid(std::f64::consts::TAU);
+        assert!((pupil.sample(0.8, 1e-6).arg().rem_euclid(std::f64::consts::TAU) - phase).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_focused_clear_lens_has_no_defocus_at_its_focus() {
+        let camera = Camera::resolve("clear-mid").unwrap();
+        assert_eq!(Pupil::new(&camera, 535.0, 4.0).defocus_rad(), 0.0);
+    }
+}
