@@ -1,0 +1,109 @@
+//! Matrix products on row-major slices: a safe face for the `gemm` crate.
+
+/// A row-major matrix that may be read transposed.
+#[derive(Debug, Clone, Copy)]
+pub struct Mat<'a> {
+    values: &'a [f32],
+    rows: usize,
+    columns: usize,
+    row_stride: usize,
+    column_stride: usize,
+}
+
+impl<'a> Mat<'a> {
+    /// A `rows`×`columns` matrix over the first rows·columns numbers of `values`.
+    #[must_use]
+    pub fn new(values: &'a [f32], rows: usize, columns: usize) -> Self {
+        Self { values: &values[..rows * columns], rows, columns, row_stride: columns, column_stride: 1 }
+    }
+
+    /// The transposed matrix over the same numbers.
+    #[must_use]
+    pub const fn t(self) -> Self {
+        Self {
+            values: self.values,
+            rows: self.columns,
+            columns: self.rows,
+            row_stride: self.column_stride,
+            column_stride: self.row_stride,
+        }
+    }
+}
+
+/// Whether a product replaces what its destination holds or is added to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Into {
+    /// `out = a·b`.
+    Replace,
+    /// `out += a·b`.
+    Add,
+}
+
+/// `out` (row-major, a.rows × b.columns) becomes, or grows by, a·b.
+///
+/// # Panics
+/// If the inner sides differ or `out` is too short: a mistake of the caller, never of its input.
+pub fn product(out: &mut [f32], into: Into, a: Mat<'_>, b: Mat<'_>) {
+    assert_eq!(a.columns, b.rows, "inner sides differ");
+    let out = &mut out[..a.rows * b.columns];
+    let add = into == Into::Add;
+    // SAFETY: `Mat` holds exactly rows·columns numbers and its strides address each of them once; `out` was just cut to
+    // a.rows·b.columns numbers and is not shared.
+    unsafe {
+        gemm::gemm(
+            a.rows,
+            b.columns,
+            a.columns,
+            out.as_mut_ptr(),
+            1,
+            b.columns as isize,
+            add,
+            a.values.as_ptr(),
+            a.column_stride as isize,
+            a.row_stride as isize,
+            b.values.as_ptr(),
+            b.column_stride as isize,
+            b.row_stride as isize,
+            1.0,
+            1.0,
+            false,
+            false,
+            false,
+            gemm::Parallelism::None,
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The product as its definition reads.
+    fn plain(a: Mat<'_>, b: Mat<'_>) -> Vec<f32> {
+        let at = |m: Mat<'_>, r: usize, c: usize| m.values[r * m.row_stride + c * m.column_stride];
+        (0..a.rows)
+            .flat_map(|r| (0..b.columns).map(move |c| (0..a.columns).map(|i| at(a, r, i) * at(b, i, c)).sum()))
+            .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn products_equal_their_definition(
+            m in 1usize..40, k in 1usize..40, n in 1usize..40, ta: bool, tb: bool, seed in 0u32..1000
+        ) {
+            let noise = |length: usize, salt: u32| -> Vec<f32> {
+                (0..length as u32).map(|i| ((i + salt + seed) * 7919 % 1013) as f32 / 500.0 - 1.0).collect()
+            };
+            let (va, vb) = (noise(m * k, 0), noise(k * n, 77));
+            let a = if ta { Mat::new(&va, k, m).t() } else { Mat::new(&va, m, k) };
+            let b = if tb { Mat::new(&vb, n, k).t() } else { Mat::new(&vb, k, n) };
+            let expected = plain(a, b);
+            let mut out = vec![1.0; m * n];
+            product(&mut out, Into::Add, a, b);
+            for (x, y) in out.iter().zip(&expected) { prop_assert!((x - 1.0 - y).abs() < 1e-4); }
+            product(&mut out, Into::Replace, a, b);
+            for (x, y) in out.iter().zip(&expected) { prop_assert!((x - y).abs() < 1e-4); }
+        }
+    }
+}
