@@ -1,0 +1,166 @@
+//! The sum of overlapping patches, and its rounding to the board's 4:2:2 frame.
+//!
+//! F's weights carry the averaging window, so here is only addition: words of all patches over a pixel are summed in 32 bits
+//! (at most 16 words of 16 bits), saturated to 16 bits once a pixel. Chroma then loses its fraction:
+//! code = 128 + round(word / 2^[`CHROMA_SHIFT`]), clamped to 1…254.
+
+use crate::trace::Counts;
+use edof_spec::colour::CHROMA_ZERO;
+use edof_spec::geometry::{PATCH, PATCH_PIXELS};
+use edof_spec::number::{CHROMA_SHIFT, requantize, saturate};
+use edof_spec::{Frame422, Geometry};
+use ndarray::Array2;
+
+/// Sums of words over a band of `rows` lines: luma, Cb and Cr one after the other, row by row.
+#[derive(Debug, Clone)]
+pub struct Band {
+    rows: usize,
+    width: usize,
+    luma: Vec<i32>,
+    chroma: [Vec<i32>; 2],
+}
+
+impl Band {
+    /// An empty band of `rows`×`width` pixels (`width` even).
+    #[must_use]
+    pub fn new(rows: usize, width: usize) -> Self {
+        let chroma = vec![0; rows * width / 2];
+        Self { rows, width, luma: vec![0; rows * width], chroma: [chroma.clone(), chroma] }
+    }
+
+    /// Adds a patch of 128 words whose corner lies at `row`, `column` (even); what lies outside the band is left out.
+    pub fn add_patch(&mut self, words: &[i16], row: isize, column: isize) {
+        let (luma, chroma) = words.split_at(PATCH_PIXELS);
+        let (cb, cr) = chroma.split_at(PATCH_PIXELS / 2);
+        let [sum_cb, sum_cr] = &mut self.chroma;
+        add_block(&mut self.luma, self.width, luma, PATCH, row, column);
+        add_block(sum_cb, self.width / 2, cb, PATCH / 2, row, column / 2);
+        add_block(sum_cr, self.width / 2, cr, PATCH / 2, row, column / 2);
+    }
+
+    /// Adds a band of the same width whose first line is this one's line `row`; what lies outside is left out.
+    pub fn add_band(&mut self, other: &Self, row: isize) {
+        let first = usize::try_from(-row).unwrap_or(0);
+        let start = usize::try_from(row).unwrap_or(0);
+        let add = |sum: &mut [i32], words: &[i32], width: usize| {
+            let (sum, words) = (sum.get_mut(start * width..), words.get(first * width..));
+            if let (Some(sum), Some(words)) = (sum, words) {
+                sum.iter_mut().zip(words).for_each(|(s, w)| *s += w);
+            }
+        };
+        add(&mut self.luma, &other.luma, self.width);
+        for (sum, words) in self.chroma.iter_mut().zip(&other.chroma) {
+            add(sum, words, self.width / 2);
+        }
+    }
+
+    /// Rounds the sums to the 4:2:2 frame and counts what did not fit.
+    #[must_use]
+    pub fn finish(&self, counts: &mut Counts) -> Frame422 {
+        let luma = Array2::from_shape_fn((self.rows, self.width), |(r, c)| {
+            let (word, saturated) = saturate(self.luma[r * self.width + c].into(), 16);
+            counts.saturated_sums += u64::from(saturated);
+            word
+        });
+        let half = self.width / 2;
+        let chroma = self.chroma.each_ref().map(|sums| {
+            Array2::from_shape_fn((self.rows, half), |(r, c)| {
+                let (word, saturated) = saturate(sums[r * half + c].into(), 16);
+                let (code, clamped) = chroma_code(word);
+                counts.saturated_sums += u64::from(saturated);
+                counts.clamped_chroma += u64::from(clamped);
+                code
+            })
+        });
+        Frame422 { luma, chroma }
+    }
+}
+
+/// The 8-bit code of a chroma word, and whether it was clamped: codes 0 and 255 mark syncs on the wire.
+#[must_use]
+pub fn chroma_code(word: i16) -> (u8, bool) {
+    let code = i32::from(requantize(word.into(), CHROMA_SHIFT, 16).0) + CHROMA_ZERO;
+    let clamped = code.clamp(1, 254);
+    (clamped as u8, clamped != code)
+}
+
+/// Adds patches and finishes the frame the slow way, patch by patch: `words(row, column)` are F's words of that patch.
+#[must_use]
+pub fn overlap_add(
+    geometry: Geometry,
+    (height, width): (usize, usize),
+    mut words: impl FnMut(usize, usize) -> Vec<i16>,
+    counts: &mut Counts,
+) -> Frame422 {
+    let (rows, columns) = geometry.patches(height, width);
+    let mut band = Band::new(height, width);
+    for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
+        band.add_patch(&words(row, column), geometry.patch_start(row), geometry.patch_start(column));
+    }
+    band.finish(counts)
+}
+
+/// Adds a block of lines `side` words long at `row`, `column` of a plane `width` wide, cut at the plane's borders.
+fn add_block(plane: &mut [i32], width: usize, block: &[i16], side: usize, row: isize, column: isize) {
+    let rows = plane.len() / width;
+    let first = usize::try_from(-column).unwrap_or(0).min(side);
+    let start = usize::try_from(column).unwrap_or(0);
+    for (offset, line) in block.chunks_exact(side).enumerate() {
+        let Ok(at) = usize::try_from(row + offset as isize) else { continue };
+        if at < rows {
+            let target = plane[at * width..(at + 1) * width].iter_mut().skip(start);
+            target.zip(&line[first..]).for_each(|(sum, word)| *sum += i32::from(*word));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_spec::overlap::Overlap;
+    use edof_spec::{Stride, Window};
+
+    #[test]
+    fn patches_that_carry_the_averaging_window_add_up_to_an_even_frame() {
+        for step in [2, 4, 8] {
+            let stride = Stride::new(step).unwrap();
+            let g = Geometry::new(Window::new(8).unwrap(), stride);
+            let weights = Overlap::Flat.weights(stride);
+            let patch: Vec<i16> = (0..128).map(|i| (weights[(i / 8 % 8, i % 8)] * 8192.0) as i16).collect();
+            let mut counts = Counts::new(2);
+            let frame = overlap_add(g, (18, 22), |_, _| patch.clone(), &mut counts);
+            assert!(frame.luma.iter().all(|v| *v == 8192), "stride {step}");
+            assert!(frame.chroma.iter().flatten().all(|v| *v == 128 + 64), "stride {step}");
+            assert_eq!(counts, Counts::new(2));
+        }
+    }
+
+    #[test]
+    fn a_sum_saturates_once_at_its_end() {
+        let g = Geometry::new(Window::new(8).unwrap(), Stride::new(4).unwrap());
+        let mut sign = 1;
+        let mut counts = Counts::new(2);
+        // Two words of 30000 and two of −30000 over every pixel: 0, though partial sums pass 32767.
+        let frame = overlap_add(
+            g,
+            (16, 16),
+            |_, column| {
+                sign = if column % 2 == 0 { 30000 } else { -30000 };
+                vec![sign; 128]
+            },
+            &mut counts,
+        );
+        assert!(frame.luma.iter().all(|v| *v == 0));
+        assert_eq!(counts.saturated_sums, 0);
+        let frame = overlap_add(g, (16, 16), |_, _| vec![-30000; 128], &mut counts);
+        assert!(frame.luma.iter().all(|v| *v == i16::MIN));
+        assert_eq!(counts.saturated_sums, 2 * 256);
+        assert_eq!(counts.clamped_chroma, 256);
+    }
+
+    #[test]
+    fn chroma_rounds_ties_up_and_keeps_off_the_sync_codes() {
+        assert_eq!([63, 64, -64, -65].map(|w| chroma_code(w).0), [128, 129, 128, 127]);
+        assert_eq!([i16::MAX, i16::MIN].map(chroma_code), [(254, true), (1, true)]);
+    }
+}

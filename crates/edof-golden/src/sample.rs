@@ -1,0 +1,204 @@
+//! Networks and windows drawn by a small generator: for tests, examples and benchmarks. The same seed draws the same words.
+
+use edof_spec::colour::OUTPUTS_422;
+use edof_spec::fixed_network::FixedMatrix;
+use edof_spec::network::{Form, Origin, Recurrence, Shrinkage};
+use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_spec::overlap::Overlap;
+use edof_spec::{Camera, FixedNetwork, Stride, Window};
+use ndarray::{Array1, Array2};
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+#[derive(Debug, Clone)]
+pub struct Draw(u64);
+
+impl Draw {
+    /// A generator that starts from `seed`.
+    #[must_use]
+    pub const fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// A whole number from `least` to `most`, both included.
+    pub fn whole(&mut self, least: i64, most: i64) -> i64 {
+        least + (self.bits() % (most - least + 1) as u64) as i64
+    }
+
+    /// A word of `bits` bits that is often at or near the ends of its range, or zero.
+    pub fn extreme(&mut self, bits: u32) -> i16 {
+        let most = (1i64 << (bits - 1)) - 1;
+        (match self.whole(0, 7) {
+            0 | 1 => most,
+            2 | 3 => -most - 1,
+            4 => self.whole(-3, 3),
+            5 => 0,
+            _ => self.whole(-most - 1, most),
+        }) as i16
+    }
+}
+
+/// Input words of one window: all of them 0…32767, often at the ends.
+pub fn extreme_window(draw: &mut Draw, pixels: usize) -> Vec<i16> {
+    (0..pixels).map(|_| draw.extreme(16).max(0)).collect()
+}
+
+/// A network of the given form whose weights and thresholds lie anywhere in their range, mostly at its ends. Its fraction bits
+/// are legal for every form; `tight` makes all shifts zero.
+#[must_use]
+pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u64) -> FixedNetwork {
+    let draw = &mut Draw::new(seed);
+    let pixels = form.window.pixels();
+    let equal = tight || form.recurrence == Recurrence::Difference;
+    let first = if tight { i64::from(OUTPUT_FRACTION) } else { draw.whole(8, 15) };
+    let code_fractions: Vec<u32> =
+        (0..form.shrinkages()).map(|_| if equal { first } else { draw.whole(8, 15) } as u32).collect();
+    let last = i64::from(code_fractions[code_fractions.len() - 1]);
+    let dictionary = if tight { 0 } else { draw.whole(9, 18) };
+    // R's products stay within three bits of D's, so that aligning them cannot pass 48 bits.
+    let linear = (last + dictionary - i64::from(INPUT_FRACTION) + draw.whole(-3, 3)).max(0);
+    let mut matrix = |rows, columns, fraction: i64| FixedMatrix {
+        weights: Array2::from_shape_fn((rows, columns), |_| draw.extreme(code_bits)),
+        fraction: fraction as u32,
+    };
+    let analysis = matrix(form.codes, pixels, if tight { 0 } else { 12 });
+    let recurrent = (0..form.recurrent_matrices())
+        .map(|i| matrix(form.codes, form.codes, if tight { 0 } else { 9 + (seed % 7) as i64 + i as i64 }))
+        .collect();
+    let dictionary = matrix(OUTPUTS_422, form.codes, dictionary);
+    let linear_path = form.linear_path.then(|| matrix(OUTPUTS_422, pixels, linear));
+    let thresholds = (0..form.shrinkages())
+        .map(|_| {
+            Array1::from_shape_fn(form.codes, |_| match form.shrinkage {
+                Shrinkage::OneSided => draw.extreme(code_bits),
+                Shrinkage::TwoSided => draw.extreme(code_bits).max(0),
+            })
+        })
+        .collect();
+    FixedNetwork {
+        form,
+        code_bits,
+        stride,
+        overlap: Overlap::Hann,
+        analysis,
+        thresholds,
+        recurrent,
+        dictionary,
+        linear_path,
+        code_fractions,
+        origin: origin("extreme"),
+        float_hash: String::new(),
+    }
+}
+
+/// A network of the size and habits of a trained one (T = 4, 192 codes, one-sided, with R): sparse codes, small gains, and
+/// output near the mean of its window. It restores nothing, but costs what a trained one costs.
+#[must_use]
+pub fn natural(window: usize, stride: usize, seed: u64) -> FixedNetwork {
+    let draw = &mut Draw::new(seed);
+    let window = Window::new(window).unwrap_or(EIGHT);
+    let form = Form {
+        window,
+        codes: 192,
+        layers: 4,
+        shrinkage: Shrinkage::OneSided,
+        recurrence: Recurrence::Direct,
+        linear_path: true,
+        tied: false,
+    };
+    let pixels = window.pixels();
+    let analysis = Array2::from_shape_fn((form.codes, pixels), |(row, column)| {
+        // Neighbouring rows share a random pattern with opposite signs; alternating signs keep the mean small.
+        let sign = if (row + column) % 2 == 0 { 1 } else { -1 };
+        (sign * draw.whole(2_000, 12_000)) as i16
+    });
+    let recurrent = (0..2)
+        .map(|_| FixedMatrix {
+            weights: Array2::from_shape_fn((form.codes, form.codes), |_| draw.whole(-6_000, 6_000) as i16),
+            fraction: 16,
+        })
+        .collect();
+    let thresholds = (0..3)
+        .map(|_| {
+            Array1::from_shape_fn(form.codes, |row| (600 + draw.whole(0, 900) * (row as i64 % 4)) as i16)
+        })
+        .collect();
+    let dictionary = FixedMatrix {
+        weights: Array2::from_shape_fn((OUTPUTS_422, form.codes), |_| draw.whole(-900, 900) as i16),
+        fraction: 15,
+    };
+    let linear_path = FixedMatrix {
+        weights: Array2::from_shape_fn((OUTPUTS_422, pixels), |(row, _)| {
+            if row < 64 { mean_weight(pixels, stride) } else { 0 }
+        }),
+        fraction: 20,
+    };
+    FixedNetwork {
+        form,
+        code_bits: 16,
+        stride: Stride::new(stride).unwrap_or(Stride::PATCH),
+        overlap: Overlap::Flat,
+        analysis: FixedMatrix { weights: analysis, fraction: 17 },
+        thresholds,
+        recurrent,
+        dictionary,
+        linear_path: Some(linear_path),
+        code_fractions: vec![15, 14, 14],
+        origin: origin("natural"),
+        float_hash: String::new(),
+    }
+}
+
+const EIGHT: Window = match Window::new(8) {
+    Ok(window) => window,
+    Err(_) => unreachable!(),
+};
+
+/// Weight of each pixel in the mean of a window, for patches of which (8/stride)² lie over a pixel; 20 fraction bits.
+fn mean_weight(pixels: usize, stride: usize) -> i16 {
+    let patches = (8 / stride.clamp(2, 8)).pow(2);
+    ((1 << 20) / (pixels * patches)) as i16
+}
+
+fn origin(name: &str) -> Origin {
+    let spectra = [610.0, 535.0, 460.0].map(edof_spec::camera::Spectrum::Line);
+    Origin {
+        name: name.into(),
+        camera: Camera {
+            name: "none".into(),
+            focal_length_mm: 16.0,
+            aperture_radius_mm: 2.3,
+            pixel_pitch_um: 3.0,
+            spectra,
+            reference_wavelength_nm: 460.0,
+            defocus_sign: edof_spec::camera::Sign::Plus,
+            focus_psi: 0.0,
+            psi_range: [0.0, 8.0],
+            rings: vec![],
+            source: "drawn".into(),
+        },
+        noise: 0.0,
+        command: "drawn at random".into(),
+        patches: 0,
+        validation_db: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawn_networks_are_legal() {
+        for (window, stride) in [(8, 8), (12, 4), (16, 2)] {
+            natural(window, stride, 3).check().unwrap();
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What a stage hands to the next, and what its counters say.
+
+use edof_spec::FixedNetwork;
+
+/// One patch on its way through the network: the words at every stage boundary.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Trace {
+    /// y: the window's input words, row by row.
+    pub input: Vec<i16>,
+    /// What I and each M stage made, t = 1…T−1.
+    pub codes: Vec<Codes>,
+    /// F's 128 words: luma, Cb, Cr.
+    pub output: Vec<i16>,
+    /// Counters of I, each M, F for this patch alone.
+    pub stages: Vec<StageCounts>,
+}
+
+/// The words that I or an M stage makes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Codes {
+    /// b_t, rounded.
+    pub b: Vec<i16>,
+    /// z_t = shrink(b_t).
+    pub z: Vec<i16>,
+    /// What the next stage multiplies: z_t, or z_t − z_{t−1} where the difference form's next stage is an M.
+    pub sent: Vec<i16>,
+}
+
+/// Counters of one stage.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct StageCounts {
+    /// Accumulators that did not fit when rounded to b or to the output.
+    pub saturated_results: u64,
+    /// Thresholded codes that did not fit (b − θ with a negative θ).
+    pub saturated_codes: u64,
+    /// Differences z_t − z_{t−1} that did not fit.
+    pub saturated_differences: u64,
+    /// Non-zero words sent as pairs to the next stage; F sends none.
+    pub nonzeros: u64,
+}
+
+impl StageCounts {
+    /// All saturations of the stage, as its register shows them.
+    #[must_use]
+    pub const fn saturations(&self) -> u64 {
+        self.saturated_results + self.saturated_codes + self.saturated_differences
+    }
+}
+
+impl std::ops::AddAssign for StageCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.saturated_results += other.saturated_results;
+        self.saturated_codes += other.saturated_codes;
+        self.saturated_differences += other.saturated_differences;
+        self.nonzeros += other.nonzeros;
+    }
+}
+
+/// Counters of a whole frame.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Patches reconstructed.
+    pub patches: u64,
+    /// I, each M, F.
+    pub stages: Vec<StageCounts>,
+    /// Luma and chroma words whose overlap sum did not fit 16 bits.
+    pub saturated_sums: u64,
+    /// Chroma codes that were clamped to 1…254.
+    pub clamped_chroma: u64,
+}
+
+impl Counts {
+    /// Counters at zero for a network of `layers` layers.
+    #[must_use]
+    pub fn new(layers: usize) -> Self {
+        Self { stages: vec![StageCounts::default(); layers], ..Self::default() }
+    }
+
+    /// Counts one more patch.
+    pub fn add(&mut self, stages: &[StageCounts]) {
+        self.patches += 1;
+        for (sum, stage) in self.stages.iter_mut().zip(stages) {
+            *sum += *stage;
+        }
+    }
+
+    /// Adds the counts of another part of the frame.
+    pub fn merge(&mut self, other: &Self) {
+        self.patches += other.patches;
+        self.saturated_sums += other.saturated_sums;
+        self.clamped_chroma += other.clamped_chroma;
+        for (sum, stage) in self.stages.iter_mut().zip(&other.stages) {
+            *sum += *stage;
+        }
+    }
+
+    /// Saturations of all stages and of the overlap sum.
+    #[must_use]
+    pub fn saturations(&self) -> u64 {
+        self.stages.iter().map(StageCounts::saturations).sum::<u64>() + self.saturated_sums
+    }
+
+    /// Multiply-accumulates that a machine which skips zero codes needs for these patches.
+    #[must_use]
+    pub fn multiply_accumulates(&self, network: &FixedNetwork) -> u64 {
+        let (codes, pixels) = (network.form.codes as u64, network.form.window.pixels() as u64);
+        let outputs = network.dictionary.weights.nrows() as u64;
+        let (last, middle) = match self.stages.get(..network.form.shrinkages()) {
+            Some([middle @ .., last]) => (last.nonzeros, middle.iter().map(|s| s.nonzeros).sum::<u64>()),
+            _ => (0, 0),
+        };
+        let linear = if network.linear_path.is_some() { pixels * outputs } else { 0 };
+        self.patches * (pixels * codes + linear) + middle * codes + last * outputs
+    }
+}

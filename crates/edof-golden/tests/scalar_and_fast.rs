@@ -1,0 +1,117 @@
+//! The fast pipeline equals the specification at every stage boundary, word for word and count for count.
+
+use edof_golden::fast::{Fast, Isa};
+use edof_golden::frame::scalar_frame;
+use edof_golden::sample::{self, Draw};
+use edof_golden::{Golden, scalar};
+use edof_spec::network::{Form, Recurrence, Shrinkage};
+use edof_spec::{CfaPhase, FixedNetwork, RawFrame, Stride, Window};
+use ndarray::Array2;
+use proptest::prelude::*;
+
+/// Any form: two- and one-sided, direct and difference, T = 2…10, with and without R, tied or not, every window.
+fn forms() -> impl Strategy<Value = Form> {
+    let codes = prop_oneof![6 => 1usize..70, 2 => 120usize..200, 1 => Just(192), 1 => 250usize..330];
+    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    (prop::sample::select(vec![8, 12, 16]), codes, 2usize..=10, flags).prop_map(
+        |(window, codes, layers, (one_sided, difference, linear_path, tied))| Form {
+            window: Window::new(window).unwrap(),
+            codes,
+            layers,
+            shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+            recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
+            linear_path,
+            tied,
+        },
+    )
+}
+
+fn networks() -> impl Strategy<Value = FixedNetwork> {
+    let stride = prop::sample::select(vec![2, 4, 8]);
+    (forms(), 8u32..=16, stride, prop::bool::weighted(0.2), any::<u64>()).prop_map(
+        |(form, bits, stride, tight, seed)| {
+            let network = sample::extreme(form, bits, Stride::new(stride).unwrap(), tight, seed);
+            network.check().unwrap();
+            network
+        },
+    )
+}
+
+fn assert_same_traces(network: &FixedNetwork, windows: &[i16]) {
+    let pixels = network.form.window.pixels();
+    let specified: Vec<_> = windows.chunks(pixels).map(|y| scalar::run(network, y)).collect();
+    for isa in Isa::available() {
+        let traces = Fast::with_isa(network.clone(), isa).traces(windows);
+        assert_eq!(traces.len(), specified.len());
+        for (patch, (fast, scalar)) in traces.iter().zip(&specified).enumerate() {
+            assert_eq!(fast, scalar, "{isa:?}, patch {patch}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(160))]
+
+    /// 160 networks × 65 windows on every instruction set: more than 10,000 windows at the ends of their range.
+    #[test]
+    fn every_boundary_of_extreme_windows_is_the_same(network in networks(), seed: u64) {
+        let draw = &mut Draw::new(seed);
+        let pixels = network.form.window.pixels();
+        let windows: Vec<i16> = (0..65).flat_map(|_| sample::extreme_window(draw, pixels)).collect();
+        assert_same_traces(&network, &windows);
+    }
+
+    /// Whole frames of every CFA phase, odd numbers of patches, all strides.
+    #[test]
+    fn every_pixel_and_count_of_small_frames_is_the_same(
+        network in networks().prop_filter("small", |n| n.form.codes < 70),
+        rows in 9usize..16, columns in 9usize..26, phase in 0usize..4, seed: u64,
+    ) {
+        let draw = &mut Draw::new(seed);
+        let codes = Array2::from_shape_fn((2 * rows, 2 * columns), |_| draw.extreme(16) as u16);
+        let raw = RawFrame::from_codes(codes, 16, CfaPhase::ALL[phase]).unwrap();
+        let specified = scalar_frame(&network, &raw).unwrap();
+        prop_assert_eq!(Golden::new(network).unwrap().frame(&raw).unwrap(), specified);
+    }
+}
+
+#[test]
+fn words_that_are_all_at_one_end_are_the_same() {
+    for (window, bits) in [(8, 16), (12, 8), (16, 16)] {
+        let form = Form {
+            window: Window::new(window).unwrap(),
+            codes: 192,
+            layers: 4,
+            shrinkage: Shrinkage::OneSided,
+            recurrence: Recurrence::Difference,
+            linear_path: true,
+            tied: false,
+        };
+        let mut network = sample::extreme(form, bits, Stride::PATCH, false, 1);
+        let least = -1i16 << (bits - 1);
+        network.recurrent.iter_mut().for_each(|s| s.weights.fill(least));
+        network.analysis.weights.fill(least);
+        network.thresholds.iter_mut().for_each(|theta| theta.fill(least));
+        network.check().unwrap();
+        let pixels = form.window.pixels();
+        let windows = [vec![0; pixels], vec![i16::MAX; pixels], vec![1; pixels]].concat();
+        assert_same_traces(&network, &windows);
+    }
+}
+
+#[test]
+fn a_network_like_a_trained_one_is_the_same_and_sparse() {
+    let network = sample::natural(12, 8, 5);
+    let draw = &mut Draw::new(9);
+    let windows: Vec<i16> = (0..200)
+        .flat_map(|_| {
+            let level = draw.whole(500, 30_000);
+            (0..144).map(|_| (level + draw.whole(-400, 400)) as i16).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_same_traces(&network, &windows);
+    let traces = Fast::new(network).traces(&windows);
+    let nonzeros: u64 = traces.iter().flat_map(|t| &t.stages).map(|s| s.nonzeros).sum();
+    let a_layer = nonzeros as f64 / (200.0 * 3.0);
+    assert!((5.0..120.0).contains(&a_layer), "{a_layer} non-zeros a layer");
+}
