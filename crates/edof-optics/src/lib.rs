@@ -6,8 +6,12 @@
 //! | blur | [`psf`] | the PSF on the sensor's grid, and what cutting it cost |
 //! | | [`blur`](mod@blur) | pictures blurred with it, and the adjoint |
 //! | | [`cosine`] | the transform of even planes that both stand on |
+//! | | [`depth`] | ψ for a distance and back |
+//! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
 
 pub mod blur;
 pub mod cosine;
+pub mod depth;
 pub mod psf;
 pub mod pupil;
+pub mod sensor;

@@ -1,0 +1,187 @@
+//! The sensor: colour filters, noise, saturation and bit depth make a raw frame of the light that falls on it.
+
+use edof_spec::frame::FrameError;
+use edof_spec::{CfaPhase, ColourFrame, RawFrame};
+use ndarray::Array2;
+use rand::SeedableRng;
+use rand_distr::{Distribution, Poisson, StandardNormal};
+use rand_pcg::Pcg64;
+
+/// How a sensor turns light into codes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Bits a pixel, 8…16.
+    pub depth: u32,
+    /// Colour of the first pixel's filter.
+    pub phase: CfaPhase,
+    /// Noise added before saturation.
+    pub noise: Noise,
+    /// Same seed, same noise.
+    pub seed: u64,
+}
+
+impl Default for Sensor {
+    fn default() -> Self {
+        Self { depth: 12, phase: CfaPhase::Rggb, noise: Noise::default(), seed: 0 }
+    }
+}
+
+/// Noise of a sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Noise {
+    /// Standard deviation of the signal-independent (read) noise; full scale is 1.
+    pub gaussian: f64,
+    /// Photo-electrons at full scale, for photon (Poisson) noise; none for a light source without it.
+    pub full_well: Option<f64>,
+}
+
+/// A sensor that cannot be.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SensorError {
+    /// Odd sides or a depth outside 8…16.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// A noise parameter out of range.
+    #[error("sensor: {field} is {value}, expected {expected}")]
+    Noise {
+        /// Which.
+        field: &'static str,
+        /// What it was.
+        value: f64,
+        /// What would have been right.
+        expected: &'static str,
+    },
+}
+
+/// Linear light behind the colour filters, noise added: rows × columns, not yet saturated.
+///
+/// # Errors
+/// [`SensorError::Noise`].
+pub fn mosaic_with_noise(frame: &ColourFrame, sensor: &Sensor) -> Result<Array2<f32>, SensorError> {
+    let Noise { gaussian, full_well } = sensor.noise;
+    if !(gaussian.is_finite() && gaussian >= 0.0) {
+        return Err(SensorError::Noise { field: "gaussian noise", value: gaussian, expected: "0 or more" });
+    }
+    if let Some(value) = full_well.filter(|w| !(w.is_finite() && *w >= 1.0)) {
+        return Err(SensorError::Noise { field: "full well", value, expected: "at least 1 electron" });
+    }
+    let mut generator = Pcg64::seed_from_u64(sensor.seed);
+    let (height, width) = frame.size();
+    let mut light = Array2::zeros((height, width));
+    for ((row, column), pixel) in light.indexed_iter_mut() {
+        let mut value = f64::from(frame.planes[(sensor.phase.channel(row, column).plane(), row, column)]);
+        if let Some(well) = full_well {
+            // A mean of zero has no Poisson distribution, and gives no electrons.
+            let electrons = Poisson::new(value * well).map_or(0.0, |p| p.sample(&mut generator));
+            value = electrons / well;
+        }
+        if gaussian > 0.0 {
+            let draw: f64 = StandardNormal.sample(&mut generator);
+            value += gaussian * draw;
+        }
+        *pixel = value as f32;
+    }
+    Ok(light)
+}
+
+/// The raw frame: mosaic, noise, then code = round(light·2^depth), saturated to 0…2^depth − 1.
+///
+/// # Errors
+/// [`SensorError`]: odd sides, a depth outside 8…16, noise out of range.
+pub fn expose(frame: &ColourFrame, sensor: &Sensor) -> Result<RawFrame, SensorError> {
+    if !(8..=16).contains(&sensor.depth) {
+        return Err(FrameError::Depth(sensor.depth).into());
+    }
+    let full_scale = (1u32 << sensor.depth) as f32;
+    let light = mosaic_with_noise(frame, sensor)?;
+    let codes = light.mapv(|v| (v * full_scale).round().clamp(0.0, full_scale - 1.0) as u16);
+    Ok(RawFrame::from_codes(codes, sensor.depth, sensor.phase)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flat(level: f32) -> ColourFrame {
+        let mut frame = ColourFrame::zeros(200, 200);
+        frame.planes.fill(level);
+        frame
+    }
+
+    fn mean_and_variance(light: &Array2<f32>) -> (f64, f64) {
+        let mean = light.iter().map(|&v| f64::from(v)).sum::<f64>() / light.len() as f64;
+        let square = light.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>();
+        (mean, square / light.len() as f64)
+    }
+
+    #[test]
+    fn each_pixel_measures_the_colour_of_its_filter() {
+        let mut frame = ColourFrame::zeros(4, 6);
+        for (plane, level) in [0.25, 0.5, 0.75].into_iter().enumerate() {
+            frame.planes.index_axis_mut(ndarray::Axis(0), plane).fill(level);
+        }
+        for phase in CfaPhase::ALL {
+            let raw = expose(&frame, &Sensor { phase, depth: 8, ..Sensor::default() }).unwrap();
+            for ((r, c), &code) in raw.codes().indexed_iter() {
+                assert_eq!(code, [64, 128, 192][phase.channel(r, c).plane()]);
+            }
+        }
+    }
+
+    #[test]
+    fn light_beyond_full_scale_and_below_zero_saturates() {
+        for depth in 8..=16 {
+            let sensor = Sensor { depth, ..Sensor::default() };
+            let most = ((1u32 << depth) - 1) as u16;
+            assert!(expose(&flat(1.5), &sensor).unwrap().codes().iter().all(|&c| c == most));
+            assert!(expose(&flat(-0.5), &sensor).unwrap().codes().iter().all(|&c| c == 0));
+        }
+    }
+
+    #[test]
+    fn gaussian_noise_has_its_deviation_and_no_bias() {
+        let noise = Noise { gaussian: 0.02, full_well: None };
+        let light = mosaic_with_noise(&flat(0.5), &Sensor { noise, ..Sensor::default() }).unwrap();
+        let (mean, variance) = mean_and_variance(&light);
+        assert!((mean - 0.5).abs() < 5e-4 && (variance.sqrt() - 0.02).abs() < 3e-4, "{mean} {variance}");
+    }
+
+    #[test]
+    fn photon_noise_grows_with_the_light() {
+        let noise = Noise { gaussian: 0.0, full_well: Some(1000.0) };
+        for level in [0.0, 0.01, 0.1, 0.8] {
+            let light = mosaic_with_noise(&flat(level), &Sensor { noise, ..Sensor::default() }).unwrap();
+            let (mean, variance) = mean_and_variance(&light);
+            let expected = f64::from(level) / 1000.0;
+            assert!((mean - f64::from(level)).abs() < 1e-3);
+            assert!((variance - expected).abs() <= 0.05 * expected, "{level}: {variance} not {expected}");
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_frame_and_another_seed_another() {
+        let noise = Noise { gaussian: 0.01, full_well: Some(5000.0) };
+        let shot = |seed| expose(&flat(0.3), &Sensor { noise, seed, ..Sensor::default() }).unwrap();
+        assert_eq!(shot(7), shot(7));
+        assert_ne!(shot(7), shot(8));
+    }
+
+    #[test]
+    fn impossible_sensors_are_refused() {
+        let refused = |sensor: Sensor| expose(&flat(0.1), &sensor).unwrap_err().to_string();
+        assert_eq!(refused(Sensor { depth: 20, ..Sensor::default() }), "bit depth 20: must be 8 to 16");
+        let noise = Noise { gaussian: -0.1, full_well: None };
+        assert_eq!(
+            refused(Sensor { noise, ..Sensor::default() }),
+            "sensor: gaussian noise is -0.1, expected 0 or more"
+        );
+        let noise = Noise { gaussian: 0.0, full_well: Some(0.0) };
+        assert_eq!(
+            refused(Sensor { noise, ..Sensor::default() }),
+            "sensor: full well is 0, expected at least 1 electron"
+        );
+        assert!(
+            expose(&ColourFrame::zeros(3, 4), &Sensor::default()).unwrap_err().to_string().contains("4x3")
+        );
+    }
+}
