@@ -1,1 +1,27 @@
-//! Metrics, experiments and reports.
+//! What a reconstruction is worth: metrics, experiments, plots and reports.
+//!
+//! | what | module | gives |
+//! |---|---|---|
+//! | compare | [`metrics`] | PSNR and SSIM with the conventions of every number of this project |
+//! | sharpness | [`mtf50`] | MTF and MTF50 of a slanted edge |
+//! | draw | [`plot`] | line and scatter plots as SVG |
+//! | show | [`picture`] | frames as PNG bytes, sheets, kernels |
+//! | report | [`report`] | one HTML file with everything inside |
+//!
+//! ```
+//! use edof_spec::ColourFrame;
+//! use edof_study::metrics::Quality;
+//!
+//! let truth = ColourFrame::zeros(32, 32);
+//! let mut estimate = truth.clone();
+//! estimate.planes += 0.01;
+//! let quality = Quality::of(&truth, &estimate, 2)?;
+//! assert!((quality.psnr_db - 40.0).abs() < 1e-4);
+//! # Ok::<(), edof_study::metrics::MetricError>(())
+//! ```
+
+pub mod metrics;
+pub mod mtf50;
+pub mod picture;
+pub mod plot;
+pub mod report;

@@ -1,0 +1,137 @@
+//! Frames as PNG bytes for reports, and sheets of small pictures.
+//!
+//! Studies take a photograph's code values as linear light, so a frame's values are written as codes again; light that was
+//! linear from the start (drawn scenes, camera raw) goes through the sRGB curve.
+
+use edof_spec::ColourFrame;
+use edof_spec::colour::srgb_encode;
+use image::{DynamicImage, ImageFormat, RgbImage};
+use ndarray::{Array2, s};
+use std::io::Cursor;
+
+/// How a value becomes a code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tone {
+    /// Value = code: what came from a photograph's codes.
+    #[default]
+    Code,
+    /// The sRGB curve: what is linear light.
+    Srgb,
+}
+
+/// An 8-bit PNG of a frame; values outside 0…1 are clipped.
+///
+/// # Errors
+/// What the encoder says.
+pub fn png(frame: &ColourFrame, tone: Tone) -> image::ImageResult<Vec<u8>> {
+    let (height, width) = frame.size();
+    let code = |plane: usize, x: u32, y: u32| {
+        let value = f64::from(frame.planes[(plane, y as usize, x as usize)]).clamp(0.0, 1.0);
+        let shown = if tone == Tone::Srgb { srgb_encode(value) } else { value };
+        (shown * 255.0).round() as u8
+    };
+    let pixels = RgbImage::from_fn(width as u32, height as u32, |x, y| {
+        image::Rgb([code(0, x, y), code(1, x, y), code(2, x, y)])
+    });
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::ImageRgb8(pixels).write_to(&mut bytes, ImageFormat::Png)?;
+    Ok(bytes.into_inner())
+}
+
+/// Pictures laid out in rows on grey paper with `gap` pixels between them; each cell is as large as the largest picture.
+#[must_use]
+pub fn sheet(rows: &[Vec<ColourFrame>], gap: usize) -> ColourFrame {
+    let all = || rows.iter().flatten();
+    let cell_height = all().map(|f| f.size().0).max().unwrap_or(0);
+    let cell_width = all().map(|f| f.size().1).max().unwrap_or(0);
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let mut paper =
+        ColourFrame::zeros(gap + rows.len() * (cell_height + gap), gap + columns * (cell_width + gap));
+    paper.planes.fill(0.5);
+    for (i, row) in rows.iter().enumerate() {
+        for (j, picture) in row.iter().enumerate() {
+            let (height, width) = picture.size();
+            let (top, left) = (gap + i * (cell_height + gap), gap + j * (cell_width + gap));
+            paper.planes.slice_mut(s![.., top..top + height, left..left + width]).assign(&picture.planes);
+        }
+    }
+    paper
+}
+
+/// Blur kernels of red, green and blue as one colour picture of `side`×`side` pixels, each channel centred and scaled to its
+/// own peak, then raised to 1/2.2 so that faint rings show.
+#[must_use]
+pub fn psf_picture(kernels: [&Array2<f32>; 3], side: usize) -> ColourFrame {
+    let mut out = ColourFrame::zeros(side, side);
+    for (plane, kernel) in kernels.into_iter().enumerate() {
+        let peak = kernel.iter().fold(0.0f32, |m, v| m.max(*v)).max(f32::MIN_POSITIVE);
+        let (height, width) = kernel.dim();
+        for r in 0..side {
+            for c in 0..side {
+                let source =
+                    (r + height / 2).checked_sub(side / 2).zip((c + width / 2).checked_sub(side / 2));
+                let value = source.and_then(|at| kernel.get(at)).copied().unwrap_or(0.0);
+                out.planes[(plane, r, c)] = (value.max(0.0) / peak).powf(1.0 / 2.2);
+            }
+        }
+    }
+    out
+}
+
+/// Every pixel repeated `factor` times in both directions.
+#[must_use]
+pub fn enlarged(frame: &ColourFrame, factor: usize) -> ColourFrame {
+    let (height, width) = frame.size();
+    let mut out = ColourFrame::zeros(height * factor, width * factor);
+    out.planes.indexed_iter_mut().for_each(|((p, r, c), v)| *v = frame.planes[(p, r / factor, c / factor)]);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_png_holds_the_codes_and_clips_the_rest() {
+        let mut frame = ColourFrame::zeros(2, 3);
+        frame.planes[(0, 0, 0)] = 100.0 / 255.0;
+        frame.planes[(1, 1, 2)] = 1.7;
+        frame.planes[(2, 1, 0)] = -0.2;
+        let decoded = image::load_from_memory(&png(&frame, Tone::Code).unwrap()).unwrap().to_rgb8();
+        assert_eq!(decoded.dimensions(), (3, 2));
+        assert_eq!(decoded.get_pixel(0, 0).0, [100, 0, 0]);
+        assert_eq!(decoded.get_pixel(2, 1).0, [0, 255, 0]);
+        assert_eq!(decoded.get_pixel(0, 1).0, [0, 0, 0]);
+    }
+
+    #[test]
+    fn linear_light_goes_through_the_srgb_curve() {
+        let mut frame = ColourFrame::zeros(1, 1);
+        frame.planes.fill(0.5);
+        let decoded = image::load_from_memory(&png(&frame, Tone::Srgb).unwrap()).unwrap().to_rgb8();
+        assert_eq!(decoded.get_pixel(0, 0).0, [188; 3]);
+    }
+
+    #[test]
+    fn a_sheet_places_pictures_on_a_grid() {
+        let mut white = ColourFrame::zeros(2, 2);
+        white.planes.fill(1.0);
+        let paper = sheet(&[vec![white.clone(), white.clone()], vec![white]], 1);
+        assert_eq!(paper.size(), (7, 7));
+        assert_eq!(
+            [paper.planes[(0, 1, 4)], paper.planes[(0, 4, 4)], paper.planes[(0, 0, 0)]],
+            [1.0, 0.5, 0.5]
+        );
+    }
+
+    #[test]
+    fn kernels_of_any_size_are_centred() {
+        let mut small = Array2::zeros((3, 3));
+        small[(1, 1)] = 0.2;
+        let mut large = Array2::zeros((9, 9));
+        large[(4, 4)] = 0.9;
+        let picture = psf_picture([&small, &large, &large], 5);
+        assert_eq!([0, 1, 2].map(|p| picture.planes[(p, 2, 2)]), [1.0; 3]);
+        assert_eq!(picture.planes.sum(), 3.0);
+    }
+}

@@ -1,0 +1,435 @@
+//! Line and scatter plots as SVG text: axes with round numbers, a legend beside them, linear or logarithmic scales.
+//!
+//! ```
+//! use edof_study::plot::{Axis, Mark, Plot, Series};
+//! let plot = Plot {
+//!     title: "A parabola".into(),
+//!     x: Axis::linear("x"),
+//!     y: Axis::linear("x²").from(0.0),
+//!     series: vec![Series::new("x²", Mark::Line, (0..10).map(|i| [f64::from(i), f64::from(i * i)]))],
+//! };
+//! assert!(plot.to_svg().starts_with("<svg"));
+//! ```
+
+use std::fmt::Write;
+
+/// One diagram.
+#[derive(Debug, Clone)]
+pub struct Plot {
+    /// Heading.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn, the first lowest.
+    pub series: Vec<Series>,
+}
+
+/// An axis.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    /// What it shows, with its unit.
+    pub label: String,
+    /// How values are laid out.
+    pub scale: Scale,
+    /// Ends of the axis; what is missing follows from the data.
+    pub ends: [Option<f64>; 2],
+}
+
+impl Axis {
+    /// Equal steps for equal differences.
+    #[must_use]
+    pub fn linear(label: impl Into<String>) -> Self {
+        Self { label: label.into(), scale: Scale::Linear, ends: [None; 2] }
+    }
+
+    /// Equal steps for equal ratios; values of 0 or less are not drawn.
+    #[must_use]
+    pub fn log(label: impl Into<String>) -> Self {
+        Self { label: label.into(), scale: Scale::Log, ends: [None; 2] }
+    }
+
+    /// Starts at `low`.
+    #[must_use]
+    pub const fn from(mut self, low: f64) -> Self {
+        self.ends[0] = Some(low);
+        self
+    }
+
+    /// Ends at `high`.
+    #[must_use]
+    pub const fn to(mut self, high: f64) -> Self {
+        self.ends[1] = Some(high);
+        self
+    }
+}
+
+/// How an axis lays values out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Linear.
+    Linear,
+    /// Logarithmic to base 10.
+    Log,
+}
+
+/// Points that belong together.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// Name in the legend; none where empty.
+    pub label: String,
+    /// How points are drawn.
+    pub mark: Mark,
+    /// CSS colour; from [`PALETTE`] in turn where missing.
+    pub colour: Option<String>,
+    /// Pairs of x and y; points that are not finite interrupt a line.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Series {
+    /// A series in the next colour of the palette.
+    #[must_use]
+    pub fn new(label: impl Into<String>, mark: Mark, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        Self { label: label.into(), mark, colour: None, points: points.into_iter().collect() }
+    }
+
+    /// The same series in a colour of one's own.
+    #[must_use]
+    pub fn coloured(mut self, colour: impl Into<String>) -> Self {
+        self.colour = Some(colour.into());
+        self
+    }
+}
+
+/// How points are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// A continuous line.
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// A dotted line.
+    Dotted,
+    /// A dot at each point.
+    Points,
+    /// A continuous line with a dot at each point.
+    LineAndPoints,
+}
+
+/// Colours that stay apart in print and for most eyes (Okabe and Ito).
+pub const PALETTE: [&str; 8] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c8c00"];
+
+const WIDTH: f64 = 640.0;
+const HEIGHT: f64 = 400.0;
+const LEFT: f64 = 66.0;
+const TOP: f64 = 40.0;
+const BOTTOM: f64 = 52.0;
+const LINE_HEIGHT: f64 = 18.0;
+
+impl Plot {
+    /// The diagram as a complete SVG document.
+    #[must_use]
+    pub fn to_svg(&self) -> String {
+        document(WIDTH, &self.group(0.0))
+    }
+
+    /// The diagram as an SVG group whose left edge lies at `x0`.
+    fn group(&self, x0: f64) -> String {
+        let right = self.legend_width();
+        let x = Ruler::new(&self.x, self.values(0), LEFT, WIDTH - right);
+        let y = Ruler::new(&self.y, self.values(1), HEIGHT - BOTTOM, TOP);
+        let mut svg = format!("<g transform=\"translate({x0} 0)\">\n");
+        self.draw_frame(&mut svg, &x, &y);
+        let id = format!("area{x0}");
+        let (w, h) = (x.end - x.start, y.start - y.end);
+        let _ = writeln!(
+            svg,
+            "<clipPath id=\"{id}\"><rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{w:.1}\" height=\"{h:.1}\"/></clipPath>\
+             <g clip-path=\"url(#{id})\">"
+        );
+        for (index, series) in self.series.iter().enumerate() {
+            draw_series(&mut svg, series, colour(series, index), &x, &y);
+        }
+        svg.push_str("</g>\n");
+        self.draw_legend(&mut svg, WIDTH - right + 14.0);
+        svg.push_str("</g>\n");
+        svg
+    }
+
+    fn values(&self, axis: usize) -> impl Iterator<Item = f64> + '_ {
+        self.series.iter().flat_map(move |s| s.points.iter().map(move |p| p[axis]))
+    }
+
+    fn legend_width(&self) -> f64 {
+        let longest = self.series.iter().map(|s| s.label.chars().count()).max().unwrap_or(0);
+        if longest == 0 { 16.0 } else { (longest as f64).mul_add(6.6, 58.0).min(WIDTH / 2.0) }
+    }
+
+    fn draw_frame(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
+        for (value, text) in &x.ticks {
+            let at = x.place(*value);
+            let (top, bottom, below) = (y.end, y.start, y.start + 16.0);
+            let _ = writeln!(
+                svg,
+                "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
+                 <text x=\"{at:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">{text}</text>"
+            );
+        }
+        for (value, text) in &y.ticks {
+            let at = y.place(*value);
+            let (left, right, beside) = (x.start, x.end, x.start - 6.0);
+            let _ = writeln!(
+                svg,
+                "<path class=\"grid\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>\
+                 <text x=\"{beside:.1}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+                at + 4.0
+            );
+        }
+        let (middle_x, middle_y) = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
+        let _ = writeln!(
+            svg,
+            "<path class=\"axis\" d=\"M{:.1} {:.1}V{:.1}H{:.1}\"/>\
+             <text class=\"title\" x=\"{middle_x:.1}\" y=\"24\" text-anchor=\"middle\">{}</text>\
+             <text x=\"{middle_x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
+             <text transform=\"translate(16 {middle_y:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            x.start,
+            y.end,
+            y.start,
+            x.end,
+            escape(&self.title),
+            HEIGHT - 12.0,
+            escape(&self.x.label),
+            escape(&self.y.label)
+        );
+    }
+
+    fn draw_legend(&self, svg: &mut String, left: f64) {
+        let named = self.series.iter().enumerate().filter(|(_, s)| !s.label.is_empty());
+        for (line, (index, series)) in named.enumerate() {
+            let y = TOP + 10.0 + LINE_HEIGHT * line as f64;
+            let (colour, middle, end) = (colour(series, index), left + 12.0, left + 24.0);
+            if let Some(dashes) = dashes(series.mark) {
+                let _ = write!(
+                    svg,
+                    "<path class=\"line\" stroke=\"{colour}\"{dashes} d=\"M{left:.1} {y:.1}H{end:.1}\"/>"
+                );
+            }
+            if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
+                let _ = write!(svg, "<circle cx=\"{middle:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>");
+            }
+            let _ = writeln!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                end + 6.0,
+                y + 4.0,
+                escape(&series.label)
+            );
+        }
+    }
+}
+
+/// Several diagrams in a row, as one SVG document.
+#[must_use]
+pub fn side_by_side(plots: &[Plot]) -> String {
+    let groups: String = plots.iter().enumerate().map(|(i, p)| p.group(i as f64 * WIDTH)).collect();
+    document(WIDTH * plots.len() as f64, &groups)
+}
+
+fn document(width: f64, inside: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {HEIGHT}\" width=\"{width}\" \
+         height=\"{HEIGHT}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n\
+         <style>.grid{{stroke:#e4e4e4;fill:none}}.axis{{stroke:#444;fill:none}}\
+         .line{{fill:none;stroke-width:1.8;stroke-linejoin:round}}.title{{font-size:14px;font-weight:bold}}</style>\n\
+         <rect width=\"{width}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\n{inside}</svg>\n"
+    )
+}
+
+fn colour(series: &Series, index: usize) -> &str {
+    series.colour.as_deref().unwrap_or(PALETTE[index % PALETTE.len()])
+}
+
+/// The line's dash attribute; none where no line is drawn.
+const fn dashes(mark: Mark) -> Option<&'static str> {
+    match mark {
+        Mark::Line | Mark::LineAndPoints => Some(""),
+        Mark::Dashed => Some(" stroke-dasharray=\"7 4\""),
+        Mark::Dotted => Some(" stroke-dasharray=\"1.8 3.4\""),
+        Mark::Points => None,
+    }
+}
+
+fn draw_series(svg: &mut String, series: &Series, colour: &str, x: &Ruler, y: &Ruler) {
+    let placed: Vec<Option<[f64; 2]>> = series
+        .points
+        .iter()
+        .map(|&[a, b]| Some([x.place(a), y.place(b)]).filter(|p| p.iter().all(|v| v.is_finite())))
+        .collect();
+    if let Some(dashes) = dashes(series.mark) {
+        let mut path = String::new();
+        let mut pen = 'M';
+        for point in &placed {
+            if let Some([a, b]) = point {
+                let _ = write!(path, "{pen}{a:.1} {b:.1}");
+                pen = 'L';
+            } else {
+                pen = 'M';
+            }
+        }
+        let _ = writeln!(svg, "<path class=\"line\" stroke=\"{colour}\"{dashes} d=\"{path}\"/>");
+    }
+    if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
+        for [a, b] in placed.into_iter().flatten() {
+            let _ = writeln!(svg, "<circle cx=\"{a:.1}\" cy=\"{b:.1}\" r=\"3\" fill=\"{colour}\"/>");
+        }
+    }
+}
+
+/// An axis laid out on the page: its range, ticks, and where values lie.
+struct Ruler {
+    scale: Scale,
+    low: f64,
+    high: f64,
+    start: f64,
+    end: f64,
+    ticks: Vec<(f64, String)>,
+}
+
+impl Ruler {
+    fn new(axis: &Axis, values: impl Iterator<Item = f64>, start: f64, end: f64) -> Self {
+        let drawable = |v: &f64| v.is_finite() && (axis.scale == Scale::Linear || *v > 0.0);
+        let (mut low, mut high) = values
+            .chain(axis.ends.into_iter().flatten())
+            .filter(drawable)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low > high {
+            (low, high) = (1.0, 10.0);
+        }
+        let [fixed_low, fixed_high] = axis.ends.map(|end| end.filter(drawable));
+        low = fixed_low.unwrap_or(low);
+        high = fixed_high.unwrap_or(high);
+        let ticks = match axis.scale {
+            Scale::Linear => {
+                if high - low < 1e-12 * high.abs().max(1.0) {
+                    (low, high) = (low - 0.5, high + 0.5);
+                }
+                let step = round_step((high - low) / 6.0);
+                low = fixed_low.unwrap_or((low / step).floor() * step);
+                high = fixed_high.unwrap_or((high / step).ceil() * step);
+                linear_ticks(low, high, step)
+            }
+            Scale::Log => {
+                low = fixed_low.unwrap_or_else(|| 10f64.powf(low.log10().floor()));
+                high = fixed_high.unwrap_or_else(|| 10f64.powf(high.log10().ceil()));
+                if high <= low {
+                    high = low * 10.0;
+                }
+                log_ticks(low, high)
+            }
+        };
+        Self { scale: axis.scale, low, high, start, end, ticks }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        let share = match self.scale {
+            Scale::Linear => (value - self.low) / (self.high - self.low),
+            Scale::Log => (value.ln() - self.low.ln()) / (self.high.ln() - self.low.ln()),
+        };
+        share.mul_add(self.end - self.start, self.start)
+    }
+}
+
+/// The smallest 1, 2 or 5 times a power of ten that is at least `least`.
+fn round_step(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= least * (1.0 - 1e-9)).unwrap_or(least)
+}
+
+fn linear_ticks(low: f64, high: f64, step: f64) -> Vec<(f64, String)> {
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    (first..=last)
+        .map(|i| {
+            let value = i as f64 * step;
+            (value, format!("{value:.decimals$}"))
+        })
+        .collect()
+}
+
+fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+    let decades = (high / low).log10();
+    let factors: &[f64] = if decades < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    powers
+        .flat_map(|p| factors.iter().map(move |f| f * 10f64.powi(p)))
+        .filter(|v| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(v))
+        .map(|v| (v, if (1e-3..1e5).contains(&v) { format!("{}", round_to(v)) } else { format!("{v:.0e}") }))
+        .collect()
+}
+
+/// Hides the last digits of 10f64.powi's error in a tick's text.
+fn round_to(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+/// Text that may stand between tags.
+pub(crate) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot(x: Axis, points: &[[f64; 2]]) -> Plot {
+        Plot {
+            title: "a < b".into(),
+            x,
+            y: Axis::linear("y"),
+            series: vec![Series::new("one", Mark::Line, points.iter().copied())],
+        }
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_inside_the_axis() {
+        let texts = |low, high| {
+            let ruler = Ruler::new(&Axis::linear(""), [low, high].into_iter(), 0.0, 1.0);
+            ruler.ticks.into_iter().map(|t| t.1).collect::<Vec<_>>()
+        };
+        assert_eq!(texts(0.0, 1.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(texts(28.4, 38.9), ["28", "30", "32", "34", "36", "38", "40"]);
+    }
+
+    #[test]
+    fn a_logarithmic_axis_spaces_decades_equally() {
+        let ruler = Ruler::new(&Axis::log("t"), [0.02, 300.0].into_iter(), 0.0, 100.0);
+        let places: Vec<f64> = ruler.ticks.iter().map(|(v, _)| ruler.place(*v)).collect();
+        assert_eq!(
+            places.iter().map(|p| p.round()).collect::<Vec<_>>(),
+            [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]
+        );
+        assert_eq!(ruler.ticks[0].1, "0.01");
+    }
+
+    #[test]
+    fn a_point_that_is_not_finite_interrupts_the_line() {
+        let svg = plot(Axis::linear("x"), &[[0.0, 0.0], [1.0, f64::NAN], [2.0, 1.0], [3.0, 2.0]]).to_svg();
+        let path = svg.lines().find(|l| l.contains("class=\"line\"") && l.contains('L')).unwrap();
+        assert_eq!(path.matches(|c: char| c == 'M').count(), 2, "{path}");
+        assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn zero_is_not_drawn_on_a_logarithmic_axis() {
+        let svg = plot(Axis::log("x"), &[[0.0, 1.0], [1.0, 1.0], [10.0, 2.0]]).to_svg();
+        assert!(!svg.contains("inf") && !svg.contains("NaN"));
+    }
+
+    #[test]
+    fn text_is_escaped_and_empty_plots_are_drawn() {
+        let svg = plot(Axis::linear("x"), &[]).to_svg();
+        assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
+    }
+}
