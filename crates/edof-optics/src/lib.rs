@@ -7,11 +7,15 @@
 //! | | [`blur`](mod@blur) | pictures blurred with it, and the adjoint |
 //! | | [`cosine`] | the transform of even planes that both stand on |
 //! | | [`depth`] | ψ for a distance and back |
+//! | | [`mtf`] | contrast over spatial frequency and through focus |
+//! | scene | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
 
 pub mod blur;
 pub mod cosine;
 pub mod depth;
+pub mod mtf;
 pub mod psf;
 pub mod pupil;
+pub mod scene;
 pub mod sensor;

@@ -1,6 +1,8 @@
 //! The PSF against what the textbooks know in closed form.
 
-use edof_optics::psf::{SUPPORT, Settings, psf, quarter_otf, quarter_psf, wave_um};
+use edof_optics::mtf::{Footprint, otf};
+use edof_optics::psf::{SUPPORT, Settings, otf_along_row, psf, quarter_otf, quarter_psf, wave_um};
+use edof_spec::camera::{Delay, Sign, Spectrum};
 use edof_spec::{Camera, Channel};
 
 #[test]
@@ -58,4 +60,63 @@ fn every_kernel_sums_to_one_and_keeps_the_energy_it_was_asked_to() {
             assert!(whole.energy_within(cut.side() - 2) < energy, "{name}: a smaller square would do");
         }
     }
+}
+
+#[test]
+fn a_slice_of_the_otf_is_the_transform_of_the_line_spread() {
+    let camera = Camera::resolve("ring-2018").unwrap();
+    let plane = quarter_otf(&camera, 460.0, 5.0, 128);
+    let slice = otf_along_row(&camera, 460.0, 5.0, 128);
+    assert_eq!(plane.ncols(), slice.len());
+    assert!(plane.row(0).iter().zip(&slice).all(|(a, b)| (a - b).abs() < 1e-9));
+}
+
+/// The sampled PSF's own transform is the OTF times the pixel's footprint, aliased.
+#[test]
+fn the_kernel_has_the_otf_of_lens_and_pixel() {
+    let camera = Camera::resolve("ring-outer").unwrap();
+    let kernel = psf(&camera, Channel::Red, 6.0, &Settings::exact()).kernel;
+    let half = (kernel.nrows() / 2) as f64;
+    let lens = otf(&camera, Channel::Red, 6.0, Footprint::LensAndPixel);
+    for per_pixel in [0.02, 0.1, 0.2, 0.3] {
+        let cosine = |c: usize| (std::f64::consts::TAU * per_pixel * (c as f64 - half)).cos();
+        let seen: f64 = kernel.indexed_iter().map(|((_, c), &v)| f64::from(v) * cosine(c)).sum();
+        let at = |f: f64| lens.at(f * 1e3 / camera.pixel_pitch_um);
+        let expected = at(per_pixel) + at(1.0 - per_pixel) + at(1.0 + per_pixel);
+        // Row frequencies only: aliases of the columns' sampling fall on multiples of 1/pitch, where the pixel sees nothing.
+        assert!((seen - expected).abs() < 4e-3, "{per_pixel}: {seen} not {expected}");
+    }
+}
+
+#[test]
+fn ring_outer_keeps_ninety_six_percent_within_31_pixels() {
+    let camera = Camera::resolve("ring-outer").unwrap();
+    let share = |psi: f64, channel| psf(&camera, channel, psi, &Settings::exact()).energy_within(31);
+    let worst = [0.0, 4.0, 8.0].map(|psi| share(psi, Channel::Red)).into_iter().fold(1.0, f64::min);
+    assert!((worst - 0.964).abs() < 0.004, "{worst}");
+}
+
+#[test]
+fn conjugating_the_pupil_leaves_the_psf() {
+    let camera = Camera::resolve("ring-2018").unwrap();
+    let mut conjugate = camera.clone();
+    conjugate.defocus_sign = Sign::Plus;
+    let Delay::Phase { rad, .. } = &mut conjugate.rings[0].delay else { panic!("a phase") };
+    *rad = -*rad;
+    let [a, b] = [&camera, &conjugate].map(|c| quarter_psf(c, 535.0, 3.0));
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-12));
+}
+
+#[test]
+fn a_wide_spectrum_takes_more_wavelengths_for_a_smaller_tolerance() {
+    let mut camera = Camera::resolve("ring-2018").unwrap();
+    camera.spectra[1] = Spectrum::Sampled(vec![[480.0, 0.0], [535.0, 1.0], [600.0, 0.0]]);
+    let count = |wavelength_tolerance| {
+        let psf =
+            psf(&camera, Channel::Green, 2.0, &Settings { wavelength_tolerance, ..Settings::default() });
+        assert!(psf.wavelength_error <= wavelength_tolerance);
+        psf.wavelengths_nm.len()
+    };
+    let (coarse, fine) = (count(0.2), count(0.005));
+    assert!(coarse == 3 && fine > coarse, "{coarse} {fine}");
 }

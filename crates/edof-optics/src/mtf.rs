@@ -1,0 +1,144 @@
+//! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
+
+use crate::psf::{otf_along_row, sinc, wave_um, wavelengths};
+use edof_spec::Channel;
+use edof_spec::camera::{Camera, Spectrum};
+use ndarray::Array1;
+use rayon::prelude::*;
+
+/// Pixels over which the PSF is computed; blur disks of interest are far smaller.
+const SUPPORT: usize = 256;
+/// Wavelengths that stand for a channel with a spectrum.
+const WAVELENGTHS: usize = 9;
+
+/// What the contrast is measured of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Footprint {
+    /// The lens alone.
+    Lens,
+    /// The lens and the square of a pixel that collects its light.
+    LensAndPixel,
+}
+
+/// The optical transfer function along a row of pixels. It is real because the pupil is even; negative values are reversed
+/// contrast, and the MTF is its magnitude.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Otf {
+    /// Spacing of the samples in cycles per millimetre; the first is at zero.
+    pub step_per_mm: f64,
+    /// Contrast, −1…1, up to the cut-off.
+    pub values: Array1<f64>,
+}
+
+impl Otf {
+    /// Contrast at a frequency in cycles per millimetre, linear between samples, zero beyond the cut-off.
+    #[must_use]
+    pub fn at(&self, per_mm: f64) -> f64 {
+        let position = per_mm / self.step_per_mm;
+        let index = position.floor() as usize;
+        let value = |i: usize| self.values.get(i).copied().unwrap_or(0.0);
+        let part = position - index as f64;
+        value(index) * (1.0 - part) + value(index + 1) * part
+    }
+}
+
+/// The OTF of a channel for an object at `psi`.
+#[must_use]
+pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Otf {
+    let spectrum = camera.spectrum(channel);
+    let lines = match spectrum {
+        Spectrum::Line(nm) => vec![*nm],
+        Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
+    };
+    let otfs: Vec<_> = lines.iter().map(|&nm| otf_along_row(camera, nm, psi, SUPPORT)).collect();
+    let length = otfs.iter().map(Array1::len).max().unwrap_or(0);
+    let mean = |q: usize| otfs.iter().filter_map(|o| o.get(q)).sum::<f64>() / otfs.len() as f64;
+    let pixel = |q: usize| match footprint {
+        Footprint::Lens => 1.0,
+        Footprint::LensAndPixel => sinc(q as f64 / SUPPORT as f64),
+    };
+    Otf {
+        step_per_mm: 1e3 / (SUPPORT as f64 * camera.pixel_pitch_um),
+        values: (0..length).map(|q| mean(q) * pixel(q)).collect(),
+    }
+}
+
+/// The diffraction limit 1/(λF#) at a wavelength, in cycles per millimetre.
+#[must_use]
+pub fn cutoff_per_mm(camera: &Camera, wavelength_nm: f64) -> f64 {
+    1e3 / wave_um(camera, wavelength_nm)
+}
+
+/// The diffraction limit that plots refer to: that of green's middle wavelength.
+#[must_use]
+pub fn green_cutoff_per_mm(camera: &Camera) -> f64 {
+    cutoff_per_mm(camera, wavelengths(camera.spectrum(Channel::Green), 1)[0])
+}
+
+/// Contrast of red, green and blue at one frequency (cycles per millimetre) for each ψ: through focus.
+#[must_use]
+pub fn through_focus(camera: &Camera, per_mm: f64, psis: &[f64], footprint: Footprint) -> Vec<[f64; 3]> {
+    let contrast = |&psi: &f64| Channel::ALL.map(|channel| otf(camera, channel, psi, footprint).at(per_mm));
+    psis.par_iter().map(contrast).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PSIS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+
+    fn contrast(name: &str, footprint: Footprint) -> Vec<[f64; 3]> {
+        let camera = Camera::resolve(name).unwrap();
+        through_focus(&camera, green_cutoff_per_mm(&camera) / 4.0, &PSIS, footprint)
+    }
+
+    #[test]
+    fn ring_2018_focuses_red_green_and_blue_at_different_depths() {
+        for footprint in [Footprint::Lens, Footprint::LensAndPixel] {
+            let curves = contrast("ring-2018", footprint);
+            let peak =
+                |channel: usize| (0..9).max_by(|&a, &b| curves[a][channel].total_cmp(&curves[b][channel]));
+            assert_eq!([0, 1, 2].map(peak), [Some(1), Some(3), Some(5)]);
+        }
+    }
+
+    #[test]
+    fn a_clear_aperture_loses_contrast_beyond_one_and_all_of_it_by_six() {
+        let curves = contrast("clear", Footprint::Lens);
+        let green = |psi: usize| curves[psi][1];
+        assert!(green(1) > 0.9 * green(0), "little is lost up to 1");
+        assert!(green(2) < 0.85 * green(0) && green(4) < 0.5 * green(0), "contrast loss beyond 1");
+        assert!(green(6).abs() < 0.02, "gone by 6: {}", green(6));
+    }
+
+    #[test]
+    fn a_clear_aperture_reverses_contrast_at_some_frequency_beyond_four() {
+        let camera = Camera::resolve("clear").unwrap();
+        let lowest = |psi: f64| {
+            let values = otf(&camera, Channel::Green, psi, Footprint::Lens).values;
+            values.iter().copied().fold(f64::INFINITY, f64::min)
+        };
+        assert!(lowest(4.0) > -1e-3, "no reversal up to 4");
+        assert!(lowest(5.0) < -0.01, "reversal at 5");
+        assert!(lowest(6.0) < 2.0 * lowest(5.0), "more of it at 6");
+    }
+
+    #[test]
+    fn the_pixel_takes_its_share_of_the_contrast() {
+        let camera = Camera::resolve("clear").unwrap();
+        let nyquist = 500.0 / camera.pixel_pitch_um;
+        let lens = otf(&camera, Channel::Green, 0.0, Footprint::Lens).at(nyquist);
+        let both = otf(&camera, Channel::Green, 0.0, Footprint::LensAndPixel).at(nyquist);
+        assert!((both / lens - std::f64::consts::FRAC_2_PI).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_narrow_spectrum_sees_what_its_line_sees() {
+        let line = Camera::resolve("ring-2018").unwrap();
+        let mut narrow = line.clone();
+        narrow.spectra[1] = Spectrum::Sampled(vec![[534.9, 1.0], [535.1, 1.0]]);
+        let [a, b] = [&line, &narrow].map(|c| otf(c, Channel::Green, 3.0, Footprint::Lens).at(100.0));
+        assert!((a - b).abs() < 1e-3);
+    }
+}
