@@ -83,7 +83,9 @@ mod tests {
     fn plain(a: Mat<'_>, b: Mat<'_>) -> Vec<f32> {
         let at = |m: Mat<'_>, r: usize, c: usize| m.values[r * m.row_stride + c * m.column_stride];
         (0..a.rows)
-            .flat_map(|r| (0..b.columns).map(move |c| (0..a.columns).map(|i| at(a, r, i) * at(b, i, c)).sum()))
+            .flat_map(|r| {
+                (0..b.columns).map(move |c| (0..a.columns).map(|i| at(a, r, i) * at(b, i, c)).sum())
+            })
             .collect()
     }
 

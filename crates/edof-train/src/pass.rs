@@ -67,7 +67,12 @@ impl Pass {
         let (codes, pixels) = (form.codes, form.window.pixels());
         let y = Mat::new(inputs, windows, pixels);
         let used = windows * codes;
-        product(&mut self.b[0], Into::Replace, y, Mat::new(&weights[layout.analysis.clone()], codes, pixels).t());
+        product(
+            &mut self.b[0],
+            Into::Replace,
+            y,
+            Mat::new(&weights[layout.analysis.clone()], codes, pixels).t(),
+        );
         for t in 0..form.shrinkages() {
             let theta = &weights[layout.thresholds[t].clone()];
             shrink(form.shrinkage, &self.b[t][..used], theta, &mut self.z[t]);
@@ -125,7 +130,12 @@ impl Pass {
         let last = form.middle_layers();
         let layout = &self.layout;
         let dictionary = &weights[layout.dictionary.clone()];
-        product(&mut gradient[layout.dictionary.clone()], Into::Add, errors.t(), Mat::new(&self.z[last], windows, codes));
+        product(
+            &mut gradient[layout.dictionary.clone()],
+            Into::Add,
+            errors.t(),
+            Mat::new(&self.z[last], windows, codes),
+        );
         if form.linear_path {
             product(&mut gradient[layout.linear_path.clone()], Into::Add, errors.t(), y);
         }
@@ -180,7 +190,12 @@ impl Pass {
                 &mut gradient[range],
             );
         }
-        product(&mut gradient[layout.analysis.clone()], Into::Add, Mat::new(&self.gradient_b1, windows, codes).t(), y);
+        product(
+            &mut gradient[layout.analysis.clone()],
+            Into::Add,
+            Mat::new(&self.gradient_b1, windows, codes).t(),
+            y,
+        );
         loss
     }
 
@@ -223,7 +238,8 @@ fn shrink(kind: Shrinkage, b: &[f32], theta: &[f32], z: &mut [f32]) {
 /// Adjoint of [`shrink`]'s derivative: adds to `gradient_b` where z is not zero, and to θ's gradient.
 fn unshrink(kind: Shrinkage, z: &[f32], gradient_z: &[f32], gradient_b: &mut [f32], theta: &mut [f32]) {
     let codes = theta.len();
-    let rows = z.chunks_exact(codes).zip(gradient_z.chunks_exact(codes)).zip(gradient_b.chunks_exact_mut(codes));
+    let rows =
+        z.chunks_exact(codes).zip(gradient_z.chunks_exact(codes)).zip(gradient_b.chunks_exact_mut(codes));
     for ((z, gz), gb) in rows {
         for (((&z, &gz), gb), theta) in z.iter().zip(gz).zip(gb).zip(theta.iter_mut()) {
             let passed = if z == 0.0 { 0.0 } else { gz };
@@ -341,7 +357,7 @@ mod tests {
                 let direction = noise(range.len(), seed + 10 + i as u32, 1.0);
                 let slope: f64 = direction.iter().zip(&gradient[range.clone()]).map(|(d, g)| f64::from(d * g)).sum();
                 let step = 1e-3 / direction.iter().map(|d| d * d).sum::<f32>().sqrt();
-                let mut at = |sign: f32| {
+                let at = |sign: f32| {
                     let mut moved = weights.clone();
                     moved[range.clone()].iter_mut().zip(&direction).for_each(|(w, d)| *w += sign * step * d);
                     loss_at(form, &moved, &y, &x, &importance, 0.01)
