@@ -5,9 +5,10 @@ use crate::overlap_add::{Band, overlap_add};
 use crate::scalar;
 use crate::trace::Counts;
 use crate::windows::{Mirrored, window};
+use edof_spec::colour::rgb_from_422;
 use edof_spec::fixed_network::FixedNetworkError;
 use edof_spec::geometry::{GeometryError, PATCH};
-use edof_spec::{FixedNetwork, Frame422, Geometry, RawFrame};
+use edof_spec::{ColourFrame, FixedNetwork, Frame422, Geometry, RawFrame};
 use rayon::prelude::*;
 
 /// Rows of patches that are summed before they go into the frame: bounds the memory of wide overlaps.
@@ -30,6 +31,14 @@ pub struct GoldenFrame {
     pub offset: (usize, usize),
     /// Counters of all stages.
     pub counts: Counts,
+}
+
+impl GoldenFrame {
+    /// The frame in linear red, green and blue, `height`×`width`: the raw frame's size.
+    #[must_use]
+    pub fn colour(&self, (height, width): (usize, usize)) -> ColourFrame {
+        rgb_from_422(&self.frame).crop(self.offset.0, self.offset.1, height, width)
+    }
 }
 
 impl Golden {

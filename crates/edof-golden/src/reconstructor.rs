@@ -1,7 +1,6 @@
 //! The golden pipeline as a method that experiments compare.
 
 use crate::frame::Golden;
-use edof_spec::colour::rgb_from_422;
 use edof_spec::fixed_network::FixedNetworkError;
 use edof_spec::{FixedNetwork, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use std::time::Instant;
@@ -39,9 +38,8 @@ impl Reconstructor for GoldenReconstructor {
         let start = Instant::now();
         let out = self.golden.frame(raw)?;
         let seconds = start.elapsed().as_secs_f64();
-        let (height, width) = raw.size();
         Ok(Reconstruction {
-            frame: rgb_from_422(&out.frame).crop(out.offset.0, out.offset.1, height, width),
+            frame: out.colour(raw.size()),
             seconds,
             multiply_accumulates: Some(out.counts.multiply_accumulates(self.golden.network())),
         })

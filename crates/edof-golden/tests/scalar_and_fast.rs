@@ -50,7 +50,7 @@ fn assert_same_traces(network: &FixedNetwork, windows: &[i16]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(160))]
+    #![proptest_config(ProptestConfig { cases: 160, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// 160 networks × 65 windows on every instruction set: more than 10,000 windows at the ends of their range.
     #[test]

@@ -1,0 +1,121 @@
+//! Ranges of all codes, measured by the float network on real raw frames.
+
+use super::QuantizeError;
+use crate::parameters::flatten;
+use crate::pass::Pass;
+use edof_golden::windows::Mirrored;
+use edof_spec::geometry::GeometryError;
+use edof_spec::network::{Form, Recurrence};
+use edof_spec::number::INPUT_FRACTION;
+use edof_spec::{Geometry, Network, RawFrame, Stride};
+use rayon::prelude::*;
+
+/// Windows that go through the float network at once.
+const BATCH: usize = 256;
+
+/// The largest values that calibration saw, one a coefficient and layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// Windows seen.
+    pub windows: u64,
+    /// max(|b_t|, |z_t|), t = 1…T−1, each of length codes.
+    pub codes: Vec<Vec<f32>>,
+    /// max |z_t − z_{t−1}| of what the difference form sends, likewise; zeros in the direct form.
+    pub changes: Vec<Vec<f32>>,
+}
+
+impl Calibration {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(form: &Form) -> Self {
+        let zeros = vec![vec![0.0; form.codes]; form.shrinkages()];
+        Self { windows: 0, codes: zeros.clone(), changes: zeros }
+    }
+
+    /// Measures a network on all windows of raw frames of any CFA phase, patch by patch without overlap.
+    ///
+    /// # Errors
+    /// [`GeometryError`] for a frame too small for the network's window.
+    pub fn measure(network: &Network, frames: &[RawFrame]) -> Result<Self, GeometryError> {
+        let weights = flatten(network);
+        let geometry = Geometry::new(network.form.window, Stride::PATCH);
+        frames
+            .par_iter()
+            .map(|raw| {
+                let (raw, _) = raw.to_rggb();
+                let (height, width) = raw.size();
+                geometry.check_frame(height, width)?;
+                let mirrored = Mirrored::new(&raw, geometry);
+                let (rows, columns) = geometry.patches(height, width);
+                let patches: Vec<_> = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))).collect();
+                let mut seen = Self::new(&network.form);
+                let mut pass = Pass::new(network.form, BATCH);
+                let pixels = network.form.window.pixels();
+                let mut words = vec![0; pixels];
+                for some in patches.chunks(BATCH) {
+                    let mut inputs = Vec::with_capacity(some.len() * pixels);
+                    for &(row, column) in some {
+                        mirrored.copy_window(row, column, &mut words);
+                        inputs.extend(words.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32));
+                    }
+                    seen.observe(&mut pass, &weights, &inputs, network.form);
+                }
+                Ok(seen)
+            })
+            .try_reduce(|| Self::new(&network.form), |a, b| Ok(a.merged(&b)))
+    }
+
+    /// Takes in a batch of windows (0…1, one after the other).
+    pub fn observe(&mut self, pass: &mut Pass, weights: &[f32], inputs: &[f32], form: Form) {
+        let windows = inputs.len() / form.window.pixels();
+        pass.forward(weights, inputs, windows);
+        self.windows += windows as u64;
+        for t in 0..form.shrinkages() {
+            let of = |values: &[f32], most: &mut [f32]| {
+                for row in values[..windows * form.codes].chunks_exact(form.codes) {
+                    most.iter_mut().zip(row).for_each(|(m, v)| *m = m.max(v.abs()));
+                }
+            };
+            of(pass.b(t), &mut self.codes[t]);
+            of(pass.z(t), &mut self.codes[t]);
+            if form.recurrence == Recurrence::Difference && t > 0 {
+                let (z, before) = (pass.z(t), pass.z(t - 1));
+                for (row, before) in
+                    z.chunks_exact(form.codes).zip(before.chunks_exact(form.codes)).take(windows)
+                {
+                    for ((m, z), b) in self.changes[t].iter_mut().zip(row).zip(before) {
+                        *m = m.max((z - b).abs());
+                    }
+                }
+            }
+        }
+    }
+
+    /// What either saw.
+    #[must_use]
+    pub fn merged(mut self, other: &Self) -> Self {
+        self.windows += other.windows;
+        let larger = |a: &mut [Vec<f32>], b: &[Vec<f32>]| {
+            a.iter_mut().flatten().zip(b.iter().flatten()).for_each(|(a, b)| *a = a.max(*b));
+        };
+        larger(&mut self.codes, &other.codes);
+        larger(&mut self.changes, &other.changes);
+        self
+    }
+
+    /// # Errors
+    /// [`QuantizeError::Calibration`] if nothing was seen, or a network of another form.
+    pub(super) fn check(&self, form: &Form) -> Result<(), QuantizeError> {
+        if self.windows == 0 {
+            return Err(QuantizeError::Calibration("no windows seen, expected at least one raw frame"));
+        }
+        let fits = |layers: &[Vec<f32>]| {
+            layers.len() == form.shrinkages() && layers.iter().all(|l| l.len() == form.codes)
+        };
+        if fits(&self.codes) && fits(&self.changes) {
+            Ok(())
+        } else {
+            Err(QuantizeError::Calibration("measured on a network of another form"))
+        }
+    }
+}

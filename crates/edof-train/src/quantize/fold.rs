@@ -1,0 +1,123 @@
+//! What is folded into the matrices before rounding: the colour map, the averaging window, equal ranges. The function stays
+//! the same; only its numbers become fit for integers.
+
+use super::{Calibration, QuantizeOptions};
+use edof_spec::colour::{OUTPUTS_422, patch_422_from_rgb};
+use edof_spec::geometry::{PATCH, PATCH_PIXELS};
+use edof_spec::number::CHROMA_GAIN;
+use edof_spec::overlap::Overlap;
+use edof_spec::{Network, Stride};
+use ndarray::{Array1, Array2};
+
+/// A network in the board's units, still in floating point: codes of −1…1, outputs in units of 1 (luma) and
+/// 1/[`CHROMA_GAIN`] (chroma), weighted for the overlap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Folded {
+    /// A: codes × pixels.
+    pub analysis: Array2<f64>,
+    /// θ_t.
+    pub thresholds: Vec<Array1<f64>>,
+    /// S_t.
+    pub recurrent: Vec<Array2<f64>>,
+    /// D: 128 × codes.
+    pub dictionary: Array2<f64>,
+    /// R: 128 × pixels.
+    pub linear_path: Option<Array2<f64>>,
+}
+
+/// The 128×192 map from an RGB patch to what F gives: 4:2:2, chroma times [`CHROMA_GAIN`], each output times the averaging
+/// window's weight at its pixel (for chroma, at its site).
+#[must_use]
+pub fn output_map(stride: Stride, overlap: Overlap) -> Array2<f64> {
+    let window = overlap.weights(stride);
+    let mut map = patch_422_from_rgb();
+    for (output, mut row) in map.outer_iter_mut().enumerate() {
+        row *= output_weight(&window, output);
+    }
+    map
+}
+
+/// Averaging weight times gain of one of the 128 outputs.
+fn output_weight(window: &Array2<f64>, output: usize) -> f64 {
+    if output < PATCH_PIXELS {
+        return window[(output / PATCH, output % PATCH)];
+    }
+    let site = (output - PATCH_PIXELS) % (PATCH_PIXELS / 2);
+    let (row, column) = (site / (PATCH / 2), site % (PATCH / 2) * 2);
+    window[(row, column)] * CHROMA_GAIN
+}
+
+/// A coefficient's range is taken to be at least this share of what b₁ could reach for any window: one that is (almost)
+/// never used must not ask for enormous weights.
+const LEAST_SHARE: f64 = 0.01;
+
+/// What b and z of each coefficient are multiplied by so that all use their range: 1/(largest value seen × headroom).
+#[must_use]
+pub fn scales(network: &Network, calibration: &Calibration, options: &QuantizeOptions) -> Vec<f64> {
+    // The largest code is 2^(bits−1) − 1, a little less than one.
+    let full = 1.0 - (1.0 - f64::from(options.bits)).exp2();
+    (0..network.form.codes)
+        .map(|i| {
+            let reachable: f64 = network.analysis.row(i).iter().map(|w| f64::from(w.abs())).sum();
+            let seen = calibration.codes.iter().chain(&calibration.changes).map(|layer| f64::from(layer[i]));
+            // θ < 0 is itself a value of z.
+            let passed = network.thresholds.iter().map(|theta| f64::from(-theta[i]));
+            let largest = seen.chain(passed).fold(LEAST_SHARE * reachable, f64::max);
+            if largest > 0.0 { full / (largest * options.headroom) } else { 1.0 }
+        })
+        .collect()
+}
+
+/// Folds everything: b′ = c∘b, z′ = c∘z, and outputs through [`output_map`].
+#[must_use]
+pub fn fold(network: &Network, scales: &[f64], stride: Stride, overlap: Overlap) -> Folded {
+    let map = output_map(stride, overlap);
+    debug_assert_eq!(map.nrows(), OUTPUTS_422);
+    let wide = |m: &Array2<f32>| m.mapv(f64::from);
+    let rows = |mut m: Array2<f64>| {
+        m.outer_iter_mut().zip(scales).for_each(|(mut row, c)| row *= *c);
+        m
+    };
+    let columns = |mut m: Array2<f64>| {
+        m.columns_mut().into_iter().zip(scales).for_each(|(mut column, c)| column /= *c);
+        m
+    };
+    Folded {
+        analysis: rows(wide(&network.analysis)),
+        thresholds: network
+            .thresholds
+            .iter()
+            .map(|theta| theta.iter().zip(scales).map(|(t, c)| f64::from(*t) * c).collect())
+            .collect(),
+        recurrent: network.recurrent.iter().map(|s| columns(rows(wide(s)))).collect(),
+        dictionary: columns(map.dot(&wide(&network.dictionary))),
+        linear_path: network.linear_path.as_ref().map(|r| map.dot(&wide(r))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grey_patch_gives_overlap_weighted_luma_and_no_chroma() {
+        for step in [2, 4, 8] {
+            let stride = Stride::new(step).unwrap();
+            let out = output_map(stride, Overlap::Hann).dot(&edof_spec::colour::grey_patch(1.0));
+            let weights = Overlap::Hann.weights(stride);
+            out.iter().take(64).zip(&weights).for_each(|(a, b)| assert!((a - b).abs() < 1e-12));
+            assert!(out.iter().skip(64).all(|v| v.abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn chroma_carries_its_gain_and_the_weight_of_its_site() {
+        let stride = Stride::new(4).unwrap();
+        let map = output_map(stride, Overlap::Hann);
+        let weights = Overlap::Hann.weights(stride);
+        // Blue light has Cb = 0.5 everywhere. Row 3, site 1 lies at pixel (3, 2).
+        let blue = Array1::from_shape_fn(192, |i| if i >= 128 { 1.0 } else { 0.0 });
+        let cb = map.row(64 + 3 * 4 + 1).dot(&blue);
+        assert!((cb - 0.5 * CHROMA_GAIN * weights[(3, 2)]).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,162 @@
+//! Fraction bits and integers.
+//!
+//! Every code and matrix gets as many fraction bits as its largest value allows. Then bits are taken away where a shift would
+//! be illegal or an accumulator could pass 48 bits; what cannot be mended so is refused.
+
+use super::fold::Folded;
+use super::{Calibration, QuantizeError, QuantizeOptions};
+use edof_spec::fixed_network::{FixedMatrix, FixedNetworkError};
+use edof_spec::network::{Recurrence, Shrinkage};
+use edof_spec::number::{ACCUMULATOR_BITS, INPUT_FRACTION};
+use edof_spec::{FixedNetwork, Network};
+use ndarray::{Array1, Array2};
+
+/// More fraction bits than these help nobody: they only make accumulators wide.
+const MOST_FRACTION: u32 = 24;
+
+/// Largest |code| of each layer after scaling, without headroom.
+#[must_use]
+pub fn used(calibration: &Calibration, scales: &[f64]) -> Vec<f64> {
+    let scaled = |layer: &[f32]| layer.iter().zip(scales).map(|(v, c)| f64::from(*v) * c).fold(0.0, f64::max);
+    calibration.codes.iter().zip(&calibration.changes).map(|(b, d)| scaled(b).max(scaled(d))).collect()
+}
+
+/// Chooses all formats and rounds.
+///
+/// # Errors
+/// [`QuantizeError::Large`] or [`QuantizeError::Fixed`].
+pub fn integers(
+    folded: &Folded,
+    used: &[f64],
+    network: &Network,
+    options: &QuantizeOptions,
+    float_hash: &str,
+) -> Result<FixedNetwork, QuantizeError> {
+    let bits = options.bits;
+    let refused = |source| QuantizeError::Fixed { bits, source };
+    let mut fractions = code_fractions(folded, used, options, network.form.recurrence);
+    let analysis = weight_fraction("analysis", &folded.analysis, bits)?;
+    let mut recurrent = folded
+        .recurrent
+        .iter()
+        .map(|s| weight_fraction("recurrent", s, bits))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut dictionary = weight_fraction("dictionary", &folded.dictionary, bits)?;
+    let mut linear =
+        folded.linear_path.as_ref().map(|r| weight_fraction("linear_path", r, bits)).transpose()?;
+    make_shifts_legal(&mut fractions, analysis, &recurrent, network);
+    loop {
+        let fixed = FixedNetwork {
+            form: network.form,
+            code_bits: bits,
+            stride: options.stride,
+            overlap: options.overlap,
+            analysis: rounded(&folded.analysis, analysis, bits),
+            thresholds: folded
+                .thresholds
+                .iter()
+                .zip(&fractions)
+                .map(|(theta, &fraction)| thresholds(theta, fraction, bits, network.form.shrinkage))
+                .collect(),
+            recurrent: folded.recurrent.iter().zip(&recurrent).map(|(s, &f)| rounded(s, f, bits)).collect(),
+            dictionary: rounded(&folded.dictionary, dictionary, bits),
+            linear_path: folded.linear_path.as_ref().zip(linear).map(|(r, f)| rounded(r, f, bits)),
+            code_fractions: fractions.clone(),
+            origin: network.origin.clone(),
+            float_hash: float_hash.to_owned(),
+        };
+        match fixed.check() {
+            Ok(()) => return Ok(fixed),
+            Err(FixedNetworkError::Overflow { what: "M", .. }) if recurrent.iter().any(|f| *f > 0) => {
+                let wide: Vec<usize> = (0..network.form.middle_layers())
+                    .filter(|layer| fixed.accumulator_bits()[layer + 1] > ACCUMULATOR_BITS)
+                    .map(|layer| network.form.recurrent_index(layer))
+                    .collect();
+                wide.iter().for_each(|&s| recurrent[s] = recurrent[s].saturating_sub(1));
+                make_shifts_legal(&mut fractions, analysis, &recurrent, network);
+            }
+            // The finer of the two products is what forces the other to be shifted up.
+            Err(FixedNetworkError::Overflow { what: "F", .. }) => {
+                let last = fractions[fractions.len() - 1];
+                match &mut linear {
+                    Some(r) if *r + INPUT_FRACTION > dictionary + last && *r > 0 => *r -= 1,
+                    _ if dictionary > 0 => dictionary -= 1,
+                    _ => return Err(refused(FixedNetworkError::Overflow { what: "F", bits: 64 })),
+                }
+            }
+            Err(source) => return Err(refused(source)),
+        }
+    }
+}
+
+/// The most fraction bits at which every layer's codes, with headroom, and its thresholds keep within their width.
+fn code_fractions(
+    folded: &Folded,
+    used: &[f64],
+    options: &QuantizeOptions,
+    recurrence: Recurrence,
+) -> Vec<u32> {
+    let most = most(options.bits);
+    let fits = |value: f64| {
+        let finest = (most / value.max(1e-9)).log2().floor();
+        finest.clamp(0.0, f64::from(MOST_FRACTION)) as u32
+    };
+    // A threshold of the last share of a bit beyond the range is no reason to lose one.
+    let theta = |t: usize| folded.thresholds[t].iter().fold(0.0, |a: f64, v| a.max(-v));
+    let each: Vec<u32> = used
+        .iter()
+        .enumerate()
+        .map(|(t, u)| fits((u * options.headroom).max(theta(t)) * (1.0 - 1e-12)))
+        .collect();
+    match recurrence {
+        Recurrence::Direct => each,
+        Recurrence::Difference => vec![each.iter().copied().min().unwrap_or(0); each.len()],
+    }
+}
+
+/// Takes fraction bits from codes whose shifts would be negative. The difference form's never are: its codes share a format.
+fn make_shifts_legal(fractions: &mut [u32], analysis: u32, recurrent: &[u32], network: &Network) {
+    fractions[0] = fractions[0].min(INPUT_FRACTION + analysis);
+    if network.form.recurrence == Recurrence::Difference {
+        let first = fractions[0];
+        return fractions.iter_mut().for_each(|f| *f = (*f).min(first));
+    }
+    loop {
+        let before = fractions.to_vec();
+        for layer in 0..network.form.middle_layers() {
+            let sum = fractions[layer] + recurrent[network.form.recurrent_index(layer)];
+            fractions[0] = fractions[0].min(sum);
+            fractions[layer + 1] = fractions[layer + 1].min(sum);
+        }
+        if before == fractions {
+            return;
+        }
+    }
+}
+
+/// The most fraction bits at which the matrix keeps within its width.
+fn weight_fraction(what: &'static str, matrix: &Array2<f64>, bits: u32) -> Result<u32, QuantizeError> {
+    let value = matrix.iter().fold(0.0, |a: f64, w| a.max(w.abs()));
+    let fits = |fraction: &u32| (value * f64::from(*fraction).exp2()).round() <= most(bits);
+    (0..=MOST_FRACTION).rev().find(fits).ok_or(QuantizeError::Large { what, value, bits })
+}
+
+fn rounded(matrix: &Array2<f64>, fraction: u32, bits: u32) -> FixedMatrix {
+    FixedMatrix { weights: matrix.mapv(|w| word(w, fraction, bits)), fraction }
+}
+
+fn thresholds(theta: &Array1<f64>, fraction: u32, bits: u32, shrinkage: Shrinkage) -> Array1<i16> {
+    // A threshold above every code closes its coefficient; the largest code does the same.
+    theta.mapv(|t| {
+        let word = word(t, fraction, bits);
+        if shrinkage == Shrinkage::TwoSided { word.max(0) } else { word }
+    })
+}
+
+fn word(value: f64, fraction: u32, bits: u32) -> i16 {
+    (value * f64::from(fraction).exp2()).round().clamp(-most(bits) - 1.0, most(bits)) as i16
+}
+
+fn most(bits: u32) -> f64 {
+    f64::from((1u32 << (bits - 1)) - 1)
+}

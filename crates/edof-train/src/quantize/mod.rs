@@ -1,0 +1,149 @@
+//! From a float network to the board's integers (network.md, "Numbers").
+//!
+//! | step | module | gives |
+//! |---|---|---|
+//! | measure | [`calibration`] | the largest |b|, |z| of every coefficient on real raw frames |
+//! | fold | [`fold`] | 4:2:2, chroma gain and averaging window inside D and R; equal ranges inside A, θ, S, D |
+//! | round | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
+//! | check | [`evaluate`] | dB lost and saturations, against the float network in the board's own output format |
+//!
+//! Ranges are measured on the float network, so that integers hold every value seen, times a headroom. All layers share the
+//! coefficients' scales (b₁ feeds every one of them); what differs from layer to layer is the count of fraction bits.
+
+pub mod calibration;
+pub mod evaluate;
+pub mod fold;
+pub mod formats;
+
+pub use calibration::Calibration;
+pub use evaluate::{Evaluation, Scene, evaluate};
+
+use edof_spec::fixed_network::{FixedNetworkError, layer_names};
+use edof_spec::network::NetworkError;
+use edof_spec::overlap::Overlap;
+use edof_spec::{FixedNetwork, Network, Stride};
+
+/// What to make of a float network.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuantizeOptions {
+    /// Bits of every weight and code, 8…16.
+    pub bits: u32,
+    /// Stride that the averaging window is made for.
+    pub stride: Stride,
+    /// Averaging window.
+    pub overlap: Overlap,
+    /// Codes may be this much larger than calibration saw before they saturate; 1 or more.
+    pub headroom: f64,
+}
+
+impl Default for QuantizeOptions {
+    fn default() -> Self {
+        Self { bits: 16, stride: Stride::PATCH, overlap: Overlap::Hann, headroom: 1.5 }
+    }
+}
+
+/// A network that cannot be quantized so.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum QuantizeError {
+    /// The float network does not fit its form.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// No integers of this width run exactly.
+    #[error("{bits} bits: {source}")]
+    Fixed {
+        /// The width asked for.
+        bits: u32,
+        /// What could not be met.
+        source: FixedNetworkError,
+    },
+    /// A weight is too large for the width, even without fraction bits.
+    #[error("{what}: holds {value}, which {bits} bits cannot hold once ranges are equal")]
+    Large {
+        /// Which matrix.
+        what: &'static str,
+        /// Its largest weight after equalization.
+        value: f64,
+        /// The width asked for.
+        bits: u32,
+    },
+    /// Headroom below one.
+    #[error("headroom {0}: must be 1 or more")]
+    Headroom(f64),
+    /// Calibration saw nothing, or another form.
+    #[error("calibration: {0}")]
+    Calibration(&'static str),
+}
+
+/// Formats of one layer, as chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerReport {
+    /// I, M1, M2, …, F.
+    pub name: String,
+    /// Largest share of a code's range that calibration used, over all coefficients; none for F.
+    pub range_used: Option<f64>,
+    /// Fraction bits of the result.
+    pub result_fraction: u32,
+    /// Fraction bits of the weights; F has D's and, with a linear path, R's.
+    pub weight_fractions: Vec<u32>,
+    /// Right shift from accumulator to result.
+    pub shift: u32,
+    /// Bits that the accumulator needs for the worst input there is.
+    pub accumulator_bits: u32,
+}
+
+/// Quantizes a network for ranges that `calibration` measured on it. `float_hash` is the SHA-256 of its weight file.
+///
+/// # Errors
+/// [`QuantizeError`].
+pub fn quantize(
+    network: &Network,
+    options: &QuantizeOptions,
+    calibration: &Calibration,
+    float_hash: &str,
+) -> Result<(FixedNetwork, Vec<LayerReport>), QuantizeError> {
+    network.check()?;
+    calibration.check(&network.form)?;
+    if options.headroom.is_nan() || options.headroom < 1.0 {
+        return Err(QuantizeError::Headroom(options.headroom));
+    }
+    if !(8..=16).contains(&options.bits) {
+        let source = FixedNetworkError::CodeBits(options.bits);
+        return Err(QuantizeError::Fixed { bits: options.bits, source });
+    }
+    let scales = fold::scales(network, calibration, options);
+    let folded = fold::fold(network, &scales, options.stride, options.overlap);
+    let used = formats::used(calibration, &scales);
+    let fixed = formats::integers(&folded, &used, network, options, float_hash)?;
+    let report = report(&fixed, &used);
+    Ok((fixed, report))
+}
+
+fn report(fixed: &FixedNetwork, used: &[f64]) -> Vec<LayerReport> {
+    let layers = fixed.form.layers;
+    let bits = fixed.accumulator_bits();
+    layer_names(layers)
+        .enumerate()
+        .zip(bits)
+        .map(|((layer, name), accumulator_bits)| {
+            let full = f64::from(1u32 << (fixed.code_bits - 1)) - 1.0;
+            let code = |t: usize| {
+                let fraction = fixed.code_fractions[t];
+                (Some(used[t] * f64::from(fraction).exp2() / full), fraction)
+            };
+            let ((range_used, result_fraction), weight_fractions, shift, name) = match layer {
+                0 => (code(0), vec![fixed.analysis.fraction], fixed.analysis_shift(), name.to_owned()),
+                _ if layer + 1 == layers => {
+                    let weights = std::iter::once(&fixed.dictionary).chain(&fixed.linear_path);
+                    let fraction = edof_spec::number::OUTPUT_FRACTION;
+                    let weights = weights.map(|m| m.fraction).collect();
+                    ((None, fraction), weights, fixed.final_shifts().result, name.to_owned())
+                }
+                _ => {
+                    let weights = vec![fixed.recurrent_matrix(layer - 1).fraction];
+                    (code(layer), weights, fixed.middle_shifts(layer - 1).result, format!("{name}{layer}"))
+                }
+            };
+            LayerReport { name, range_used, result_fraction, weight_fractions, shift, accumulator_bits }
+        })
+        .collect()
+}
