@@ -1,2 +1,113 @@
-//! The `edof` command.
-fn main() {}
+//! The `edof` command: from a scene to a coded raw frame, from a raw frame to a sharp picture.
+//!
+//! | what | where |
+//! |---|---|
+//! | one thin file a sub-command | [`commands`] |
+//! | results on standard output, progress on standard error | [`ui`] |
+//! | the one line that a failure prints | [`error`] |
+//! | Ctrl-C | [`interrupt`] |
+//! | networks by name, wherever the program is started | [`weights`] |
+//!
+//! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
+
+mod commands;
+mod error;
+mod interrupt;
+mod ui;
+mod weights;
+
+use clap::{Parser, Subcommand};
+use error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use ui::Ui;
+
+/// Computational extended depth of field: a coded lens, a small network, a sharp picture at every depth.
+///
+/// A thin ring mask makes red, green and blue focus at different depths. The sensor behind it gives a raw Bayer frame;
+/// an unrolled sparse-coding network turns the frame into a sharp picture, in floating point or in the very integers
+/// that the board computes with.
+#[derive(Parser)]
+#[command(name = "edof", version, max_term_width = 110, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+
+    /// Write results as JSON to FILE; without FILE (or as `-`) print them in place of text
+    #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    json: Option<PathBuf>,
+
+    /// Say nothing about progress
+    #[arg(long, short, global = true)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  edof demo                                            everything at once, no files needed; see out/report.html
+  edof optics ring-2018 --out out/optics               PSF sheet, MTF and contrast of a camera
+  edof scene chart --out out/chart                     a built-in scene
+  edof capture photo.png --camera ring-outer --psi 8 --out raw.png
+  edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
+  edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
+
+Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
+2 wrong usage, 130 stopped by Ctrl-C.";
+
+#[derive(Subcommand)]
+enum Command {
+    Optics(commands::optics::Args),
+    Scene(commands::scene::Args),
+    Capture(commands::capture::Args),
+    Train(commands::train::Args),
+    Quantize(commands::quantize::Args),
+    Reconstruct(commands::reconstruct::Args),
+    Study(commands::study::Args),
+    Demo(commands::demo::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            ui::last_line(&format!("edof: {error}"));
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<(), Error> {
+    interrupt::install()?;
+    let ui = Ui::new(cli.json, cli.quiet)?;
+    match cli.command {
+        Command::Optics(args) => commands::optics::run(args, &ui),
+        Command::Scene(args) => commands::scene::run(args, &ui),
+        Command::Capture(args) => commands::capture::run(args, &ui),
+        Command::Train(args) => commands::train::run(args, &ui),
+        Command::Quantize(args) => commands::quantize::run(args, &ui),
+        Command::Reconstruct(args) => commands::reconstruct::run(args, &ui),
+        Command::Study(args) => commands::study::run(args, &ui),
+        Command::Demo(args) => commands::demo::run(args, &ui),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_sub_command_shows_an_example() {
+        for sub in Cli::command().get_subcommands_mut() {
+            let help = sub.render_long_help().to_string();
+            assert!(help.contains("Example"), "{} has no example:\n{help}", sub.get_name());
+        }
+    }
+}

@@ -137,7 +137,15 @@ pub fn save_network(path: &Path, network: &Network) -> Result<(), WeightFileErro
 /// # Errors
 /// Any [`WeightFileError`] but `Write`; NaN in weights, foreign and truncated files among them.
 pub fn load_network(path: &Path) -> Result<Network, WeightFileError> {
-    let file = Loaded::open(path)?;
+    parse_network(read(path)?, path)
+}
+
+/// [`load_network`] for bytes at hand; `path` names them in errors.
+///
+/// # Errors
+/// As [`load_network`].
+pub fn parse_network(bytes: Vec<u8>, path: &Path) -> Result<Network, WeightFileError> {
+    let file = Loaded::parse(bytes, path)?;
     if file.metadata.fixed.is_some() {
         return Err(WeightFileError::Kind { path: path.to_owned(), found: "fixed", expected: "float" });
     }
@@ -161,7 +169,15 @@ pub fn load_network(path: &Path) -> Result<Network, WeightFileError> {
 /// # Errors
 /// As [`load_network`].
 pub fn tensor_hash(path: &Path) -> Result<String, WeightFileError> {
-    Ok(Loaded::open(path)?.metadata.sha256)
+    parse_tensor_hash(read(path)?, path)
+}
+
+/// [`tensor_hash`] for bytes at hand; `path` names them in errors.
+///
+/// # Errors
+/// As [`load_network`].
+pub fn parse_tensor_hash(bytes: Vec<u8>, path: &Path) -> Result<String, WeightFileError> {
+    Ok(Loaded::parse(bytes, path)?.metadata.sha256)
 }
 
 /// Saves a fixed network.
@@ -198,7 +214,15 @@ pub fn save_fixed(path: &Path, network: &FixedNetwork) -> Result<(), WeightFileE
 /// # Errors
 /// Any [`WeightFileError`] but `Write`.
 pub fn load_fixed(path: &Path) -> Result<FixedNetwork, WeightFileError> {
-    let file = Loaded::open(path)?;
+    parse_fixed(read(path)?, path)
+}
+
+/// [`load_fixed`] for bytes at hand; `path` names them in errors.
+///
+/// # Errors
+/// As [`load_fixed`].
+pub fn parse_fixed(bytes: Vec<u8>, path: &Path) -> Result<FixedNetwork, WeightFileError> {
+    let file = Loaded::parse(bytes, path)?;
     let Some(fixed) = file.metadata.fixed.clone() else {
         return Err(WeightFileError::Kind { path: path.to_owned(), found: "float", expected: "fixed" });
     };
@@ -324,6 +348,10 @@ fn save(
     Ok(atomic::write(path, &bytes)?)
 }
 
+fn read(path: &Path) -> Result<Vec<u8>, WeightFileError> {
+    std::fs::read(path).map_err(|source| WeightFileError::Read { path: path.to_owned(), source })
+}
+
 struct Loaded {
     path: PathBuf,
     bytes: Vec<u8>,
@@ -331,11 +359,11 @@ struct Loaded {
 }
 
 impl Loaded {
-    fn open(path: &Path) -> Result<Self, WeightFileError> {
-        let bytes = std::fs::read(path)
-            .map_err(|source| WeightFileError::Read { path: path.to_owned(), source })?;
-        let container =
-            |e: safetensors::SafeTensorError| WeightFileError::Container { path: path.to_owned(), reason: e.to_string() };
+    fn parse(bytes: Vec<u8>, path: &Path) -> Result<Self, WeightFileError> {
+        let container = |e: safetensors::SafeTensorError| WeightFileError::Container {
+            path: path.to_owned(),
+            reason: e.to_string(),
+        };
         let foreign = |reason: String| WeightFileError::Foreign { path: path.to_owned(), reason };
         let (_, header) = SafeTensors::read_metadata(&bytes).map_err(container)?;
         let text = header
@@ -359,7 +387,11 @@ impl Loaded {
         Ok(Self { path: path.to_owned(), bytes, metadata })
     }
 
-    fn tensor<T: Element>(&self, name: &str, dimensions: usize) -> Result<(Vec<usize>, Vec<T>), WeightFileError> {
+    fn tensor<T: Element>(
+        &self,
+        name: &str,
+        dimensions: usize,
+    ) -> Result<(Vec<usize>, Vec<T>), WeightFileError> {
         let foreign = |reason: String| WeightFileError::Foreign { path: self.path.clone(), reason };
         let tensors = SafeTensors::deserialize(&self.bytes).map_err(|e| foreign(e.to_string()))?;
         let view = tensors.tensor(name).map_err(|_| foreign(format!("tensor '{name}' is missing")))?;

@@ -1,0 +1,10 @@
+//! One thin file a sub-command: open, check, compute, write, tell. No algorithm lives here.
+
+pub mod capture;
+pub mod demo;
+pub mod optics;
+pub mod quantize;
+pub mod reconstruct;
+pub mod scene;
+pub mod study;
+pub mod train;

@@ -1,0 +1,202 @@
+//! `edof quantize`: from a float network to the board's integers.
+
+use crate::error::Error;
+use crate::interrupt;
+use crate::ui::Ui;
+use crate::weights;
+use edof_golden::Golden;
+use edof_optics::draw::{Builtin, draw};
+use edof_spec::overlap::Overlap;
+use edof_spec::{ColourFrame, Network, Stride, weight_file};
+use edof_study::metrics;
+use edof_study::photos::{self, Selection};
+use edof_train::quantize::{
+    Calibration, Evaluation, LayerReport, QuantizeOptions, Scene, capture, evaluate, quantize,
+};
+use edof_train::reconstruct::{FloatReconstructor, Output};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Pixels at the border that do not count for the dB lost.
+const BORDER: usize = 8;
+/// Built-in scenes that stand in for photographs, and their size.
+const SCENES: u64 = 3;
+const SCENE_SIZE: (usize, usize) = (384, 512);
+
+/// Turn a float network into the integers that the board computes with
+///
+/// Ranges of all codes are measured on photographs (or on built-in scenes) behind the network's own camera, at nine depths of
+/// its range, without noise and with the most it was trained for. The same scenes then tell what the integers cost, against the
+/// float network in the board's output format (4:2:2, 16-bit luma, 8-bit chroma).
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof quantize weights/edof-t4w12.safetensors --images photos/
+  edof quantize edof-t4w12 --bits 12 --stride 4 --out t4w12-12bit.fixed.safetensors --json report.json")]
+pub struct Args {
+    /// Float network: a name such as edof-t4w12, or a file
+    weights: String,
+
+    /// Bits of every weight and code, 8 to 16
+    #[arg(long, default_value_t = 16)]
+    bits: u32,
+
+    /// Pixels from one patch to the next: 2, 4 or 8
+    #[arg(long, default_value_t = 8)]
+    stride: usize,
+
+    /// Averaging window of overlapping patches
+    #[arg(long, value_parser = ["hann", "flat"], default_value = "hann")]
+    overlap: String,
+
+    /// How much larger than measured a code may be before it saturates, 1 or more
+    #[arg(long, default_value_t = 1.5)]
+    headroom: f64,
+
+    /// Folder of photographs to measure on; without it, built-in scenes
+    #[arg(long, value_name = "DIR")]
+    images: Option<PathBuf>,
+
+    /// Which photographs: train (numbers not divisible by 3), all, or numbers such as 1,2
+    #[arg(long, default_value = "train")]
+    photos: Selection,
+
+    /// Weight file to write [default: the float network's name with .fixed.safetensors]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// # Errors
+/// A network, option or folder that cannot be used, or a file that cannot be written.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let network = weights::float(&args.weights)?;
+    let options = QuantizeOptions {
+        bits: args.bits,
+        stride: Stride::new(args.stride)?,
+        overlap: if args.overlap == "flat" { Overlap::Flat } else { Overlap::Hann },
+        headroom: args.headroom,
+    };
+    let pictures = pictures(&args, ui)?;
+    let progress = ui.progress(1, "capture");
+    let scenes =
+        capture(&pictures, &network.origin, |done, total| progress.set_of(done as u64, total as u64))?;
+    drop(progress);
+    interrupt::check()?;
+    let calibration = Calibration::measure(&network, scenes.iter().map(|scene| &scene.raw))?;
+    let hash = weights::float_hash(&args.weights)?;
+    let (fixed, layers) = quantize(&network, &options, &calibration, &hash)?;
+    interrupt::check()?;
+    let golden = Golden::new(fixed)?;
+    let evaluation = judge(&network, &golden, &options, &scenes)?;
+    let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
+    weight_file::save_fixed(&out, golden.network())?;
+    tell(ui, &layers, &evaluation)?;
+    ui.say(format!("{}: written", out.display()))?;
+    ui.json(&report(&args, &out, &layers, &evaluation, calibration.windows))
+}
+
+fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
+    if let Some(folder) = &args.images {
+        let (photos, skipped) = photos::load(folder, &args.photos)?;
+        skipped.iter().for_each(|line| ui.note(line));
+        return Ok(photos.into_iter().map(|photo| (photo.name, photo.frame)).collect());
+    }
+    let (height, width) = SCENE_SIZE;
+    (0..SCENES)
+        .map(|seed| {
+            let scene = draw(Builtin::Leaves, height, width, &[0.0], seed)?;
+            Ok((format!("leaves-{seed}"), scene.sharp()))
+        })
+        .collect()
+}
+
+fn judge(
+    network: &Network,
+    golden: &Golden,
+    options: &QuantizeOptions,
+    scenes: &[Scene<'_>],
+) -> Result<Evaluation, Error> {
+    let float =
+        FloatReconstructor::new(network.clone(), "float422", options.stride, options.overlap, Output::Ycc422);
+    Ok(evaluate(&float, golden, scenes, |sharp, estimate| metrics::psnr(sharp, estimate, BORDER))?)
+}
+
+/// `x.safetensors` gives `x.fixed.safetensors` beside it; a name gives it under `weights/`.
+fn default_out(weights: &str) -> PathBuf {
+    match weights.strip_suffix(".safetensors") {
+        Some(stem) => PathBuf::from(format!("{stem}.fixed.safetensors")),
+        None => PathBuf::from(format!("weights/{weights}.fixed.safetensors")),
+    }
+}
+
+fn tell(ui: &Ui, layers: &[LayerReport], evaluation: &Evaluation) -> Result<(), Error> {
+    ui.say("layer  range used  fraction bits  weights' fraction bits  shift  accumulator bits  saturations  non-zeros")?;
+    let patches = evaluation.counts.patches.max(1) as f64;
+    for (layer, counts) in layers.iter().zip(&evaluation.counts.stages) {
+        let used = layer.range_used.map_or("-".into(), |r| format!("{:.0} %", 100.0 * r));
+        let weights: Vec<String> = layer.weight_fractions.iter().map(u32::to_string).collect();
+        let nonzeros =
+            layer.range_used.map_or("-".into(), |_| format!("{:.1}", counts.nonzeros as f64 / patches));
+        ui.say(format!(
+            "{:5}  {used:>10}  {:>13}  {:>22}  {:>5}  {:>16}  {:>11}  {nonzeros:>9}",
+            layer.name,
+            layer.result_fraction,
+            weights.join(", "),
+            layer.shift,
+            layer.accumulator_bits,
+            counts.saturations(),
+        ))?;
+    }
+    let worst =
+        evaluation.worst().map_or_else(String::new, |w| format!(", most {:.4} dB: {}", w.lost_db(), w.name));
+    ui.say(format!(
+        "lost {:.4} dB on average over {} scenes{worst}",
+        evaluation.mean_lost_db(),
+        evaluation.scenes.len()
+    ))
+}
+
+fn report(
+    args: &Args,
+    out: &std::path::Path,
+    layers: &[LayerReport],
+    evaluation: &Evaluation,
+    windows: u64,
+) -> Value {
+    let patches = evaluation.counts.patches.max(1) as f64;
+    let layers: Vec<Value> = layers
+        .iter()
+        .zip(&evaluation.counts.stages)
+        .map(|(layer, counts)| {
+            json!({
+                "layer": layer.name,
+                "range_used": layer.range_used,
+                "fraction_bits": layer.result_fraction,
+                "weight_fraction_bits": layer.weight_fractions,
+                "shift": layer.shift,
+                "accumulator_bits": layer.accumulator_bits,
+                "saturations": counts.saturations(),
+                "nonzeros_per_patch": layer.range_used.map(|_| counts.nonzeros as f64 / patches),
+            })
+        })
+        .collect();
+    let scenes: Vec<Value> = evaluation
+        .scenes
+        .iter()
+        .map(|s| json!({ "scene": s.name, "float422_db": s.float_db, "fixed_db": s.fixed_db, "lost_db": s.lost_db() }))
+        .collect();
+    json!({
+        "weights": args.weights,
+        "out": out,
+        "bits": args.bits,
+        "stride": args.stride,
+        "overlap": args.overlap,
+        "headroom": args.headroom,
+        "calibration_windows": windows,
+        "layers": layers,
+        "saturated_sums": evaluation.counts.saturated_sums,
+        "clamped_chroma": evaluation.counts.clamped_chroma,
+        "mean_lost_db": evaluation.mean_lost_db(),
+        "worst_lost_db": evaluation.worst().map(|w| w.lost_db()),
+        "scenes": scenes,
+    })
+}

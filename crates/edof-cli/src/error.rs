@@ -1,0 +1,72 @@
+//! The one line that a failure prints.
+
+use std::fmt;
+
+/// Why a sub-command stopped: any error of ours, a message, or Ctrl-C. Always shown as one line.
+///
+/// Every `std::error::Error` converts with `?`, so it cannot be one itself.
+#[derive(Debug)]
+pub enum Error {
+    /// Something was refused or failed.
+    Failed(Box<dyn std::error::Error + Send + Sync>),
+    /// The user pressed Ctrl-C.
+    Interrupted,
+}
+
+impl Error {
+    /// A failure told in our own words: what, where, and what would have been right.
+    pub fn message(text: impl Into<String>) -> Self {
+        Self::Failed(text.into().into())
+    }
+
+    /// Whether the reader of our output went away, as in `edof … | head`: no failure of ours.
+    pub fn is_broken_pipe(&self) -> bool {
+        let Self::Failed(error) = self else { return false };
+        error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    }
+
+    /// Exit status of the program.
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Failed(_) => 1,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Failed(error) => f.write_str(&one_line(&error.to_string())),
+            Self::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
+impl<E: std::error::Error + Send + Sync + 'static> From<E> for Error {
+    fn from(error: E) -> Self {
+        Self::Failed(Box::new(error))
+    }
+}
+
+/// Text from parsers and libraries may hold line breaks; file names may hold control characters.
+fn one_line(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    lines.join("; ").chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_of_several_lines_is_shown_as_one() {
+        assert_eq!(Error::message("first\n  second\n").to_string(), "first; second");
+    }
+
+    #[test]
+    fn a_closed_pipe_is_told_from_other_failures() {
+        let closed = Error::from(std::io::Error::from(std::io::ErrorKind::BrokenPipe));
+        assert!(closed.is_broken_pipe() && !Error::message("x").is_broken_pipe());
+    }
+}

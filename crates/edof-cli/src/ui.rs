@@ -1,0 +1,143 @@
+//! What the user sees: results on standard output (text, or JSON where asked), progress and remarks on standard error.
+
+use crate::error::Error;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+use std::fmt::Display;
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// In a pipe, a plain line of progress comes this often.
+const PLAIN_EVERY: Duration = Duration::from_secs(10);
+
+/// The way to the user's eyes.
+pub struct Ui {
+    json: Option<PathBuf>,
+    quiet: bool,
+}
+
+impl Ui {
+    /// `json` is the value of `--json`: a file, or `-` for standard output.
+    ///
+    /// # Errors
+    /// When `json` names an existing file that is no JSON file: most likely an argument that slipped behind `--json`.
+    pub fn new(json: Option<PathBuf>, quiet: bool) -> Result<Self, Error> {
+        if let Some(path) = &json
+            && path.is_file()
+            && path.extension().is_none_or(|e| e != "json")
+        {
+            return Err(Error::message(format!(
+                "--json {}: exists and is not a .json file; put --json last to print to standard output",
+                path.display()
+            )));
+        }
+        Ok(Self { json, quiet })
+    }
+
+    /// Whether standard output belongs to JSON alone.
+    fn json_on_stdout(&self) -> bool {
+        self.json.as_deref() == Some(Path::new("-"))
+    }
+
+    /// A line of result for people; not shown where `--json` has standard output.
+    ///
+    /// # Errors
+    /// When standard output cannot be written (a closed pipe ends the program quietly).
+    pub fn say(&self, line: impl Display) -> Result<(), Error> {
+        if !self.json_on_stdout() {
+            let mut out = std::io::stdout().lock();
+            writeln!(out, "{line}")?;
+            out.flush()?;
+        }
+        Ok(())
+    }
+
+    /// A remark that is no result, such as a photograph skipped; on standard error.
+    pub fn note(&self, line: impl Display) {
+        last_line(&line.to_string());
+    }
+
+    /// The result as data: printed or written if `--json` was given, else nothing. Call it once a command.
+    ///
+    /// # Errors
+    /// When the file or standard output cannot be written.
+    pub fn json(&self, result: &impl Serialize) -> Result<(), Error> {
+        let Some(path) = &self.json else { return Ok(()) };
+        let text = serde_json::to_string_pretty(result)? + "\n";
+        if self.json_on_stdout() {
+            let mut out = std::io::stdout().lock();
+            out.write_all(text.as_bytes())?;
+            out.flush()?;
+        } else {
+            edof_spec::atomic::write(path, text.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Progress of `total` steps: a bar on a terminal, a plain line now and then in a pipe.
+    pub fn progress(&self, total: u64, what: impl Into<String>) -> Progress {
+        let what = what.into();
+        let terminal = std::io::stderr().is_terminal();
+        let bar = if terminal && !self.quiet {
+            let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+            let template = "{prefix} {wide_bar} {pos}/{len} {eta} {msg}";
+            bar.set_style(
+                ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()),
+            );
+            bar.set_prefix(what.clone());
+            bar
+        } else {
+            ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden())
+        };
+        Progress { bar, what, plain: !terminal && !self.quiet, last_line: Mutex::new(Instant::now()) }
+    }
+}
+
+/// Progress of one piece of work; may be shared between threads. The bar goes away when it is dropped.
+pub struct Progress {
+    bar: ProgressBar,
+    what: String,
+    plain: bool,
+    last_line: Mutex<Instant>,
+}
+
+impl Progress {
+    /// Steps more done.
+    pub fn advance(&self, steps: u64) {
+        self.set(self.bar.position() + steps);
+    }
+
+    /// Steps done in all.
+    pub fn set(&self, position: u64) {
+        self.bar.set_position(position);
+        if !self.plain {
+            return;
+        }
+        let Ok(mut last) = self.last_line.lock() else { return };
+        if last.elapsed() >= PLAIN_EVERY {
+            *last = Instant::now();
+            let message = self.bar.message();
+            let gap = if message.is_empty() { "" } else { " " };
+            let total = self.bar.length().unwrap_or(0);
+            crate::ui::last_line(&format!("{}: {position}/{total}{gap}{message}", self.what));
+        }
+    }
+
+    /// What is being done, or how well, beside the bar.
+    pub fn message(&self, text: impl Into<String>) {
+        self.bar.set_message(text.into());
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A line on standard error; if nobody reads it, nothing is lost.
+pub fn last_line(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}

@@ -1,0 +1,70 @@
+//! Networks by name or by file. `edof-t4w12` stands for `edof-t4w12.safetensors` (float) and
+//! `edof-t4w12.fixed.safetensors` (fixed).
+//!
+//! Looked for in this order: a file of exactly that path; `weights/` in the working directory; the networks that were
+//! under `weights/` when the program was built and travel inside it. So the networks that come with the program are found
+//! from every directory, and a newly trained one takes precedence where it lies.
+
+use crate::error::Error;
+use edof_spec::fixed_network::FixedNetwork;
+use edof_spec::network::Network;
+use edof_spec::weight_file;
+use std::path::{Path, PathBuf};
+
+/// File name and bytes of the networks inside the program.
+const EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
+
+/// Loads a float network by name or file.
+///
+/// # Errors
+/// Nothing of that name, or a file that holds no usable float network.
+pub fn float(name_or_path: &str) -> Result<Network, Error> {
+    let (origin, bytes) = find(name_or_path, ".safetensors")?;
+    Ok(weight_file::parse_network(bytes, &origin)?)
+}
+
+/// Loads a fixed network by name or file.
+///
+/// # Errors
+/// Nothing of that name, or a file that holds no usable fixed network.
+pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, Error> {
+    let (origin, bytes) = find(name_or_path, ".fixed.safetensors")?;
+    Ok(weight_file::parse_fixed(bytes, &origin)?)
+}
+
+/// Where a float network's tensors come from, as [`FixedNetwork::float_hash`] states it.
+///
+/// # Errors
+/// As [`float`].
+pub fn float_hash(name_or_path: &str) -> Result<String, Error> {
+    let (origin, bytes) = find(name_or_path, ".safetensors")?;
+    Ok(weight_file::parse_tensor_hash(bytes, &origin)?)
+}
+
+fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), Error> {
+    let exact = Path::new(name_or_path);
+    let in_folder = Path::new("weights").join(format!("{name_or_path}{suffix}"));
+    for path in [exact, &in_folder] {
+        if path.is_file() {
+            let bytes = std::fs::read(path)
+                .map_err(|source| weight_file::WeightFileError::Read { path: path.to_owned(), source })?;
+            return Ok((path.to_owned(), bytes));
+        }
+    }
+    let file = format!("{name_or_path}{suffix}");
+    if let Some((name, bytes)) = EMBEDDED.iter().find(|(name, _)| *name == file) {
+        return Ok((PathBuf::from(name), bytes.to_vec()));
+    }
+    Err(Error::message(format!(
+        "weights '{name_or_path}': no such file, no {}, and not one of the networks that come with the program ({})",
+        in_folder.display(),
+        names().join(", ")
+    )))
+}
+
+/// Names of the networks inside the program.
+pub fn names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = EMBEDDED.iter().filter_map(|(file, _)| file.split('.').next()).collect();
+    names.dedup();
+    names
+}
