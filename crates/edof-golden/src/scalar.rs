@@ -95,7 +95,7 @@ pub fn shrink(shrinkage: Shrinkage, b: i16, theta: i16, bits: u32) -> (i16, bool
 
 /// Σ w·v over one row.
 fn product(matrix: &FixedMatrix, row: usize, v: &[i16]) -> i64 {
-    matrix.weights.row(row).iter().zip(v).map(|(w, v)| i64::from(*w) * i64::from(*v)).sum()
+    matrix.weights.row(row).iter().zip(v).map(|(w, v)| i64::from(i32::from(*w) * i32::from(*v))).sum()
 }
 
 #[cfg(test)]

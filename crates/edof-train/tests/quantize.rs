@@ -92,7 +92,7 @@ fn options(bits: u32) -> QuantizeOptions {
 /// For each layer the root mean square over windows of (integer − float), codes in units of 1/scale; and what rounding its
 /// weights and results to the chosen fraction bits explains.
 fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec<(f64, f64)> {
-    let calibration = Calibration::measure(network, std::slice::from_ref(frame)).unwrap();
+    let calibration = Calibration::measure(network, [frame]).unwrap();
     let (fixed, report) = quantize(network, options, &calibration, "").unwrap();
     let inputs = |layer| if layer == 0 { network.form.window.pixels() } else { network.form.codes };
     let steps = report.iter().enumerate().map(|(layer, l)| {
@@ -147,7 +147,7 @@ proptest! {
     #[test]
     fn nothing_saturates_where_it_was_calibrated(form in forms(), seed: u64, bits in 10u32..=16) {
         let (network, frame) = (network(form, seed), raw(seed));
-        let calibration = Calibration::measure(&network, std::slice::from_ref(&frame)).unwrap();
+        let calibration = Calibration::measure(&network, [&frame]).unwrap();
         let (fixed, report) = quantize(&network, &options(bits), &calibration, "hash").unwrap();
         prop_assert!(report.iter().all(|l| l.accumulator_bits <= 48));
         prop_assert!(report.iter().filter_map(|l| l.range_used).all(|r| (0.1..=0.7).contains(&r)), "{report:?}");
@@ -166,7 +166,7 @@ fn more_bits_cost_less() {
 #[test]
 fn wrong_options_and_empty_calibrations_are_refused() {
     let good = network(form(3, Shrinkage::TwoSided, false), 1);
-    let seen = Calibration::measure(&good, &[raw(1)]).unwrap();
+    let seen = Calibration::measure(&good, [&raw(1)]).unwrap();
     let refused =
         |n: &Network, o: &QuantizeOptions, c: &Calibration| quantize(n, o, c, "").unwrap_err().to_string();
     assert_eq!(refused(&good, &options(7), &seen), "7 bits: code_bits 7: must be 8 to 16");
@@ -177,7 +177,7 @@ fn wrong_options_and_empty_calibrations_are_refused() {
         "calibration: no windows seen, expected at least one raw frame"
     );
     let longer = network(form(4, Shrinkage::TwoSided, false), 1);
-    let other = Calibration::measure(&longer, &[raw(1)]).unwrap();
+    let other = Calibration::measure(&longer, [&raw(1)]).unwrap();
     assert_eq!(refused(&good, &options(16), &other), "calibration: measured on a network of another form");
     let mut broken = good.clone();
     broken.thresholds.pop();
@@ -191,7 +191,7 @@ fn wrong_options_and_empty_calibrations_are_refused() {
 #[test]
 fn the_averaging_window_is_stated_in_the_integers() {
     let network = network(form(3, Shrinkage::TwoSided, true), 1);
-    let seen = Calibration::measure(&network, &[raw(1)]).unwrap();
+    let seen = Calibration::measure(&network, [&raw(1)]).unwrap();
     let stride = Stride::new(4).unwrap();
     let wanted = QuantizeOptions { stride, overlap: Overlap::Flat, ..options(12) };
     let (fixed, _) = quantize(&network, &wanted, &seen, "abc").unwrap();

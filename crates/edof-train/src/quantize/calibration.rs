@@ -36,11 +36,15 @@ impl Calibration {
     ///
     /// # Errors
     /// [`GeometryError`] for a frame too small for the network's window.
-    pub fn measure(network: &Network, frames: &[RawFrame]) -> Result<Self, GeometryError> {
+    pub fn measure<'a>(
+        network: &Network,
+        frames: impl IntoIterator<Item = &'a RawFrame>,
+    ) -> Result<Self, GeometryError> {
         let weights = flatten(network);
         let geometry = Geometry::new(network.form.window, Stride::PATCH);
+        let frames: Vec<&RawFrame> = frames.into_iter().collect();
         frames
-            .par_iter()
+            .into_par_iter()
             .map(|raw| {
                 let (raw, _) = raw.to_rggb();
                 let (height, width) = raw.size();

@@ -4,18 +4,15 @@
 use edof_golden::{Counts, Golden};
 use edof_spec::{ColourFrame, RawFrame, ReconstructError, Reconstructor};
 
-/// Pixels at the frame's border that do not count.
-const BORDER: usize = 8;
-
 /// A raw frame and what a perfect lens would have shown.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub struct Scene<'a> {
     /// What it is, for messages.
     pub name: String,
     /// What the sensor gave.
     pub raw: RawFrame,
     /// The sharp picture.
-    pub sharp: ColourFrame,
+    pub sharp: &'a ColourFrame,
 }
 
 /// One scene's two results.
@@ -23,7 +20,7 @@ pub struct Scene {
 pub struct SceneLoss {
     /// The scene.
     pub name: String,
-    /// PSNR of the float network in 4:2:2, in dB (RGB, peak 1, border of 8 cropped).
+    /// PSNR of the float network in 4:2:2, in dB.
     pub float_db: f64,
     /// PSNR of the integers, likewise.
     pub fixed_db: f64,
@@ -60,14 +57,16 @@ impl Evaluation {
     }
 }
 
-/// Runs both on every scene. `float` must give the board's format: 4:2:2, 16-bit luma, 8-bit chroma.
+/// Runs both on every scene. `float` must give the board's format: 4:2:2, 16-bit luma, 8-bit chroma. `psnr(sharp, estimate)`
+/// is the metric, in dB.
 ///
 /// # Errors
 /// [`ReconstructError`] for a scene that is too small.
 pub fn evaluate(
     float: &dyn Reconstructor,
     fixed: &Golden,
-    scenes: &[Scene],
+    scenes: &[Scene<'_>],
+    psnr: impl Fn(&ColourFrame, &ColourFrame) -> f64,
 ) -> Result<Evaluation, ReconstructError> {
     let mut counts = Counts::new(fixed.network().form.layers);
     let losses = scenes
@@ -77,20 +76,10 @@ pub fn evaluate(
             counts.merge(&out.counts);
             Ok(SceneLoss {
                 name: scene.name.clone(),
-                float_db: psnr(&float.reconstruct(&scene.raw)?.frame, &scene.sharp),
-                fixed_db: psnr(&out.colour(scene.raw.size()), &scene.sharp),
+                float_db: psnr(scene.sharp, &float.reconstruct(&scene.raw)?.frame),
+                fixed_db: psnr(scene.sharp, &out.colour(scene.raw.size())),
             })
         })
         .collect::<Result<_, ReconstructError>>()?;
     Ok(Evaluation { scenes: losses, counts })
-}
-
-fn psnr(picture: &ColourFrame, sharp: &ColourFrame) -> f64 {
-    let (height, width) = sharp.size();
-    let inner = |frame: &ColourFrame| {
-        frame.crop(BORDER, BORDER, height.saturating_sub(2 * BORDER), width.saturating_sub(2 * BORDER))
-    };
-    let (a, b) = (inner(picture), inner(sharp));
-    let squares: f64 = a.planes.iter().zip(&b.planes).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-    -10.0 * (squares / b.planes.len().max(1) as f64).log10()
 }

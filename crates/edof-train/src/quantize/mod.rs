@@ -2,6 +2,7 @@
 //!
 //! | step | module | gives |
 //! |---|---|---|
+//! | scenes | [`capture`] | sharp pictures behind the network's own camera, over its range of ψ and noise |
 //! | measure | [`calibration`] | the largest |b|, |z| of every coefficient on real raw frames |
 //! | fold | [`fold`] | 4:2:2, chroma gain and averaging window inside D and R; equal ranges inside A, θ, S, D |
 //! | round | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
@@ -11,11 +12,13 @@
 //! coefficients' scales (b₁ feeds every one of them); what differs from layer to layer is the count of fraction bits.
 
 pub mod calibration;
+pub mod capture;
 pub mod evaluate;
 pub mod fold;
 pub mod formats;
 
 pub use calibration::Calibration;
+pub use capture::capture;
 pub use evaluate::{Evaluation, Scene, evaluate};
 
 use edof_spec::fixed_network::{FixedNetworkError, layer_names};

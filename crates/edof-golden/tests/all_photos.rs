@@ -1,0 +1,94 @@
+//! Scalar and fast agree on every stage boundary of every window of all 24 photographs, for every network in `weights/`, and
+//! so do the frames they add up to. Photographs: `EDOF_KODAK`, else `../shared/data/kodak` beside the project.
+
+use edof_golden::fast::Fast;
+use edof_golden::overlap_add::overlap_add;
+use edof_golden::windows::window;
+use edof_golden::{Counts, Golden, sample, scalar};
+use edof_spec::{CfaPhase, FixedNetwork, Geometry, RawFrame, weight_file};
+use ndarray::Array2;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+fn project() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> =
+        entries.map(|e| e.path()).filter(|p| p.to_string_lossy().ends_with(ending)).collect();
+    paths.sort();
+    paths
+}
+
+fn photos() -> Vec<PathBuf> {
+    let folder = std::env::var_os("EDOF_KODAK").map(PathBuf::from);
+    files(&folder.unwrap_or_else(|| project().join("../shared/data/kodak")), ".png")
+}
+
+/// Each pixel's own colour of the photograph, as linear light in 16 bits.
+fn mosaic(path: &Path) -> RawFrame {
+    let photo = image::open(path).unwrap().to_rgb8();
+    let (width, height) = photo.dimensions();
+    let codes = Array2::from_shape_fn((height as usize & !1, width as usize & !1), |(r, c)| {
+        let channel = CfaPhase::Rggb.channel(r, c);
+        u16::from(photo.get_pixel(c as u32, r as u32)[channel.plane()]) * 257
+    });
+    RawFrame::from_codes(codes, 16, CfaPhase::Rggb).unwrap()
+}
+
+fn networks() -> Vec<FixedNetwork> {
+    let committed = files(&project().join("weights"), ".fixed.safetensors");
+    let mut all: Vec<_> = committed.iter().map(|path| weight_file::load_fixed(path).unwrap()).collect();
+    if all.is_empty() {
+        eprintln!("no fixed networks in weights/: a drawn one stands in");
+        all.push(sample::natural(12, 8, 1));
+    }
+    all
+}
+
+/// Compares one photograph; gives the saturations.
+fn compare(network: &FixedNetwork, path: &Path) -> u64 {
+    let raw = mosaic(path);
+    let geometry = Geometry::new(network.form.window, network.stride);
+    let size = raw.size();
+    let columns = geometry.patches(size.0, size.1).1;
+    let fast = Fast::new(network.clone());
+    let mut row_of = (usize::MAX, vec![]);
+    let mut patches = Counts::new(network.form.layers);
+    let mut sums = patches.clone();
+    let frame = overlap_add(
+        geometry,
+        size,
+        |row, column| {
+            if row_of.0 != row {
+                let windows: Vec<i16> = (0..columns).flat_map(|c| window(&raw, geometry, row, c)).collect();
+                row_of = (row, fast.traces(&windows));
+            }
+            let trace = scalar::run(network, &window(&raw, geometry, row, column));
+            assert_eq!(row_of.1[column], trace, "{}, patch {row},{column}", path.display());
+            patches.add(&trace.stages);
+            trace.output
+        },
+        &mut sums,
+    );
+    patches.merge(&sums);
+    let out = Golden::new(network.clone()).unwrap().frame(&raw).unwrap();
+    assert_eq!((out.frame, &out.counts), (frame, &patches), "{}", path.display());
+    patches.saturations()
+}
+
+#[test]
+fn every_boundary_of_every_photo_is_the_same() {
+    let photos = photos();
+    if photos.is_empty() {
+        return eprintln!(
+            "SKIPPED: no photographs; set EDOF_KODAK to a folder with kodim01.png … kodim24.png"
+        );
+    }
+    for network in networks() {
+        let saturations: u64 = photos.par_iter().map(|path| compare(&network, path)).sum();
+        eprintln!("{}: {} photos, {saturations} saturations", network.origin.name, photos.len());
+    }
+}
