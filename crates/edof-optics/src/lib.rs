@@ -8,12 +8,16 @@
 //! | | [`cosine`] | the transform of even planes that both stand on |
 //! | | [`depth`] | ψ for a distance and back |
 //! | | [`mtf`] | contrast over spatial frequency and through focus |
-//! | scene | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
+//! | scene | [`draw`] | charts and leaves drawn by code |
+//! | | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
+//! | all of it | [`capture`](mod@capture) | a scene captured, what each cut of the computation costs and saves |
 
 pub mod blur;
+pub mod capture;
 pub mod cosine;
 pub mod depth;
+pub mod draw;
 pub mod mtf;
 pub mod psf;
 pub mod pupil;

@@ -5,21 +5,24 @@
 //! square pixel, folded at the sensor's sampling frequency and transformed back, is the light that each pixel collects, exactly.
 
 use crate::cosine::{EvenTransform, fold_rows, period};
+use crate::depth::geometric_blur_um;
 use crate::pupil::Pupil;
 use edof_spec::Channel;
 use edof_spec::camera::{Camera, Spectrum};
 use ndarray::{Array1, Array2, Axis, s};
 use rayon::prelude::*;
 
-/// Side of the computed support in pixels.
-pub const SUPPORT: usize = 512;
+/// Side in pixels of the support computed when nothing is cut; a cut kernel's is smaller where the asked energy allows it.
+pub const SUPPORT: usize = 1024;
+/// The farthest from focus, in radians at the reference wavelength, at which the support still holds the blur.
+pub const MOST_DEFOCUS: f64 = 200.0;
 
 /// How exactly PSFs are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Share of the energy that a cut kernel keeps, 0…1.
+    /// Share of the energy that a cut kernel keeps, 0…1; at 1 nothing is cut.
     pub energy: f64,
-    /// Share of the energy that may lie wrong because a spectrum is sampled at few wavelengths.
+    /// Share of the energy that may lie wrong because a spectrum is sampled at few wavelengths; at 0 it is sampled at the most.
     pub wavelength_tolerance: f64,
     /// No cuts: the whole computed support, and as many wavelengths as the program ever takes.
     pub exact: bool,
@@ -37,6 +40,14 @@ impl Settings {
     pub fn exact() -> Self {
         Self { exact: true, ..Self::default() }
     }
+
+    fn cuts_kernels(&self) -> bool {
+        !self.exact && self.energy < 1.0
+    }
+
+    fn cuts_wavelengths(&self) -> bool {
+        !self.exact && self.wavelength_tolerance > 0.0
+    }
 }
 
 /// Light that a point gives to the pixels around its own; even about its centre along rows and along columns.
@@ -47,6 +58,11 @@ pub struct Psf {
     pub kernel: Array2<f32>,
     /// Share of the computed energy that the kernel held before it was scaled to sum 1.
     pub energy_kept: f64,
+    /// Side of the computed support in pixels.
+    pub support: usize,
+    /// Estimated share of the energy that falls beyond the support, from where diffraction at the mask's edges throws it; the
+    /// computation folds it back in.
+    pub energy_beyond: f64,
     /// Wavelengths in nanometres that were summed, equally weighted.
     pub wavelengths_nm: Vec<f64>,
     /// Share of the energy that the last refinement of the wavelengths moved; 0 for a single line.
@@ -100,7 +116,14 @@ impl Psf {
         if let Some(((row, column), _)) = uneven {
             return Err(PsfError::Uneven { row, column });
         }
-        Ok(Self { kernel, energy_kept: 1.0, wavelengths_nm: vec![], wavelength_error: 0.0 })
+        Ok(Self {
+            kernel,
+            energy_kept: 1.0,
+            support: height,
+            energy_beyond: 0.0,
+            wavelengths_nm: vec![],
+            wavelength_error: 0.0,
+        })
     }
 
     /// Pixels along one side of the kernel.
@@ -136,16 +159,40 @@ pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> [Psf; 3] 
     <[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs"))
 }
 
-/// PSF of one channel for an object at `psi`.
+/// PSF of one channel for an object at `psi`, at most [`MOST_DEFOCUS`] from the camera's focus.
 #[must_use]
 pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
-    let (quarter, wavelengths_nm, wavelength_error) = summed(camera, camera.spectrum(channel), psi, settings);
-    let (half, energy_kept) =
-        if settings.exact { (quarter.nrows() - 2, 1.0) } else { smallest_square(&quarter, settings.energy) };
+    let spectrum = camera.spectrum(channel);
+    let (support, energy_beyond) = support(camera, wavelengths(spectrum, 1)[0], psi, settings);
+    let (quarter, wavelengths_nm, wavelength_error) = summed(camera, spectrum, psi, support, settings);
+    let (half, energy_kept) = if settings.cuts_kernels() {
+        smallest_square(&quarter, settings.energy)
+    } else {
+        (quarter.nrows() - 2, 1.0)
+    };
     let side = 2 * half + 1;
     let kernel = Array2::from_shape_fn((side, side), |(r, c)| quarter[(r.abs_diff(half), c.abs_diff(half))]);
     let sum = kernel.sum();
-    Psf { kernel: kernel.mapv(|v| (v / sum) as f32), energy_kept, wavelengths_nm, wavelength_error }
+    let kernel = kernel.mapv(|v| (v / sum) as f32);
+    Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error }
+}
+
+/// Side of the support in pixels, and the share of energy estimated beyond it.
+///
+/// Far from the centre only the pupil's edges send light: a circle of radius ρ at which the pupil jumps by Δ sends the share
+/// 2λF#·ρ|Δ|²/(π²r) beyond the radius r, and 0.9 of that beyond the square around it.
+fn support(camera: &Camera, wavelength_nm: f64, psi: f64, settings: &Settings) -> (usize, f64) {
+    let wave = wave_um(camera, wavelength_nm) / camera.pixel_pitch_um;
+    let edges = Pupil::new(camera, wavelength_nm, psi).edge_strength();
+    let beyond = |half: f64| 0.9 * 2.0 * wave * edges / (std::f64::consts::PI.powi(2) * half);
+    let blur = geometric_blur_um(camera, psi) / camera.pixel_pitch_um;
+    let wanted = if settings.cuts_kernels() {
+        (8.0 * beyond(1.0) / (1.0 - settings.energy)).min(512.0)
+    } else {
+        1024.0
+    };
+    let side = (wanted.max(4.0 * blur) as usize).next_power_of_two().clamp(256, SUPPORT);
+    (side, beyond(0.5 * side as f64).min(1.0))
 }
 
 /// The most wavelengths a channel is sampled at.
@@ -156,9 +203,10 @@ fn summed(
     camera: &Camera,
     spectrum: &Spectrum,
     psi: f64,
+    support: usize,
     settings: &Settings,
 ) -> (Array2<f64>, Vec<f64>, f64) {
-    let at = |nm: f64| quarter_psf(camera, nm, psi);
+    let at = |nm: f64| quarter_psf(camera, nm, psi, support);
     let (mut nodes, mut error) = (wavelengths(spectrum, 1), 0.0);
     let mut mean = at(nodes[0]);
     if !has_width(spectrum) {
@@ -172,7 +220,7 @@ fn summed(
         let next = sum / finer.len() as f64;
         error = whole_sum(&(&next - &mean).mapv(f64::abs)) / 2.0;
         (nodes, mean) = (finer, next);
-        if !settings.exact && error <= settings.wavelength_tolerance {
+        if settings.cuts_wavelengths() && error <= settings.wavelength_tolerance {
             break;
         }
     }
@@ -221,13 +269,13 @@ pub fn wave_um(camera: &Camera, wavelength_nm: f64) -> f64 {
     wavelength_nm * 1e-3 * camera.f_number()
 }
 
-/// The PSF at one wavelength, integrated over pixels, for pixel offsets 0…[`SUPPORT`]/2 along rows and columns (it is even). It
-/// sums to 1 over the whole support.
+/// The PSF at one wavelength, integrated over pixels, for pixel offsets 0…`support`/2 along rows and columns (it is even). It
+/// sums to 1 over the whole support, whose side in pixels is even.
 #[must_use]
-pub fn quarter_psf(camera: &Camera, wavelength_nm: f64, psi: f64) -> Array2<f64> {
-    let n = SUPPORT / 2 + 1;
-    let mut otf = quarter_otf(camera, wavelength_nm, psi, SUPPORT);
-    let footprint: Vec<f64> = (0..otf.nrows()).map(|q| sinc(q as f64 / SUPPORT as f64)).collect();
+pub fn quarter_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
+    let n = support / 2 + 1;
+    let mut otf = quarter_otf(camera, wavelength_nm, psi, support);
+    let footprint: Vec<f64> = (0..otf.nrows()).map(|q| sinc(q as f64 / support as f64)).collect();
     otf.indexed_iter_mut().for_each(|((r, c), v)| *v *= footprint[r] * footprint[c]);
     let folded = fold_rows(fold_rows(otf.view(), n).t(), n);
     let transform = EvenTransform::new(n);

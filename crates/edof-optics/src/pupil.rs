@@ -41,6 +41,13 @@ impl Pupil {
         self.defocus_rad
     }
 
+    /// Σ ρ|Δ|² over the circles at which the pupil jumps, the aperture's edge among them: how much light diffraction throws far.
+    #[must_use]
+    pub fn edge_strength(&self) -> f64 {
+        let next = self.zones.iter().skip(1).map(|(_, phasor)| *phasor).chain([Complex64::new(0.0, 0.0)]);
+        self.zones.iter().zip(next).map(|((rho, phasor), next)| rho * (next - phasor).norm_sqr()).sum()
+    }
+
     /// Mean of the pupil over the radii within `width`/2 of `rho`: a sample of that width sees soft edges, so that the grid does
     /// not show in the PSF.
     #[must_use]
@@ -59,6 +66,7 @@ impl Pupil {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_spec::camera::Delay;
 
     #[test]
     fn a_clear_pupil_in_focus_is_one_inside_and_soft_at_its_edge() {
@@ -82,6 +90,15 @@ mod tests {
         assert!(pupil.sample(0.6, 1e-6).arg().abs() < 1e-9);
         let phase = 9.079_203_f64.rem_euclid(std::f64::consts::TAU);
         assert!((pupil.sample(0.8, 1e-6).arg().rem_euclid(std::f64::consts::TAU) - phase).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_phase_step_of_pi_throws_four_times_the_light_of_an_opaque_edge() {
+        let mut camera = Camera::resolve("ring-2018").unwrap();
+        assert_eq!(Pupil::new(&Camera::resolve("clear").unwrap(), 535.0, 2.0).edge_strength(), 1.0);
+        camera.rings[0].delay = Delay::Phase { rad: std::f64::consts::PI, at_nm: 535.0 };
+        let strength = Pupil::new(&camera, 535.0, 2.0).edge_strength();
+        assert!((strength - (1.0 + 4.0 * 0.68)).abs() < 1e-9);
     }
 
     #[test]

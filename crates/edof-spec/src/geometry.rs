@@ -173,7 +173,7 @@ impl Geometry {
     /// # Errors
     /// [`GeometryError::OddFrame`] or [`GeometryError::SmallFrame`].
     pub const fn check_frame(self, height: usize, width: usize) -> Result<(), GeometryError> {
-        if height % 2 != 0 || width % 2 != 0 {
+        if !height.is_multiple_of(2) || !width.is_multiple_of(2) {
             return Err(GeometryError::OddFrame { height, width });
         }
         let least = self.reach() + 2;
