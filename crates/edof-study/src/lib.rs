@@ -2,6 +2,11 @@
 //!
 //! | what | module | gives |
 //! |---|---|---|
+//! | input | [`photos`] | the test or training photographs of a folder |
+//! | | [`nets`] | trained nets as methods behind their cameras |
+//! | run | [`kodak`] | every method on every photograph, depth and noise level |
+//! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
+//! | | [`demo`] | one scene at four depths through several lenses, with a report |
 //! | compare | [`metrics`] | PSNR and SSIM with the conventions of every number of this project |
 //! | sharpness | [`mtf50`] | MTF and MTF50 of a slanted edge |
 //! | draw | [`plot`] | line and scatter plots as SVG |
@@ -20,8 +25,13 @@
 //! # Ok::<(), edof_study::metrics::MetricError>(())
 //! ```
 
+pub mod demo;
+pub mod kodak;
 pub mod metrics;
 pub mod mtf50;
+pub mod nets;
+pub mod photos;
 pub mod picture;
 pub mod plot;
 pub mod report;
+pub mod summary;

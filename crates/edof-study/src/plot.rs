@@ -417,7 +417,7 @@ mod tests {
     fn a_point_that_is_not_finite_interrupts_the_line() {
         let svg = plot(Axis::linear("x"), &[[0.0, 0.0], [1.0, f64::NAN], [2.0, 1.0], [3.0, 2.0]]).to_svg();
         let path = svg.lines().find(|l| l.contains("class=\"line\"") && l.contains('L')).unwrap();
-        assert_eq!(path.matches(|c: char| c == 'M').count(), 2, "{path}");
+        assert_eq!(path.matches('M').count(), 2, "{path}");
         assert!(!svg.contains("NaN"));
     }
 

@@ -1,15 +1,115 @@
-//! `edof demo`.
+//! `edof demo`: the whole program at once.
 
 use crate::error::Error;
 use crate::ui::Ui;
+use crate::{interrupt, weights};
+use edof_deblur::Malvar;
+use edof_golden::GoldenReconstructor;
+use edof_optics::draw::{Builtin, draw, four_depths};
+use edof_optics::sensor::{Noise, Sensor};
+use edof_spec::{Camera, Reconstructor};
+use edof_study::demo::{self, Lens};
+use edof_study::picture::{self, Tone};
+use std::path::PathBuf;
 
-/// Not written yet.
+/// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
+///
+/// Writes report.html with all pictures side by side, and the pictures themselves as PNG files.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  edof demo")]
-pub struct Args {}
+#[command(after_help = "\
+Examples:
+  edof demo
+  edof demo --scene leaves --noise 0.01 --out out/leaves")]
+pub struct Args {
+    /// Folder for report.html and the pictures
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    out: PathBuf,
+
+    /// Fixed-point net behind the coded lens, by name or weight file
+    #[arg(long, default_value = "edof-t4w12-outer")]
+    net: String,
+
+    /// Fixed-point net behind the clear lens
+    #[arg(long, default_value = "edof-t4w12-clear")]
+    clear_net: String,
+
+    /// chart or leaves
+    #[arg(long, default_value = "chart")]
+    scene: String,
+
+    /// Standard deviation of the noise, in units of full scale
+    #[arg(long, default_value_t = 0.005, value_name = "SIGMA")]
+    noise: f64,
+
+    /// Rows of the scene, even
+    #[arg(long, default_value_t = 480, value_name = "PIXELS")]
+    height: usize,
+
+    /// Columns of the scene, even
+    #[arg(long, default_value_t = 720, value_name = "PIXELS")]
+    width: usize,
+}
 
 /// # Errors
-/// Always, until the sub-command exists.
-pub fn run(_: Args, _: &Ui) -> Result<(), Error> {
-    Err(Error::message("demo: not in this build yet"))
+/// No weights, settings out of range, a folder that cannot be written.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let coded_net = weights::fixed(&args.net)?;
+    let coded_camera = coded_net.origin.camera.clone();
+    let coded = GoldenReconstructor::new(coded_net, format!("{}.fixed", args.net))?;
+    let clear = weights::fixed(&args.clear_net).ok().map(|net| {
+        let camera = net.origin.camera.clone();
+        GoldenReconstructor::new(net, format!("{}.fixed", args.clear_net)).map(|method| (camera, method))
+    });
+    let clear = clear.transpose()?;
+    let scene = draw(
+        args.scene.parse::<Builtin>()?,
+        args.height,
+        args.width,
+        &four_depths(coded_camera.psi_range),
+        1,
+    )?;
+    let sensor = Sensor {
+        depth: 12,
+        noise: Noise { gaussian: args.noise, full_well: None },
+        seed: 1,
+        ..Sensor::default()
+    };
+    std::fs::create_dir_all(&args.out)
+        .map_err(|e| Error::message(format!("{}: cannot make this folder: {e}", args.out.display())))?;
+
+    let malvar = Malvar::default();
+    let plain = || ("demosaiced".to_owned(), &malvar as &dyn Reconstructor);
+    let restored = |method| ("reconstructed".to_owned(), method as &dyn Reconstructor);
+    let lens = |title: &str, camera, methods| Lens { title: title.into(), camera, methods };
+    let mut middle = lens("clear lens, focused mid-range", Camera::resolve("clear-mid")?, vec![plain()]);
+    if let Some((camera, method)) = &clear {
+        middle.camera = camera.clone();
+        middle.methods.push(restored(method));
+    }
+    let lenses = [
+        lens("clear lens, focused on the background", Camera::resolve("clear")?, vec![plain()]),
+        middle,
+        lens("coded lens", coded_camera, vec![plain(), restored(&coded)]),
+    ];
+    let progress = ui.progress(1, "demo");
+    progress.message("capture and reconstruction");
+    let result = demo::run(&scene, &sensor, &lenses)?;
+    interrupt::check()?;
+    drop(progress);
+
+    let report = args.out.join("report.html");
+    result.report(Tone::Code, &command_line(&args))?.save(&report)?;
+    let shots = result.pictures.iter().map(|p| (format!("{} {}", p.lens, p.treatment), &p.frame));
+    for (title, frame) in std::iter::once(("scene".to_owned(), &result.truth)).chain(shots) {
+        let file = title.replace(',', "").replace(' ', "-") + ".png";
+        edof_spec::atomic::write(&args.out.join(file), &picture::png(frame, Tone::Code)?)?;
+    }
+    ui.say(result.to_text())?;
+    ui.say(format_args!("pictures side by side: {}", report.display()))?;
+    ui.json(&result)
+}
+
+/// What was run, as the report states it.
+fn command_line(args: &Args) -> String {
+    format!("edof demo --scene {} --noise {} --net {}", args.scene, args.noise, args.net)
 }
