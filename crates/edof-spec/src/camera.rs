@@ -278,7 +278,9 @@ impl Camera {
             }
             let finite = match ring.delay {
                 Delay::Phase { rad, at_nm } => rad.is_finite() && at_nm.is_finite() && at_nm > 0.0,
-                Delay::Etched { height_um, cauchy } => [height_um, cauchy[0], cauchy[1]].iter().all(|v| v.is_finite()),
+                Delay::Etched { height_um, cauchy } => {
+                    [height_um, cauchy[0], cauchy[1]].iter().all(|v| v.is_finite())
+                }
             };
             if !finite {
                 return refuse("rings", format!("{:?}", ring.delay), "finite numbers, a positive wavelength");

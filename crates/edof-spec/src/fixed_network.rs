@@ -143,11 +143,7 @@ impl FixedNetwork {
         let dictionary = self.code_fractions[self.code_fractions.len() - 1] + self.dictionary.fraction;
         let linear = self.linear_path.as_ref().map_or(dictionary, |r| INPUT_FRACTION + r.fraction);
         let sum = dictionary.max(linear);
-        FinalShifts {
-            dictionary: sum - dictionary,
-            linear_path: sum - linear,
-            result: sum - OUTPUT_FRACTION,
-        }
+        FinalShifts { dictionary: sum - dictionary, linear_path: sum - linear, result: sum - OUTPUT_FRACTION }
     }
 
     /// S of M layer `layer` (0 first).
@@ -163,15 +159,17 @@ impl FixedNetwork {
         let code = 1i128 << (self.code_bits - 1);
         let input = i128::from(i16::MAX);
         let half = |shift: u32| if shift == 0 { 0 } else { 1i128 << (shift - 1) };
-        let mut bits =
-            vec![signed_bits(products(&self.analysis, input).max().unwrap_or(0) + half(self.analysis_shift()))];
+        let mut bits = vec![signed_bits(
+            products(&self.analysis, input).max().unwrap_or(0) + half(self.analysis_shift()),
+        )];
         for layer in 0..self.form.middle_layers() {
             let shifts = self.middle_shifts(layer);
             let sum = products(self.recurrent_matrix(layer), code).max().unwrap_or(0);
             bits.push(signed_bits(sum + (code << shifts.base) + half(shifts.result)));
         }
         let shifts = self.final_shifts();
-        let dictionary: Vec<i128> = products(&self.dictionary, code).map(|p| p << shifts.dictionary).collect();
+        let dictionary: Vec<i128> =
+            products(&self.dictionary, code).map(|p| p << shifts.dictionary).collect();
         let linear: Vec<i128> = match &self.linear_path {
             Some(r) => products(r, input).map(|p| p << shifts.linear_path).collect(),
             None => vec![0; dictionary.len()],
@@ -227,12 +225,13 @@ impl FixedNetwork {
 
     fn check_widths(&self) -> Result<(), FixedNetworkError> {
         let bits = self.code_bits;
-        let fits = |what, values: &mut dyn Iterator<Item = &i16>| {
-            match Iterator::find(&mut &mut *values, |v| (i32::from(**v) >> (bits - 1)) != (i32::from(**v) >> 31)) {
+        let fits =
+            |what, values: &mut dyn Iterator<Item = &i16>| match Iterator::find(&mut &mut *values, |v| {
+                (i32::from(**v) >> (bits - 1)) != (i32::from(**v) >> 31)
+            }) {
                 Some(&value) => Err(FixedNetworkError::TooWide { what, value, bits }),
                 None => Ok(()),
-            }
-        };
+            };
         fits("analysis", &mut self.analysis.weights.iter())?;
         fits("recurrent", &mut self.recurrent.iter().flat_map(|s| s.weights.iter()))?;
         fits("dictionary", &mut self.dictionary.weights.iter())?;
@@ -271,7 +270,8 @@ pub fn layer_names(layers: usize) -> impl Iterator<Item = &'static str> {
 
 /// Largest |Σ w·v| of each row for inputs of at most `largest`.
 fn products(matrix: &FixedMatrix, largest: i128) -> impl Iterator<Item = i128> + '_ {
-    let row_sum = |row: ndarray::ArrayView1<'_, i16>| row.iter().map(|w| i128::from(w.unsigned_abs())).sum::<i128>();
+    let row_sum =
+        |row: ndarray::ArrayView1<'_, i16>| row.iter().map(|w| i128::from(w.unsigned_abs())).sum::<i128>();
     matrix.weights.outer_iter().map(move |row| row_sum(row) * largest)
 }
 
