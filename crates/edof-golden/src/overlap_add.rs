@@ -11,21 +11,26 @@ use edof_spec::number::{CHROMA_SHIFT, requantize, saturate};
 use edof_spec::{Frame422, Geometry};
 use ndarray::Array2;
 
-/// Sums of words over a band of `rows` lines: luma, Cb and Cr one after the other, row by row.
+/// Sums of words over a band of lines.
 #[derive(Debug, Clone)]
 pub struct Band {
-    rows: usize,
-    width: usize,
-    luma: Vec<i32>,
-    chroma: [Vec<i32>; 2],
+    /// Rows × columns.
+    luma: Array2<i32>,
+    /// Cb and Cr: rows × columns/2.
+    chroma: [Array2<i32>; 2],
 }
 
 impl Band {
     /// An empty band of `rows`×`width` pixels (`width` even).
     #[must_use]
     pub fn new(rows: usize, width: usize) -> Self {
-        let chroma = vec![0; rows * width / 2];
-        Self { rows, width, luma: vec![0; rows * width], chroma: [chroma.clone(), chroma] }
+        let chroma = || Array2::zeros((rows, width / 2));
+        Self { luma: Array2::zeros((rows, width)), chroma: [chroma(), chroma()] }
+    }
+
+    /// Empties the band.
+    pub fn clear(&mut self) {
+        self.planes_mut().for_each(|plane| plane.fill(0));
     }
 
     /// Adds a patch of 128 words whose corner lies at `row`, `column` (even); what lies outside the band is left out.
@@ -33,46 +38,38 @@ impl Band {
         let (luma, chroma) = words.split_at(PATCH_PIXELS);
         let (cb, cr) = chroma.split_at(PATCH_PIXELS / 2);
         let [sum_cb, sum_cr] = &mut self.chroma;
-        add_block(&mut self.luma, self.width, luma, PATCH, row, column);
-        add_block(sum_cb, self.width / 2, cb, PATCH / 2, row, column / 2);
-        add_block(sum_cr, self.width / 2, cr, PATCH / 2, row, column / 2);
+        add_block(&mut self.luma, luma, PATCH, row, column);
+        add_block(sum_cb, cb, PATCH / 2, row, column / 2);
+        add_block(sum_cr, cr, PATCH / 2, row, column / 2);
     }
 
     /// Adds a band of the same width whose first line is this one's line `row`; what lies outside is left out.
     pub fn add_band(&mut self, other: &Self, row: isize) {
         let first = usize::try_from(-row).unwrap_or(0);
         let start = usize::try_from(row).unwrap_or(0);
-        let add = |sum: &mut [i32], words: &[i32], width: usize| {
-            let (sum, words) = (sum.get_mut(start * width..), words.get(first * width..));
-            if let (Some(sum), Some(words)) = (sum, words) {
-                sum.iter_mut().zip(words).for_each(|(s, w)| *s += w);
-            }
-        };
-        add(&mut self.luma, &other.luma, self.width);
-        for (sum, words) in self.chroma.iter_mut().zip(&other.chroma) {
-            add(sum, words, self.width / 2);
+        for (plane, more) in self.planes_mut().zip([&other.luma, &other.chroma[0], &other.chroma[1]]) {
+            let lines = plane.outer_iter_mut().skip(start).zip(more.outer_iter().skip(first));
+            lines.for_each(|(mut line, more)| line += &more);
         }
     }
 
     /// Rounds the sums to the 4:2:2 frame and counts what did not fit.
     #[must_use]
     pub fn finish(&self, counts: &mut Counts) -> Frame422 {
-        let luma = Array2::from_shape_fn((self.rows, self.width), |(r, c)| {
-            let (word, saturated) = saturate(self.luma[r * self.width + c].into(), 16);
-            counts.saturated_sums += u64::from(saturated);
-            word
-        });
-        let half = self.width / 2;
-        let chroma = self.chroma.each_ref().map(|sums| {
-            Array2::from_shape_fn((self.rows, half), |(r, c)| {
-                let (word, saturated) = saturate(sums[r * half + c].into(), 16);
-                let (code, clamped) = chroma_code(word);
-                counts.saturated_sums += u64::from(saturated);
-                counts.clamped_chroma += u64::from(clamped);
-                code
-            })
+        let mut words = |sums: &Array2<i32>| {
+            counts.saturated_sums += sums.iter().filter(|s| i32::from(**s as i16) != **s).count() as u64;
+            sums.mapv(|s| saturate(s.into(), 16).0)
+        };
+        let (luma, chroma) = (words(&self.luma), self.chroma.each_ref().map(words));
+        let chroma = chroma.map(|words| {
+            counts.clamped_chroma += words.iter().filter(|w| chroma_code(**w).1).count() as u64;
+            words.mapv(|w| chroma_code(w).0)
         });
         Frame422 { luma, chroma }
+    }
+
+    fn planes_mut(&mut self) -> impl Iterator<Item = &mut Array2<i32>> {
+        std::iter::once(&mut self.luma).chain(&mut self.chroma)
     }
 }
 
@@ -100,17 +97,14 @@ pub fn overlap_add(
     band.finish(counts)
 }
 
-/// Adds a block of lines `side` words long at `row`, `column` of a plane `width` wide, cut at the plane's borders.
-fn add_block(plane: &mut [i32], width: usize, block: &[i16], side: usize, row: isize, column: isize) {
-    let rows = plane.len() / width;
-    let first = usize::try_from(-column).unwrap_or(0).min(side);
-    let start = usize::try_from(column).unwrap_or(0);
-    for (offset, line) in block.chunks_exact(side).enumerate() {
-        let Ok(at) = usize::try_from(row + offset as isize) else { continue };
-        if at < rows {
-            let target = plane[at * width..(at + 1) * width].iter_mut().skip(start);
-            target.zip(&line[first..]).for_each(|(sum, word)| *sum += i32::from(*word));
-        }
+/// Adds a block of lines `side` words long at `row`, `column` of a plane, cut at the plane's borders.
+fn add_block(plane: &mut Array2<i32>, block: &[i16], side: usize, row: isize, column: isize) {
+    let hidden = |start: isize| usize::try_from(-start).unwrap_or(0);
+    let visible = |start: isize| usize::try_from(start).unwrap_or(0);
+    let lines = plane.outer_iter_mut().skip(visible(row)).zip(block.chunks_exact(side).skip(hidden(row)));
+    for (mut line, words) in lines {
+        let sums = line.iter_mut().skip(visible(column));
+        sums.zip(words.iter().skip(hidden(column))).for_each(|(sum, word)| *sum += i32::from(*word));
     }
 }
 

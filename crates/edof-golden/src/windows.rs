@@ -3,7 +3,6 @@
 use edof_spec::geometry::mirror;
 use edof_spec::number::input_word;
 use edof_spec::{Geometry, RawFrame};
-use ndarray::Array2;
 
 /// Input words of the window around patch (`row`, `column`) of a red-first frame, row by row, mirrored at the borders.
 /// Reads like the specification; [`Mirrored`] gives the same words faster.
@@ -21,7 +20,8 @@ pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> 
 /// A frame as input words with its mirrored border around it, so that every window is a plain block.
 #[derive(Debug, Clone)]
 pub struct Mirrored {
-    words: Array2<i16>,
+    words: Vec<i16>,
+    width: usize,
     geometry: Geometry,
 }
 
@@ -33,20 +33,20 @@ impl Mirrored {
         let reach = geometry.reach();
         let inside = |index: usize, length| mirror(index as isize - reach as isize, length);
         let columns: Vec<usize> = (0..width + 2 * reach).map(|c| inside(c, width)).collect();
-        let mut words = Array2::zeros((height + 2 * reach, width + 2 * reach));
-        for (r, mut line) in words.outer_iter_mut().enumerate() {
-            let source = raw.pixels().row(inside(r, height));
-            line.iter_mut().zip(&columns).for_each(|(word, &c)| *word = input_word(source[c]).to_bits());
+        let mut words = Vec::with_capacity((height + 2 * reach) * columns.len());
+        for r in 0..height + 2 * reach {
+            let line = raw.pixels().row(inside(r, height));
+            words.extend(columns.iter().map(|&c| input_word(line[c]).to_bits()));
         }
-        Self { words, geometry }
+        Self { words, width: columns.len(), geometry }
     }
 
     /// Writes the window around patch (`row`, `column`) into `out`, row by row.
     pub fn copy_window(&self, row: usize, column: usize, out: &mut [i16]) {
         let start = |index| (self.geometry.window_start(index) + self.geometry.reach() as isize) as usize;
         let (top, left, side) = (start(row), start(column), self.geometry.window.side());
-        for (line, out) in self.words.outer_iter().skip(top).zip(out.chunks_exact_mut(side)) {
-            out.iter_mut().zip(line.iter().skip(left)).for_each(|(to, from)| *to = *from);
+        for (line, out) in self.words.chunks_exact(self.width).skip(top).zip(out.chunks_exact_mut(side)) {
+            out.copy_from_slice(&line[left..left + side]);
         }
     }
 }
@@ -55,6 +55,7 @@ impl Mirrored {
 mod tests {
     use super::*;
     use edof_spec::{CfaPhase, Stride, Window};
+    use ndarray::Array2;
 
     #[test]
     fn blocks_of_the_mirrored_frame_are_the_windows() {

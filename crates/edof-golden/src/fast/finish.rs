@@ -147,6 +147,16 @@ for_each_isa! {
     }
 }
 
+for_each_isa! {
+    /// Bit i tells whether word i (of at most 64) is not zero.
+    nonzero_mask(words: &[i16]) -> u64 {
+        let bytes = words.chunks(8).map(|eight| {
+            eight.iter().enumerate().map(|(i, w)| u8::from(*w != 0) << i).fold(0, |byte, bit| byte | bit)
+        });
+        bytes.enumerate().map(|(i, byte)| u64::from(byte) << (8 * i)).fold(0, |mask, byte| mask | byte)
+    }
+}
+
 /// What is added before shifting right by `shift`.
 const fn rounding(shift: u32) -> i64 {
     if shift == 0 { 0 } else { 1 << (shift - 1) }

@@ -235,7 +235,7 @@ impl Fast {
             let sums = match (matrix, before) {
                 (Some(matrix), [.., last]) => {
                     let sums = &mut batch.accumulators[..stride];
-                    batch.pairs.collect(&last.sent[at.clone()], &matrix.bounds);
+                    batch.pairs.collect(self.isa, &last.sent[at.clone()], &matrix.bounds);
                     self.sparse(matrix, &batch.pairs, sums);
                     &*sums
                 }
@@ -264,7 +264,7 @@ impl Fast {
         let Some(last) = batch.codes.last() else { return };
         for i in 0..count {
             let sums = &mut batch.accumulators[..stride];
-            batch.pairs.collect(&last.sent[i * n..(i + 1) * n], &self.dictionary.bounds);
+            batch.pairs.collect(self.isa, &last.sent[i * n..(i + 1) * n], &self.dictionary.bounds);
             self.sparse(&self.dictionary, &batch.pairs, sums);
             let linear = self.linear_path.is_some().then(|| &batch.linear[i * stride..][..OUTPUTS_422]);
             let output = &mut batch.output[i * OUTPUTS_422..][..OUTPUTS_422];

@@ -1,5 +1,13 @@
 //! The non-zero words of a sparse vector, two at a time, cut where a 32-bit sum could overflow.
 
+use super::{Isa, finish};
+
+/// The largest sum that 32 bits hold.
+const MOST: u64 = i32::MAX as u64;
+
+/// A column and its word.
+type Word = (u32, i16);
+
 /// Two non-zero words and their columns; the second is zero (of the first's column) where the first stands alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
@@ -16,38 +24,50 @@ pub struct Pair {
 pub struct Pairs {
     pairs: Vec<Pair>,
     ends: Vec<usize>,
-    nonzeros: Vec<(u32, i16)>,
+    /// What bounds the sums of the last segment.
+    sum: u64,
 }
 
 impl Pairs {
     /// Collects the non-zero words of `vector`; `bounds` are the columns' largest |weight|.
-    pub fn collect(&mut self, vector: &[i16], bounds: &[u32]) {
+    pub fn collect(&mut self, isa: Isa, vector: &[i16], bounds: &[u32]) {
         self.pairs.clear();
         self.ends.clear();
-        self.nonzeros.resize(vector.len(), (0, 0));
-        let mut count = 0;
-        for (index, &word) in vector.iter().enumerate() {
-            self.nonzeros[count] = (index as u32, word);
-            count += usize::from(word != 0);
+        self.sum = 0;
+        let mut alone: Option<(Word, u64)> = None;
+        for (start, words) in vector.chunks(64).enumerate() {
+            let mut mask = finish::nonzero_mask(isa, words);
+            while mask != 0 {
+                let index = start * 64 + mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                let word = (index as u32, vector[index]);
+                let bound = u64::from(bounds[index]) * u64::from(word.1.unsigned_abs());
+                match alone.take() {
+                    None => alone = Some((word, bound)),
+                    Some((first, of_first)) if of_first + bound <= MOST => {
+                        self.push(pair(first, word), of_first + bound);
+                    }
+                    Some((first, of_first)) => {
+                        self.push(pair(first, (first.0, 0)), of_first);
+                        alone = Some((word, bound));
+                    }
+                }
+            }
         }
-        let bound =
-            |(index, word): (u32, i16)| u64::from(bounds[index as usize]) * u64::from(word.unsigned_abs());
-        let mut sum = 0;
-        let mut push = |pair: Pair, bound: u64| {
-            if sum + bound > i32::MAX as u64 {
-                self.ends.push(self.pairs.len());
-                sum = 0;
-            }
-            sum += bound;
-            self.pairs.push(pair);
-        };
-        for two in self.nonzeros[..count].chunks(2) {
-            match *two {
-                [a, b] if bound(a) + bound(b) <= i32::MAX as u64 => push(pair(a, b), bound(a) + bound(b)),
-                _ => two.iter().for_each(|&a| push(pair(a, (a.0, 0)), bound(a))),
-            }
+        if let Some((last, bound)) = alone {
+            self.push(pair(last, (last.0, 0)), bound);
         }
         self.ends.push(self.pairs.len());
+    }
+
+    /// Adds a pair whose products stay within `bound`.
+    fn push(&mut self, pair: Pair, bound: u64) {
+        if self.sum + bound > MOST {
+            self.ends.push(self.pairs.len());
+            self.sum = 0;
+        }
+        self.sum += bound;
+        self.pairs.push(pair);
     }
 
     /// Segments of pairs, in order; always at least one, which may be empty.
@@ -57,7 +77,7 @@ impl Pairs {
     }
 }
 
-fn pair((first, a): (u32, i16), (second, b): (u32, i16)) -> Pair {
+fn pair((first, a): Word, (second, b): Word) -> Pair {
     Pair { first, second, words: i32::from(a as u16) | (i32::from(b) << 16) }
 }
 
@@ -67,7 +87,7 @@ mod tests {
 
     fn collected(vector: &[i16], bound: u32) -> Vec<Vec<Pair>> {
         let mut pairs = Pairs::default();
-        pairs.collect(vector, &vec![bound; vector.len()]);
+        pairs.collect(Isa::best(), vector, &vec![bound; vector.len()]);
         pairs.segments().map(<[Pair]>::to_vec).collect()
     }
 
