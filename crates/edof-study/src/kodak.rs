@@ -138,7 +138,8 @@ pub fn run(
     let (mut rows, mut done) = (vec![], 0);
     for bench in benches {
         for &psi in &conditions.psi {
-            if !((psi - bench.camera.focus_psi).abs() <= MOST_DEFOCUS) {
+            let defocus = (psi - bench.camera.focus_psi).abs();
+            if defocus.is_nan() || defocus > MOST_DEFOCUS {
                 return Err(KodakError::Psi { psi, camera: bench.camera.name.clone() });
             }
             let psfs = channel_psfs(&bench.camera, psi, &conditions.optics);

@@ -1,6 +1,8 @@
 //! What an experiment's rows say together: averages, worst depths, what fixed point and 4:2:2 cost.
 
 use crate::kodak::Row;
+use crate::plot::{Axis, Mark, Plot, Series, side_by_side};
+use crate::report::Report;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -87,7 +89,69 @@ impl Study {
     }
 }
 
+impl Study {
+    /// The report: PSNR against depth for each noise level, and the tables; `command` tells how to make it again.
+    #[must_use]
+    pub fn report(&self, command: &str) -> Report {
+        let mut report = Report::new("Photographs through each net's camera");
+        report.paragraph(&format!("Made by `{command}`."));
+        self.summary.notes.iter().for_each(|note| {
+            report.paragraph(note);
+        });
+        report.heading("PSNR at each depth");
+        report.plot(&side_by_side(&self.summary.plots()));
+        report.heading("Averages over photographs and depths");
+        let header = ["method", "camera", "noise", "average dB", "worst dB", "at ψ", "SSIM", "s/megapixel"];
+        let rows: Vec<Vec<String>> = self
+            .summary
+            .methods
+            .iter()
+            .map(|m| {
+                let numbers =
+                    [m.noise.to_string(), format!("{:.2}", m.average_db), format!("{:.2}", m.worst_db)];
+                let rest = [
+                    m.worst_psi.to_string(),
+                    format!("{:.4}", m.ssim),
+                    format!("{:.4}", m.seconds_per_megapixel),
+                ];
+                [m.method.clone(), m.camera.clone()].into_iter().chain(numbers).chain(rest).collect()
+            })
+            .collect();
+        report.table(&header, &rows);
+        report
+    }
+}
+
 impl Summary {
+    /// PSNR against ψ, one diagram for each noise level; solid lines are float, dotted ones fixed point, dashed ones the rest.
+    /// `float422` is left out: it lies on the fixed line.
+    #[must_use]
+    pub fn plots(&self) -> Vec<Plot> {
+        let noises = sorted(self.methods.iter().map(|m| m.noise));
+        let lines = |noise: f64| {
+            let own = self.methods.iter().filter(move |m| m.noise == noise && !m.method.ends_with(FLOAT_422));
+            own.map(|m| {
+                let mark = if m.method.ends_with(FLOAT) {
+                    Mark::LineAndPoints
+                } else if m.method.ends_with(FIXED) {
+                    Mark::Dotted
+                } else {
+                    Mark::Dashed
+                };
+                Series::new(&m.method, mark, m.psi_db.iter().copied())
+            })
+        };
+        noises
+            .into_iter()
+            .map(|noise| Plot {
+                title: format!("noise {noise}"),
+                x: Axis::linear("ψ (rad)"),
+                y: Axis::linear("PSNR (dB)"),
+                series: lines(noise).collect(),
+            })
+            .collect()
+    }
+
     /// Tables for a terminal.
     #[must_use]
     pub fn to_text(&self) -> String {
@@ -284,6 +348,21 @@ mod tests {
         let study = Study::new(rows, vec!["n: no fixed file".into()]);
         assert_eq!(study.summary.nets[0].largest_fixed_loss_db, None);
         assert!(!study.summary.to_text().contains("fixed point"));
+    }
+
+    #[test]
+    fn the_report_draws_one_line_a_method_and_noise() {
+        let rows = vec![
+            row("n.float", "p", 0.0, 0.0, 34.0),
+            row("n.float422", "p", 0.0, 0.0, 34.0),
+            row("n.fixed", "p", 0.0, 0.0, 34.0),
+            row("n.float", "p", 0.0, 0.01, 34.0),
+        ];
+        let study = Study::new(rows, vec!["a note".into()]);
+        let drawn: Vec<usize> = study.summary.plots().iter().map(|p| p.series.len()).collect();
+        assert_eq!(drawn, [2, 1]);
+        let html = study.report("edof study").to_html();
+        assert!(html.contains("a note") && html.contains("edof study") && html.matches("<tr>").count() == 5);
     }
 
     #[test]

@@ -72,6 +72,10 @@ struct Kodak {
     #[arg(long, default_value = "test")]
     photos: String,
 
+    /// Also write an HTML report with plots
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+
     /// Whole kernels: no cut by energy
     #[arg(long)]
     exact: bool,
@@ -96,7 +100,7 @@ fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
         loaded.push(net);
         notes.extend(note);
     }
-    let folder = args.images.map_or_else(photos::default_folder, Ok)?;
+    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
     let selection: Selection = args.photos.parse()?;
     let (photos, skipped) = photos::load(&folder, &selection)?;
     if !skipped.is_empty() {
@@ -119,6 +123,10 @@ fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
         other => other?,
     };
     let study = Study::new(rows, notes);
+    if let Some(path) = &args.report {
+        let command = format!("edof study kodak --nets {}", args.nets.join(","));
+        study.report(&command).save(path)?;
+    }
     ui.say(study.summary.to_text().trim_end())?;
     ui.json(&study)
 }
