@@ -1,1 +1,30 @@
 //! Photographs and raw Bayer frames in files.
+//!
+//! | what | module |
+//! |---|---|
+//! | photographs: PNG, TIFF, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
+//! | raw frames: PNG, TIFF, PGM, and headerless 16-bit files | [`raw`] |
+//! | pixels as files hold them, before either meaning is given to them | [`samples`] |
+//! | PGM and PPM with any maximum value | [`pnm`] |
+//!
+//! Everything is written through [`edof_spec::atomic`]: a file appears whole or not at all.
+//!
+//! ```
+//! use edof_io::{photo, raw};
+//! use edof_spec::{CfaPhase, ColourFrame, RawFrame};
+//! let folder = tempfile::tempdir()?;
+//! let at = |name| folder.path().join(name);
+//!
+//! photo::save(&at("grey.png"), &ColourFrame::zeros(4, 6), 16)?;
+//! assert_eq!(photo::load(&at("grey.png"))?.size(), (4, 6));
+//!
+//! let frame = RawFrame::from_codes(ndarray::Array2::from_elem((4, 6), 1000), 12, CfaPhase::Rggb)?;
+//! raw::save(&at("frame.pgm"), &frame)?;
+//! assert_eq!(raw::load(&at("frame.pgm"), &raw::RawOptions::default())?, frame);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod photo;
+pub mod pnm;
+pub mod raw;
+pub mod samples;

@@ -1,0 +1,193 @@
+//! Photographs: files to linear light and back. Code values are taken as linear light, as the study does.
+
+use crate::samples::{self, Samples, SamplesError};
+use edof_spec::ColourFrame;
+use ndarray::Array3;
+use std::path::{Path, PathBuf};
+
+/// A photograph that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum PhotoError {
+    /// The file itself.
+    #[error(transparent)]
+    Samples(#[from] SamplesError),
+    /// Neither 8 nor 16 bits.
+    #[error("{path}: {bits} bits a sample: must be 8 or 16", path = path.display())]
+    Bits {
+        /// The file that was asked for.
+        path: PathBuf,
+        /// Bits that were asked for.
+        bits: u32,
+    },
+}
+
+/// A folder without a single photograph that can be used.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// The folder cannot be listed.
+    #[error("{folder}: cannot list: {source}", folder = folder.display())]
+    List {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// No file with the ending of a photograph.
+    #[error("{folder}: holds no photographs, expected .png, .tif, .tiff, .ppm or .pgm files", folder = folder.display())]
+    Empty {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// Photographs, none of which can be read.
+    #[error("{folder}: none of its {count} photographs can be read; the first: {first}", folder = folder.display())]
+    NoneReadable {
+        /// The folder.
+        folder: PathBuf,
+        /// How many there are.
+        count: usize,
+        /// What is wrong with the first.
+        first: PhotoError,
+    },
+}
+
+/// A photograph and the name of its file without the ending.
+pub type Named = (String, ColourFrame);
+
+/// Reads a PNG, TIFF, PPM or PGM of 8 or 16 bits. Grey gives three equal planes, alpha is dropped, full scale becomes 1.
+///
+/// # Errors
+/// [`PhotoError::Samples`] naming the file.
+pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
+    let Samples { planes, full_scale } = samples::decode(&samples::read(path)?, path)?;
+    let (channels, height, width) = planes.dim();
+    let scale = f32::from(full_scale);
+    let light = |(p, r, c): (usize, usize, usize)| f32::from(planes[(p.min(channels - 1), r, c)]) / scale;
+    Ok(ColourFrame { planes: Array3::from_shape_fn((3, height, width), light) })
+}
+
+/// Writes linear light as code values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are
+/// rounded and clipped to 0…1.
+///
+/// # Errors
+/// [`PhotoError`]; no file is left half written.
+pub fn save(path: &Path, frame: &ColourFrame, bits: u32) -> Result<(), PhotoError> {
+    let full_scale = match bits {
+        8 => u16::from(u8::MAX),
+        16 => u16::MAX,
+        _ => return Err(PhotoError::Bits { path: path.to_owned(), bits }),
+    };
+    let planes = frame.planes.mapv(|v| (v.clamp(0.0, 1.0) * f32::from(full_scale)).round() as u16);
+    Ok(samples::save(path, &Samples { planes, full_scale })?)
+}
+
+/// All photographs of a folder by name, in alphabetical order, and what was wrong with those that had to be skipped.
+///
+/// # Errors
+/// [`FolderError`] when there is no folder, no photograph, or none that can be read.
+pub fn load_folder(folder: &Path) -> Result<(Vec<Named>, Vec<PhotoError>), FolderError> {
+    let cannot = |source| FolderError::List { folder: folder.to_owned(), source };
+    let entries =
+        std::fs::read_dir(folder).map_err(cannot)?.collect::<Result<Vec<_>, _>>().map_err(cannot)?;
+    let mut files: Vec<PathBuf> = entries.into_iter().map(|e| e.path()).collect();
+    files.retain(|file| samples::Format::of_ending(file).is_some());
+    files.sort();
+    let count = files.len();
+    let (mut photos, mut skipped) = (vec![], vec![]);
+    for file in files {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        match load(&file) {
+            Ok(frame) => photos.push((name, frame)),
+            Err(error) => skipped.push(error),
+        }
+    }
+    if photos.is_empty() {
+        let folder = folder.to_owned();
+        return Err(match skipped.into_iter().next() {
+            Some(first) => FolderError::NoneReadable { folder, count, first },
+            None => FolderError::Empty { folder },
+        });
+    }
+    Ok((photos, skipped))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp() -> ColourFrame {
+        ColourFrame {
+            planes: Array3::from_shape_fn((3, 4, 6), |(p, r, c)| (p * 24 + r * 6 + c) as f32 / 71.0),
+        }
+    }
+
+    #[test]
+    fn a_photograph_comes_back_to_half_a_code() {
+        let dir = tempfile::tempdir().unwrap();
+        for (ending, bits) in [("png", 8), ("png", 16), ("tif", 8), ("tif", 16), ("ppm", 8), ("ppm", 16)] {
+            let path = dir.path().join(format!("photo.{ending}"));
+            save(&path, &ramp(), bits).unwrap();
+            let half_a_code = 0.5 / ((1 << bits) - 1) as f32;
+            let back = load(&path).unwrap();
+            for (a, b) in back.planes.iter().zip(&ramp().planes) {
+                assert!((a - b).abs() <= half_a_code * 1.01, "{ending} {bits}");
+            }
+        }
+    }
+
+    #[test]
+    fn grey_gives_three_equal_planes() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("grey.pgm");
+        std::fs::write(&path, "P2 2 1 100\n25 100").unwrap();
+        assert_eq!(load(&path).unwrap().planes.iter().copied().collect::<Vec<_>>(), [0.25, 1.0].repeat(3));
+    }
+
+    #[test]
+    fn light_outside_the_range_is_clipped_and_nan_is_black() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("x.ppm");
+        let mut frame = ColourFrame::zeros(1, 3);
+        for (c, v) in [-0.5, 1.5, f32::NAN].into_iter().enumerate() {
+            frame.planes[(0, 0, c)] = v;
+        }
+        save(&path, &frame, 8).unwrap();
+        assert_eq!(load(&path).unwrap().planes.slice(ndarray::s![0, 0, ..]).to_vec(), [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn other_depths_are_refused() {
+        let error = save(Path::new("x.png"), &ramp(), 12).unwrap_err().to_string();
+        assert_eq!(error, "x.png: 12 bits a sample: must be 8 or 16");
+    }
+
+    #[test]
+    fn a_missing_photograph_is_named() {
+        assert!(
+            load(Path::new("no/such.png")).unwrap_err().to_string().starts_with("no/such.png: cannot read")
+        );
+    }
+
+    #[test]
+    fn unreadable_photographs_among_good_ones_are_named_and_skipped() {
+        let dir = tempfile::tempdir().unwrap();
+        save(&dir.path().join("b.png"), &ramp(), 8).unwrap();
+        std::fs::write(dir.path().join("a.png"), "not a picture").unwrap();
+        std::fs::write(dir.path().join("notes.txt"), "no photograph at all").unwrap();
+        let (photos, skipped) = load_folder(dir.path()).unwrap();
+        assert_eq!(photos.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["b"]);
+        assert_eq!(skipped.len(), 1);
+        assert!(skipped[0].to_string().contains("a.png: not a PNG"));
+    }
+
+    #[test]
+    fn a_folder_without_a_usable_photograph_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(load_folder(dir.path()).unwrap_err().to_string().contains("holds no photographs"));
+        std::fs::write(dir.path().join("a.png"), "not a picture").unwrap();
+        let error = load_folder(dir.path()).unwrap_err().to_string();
+        assert!(error.contains("none of its 1 photographs can be read; the first: "), "{error}");
+        assert!(
+            load_folder(Path::new("/nowhere")).unwrap_err().to_string().starts_with("/nowhere: cannot list")
+        );
+    }
+}

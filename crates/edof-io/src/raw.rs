@@ -1,0 +1,408 @@
+//! Raw Bayer frames: files to codes and back.
+//!
+//! | file | full scale | codes of fewer than 16 bits |
+//! |---|---|---|
+//! | PNG, TIFF (16-bit grey) | 65535 | at the top of each word, as PNG has it, unless stated otherwise |
+//! | PNG, TIFF (8-bit grey) | 255 | only where a depth of 8 is stated |
+//! | PGM | what the file states | at the bottom, for a maximum of 2^depth − 1; else as in PNG |
+//! | headerless 16-bit words | 65535 | at the bottom, unless stated otherwise |
+//!
+//! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
+
+use crate::samples::{self, Format, Samples, SamplesError};
+use edof_spec::frame::FrameError;
+use edof_spec::{CfaPhase, RawFrame};
+use ndarray::{Array2, Axis};
+use std::path::{Path, PathBuf};
+
+/// What a file cannot say about itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RawOptions {
+    /// Colour filter of the first pixel.
+    pub phase: CfaPhase,
+    /// Bits that the sensor gave, 8…16; where absent, what the file says (a PGM's maximum), else 16.
+    pub depth: Option<u32>,
+    /// Size of a headerless file; other files must agree with it.
+    pub size: Option<Size>,
+    /// Where in a word codes of fewer than 16 bits lie; where absent, as in the table above.
+    pub alignment: Option<Alignment>,
+    /// Order of the two bytes of a headerless file's words.
+    pub order: ByteOrder,
+}
+
+/// Width and height in pixels, written `WIDTHxHEIGHT`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+/// Where in a 16-bit word a code of fewer bits lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Alignment {
+    /// At the top, zeros below.
+    Top,
+    /// At the bottom, zeros above.
+    Bottom,
+}
+
+/// Which byte of a word comes first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ByteOrder {
+    /// The low byte.
+    #[default]
+    Little,
+    /// The high byte.
+    Big,
+}
+
+/// A raw frame that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum RawError {
+    /// The file itself.
+    #[error(transparent)]
+    Samples(#[from] SamplesError),
+    /// No picture, and no size to read it as headerless.
+    #[error(
+        "{path}: not a PNG, TIFF or PGM file; for a headerless 16-bit file state its size as WIDTHxHEIGHT",
+        path = path.display()
+    )]
+    NoSize {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A colour picture.
+    #[error("{path}: holds a colour picture, expected one raw value a pixel", path = path.display())]
+    Colour {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Fewer bits than stated.
+    #[error("{path}: holds {found}-bit samples, expected {expected}", path = path.display())]
+    Depth {
+        /// The file.
+        path: PathBuf,
+        /// What it holds.
+        found: u32,
+        /// What would have been right.
+        expected: String,
+    },
+    /// Another size than stated.
+    #[error("{path}: {found}, expected {expected} for {size}", path = path.display())]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// What it holds.
+        found: String,
+        /// What it should hold.
+        expected: String,
+        /// Size stated.
+        size: Size,
+    },
+    /// Bits where a top-aligned code has none.
+    #[error(
+        "{path}: pixel at row {row}, column {column} is {value}, no {depth}-bit code aligned to the top of 16 bits",
+        path = path.display()
+    )]
+    Alignment {
+        /// The file.
+        path: PathBuf,
+        /// Row of the first such pixel.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Its value.
+        value: u16,
+        /// Depth stated.
+        depth: u32,
+    },
+    /// Odd sides, a depth outside 8…16, a code too large.
+    #[error("{path}: {source}", path = path.display())]
+    Frame {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        source: FrameError,
+    },
+}
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+/// Text that is no size.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("size '{0}': expected WIDTHxHEIGHT in pixels, 1 to 65535 each, as in 1920x1080")]
+pub struct WrongSize(String);
+
+impl std::str::FromStr for Size {
+    type Err = WrongSize;
+
+    fn from_str(text: &str) -> Result<Self, WrongSize> {
+        let side = |word: &str| word.parse().ok().filter(|v| (1..=65535).contains(v));
+        text.split_once('x')
+            .and_then(|(w, h)| Some(Self { width: side(w)?, height: side(h)? }))
+            .ok_or_else(|| WrongSize(text.to_owned()))
+    }
+}
+
+/// Reads a raw frame.
+///
+/// # Errors
+/// Any [`RawError`], naming the file.
+pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
+    let bytes = samples::read(path)?;
+    if let Some(depth) = options.depth.filter(|d| !(8..=16).contains(d)) {
+        return Err(RawError::Frame { path: path.to_owned(), source: FrameError::Depth(depth) });
+    }
+    let (words, depth, alignment) = match (Format::of(&bytes), options.size) {
+        (None, None) => return Err(RawError::NoSize { path: path.to_owned() }),
+        (None, Some(size)) => {
+            let words = headerless(&bytes, size, options.order, path)?;
+            (words, options.depth.unwrap_or(16), Alignment::Bottom)
+        }
+        (Some(_), size) => {
+            let samples = samples::decode(&bytes, path)?;
+            let (depth, alignment) = meaning(&samples, options.depth, path)?;
+            (single_plane(samples, size, path)?, depth, alignment)
+        }
+    };
+    let codes = match options.alignment.unwrap_or(alignment) {
+        Alignment::Bottom => words,
+        Alignment::Top => lower(words, depth, path)?,
+    };
+    RawFrame::from_codes(codes, depth, options.phase)
+        .map_err(|source| RawError::Frame { path: path.to_owned(), source })
+}
+
+/// Depth and alignment of a picture file's samples.
+fn meaning(samples: &Samples, stated: Option<u32>, path: &Path) -> Result<(u32, Alignment), RawError> {
+    let found = 16 - samples.full_scale.leading_zeros();
+    let wrong = |expected: String| Err(RawError::Depth { path: path.to_owned(), found, expected });
+    match (samples.full_scale, stated) {
+        (u16::MAX, depth) => Ok((depth.unwrap_or(16), Alignment::Top)),
+        (255, Some(8)) => Ok((8, Alignment::Bottom)),
+        (..=255, None) => wrong("16-bit ones (or a stated depth of 8)".to_owned()),
+        (_, Some(depth)) if depth != found => wrong(format!("{depth} bits as stated")),
+        _ => Ok((found, Alignment::Bottom)),
+    }
+}
+
+fn single_plane(samples: Samples, size: Option<Size>, path: &Path) -> Result<Array2<u16>, RawError> {
+    let (channels, height, width) = samples.planes.dim();
+    if channels != 1 {
+        return Err(RawError::Colour { path: path.to_owned() });
+    }
+    let found = Size { width, height };
+    match size {
+        Some(size) if size != found => Err(RawError::Size {
+            path: path.to_owned(),
+            found: format!("{found} pixels"),
+            expected: "as many as stated".to_owned(),
+            size,
+        }),
+        _ => Ok(samples.planes.index_axis_move(Axis(0), 0)),
+    }
+}
+
+fn headerless(bytes: &[u8], size: Size, order: ByteOrder, path: &Path) -> Result<Array2<u16>, RawError> {
+    let word = |pair: &[u8]| match order {
+        ByteOrder::Little => u16::from_le_bytes([pair[0], pair[1]]),
+        ByteOrder::Big => u16::from_be_bytes([pair[0], pair[1]]),
+    };
+    let expected = 2 * size.width * size.height;
+    let wrong_length = || RawError::Size {
+        path: path.to_owned(),
+        found: format!("{} bytes", bytes.len()),
+        expected: expected.to_string(),
+        size,
+    };
+    if bytes.len() != expected {
+        return Err(wrong_length());
+    }
+    Array2::from_shape_vec((size.height, size.width), bytes.chunks_exact(2).map(word).collect())
+        .map_err(|_| wrong_length())
+}
+
+/// Codes of top-aligned words.
+fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, RawError> {
+    let shift = 16 - depth;
+    let below = ((1u32 << shift) - 1) as u16;
+    if let Some(((row, column), &value)) = words.indexed_iter().find(|(_, v)| **v & below != 0) {
+        return Err(RawError::Alignment { path: path.to_owned(), row, column, value, depth });
+    }
+    Ok(words.mapv_into(|v| v >> shift))
+}
+
+/// Writes a raw frame: 16-bit PNG or TIFF (codes at the top of each word), PGM (codes and their maximum), or for `.raw`
+/// and `.bin` headerless little-endian words (codes at the bottom).
+///
+/// # Errors
+/// [`RawError::Samples`] naming the file; none is left half written.
+pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    let (words, full_scale) = match ending.as_str() {
+        "raw" | "bin" => {
+            let bytes: Vec<u8> = frame.codes().iter().flat_map(|v| v.to_le_bytes()).collect();
+            edof_spec::atomic::write(path, &bytes).map_err(SamplesError::from)?;
+            return Ok(());
+        }
+        "png" | "tif" | "tiff" => (frame.pixels().clone(), u16::MAX),
+        "pgm" => (frame.codes(), u16::MAX >> (16 - frame.depth())),
+        _ => {
+            let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
+            return Err(SamplesError::Ending { path: path.to_owned(), expected }.into());
+        }
+    };
+    Ok(samples::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn frame(depth: u32, phase: CfaPhase) -> RawFrame {
+        let codes = Array2::from_shape_fn((4, 6), |(r, c)| ((r * 6 + c) * ((1 << depth) - 1) / 23) as u16);
+        RawFrame::from_codes(codes, depth, phase).unwrap()
+    }
+
+    /// A file in a folder of its own, and what loading it gives.
+    fn loaded(name: &str, content: &[u8], options: RawOptions) -> Result<RawFrame, String> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        load(&path, &options).map_err(|e| e.to_string().replace(&format!("{}/", dir.path().display()), ""))
+    }
+
+    const GREY: &[u8] = b"P2 2 2 65535 16 32 48 64";
+
+    #[test]
+    fn a_saved_frame_needs_no_option_but_its_phase() {
+        let dir = tempfile::tempdir().unwrap();
+        for phase in CfaPhase::ALL {
+            for ending in ["png", "tif", "tiff", "pgm"] {
+                let path = dir.path().join(format!("frame.{ending}"));
+                save(&path, &frame(12, phase)).unwrap();
+                let back = load(&path, &RawOptions { phase, ..RawOptions::default() }).unwrap();
+                assert_eq!((back.pixels(), back.phase()), (frame(12, phase).pixels(), phase), "{ending}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_headerless_file_is_read_in_both_byte_orders() {
+        let options =
+            RawOptions { depth: Some(12), size: Some(Size { width: 2, height: 2 }), ..RawOptions::default() };
+        let little = loaded("x.raw", &[1, 2, 3, 4, 5, 6, 7, 8], options).unwrap();
+        let big = loaded("x.raw", &[2, 1, 4, 3, 6, 5, 8, 7], RawOptions { order: ByteOrder::Big, ..options })
+            .unwrap();
+        assert_eq!(little.codes()[(0, 1)], 0x0403);
+        assert_eq!(little, big);
+    }
+
+    #[test]
+    fn codes_at_the_bottom_of_a_png_are_read_where_stated() {
+        let options = RawOptions { depth: Some(12), ..RawOptions::default() };
+        let at_top = loaded("x", GREY, options).unwrap();
+        let at_bottom =
+            loaded("x", GREY, RawOptions { alignment: Some(Alignment::Bottom), ..options }).unwrap();
+        assert_eq!((at_top.codes()[(0, 1)], at_bottom.codes()[(0, 1)]), (2, 32));
+    }
+
+    #[test]
+    fn a_colour_picture_is_no_raw_frame() {
+        let error = loaded("x.ppm", b"P3 1 1 65535 1 2 3", RawOptions::default()).unwrap_err();
+        assert_eq!(error, "x.ppm: holds a colour picture, expected one raw value a pixel");
+    }
+
+    #[test]
+    fn eight_bit_samples_are_refused_unless_stated() {
+        let file = b"P2 2 2 255 1 2 3 255";
+        let error = loaded("x.pgm", file, RawOptions::default()).unwrap_err();
+        assert_eq!(error, "x.pgm: holds 8-bit samples, expected 16-bit ones (or a stated depth of 8)");
+        assert!(loaded("x.pgm", file, RawOptions { depth: Some(8), ..RawOptions::default() }).is_ok());
+    }
+
+    #[test]
+    fn a_depth_that_the_file_contradicts_is_refused() {
+        let stated = |depth| RawOptions { depth: Some(depth), ..RawOptions::default() };
+        assert_eq!(
+            loaded("x.pgm", b"P2 2 2 4095 1 2 3 4", stated(10)).unwrap_err(),
+            "x.pgm: holds 12-bit samples, expected 10 bits as stated"
+        );
+        assert_eq!(
+            loaded("x.pgm", b"P2 2 2 65535 16 33 0 0", stated(12)).unwrap_err(),
+            "x.pgm: pixel at row 0, column 1 is 33, no 12-bit code aligned to the top of 16 bits"
+        );
+        assert_eq!(
+            loaded("x.pgm", GREY, RawOptions { alignment: Some(Alignment::Bottom), ..stated(8) })
+                .map(|f| f.depth()),
+            Ok(8)
+        );
+        assert_eq!(loaded("x.pgm", GREY, stated(7)).unwrap_err(), "x.pgm: bit depth 7: must be 8 to 16");
+    }
+
+    #[test]
+    fn a_code_wider_than_the_depth_is_refused() {
+        let size = Some(Size { width: 2, height: 2 });
+        let options = RawOptions { depth: Some(10), size, ..RawOptions::default() };
+        assert_eq!(
+            loaded("x.raw", &[0, 0, 0, 4, 0, 0, 0, 0], options).unwrap_err(),
+            "x.raw: pixel at row 0, column 1 is 1024, more than 10 bits can hold"
+        );
+    }
+
+    #[test]
+    fn odd_sides_are_refused() {
+        let error = loaded("x.pgm", b"P2 3 2 65535 1 2 3 4 5 6", RawOptions::default()).unwrap_err();
+        assert_eq!(
+            error,
+            "x.pgm: frame 3x2: both sides must be even, so that it holds whole 2x2 Bayer cells"
+        );
+    }
+
+    #[test]
+    fn sizes_are_checked_against_the_file() {
+        let size = Some("4x2".parse().unwrap());
+        let options = RawOptions { size, ..RawOptions::default() };
+        assert_eq!(loaded("x.raw", &[0; 15], options).unwrap_err(), "x.raw: 15 bytes, expected 16 for 4x2");
+        assert_eq!(
+            loaded("x.pgm", GREY, options).unwrap_err(),
+            "x.pgm: 2x2 pixels, expected as many as stated for 4x2"
+        );
+        assert!(loaded("x.raw", &[0; 16], RawOptions::default()).unwrap_err().contains("state its size"));
+    }
+
+    #[test]
+    fn text_that_is_no_size_is_refused() {
+        for text in ["", "4", "4x", "0x4", "4x-1", "70000x2", "4 x 2"] {
+            assert_eq!(text.parse::<Size>(), Err(WrongSize(text.to_owned())));
+        }
+    }
+
+    #[test]
+    fn an_unknown_ending_is_told_the_known_ones() {
+        let error = save(Path::new("x.dng"), &frame(12, CfaPhase::Rggb)).unwrap_err().to_string();
+        assert_eq!(error, "x.dng: unknown ending, expected .png, .tif, .tiff, .pgm, .raw or .bin");
+    }
+
+    proptest! {
+        #[test]
+        fn a_frame_of_any_depth_comes_back(
+            depth in 8u32..=16, ending in prop::sample::select(vec!["png", "tif", "pgm", "raw"])
+        ) {
+            let dir = tempfile::tempdir().unwrap();
+            let path = dir.path().join(format!("frame.{ending}"));
+            let original = frame(depth, CfaPhase::Gbrg);
+            save(&path, &original).unwrap();
+            let size = Some(Size { width: 6, height: 4 });
+            let options = RawOptions { phase: CfaPhase::Gbrg, depth: Some(depth), size, ..RawOptions::default() };
+            prop_assert_eq!(load(&path, &options).unwrap(), original);
+        }
+    }
+}
