@@ -4,6 +4,7 @@ use crate::kodak::Bench;
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_spec::fixed_network::FixedNetworkError;
+use edof_spec::network::NetworkError;
 use edof_spec::overlap::Overlap;
 use edof_spec::{FixedNetwork, Network, Reconstructor, Stride};
 use edof_train::reconstruct::{FloatReconstructor, Output};
@@ -22,6 +23,14 @@ pub struct Net {
 /// A net that cannot enter an experiment.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NetError {
+    /// A float net whose weights do not fit its form.
+    #[error("net '{net}': {source}")]
+    Float {
+        /// Its name.
+        net: String,
+        /// Why not.
+        source: NetworkError,
+    },
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
     Fixed {
@@ -65,13 +74,15 @@ impl Net {
 
     /// `NAME.float`, `NAME.float422` and, where there is one, `NAME.fixed`. All average overlapping patches alike.
     fn methods(self, stride: Stride) -> Result<Vec<Box<dyn Reconstructor>>, NetError> {
-        let Self { name, float, fixed } = self;
+        let Self { name, mut float, fixed } = self;
+        float.origin.name.clone_from(&name);
         let overlap = fixed.as_ref().map_or_else(Overlap::default, |f| f.overlap);
-        let run = |ending: &str, output| {
-            FloatReconstructor::new(float.clone(), format!("{name}.{ending}"), stride, overlap, output)
-        };
-        let mut methods: Vec<Box<dyn Reconstructor>> =
-            vec![Box::new(run("float", Output::Rgb)), Box::new(run("float422", Output::Ycc422))];
+        let mut methods: Vec<Box<dyn Reconstructor>> = vec![];
+        for output in [Output::Rgb, Output::Ycc422] {
+            let method = FloatReconstructor::new(float.clone(), stride, overlap, output)
+                .map_err(|source| NetError::Float { net: name.clone(), source })?;
+            methods.push(Box::new(method));
+        }
         if let Some(fixed) = fixed {
             let golden = GoldenReconstructor::new(fixed, format!("{name}.fixed"))
                 .map_err(|source| NetError::Fixed { net: name.clone(), source })?;
@@ -85,7 +96,7 @@ impl Net {
 /// camera, `demosaic-malvar@CAMERA` on the others.
 ///
 /// # Errors
-/// [`NetError::Twice`], or [`NetError::Fixed`] for a fixed net that cannot run.
+/// [`NetError`]: a net given twice, or one that cannot run.
 pub fn benches(nets: Vec<Net>, stride: Stride) -> Result<Vec<Bench>, NetError> {
     let mut names: Vec<String> = vec![];
     let mut benches: Vec<Bench> = vec![];
@@ -170,6 +181,7 @@ mod tests {
             net("c", "ring-outer", None),
         ];
         let benches = benches(nets, Stride::PATCH).unwrap();
+        // Reports use the name asked for, whatever the files say.
         let names: Vec<Vec<&str>> =
             benches.iter().map(|b| b.methods.iter().map(|m| m.name()).collect()).collect();
         assert_eq!(
