@@ -6,12 +6,14 @@
 //! | results on standard output, progress on standard error | [`ui`] |
 //! | the one line that a failure prints | [`error`] |
 //! | Ctrl-C | [`interrupt`] |
+//! | a network's form in words | [`form`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod error;
+mod form;
 mod interrupt;
 mod ui;
 mod weights;

@@ -1,0 +1,88 @@
+//! A network's form in words, as `--form` takes it: `one-sided,w12,t4,r,tied`.
+
+use edof_spec::Window;
+use edof_spec::network::{Form, Recurrence, Shrinkage};
+
+/// Words of `--form`, for its help.
+pub const HELP: &str = "paper-t4 or edof-t4w12, or words from the left: one-sided | two-sided, w8 | w12 | w16 (window), \
+t2…t10 (layers), c1…c1024 (codes), r (linear path), tied, difference";
+
+/// Reads a form. It starts as the paper's (two-sided, window 8, T = 4, 192 codes); each word changes it.
+///
+/// # Errors
+/// One line naming the first word that is none, or a window or number of layers that no form has.
+pub fn parse(text: &str) -> Result<Form, String> {
+    let mut form = Form {
+        window: Window::new(8).map_err(|e| e.to_string())?,
+        codes: 192,
+        layers: 4,
+        shrinkage: Shrinkage::TwoSided,
+        recurrence: Recurrence::Direct,
+        linear_path: false,
+        tied: false,
+    };
+    for word in text.split(',').map(str::trim) {
+        apply(&mut form, word)?;
+    }
+    form.check().map_err(|e| e.to_string())?;
+    Ok(form)
+}
+
+fn apply(form: &mut Form, word: &str) -> Result<(), String> {
+    let number = |prefix: char| word.strip_prefix(prefix).and_then(|digits| digits.parse::<usize>().ok());
+    match word {
+        "paper-t4" => (),
+        "edof-t4w12" => ["one-sided", "w12", "r", "tied"].iter().try_for_each(|w| apply(form, w))?,
+        "one-sided" => form.shrinkage = Shrinkage::OneSided,
+        "two-sided" => form.shrinkage = Shrinkage::TwoSided,
+        "r" => form.linear_path = true,
+        "tied" => form.tied = true,
+        "difference" => form.recurrence = Recurrence::Difference,
+        _ => match (number('w'), number('t'), number('c')) {
+            (Some(side), ..) => form.window = Window::new(side).map_err(|e| e.to_string())?,
+            (_, Some(layers), _) => form.layers = layers,
+            (.., Some(codes)) => form.codes = codes,
+            _ => return Err(format!("'{word}' is no word of a form; expected {HELP}")),
+        },
+    }
+    Ok(())
+}
+
+/// The form in words that [`parse`] reads.
+pub fn words(form: &Form) -> String {
+    let mut words = vec![
+        if form.shrinkage == Shrinkage::OneSided { "one-sided" } else { "two-sided" }.to_owned(),
+        format!("w{}", form.window.side()),
+        format!("t{}", form.layers),
+        format!("c{}", form.codes),
+    ];
+    let flags = [
+        (form.linear_path, "r"),
+        (form.tied, "tied"),
+        (form.recurrence == Recurrence::Difference, "difference"),
+    ];
+    words.extend(flags.iter().filter(|(on, _)| *on).map(|(_, word)| (*word).to_owned()));
+    words.join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_come_back() {
+        for text in
+            ["two-sided,w8,t4,c192", "one-sided,w12,t4,c192,r,tied", "one-sided,w16,t10,c64,difference"]
+        {
+            assert_eq!(words(&parse(text).unwrap()), text);
+        }
+        assert_eq!(words(&parse("edof-t4w12,t3").unwrap()), "one-sided,w12,t3,c192,r,tied");
+    }
+
+    #[test]
+    fn a_form_that_no_network_has_is_refused() {
+        assert_eq!(parse("w9").unwrap_err(), "window 9: must be 8, 12 or 16");
+        assert_eq!(parse("t11").unwrap_err(), "layers 11: must be 2 to 10");
+        assert!(parse("w8,three").unwrap_err().starts_with("'three' is no word of a form"));
+    }
+}
