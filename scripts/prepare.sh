@@ -1,0 +1,29 @@
+# Sourced by the other scripts: makes sure that there is a Rust toolchain and a linker, and installs only what is missing.
+# shellcheck shell=bash
+
+say() { printf '== %s\n' "$*" >&2; }
+fail() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
+
+# Installs Debian packages, as root or by sudo.
+install_packages() {
+    command -v apt-get >/dev/null || fail "please install: $* (no apt-get here to do it)"
+    local as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null || fail "please install as root: $*"
+        as_root=(sudo)
+    fi
+    say "installing $*"
+    "${as_root[@]}" apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+}
+
+# rustup puts cargo here; a shell that was started before does not know.
+if ! command -v cargo >/dev/null && [ -x "${CARGO_HOME:-$HOME/.cargo}/bin/cargo" ]; then
+    PATH="${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
+fi
+if ! command -v cargo >/dev/null; then
+    fail "no cargo found; install Rust 1.95 or newer by rustup, then run this again"
+fi
+if ! command -v cc >/dev/null; then
+    install_packages gcc libc6-dev
+fi
