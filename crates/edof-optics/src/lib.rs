@@ -12,14 +12,27 @@
 //! | | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
 //! | all of it | [`capture`](mod@capture) | a scene captured, what each cut of the computation costs and saves |
+//!
+//! Designing a mask for it:
+//!
+//! | step | module | gives |
+//! |---|---|---|
+//! | world | [`statistics`] | how photographs vary, measured or as a model |
+//! | judge | [`estimator`] | what a linear estimator reaches behind a camera, in closed form |
+//! | search | [`design`] | mask and focus by differential evolution |
+//! | | [`linear`] | solving with covariances |
 
 pub mod blur;
 pub mod capture;
 pub mod cosine;
 pub mod depth;
+pub mod design;
 pub mod draw;
+pub mod estimator;
+pub mod linear;
 pub mod mtf;
 pub mod psf;
 pub mod pupil;
 pub mod scene;
 pub mod sensor;
+pub mod statistics;

@@ -273,15 +273,23 @@ pub fn wave_um(camera: &Camera, wavelength_nm: f64) -> f64 {
 /// sums to 1 over the whole support, whose side in pixels is even.
 #[must_use]
 pub fn quarter_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
+    let spectrum = pixel_transfer(camera, wavelength_nm, psi, support);
+    let n = spectrum.nrows();
+    let transform = EvenTransform::new(n);
+    let half_way = transform.rows_transposed(spectrum.view(), n);
+    let scale = 1.0 / (period(n) * period(n)) as f64;
+    transform.rows_transposed(half_way.view(), n).mapv(|v| (v * scale).max(0.0))
+}
+
+/// Fourier transform of the sampled PSF, [`quarter_psf`]: the OTF times the pixel's footprint, folded at the sensor's sampling
+/// frequency. Entry (r, c) of the `support`/2 + 1 squared is at (r, c)/`support` cycles a pixel.
+#[must_use]
+pub fn pixel_transfer(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
     let n = support / 2 + 1;
     let mut otf = quarter_otf(camera, wavelength_nm, psi, support);
     let footprint: Vec<f64> = (0..otf.nrows()).map(|q| sinc(q as f64 / support as f64)).collect();
     otf.indexed_iter_mut().for_each(|((r, c), v)| *v *= footprint[r] * footprint[c]);
-    let folded = fold_rows(fold_rows(otf.view(), n).t(), n);
-    let transform = EvenTransform::new(n);
-    let half_way = transform.rows_transposed(folded.view(), n);
-    let scale = 1.0 / (period(n) * period(n)) as f64;
-    transform.rows_transposed(half_way.view(), n).mapv(|v| (v * scale).max(0.0))
+    fold_rows(fold_rows(otf.view(), n).t(), n)
 }
 
 /// The optical transfer function at one wavelength, without the pixel's footprint: entry (r, c) is at the frequency

@@ -7,7 +7,7 @@ use ndarray::Array2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-const LEAST_RADIUS: f64 = 1.5;
+const LEAST_RADIUS: f64 = 2.5;
 /// How many times the leaves of the background would cover it, laid side by side.
 const COVERS: f64 = 8.0;
 /// Share of the frame that the objects of each nearer depth would cover, laid side by side.

@@ -1,0 +1,209 @@
+//! The closed-form linear proxy: how well the best linear map from a raw window to the colour patch at its centre can do behind a
+//! camera, when it must serve every depth of a range at once.
+//!
+//! With y the window and x the patch, both of known covariance, the map of least mean square error is W = C_xy·C_yy⁻¹, the
+//! covariances averaged over the range of ψ, and its error at one ψ is tr(C_xx − 2·W·C_yx(ψ) + W·C_yy(ψ)·Wᵀ). No training, no
+//! pictures: a camera is judged in tens of milliseconds.
+
+use crate::cosine::{EvenTransform, period};
+use crate::linear::{Cholesky, NotPositive};
+use crate::psf::{pixel_transfer, wavelengths};
+use crate::statistics::{SIDE, Statistics, pair};
+use edof_spec::geometry::{PATCH, Window};
+use edof_spec::{Camera, CfaPhase, Channel};
+use ndarray::Array2;
+
+/// What a camera is judged for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// Depths, as ψ.
+    pub psis: Vec<f64>,
+    /// Standard deviations of Gaussian sensor noise, full scale 1; each has its own estimator.
+    pub noises: Vec<f64>,
+    /// Raw pixels that the estimator sees.
+    pub window: Window,
+    /// How much the worst depth counts against the average over all, 0…1.
+    pub worst_weight: f64,
+}
+
+/// What the linear estimator reaches behind a camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// For each noise of the task, PSNR in dB (peak 1) at each ψ.
+    pub psnr_db: Vec<Vec<f64>>,
+    /// What a design maximises, in dB: the worst depth and the average, weighted, then averaged over noises.
+    pub score_db: f64,
+}
+
+/// Noise that is always there: a 12-bit sensor's rounding. It keeps covariances invertible.
+const ROUNDING: f64 = 1.0 / 4096.0 / 3.464_101_615;
+/// Wavelengths that stand for a channel with a spectrum.
+const WAVELENGTHS: usize = 3;
+
+/// Judges a camera.
+///
+/// # Errors
+/// [`NotPositive`] if the statistics are no covariances.
+pub fn judge(camera: &Camera, statistics: &Statistics, task: &Task) -> Result<Verdict, NotPositive> {
+    let sites = Sites::new(task.window);
+    let seen: Vec<Seen> = task.psis.iter().map(|&psi| Seen::new(camera, psi, statistics, &sites)).collect();
+    let share = 1.0 / seen.len() as f64;
+    let mut mean_yy = Array2::zeros(seen[0].yy.dim());
+    let mut mean_yx = Array2::zeros(seen[0].yx.dim());
+    for s in &seen {
+        mean_yy.scaled_add(share, &s.yy);
+        mean_yx.scaled_add(share, &s.yx);
+    }
+    let patch_variance: f64 =
+        (0..3).map(|channel| statistics.covariance(channel, channel) * (PATCH * PATCH) as f64).sum();
+    let outputs = mean_yx.ncols() as f64;
+    let mut psnr_db = vec![];
+    for &noise in &task.noises {
+        let variance = noise * noise + ROUNDING * ROUNDING;
+        let mut noisy = mean_yy.clone();
+        noisy.diag_mut().iter_mut().for_each(|v| *v += variance);
+        let map = Cholesky::new(noisy)?.solve(mean_yx.clone());
+        let gram = map.dot(&map.t());
+        let noise_error = variance * gram.diag().sum();
+        let error =
+            |s: &Seen| patch_variance - 2.0 * (&map * &s.yx).sum() + (&gram * &s.yy).sum() + noise_error;
+        psnr_db
+            .push(seen.iter().map(|s| -10.0 * (error(s).max(1e-12) / outputs).log10()).collect::<Vec<_>>());
+    }
+    let score = |db: &Vec<f64>| {
+        let worst = db.iter().copied().fold(f64::INFINITY, f64::min);
+        let average = db.iter().sum::<f64>() / db.len() as f64;
+        task.worst_weight * worst + (1.0 - task.worst_weight) * average
+    };
+    let score_db = psnr_db.iter().map(score).sum::<f64>() / psnr_db.len() as f64;
+    Ok(Verdict { psnr_db, score_db })
+}
+
+/// Pixels of a window and of its patch, rows and columns counted from the window's corner.
+struct Sites {
+    /// Row, column, channel.
+    window: Vec<(usize, usize, usize)>,
+    patch: Vec<(usize, usize, usize)>,
+    reach: usize,
+}
+
+impl Sites {
+    fn new(window: Window) -> Self {
+        let side = window.side();
+        let margin = window.margin();
+        let raw = |i: usize| (i / side, i % side, CfaPhase::Rggb.channel(i / side, i % side).plane());
+        let colour = |i: usize| {
+            let (plane, pixel) = (i / (PATCH * PATCH), i % (PATCH * PATCH));
+            (margin + pixel / PATCH, margin + pixel % PATCH, plane)
+        };
+        Self {
+            window: (0..side * side).map(raw).collect(),
+            patch: (0..3 * PATCH * PATCH).map(colour).collect(),
+            reach: side,
+        }
+    }
+}
+
+/// Covariances at one depth.
+struct Seen {
+    yy: Array2<f64>,
+    yx: Array2<f64>,
+}
+
+impl Seen {
+    fn new(camera: &Camera, psi: f64, statistics: &Statistics, sites: &Sites) -> Self {
+        let blur = Channel::ALL.map(|channel| transfer(camera, channel, psi));
+        let plan = EvenTransform::new(SIDE / 2 + 1);
+        let scale = 1.0 / (period(SIDE / 2 + 1) as f64).powi(2);
+        let covariance = |spectrum: Array2<f64>| {
+            let half_way = plan.rows_transposed(spectrum.view(), sites.reach);
+            plan.rows_transposed(half_way.view(), sites.reach) * scale
+        };
+        let spectrum = |a: usize, b: usize| &statistics.spectra[pair(a, b)];
+        let grid = |f: &dyn Fn(usize, usize) -> Array2<f64>| -> Vec<Array2<f64>> {
+            (0..9).map(|i| covariance(f(i / 3, i % 3))).collect()
+        };
+        let blurred = grid(&|a, b| spectrum(a, b) * &blur[a] * &blur[b]);
+        let crossed = grid(&|a, b| spectrum(a, b) * &blur[a]);
+        let between =
+            |table: &[Array2<f64>], (r, c, a): (usize, usize, usize), (s, d, b): (usize, usize, usize)| {
+                table[3 * a + b][(r.abs_diff(s), c.abs_diff(d))]
+            };
+        let window = &sites.window;
+        let yy = Array2::from_shape_fn((window.len(), window.len()), |(i, j)| {
+            between(&blurred, window[i], window[j])
+        });
+        let patch = &sites.patch;
+        let yx = Array2::from_shape_fn((window.len(), patch.len()), |(i, j)| {
+            between(&crossed, window[i], patch[j])
+        });
+        Self { yy, yx }
+    }
+}
+
+/// What blur does to each frequency of a channel, on the statistics' torus.
+fn transfer(camera: &Camera, channel: Channel, psi: f64) -> Array2<f64> {
+    let spectrum = camera.spectrum(channel);
+    let lines = match spectrum {
+        edof_spec::camera::Spectrum::Line(nm) => vec![*nm],
+        edof_spec::camera::Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
+    };
+    let share = 1.0 / lines.len() as f64;
+    let planes = lines.iter().map(|&nm| pixel_transfer(camera, nm, psi, SIDE) * share);
+    planes.reduce(|sum, plane| sum + plane).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(noise: f64) -> Task {
+        Task {
+            psis: vec![0.0, 2.0, 4.0, 6.0, 8.0],
+            noises: vec![noise],
+            window: Window::new(8).unwrap(),
+            worst_weight: 0.5,
+        }
+    }
+
+    fn verdict(name: &str, noise: f64) -> Verdict {
+        judge(&Camera::resolve(name).unwrap(), &Statistics::natural(), &task(noise)).unwrap()
+    }
+
+    fn worst(verdict: &Verdict) -> f64 {
+        verdict.psnr_db[0].iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The order in which trained networks put these cameras at their worst depth (`optics.md`).
+    #[test]
+    fn the_proxy_ranks_cameras_as_trained_networks_do() {
+        for noise in [0.0, 0.01] {
+            let order =
+                ["clear", "ring-2018", "clear-mid", "ring-outer"].map(|name| worst(&verdict(name, noise)));
+            assert!(order.is_sorted(), "noise {noise}: {order:?}");
+        }
+    }
+
+    #[test]
+    fn noise_costs_and_a_larger_window_gains() {
+        let (clean, noisy) = (verdict("ring-outer", 0.0), verdict("ring-outer", 0.01));
+        assert!(noisy.score_db < clean.score_db - 0.5);
+        let wide = Task { window: Window::new(12).unwrap(), ..task(0.0) };
+        let camera = Camera::resolve("ring-outer").unwrap();
+        assert!(judge(&camera, &Statistics::natural(), &wide).unwrap().score_db > clean.score_db);
+    }
+
+    /// A camera without blur or noise leaves the demosaicing error only, the same at every depth.
+    #[test]
+    fn a_pinhole_sees_every_depth_alike() {
+        let mut pinhole = Camera::resolve("clear").unwrap();
+        pinhole.aperture_radius_mm = 0.8;
+        pinhole.pixel_pitch_um = 30.0;
+        pinhole.psi_range = [0.0, 1.0];
+        let few = Task { psis: vec![0.0, 1.0], ..task(0.0) };
+        let [a, b] = judge(&pinhole, &Statistics::natural(), &few).unwrap().psnr_db[0][..] else {
+            panic!("two")
+        };
+        assert!((a - b).abs() < 0.1, "{a} {b}");
+    }
+}
