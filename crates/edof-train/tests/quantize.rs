@@ -1,14 +1,20 @@
 //! Integers stand for the float network: every layer's words are its values, to the last bits.
 
 use edof_golden::{Golden, sample::Draw, scalar};
+use edof_optics::psf::Settings;
+use edof_optics::sensor::{Sensor, expose};
 use edof_spec::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, CfaPhase, Geometry, Network, RawFrame, Stride, Window};
+use edof_spec::{Camera, CfaPhase, ColourFrame, Geometry, Network, RawFrame, Stride, Window};
 use edof_train::parameters::flatten;
 use edof_train::pass::Pass;
-use edof_train::quantize::{Calibration, QuantizeError, QuantizeOptions, fold, quantize};
-use ndarray::{Array1, Array2};
+use edof_train::patches::Bank;
+use edof_train::quantize::{
+    Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
+};
+use edof_train::train::{Continue, Recipe, Trainer};
+use ndarray::{Array1, Array2, Array3};
 use proptest::prelude::*;
 
 fn forms() -> impl Strategy<Value = Form> {
@@ -197,4 +203,51 @@ fn the_averaging_window_is_stated_in_the_integers() {
     let (fixed, _) = quantize(&network, &wanted, &seen, "abc").unwrap();
     assert_eq!((fixed.stride, fixed.overlap, fixed.code_bits), (stride, Overlap::Flat, 12));
     assert_eq!(fixed.float_hash, "abc");
+}
+
+/// Four drawn pictures with edges and shades, large enough to hold validation tiles.
+fn pictures() -> Vec<ColourFrame> {
+    (0..4u64)
+        .map(|seed| {
+            let mut draw = Draw::new(seed);
+            let levels: Vec<f32> = (0..3 * 16 * 16).map(|_| draw.whole(50, 950) as f32 * 1e-3).collect();
+            ColourFrame {
+                planes: Array3::from_shape_fn((3, 256, 256), |(plane, r, c)| {
+                    let shade = 0.1 * ((r as f32 / 9.0).sin() + (c as f32 / 7.0).cos());
+                    (levels[plane * 256 + r / 16 * 16 + c / 16] + shade).clamp(0.0, 1.0)
+                }),
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
+    let camera = Camera::resolve("clear").unwrap();
+    let window = Window::new(8).unwrap();
+    let bank = Bank::new(&pictures(), &camera, &[0.0, 2.0], &Settings::default(), window, |_, _| true);
+    let bank = bank.unwrap().unwrap();
+    let form = Form { codes: 32, ..form(4, Shrinkage::OneSided, true) };
+    let recipe = Recipe { steps: 300, batch: 128, validate_every: 100, noise: 0.01, ..Recipe::new(form) };
+    let mut trainer = Trainer::new(recipe, &bank).unwrap();
+    trainer.run(|_, _| Continue::Yes).unwrap();
+    let network = trainer.best("small", &camera, "test");
+    let scenes: Vec<RawFrame> = pictures().iter().map(|p| expose(p, &Sensor::default()).unwrap()).collect();
+    let calibration = Calibration::measure(&network, &scenes).unwrap();
+    let (fixed, _) = quantize(&network, &options(8), &calibration, "").unwrap();
+    let tuning = FinetuneOptions { steps: 200, batch: 128, ..FinetuneOptions::default() };
+    let tune = || {
+        let mut seen = vec![];
+        let tell = |p: &FinetuneProgress| {
+            seen.push(p.validation_db);
+            true
+        };
+        (finetune(&network, &fixed, &calibration, &options(8), &bank, &tuning, tell).unwrap(), seen)
+    };
+    let (tuned, db) = tune();
+    assert_eq!(db.len(), 3);
+    assert!(db[2] > db[0] + 0.3, "{db:?}");
+    assert_eq!(tuned.code_fractions, fixed.code_fractions);
+    assert_ne!(tuned.analysis, fixed.analysis);
+    assert_eq!(tune(), (tuned, db));
 }

@@ -29,15 +29,18 @@ pub struct Folded {
 /// window's weight at its pixel (for chroma, at its site).
 #[must_use]
 pub fn output_map(stride: Stride, overlap: Overlap) -> Array2<f64> {
-    let window = overlap.weights(stride);
     let mut map = patch_422_from_rgb();
-    for (output, mut row) in map.outer_iter_mut().enumerate() {
-        row *= output_weight(&window, output);
-    }
+    map.outer_iter_mut().zip(output_weights(stride, overlap)).for_each(|(mut row, weight)| row *= weight);
     map
 }
 
-/// Averaging weight times gain of one of the 128 outputs.
+/// Averaging weight times gain of each of the 128 outputs.
+#[must_use]
+pub fn output_weights(stride: Stride, overlap: Overlap) -> Vec<f64> {
+    let window = overlap.weights(stride);
+    (0..OUTPUTS_422).map(|output| output_weight(&window, output)).collect()
+}
+
 fn output_weight(window: &Array2<f64>, output: usize) -> f64 {
     if output < PATCH_PIXELS {
         return window[(output / PATCH, output % PATCH)];
@@ -72,7 +75,6 @@ pub fn scales(network: &Network, calibration: &Calibration, options: &QuantizeOp
 #[must_use]
 pub fn fold(network: &Network, scales: &[f64], stride: Stride, overlap: Overlap) -> Folded {
     let map = output_map(stride, overlap);
-    debug_assert_eq!(map.nrows(), OUTPUTS_422);
     let wide = |m: &Array2<f32>| m.mapv(f64::from);
     let rows = |mut m: Array2<f64>| {
         m.outer_iter_mut().zip(scales).for_each(|(mut row, c)| row *= *c);

@@ -89,6 +89,26 @@ pub fn integers(
     }
 }
 
+/// The same formats for other weights of the same network.
+///
+/// # Errors
+/// [`QuantizeError::Fixed`] if these could overflow an accumulator.
+pub fn rounded_to(folded: &Folded, like: &FixedNetwork) -> Result<FixedNetwork, QuantizeError> {
+    let bits = like.code_bits;
+    let again = |matrix: &Array2<f64>, like: &FixedMatrix| rounded(matrix, like.fraction, bits);
+    let thetas = folded.thresholds.iter().zip(&like.code_fractions);
+    let fixed = FixedNetwork {
+        analysis: again(&folded.analysis, &like.analysis),
+        thresholds: thetas.map(|(t, f)| thresholds(t, *f, bits, like.form.shrinkage)).collect(),
+        recurrent: folded.recurrent.iter().zip(&like.recurrent).map(|(s, l)| again(s, l)).collect(),
+        dictionary: again(&folded.dictionary, &like.dictionary),
+        linear_path: folded.linear_path.as_ref().zip(like.linear_path.as_ref()).map(|(r, l)| again(r, l)),
+        ..like.clone()
+    };
+    fixed.check().map_err(|source| QuantizeError::Fixed { bits, source })?;
+    Ok(fixed)
+}
+
 /// The most fraction bits at which every layer's codes, with headroom, and its thresholds keep within their width.
 fn code_fractions(
     folded: &Folded,
@@ -154,7 +174,7 @@ fn thresholds(theta: &Array1<f64>, fraction: u32, bits: u32, shrinkage: Shrinkag
 }
 
 fn word(value: f64, fraction: u32, bits: u32) -> i16 {
-    (value * f64::from(fraction).exp2()).round().clamp(-most(bits) - 1.0, most(bits)) as i16
+    (value * f64::from(fraction).exp2() + 0.5).floor().clamp(-most(bits) - 1.0, most(bits)) as i16
 }
 
 fn most(bits: u32) -> f64 {

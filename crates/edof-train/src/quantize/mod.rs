@@ -6,6 +6,7 @@
 //! | measure | [`calibration`] | the largest |b|, |z| of every coefficient on real raw frames |
 //! | fold | [`fold`] | 4:2:2, chroma gain and averaging window inside D and R; equal ranges inside A, θ, S, D |
 //! | round | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
+//! | tune | [`finetune`] | weights that have learned to live with few bits, by the gradient of [`simulated`] |
 //! | check | [`evaluate`] | dB lost and saturations, against the float network in the board's own output format |
 //!
 //! Ranges are measured on the float network, so that integers hold every value seen, times a headroom. All layers share the
@@ -14,12 +15,15 @@
 pub mod calibration;
 pub mod capture;
 pub mod evaluate;
+pub mod finetune;
 pub mod fold;
 pub mod formats;
+pub mod simulated;
 
 pub use calibration::Calibration;
 pub use capture::capture;
 pub use evaluate::{Evaluation, Scene, evaluate};
+pub use finetune::{FinetuneOptions, FinetuneProgress, finetune};
 
 use edof_spec::fixed_network::{FixedNetworkError, layer_names};
 use edof_spec::network::NetworkError;
