@@ -27,7 +27,7 @@ pub enum Builtin {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DrawError {
     /// Not a scene of ours.
-    #[error("scene '{0}': must be chart or leaves")]
+    #[error("scene '{0}': must be chart, chart-4, leaves or leaves-4")]
     Unknown(String),
     /// Too small to hold its parts, or odd.
     #[error("scene {width}x{height}: both sides must be even and at least {LEAST_SIDE} pixels")]
@@ -55,6 +55,15 @@ impl std::str::FromStr for Builtin {
             _ => Err(DrawError::Unknown(word.to_owned())),
         }
     }
+}
+
+/// A scene's name: what is drawn, and at how many depths (`chart` at one, `chart-4` at four).
+///
+/// # Errors
+/// [`DrawError::Unknown`].
+pub fn parse_name(name: &str) -> Result<(Builtin, usize), DrawError> {
+    let (kind, depths) = name.strip_suffix("-4").map_or((name, 1), |kind| (kind, 4));
+    kind.parse().map(|kind| (kind, depths)).map_err(|_| DrawError::Unknown(name.to_owned()))
 }
 
 /// Draws a built-in scene of `height`×`width` pixels at one depth, or at four from back to front. Same seed, same scene; the chart
@@ -160,7 +169,11 @@ mod tests {
 
     #[test]
     fn impossible_scenes_are_refused() {
-        assert_eq!("sea".parse::<Builtin>().unwrap_err().to_string(), "scene 'sea': must be chart or leaves");
+        assert_eq!(
+            "sea".parse::<Builtin>().unwrap_err().to_string(),
+            "scene 'sea': must be chart, chart-4, leaves or leaves-4"
+        );
+        assert_eq!(parse_name("leaves-4"), Ok((Builtin::Leaves, 4)));
         let refused = |h, w, psis: &[f64]| draw(Builtin::Chart, h, w, psis, 0).unwrap_err().to_string();
         assert_eq!(refused(65, 80, &[0.0]), "scene 80x65: both sides must be even and at least 64 pixels");
         assert_eq!(refused(64, 64, &[0.0, 1.0]), "scene with 2 depths: must be one or four values of psi");

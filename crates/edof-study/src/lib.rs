@@ -9,6 +9,7 @@
 //! | | [`demo`] | one scene at four depths through several lenses, with a report |
 //! | compare | [`metrics`] | PSNR and SSIM with the conventions of every number of this project |
 //! | sharpness | [`mtf50`] | MTF and MTF50 of a slanted edge |
+//! | optics | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
 //! | draw | [`plot`] | line and scatter plots as SVG |
 //! | show | [`picture`] | frames as PNG bytes, sheets, kernels |
 //! | report | [`report`] | one HTML file with everything inside |
@@ -27,6 +28,7 @@
 
 pub mod demo;
 pub mod kodak;
+pub mod lens;
 pub mod metrics;
 pub mod mtf50;
 pub mod nets;

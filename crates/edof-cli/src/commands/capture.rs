@@ -1,15 +1,186 @@
 //! `edof capture`.
 
+use crate::commands::scene::Drawing;
 use crate::error::Error;
 use crate::ui::Ui;
+use edof_io::{photo, raw};
+use edof_optics::capture::{Capture, CutCost, Cuts, Depth, capture, measure_cuts};
+use edof_optics::draw::parse_name;
+use edof_optics::psf::Settings;
+use edof_optics::scene::Scene;
+use edof_optics::sensor::{Noise, Sensor};
+use edof_spec::{Camera, CfaPhase};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
-/// Not written yet.
+/// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene
+///
+/// Only what the scene needs is computed: the depths it has, kernels up to an asked share of the energy, as many wavelengths
+/// as a tolerance asks for. What each of these cuts changes of the light on the sensor, and the time it saves, is measured
+/// against a computation without any and printed (--no-measure leaves that out; --exact leaves the cuts out).
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  edof capture")]
-pub struct Args {}
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// A photograph (PNG, TIFF, PPM; code values are taken as linear light), or chart, chart-4, leaves, leaves-4
+    #[arg(value_name = "SCENE")]
+    scene: String,
+
+    /// Raw frame: .png or .tif (codes at the top of 16 bits), .pgm, or .raw without a header
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+
+    /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
+    #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
+    camera: String,
+
+    #[command(flatten)]
+    drawing: Drawing,
+
+    /// Bits a pixel of the sensor, 8 to 16
+    #[arg(long, default_value_t = 12, value_name = "BITS")]
+    depth: u32,
+
+    /// Colour filters of the first two pixels of the first two rows: rggb, grbg, gbrg or bggr
+    #[arg(long, default_value = "rggb", value_name = "CFA")]
+    phase: CfaPhase,
+
+    /// Standard deviation of Gaussian noise, in units of full scale
+    #[arg(long, default_value_t = 0.0, value_name = "SIGMA")]
+    noise: f64,
+
+    /// Photo-electrons at full scale, for photon noise [default: no photon noise]
+    #[arg(long, value_name = "ELECTRONS")]
+    full_well: Option<f64>,
+
+    /// Share of the energy that a cut kernel keeps, more than 0 and at most 1
+    #[arg(long, default_value_t = 0.999, value_name = "SHARE")]
+    energy: f64,
+
+    /// Share of the energy that may lie wrong because a spectrum is sampled at few wavelengths
+    #[arg(long, default_value_t = 0.01, value_name = "SHARE")]
+    wavelength_tolerance: f64,
+
+    /// Layers whose psi differ by no more than this share one kernel (radians)
+    #[arg(long, default_value_t = 0.0, value_name = "PSI")]
+    depth_tolerance: f64,
+
+    /// No cuts
+    #[arg(long)]
+    exact: bool,
+
+    /// Do not measure what the cuts change and save
+    #[arg(long)]
+    no_measure: bool,
+
+    /// Also write the sharp truth, 16 bits
+    #[arg(long, value_name = "FILE")]
+    sharp: Option<PathBuf>,
+
+    /// Also write the light on the sensor before its colour filters, 16 bits
+    #[arg(long, value_name = "FILE")]
+    light: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  edof capture photo.png --camera ring-outer --psi 8 --out raw.png
+  edof capture chart-4 --noise 0.01 --out raw.pgm --sharp sharp.png
+  edof capture leaves --psi 6 --full-well 10000 --depth 10 --phase bggr --out raw.png --exact";
+
+#[derive(Serialize)]
+struct Captured {
+    scene: String,
+    camera: String,
+    width: usize,
+    height: usize,
+    psi: Vec<f64>,
+    depths: Vec<Depth>,
+    seconds: f64,
+    cuts: Vec<CutCost>,
+    out: PathBuf,
+}
 
 /// # Errors
-/// Always, until the sub-command exists.
-pub fn run(_: Args, _: &Ui) -> Result<(), Error> {
-    Err(Error::message("capture: not in this build yet"))
+/// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let camera = Camera::resolve(&args.camera)?;
+    let scene = open(&args, camera.psi_range)?;
+    let cuts = args.cuts()?;
+    let noise = Noise { gaussian: args.noise, full_well: args.full_well };
+    let sensor = Sensor { depth: args.depth, phase: args.phase, noise, seed: args.drawing.seed };
+    let shot = capture(&scene, &camera, &sensor, &cuts)?;
+    raw::save(&args.out, &shot.raw)?;
+    if let Some(path) = &args.sharp {
+        photo::save(path, &shot.sharp, 16)?;
+    }
+    if let Some(path) = &args.light {
+        photo::save(path, &shot.light, 16)?;
+    }
+    let costs = if args.exact || args.no_measure { vec![] } else { measure_cuts(&scene, &camera, &cuts)? };
+    tell(&scene, &shot, &costs, ui)?;
+    let (height, width) = scene.size();
+    let psi = scene.layers.iter().map(|layer| layer.psi).collect();
+    let Capture { depths, seconds, .. } = shot;
+    let (scene, camera, out) = (scene.name, camera.name, args.out);
+    ui.json(&Captured { scene, camera, width, height, psi, depths, seconds, cuts: costs, out })
+}
+
+/// A built-in scene by its name, or a photograph at one depth.
+fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
+    if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
+        return args.drawing.draw(&args.scene, range);
+    }
+    let [psi] = args.drawing.psi[..] else {
+        return Err(Error::message("--psi: one value, a photograph lies at one depth"));
+    };
+    let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Scene::flat(name, photo::load(Path::new(&args.scene))?, psi))
+}
+
+impl Args {
+    fn cuts(&self) -> Result<Cuts, Error> {
+        if self.exact {
+            return Ok(Cuts::exact());
+        }
+        if !(self.energy > 0.0 && self.energy <= 1.0) {
+            return Err(Error::message(format!(
+                "--energy {}: must be more than 0 and at most 1",
+                self.energy
+            )));
+        }
+        let shares = [("wavelength", self.wavelength_tolerance), ("depth", self.depth_tolerance)];
+        if let Some((name, value)) = shares.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0)) {
+            return Err(Error::message(format!("--{name}-tolerance {value}: must be 0 or more")));
+        }
+        let wavelength_tolerance = self.wavelength_tolerance;
+        let psf = Settings { energy: self.energy, wavelength_tolerance, exact: false };
+        Ok(Cuts { psf, depth_tolerance: self.depth_tolerance })
+    }
+}
+
+fn tell(scene: &Scene, shot: &Capture, costs: &[CutCost], ui: &Ui) -> Result<(), Error> {
+    let (height, width) = scene.size();
+    ui.say(format!("{}: {width}x{height}, {} depths, {:.2} s", scene.name, shot.depths.len(), shot.seconds))?;
+    for depth in &shot.depths {
+        for (channel, kernel) in ["red", "green", "blue"].into_iter().zip(&depth.channels) {
+            ui.say(format!(
+                "  psi {:5.2} {channel:5}: kernel {side}x{side} of {support}x{support} keeps {:.2} % of the energy \
+                 (about {:.2} % falls farther), {} wavelengths (last step moved {:.2} %)",
+                depth.psi,
+                100.0 * kernel.energy_kept,
+                100.0 * kernel.energy_beyond,
+                kernel.wavelengths,
+                100.0 * kernel.wavelength_error,
+                side = kernel.side,
+                support = kernel.support,
+            ))?;
+        }
+    }
+    for cost in costs {
+        ui.say(format!(
+            "  cut {:11}: rms error {:.1e}, largest {:.1e} of full scale; {:.2} s instead of {:.2} s",
+            cost.cut, cost.rms_error, cost.max_error, cost.seconds, cost.exact_seconds
+        ))?;
+    }
+    Ok(())
 }

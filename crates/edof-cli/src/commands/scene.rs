@@ -2,14 +2,116 @@
 
 use crate::error::Error;
 use crate::ui::Ui;
+use edof_io::raw::Size;
+use edof_optics::draw::{self, four_depths};
+use edof_optics::scene::Scene;
+use edof_spec::Camera;
+use edof_study::picture::{Tone, png};
+use ndarray::Array2;
+use serde::Serialize;
+use std::path::PathBuf;
 
-/// Not written yet.
+/// Draw a built-in scene: the sharp truth, how it looks on a screen, and its depths
+///
+/// Writes sharp.png (16 bits, code values in proportion to light), screen.png (8 bits, sRGB) and depth.png (8 bits, the
+/// smallest psi of the range black, the largest white).
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  edof scene")]
-pub struct Args {}
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// chart (Siemens stars, slanted edges, bars, text) or leaves (dead leaves: statistics like a photograph's) at one depth;
+    /// chart-4 or leaves-4 at four
+    #[arg(value_name = "SCENE")]
+    scene: String,
+
+    /// Folder for the pictures
+    #[arg(long, value_name = "DIR", default_value = "out/scene")]
+    out: PathBuf,
+
+    #[command(flatten)]
+    drawing: Drawing,
+
+    /// Camera whose range of psi the depths are spread over: a preset or a JSON file
+    #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
+    camera: String,
+}
+
+/// How a built-in scene is drawn.
+#[derive(clap::Args)]
+pub struct Drawing {
+    /// Width and height in pixels, even and at least 64
+    #[arg(long, default_value = "768x512", value_name = "WxH")]
+    size: Size,
+
+    /// Depths as the defocus parameter in radians, from back to front: one value, or four for a scene at four depths
+    /// [default: the range's middle, or four spread over the range]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
+    pub psi: Vec<f64>,
+
+    /// Seed of everything random: the leaves, and where there is a sensor its noise
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  edof scene chart --out out/chart
+  edof scene leaves-4 --size 1920x1080 --seed 3 --psi 0,2,5,8";
+
+#[derive(Serialize)]
+struct Drawn {
+    scene: String,
+    width: usize,
+    height: usize,
+    psi: Vec<f64>,
+    files: [PathBuf; 3],
+}
 
 /// # Errors
-/// Always, until the sub-command exists.
-pub fn run(_: Args, _: &Ui) -> Result<(), Error> {
-    Err(Error::message("scene: not in this build yet"))
+/// An unknown scene, an impossible size or number of depths, or a folder that cannot be written.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let camera = Camera::resolve(&args.camera)?;
+    let scene = args.drawing.draw(&args.scene, camera.psi_range)?;
+    scene.check()?;
+    std::fs::create_dir_all(&args.out)
+        .map_err(|e| Error::message(format!("{}: cannot create: {e}", args.out.display())))?;
+    let files = ["sharp.png", "screen.png", "depth.png"].map(|name| args.out.join(name));
+    let sharp = scene.sharp();
+    edof_io::photo::save(&files[0], &sharp, 16)?;
+    edof_spec::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;
+    edof_io::photo::save(&files[2], &depth_picture(&scene.psi_map(), camera.psi_range), 8)?;
+    let (height, width) = scene.size();
+    let psi: Vec<f64> = scene.layers.iter().map(|layer| layer.psi).collect();
+    ui.say(format!("{}: {width}x{height}, psi {psi:.2?}, in {}", scene.name, args.out.display()))?;
+    ui.json(&Drawn { scene: scene.name, width, height, psi, files })
+}
+
+impl Drawing {
+    /// The built-in scene of that name, its depths spread over `range` where none were given.
+    ///
+    /// # Errors
+    /// An unknown scene, an impossible size or number of depths.
+    pub fn draw(&self, name: &str, range: [f64; 2]) -> Result<Scene, Error> {
+        let (kind, depths) = draw::parse_name(name)?;
+        let psis = match (&self.psi[..], depths) {
+            ([], 1) => vec![0.5 * (range[0] + range[1])],
+            ([], _) => four_depths(range).to_vec(),
+            (given, _) if given.len() == depths => given.to_vec(),
+            (given, _) => {
+                return Err(Error::message(format!(
+                    "--psi: {} values for {name}, expected {depths}",
+                    given.len()
+                )));
+            }
+        };
+        Ok(draw::draw(kind, self.size.height, self.size.width, &psis, self.seed)?)
+    }
+}
+
+fn depth_picture(psi: &Array2<f32>, [low, high]: [f64; 2]) -> edof_spec::ColourFrame {
+    let (height, width) = psi.dim();
+    let mut frame = edof_spec::ColourFrame::zeros(height, width);
+    let span = (high - low).max(f64::MIN_POSITIVE);
+    let grey = psi.mapv(|v| ((f64::from(v) - low) / span) as f32);
+    frame.planes.outer_iter_mut().for_each(|mut plane| plane.assign(&grey));
+    frame
 }
