@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | photos | [`patches`] | blurred photos, and random windows with their sharp patches |
 //! | start | [`initial`] | a first network: random analysis, or ISTA's matrices from a dictionary |
+//! | coordinates | [`precondition`] | whitened windows, so that training is well conditioned |
 //! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`] and [`parameters`] |
 //! | step | [`adam`] | new weights |
 //! | run | [`train`] | the recipe: schedule, validation, checkpoints ([`checkpoint`]), resume |
@@ -25,6 +26,14 @@
 //! ```
 
 pub mod adam;
+pub mod checkpoint;
+pub mod initial;
+pub mod linear_algebra;
 pub mod matmul;
 pub mod parameters;
 pub mod pass;
+pub mod patches;
+pub mod precondition;
+pub mod quantize;
+pub mod reconstruct;
+pub mod train;

@@ -9,6 +9,7 @@ use crate::initial::{Start, initial};
 use crate::parameters::{Layout, unflatten};
 use crate::pass::Pass;
 use crate::patches::{Bank, Batch, Random};
+use crate::precondition::Precondition;
 use edof_spec::Camera;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Network, Origin, Shrinkage};
@@ -53,15 +54,15 @@ impl Recipe {
         Self {
             form,
             noise: 0.015,
-            batch: 512,
-            steps: 200_000,
+            batch: 1024,
+            steps: 100_000,
             rate: match form.shrinkage {
-                Shrinkage::OneSided => 3e-3,
-                Shrinkage::TwoSided => 5e-3,
+                Shrinkage::OneSided => 1.5e-3,
+                Shrinkage::TwoSided => 2e-3,
             },
-            output_rate: 0.06,
+            output_rate: 0.2,
             threshold_rate: 0.15,
-            lambda: 1e-3,
+            lambda: 3e-5,
             start: Start::Whitened,
             seed: 1,
             threads: 2,
@@ -104,13 +105,13 @@ pub enum RecipeError {
 pub struct State {
     /// Steps taken.
     pub step: u64,
-    /// Weights now.
+    /// Weights now, in training coordinates (see [`crate::precondition`]).
     pub weights: Vec<f32>,
     /// Adam's moments.
     pub adam: Adam,
     /// Running mean of the squared error of each cell; 0 where none was seen yet.
     pub cell_errors: Vec<f32>,
-    /// Weights at the best validation.
+    /// The network's weights at the best validation.
     pub best_weights: Vec<f32>,
     /// PSNR in dB of the best validation.
     pub best_db: f64,
@@ -150,6 +151,10 @@ pub struct Trainer<'a> {
     recipe: Recipe,
     bank: &'a Bank,
     rates: Vec<f32>,
+    condition: Precondition,
+    /// The network's weights for the state's.
+    weights: Vec<f32>,
+    scratch: Vec<f32>,
     layout: Layout,
     pool: rayon::ThreadPool,
     workers: Vec<Worker>,
@@ -179,6 +184,10 @@ const VALIDATION_WINDOWS: usize = 256;
 const VALIDATION_PSIS: usize = 5;
 /// σ of the validation sets, as shares of the recipe's largest.
 const VALIDATION_NOISE: [f32; 2] = [0.0, 2.0 / 3.0];
+/// Windows that training coordinates are computed from.
+const WHITENING_WINDOWS: usize = 16_384;
+/// Mean square below which a direction of the window counts as noise.
+const WHITENING_FLOOR: f64 = 2e-5;
 /// Steps over which the rate rises from 0.
 const WARM_UP: u64 = 500;
 /// How much of a cell's running error one window replaces.
@@ -191,12 +200,14 @@ impl<'a> Trainer<'a> {
     /// [`RecipeError`].
     pub fn new(recipe: Recipe, bank: &'a Bank) -> Result<Self, RecipeError> {
         check(&recipe, bank)?;
-        let weights = initial(&recipe.form, bank, recipe.noise, recipe.start, recipe.seed);
+        let network = initial(&recipe.form, bank, recipe.noise, recipe.start, recipe.seed);
+        let mut weights = network.clone();
+        condition(&recipe, bank).to_trained(&network, &mut weights);
         let state = State {
             step: 0,
             adam: Adam::new(weights.len()),
             cell_errors: vec![0.0; bank.cells()],
-            best_weights: weights.clone(),
+            best_weights: network,
             best_db: f64::NEG_INFINITY,
             stale: 0,
             weights,
@@ -226,7 +237,23 @@ impl<'a> Trainer<'a> {
         let workers = (0..recipe.threads).map(|_| Worker::new(&recipe.form, share, layout.len())).collect();
         let validation = validation_sets(bank, &recipe);
         let rates = rates(&layout, &recipe);
-        Ok(Self { recipe, bank, rates, layout, pool, workers, validation, state })
+        let condition = condition(&recipe, bank);
+        let mut weights = vec![0.0; layout.len()];
+        condition.to_network(&state.weights, &mut weights);
+        let scratch = weights.clone();
+        Ok(Self {
+            recipe,
+            bank,
+            rates,
+            condition,
+            weights,
+            scratch,
+            layout,
+            pool,
+            workers,
+            validation,
+            state,
+        })
     }
 
     /// The recipe.
@@ -275,12 +302,12 @@ impl<'a> Trainer<'a> {
 
     /// One batch and one step of Adam. Returns the mean loss of a window.
     pub fn step(&mut self) -> f64 {
-        let (recipe, bank, state) = (&self.recipe, self.bank, &self.state);
+        let (recipe, bank, state, weights) = (&self.recipe, self.bank, &self.state, &self.weights);
         self.pool.install(|| {
             self.workers.par_iter_mut().enumerate().for_each(|(index, worker)| {
                 let mut random = Random::new(recipe.seed, state.step, index as u64);
                 bank.draw(&mut random, recipe.noise, &mut worker.batch);
-                worker.differentiate(state, recipe);
+                worker.differentiate(weights, state, recipe);
             });
         });
         let loss = self.workers.iter().map(|w| w.loss).sum::<f64>() / recipe.batch as f64;
@@ -290,7 +317,7 @@ impl<'a> Trainer<'a> {
 
     /// Mean PSNR in dB over photos, ψ and σ on validation windows, and the mean count of non-zero codes a layer.
     pub fn validate(&mut self) -> (f64, f64) {
-        let (weights, form) = (&self.state.weights, self.recipe.form);
+        let (weights, form) = (&self.weights, self.recipe.form);
         let measured: Vec<(f64, f64)> = self.pool.install(|| {
             self.validation
                 .par_iter()
@@ -323,7 +350,7 @@ impl<'a> Trainer<'a> {
         if db > self.state.best_db {
             self.state.best_db = db;
             self.state.stale = 0;
-            self.state.best_weights.clone_from(&self.state.weights);
+            self.state.best_weights.clone_from(&self.weights);
         } else {
             self.state.stale += 1;
         }
@@ -337,6 +364,7 @@ impl<'a> Trainer<'a> {
         }
         let scale = 1.0 / self.recipe.batch as f32;
         gradient.iter_mut().for_each(|g| *g *= scale);
+        self.condition.pull_back(gradient, &mut self.scratch);
         let rate = self.recipe.rate * schedule(self.state.step, self.recipe.steps);
         self.state.adam.step(&mut self.state.weights, gradient, rate, &self.rates);
         if self.recipe.form.shrinkage == Shrinkage::TwoSided {
@@ -344,6 +372,7 @@ impl<'a> Trainer<'a> {
                 self.state.weights[theta.clone()].iter_mut().for_each(|t| *t = t.max(0.0));
             }
         }
+        self.condition.to_network(&self.state.weights, &mut self.weights);
         for worker in &self.workers {
             for (&cell, &error) in worker.batch.cells.iter().zip(&worker.errors) {
                 let running = &mut self.state.cell_errors[cell as usize];
@@ -366,7 +395,7 @@ impl Worker {
         }
     }
 
-    fn differentiate(&mut self, state: &State, recipe: &Recipe) {
+    fn differentiate(&mut self, weights: &[f32], state: &State, recipe: &Recipe) {
         // A window's error may not weigh more than if its cell were at 60 dB.
         let least = RGB_OUTPUTS as f32 * 1e-6;
         for (importance, &cell) in self.importance.iter_mut().zip(&self.batch.cells) {
@@ -375,7 +404,7 @@ impl Worker {
         }
         self.gradient.fill(0.0);
         let loss = self.pass.gradient(
-            &state.weights,
+            weights,
             &self.batch.inputs,
             &self.batch.targets,
             &self.importance,
@@ -410,6 +439,13 @@ fn schedule(step: u64, steps: u64) -> f32 {
     let rise = ((step + 1) as f32 / WARM_UP as f32).min(1.0);
     let done = step as f32 / steps as f32;
     rise * (0.001 + 0.999 * 0.5 * (1.0 + (std::f32::consts::PI * done).cos()))
+}
+
+/// Coordinates from a batch of training windows; the same for a resumed run.
+fn condition(recipe: &Recipe, bank: &Bank) -> Precondition {
+    let mut batch = Batch::new(recipe.form.window, WHITENING_WINDOWS);
+    bank.draw(&mut Random::new(recipe.seed, u64::MAX, 1), recipe.noise, &mut batch);
+    Precondition::new(&Layout::new(&recipe.form), &batch.inputs, recipe.form.window.pixels(), WHITENING_FLOOR)
 }
 
 fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {

@@ -23,10 +23,7 @@ pub fn capture<'a>(
     origin: &Origin,
     mut tell: impl FnMut(usize),
 ) -> Result<Vec<Scene<'a>>, SensorError> {
-    let [low, high] = origin.camera.psi_range;
-    let depths = if low < high { DEPTHS } else { 1 };
-    let psis: Vec<f64> =
-        (0..depths).map(|i| low + (high - low) * i as f64 / (depths.max(2) - 1) as f64).collect();
+    let psis = depths(origin.camera.psi_range);
     let settings = Settings::default();
     let psfs: Vec<(f64, [Psf; 3])> =
         psis.into_iter().map(|psi| (psi, channel_psfs(&origin.camera, psi, &settings))).collect();
@@ -51,6 +48,15 @@ pub fn capture<'a>(
         tell(index + 1);
     }
     Ok(scenes)
+}
+
+/// Values of ψ that scenes are captured at, the ends of the range among them.
+#[must_use]
+pub fn depths([low, high]: [f64; 2]) -> Vec<f64> {
+    if low == high {
+        return vec![low];
+    }
+    (0..DEPTHS).map(|i| low + (high - low) * i as f64 / (DEPTHS - 1) as f64).collect()
 }
 
 #[cfg(test)]

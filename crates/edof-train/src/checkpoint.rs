@@ -1,0 +1,168 @@
+//! A training run on disk: the recipe and everything that changes while it runs, so that it goes on bit for bit.
+
+use crate::adam::Adam;
+use crate::train::{Recipe, State};
+use edof_spec::atomic::{self, WriteError};
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+const METADATA_KEY: &str = "edof-checkpoint";
+
+/// A checkpoint that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// Cannot be opened.
+    #[error("{path}: cannot read: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Truncated, or not a checkpoint.
+    #[error("{path}: not a checkpoint of a training run: {reason}", path = path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is missing or wrong.
+        reason: String,
+    },
+    /// Of a run with other settings.
+    #[error("{path}: made with {field} {found}, asked to go on with {asked}", path = path.display())]
+    OtherRun {
+        /// The file.
+        path: PathBuf,
+        /// What differs.
+        field: &'static str,
+        /// In the checkpoint.
+        found: String,
+        /// Asked for.
+        asked: String,
+    },
+}
+
+/// What identifies a run: a checkpoint goes on only with the same.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// The recipe.
+    pub recipe: Recipe,
+    /// The camera, as JSON.
+    pub camera: String,
+    /// Names of the photos, in order.
+    pub photos: Vec<String>,
+    /// ψ of each blur.
+    pub psis: Vec<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Metadata {
+    run: Run,
+    step: u64,
+    adam_steps: u64,
+    /// Bits of an f64: JSON has no −∞.
+    best_db_bits: u64,
+    stale: u32,
+}
+
+/// Writes a checkpoint; the one before is replaced only by a whole one.
+///
+/// # Errors
+/// [`CheckpointError::Write`].
+pub fn save(path: &Path, run: &Run, state: &State) -> Result<(), CheckpointError> {
+    let foreign = |reason: String| CheckpointError::Foreign { path: path.to_owned(), reason };
+    let metadata = Metadata {
+        run: run.clone(),
+        step: state.step,
+        adam_steps: state.adam.steps,
+        best_db_bits: state.best_db.to_bits(),
+        stale: state.stale,
+    };
+    let text = serde_json::to_string(&metadata).map_err(|e| foreign(e.to_string()))?;
+    let tensors = named(state).map(|(name, values)| (name, bytes(values)));
+    let views = tensors
+        .iter()
+        .map(|(name, bytes)| Ok((*name, TensorView::new(Dtype::F32, vec![bytes.len() / 4], bytes)?)))
+        .collect::<Result<Vec<_>, safetensors::SafeTensorError>>()
+        .map_err(|e| foreign(e.to_string()))?;
+    let file = safetensors::serialize(views, Some(HashMap::from([(METADATA_KEY.to_owned(), text)])))
+        .map_err(|e| foreign(e.to_string()))?;
+    Ok(atomic::write(path, &file)?)
+}
+
+/// Reads a checkpoint of this very run.
+///
+/// # Errors
+/// Any [`CheckpointError`] but `Write`; one of a run with another recipe, camera or photos is refused, naming what differs.
+pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
+    let file =
+        std::fs::read(path).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
+    let foreign = |reason: String| CheckpointError::Foreign { path: path.to_owned(), reason };
+    let (_, header) = SafeTensors::read_metadata(&file).map_err(|e| foreign(e.to_string()))?;
+    let text = header
+        .metadata()
+        .as_ref()
+        .and_then(|m| m.get(METADATA_KEY))
+        .ok_or_else(|| foreign(format!("its metadata has no entry '{METADATA_KEY}'")))?;
+    let metadata: Metadata = serde_json::from_str(text).map_err(|e| foreign(e.to_string()))?;
+    same_run(path, &metadata.run, run)?;
+    let tensors = SafeTensors::deserialize(&file).map_err(|e| foreign(e.to_string()))?;
+    let tensor = |name: &str| -> Result<Vec<f32>, CheckpointError> {
+        let view = tensors.tensor(name).map_err(|_| foreign(format!("tensor '{name}' is missing")))?;
+        if view.dtype() != Dtype::F32 {
+            return Err(foreign(format!("tensor '{name}' is {:?}, expected F32", view.dtype())));
+        }
+        Ok(view.data().chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+    };
+    let state = State {
+        step: metadata.step,
+        weights: tensor("weights")?,
+        adam: Adam { steps: metadata.adam_steps, mean: tensor("adam_mean")?, square: tensor("adam_square")? },
+        cell_errors: tensor("cell_errors")?,
+        best_weights: tensor("best_weights")?,
+        best_db: f64::from_bits(metadata.best_db_bits),
+        stale: metadata.stale,
+    };
+    let lengths = [&state.adam.mean, &state.adam.square, &state.best_weights].map(Vec::len);
+    if lengths.iter().any(|l| *l != state.weights.len()) {
+        return Err(foreign("its tensors differ in length".to_owned()));
+    }
+    Ok(state)
+}
+
+const fn named(state: &State) -> [(&'static str, &Vec<f32>); 5] {
+    [
+        ("weights", &state.weights),
+        ("adam_mean", &state.adam.mean),
+        ("adam_square", &state.adam.square),
+        ("cell_errors", &state.cell_errors),
+        ("best_weights", &state.best_weights),
+    ]
+}
+
+fn bytes(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn same_run(path: &Path, found: &Run, asked: &Run) -> Result<(), CheckpointError> {
+    let fields: [(&'static str, String, String); 4] = [
+        ("recipe", json(&found.recipe), json(&asked.recipe)),
+        ("camera", found.camera.clone(), asked.camera.clone()),
+        ("photos", json(&found.photos), json(&asked.photos)),
+        ("psi", json(&found.psis), json(&asked.psis)),
+    ];
+    match fields.into_iter().find(|(_, found, asked)| found != asked) {
+        Some((field, found, asked)) => {
+            Err(CheckpointError::OtherRun { path: path.to_owned(), field, found, asked })
+        }
+        None => Ok(()),
+    }
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}

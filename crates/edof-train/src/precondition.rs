@@ -1,0 +1,140 @@
+//! Coordinates in which training is well conditioned: A and R act on whitened windows.
+//!
+//! Neighbouring pixels are nearly equal, so one small step of all of A's entries moves every code a lot along the mean and
+//! hardly at all along what is fine. With E[y·yᵀ] = L·Lᵀ, training moves A′ = A·L and R′ = R·L instead; the network is unchanged.
+
+use crate::linear_algebra::{cholesky, solve_upper};
+use crate::matmul::{Into, Mat, product};
+use crate::parameters::Layout;
+use std::ops::Range;
+
+/// The change of coordinates of one run; decided by a batch of its windows.
+#[derive(Debug, Clone)]
+pub struct Precondition {
+    pixels: usize,
+    whiten: Vec<f32>,
+    colour: Vec<f32>,
+    windowed: [Range<usize>; 2],
+}
+
+impl Precondition {
+    /// Coordinates that whiten `inputs` (windows × pixels); directions weaker than `floor` (mean square) are not amplified further.
+    #[must_use]
+    pub fn new(layout: &Layout, inputs: &[f32], pixels: usize, floor: f64) -> Self {
+        let factor = cholesky(&second_moment(inputs, pixels, floor), pixels);
+        let mut whiten = vec![0.0; pixels * pixels];
+        for column in 0..pixels {
+            // Row `column` of L⁻ᵀ is column `column` of L⁻¹.
+            let mut unit = vec![0.0; pixels];
+            unit[column] = 1.0;
+            solve_upper(&factor, pixels, &mut unit);
+            (0..pixels).for_each(|row| whiten[column * pixels + row] = unit[row] as f32);
+        }
+        Self {
+            pixels,
+            whiten,
+            colour: factor.iter().map(|v| *v as f32).collect(),
+            windowed: [layout.analysis.clone(), layout.linear_path.clone()],
+        }
+    }
+
+    /// The network's weights for those in training coordinates.
+    pub fn to_network(&self, trained: &[f32], network: &mut [f32]) {
+        network.copy_from_slice(trained);
+        self.multiply(trained, network, Mat::new(&self.whiten, self.pixels, self.pixels));
+    }
+
+    /// Inverse of [`Precondition::to_network`].
+    pub fn to_trained(&self, network: &[f32], trained: &mut [f32]) {
+        trained.copy_from_slice(network);
+        self.multiply(network, trained, Mat::new(&self.colour, self.pixels, self.pixels));
+    }
+
+    /// Turns a gradient for the network's weights into one for the trained coordinates: the adjoint of
+    /// [`Precondition::to_network`].
+    pub fn pull_back(&self, gradient: &mut [f32], scratch: &mut [f32]) {
+        scratch.copy_from_slice(gradient);
+        self.multiply(scratch, gradient, Mat::new(&self.whiten, self.pixels, self.pixels).t());
+    }
+
+    fn multiply(&self, from: &[f32], to: &mut [f32], by: Mat<'_>) {
+        for range in self.windowed.iter().filter(|r| !r.is_empty()) {
+            let rows = range.len() / self.pixels;
+            product(
+                &mut to[range.clone()],
+                Into::Replace,
+                Mat::new(&from[range.clone()], rows, self.pixels),
+                by,
+            );
+        }
+    }
+}
+
+/// Row-major mean of y·yᵀ over rows of `values`, with `floor` added to its diagonal.
+fn second_moment(values: &[f32], n: usize, floor: f64) -> Vec<f64> {
+    let count = values.len() / n;
+    let mut sums = vec![0.0f64; n * n];
+    // f32 products of a few hundred rows lose nothing that matters; the sum over all rows is kept in f64.
+    let mut part = vec![0.0f32; n * n];
+    for rows in values.chunks(256 * n) {
+        let rows = Mat::new(rows, rows.len() / n, n);
+        product(&mut part, Into::Replace, rows.t(), rows);
+        sums.iter_mut().zip(&part).for_each(|(s, &p)| *s += f64::from(p));
+    }
+    sums.iter_mut().for_each(|s| *s /= count as f64);
+    (0..n).for_each(|i| sums[i * n + i] += floor);
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patches::Random;
+    use edof_spec::Window;
+    use edof_spec::network::{Form, Recurrence, Shrinkage};
+
+    fn example() -> (Precondition, usize) {
+        let form = Form {
+            window: Window::new(8).unwrap(),
+            codes: 5,
+            layers: 3,
+            shrinkage: Shrinkage::OneSided,
+            recurrence: Recurrence::Direct,
+            linear_path: true,
+            tied: false,
+        };
+        let layout = Layout::new(&form);
+        let mut random = Random::new(3, 0, 0);
+        let inputs: Vec<f32> =
+            (0..64 * 500).map(|i| 0.5 + 0.1 * random.normal() + (i % 64) as f32 * 0.01).collect();
+        (Precondition::new(&layout, &inputs, 64, 1e-5), layout.len())
+    }
+
+    fn noise(length: usize, seed: u64) -> Vec<f32> {
+        let mut random = Random::new(seed, 0, 0);
+        (0..length).map(|_| random.normal()).collect()
+    }
+
+    #[test]
+    fn coordinates_there_and_back_are_the_same() {
+        let (condition, length) = example();
+        let network = noise(length, 1);
+        let (mut trained, mut back) = (vec![0.0; length], vec![0.0; length]);
+        condition.to_trained(&network, &mut trained);
+        condition.to_network(&trained, &mut back);
+        assert!(network.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-2));
+        assert!(network.iter().zip(&trained).any(|(a, b)| (a - b).abs() > 0.1));
+    }
+
+    #[test]
+    fn pulling_back_is_the_adjoint() {
+        let (condition, length) = example();
+        let (trained, gradient) = (noise(length, 1), noise(length, 2));
+        let (mut network, mut pulled, mut scratch) = (vec![0.0; length], gradient.clone(), vec![0.0; length]);
+        condition.to_network(&trained, &mut network);
+        condition.pull_back(&mut pulled, &mut scratch);
+        let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(x, y)| f64::from(x * y)).sum::<f64>();
+        let (left, right) = (dot(&network, &gradient), dot(&trained, &pulled));
+        assert!((left - right).abs() < 1e-3 * left.abs().max(1.0), "{left} {right}");
+    }
+}

@@ -1,0 +1,273 @@
+//! A whole frame through the float network: what the fixed-point pipeline approximates.
+
+use crate::parameters::flatten;
+use crate::pass::Pass;
+use edof_spec::colour::{RGB_OUTPUTS, chroma_code, luma_word, patch_422_from_rgb, rgb_from_422};
+use edof_spec::frame::Frame422;
+use edof_spec::geometry::{PATCH, PATCH_PIXELS, mirror};
+use edof_spec::overlap::Overlap;
+use edof_spec::{
+    ColourFrame, Geometry, Network, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride,
+};
+use ndarray::{Array2, Array3, ArrayView2};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// What the reconstructed frame has been through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Output {
+    /// RGB as the network gives it.
+    Rgb,
+    /// The board's format: 4:2:2, 16-bit luma, 8-bit chroma, and back to RGB.
+    Ycc422,
+}
+
+/// The float network as a method of reconstruction.
+#[derive(Debug)]
+pub struct FloatReconstructor {
+    name: String,
+    network: Network,
+    weights: Vec<f32>,
+    geometry: Geometry,
+    overlap: Overlap,
+    output: Output,
+}
+
+impl FloatReconstructor {
+    /// The network at a stride; its name in reports is the network's with `.float` or `.float422`.
+    ///
+    /// # Errors
+    /// [`edof_spec::network::NetworkError`] if the matrices do not fit the form.
+    pub fn new(
+        network: Network,
+        stride: Stride,
+        overlap: Overlap,
+        output: Output,
+    ) -> Result<Self, edof_spec::network::NetworkError> {
+        network.check()?;
+        let suffix = match output {
+            Output::Rgb => "float",
+            Output::Ycc422 => "float422",
+        };
+        Ok(Self {
+            name: format!("{}.{suffix}", network.origin.name),
+            weights: flatten(&network),
+            geometry: Geometry::new(network.form.window, stride),
+            network,
+            overlap,
+            output,
+        })
+    }
+
+    /// Windows × pixels of one row of patches, mirrored at the borders; 0…1.
+    fn windows(&self, pixels: ArrayView2<'_, u16>, patch_row: usize, columns: usize) -> Vec<f32> {
+        let (height, width) = pixels.dim();
+        let side = self.geometry.window.side();
+        let mut windows = Vec::with_capacity(columns * side * side);
+        let top = self.geometry.window_start(patch_row);
+        for patch_column in 0..columns {
+            let left = self.geometry.window_start(patch_column);
+            for r in 0..side as isize {
+                let line = pixels.row(mirror(top + r, height));
+                windows
+                    .extend((0..side as isize).map(|c| f32::from(line[mirror(left + c, width)]) / 65536.0));
+            }
+        }
+        windows
+    }
+
+    /// Weighted sum of all overlapping patches that the network gives; RGB.
+    fn rgb(&self, pixels: ArrayView2<'_, u16>) -> Array3<f32> {
+        let (height, width) = pixels.dim();
+        let (rows, columns) = self.geometry.patches(height, width);
+        let weights = self.overlap.weights(self.geometry.stride);
+        let patches: Vec<Vec<f32>> = (0..rows)
+            .into_par_iter()
+            .map_init(
+                || Pass::new(self.network.form, columns),
+                |pass, row| {
+                    pass.forward(&self.weights, &self.windows(pixels, row, columns), columns).to_vec()
+                },
+            )
+            .collect();
+        let mut frame = Array3::zeros((3, height, width));
+        for (patch_row, line) in patches.iter().enumerate() {
+            for (patch_column, patch) in line.chunks_exact(RGB_OUTPUTS).enumerate() {
+                let top = self.geometry.patch_start(patch_row);
+                let left = self.geometry.patch_start(patch_column);
+                add_patch(&mut frame, patch, &weights, top, left);
+            }
+        }
+        frame
+    }
+
+    fn multiply_accumulates(&self, height: usize, width: usize) -> u64 {
+        let form = &self.network.form;
+        let (rows, columns) = self.geometry.patches(height, width);
+        let layout = crate::parameters::Layout::new(form);
+        let a_window = layout.analysis.len()
+            + form.middle_layers() * form.codes * form.codes
+            + layout.dictionary.len()
+            + layout.linear_path.len();
+        (rows * columns * a_window) as u64
+    }
+}
+
+impl Reconstructor for FloatReconstructor {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+        let start = Instant::now();
+        let (height, width) = raw.size();
+        let (aligned, (row, column)) = raw.to_rggb();
+        let (rows, columns) = aligned.size();
+        self.geometry.check_frame(rows, columns)?;
+        let rgb = ColourFrame { planes: self.rgb(aligned.pixels().view()) };
+        let frame = match self.output {
+            Output::Rgb => rgb,
+            Output::Ycc422 => rgb_from_422(&to_422(&rgb)),
+        };
+        Ok(Reconstruction {
+            frame: frame.crop(row, column, height, width),
+            seconds: start.elapsed().as_secs_f64(),
+            multiply_accumulates: Some(self.multiply_accumulates(rows, columns)),
+        })
+    }
+}
+
+/// A frame in the board's format, each 8×8 block by the same map that is folded into F, rounded as the board rounds.
+///
+/// Frames whose sides are no multiple of 8 are mirrored to the next one.
+#[must_use]
+pub fn to_422(rgb: &ColourFrame) -> Frame422 {
+    let (height, width) = rgb.size();
+    let map = patch_422_from_rgb();
+    let mut luma = Array2::zeros((height, width));
+    let mut chroma = [Array2::zeros((height, width / 2)), Array2::zeros((height, width / 2))];
+    let mut block = vec![0.0f64; RGB_OUTPUTS];
+    for top in (0..height).step_by(PATCH) {
+        for left in (0..width).step_by(PATCH) {
+            for (i, value) in block.iter_mut().enumerate() {
+                let (plane, pixel) = (i / PATCH_PIXELS, i % PATCH_PIXELS);
+                let row = mirror((top + pixel / PATCH) as isize, height);
+                let column = mirror((left + pixel % PATCH) as isize, width);
+                *value = f64::from(rgb.planes[(plane, row, column)]);
+            }
+            let out = map.dot(&ndarray::aview1(&block));
+            for pixel in 0..PATCH_PIXELS {
+                let (row, column) = (top + pixel / PATCH, left + pixel % PATCH);
+                if row < height && column < width {
+                    luma[(row, column)] = luma_word(out[pixel]);
+                }
+            }
+            for (which, plane) in chroma.iter_mut().enumerate() {
+                for site in 0..PATCH_PIXELS / 2 {
+                    let (row, column) = (top + site / 4, left / 2 + site % 4);
+                    if row < height && column < width / 2 {
+                        plane[(row, column)] =
+                            chroma_code(out[PATCH_PIXELS + which * PATCH_PIXELS / 2 + site]);
+                    }
+                }
+            }
+        }
+    }
+    Frame422 { luma, chroma }
+}
+
+fn add_patch(frame: &mut Array3<f32>, patch: &[f32], weights: &Array2<f64>, top: isize, left: isize) {
+    let (_, height, width) = frame.dim();
+    for (i, &value) in patch.iter().enumerate() {
+        let (plane, pixel) = (i / PATCH_PIXELS, i % PATCH_PIXELS);
+        let (r, c) = (pixel / PATCH, pixel % PATCH);
+        let (row, column) = (top + r as isize, left + c as isize);
+        if (0..height as isize).contains(&row) && (0..width as isize).contains(&column) {
+            frame[(plane, row as usize, column as usize)] += value * weights[(r, c)] as f32;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_spec::network::{Form, Origin, Recurrence, Shrinkage};
+    use edof_spec::{Camera, CfaPhase, Window};
+    use ndarray::Array1;
+
+    /// A network without codes whose linear path takes each output's colour from the nearest site of that colour.
+    fn nearest_site_network(window: usize) -> Network {
+        let window = Window::new(window).unwrap();
+        let form = Form {
+            window,
+            codes: 1,
+            layers: 2,
+            shrinkage: Shrinkage::OneSided,
+            recurrence: Recurrence::Direct,
+            linear_path: true,
+            tied: false,
+        };
+        let mut r = Array2::zeros((RGB_OUTPUTS, window.pixels()));
+        for output in 0..RGB_OUTPUTS {
+            let (plane, pixel) = (output / 64, output % 64);
+            let cell = |v: usize, odd: bool| v / 2 * 2 + usize::from(odd) + window.margin();
+            let (row, column) = (cell(pixel / 8, plane == 2), cell(pixel % 8, plane > 0));
+            r[(output, row * window.side() + column)] = 1.0;
+        }
+        Network {
+            form,
+            analysis: Array2::zeros((1, window.pixels())),
+            thresholds: vec![Array1::zeros(1)],
+            recurrent: vec![],
+            dictionary: Array2::zeros((RGB_OUTPUTS, 1)),
+            linear_path: Some(r),
+            origin: Origin {
+                name: "nearest".into(),
+                camera: Camera::resolve("clear").unwrap(),
+                noise: 0.0,
+                command: String::new(),
+                patches: 0,
+                validation_db: 0.0,
+            },
+        }
+    }
+
+    fn flat_raw(phase: CfaPhase) -> RawFrame {
+        let codes =
+            Array2::from_shape_fn((20, 28), |(r, c)| [60000, 30000, 10000][phase.channel(r, c).plane()]);
+        RawFrame::from_codes(codes, 16, phase).unwrap()
+    }
+
+    #[test]
+    fn every_phase_window_and_stride_gives_a_flat_colour_back() {
+        for phase in CfaPhase::ALL {
+            for (window, stride) in [(8, 8), (12, 4), (16, 2)] {
+                let method = FloatReconstructor::new(
+                    nearest_site_network(window),
+                    Stride::new(stride).unwrap(),
+                    Overlap::Hann,
+                    Output::Rgb,
+                )
+                .unwrap();
+                let out = method.reconstruct(&flat_raw(phase)).unwrap().frame;
+                assert_eq!(out.size(), (20, 28));
+                for ((plane, ..), v) in out.planes.indexed_iter() {
+                    let exact = [60000.0, 30000.0, 10000.0][plane] / 65536.0;
+                    assert!((v - exact).abs() < 1e-5, "{phase} {window} {stride}: {v} for {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_boards_format_costs_a_flat_colour_less_than_a_chroma_code() {
+        let method =
+            FloatReconstructor::new(nearest_site_network(8), Stride::PATCH, Overlap::Flat, Output::Ycc422)
+                .unwrap();
+        assert_eq!(method.name(), "nearest.float422");
+        let out = method.reconstruct(&flat_raw(CfaPhase::Rggb)).unwrap().frame;
+        for ((plane, ..), v) in out.planes.indexed_iter() {
+            assert!((v - [60000.0, 30000.0, 10000.0][plane] / 65536.0).abs() < 1.0 / 224.0);
+        }
+    }
+}
