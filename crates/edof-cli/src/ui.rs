@@ -104,11 +104,6 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Steps more done.
-    pub fn advance(&self, steps: u64) {
-        self.set(self.bar.position() + steps);
-    }
-
     /// Steps done in all.
     pub fn set(&self, position: u64) {
         self.bar.set_position(position);

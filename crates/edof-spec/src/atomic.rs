@@ -1,4 +1,5 @@
-//! Files that appear whole or not at all: written beside their target, flushed, then renamed over it.
+//! Files that appear whole or not at all: written beside their target, flushed, then renamed over it. Devices and pipes
+//! (`/dev/stdout`) stay what they are and are written straight.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,11 @@ pub fn write_with(
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), WriteError> {
     let attempt = || -> std::io::Result<()> {
+        if std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir()) {
+            let mut device = std::io::BufWriter::new(std::fs::OpenOptions::new().write(true).open(path)?);
+            fill(&mut device)?;
+            return device.flush();
+        }
         let folder = match path.parent() {
             Some(p) if !p.as_os_str().is_empty() => p,
             _ => Path::new("."),
@@ -74,6 +80,18 @@ mod tests {
         assert!(failed.unwrap_err().to_string().contains("disk full"));
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_written_not_replaced() {
+        use std::os::unix::fs::FileTypeExt;
+        write(Path::new("/dev/null"), b"gone").unwrap();
+        let error = write(Path::new("/dev/full"), b"too much").unwrap_err().to_string();
+        assert!(error.starts_with("/dev/full: cannot write: No space left"), "{error}");
+        for device in ["/dev/null", "/dev/full"] {
+            assert!(std::fs::metadata(device).unwrap().file_type().is_char_device());
+        }
     }
 
     #[test]

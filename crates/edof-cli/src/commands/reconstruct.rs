@@ -8,7 +8,8 @@ use edof_io::raw::{Alignment, ByteOrder, RawOptions, Size};
 use edof_io::{photo, raw};
 use edof_spec::colour::srgb_encode;
 use edof_spec::overlap::Overlap;
-use edof_spec::{CfaPhase, ColourFrame, RawFrame, Reconstructor, Stride};
+use edof_spec::network::Origin;
+use edof_spec::{Camera, CfaPhase, ColourFrame, RawFrame, Reconstructor, Stride};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::json;
 use std::path::PathBuf;
@@ -32,6 +33,10 @@ pub struct Args {
     /// Network: a name such as edof-t4w12-outer, or a weight file; it must have been trained for the camera that took RAW
     #[arg(long, default_value = "edof-t4w12-outer", value_name = "NAME|FILE")]
     weights: String,
+
+    /// Camera that took RAW, a preset or a JSON file: a network trained for another lens or mask is refused
+    #[arg(long)]
+    camera: Option<String>,
 
     /// Compute in the board's integers (the default)
     #[arg(long, conflicts_with = "float")]
@@ -122,9 +127,11 @@ fn method(args: &Args) -> Result<Box<dyn Reconstructor>, Error> {
     if args.float {
         let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
         let network = weights::float(&args.weights)?;
+        fits_camera(&network.origin, args)?;
         return Ok(Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?));
     }
     let network = weights::fixed(&args.weights)?;
+    fits_camera(&network.origin, args)?;
     if let Some(stride) = args.stride.map(Stride::new).transpose()?
         && stride != network.stride
     {
@@ -138,6 +145,25 @@ fn method(args: &Args) -> Result<Box<dyn Reconstructor>, Error> {
     }
     let name = format!("{}.fixed", network.origin.name);
     Ok(Box::new(GoldenReconstructor::new(network, name)?))
+}
+
+/// Names, sources and ranges may differ, lenses may not.
+fn fits_camera(origin: &Origin, args: &Args) -> Result<(), Error> {
+    let Some(name) = &args.camera else { return Ok(()) };
+    let camera = Camera::resolve(name)?;
+    let same_lens = Camera {
+        name: camera.name.clone(),
+        source: camera.source.clone(),
+        psi_range: camera.psi_range,
+        ..origin.camera.clone()
+    };
+    if same_lens == camera {
+        return Ok(());
+    }
+    Err(Error::message(format!(
+        "--weights {}: trained for the camera {}, whose lens or mask is not that of {name}",
+        args.weights, origin.camera.name
+    )))
 }
 
 fn remark_on_dim_frames(frame: &RawFrame, args: &Args, ui: &Ui) {

@@ -1,0 +1,207 @@
+//! The real binary in a folder of its own.
+
+#![allow(dead_code, missing_docs)]
+
+use edof_spec::fixed_network::{FixedMatrix, FixedNetwork};
+use edof_spec::network::{Form, Network, Origin, Recurrence, Shrinkage};
+use edof_spec::overlap::Overlap;
+use edof_spec::{Camera, CfaPhase, ColourFrame, RawFrame, Stride, Window, weight_file};
+use ndarray::{Array1, Array2, Array3};
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use sha2::{Digest, Sha256};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of its own, gone afterwards.
+pub struct Place {
+    dir: tempfile::TempDir,
+}
+
+impl Place {
+    pub fn new() -> Self {
+        Self { dir: tempfile::tempdir().unwrap() }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    /// Runs `edof` here; arguments are the words of `line`.
+    pub fn edof(&self, line: &str) -> Run {
+        self.command(line).output().unwrap().into()
+    }
+
+    pub fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_edof"));
+        command.args(line.split_whitespace()).current_dir(self.dir.path()).env("EDOF_KODAK", "no-kodak-here");
+        command
+    }
+
+    /// Names of all files and folders here, sorted.
+    pub fn files(&self) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(self.dir.path())
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), bytes).unwrap();
+    }
+
+    /// A 12-bit raw frame of a soft pattern.
+    pub fn raw(&self, name: &str, width: usize, height: usize) {
+        let codes = Array2::from_shape_fn((height, width), |(r, c)| (1000 + 16 * ((r * 7 + c * 3) % 64)) as u16);
+        let frame = RawFrame::from_codes(codes, 12, CfaPhase::Rggb).unwrap();
+        edof_io::raw::save(&self.path(name), &frame).unwrap();
+    }
+
+    /// An 8-bit photograph of edges.
+    pub fn photo(&self, name: &str, width: usize, height: usize) {
+        let planes = Array3::from_shape_fn((3, height, width), |(p, r, c)| {
+            0.2 + 0.2 * (p + (r / 9) % 2 + (c / 7) % 2) as f32
+        });
+        edof_io::photo::save(&self.path(name), &ColourFrame { planes }, 8).unwrap();
+    }
+
+    /// A float network that gives each pixel the mean of its CFA colours around it.
+    pub fn float_network(&self, name: &str) {
+        weight_file::save_network(&self.path(name), &network()).unwrap();
+    }
+
+    pub fn fixed_network(&self, name: &str) {
+        weight_file::save_fixed(&self.path(name), &fixed_network()).unwrap();
+    }
+}
+
+/// What a run of `edof` left.
+pub struct Run {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+impl Run {
+    /// It worked.
+    #[track_caller]
+    pub fn done(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        self
+    }
+
+    /// It refused: status 1, one line on standard error that holds all of `words`, nothing on standard output.
+    #[track_caller]
+    pub fn refused(self, words: &[&str]) {
+        assert_eq!(self.code, Some(1), "out: {} err: {}", self.out, self.err);
+        assert_eq!(self.err.lines().count(), 1, "{}", self.err);
+        assert!(self.err.starts_with("edof: ") && !self.err.contains("panicked"), "{}", self.err);
+        for word in words {
+            assert!(self.err.contains(word), "'{word}' is not in: {}", self.err);
+        }
+        assert_eq!(self.out, "");
+    }
+}
+
+pub fn form() -> Form {
+    Form {
+        window: Window::new(8).unwrap(),
+        codes: 4,
+        layers: 3,
+        shrinkage: Shrinkage::OneSided,
+        recurrence: Recurrence::Direct,
+        linear_path: true,
+        tied: false,
+    }
+}
+
+fn origin() -> Origin {
+    Origin {
+        name: "small".into(),
+        camera: Camera::resolve("clear").unwrap(),
+        noise: 0.0,
+        command: "none".into(),
+        patches: 0,
+        validation_db: 0.0,
+    }
+}
+
+/// Copies every raw pixel to all three colours through R; codes stay zero.
+pub fn network() -> Network {
+    let pixel = |output: usize, input: usize| f32::from(u8::from(output % 64 == input));
+    Network {
+        form: form(),
+        analysis: Array2::zeros((4, 64)),
+        thresholds: vec![Array1::zeros(4); 2],
+        recurrent: vec![Array2::zeros((4, 4))],
+        dictionary: Array2::zeros((192, 4)),
+        linear_path: Some(Array2::from_shape_fn((192, 64), |(o, i)| pixel(o, i))),
+        origin: origin(),
+    }
+}
+
+/// Copies every raw pixel to luma; no colour.
+pub fn fixed_network() -> FixedNetwork {
+    let zeros = |rows, columns| FixedMatrix { weights: Array2::zeros((rows, columns)), fraction: 14 };
+    let copy = Array2::from_shape_fn((128, 64), |(o, i)| if o == i { 1 << 13 } else { 0 });
+    FixedNetwork {
+        form: form(),
+        code_bits: 16,
+        stride: Stride::PATCH,
+        overlap: Overlap::Hann,
+        analysis: zeros(4, 64),
+        thresholds: vec![Array1::zeros(4); 2],
+        recurrent: vec![zeros(4, 4)],
+        dictionary: zeros(128, 4),
+        linear_path: Some(FixedMatrix { weights: copy, fraction: 13 }),
+        code_fractions: vec![13, 13],
+        origin: origin(),
+        float_hash: "0".into(),
+    }
+}
+
+/// The weight file again with `change` made to its metadata and its tensors, and a hash that agrees: what only someone who
+/// writes such files can get wrong.
+pub fn forge(path: &Path, change: impl FnOnce(&mut String, &mut Vec<(String, Vec<usize>, Vec<u8>)>)) {
+    let bytes = std::fs::read(path).unwrap();
+    let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
+    let mut text = header.metadata().as_ref().unwrap()["edof"].clone();
+    let file = SafeTensors::deserialize(&bytes).unwrap();
+    let mut dtype = Dtype::F32;
+    let mut tensors: Vec<(String, Vec<usize>, Vec<u8>)> = file
+        .tensors()
+        .into_iter()
+        .map(|(name, view)| {
+            dtype = view.dtype();
+            (name, view.shape().to_vec(), view.data().to_vec())
+        })
+        .collect();
+    let old = hash(&mut tensors);
+    change(&mut text, &mut tensors);
+    let text = text.replace(&old, &hash(&mut tensors));
+    let views = tensors.iter().map(|(n, s, b)| (n.as_str(), TensorView::new(dtype, s.clone(), b).unwrap()));
+    let forged = safetensors::serialize(views, Some(HashMap::from([("edof".to_owned(), text)]))).unwrap();
+    std::fs::write(path, forged).unwrap();
+}
+
+fn hash(tensors: &mut [(String, Vec<usize>, Vec<u8>)]) -> String {
+    tensors.sort();
+    let mut digest = Sha256::new();
+    for (name, shape, bytes) in tensors {
+        digest.update(format!("{name}{shape:?}"));
+        digest.update(bytes);
+    }
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
