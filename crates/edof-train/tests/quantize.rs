@@ -156,7 +156,7 @@ proptest! {
         let calibration = Calibration::measure(&network, [&frame]).unwrap();
         let (fixed, report) = quantize(&network, &options(bits), &calibration, "hash").unwrap();
         prop_assert!(report.iter().all(|l| l.accumulator_bits <= 48));
-        prop_assert!(report.iter().filter_map(|l| l.range_used).all(|r| (0.1..=0.7).contains(&r)), "{report:?}");
+        prop_assert!(report.iter().filter_map(|l| l.range_used).all(|r| (0.1..=0.6).contains(&r)), "{report:?}");
         prop_assert_eq!(Golden::new(fixed).unwrap().frame(&frame).unwrap().counts.saturations(), 0);
     }
 }
@@ -242,11 +242,11 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
             seen.push(p.validation_db);
             true
         };
-        (finetune(&network, &fixed, &calibration, &options(8), &bank, &tuning, tell).unwrap(), seen)
+        (finetune(&fixed, &bank, &tuning, tell).unwrap(), seen)
     };
     let (tuned, db) = tune();
     assert_eq!(db.len(), 3);
-    assert!(db[2] > db[0] + 0.3, "{db:?}");
+    assert!(db[2] > db[0] + 0.1, "{db:?}");
     assert_eq!(tuned.code_fractions, fixed.code_fractions);
     assert_ne!(tuned.analysis, fixed.analysis);
     assert_eq!(tune(), (tuned, db));

@@ -1,21 +1,26 @@
 //! `edof quantize`: from a float network to the board's integers.
 
+use super::train::photographs;
 use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_golden::Golden;
 use edof_optics::draw::{Builtin, draw};
+use edof_optics::psf::Settings;
 use edof_spec::overlap::Overlap;
-use edof_spec::{ColourFrame, Network, Stride, weight_file};
+use edof_spec::{ColourFrame, FixedNetwork, Network, Stride, weight_file};
 use edof_study::metrics;
-use edof_study::photos::{self, Selection};
+use edof_study::photos::Selection;
+use edof_train::patches::Bank;
+use edof_train::quantize::capture::depths;
 use edof_train::quantize::{
-    Calibration, Evaluation, LayerReport, QuantizeOptions, Scene, capture, evaluate, quantize,
+    Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, capture, evaluate,
+    finetune, quantize,
 };
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Pixels at the border that do not count for the dB lost.
 const BORDER: usize = 8;
@@ -31,7 +36,8 @@ const SCENE_SIZE: (usize, usize) = (384, 512);
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof quantize weights/edof-t4w12.safetensors --images photos/
-  edof quantize edof-t4w12 --bits 12 --stride 4 --out t4w12-12bit.fixed.safetensors --json report.json")]
+  edof quantize edof-t4w12 --bits 12 --stride 4 --out t4w12-12bit.fixed.safetensors --json report.json
+  edof quantize edof-t4w12 --bits 8 --finetune 2000 --images photos/ --out t4w12-8bit.fixed.safetensors")]
 pub struct Args {
     /// Float network: a name such as edof-t4w12, or a file
     weights: String,
@@ -49,16 +55,20 @@ pub struct Args {
     overlap: String,
 
     /// How much larger than measured a code may be before it saturates, 1 or more
-    #[arg(long, default_value_t = 1.5)]
+    #[arg(long, default_value_t = 2.0)]
     headroom: f64,
 
     /// Folder of photographs to measure on; without it, built-in scenes
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
 
-    /// Which photographs: train (numbers not divisible by 3), all, or numbers such as 1,2
-    #[arg(long, default_value = "train")]
-    photos: Selection,
+    /// Which of them: train, all, or numbers as in 1,2 [default: all but the study's test photos]
+    #[arg(long)]
+    photos: Option<Selection>,
+
+    /// Steps of training with the rounded words themselves; worth while below 12 bits
+    #[arg(long, default_value_t = 0, value_name = "STEPS")]
+    finetune: u64,
 
     /// Weight file to write [default: the float network's name with .fixed.safetensors]
     #[arg(long, value_name = "FILE")]
@@ -76,14 +86,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         headroom: args.headroom,
     };
     let pictures = pictures(&args, ui)?;
-    let progress = ui.progress(1, "capture");
-    let scenes =
-        capture(&pictures, &network.origin, |done, total| progress.set_of(done as u64, total as u64))?;
+    let progress = ui.progress(pictures.len() as u64, "pictures captured");
+    let scenes = capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
     drop(progress);
     interrupt::check()?;
     let calibration = Calibration::measure(&network, scenes.iter().map(|scene| &scene.raw))?;
     let hash = weights::float_hash(&args.weights)?;
     let (fixed, layers) = quantize(&network, &options, &calibration, &hash)?;
+    let fixed = match args.finetune {
+        0 => fixed,
+        steps => tune(&fixed, &pictures, steps, ui)?,
+    };
     interrupt::check()?;
     let golden = Golden::new(fixed)?;
     let evaluation = judge(&network, &golden, &options, &scenes)?;
@@ -96,9 +109,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
     if let Some(folder) = &args.images {
-        let (photos, skipped) = photos::load(folder, &args.photos)?;
-        skipped.iter().for_each(|line| ui.note(line));
-        return Ok(photos.into_iter().map(|photo| (photo.name, photo.frame)).collect());
+        return photographs(Some(folder), args.photos.as_ref(), ui);
     }
     let (height, width) = SCENE_SIZE;
     (0..SCENES)
@@ -109,14 +120,44 @@ fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
         .collect()
 }
 
+/// Trains on with the words that the board will hold; the best validated ones come out.
+fn tune(
+    fixed: &FixedNetwork,
+    pictures: &[(String, ColourFrame)],
+    steps: u64,
+    ui: &Ui,
+) -> Result<FixedNetwork, Error> {
+    let frames: Vec<ColourFrame> = pictures.iter().map(|(_, frame)| frame.clone()).collect();
+    let camera = &fixed.origin.camera;
+    let psis = depths(camera.psi_range);
+    let go_on = |_, _| interrupt::check().is_ok();
+    let bank = Bank::new(&frames, camera, &psis, &Settings::default(), fixed.form.window, go_on)?
+        .ok_or(Error::Interrupted)?;
+    let bar = ui.progress(steps, "fine-tune");
+    let tuning = FinetuneOptions { steps, ..FinetuneOptions::default() };
+    let mut first = None;
+    let mut best = 0.0;
+    let tuned = finetune(fixed, &bank, &tuning, |progress| {
+        bar.set(progress.step);
+        bar.message(format!("best {:.2} dB", progress.best_db));
+        first.get_or_insert(progress.validation_db);
+        best = progress.best_db;
+        interrupt::check().is_ok()
+    })?;
+    drop(bar);
+    interrupt::check()?;
+    let before = first.unwrap_or(best);
+    ui.say(format!("fine-tuned from {before:.2} to {best:.2} dB on validation windows in {steps} steps"))?;
+    Ok(tuned)
+}
+
 fn judge(
     network: &Network,
     golden: &Golden,
     options: &QuantizeOptions,
     scenes: &[Scene<'_>],
 ) -> Result<Evaluation, Error> {
-    let float =
-        FloatReconstructor::new(network.clone(), "float422", options.stride, options.overlap, Output::Ycc422);
+    let float = FloatReconstructor::new(network.clone(), options.stride, options.overlap, Output::Ycc422)?;
     Ok(evaluate(&float, golden, scenes, |sharp, estimate| metrics::psnr(sharp, estimate, BORDER))?)
 }
 
@@ -155,13 +196,7 @@ fn tell(ui: &Ui, layers: &[LayerReport], evaluation: &Evaluation) -> Result<(), 
     ))
 }
 
-fn report(
-    args: &Args,
-    out: &std::path::Path,
-    layers: &[LayerReport],
-    evaluation: &Evaluation,
-    windows: u64,
-) -> Value {
+fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluation, windows: u64) -> Value {
     let patches = evaluation.counts.patches.max(1) as f64;
     let layers: Vec<Value> = layers
         .iter()
@@ -191,6 +226,7 @@ fn report(
         "stride": args.stride,
         "overlap": args.overlap,
         "headroom": args.headroom,
+        "finetune_steps": args.finetune,
         "calibration_windows": windows,
         "layers": layers,
         "saturated_sums": evaluation.counts.saturated_sums,

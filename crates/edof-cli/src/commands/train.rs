@@ -128,7 +128,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     camera.psi_range = args.psi.unwrap_or(camera.psi_range);
     let recipe = recipe(&args);
     let psis = spread(camera.psi_range, args.depths)?;
-    let (names, frames) = photographs(&args, ui)?;
+    let photographs = photographs(args.images.as_deref(), args.photos.as_ref(), ui)?;
+    let (names, frames): (Vec<_>, Vec<_>) = photographs.into_iter().unzip();
     let run = Run { recipe: recipe.clone(), camera: camera.to_json(), photos: names, psis: psis.clone() };
     let file = checkpoint_file(&args.out);
     if file.exists() && !args.resume {
@@ -216,10 +217,18 @@ fn recipe(args: &Args) -> Recipe {
     }
 }
 
-/// Names and frames of the photographs to train on, and a remark for each that had to be skipped.
-fn photographs(args: &Args, ui: &Ui) -> Result<(Vec<String>, Vec<ColourFrame>), Error> {
-    let folder = match &args.images {
-        Some(folder) => folder.clone(),
+/// Names and frames of the photographs to learn from, and a remark for each that had to be skipped. Without a folder they are the
+/// study's; without a choice, all but the study's test photos.
+///
+/// # Errors
+/// A folder that cannot be read or holds none.
+pub fn photographs(
+    folder: Option<&Path>,
+    choice: Option<&Selection>,
+    ui: &Ui,
+) -> Result<Vec<(String, ColourFrame)>, Error> {
+    let folder = match folder {
+        Some(folder) => folder.to_owned(),
         None => photos::default_folder()?,
     };
     let (mut named, skipped) = photo::load_folder(&folder)?;
@@ -230,7 +239,7 @@ fn photographs(args: &Args, ui: &Ui) -> Result<(Vec<String>, Vec<ColourFrame>), 
         ui.note(format!("{} of {} photographs skipped", skipped.len(), skipped.len() + named.len()));
     }
     let found = named.len();
-    named.retain(|(name, _)| match &args.photos {
+    named.retain(|(name, _)| match choice {
         Some(selection) => selection.holds(name),
         None => !(name.starts_with(STUDY_PREFIX) && Selection::Test.holds(name)),
     });
@@ -247,7 +256,7 @@ fn photographs(args: &Args, ui: &Ui) -> Result<(Vec<String>, Vec<ColourFrame>), 
             let (height, width) = frame.size();
             (name, frame.crop(0, 0, height & !1, width & !1))
         })
-        .unzip())
+        .collect())
 }
 
 fn bank(frames: &[ColourFrame], camera: &Camera, psis: &[f64], args: &Args, ui: &Ui) -> Result<Bank, Error> {

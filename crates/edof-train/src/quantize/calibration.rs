@@ -1,6 +1,7 @@
 //! Ranges of all codes, measured by the float network on real raw frames.
 
 use super::QuantizeError;
+use crate::matmul::{Into, Mat, product};
 use crate::parameters::flatten;
 use crate::pass::Pass;
 use edof_golden::windows::Mirrored;
@@ -8,10 +9,15 @@ use edof_spec::geometry::GeometryError;
 use edof_spec::network::{Form, Recurrence};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::{Geometry, Network, RawFrame, Stride};
+use ndarray::Array2;
 use rayon::prelude::*;
 
 /// Windows that go through the float network at once.
 const BATCH: usize = 256;
+/// One batch in so many is asked how its inputs go together.
+const MOMENTS_EVERY: usize = 4;
+/// Frames that are measured side by side.
+const FRAMES_AT_ONCE: usize = 16;
 
 /// The largest values that calibration saw, one a coefficient and layer.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +28,10 @@ pub struct Calibration {
     pub codes: Vec<Vec<f32>>,
     /// max |z_t − z_{t−1}| of what the difference form sends, likewise; zeros in the direct form.
     pub changes: Vec<Vec<f32>>,
+    /// Σ v vᵀ over a share of the windows, v what each M layer multiplies; codes × codes.
+    pub sent: Vec<Array2<f64>>,
+    /// Σ v vᵀ likewise, v = (z_{T−1}, y): what F multiplies.
+    pub outputs: Array2<f64>,
 }
 
 impl Calibration {
@@ -29,7 +39,15 @@ impl Calibration {
     #[must_use]
     pub fn new(form: &Form) -> Self {
         let zeros = vec![vec![0.0; form.codes]; form.shrinkages()];
-        Self { windows: 0, codes: zeros.clone(), changes: zeros }
+        let n = form.codes + form.window.pixels();
+        let moments = Array2::zeros((form.codes, form.codes));
+        Self {
+            windows: 0,
+            codes: zeros.clone(),
+            changes: zeros,
+            sent: vec![moments; form.middle_layers()],
+            outputs: Array2::zeros((n, n)),
+        }
     }
 
     /// Measures a network on all windows of raw frames of any CFA phase, patch by patch without overlap.
@@ -43,30 +61,66 @@ impl Calibration {
         let weights = flatten(network);
         let geometry = Geometry::new(network.form.window, Stride::PATCH);
         let frames: Vec<&RawFrame> = frames.into_iter().collect();
-        frames
-            .into_par_iter()
-            .map(|raw| {
-                let (raw, _) = raw.to_rggb();
-                let (height, width) = raw.size();
-                geometry.check_frame(height, width)?;
-                let mirrored = Mirrored::new(&raw, geometry);
-                let (rows, columns) = geometry.patches(height, width);
-                let patches: Vec<_> = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))).collect();
-                let mut seen = Self::new(&network.form);
-                let mut pass = Pass::new(network.form, BATCH);
-                let pixels = network.form.window.pixels();
-                let mut words = vec![0; pixels];
-                for some in patches.chunks(BATCH) {
-                    let mut inputs = Vec::with_capacity(some.len() * pixels);
-                    for &(row, column) in some {
-                        mirrored.copy_window(row, column, &mut words);
-                        inputs.extend(words.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32));
-                    }
-                    seen.observe(&mut pass, &weights, &inputs, network.form);
-                }
-                Ok(seen)
-            })
-            .try_reduce(|| Self::new(&network.form), |a, b| Ok(a.merged(&b)))
+        // In order, a few at a time: the same frames give the same sums.
+        let mut all = Self::new(&network.form);
+        for some in frames.chunks(FRAMES_AT_ONCE) {
+            let seen: Result<Vec<Self>, GeometryError> =
+                some.par_iter().map(|raw| Self::of_frame(network, &weights, geometry, raw)).collect();
+            all = seen?.iter().fold(all, Self::merged);
+        }
+        Ok(all)
+    }
+
+    fn of_frame(
+        network: &Network,
+        weights: &[f32],
+        geometry: Geometry,
+        raw: &RawFrame,
+    ) -> Result<Self, GeometryError> {
+        let (raw, _) = raw.to_rggb();
+        let (height, width) = raw.size();
+        geometry.check_frame(height, width)?;
+        let mirrored = Mirrored::new(&raw, geometry);
+        let (rows, columns) = geometry.patches(height, width);
+        let patches: Vec<_> = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))).collect();
+        let mut seen = Self::new(&network.form);
+        let mut pass = Pass::new(network.form, BATCH);
+        let pixels = network.form.window.pixels();
+        let mut words = vec![0; pixels];
+        for (index, some) in patches.chunks(BATCH).enumerate() {
+            let mut inputs = Vec::with_capacity(some.len() * pixels);
+            for &(row, column) in some {
+                mirrored.copy_window(row, column, &mut words);
+                inputs.extend(words.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32));
+            }
+            seen.observe(&mut pass, weights, &inputs, network.form);
+            if index % MOMENTS_EVERY == 0 {
+                seen.observe_moments(&pass, &inputs, network.form);
+            }
+        }
+        Ok(seen)
+    }
+
+    /// Takes in how the inputs of the batch that `pass` has just run go together.
+    fn observe_moments(&mut self, pass: &Pass, inputs: &[f32], form: Form) {
+        let (codes, pixels) = (form.codes, form.window.pixels());
+        let windows = inputs.len() / pixels;
+        let mut sums = vec![0.0; (codes + pixels).pow(2)];
+        let mut add = |moments: &mut Array2<f64>, vectors: &[f32], n: usize| {
+            let v = Mat::new(vectors, windows, n);
+            product(&mut sums, Into::Replace, v.t(), v);
+            moments.iter_mut().zip(&sums).for_each(|(m, s)| *m += f64::from(*s));
+        };
+        for (t, moments) in self.sent.iter_mut().enumerate() {
+            let mut sent = pass.z(t)[..windows * codes].to_vec();
+            if form.recurrence == Recurrence::Difference && t > 0 {
+                sent.iter_mut().zip(pass.z(t - 1)).for_each(|(z, before)| *z -= before);
+            }
+            add(moments, &sent, codes);
+        }
+        let last = pass.z(form.middle_layers()).chunks_exact(codes).zip(inputs.chunks_exact(pixels));
+        let both: Vec<f32> = last.flat_map(|(z, y)| z.iter().chain(y).copied()).collect();
+        add(&mut self.outputs, &both, codes + pixels);
     }
 
     /// Takes in a batch of windows (0…1, one after the other).
@@ -104,6 +158,8 @@ impl Calibration {
         };
         larger(&mut self.codes, &other.codes);
         larger(&mut self.changes, &other.changes);
+        self.sent.iter_mut().zip(&other.sent).for_each(|(sum, more)| *sum += more);
+        self.outputs += &other.outputs;
         self
     }
 
@@ -116,7 +172,9 @@ impl Calibration {
         let fits = |layers: &[Vec<f32>]| {
             layers.len() == form.shrinkages() && layers.iter().all(|l| l.len() == form.codes)
         };
-        if fits(&self.codes) && fits(&self.changes) {
+        let n = form.codes + form.window.pixels();
+        let moments_fit = self.outputs.dim() == (n, n) && self.sent.len() == form.middle_layers();
+        if fits(&self.codes) && fits(&self.changes) && moments_fit {
             Ok(())
         } else {
             Err(QuantizeError::Calibration("measured on a network of another form"))

@@ -3,11 +3,11 @@
 
 use super::fold::{self, Folded};
 use super::simulated::{Formats, Places, Simulated, rgb_map};
-use super::{Calibration, QuantizeError, QuantizeOptions, formats};
+use super::{QuantizeError, formats};
 use crate::adam::Adam;
 use crate::patches::{Bank, Batch, Random};
+use edof_spec::FixedNetwork;
 use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::{FixedNetwork, Network};
 use rayon::prelude::*;
 
 /// Parts of a batch that are computed side by side and added in order: the result does not depend on the threads.
@@ -49,24 +49,19 @@ pub struct FinetuneProgress {
     pub best_db: f64,
 }
 
-/// Fine-tunes `fixed`, which [`super::quantize`] made of `network` with these options and calibration, on the bank's windows. `tell`
+/// Fine-tunes the weights and thresholds of `fixed` on the bank's windows. `tell`
 /// hears every validation, the first before any step, and stops the work by returning false. The best validated weights come
 /// out, so the result is never worse than the start on the validation windows.
 ///
 /// # Errors
 /// [`QuantizeError::Fixed`] if the tuned weights could overflow an accumulator.
 pub fn finetune(
-    network: &Network,
     fixed: &FixedNetwork,
-    calibration: &Calibration,
-    options: &QuantizeOptions,
     bank: &Bank,
     tuning: &FinetuneOptions,
     mut tell: impl FnMut(&FinetuneProgress) -> bool,
 ) -> Result<FixedNetwork, QuantizeError> {
-    let scales = fold::scales(network, calibration, options);
-    let folded = fold::fold(network, &scales, options.stride, options.overlap);
-    let mut tuner = Tuner::new(network, fixed, &folded, options, bank, tuning);
+    let mut tuner = Tuner::new(fixed, bank, tuning);
     let mut best = (tuner.validate(), tuner.weights.clone());
     let mut go_on = tell(&FinetuneProgress { step: 0, validation_db: best.0, best_db: best.0 });
     for step in 1..=tuning.steps {
@@ -82,7 +77,7 @@ pub fn finetune(
             go_on = tell(&FinetuneProgress { step, validation_db: db, best_db: best.0 });
         }
     }
-    let tuned = tuner.places.unflatten(&network.form, &best.1);
+    let tuned = tuner.places.unflatten(&fixed.form, &best.1);
     formats::rounded_to(&tuned, fixed)
 }
 
@@ -109,19 +104,12 @@ struct Part {
 }
 
 impl<'a> Tuner<'a> {
-    fn new(
-        network: &Network,
-        fixed: &FixedNetwork,
-        folded: &Folded,
-        options: &QuantizeOptions,
-        bank: &'a Bank,
-        tuning: &'a FinetuneOptions,
-    ) -> Self {
-        let form = network.form;
+    fn new(fixed: &FixedNetwork, bank: &'a Bank, tuning: &'a FinetuneOptions) -> Self {
+        let form = fixed.form;
         let places = Places::new(&form);
         let formats = Formats::of(fixed, &places);
-        let weights = Places::flatten(folded);
-        let to_rgb = rgb_map(&fold::output_weights(options.stride, options.overlap));
+        let weights = Places::flatten(&Folded::of(fixed));
+        let to_rgb = rgb_map(&fold::output_weights(fixed.stride, fixed.overlap));
         let share = tuning.batch.div_ceil(PARTS);
         let part = |_| Part {
             pass: Simulated::new(form, &formats.codes, &to_rgb, share.max(VALIDATION_WINDOWS)),
@@ -130,7 +118,7 @@ impl<'a> Tuner<'a> {
             errors: vec![0.0; share],
             gradient: vec![0.0; weights.len()],
         };
-        let noise = network.origin.noise as f32;
+        let noise = fixed.origin.noise as f32;
         Self {
             bank,
             tuning,

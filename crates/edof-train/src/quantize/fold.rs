@@ -3,10 +3,11 @@
 
 use super::{Calibration, QuantizeOptions};
 use edof_spec::colour::{OUTPUTS_422, patch_422_from_rgb};
+use edof_spec::fixed_network::FixedMatrix;
 use edof_spec::geometry::{PATCH, PATCH_PIXELS};
 use edof_spec::number::CHROMA_GAIN;
 use edof_spec::overlap::Overlap;
-use edof_spec::{Network, Stride};
+use edof_spec::{FixedNetwork, Network, Stride};
 use ndarray::{Array1, Array2};
 
 /// A network in the board's units, still in floating point: codes of −1…1, outputs in units of 1 (luma) and
@@ -23,6 +24,23 @@ pub struct Folded {
     pub dictionary: Array2<f64>,
     /// R: 128 × pixels.
     pub linear_path: Option<Array2<f64>>,
+}
+
+impl Folded {
+    /// The values that a fixed network's words stand for.
+    #[must_use]
+    pub fn of(fixed: &FixedNetwork) -> Self {
+        let unit = |fraction: u32| (-f64::from(fraction)).exp2();
+        let values = |m: &FixedMatrix| m.weights.mapv(|w| f64::from(w) * unit(m.fraction));
+        let thetas = fixed.thresholds.iter().zip(&fixed.code_fractions);
+        Self {
+            analysis: values(&fixed.analysis),
+            thresholds: thetas.map(|(theta, f)| theta.mapv(|t| f64::from(t) * unit(*f))).collect(),
+            recurrent: fixed.recurrent.iter().map(values).collect(),
+            dictionary: values(&fixed.dictionary),
+            linear_path: fixed.linear_path.as_ref().map(values),
+        }
+    }
 }
 
 /// The 128×192 map from an RGB patch to what F gives: 4:2:2, chroma times [`CHROMA_GAIN`], each output times the averaging

@@ -4,6 +4,7 @@
 //! be illegal or an accumulator could pass 48 bits; what cannot be mended so is refused.
 
 use super::fold::Folded;
+use super::rounding::Rounding;
 use super::{Calibration, QuantizeError, QuantizeOptions};
 use edof_spec::fixed_network::{FixedMatrix, FixedNetworkError};
 use edof_spec::network::{Recurrence, Shrinkage};
@@ -28,6 +29,7 @@ pub fn used(calibration: &Calibration, scales: &[f64]) -> Vec<f64> {
 pub fn integers(
     folded: &Folded,
     used: &[f64],
+    rounding: &Rounding,
     network: &Network,
     options: &QuantizeOptions,
     float_hash: &str,
@@ -45,22 +47,34 @@ pub fn integers(
     let mut linear =
         folded.linear_path.as_ref().map(|r| weight_fraction("linear_path", r, bits)).transpose()?;
     make_shifts_legal(&mut fractions, analysis, &recurrent, network);
+    let a = rounding.analysis(&folded.analysis, analysis, bits);
     loop {
+        let (d, r) =
+            rounding.outputs((&folded.dictionary, dictionary), folded.linear_path.as_ref().zip(linear), bits);
         let fixed = FixedNetwork {
             form: network.form,
             code_bits: bits,
             stride: options.stride,
             overlap: options.overlap,
-            analysis: rounded(&folded.analysis, analysis, bits),
+            analysis: FixedMatrix { weights: a.clone(), fraction: analysis },
             thresholds: folded
                 .thresholds
                 .iter()
                 .zip(&fractions)
                 .map(|(theta, &fraction)| thresholds(theta, fraction, bits, network.form.shrinkage))
                 .collect(),
-            recurrent: folded.recurrent.iter().zip(&recurrent).map(|(s, &f)| rounded(s, f, bits)).collect(),
-            dictionary: rounded(&folded.dictionary, dictionary, bits),
-            linear_path: folded.linear_path.as_ref().zip(linear).map(|(r, f)| rounded(r, f, bits)),
+            recurrent: folded
+                .recurrent
+                .iter()
+                .zip(&recurrent)
+                .enumerate()
+                .map(|(i, (s, &fraction))| FixedMatrix {
+                    weights: rounding.recurrent(i, s, fraction, bits),
+                    fraction,
+                })
+                .collect(),
+            dictionary: FixedMatrix { weights: d, fraction: dictionary },
+            linear_path: r.zip(linear).map(|(weights, fraction)| FixedMatrix { weights, fraction }),
             code_fractions: fractions.clone(),
             origin: network.origin.clone(),
             float_hash: float_hash.to_owned(),

@@ -5,7 +5,8 @@
 //! | scenes | [`capture`] | sharp pictures behind the network's own camera, over its range of ψ and noise |
 //! | measure | [`calibration`] | the largest |b|, |z| of every coefficient on real raw frames |
 //! | fold | [`fold`] | 4:2:2, chroma gain and averaging window inside D and R; equal ranges inside A, θ, S, D |
-//! | round | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
+//! | formats | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
+//! | round | [`rounding`] | weights rounded so that their errors hide in what they are multiplied with |
 //! | tune | [`finetune`] | weights that have learned to live with few bits, by the gradient of [`simulated`] |
 //! | check | [`evaluate`] | dB lost and saturations, against the float network in the board's own output format |
 //!
@@ -18,6 +19,7 @@ pub mod evaluate;
 pub mod finetune;
 pub mod fold;
 pub mod formats;
+pub mod rounding;
 pub mod simulated;
 
 pub use calibration::Calibration;
@@ -45,7 +47,7 @@ pub struct QuantizeOptions {
 
 impl Default for QuantizeOptions {
     fn default() -> Self {
-        Self { bits: 16, stride: Stride::PATCH, overlap: Overlap::Hann, headroom: 1.5 }
+        Self { bits: 16, stride: Stride::PATCH, overlap: Overlap::Hann, headroom: 2.0 }
     }
 }
 
@@ -120,7 +122,10 @@ pub fn quantize(
     let scales = fold::scales(network, calibration, options);
     let folded = fold::fold(network, &scales, options.stride, options.overlap);
     let used = formats::used(calibration, &scales);
-    let fixed = formats::integers(&folded, &used, network, options, float_hash)?;
+    let matrix_of: Vec<usize> =
+        (0..network.form.middle_layers()).map(|layer| network.form.recurrent_index(layer)).collect();
+    let rounding = rounding::Rounding::new(calibration, &scales, &matrix_of);
+    let fixed = formats::integers(&folded, &used, &rounding, network, options, float_hash)?;
     let report = report(&fixed, &used);
     Ok((fixed, report))
 }

@@ -381,20 +381,6 @@ mod tests {
         }
     }
 
-    fn flat_of(fixed: &FixedNetwork) -> Vec<f32> {
-        let real = |m: &edof_spec::fixed_network::FixedMatrix| {
-            m.weights.mapv(|w| f64::from(w) * (-f64::from(m.fraction)).exp2())
-        };
-        let thetas = fixed.thresholds.iter().zip(&fixed.code_fractions);
-        Places::flatten(&Folded {
-            analysis: real(&fixed.analysis),
-            thresholds: thetas.map(|(t, f)| t.mapv(|v| f64::from(v) * (-f64::from(*f)).exp2())).collect(),
-            recurrent: fixed.recurrent.iter().map(real).collect(),
-            dictionary: real(&fixed.dictionary),
-            linear_path: fixed.linear_path.as_ref().map(real),
-        })
-    }
-
     proptest! {
         #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -405,7 +391,7 @@ mod tests {
             let fixed = sample::extreme(form, 8, Stride::PATCH, false, seed);
             let places = Places::new(&form);
             let formats = Formats::of(&fixed, &places);
-            let weights = flat_of(&fixed);
+            let weights = Places::flatten(&Folded::of(&fixed));
             prop_assert_eq!(&formats.rounded(&weights), &weights);
             // Eight bits of input, so that I's sums are exact too.
             let y: Vec<i16> = sample::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
