@@ -30,7 +30,7 @@ pub struct Search {
 
 impl Default for Search {
     fn default() -> Self {
-        Self { rings: 1, focus: None, most_phase: 10.0, population: 32, generations: 40, seed: 0 }
+        Self { rings: 1, focus: None, most_phase: 10.0, population: 32, generations: 64, seed: 0 }
     }
 }
 

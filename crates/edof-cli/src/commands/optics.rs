@@ -120,7 +120,7 @@ struct Design {
     population: usize,
 
     /// Generations
-    #[arg(long, default_value_t = 40, value_name = "N")]
+    #[arg(long, default_value_t = 64, value_name = "N")]
     generations: usize,
 
     /// Seed of the search
