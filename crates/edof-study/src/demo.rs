@@ -1,7 +1,7 @@
 //! The paper's 2.5D experiment: one scene at four depths, through several lenses, before and after reconstruction.
 
 use crate::metrics::{BORDER, MetricError, Quality, decibel};
-use crate::picture::{Tone, png};
+use crate::picture::{Tone, png, sheet};
 use crate::report::{Figure, Report};
 use edof_optics::capture::{CaptureError, Cuts, capture};
 use edof_optics::scene::Scene;
@@ -160,6 +160,16 @@ impl Demo {
         lines.join("\n")
     }
 
+    /// The scene and all pictures in one, three in a row, in the order of [`Demo::pictures`].
+    #[must_use]
+    pub fn overview(&self) -> ColourFrame {
+        let all: Vec<&ColourFrame> =
+            std::iter::once(&self.truth).chain(self.pictures.iter().map(|p| &p.frame)).collect();
+        let rows: Vec<Vec<ColourFrame>> =
+            all.chunks(3).map(|row| row.iter().map(|&frame| frame.clone()).collect()).collect();
+        sheet(&rows, 4)
+    }
+
     /// The report, pictures inside; `command` tells how to make it again.
     ///
     /// # Errors
@@ -245,6 +255,14 @@ mod tests {
     fn the_clear_lens_loses_what_lies_far_from_its_focus() {
         let psi_db = &demo().pictures[0].psi_db;
         assert!(psi_db[0][1] > psi_db[3][1] + 3.0, "{psi_db:?}");
+    }
+
+    #[test]
+    fn the_overview_starts_with_the_scene() {
+        let demo = demo();
+        let overview = demo.overview();
+        assert_eq!(overview.size(), (96 + 8, 3 * 128 + 16));
+        assert_eq!(overview.crop(4, 4, 96, 128), demo.truth);
     }
 
     #[test]

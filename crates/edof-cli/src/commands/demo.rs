@@ -1,5 +1,6 @@
 //! `edof demo`: the whole program at once.
 
+use super::study::fixed_if_any;
 use crate::error::Error;
 use crate::ui::Ui;
 use crate::{interrupt, weights};
@@ -7,34 +8,39 @@ use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::sensor::{Noise, Sensor};
-use edof_spec::{Camera, Reconstructor};
+use edof_spec::{Camera, FixedNetwork, Reconstructor};
 use edof_study::demo::{self, Lens};
 use edof_study::picture::{self, Tone};
 use std::path::PathBuf;
 
+/// Net behind the clear lens where none is named.
+const CLEAR_NET: &str = "edof-t4w12-clear";
+
 /// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
 ///
-/// Writes report.html with all pictures side by side, and the pictures themselves as PNG files.
+/// Writes report.html with all pictures side by side, the pictures themselves as PNG files, and overview.png with all of
+/// them in one: the scene, then the lenses in the order of the table, three in a row.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   edof demo
-  edof demo --scene leaves --noise 0.01 --out out/leaves")]
+  edof demo --scene leaves --noise 0.01 --out out/leaves
+  edof demo --json out/demo.json")]
 pub struct Args {
     /// Folder for report.html and the pictures
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
 
     /// Fixed-point net behind the coded lens, by name or weight file
-    #[arg(long, default_value = "edof-t4w12-outer")]
+    #[arg(long, default_value = "edof-t4w12-outer", value_name = "NET")]
     net: String,
 
-    /// Fixed-point net behind the clear lens
-    #[arg(long, default_value = "edof-t4w12-clear")]
-    clear_net: String,
+    /// Fixed-point net behind the clear lens [default: edof-t4w12-clear where there is one]
+    #[arg(long, value_name = "NET")]
+    clear_net: Option<String>,
 
     /// chart or leaves
-    #[arg(long, default_value = "chart")]
+    #[arg(long, default_value = "chart", value_name = "SCENE")]
     scene: String,
 
     /// Standard deviation of the noise, in units of full scale
@@ -53,14 +59,12 @@ pub struct Args {
 /// # Errors
 /// No weights, settings out of range, a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let coded_net = weights::fixed(&args.net)?;
-    let coded_camera = coded_net.origin.camera.clone();
-    let coded = GoldenReconstructor::new(coded_net, format!("{}.fixed", args.net))?;
-    let clear = weights::fixed(&args.clear_net).ok().map(|net| {
-        let camera = net.origin.camera.clone();
-        GoldenReconstructor::new(net, format!("{}.fixed", args.clear_net)).map(|method| (camera, method))
-    });
-    let clear = clear.transpose()?;
+    let (coded_camera, coded) = method(weights::fixed(&args.net)?)?;
+    let clear = match &args.clear_net {
+        Some(name) => Some(weights::fixed(name)?),
+        None => fixed_if_any(CLEAR_NET)?,
+    };
+    let clear = clear.map(method).transpose()?;
     let scene = draw(
         args.scene.parse::<Builtin>()?,
         args.height,
@@ -104,12 +108,20 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         let file = title.replace(',', "").replace(' ', "-") + ".png";
         edof_spec::atomic::write(&args.out.join(file), &picture::png(frame, Tone::Code)?)?;
     }
+    edof_spec::atomic::write(&args.out.join("overview.png"), &picture::png(&result.overview(), Tone::Code)?)?;
     ui.say(result.to_text())?;
     ui.say(format_args!("pictures side by side: {}", report.display()))?;
     ui.json(&result)
 }
 
+/// A fixed net as a method, with the camera it was trained for.
+fn method(net: FixedNetwork) -> Result<(Camera, GoldenReconstructor), Error> {
+    let (camera, name) = (net.origin.camera.clone(), format!("{}.fixed", net.origin.name));
+    Ok((camera, GoldenReconstructor::new(net, name)?))
+}
+
 /// What was run, as the report states it.
 fn command_line(args: &Args) -> String {
-    format!("edof demo --scene {} --noise {} --net {}", args.scene, args.noise, args.net)
+    let Args { scene, noise, height, width, net, .. } = args;
+    format!("edof demo --scene {scene} --noise {noise} --height {height} --width {width} --net {net}")
 }

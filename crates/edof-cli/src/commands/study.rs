@@ -5,8 +5,8 @@ use crate::ui::Ui;
 use crate::{interrupt, weights};
 use clap::Subcommand;
 use edof_optics::psf::Settings;
-use edof_spec::Stride;
 use edof_spec::weight_file::WeightFileError;
+use edof_spec::{FixedNetwork, Stride};
 use edof_study::kodak::{self, Conditions, KodakError};
 use edof_study::nets::{self, Net};
 use edof_study::photos::{self, Selection};
@@ -136,12 +136,16 @@ fn load_net(name: &str, stride: Stride) -> Result<(Net, Option<String>), Error> 
     let float = weights::float(name)?;
     let hash = weights::float_hash(name)?;
     let stem = name.strip_suffix(".safetensors");
-    let fixed =
-        match weights::fixed(&stem.map_or_else(|| name.to_owned(), |s| format!("{s}.fixed.safetensors"))) {
-            Ok(fixed) => Some(fixed),
-            Err(Error::Failed(error)) if !error.is::<WeightFileError>() => None,
-            Err(error) => return Err(error),
-        };
+    let fixed = fixed_if_any(&stem.map_or_else(|| name.to_owned(), |s| format!("{s}.fixed.safetensors")))?;
     let shown = stem.unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
     Ok(Net::new(shown, float, &hash, fixed, stride))
+}
+
+/// A fixed net, where there is one of that name. One that is there but broken is an error.
+pub(super) fn fixed_if_any(name: &str) -> Result<Option<FixedNetwork>, Error> {
+    match weights::fixed(name) {
+        Ok(fixed) => Ok(Some(fixed)),
+        Err(Error::Failed(error)) if !error.is::<WeightFileError>() => Ok(None),
+        Err(error) => Err(error),
+    }
 }
