@@ -120,12 +120,6 @@ impl Progress {
         }
     }
 
-    /// Steps done in all, of a total that was not known before.
-    pub fn set_of(&self, position: u64, total: u64) {
-        self.bar.set_length(total);
-        self.set(position);
-    }
-
     /// What is being done, or how well, beside the bar.
     pub fn message(&self, text: impl Into<String>) {
         self.bar.set_message(text.into());

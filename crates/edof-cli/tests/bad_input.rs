@@ -25,7 +25,11 @@ fn refused_without_a_trace(place: &Place, line: &str, words: &[&str]) {
 fn an_image_too_small_for_a_window() {
     let place = ready();
     place.raw("raw.png", 8, 32);
-    refused_without_a_trace(&place, RECONSTRUCT, &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"]);
+    refused_without_a_trace(
+        &place,
+        RECONSTRUCT,
+        &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"],
+    );
 }
 
 #[test]
@@ -42,7 +46,11 @@ fn a_wrong_bit_depth() {
     let line = |more: &str| format!("{RECONSTRUCT} {more}");
     refused_without_a_trace(&place, &line("--depth 7"), &["raw.png", "bit depth 7", "must be 8 to 16"]);
     refused_without_a_trace(&place, &line("--depth 10"), &["raw.png", "no 10-bit code aligned to the top"]);
-    refused_without_a_trace(&place, &line("--depth 12 --align bottom"), &["raw.png", "more than 12 bits can hold"]);
+    refused_without_a_trace(
+        &place,
+        &line("--depth 12 --align bottom"),
+        &["raw.png", "more than 12 bits can hold"],
+    );
     place.photo("raw.png", 48, 32);
     refused_without_a_trace(&place, RECONSTRUCT, &["raw.png", "holds 8-bit samples, expected 16-bit"]);
 }
@@ -69,7 +77,11 @@ fn a_headerless_file_without_or_of_another_size() {
     place.write("raw.bin", [0; 2 * 48 * 32]);
     let line = |more: &str| format!("reconstruct raw.bin --weights net.safetensors --out out.png {more}");
     refused_without_a_trace(&place, &line(""), &["raw.bin", "state its size as WIDTHxHEIGHT"]);
-    refused_without_a_trace(&place, &line("--size 64x32"), &["raw.bin", "3072 bytes, expected 4096 for 64x32"]);
+    refused_without_a_trace(
+        &place,
+        &line("--size 64x32"),
+        &["raw.bin", "3072 bytes, expected 4096 for 64x32"],
+    );
 }
 
 #[test]
@@ -119,7 +131,11 @@ fn a_network_whose_window_does_not_fit_its_matrices() {
     forge(&place.path("net.safetensors"), |text, _| {
         *text = text.replace("\"window\":8", "\"window\":12");
     });
-    refused_without_a_trace(&place, RECONSTRUCT, &["net.safetensors", "analysis: 4x64, this form needs 4x144"]);
+    refused_without_a_trace(
+        &place,
+        RECONSTRUCT,
+        &["net.safetensors", "analysis: 4x64, this form needs 4x144"],
+    );
 }
 
 #[test]
@@ -253,7 +269,7 @@ fn a_training_photo_that_is_too_small() {
 fn unreadable_photographs_among_good_ones_are_named_skipped_and_counted() {
     let place = Place::new();
     std::fs::create_dir(place.path("photos")).unwrap();
-    place.photo("photos/a.png", 256, 192);
+    place.photo("photos/a.png", 288, 256);
     place.write("photos/b.png", "no picture");
     place.write("photos/c.ppm", "P6 40 40 255\nhalf");
     let run = place.edof(TRAIN).done();
@@ -267,7 +283,7 @@ fn unreadable_photographs_among_good_ones_are_named_skipped_and_counted() {
 fn a_network_that_cannot_be_written_is_not_trained_first() {
     let place = Place::new();
     std::fs::create_dir(place.path("photos")).unwrap();
-    place.photo("photos/a.png", 256, 192);
+    place.photo("photos/a.png", 288, 256);
     let line = TRAIN.replace("--out net", "--out photos/a.png/net").replace("--steps 4", "--steps 100000000");
     refused_without_a_trace(&place, &line, &["photos/a.png/net.safetensors.checkpoint: cannot write"]);
 }
@@ -276,7 +292,7 @@ fn a_network_that_cannot_be_written_is_not_trained_first() {
 fn a_checkpoint_of_another_run() {
     let place = Place::new();
     std::fs::create_dir(place.path("photos")).unwrap();
-    place.photo("photos/a.png", 256, 192);
+    place.photo("photos/a.png", 288, 256);
     place.write("net.safetensors.checkpoint", "no checkpoint");
     refused_without_a_trace(&place, TRAIN, &["net.safetensors.checkpoint", "--resume"]);
     refused_without_a_trace(&place, &format!("{TRAIN} --resume"), &["net.safetensors.checkpoint"]);

@@ -52,14 +52,14 @@ fn a_network_by_name_is_found_under_weights() {
     place.edof("reconstruct raw.png --weights mine --float --out float.png").done();
 }
 
-const TRAIN: &str = "train --form one-sided,w8,t3,c32,r --camera ring-2018 --images photos --depths 2 --steps 1500 \
-                     --batch 128 --validate-every 500 --out net.safetensors";
+const TRAIN: &str = "train --form one-sided,w8,t3,c32,r --camera ring-2018 --images photos --depths 2 --steps 600 \
+                     --batch 128 --validate-every 200 --out net.safetensors";
 
 fn with_photos() -> Place {
     let place = Place::new();
     std::fs::create_dir(place.path("photos")).unwrap();
-    place.photo("photos/a.png", 256, 192);
-    place.photo("photos/kodim03.png", 256, 192);
+    place.photo("photos/a.png", 288, 256);
+    place.photo("photos/kodim03.png", 288, 256);
     place
 }
 
@@ -76,7 +76,8 @@ fn a_training_stopped_by_ctrl_c_goes_on_to_the_same_bytes() {
         assert!(patience.elapsed() < Duration::from_secs(120) && child.try_wait().unwrap().is_none());
         std::thread::sleep(Duration::from_millis(2));
     }
-    let interrupt = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let interrupt =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(interrupt.success());
     let last = BufReader::new(child.stderr.take().unwrap()).lines().last().unwrap().unwrap();
     assert_eq!((child.wait().unwrap().code(), last.as_str()), (Some(130), "edof: interrupted"));

@@ -54,7 +54,9 @@ impl Place {
 
     /// A 12-bit raw frame of a soft pattern.
     pub fn raw(&self, name: &str, width: usize, height: usize) {
-        let codes = Array2::from_shape_fn((height, width), |(r, c)| (1000 + 16 * ((r * 7 + c * 3) % 64)) as u16);
+        let codes = Array2::from_shape_fn((height, width), |(r, c)| {
+            (1000 + 16 * ((r * 7 + c * 3) % 64) + c % 2) as u16
+        });
         let frame = RawFrame::from_codes(codes, 12, CfaPhase::Rggb).unwrap();
         edof_io::raw::save(&self.path(name), &frame).unwrap();
     }
