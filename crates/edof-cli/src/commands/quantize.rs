@@ -85,6 +85,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         overlap: if args.overlap == "flat" { Overlap::Flat } else { Overlap::Hann },
         headroom: args.headroom,
     };
+    options.check()?;
     let pictures = pictures(&args, ui)?;
     let progress = ui.progress(pictures.len() as u64, "pictures captured");
     let scenes = capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
@@ -92,12 +93,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     let calibration = Calibration::measure(&network, scenes.iter().map(|scene| &scene.raw))?;
     let hash = weights::float_hash(&args.weights)?;
-    let (fixed, layers) = quantize(&network, &options, &calibration, &hash)?;
+    let (fixed, mut layers) = quantize(&network, &options, &calibration, &hash)?;
     let fixed = match args.finetune {
         0 => fixed,
         steps => tune(&fixed, &pictures, steps, ui)?,
     };
     interrupt::check()?;
+    // Tuned weights have sums of their own.
+    layers.iter_mut().zip(fixed.accumulator_bits()).for_each(|(layer, bits)| layer.accumulator_bits = bits);
     let golden = Golden::new(fixed)?;
     let evaluation = judge(&network, &golden, &options, &scenes)?;
     let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));

@@ -51,6 +51,21 @@ impl Default for QuantizeOptions {
     }
 }
 
+impl QuantizeOptions {
+    /// # Errors
+    /// [`QuantizeError`] for a width or headroom out of range.
+    pub fn check(&self) -> Result<(), QuantizeError> {
+        if self.headroom.is_nan() || self.headroom < 1.0 {
+            return Err(QuantizeError::Headroom(self.headroom));
+        }
+        if !(8..=16).contains(&self.bits) {
+            let source = FixedNetworkError::CodeBits(self.bits);
+            return Err(QuantizeError::Fixed { bits: self.bits, source });
+        }
+        Ok(())
+    }
+}
+
 /// A network that cannot be quantized so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum QuantizeError {
@@ -112,13 +127,7 @@ pub fn quantize(
 ) -> Result<(FixedNetwork, Vec<LayerReport>), QuantizeError> {
     network.check()?;
     calibration.check(&network.form)?;
-    if options.headroom.is_nan() || options.headroom < 1.0 {
-        return Err(QuantizeError::Headroom(options.headroom));
-    }
-    if !(8..=16).contains(&options.bits) {
-        let source = FixedNetworkError::CodeBits(options.bits);
-        return Err(QuantizeError::Fixed { bits: options.bits, source });
-    }
+    options.check()?;
     let scales = fold::scales(network, calibration, options);
     let folded = fold::fold(network, &scales, options.stride, options.overlap);
     let used = formats::used(calibration, &scales);
