@@ -61,7 +61,8 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
     let code_fractions: Vec<u32> =
         (0..form.shrinkages()).map(|_| if equal { first } else { draw.whole(8, 15) } as u32).collect();
     let last = i64::from(code_fractions[code_fractions.len() - 1]);
-    let dictionary = if tight { 0 } else { draw.whole(9, 18) };
+    // Down to products coarser than an output word, which are shifted up.
+    let dictionary = if tight { 0 } else { draw.whole(2, 18) };
     // R's products stay within three bits of D's, so that aligning them cannot pass 48 bits.
     let linear = (last + dictionary - i64::from(INPUT_FRACTION) + draw.whole(-3, 3)).max(0);
     let mut matrix = |rows, columns, fraction: i64| FixedMatrix {

@@ -142,7 +142,8 @@ impl FixedNetwork {
     pub fn final_shifts(&self) -> FinalShifts {
         let dictionary = self.code_fractions[self.code_fractions.len() - 1] + self.dictionary.fraction;
         let linear = self.linear_path.as_ref().map_or(dictionary, |r| INPUT_FRACTION + r.fraction);
-        let sum = dictionary.max(linear);
+        // Few bits can leave products coarser than an output: these are shifted up, never down by less than nothing.
+        let sum = dictionary.max(linear).max(OUTPUT_FRACTION);
         FinalShifts { dictionary: sum - dictionary, linear_path: sum - linear, result: sum - OUTPUT_FRACTION }
     }
 
@@ -258,8 +259,9 @@ impl FixedNetwork {
         }
         let last = code(self.code_fractions.len() - 1) + i64::from(self.dictionary.fraction);
         let linear = self.linear_path.as_ref().map_or(last, |r| i64::from(INPUT_FRACTION + r.fraction));
-        legal("F", last.max(linear) - i64::from(OUTPUT_FRACTION))?;
-        legal("F alignment", (last - linear).abs())
+        let sum = last.max(linear).max(i64::from(OUTPUT_FRACTION));
+        legal("F", sum - i64::from(OUTPUT_FRACTION))?;
+        legal("F alignment", sum - last.min(linear))
     }
 }
 

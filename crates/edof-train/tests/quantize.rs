@@ -170,6 +170,16 @@ fn more_bits_cost_less() {
 }
 
 #[test]
+fn large_outputs_at_few_bits_are_shifted_up_instead_of_refused() {
+    let mut network = network(form(4, Shrinkage::TwoSided, false), 5);
+    network.dictionary *= 30.0;
+    let seen = Calibration::measure(&network, [&raw(6)]).unwrap();
+    let (fixed, _) = quantize(&network, &options(8), &seen, "").unwrap();
+    let shifts = fixed.final_shifts();
+    assert!(shifts.dictionary > 0 && shifts.result == 0, "{shifts:?}");
+}
+
+#[test]
 fn wrong_options_and_empty_calibrations_are_refused() {
     let good = network(form(3, Shrinkage::TwoSided, false), 1);
     let seen = Calibration::measure(&good, [&raw(1)]).unwrap();
