@@ -4,6 +4,7 @@
 //! |---|---|
 //! | photographs: PNG, TIFF, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
 //! | raw frames: PNG, TIFF, PGM, and headerless 16-bit files | [`raw`] |
+//! | camera raw (DNG and friends), with the feature `camera-raw` | [`camera_raw`] |
 //! | pixels as files hold them, before either meaning is given to them | [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
@@ -24,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod camera_raw;
 pub mod photo;
 pub mod pnm;
 pub mod raw;

@@ -6,9 +6,11 @@
 //! | PNG, TIFF (8-bit grey) | 255 | only where a depth of 8 is stated |
 //! | PGM | what the file states | at the bottom, for a maximum of 2^depth − 1; else as in PNG |
 //! | headerless 16-bit words | 65535 | at the bottom, unless stated otherwise |
+//! | camera raw ([`crate::camera_raw`]) | what the file states | the file states its phase, too |
 //!
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
+use crate::camera_raw::{self, CameraRawError};
 use crate::samples::{self, Format, Samples, SamplesError};
 use edof_spec::frame::FrameError;
 use edof_spec::{CfaPhase, RawFrame};
@@ -64,6 +66,9 @@ pub enum RawError {
     /// The file itself.
     #[error(transparent)]
     Samples(#[from] SamplesError),
+    /// Camera raw that cannot be used.
+    #[error(transparent)]
+    CameraRaw(#[from] CameraRawError),
     /// No picture, and no size to read it as headerless.
     #[error(
         "{path}: not a PNG, TIFF or PGM file; for a headerless 16-bit file state its size as WIDTHxHEIGHT",
@@ -155,6 +160,9 @@ impl std::str::FromStr for Size {
 /// # Errors
 /// Any [`RawError`], naming the file.
 pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
+    if camera_raw::is_camera_raw(path) {
+        return Ok(camera_raw::load(path)?);
+    }
     let bytes = samples::read(path)?;
     if let Some(depth) = options.depth.filter(|d| !(8..=16).contains(d)) {
         return Err(RawError::Frame { path: path.to_owned(), source: FrameError::Depth(depth) });

@@ -7,8 +7,8 @@ use edof_golden::GoldenReconstructor;
 use edof_io::raw::{Alignment, ByteOrder, RawOptions, Size};
 use edof_io::{photo, raw};
 use edof_spec::colour::srgb_encode;
-use edof_spec::overlap::Overlap;
 use edof_spec::network::Origin;
+use edof_spec::overlap::Overlap;
 use edof_spec::{Camera, CfaPhase, ColourFrame, RawFrame, Reconstructor, Stride};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::json;
@@ -20,7 +20,7 @@ const DIM: u16 = u16::MAX / 16;
 /// Reconstruct a sharp picture from a raw Bayer frame
 ///
 /// RAW is a 16-bit grey PNG, TIFF or PGM (codes of fewer bits at the top of each word, or as a PGM's maximum says), or a
-/// headerless 16-bit file with --size. The network runs in the board's integers unless --float is given.
+/// headerless 16-bit file with --size; with the optional feature camera-raw also DNG and other camera files. The network runs in the board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof reconstruct raw.png --out sharp.png
