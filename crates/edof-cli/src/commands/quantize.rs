@@ -70,6 +70,10 @@ pub struct Args {
     #[arg(long, default_value_t = 0, value_name = "STEPS")]
     finetune: u64,
 
+    /// Largest move of a weight in one of these steps, in units of its last bit
+    #[arg(long, default_value_t = FinetuneOptions::default().rate)]
+    finetune_rate: f32,
+
     /// Weight file to write [default: the float network's name with .fixed.safetensors]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -96,7 +100,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (fixed, mut layers) = quantize(&network, &options, &calibration, &hash)?;
     let fixed = match args.finetune {
         0 => fixed,
-        steps => tune(&fixed, &pictures, steps, ui)?,
+        steps => tune(
+            &fixed,
+            &pictures,
+            FinetuneOptions { steps, rate: args.finetune_rate, ..Default::default() },
+            ui,
+        )?,
     };
     interrupt::check()?;
     // Tuned weights have sums of their own.
@@ -127,9 +136,10 @@ fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
 fn tune(
     fixed: &FixedNetwork,
     pictures: &[(String, ColourFrame)],
-    steps: u64,
+    tuning: FinetuneOptions,
     ui: &Ui,
 ) -> Result<FixedNetwork, Error> {
+    let steps = tuning.steps;
     let frames: Vec<ColourFrame> = pictures.iter().map(|(_, frame)| frame.clone()).collect();
     let camera = &fixed.origin.camera;
     let psis = depths(camera.psi_range);
@@ -137,7 +147,6 @@ fn tune(
     let bank = Bank::new(&frames, camera, &psis, &Settings::default(), fixed.form.window, go_on)?
         .ok_or(Error::Interrupted)?;
     let bar = ui.progress(steps, "fine-tune");
-    let tuning = FinetuneOptions { steps, ..FinetuneOptions::default() };
     let mut first = None;
     let mut best = 0.0;
     let tuned = finetune(fixed, &bank, &tuning, |progress| {
