@@ -52,6 +52,38 @@ fn a_network_by_name_is_found_under_weights() {
     place.edof("reconstruct raw.png --weights mine --float --out float.png").done();
 }
 
+#[test]
+fn a_drawn_scene_is_captured_and_reconstructed() {
+    let place = Place::new();
+    place.fixed_network("net.safetensors");
+    place.edof("scene chart --size 128x96 --out scene").done();
+    place
+        .edof(
+            "capture chart --size 128x96 --camera clear --psi 0 --no-measure --out raw.png --sharp sharp.png",
+        )
+        .done();
+    place.edof("reconstruct raw.png --weights net.safetensors --camera clear --out out.png").done();
+    let (sharp, out) =
+        (photo::load(&place.path("sharp.png")).unwrap(), photo::load(&place.path("out.png")).unwrap());
+    assert_eq!((sharp.size(), out.size()), ((96, 128), (96, 128)));
+    let brightness = |frame: &edof_spec::ColourFrame| frame.planes.mean().unwrap();
+    assert!((brightness(&sharp) - brightness(&out)).abs() < 0.02);
+}
+
+#[test]
+fn the_demo_leaves_a_report_with_its_pictures() {
+    let place = Place::new();
+    place.fixed_network("net.safetensors");
+    let line = "demo --net net.safetensors --clear-net net.safetensors --height 96 --width 128 --out out --json demo.json";
+    let run = place.edof(line).done();
+    assert!(run.out.contains("dB"), "{}", run.out);
+    let report = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(report.contains("<img") && report.trim_end().ends_with("</html>"));
+    let data: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("demo.json")).unwrap()).unwrap();
+    assert!(data["pictures"].as_array().is_some_and(|pictures| !pictures.is_empty()), "{data}");
+}
+
 const TRAIN: &str = "train --form one-sided,w8,t3,c32,r --camera ring-2018 --images photos --depths 2 --steps 600 \
                      --batch 128 --validate-every 200 --out net.safetensors";
 

@@ -20,7 +20,10 @@ fn a_camera_is_shown_in_figures_and_numbers() {
     let contrast = |depth: usize, channel: usize| {
         shown["depths"][depth]["contrast_quarter_cutoff"][channel].as_f64().unwrap()
     };
-    assert!(contrast(0, 0) > contrast(1, 0) && contrast(1, 2) > contrast(0, 2), "red is near, blue is far: {shown}");
+    assert!(
+        contrast(0, 0) > contrast(1, 0) && contrast(1, 2) > contrast(0, 2),
+        "red is near, blue is far: {shown}"
+    );
     assert!(shown["depths"][0]["distance_m"].as_f64().unwrap() < 10.0);
     for file in ["figure1.svg", "mtf.svg"] {
         let svg = std::fs::read_to_string(place.path("figures").join(file)).unwrap();
@@ -47,12 +50,10 @@ fn a_capture_of_a_drawn_scene_tells_what_its_cuts_cost() {
     let report = json(&place.edof(line).done().out);
     assert_eq!(report["depths"].as_array().unwrap().len(), 4);
     let cuts = report["cuts"].as_array().unwrap();
-    assert_eq!(cuts.iter().map(|c| c["cut"].as_str().unwrap()).collect::<Vec<_>>(), [
-        "kernels",
-        "wavelengths",
-        "depths",
-        "all"
-    ]);
+    assert_eq!(
+        cuts.iter().map(|c| c["cut"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["kernels", "wavelengths", "depths", "all"]
+    );
     assert!(cuts[0]["rms_error"].as_f64().unwrap() > 0.0);
     assert!(cuts[3]["seconds"].as_f64().unwrap() < cuts[3]["exact_seconds"].as_f64().unwrap());
     let options = RawOptions { phase: CfaPhase::Bggr, ..RawOptions::default() };
