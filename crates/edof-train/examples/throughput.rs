@@ -34,8 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let recipe = Recipe { threads, ..Recipe::new(form) };
     let camera = Camera::resolve("ring-2018")?;
     let photo = leaves::layers(512, 768, 1)[0].colour.clone();
-    let bank = Bank::new(&[photo], &camera, &[0.0, 4.0, 8.0], &Settings::default(), form.window, |_, _| true)?
-        .ok_or("interrupted")?;
+    let bank =
+        Bank::new(&[photo], &camera, &[0.0, 4.0, 8.0], &Settings::default(), form.window, |_, _| true)?
+            .ok_or("interrupted")?;
     export(Path::new(&path), &form, &bank, &recipe)?;
     let mut trainer = Trainer::new(recipe, &bank)?;
     (0..50).for_each(|_| drop(trainer.step()));
@@ -57,8 +58,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Windows, patches and starting weights as safetensors.
 fn export(path: &Path, form: &Form, bank: &Bank, recipe: &Recipe) -> Result<(), Box<dyn Error>> {
     let mut batch = Batch::new(form.window, WINDOWS);
-    bank.draw(&mut Random::new(recipe.seed, 0, 0), recipe.noise, &mut batch);
-    let weights = initial(form, bank, recipe.noise, recipe.start, recipe.seed);
+    bank.draw(&mut Random::new(recipe.seed, 0, 0), recipe.noise, recipe.noiseless, &mut batch);
+    let weights = initial(recipe, bank);
     let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let tensors = [
         ("inputs", vec![WINDOWS, form.window.pixels()], bytes(&batch.inputs)),

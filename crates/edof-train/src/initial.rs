@@ -4,6 +4,7 @@ use crate::linear_algebra::{cholesky, least_squares, solve_upper};
 use crate::parameters::Layout;
 use crate::pass::Pass;
 use crate::patches::{Bank, Batch, Random};
+use crate::train::Recipe;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Shrinkage};
 use serde::{Deserialize, Serialize};
@@ -24,13 +25,14 @@ pub enum Start {
     Dictionary,
 }
 
-/// Starting weights in the form's flat layout; the same seed gives the same ones.
+/// Starting weights in the flat layout of the recipe's form; the same recipe gives the same ones.
 #[must_use]
-pub fn initial(form: &Form, bank: &Bank, noise: f32, start: Start, seed: u64) -> Vec<f32> {
-    let mut random = Random::new(seed, u64::MAX, 0);
+pub fn initial(recipe: &Recipe, bank: &Bank) -> Vec<f32> {
+    let form = &recipe.form;
+    let mut random = Random::new(recipe.seed, u64::MAX, 0);
     let mut batch = Batch::new(form.window, SAMPLES);
-    bank.draw(&mut random, noise, &mut batch);
-    match start {
+    bank.draw(&mut random, recipe.noise, recipe.noiseless, &mut batch);
+    match recipe.start {
         Start::Whitened => whitened(form, &batch, &mut random),
         Start::Dictionary => from_dictionary(form, &batch, &mut random),
     }

@@ -172,14 +172,15 @@ impl Bank {
         self.photos.len() * self.psis.len() * NOISE_CLASSES
     }
 
-    /// Fills a batch with random training windows: one in four without noise, the others with σ of 0…`noise`, uniformly.
-    pub fn draw(&self, random: &mut Random, noise: f32, batch: &mut Batch) {
+    /// Fills a batch with random training windows: one in `noiseless` without noise, the others with σ of
+    /// 0…`noise`, uniformly.
+    pub fn draw(&self, random: &mut Random, noise: f32, noiseless: usize, batch: &mut Batch) {
         let pixels = self.window.pixels();
         let rows = batch.inputs.chunks_exact_mut(pixels).zip(batch.targets.chunks_exact_mut(RGB_OUTPUTS));
         for ((input, target), cell) in rows.zip(&mut batch.cells) {
             let photo = random.below(self.photos.len());
             let psi = random.below(self.psis.len());
-            let (class, sigma) = if noise == 0.0 || random.below(4) == 0 {
+            let (class, sigma) = if noise == 0.0 || random.below(noiseless) == 0 {
                 (0, 0.0)
             } else {
                 let u = random.unit();
@@ -411,7 +412,7 @@ mod tests {
     fn windows_see_the_mosaic_around_their_patch() {
         let bank = marked_bank(12);
         let mut batch = Batch::new(bank.window(), 200);
-        bank.draw(&mut Random::new(1, 2, 3), 0.0, &mut batch);
+        bank.draw(&mut Random::new(1, 2, 3), 0.0, 1, &mut batch);
         for (input, target) in batch.inputs.chunks(144).zip(batch.targets.chunks(192)) {
             // Red and green are linear in place, so the mean of a centred window is that of its patch.
             let (row, column) = place_of(target);
@@ -455,7 +456,7 @@ mod tests {
         let bank = marked_bank(8);
         let draw = |seed| {
             let mut batch = Batch::new(bank.window(), 16);
-            bank.draw(&mut Random::new(seed, 7, 0), 0.01, &mut batch);
+            bank.draw(&mut Random::new(seed, 7, 0), 0.01, 8, &mut batch);
             batch.inputs
         };
         assert_eq!(draw(1), draw(1));

@@ -1,8 +1,7 @@
 //! The training recipe: random windows, Adam with a cosine schedule, validation, checkpoints, exact resume.
 //!
-//! The loss of a window is its squared error over the running mean of its cell's (its photo, ψ and noise class), so that the
-//! sum over cells falls as the mean of log MSE does: what is trained is the mean PSNR that studies report, and neither
-//! smooth photos nor noiseless windows are outweighed by hard ones. λ then counts in nepers for a unit of |z|·‖column‖.
+//! The squared error of a window is weighed by the running mean error of its cell (its photo, ψ and noise class): see
+//! [`Balance`].
 
 use crate::adam::Adam;
 use crate::initial::{Start, initial};
@@ -16,6 +15,31 @@ use edof_spec::network::{Form, Network, Origin, Shrinkage};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+/// How much windows of easy and of hard cells weigh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Balance {
+    /// By 1 over the cell's mean error: the sum falls as the mean of log MSE does, so the mean PSNR is what is trained, and the
+    /// hard cells (largest ψ, with noise) pay for easy ones.
+    Psnr,
+    /// By 1 over the root of it: between the two.
+    Root,
+    /// All alike: busy photos at the far end of the range outweigh all else.
+    Mse,
+}
+
+impl Balance {
+    /// Weight of a window whose cell's mean error is `running`. A cell at `reference` weighs the same in all three, which gives
+    /// λ its unit.
+    fn importance(self, running: f32, reference: f32) -> f32 {
+        match self {
+            Self::Psnr => 1.0 / running,
+            Self::Root => 1.0 / (running * reference).sqrt(),
+            Self::Mse => 1.0 / reference,
+        }
+    }
+}
+
 /// Everything that decides a training run, besides photos and camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recipe {
@@ -23,6 +47,10 @@ pub struct Recipe {
     pub form: Form,
     /// Largest noise σ, in units of full scale.
     pub noise: f32,
+    /// One window in so many has no noise at all.
+    pub noiseless: usize,
+    /// How much windows of easy and of hard cells weigh.
+    pub balance: Balance,
     /// Windows a step.
     pub batch: usize,
     /// Steps of the whole schedule.
@@ -54,6 +82,8 @@ impl Recipe {
         Self {
             form,
             noise: 0.015,
+            noiseless: 8,
+            balance: Balance::Root,
             batch: 1024,
             steps: 100_000,
             rate: match form.shrinkage {
@@ -190,6 +220,8 @@ const WHITENING_WINDOWS: usize = 16_384;
 const WHITENING_FLOOR: f64 = 2e-5;
 /// Steps over which the rate rises from 0.
 const WARM_UP: u64 = 500;
+/// Mean square error (36 dB) of a cell that weighs the same whatever the balance.
+const REFERENCE_ERROR: f32 = 2.5e-4;
 /// How much of a cell's running error one window replaces.
 const CELL_RATE: f32 = 0.02;
 
@@ -200,7 +232,7 @@ impl<'a> Trainer<'a> {
     /// [`RecipeError`].
     pub fn new(recipe: Recipe, bank: &'a Bank) -> Result<Self, RecipeError> {
         check(&recipe, bank)?;
-        let network = initial(&recipe.form, bank, recipe.noise, recipe.start, recipe.seed);
+        let network = initial(&recipe, bank);
         let mut weights = network.clone();
         condition(&recipe, bank).to_trained(&network, &mut weights);
         let state = State {
@@ -306,7 +338,7 @@ impl<'a> Trainer<'a> {
         self.pool.install(|| {
             self.workers.par_iter_mut().enumerate().for_each(|(index, worker)| {
                 let mut random = Random::new(recipe.seed, state.step, index as u64);
-                bank.draw(&mut random, recipe.noise, &mut worker.batch);
+                bank.draw(&mut random, recipe.noise, recipe.noiseless, &mut worker.batch);
                 worker.differentiate(weights, state, recipe);
             });
         });
@@ -398,9 +430,11 @@ impl Worker {
     fn differentiate(&mut self, weights: &[f32], state: &State, recipe: &Recipe) {
         // A window's error may not weigh more than if its cell were at 60 dB.
         let least = RGB_OUTPUTS as f32 * 1e-6;
+        let reference = RGB_OUTPUTS as f32 * REFERENCE_ERROR;
         for (importance, &cell) in self.importance.iter_mut().zip(&self.batch.cells) {
             let running = state.cell_errors[cell as usize];
-            *importance = if running == 0.0 { 1.0 } else { 1.0 / running.max(least) };
+            *importance =
+                if running == 0.0 { 1.0 } else { recipe.balance.importance(running.max(least), reference) };
         }
         self.gradient.fill(0.0);
         let loss = self.pass.gradient(
@@ -444,7 +478,7 @@ fn schedule(step: u64, steps: u64) -> f32 {
 /// Coordinates from a batch of training windows; the same for a resumed run.
 fn condition(recipe: &Recipe, bank: &Bank) -> Precondition {
     let mut batch = Batch::new(recipe.form.window, WHITENING_WINDOWS);
-    bank.draw(&mut Random::new(recipe.seed, u64::MAX, 1), recipe.noise, &mut batch);
+    bank.draw(&mut Random::new(recipe.seed, u64::MAX, 1), recipe.noise, recipe.noiseless, &mut batch);
     Precondition::new(&Layout::new(&recipe.form), &batch.inputs, recipe.form.window.pixels(), WHITENING_FLOOR)
 }
 
@@ -492,6 +526,9 @@ fn check(recipe: &Recipe, bank: &Bank) -> Result<(), RecipeError> {
     }
     if recipe.batch == 0 || !recipe.batch.is_multiple_of(recipe.threads) {
         return Err(value("batch", recipe.batch, "a positive multiple of the threads"));
+    }
+    if recipe.noiseless == 0 {
+        return Err(value("noiseless", 0, "1 or more"));
     }
     if recipe.steps == 0 || recipe.validate_every == 0 {
         return Err(value("steps", recipe.steps.min(recipe.validate_every), "1 or more"));

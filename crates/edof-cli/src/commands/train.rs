@@ -11,7 +11,7 @@ use edof_study::photos::{self, Selection};
 use edof_train::checkpoint::{self, Run};
 use edof_train::initial::Start;
 use edof_train::patches::Bank;
-use edof_train::train::{Continue, Progress, Recipe, Trainer};
+use edof_train::train::{Balance, Continue, Progress, Recipe, Trainer};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -67,6 +67,14 @@ pub struct Args {
     /// Largest noise σ, in units of full scale
     #[arg(long)]
     noise: Option<f32>,
+
+    /// One window in so many has no noise at all
+    #[arg(long)]
+    noiseless: Option<usize>,
+
+    /// What easy and hard windows weigh: psnr trains the mean PSNR, mse the mean square error, root lies between
+    #[arg(long, value_parser = ["psnr", "root", "mse"])]
+    balance: Option<String>,
 
     /// Steps of the whole schedule
     #[arg(long)]
@@ -199,6 +207,13 @@ fn recipe(args: &Args) -> Recipe {
     Recipe {
         form: args.form,
         noise: args.noise.unwrap_or(usual.noise),
+        noiseless: args.noiseless.unwrap_or(usual.noiseless),
+        balance: match args.balance.as_deref() {
+            Some("psnr") => Balance::Psnr,
+            Some("root") => Balance::Root,
+            Some(_) => Balance::Mse,
+            None => usual.balance,
+        },
         batch: args.batch.unwrap_or(usual.batch),
         steps: args.steps.unwrap_or(usual.steps),
         rate: args.rate.unwrap_or(usual.rate),
@@ -297,17 +312,23 @@ fn name(args: &Args) -> String {
 /// writes the same bytes as an unbroken one.
 fn command(args: &Args, trainer: &Trainer<'_>) -> String {
     let r = trainer.recipe();
+    let balance = match r.balance {
+        Balance::Psnr => "psnr",
+        Balance::Root => "root",
+        Balance::Mse => "mse",
+    };
     let start = if r.start == Start::Dictionary { "dictionary" } else { "whitened" };
     let photos = args.photos.as_ref().map(|p| format!(" --photos {p}")).unwrap_or_default();
     let psi = args.psi.map(|[low, high]| format!(" --psi {low}:{high}")).unwrap_or_default();
     format!(
-        "edof train --form {} --camera {}{psi}{photos} --depths {} --noise {} --steps {} --batch {} --rate {} \
+        "edof train --form {} --camera {}{psi}{photos} --depths {} --noise {} --noiseless {} --balance {balance} --steps {} --batch {} --rate {} \
          --output-rate {} --threshold-rate {} --lambda {} --start {start} --seed {} --threads {} --validate-every {} \
          --patience {} --out {}.safetensors",
         form::words(&r.form),
         args.camera,
         args.depths,
         r.noise,
+        r.noiseless,
         r.steps,
         r.batch,
         r.rate,

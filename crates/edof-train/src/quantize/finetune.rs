@@ -140,7 +140,7 @@ impl<'a> Tuner<'a> {
         let (bank, noise, seed, cells) = (self.bank, self.noise, self.tuning.seed, &self.cell_errors);
         self.parts.par_iter_mut().enumerate().for_each(|(index, part)| {
             let mut random = Random::new(seed, step, index as u64);
-            bank.draw(&mut random, noise, &mut part.batch);
+            bank.draw(&mut random, noise, 8, &mut part.batch);
             for (importance, &cell) in part.importance.iter_mut().zip(&part.batch.cells) {
                 // A cell not seen yet counts as much as an error of 30 dB.
                 let error = cells[cell as usize];
