@@ -8,7 +8,7 @@
 //! F   acc = (Σ D·z_{T−1} << shift_D) + (Σ R·y << shift_R)      out = requantize(acc, shift_F)
 //! ```
 //! All codes b_t, z_t have `code_bits` bits and their own fraction bits; outputs have 16 bits and
-//! [`OUTPUT_FRACTION`](crate::number::OUTPUT_FRACTION). All shifts follow from the fraction bits and are computed here only.
+//! [`OUTPUT_FRACTION`]. All shifts follow from the fraction bits and are computed here only.
 
 use crate::colour::OUTPUTS_422;
 use crate::geometry::Stride;

@@ -33,13 +33,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let recipe = Recipe { threads, ..Recipe::new(form) };
     let camera = Camera::resolve("ring-2018")?;
-    let photo = leaves::layers(512, 768, 1)[0].colour.clone();
+    let photo = leaves::layers(512, 768, 1)[0].light.clone();
     let bank =
         Bank::new(&[photo], &camera, &[0.0, 4.0, 8.0], &Settings::default(), form.window, |_, _| true)?
             .ok_or("interrupted")?;
     export(Path::new(&path), &form, &bank, &recipe)?;
     let mut trainer = Trainer::new(recipe, &bank)?;
-    (0..50).for_each(|_| drop(trainer.step()));
+    for _ in 0..50 {
+        trainer.step();
+    }
     let (start, first) = (Instant::now(), trainer.state.step);
     while start.elapsed().as_secs_f64() < SECONDS {
         trainer.step();

@@ -269,7 +269,7 @@ impl Photo {
     }
 
     const fn is_validation(&self, tile_row: usize, tile_column: usize) -> bool {
-        (tile_row * 5 + tile_column * 3 + self.index * 7) % TILES_PER_VALIDATION == 0
+        (tile_row * 5 + tile_column * 3 + self.index * 7).is_multiple_of(TILES_PER_VALIDATION)
     }
 }
 

@@ -2,13 +2,13 @@
 //!
 //! | step | module | gives |
 //! |---|---|---|
-//! | scenes | [`capture`] | sharp pictures behind the network's own camera, over its range of ψ and noise |
+//! | scenes | [`mod@capture`] | sharp pictures behind the network's own camera, over its range of ψ and noise |
 //! | measure | [`calibration`] | the largest |b|, |z| of every coefficient on real raw frames |
 //! | fold | [`fold`] | 4:2:2, chroma gain and averaging window inside D and R; equal ranges inside A, θ, S, D |
 //! | formats | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
 //! | round | [`rounding`] | weights rounded so that their errors hide in what they are multiplied with |
-//! | tune | [`finetune`] | weights that have learned to live with few bits, by the gradient of [`simulated`] |
-//! | check | [`evaluate`] | dB lost and saturations, against the float network in the board's own output format |
+//! | tune | [`mod@finetune`] | weights that have learned to live with few bits, by the gradient of [`simulated`] |
+//! | check | [`mod@evaluate`] | dB lost and saturations, against the float network in the board's own output format |
 //!
 //! Ranges are measured on the float network, so that integers hold every value seen, times a headroom. All layers share the
 //! coefficients' scales (b₁ feeds every one of them); what differs from layer to layer is the count of fraction bits.
