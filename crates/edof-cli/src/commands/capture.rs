@@ -45,7 +45,7 @@ pub struct Args {
     phase: CfaPhase,
 
     /// Standard deviation of Gaussian noise, in units of full scale
-    #[arg(long, default_value_t = 0.0, value_name = "SIGMA")]
+    #[arg(long, default_value_t = 0.0, value_name = "SIGMA", allow_hyphen_values = true)]
     noise: f64,
 
     /// Photo-electrons at full scale, for photon noise [default: no photon noise]
