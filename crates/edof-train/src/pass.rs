@@ -315,15 +315,24 @@ mod tests {
             .collect()
     }
 
-    fn loss_at(form: Form, weights: &[f32], y: &[f32], x: &[f32], importance: &[f32], lambda: f32) -> f64 {
+    /// The loss, and the sign of every code: where one changes, the loss has a kink.
+    fn loss_at(
+        form: Form,
+        weights: &[f32],
+        y: &[f32],
+        x: &[f32],
+        importance: &[f32],
+        lambda: f32,
+    ) -> (f64, Vec<i8>) {
         let mut pass = Pass::new(form, importance.len());
         let (mut errors, mut gradient) = (vec![0.0; importance.len()], vec![0.0; weights.len()]);
         let loss = pass.gradient(weights, y, x, importance, lambda, &mut errors, &mut gradient);
-        loss.squared + loss.sparsity
+        let signs = pass.z.iter().flatten().map(|z| i8::from(*z > 0.0) - i8::from(*z < 0.0)).collect();
+        (loss.squared + loss.sparsity, signs)
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(24))]
+        #![proptest_config(ProptestConfig::with_cases(100))]
         #[test]
         fn the_gradient_equals_finite_differences(
             layers in 2usize..=10, one_sided: bool, difference: bool, linear_path: bool, tied: bool, seed in 0u32..9999
@@ -340,7 +349,7 @@ mod tests {
             let layout = Layout::new(&form);
             let mut weights = noise(layout.len(), seed, 0.3);
             for theta in &layout.thresholds {
-                weights[theta.clone()].iter_mut().for_each(|t| *t = t.abs() * 0.2);
+                weights[theta.clone()].iter_mut().for_each(|t| *t = 0.02 + t.abs() * 0.2);
             }
             let (y, x) = (noise(3 * 64, seed + 1, 1.0), noise(3 * RGB_OUTPUTS, seed + 2, 1.0));
             let importance = [1.0, 0.5, 2.0];
@@ -352,7 +361,6 @@ mod tests {
                 .chain(&layout.thresholds)
                 .chain(&layout.recurrent)
                 .chain([&layout.dictionary, &layout.linear_path]);
-            let mut wrong = 0;
             for (i, range) in groups.filter(|r| !r.is_empty()).enumerate() {
                 let direction = noise(range.len(), seed + 10 + i as u32, 1.0);
                 let slope: f64 = direction.iter().zip(&gradient[range.clone()]).map(|(d, g)| f64::from(d * g)).sum();
@@ -362,12 +370,15 @@ mod tests {
                     moved[range.clone()].iter_mut().zip(&direction).for_each(|(w, d)| *w += sign * step * d);
                     loss_at(form, &moved, &y, &x, &importance, 0.01)
                 };
-                let measured = (at(1.0) - at(-1.0)) / f64::from(2.0 * step);
-                // f32 noise in the loss, and a kink now and then, are no mistakes; a wrong term is.
-                let tolerance = 0.03 * slope.abs().max(measured.abs()) + 2e-6 * loss_at(form, &weights, &y, &x, &importance, 0.01) / f64::from(step);
-                wrong += usize::from((slope - measured).abs() > tolerance);
+                let ((above, signs_above), (below, signs_below)) = (at(1.0), at(-1.0));
+                if signs_above != signs_below {
+                    continue;
+                }
+                let measured = (above - below) / f64::from(2.0 * step);
+                // What f32 sums of this size leave open.
+                let tolerance = 0.03 * slope.abs().max(measured.abs()) + 4e-6 * above / f64::from(step);
+                prop_assert!((slope - measured).abs() <= tolerance, "{} {} {:?}", slope, measured, range);
             }
-            prop_assert_eq!(wrong, 0);
         }
     }
 
