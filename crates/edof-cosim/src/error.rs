@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A program that we need is not installed.
-    #[error("{tool} not found: install it by `source scripts/prepare.sh; need_simulators` (a Debian package)")]
+    #[error(
+        "{tool} not found: install it by `source scripts/prepare.sh; need_simulators` (a Debian package)"
+    )]
     ToolMissing {
         /// Name of the program.
         tool: String,
@@ -19,6 +21,9 @@ pub enum Error {
         /// The first lines that say why.
         lines: Vec<String>,
     },
+    /// Verilator has something to say about the text of the design.
+    #[error("{0}")]
+    Lint(crate::lint::LintErrors),
     /// The description of the design is wrong.
     #[error("design {top}: {problem}")]
     Source {

@@ -216,8 +216,7 @@ mod tests {
     use super::*;
 
     fn source() -> Source {
-        let ports =
-            vec![Port::clock("c"), Port::input("a", 3), Port::output("y", 40), Port::input("w", 70)];
+        let ports = vec![Port::clock("c"), Port::input("a", 3), Port::output("y", 40), Port::input("w", 70)];
         Source { top: "t".into(), files: vec![], ports }
     }
 

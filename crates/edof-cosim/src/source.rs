@@ -152,8 +152,14 @@ mod tests {
     #[test]
     fn what_tools_would_misunderstand_is_refused() {
         for (found, expected) in [
-            (refusal(&["../a.v"], vec![]), r#"design top: file "../a.v": must be a plain name ending in .v, .sv or .vh"#),
-            (refusal(&["-f.v"], vec![]), r#"design top: file "-f.v": must be a plain name ending in .v, .sv or .vh"#),
+            (
+                refusal(&["../a.v"], vec![]),
+                r#"design top: file "../a.v": must be a plain name ending in .v, .sv or .vh"#,
+            ),
+            (
+                refusal(&["-f.v"], vec![]),
+                r#"design top: file "-f.v": must be a plain name ending in .v, .sv or .vh"#,
+            ),
             (refusal(&["a.v", "a.v"], vec![]), "design top: file a.v is there twice"),
             (
                 refusal(&[], vec![Port::input("a b", 1)]),
@@ -164,7 +170,10 @@ mod tests {
                 refusal(&[], vec![Port { bits: 2, ..Port::clock("c") }]),
                 r#"design top: port "c": a clock must be an input of one bit"#,
             ),
-            (refusal(&[], vec![Port::input("a", 1), Port::output("a", 1)]), "design top: port a is there twice"),
+            (
+                refusal(&[], vec![Port::input("a", 1), Port::output("a", 1)]),
+                "design top: port a is there twice",
+            ),
         ] {
             assert_eq!(found, expected);
         }

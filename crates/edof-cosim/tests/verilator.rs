@@ -3,7 +3,7 @@
 mod support;
 
 use edof_cosim::verilator::{Library, Model, Options, Start, Waveform};
-use edof_cosim::{Error, Rows};
+use edof_cosim::{Direction, Error, Rows, Source};
 use std::collections::BTreeSet;
 use std::path::Path;
 use support::{build, build_traced, counter, images, machine, options, wide};
@@ -188,11 +188,40 @@ fn broken_verilog_is_told_with_file_and_line() {
 }
 
 #[test]
-fn a_port_of_another_width_or_name_does_not_build() {
-    let mut source = counter();
-    source.ports[1].name = "other_i".into();
-    let error = Library::build(&source, &options()).unwrap_err().to_string();
-    assert!(error.contains("has no member named ‘other_i’") || error.contains("other_i"), "{error}");
+fn ports_other_than_those_of_the_verilog_are_refused() {
+    let refusal = |change: fn(&mut Source)| {
+        let mut source = counter();
+        change(&mut source);
+        Library::build(&source, &options()).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refusal(|source| source.ports[1].name = "other_i".into()),
+        "design counter: port other_i is not in the Verilog"
+    );
+    assert_eq!(
+        refusal(|source| source.ports[3].bits = 9),
+        "design counter: port count_o has 8 bits in the Verilog, not 9"
+    );
+    assert_eq!(
+        refusal(|source| source.ports[2].direction = Direction::Out),
+        "design counter: port enable_i has the other direction in the Verilog"
+    );
+    assert_eq!(
+        refusal(|source| drop(source.ports.pop())),
+        "design counter: port free_o of the Verilog is not in the list of ports"
+    );
+}
+
+#[test]
+fn a_spoilt_file_in_the_cache_is_named() {
+    let cache = tempfile::tempdir().unwrap();
+    let options = Options { cache: Some(cache.path().into()), optimize: 0, ..Options::default() };
+    drop(Library::build(&counter(), &options).unwrap());
+    let names = std::fs::read_dir(cache.path()).unwrap().map(|entry| entry.unwrap().path());
+    let model = names.into_iter().find(|path| path.extension().is_some_and(|end| end == "so")).unwrap();
+    std::fs::write(&model, "spoilt").unwrap();
+    let error = Library::build(&counter(), &options).unwrap_err().to_string();
+    assert!(error.starts_with(&format!("{}: ", model.display())), "{error}");
 }
 
 #[test]

@@ -9,6 +9,7 @@
 mod build;
 mod interface;
 mod model;
+mod ports;
 mod shim;
 
 pub use build::{Options, Unknowns, Waveform};

@@ -22,19 +22,23 @@ using Tracer = VerilatedVcdC;
 static constexpr uint32_t top_mask(int bits) { return bits % 32 ? (1U << bits % 32) - 1 : ~0U; }
 
 template <int bits, class T> std::enable_if_t<std::is_integral<T>::value> put(T& to, const uint32_t* from) {
+    static_assert(bits <= 64, "the port has another width");
     uint64_t value = from[0];
     if (bits > 32) value |= static_cast<uint64_t>(from[bits > 32 ? 1 : 0]) << 32;
     to = static_cast<T>(bits < 64 ? value & ((1ULL << bits % 64) - 1) : value);
 }
 template <int bits, std::size_t N> void put(VlWide<N>& to, const uint32_t* from) {
+    static_assert(N == (bits + 31) / 32, "the port has another width");
     for (std::size_t i = 0; i < N; ++i) to[i] = from[i];
     to[N - 1] &= top_mask(bits);
 }
 template <int bits, class T> std::enable_if_t<std::is_integral<T>::value> get(const T& from, uint32_t* to) {
+    static_assert(bits <= 64, "the port has another width");
     to[0] = static_cast<uint32_t>(from);
     if (bits > 32) to[bits > 32 ? 1 : 0] = static_cast<uint32_t>(static_cast<uint64_t>(from) >> 32);
 }
 template <int bits, std::size_t N> void get(const VlWide<N>& from, uint32_t* to) {
+    static_assert(N == (bits + 31) / 32, "the port has another width");
     for (std::size_t i = 0; i < N; ++i) to[i] = from[i];
 }
 

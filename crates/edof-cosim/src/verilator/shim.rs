@@ -14,7 +14,10 @@ pub fn ports_inc(source: &Source) -> String {
         format!("static constexpr std::size_t INPUT_WORDS = {};\n", inputs.words()),
         format!("static constexpr std::size_t OUTPUT_WORDS = {};\n", outputs.words()),
         function("set_clocks(Vdut& top, uint8_t level)", &clocks(source)),
-        function("zero_inputs(Vdut& top)", &format!("    const uint32_t zeros[] = {{{zeros}}};\n{}", zero(source))),
+        function(
+            "zero_inputs(Vdut& top)",
+            &format!("    const uint32_t zeros[] = {{{zeros}}};\n{}", zero(source)),
+        ),
         function("poke_port(Vdut& top, uint32_t port, const uint32_t* words)", &poke(source)),
         function("peek_port(const Vdut& top, uint32_t port, uint32_t* words)", &peek(source)),
         function("apply_row(Vdut& top, const uint32_t* row)", &row(source, &inputs, "put")),
@@ -70,6 +73,6 @@ fn call(verb: &str, port: &Port, words: &str) -> String {
 }
 
 /// Verilator's name of a port in C++: it keeps double underscores for itself.
-fn member(name: &str) -> String {
+pub fn member(name: &str) -> String {
     name.replace("__", "___05F")
 }
