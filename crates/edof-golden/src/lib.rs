@@ -9,6 +9,7 @@
 //! | counters | [`trace`] | saturations and non-zeros of each stage |
 //! | overlap | [`overlap_add`] | the sum of overlapping patches, rounded to the 4:2:2 frame |
 //! | frame | [`frame`] | a whole frame on all threads ([`Golden`]), and its slow twin |
+//! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
 //! | gamma | [`gamma`] | 8-bit luma through a loadable table: the picture on the wire |
 //! | study | [`reconstructor`] | [`GoldenReconstructor`], the method that experiments compare |
 //! | trials | [`sample`] | drawn networks and windows for tests, examples and benchmarks |
@@ -26,6 +27,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod cycle;
 pub mod fast;
 pub mod frame;
 pub mod gamma;

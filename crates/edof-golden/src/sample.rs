@@ -5,7 +5,7 @@ use edof_spec::fixed_network::FixedMatrix;
 use edof_spec::network::{Form, Origin, Recurrence, Shrinkage};
 use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, FixedNetwork, Stride, Window};
+use edof_spec::{Camera, Design, FixedNetwork, Stride, Window};
 use ndarray::{Array1, Array2};
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
@@ -21,10 +21,14 @@ impl Draw {
 
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
+        self.0 = self.0.wrapping_add(GAMMA);
+        mixed(self.0)
+    }
+
+    /// Output `index` (0 first) of the generator that starts from `seed`.
+    #[must_use]
+    pub const fn nth(seed: u64, index: u64) -> u64 {
+        mixed(seed.wrapping_add(index.wrapping_add(1).wrapping_mul(GAMMA)))
     }
 
     /// A whole number from `least` to `most`, both included.
@@ -43,6 +47,16 @@ impl Draw {
             _ => self.whole(-most - 1, most),
         }) as i16
     }
+}
+
+/// What SplitMix64 adds to its state for each output.
+const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// SplitMix64's output for a state.
+const fn mixed(state: u64) -> u64 {
+    let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    mixed ^ (mixed >> 31)
 }
 
 /// Input words of one window: all of them 0…32767, often at the ends.
@@ -97,6 +111,27 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
         origin: origin("extreme"),
         float_hash: String::new(),
     }
+}
+
+/// An [`extreme`] network that fits a design: its weights are halved until its sums have room, and where that is not enough all
+/// shifts are zero.
+#[must_use]
+pub fn for_design(design: &Design, seed: u64) -> FixedNetwork {
+    let drawn = |tight| extreme(design.form, design.code_bits, design.frame.stride, tight, seed);
+    let fits = |network: &FixedNetwork| network.check().is_ok() && design.check_network(network).is_ok();
+    let halvings =
+        |tight| std::iter::successors(Some(drawn(tight)), |network| Some(halved(network))).take(16);
+    [false, true].into_iter().flat_map(halvings).find(fits).unwrap_or_else(|| drawn(true))
+}
+
+/// The network with all weights halved.
+fn halved(network: &FixedNetwork) -> FixedNetwork {
+    let mut network = network.clone();
+    let matrices = [&mut network.analysis, &mut network.dictionary].into_iter();
+    for matrix in matrices.chain(&mut network.recurrent).chain(&mut network.linear_path) {
+        matrix.weights.mapv_inplace(|weight| weight / 2);
+    }
+    network
 }
 
 /// A network of the size and habits of a trained one (T = 4, 192 codes, one-sided, with R): sparse codes, small gains, and
@@ -201,5 +236,25 @@ mod tests {
         for (window, stride) in [(8, 8), (12, 4), (16, 2)] {
             natural(window, stride, 3).check().unwrap();
         }
+    }
+
+    #[test]
+    fn networks_drawn_for_a_design_fit_it() {
+        let designs = ["tiny", "paper", "kc705"].map(|name| {
+            let path = format!("{}/../../designs/{name}.json", env!("CARGO_MANIFEST_DIR"));
+            Design::load(path.as_ref()).unwrap()
+        });
+        for (mut design, seed) in designs.into_iter().flat_map(|d| (0..8).map(move |seed| (d.clone(), seed)))
+        {
+            design.check_network(&for_design(&design, seed)).unwrap();
+            design.accumulator_bits = 32;
+            design.check_network(&for_design(&design, seed)).unwrap();
+        }
+    }
+
+    #[test]
+    fn any_output_of_a_generator_can_be_had_without_those_before() {
+        let draw = &mut Draw::new(9);
+        assert!((0..100).all(|index| draw.bits() == Draw::nth(9, index)));
     }
 }

@@ -12,6 +12,7 @@
 //! | the float network | [`network`] |
 //! | the integer network, its shifts and thresholds | [`fixed_network`] |
 //! | the file both kinds of network live in | [`weight_file`] |
+//! | the hardware for a form of network: stages, memories, cycles | [`design`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
 //! | files that appear whole or not at all | [`atomic`] |
 //!
@@ -26,6 +27,7 @@ pub mod atomic;
 pub mod camera;
 pub mod cfa;
 pub mod colour;
+pub mod design;
 pub mod fixed_network;
 pub mod frame;
 pub mod geometry;
@@ -37,6 +39,7 @@ pub mod weight_file;
 
 pub use camera::Camera;
 pub use cfa::{CfaPhase, Channel};
+pub use design::Design;
 pub use fixed_network::FixedNetwork;
 pub use frame::{ColourFrame, Frame422, RawFrame};
 pub use geometry::{Geometry, Stride, Window};

@@ -1,0 +1,115 @@
+//! The chain of stages: the cycle of every transfer of one patch after the other.
+//!
+//! All that a patch meets was decided by patches before it: a stage's room for vector k by vector k − 2, F's room for window k
+//! by window k − `kept_windows`. So one patch goes through all stages at once, with one maximum or two for a beat.
+
+use super::stage::{Receiver, StageClock, StageUse};
+use super::{StallPattern, Stalls};
+use edof_spec::Design;
+use edof_spec::design::StagePlan;
+
+/// When the beats of one patch are transferred.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PatchTimes {
+    /// The cycle of each beat at each boundary: 0 the window into I, 1…T−1 between stages, T the result out of F.
+    pub boundaries: Vec<Vec<u64>>,
+    /// What I, each M, F did for it.
+    pub stages: Vec<StageUse>,
+}
+
+impl PatchTimes {
+    /// The cycle of the window's first beat.
+    #[must_use]
+    pub fn begin(&self) -> u64 {
+        self.boundaries.first().and_then(|beats| beats.first()).copied().unwrap_or(0)
+    }
+
+    /// The cycle of the result's last beat.
+    #[must_use]
+    pub fn end(&self) -> u64 {
+        self.boundaries.last().and_then(|beats| beats.last()).copied().unwrap_or(0)
+    }
+
+    /// Cycles from the window's first beat to the result's last.
+    #[must_use]
+    pub fn latency(&self) -> u64 {
+        self.end() - self.begin()
+    }
+}
+
+/// The chain between two patches.
+#[derive(Debug, Clone)]
+pub struct Chain {
+    stages: Vec<StageClock>,
+    plans: Vec<StagePlan>,
+    stalls: Stalls,
+    /// First cycle in which the source may present the next beat.
+    source: u64,
+    /// First cycle in which each place of F's window ring is free; patch k takes place k mod `kept_windows`.
+    windows: Vec<u64>,
+    patches: usize,
+}
+
+impl Chain {
+    /// The chain of a checked design after reset: cycle 0 is the first in which a beat can be transferred.
+    #[must_use]
+    pub fn new(design: &Design, stalls: Stalls) -> Self {
+        let plans: Vec<StagePlan> = design.stages().collect();
+        Self {
+            stages: plans.iter().copied().map(StageClock::new).collect(),
+            windows: vec![0; plans.last().map_or(0, |f| f.kept_windows)],
+            plans,
+            stalls,
+            source: 0,
+            patches: 0,
+        }
+    }
+
+    /// The sizes of its stages.
+    #[must_use]
+    pub fn plans(&self) -> &[StagePlan] {
+        &self.plans
+    }
+
+    /// The next patch, of which stage s keeps `pairs[s]` pairs.
+    pub fn next(&mut self, pairs: &[usize]) -> PatchTimes {
+        let mut boundaries = Vec::with_capacity(self.stages.len() + 1);
+        let mut used = Vec::with_capacity(self.stages.len());
+        boundaries.push(self.window_in());
+        for (s, pairs) in pairs.iter().enumerate().take(self.stages.len()) {
+            let receiver = match self.stages.get(s + 1) {
+                Some(next) => Receiver { from: next.ready_from(), stalls: StallPattern::NEVER },
+                None => Receiver { from: 0, stalls: self.stalls.sink },
+            };
+            let last_in = boundaries[s].last().copied().unwrap_or(0);
+            let mut out = Vec::with_capacity(self.plans[s].beats_out());
+            used.push(self.stages[s].take(last_in, *pairs, receiver, &mut out));
+            boundaries.push(out);
+        }
+        self.window_done();
+        PatchTimes { boundaries, stages: used }
+    }
+
+    /// The window's beats: taken when the source presents them and both I and F's ring have room.
+    fn window_in(&mut self) -> Vec<u64> {
+        let ring = self.place().map_or(0, |place| self.windows[place]);
+        let room = self.stages[0].ready_from().max(ring);
+        let beat = |_| {
+            let taken = self.stalls.source.next_go(self.source).max(room);
+            self.source = taken + 1;
+            taken
+        };
+        (0..self.plans[0].beats_in()).map(beat).collect()
+    }
+
+    fn window_done(&mut self) {
+        if let (Some(place), Some(last)) = (self.place(), self.stages.last()) {
+            self.windows[place] = last.finished();
+        }
+        self.patches += 1;
+    }
+
+    fn place(&self) -> Option<usize> {
+        self.patches.checked_rem(self.windows.len())
+    }
+}

@@ -1,0 +1,121 @@
+//! The model: words from the fast golden pipeline, cycles from the chain's clock.
+
+use super::chain::Chain;
+use super::transfer::{Patch, PatchRun};
+use super::{CycleError, Stalls};
+use crate::Trace;
+use crate::fast::{Batch, Fast};
+use edof_spec::design::StagePlan;
+use edof_spec::design::memory::Set;
+use edof_spec::{Design, FixedNetwork};
+use std::collections::VecDeque;
+
+/// The cycle-accurate model of a design with two sets of weights.
+#[derive(Debug, Clone)]
+pub struct Cycle {
+    design: Design,
+    sets: [Fast; 2],
+    skip_zeros: bool,
+    stalls: Stalls,
+}
+
+impl Cycle {
+    /// The design with a network in each of its two sets (the same, where only one is used). Skips zeros if the design does;
+    /// nothing stalls.
+    ///
+    /// # Errors
+    /// [`CycleError`] for a design that cannot be built, or a network that cannot run on it exactly.
+    pub fn new(design: &Design, networks: [&FixedNetwork; 2]) -> Result<Self, CycleError> {
+        design.check()?;
+        for network in networks {
+            network.check()?;
+            design.check_network(network)?;
+        }
+        let sets = networks.map(|network| Fast::new(network.clone()));
+        Ok(Self { design: design.clone(), sets, skip_zeros: design.skip_zeros, stalls: Stalls::NEVER })
+    }
+
+    /// With zeros skipped or not, whatever the design's initial value.
+    #[must_use]
+    pub fn skip_zeros(self, skip_zeros: bool) -> Self {
+        Self { skip_zeros, ..self }
+    }
+
+    /// With stalls at both ends.
+    #[must_use]
+    pub fn stalls(self, stalls: Stalls) -> Self {
+        Self { stalls, ..self }
+    }
+
+    /// The design.
+    #[must_use]
+    pub const fn design(&self) -> &Design {
+        &self.design
+    }
+
+    /// Runs patches from reset on; each is given when it is asked for. Up to [`Batch::PATCHES`] are taken ahead.
+    ///
+    /// # Panics
+    /// When a window does not hold as many words as the design's windows have pixels.
+    pub fn run<I: IntoIterator<Item = Patch>>(&self, patches: I) -> Run<'_, I::IntoIter> {
+        Run {
+            model: self,
+            patches: patches.into_iter(),
+            ready: VecDeque::new(),
+            chain: Chain::new(&self.design, self.stalls),
+            index: 0,
+        }
+    }
+
+    /// Words at all boundaries of a batch of patches.
+    fn traces(&self, patches: &[Patch]) -> Vec<Trace> {
+        let pixels = self.design.form.window.pixels();
+        let of_set = |set: Set| {
+            let windows = patches.iter().filter(|patch| patch.set == set).flat_map(|patch| {
+                assert_eq!(patch.window.len(), pixels, "words of a window");
+                &patch.window
+            });
+            self.sets[set as usize].traces(&windows.copied().collect::<Vec<_>>()).into_iter()
+        };
+        let mut traces = [of_set(Set::First), of_set(Set::Second)];
+        patches.iter().filter_map(|patch| traces[patch.set as usize].next()).collect()
+    }
+}
+
+/// A run of the model: an iterator over its patches. Holds one batch of them at most.
+#[derive(Debug)]
+pub struct Run<'a, I> {
+    model: &'a Cycle,
+    patches: I,
+    ready: VecDeque<(Set, Trace)>,
+    chain: Chain,
+    index: u64,
+}
+
+impl<I: Iterator<Item = Patch>> Iterator for Run<'_, I> {
+    type Item = PatchRun;
+
+    fn next(&mut self) -> Option<PatchRun> {
+        if self.ready.is_empty() {
+            let batch: Vec<Patch> = self.patches.by_ref().take(Batch::PATCHES).collect();
+            self.ready = batch.iter().map(|patch| patch.set).zip(self.model.traces(&batch)).collect();
+        }
+        let (set, trace) = self.ready.pop_front()?;
+        let kept = |stage: &StagePlan| kept_pairs(stage, &trace, self.model.skip_zeros);
+        let pairs: Vec<usize> = self.chain.plans().iter().map(kept).collect();
+        let times = self.chain.next(&pairs);
+        let index = self.index;
+        self.index += 1;
+        Some(PatchRun { index, set, recurrence: self.model.design.form.recurrence, trace, times })
+    }
+}
+
+/// How many pairs of the vector that comes to a stage it multiplies: all, or those that are not zero.
+#[must_use]
+pub fn kept_pairs(stage: &StagePlan, trace: &Trace, skip_zeros: bool) -> usize {
+    match (skip_zeros, stage.index) {
+        (false, _) => stage.inputs,
+        (true, 0) => trace.input.iter().filter(|word| **word != 0).count(),
+        (true, index) => trace.stages[index - 1].nonzeros as usize,
+    }
+}

@@ -1,0 +1,105 @@
+//! Figures of a run: cycles a patch, latency, counters, which stage limits.
+
+use super::estimate::{StageCycles, busiest};
+use super::transfer::PatchRun;
+use crate::Counts;
+use edof_spec::Design;
+use edof_spec::design::StagePlan;
+
+/// What a run took so far.
+#[derive(Debug, Clone)]
+pub struct Summary {
+    /// Patches, and the counters of every stage.
+    pub counts: Counts,
+    /// I, each M, F.
+    pub stages: Vec<StageSummary>,
+    /// Most cycles from one result's last beat to the next's; 0 before the second patch.
+    pub most_cycles: u64,
+    /// Fewest.
+    pub fewest_cycles: u64,
+    /// Most cycles from a window's first beat to its result's last.
+    pub most_latency: u64,
+    latencies: u64,
+    first_end: u64,
+    last_end: u64,
+}
+
+/// What one stage did.
+#[derive(Debug, Clone, Copy)]
+pub struct StageSummary {
+    plan: StagePlan,
+    /// Cycles in which it multiplied.
+    pub steps: u64,
+    /// Cycles in which it did not because no vector was there.
+    pub waited_for_input: u64,
+    /// Cycles in which it did not because sums before had not left.
+    pub waited_for_drain: u64,
+    /// For all patches, cycles that the stage would have needed alone, with a source and a sink that never stall.
+    pub alone: f64,
+}
+
+impl Summary {
+    /// Of no patches yet.
+    #[must_use]
+    pub fn new(design: &Design) -> Self {
+        let empty =
+            |plan| StageSummary { plan, steps: 0, waited_for_input: 0, waited_for_drain: 0, alone: 0.0 };
+        Self {
+            counts: Counts::new(design.form.layers),
+            stages: design.stages().map(empty).collect(),
+            most_cycles: 0,
+            fewest_cycles: u64::MAX,
+            most_latency: 0,
+            latencies: 0,
+            first_end: 0,
+            last_end: 0,
+        }
+    }
+
+    /// One patch more.
+    pub fn add(&mut self, patch: &PatchRun) {
+        let end = patch.times.end();
+        if self.counts.patches == 0 {
+            self.first_end = end;
+        } else {
+            self.most_cycles = self.most_cycles.max(end - self.last_end);
+            self.fewest_cycles = self.fewest_cycles.min(end - self.last_end);
+        }
+        self.last_end = end;
+        self.latencies += patch.times.latency();
+        self.most_latency = self.most_latency.max(patch.times.latency());
+        self.counts.add(&patch.trace.stages);
+        for (stage, used) in self.stages.iter_mut().zip(&patch.times.stages) {
+            stage.steps += used.steps;
+            stage.waited_for_input += used.waited_for_input;
+            stage.waited_for_drain += used.waited_for_drain;
+            let steps = used.steps as f64 / stage.plan.passes() as f64;
+            stage.alone += StageCycles::new(&stage.plan, steps).largest();
+        }
+    }
+
+    /// Mean cycles from one result's last beat to the next's; 0 before the second patch.
+    #[must_use]
+    pub fn cycles_per_patch(&self) -> f64 {
+        let between = self.counts.patches.saturating_sub(1).max(1);
+        (self.last_end - self.first_end) as f64 / between as f64
+    }
+
+    /// Mean cycles from a window's first beat to its result's last.
+    #[must_use]
+    pub fn mean_latency(&self) -> f64 {
+        self.latencies as f64 / self.counts.patches.max(1) as f64
+    }
+
+    /// Cycles that the whole run took.
+    #[must_use]
+    pub const fn cycles(&self) -> u64 {
+        if self.counts.patches == 0 { 0 } else { self.last_end + 1 }
+    }
+
+    /// The stage that limits: the one that would have needed the most cycles alone.
+    #[must_use]
+    pub fn limiting_stage(&self) -> usize {
+        busiest(self.stages.iter().map(|stage| stage.alone))
+    }
+}

@@ -1,0 +1,238 @@
+//! The cycle model: its recurrences against a machine that steps through every cycle, its words against the specification, and
+//! what the committed designs take.
+
+use edof_golden::cycle::{Cycle, Patch, PatchRun, StallPattern, Stalls, Summary, estimate, stepped};
+use edof_golden::sample::{self, Draw};
+use edof_golden::{Trace, scalar};
+use edof_spec::design::memory::Set;
+use edof_spec::design::{FrameSize, StageSize};
+use edof_spec::network::{Form, Recurrence, Shrinkage};
+use edof_spec::{Design, FixedNetwork, Stride, Window, weight_file};
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+
+fn project() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn committed(name: &str) -> Design {
+    Design::load(&project().join(format!("designs/{name}.json"))).unwrap()
+}
+
+/// Lanes that a stage with so many outputs can have.
+fn lanes(outputs: usize) -> Vec<usize> {
+    (4..=outputs).step_by(4).filter(|lanes| outputs.is_multiple_of(*lanes)).collect()
+}
+
+/// Any small design: all forms, T = 2…10, lanes folded as far as they can be, one or two rows.
+fn designs() -> impl Strategy<Value = Design> {
+    let codes = prop::sample::select(vec![4usize, 8, 12, 16, 24, 32]);
+    let window = prop::sample::select(vec![8usize, 8, 8, 12]);
+    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    (codes, window, 2usize..=10, flags, 8u32..=16, any::<u64>()).prop_map(
+        |(codes, window, layers, flags, bits, seed)| {
+            let (one_sided, difference, linear_path, skip_zeros) = flags;
+            let draw = &mut Draw::new(seed);
+            let stages = (0..layers).map(|stage| {
+                let choices = if stage + 1 == layers { vec![128, 64, 64, 32] } else { lanes(codes) };
+                let lanes = choices[draw.whole(0, choices.len() as i64 - 1) as usize];
+                StageSize { lanes, rows: draw.whole(1, 2) as usize }
+            });
+            let design = Design {
+                name: "drawn".into(),
+                clock_mhz: 100.0,
+                stages: stages.collect(),
+                form: Form {
+                    window: Window::new(window).unwrap(),
+                    codes,
+                    layers,
+                    shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+                    recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
+                    linear_path,
+                    tied: seed % 3 == 0,
+                },
+                code_bits: bits,
+                accumulator_bits: 48,
+                skip_zeros,
+                frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+            };
+            design.check().unwrap();
+            design
+        },
+    )
+}
+
+/// None, light, heavy, at either end or both.
+fn stalls() -> impl Strategy<Value = Stalls> {
+    let pattern = || {
+        let share = prop_oneof![3 => Just(0u8), 2 => 1u8..128, 1 => 128u8..240, 1 => 240u8..=250];
+        (any::<u64>(), share).prop_map(|(seed, stalled)| StallPattern::new(seed, stalled))
+    };
+    (pattern(), pattern()).prop_map(|(source, sink)| Stalls { source, sink })
+}
+
+/// Windows at the ends of their range, some of them all zero, for either set.
+fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
+    let draw = &mut Draw::new(seed);
+    let pixels = design.form.window.pixels();
+    (0..count)
+        .map(|_| {
+            let dark = draw.whole(0, 4) == 0;
+            let window = if dark { vec![0; pixels] } else { sample::extreme_window(draw, pixels) };
+            Patch { window, set: if draw.bits() % 2 == 0 { Set::First } else { Set::Second } }
+        })
+        .collect()
+}
+
+/// A network that fits the design; half of them have thresholds that leave few codes.
+fn network(design: &Design, seed: u64) -> FixedNetwork {
+    let mut network = sample::for_design(design, seed);
+    if seed % 2 == 0 {
+        let most = ((1 << (design.code_bits - 1)) - 1) as i16;
+        network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|t| t.max(most - most / 8)));
+    }
+    network
+}
+
+fn specified(networks: [&FixedNetwork; 2], patches: &[Patch]) -> Vec<Trace> {
+    patches.iter().map(|patch| scalar::run(networks[patch.set as usize], &patch.window)).collect()
+}
+
+/// The cycles of all transfers at each boundary.
+fn cycles(design: &Design, runs: &[PatchRun]) -> Vec<Vec<u64>> {
+    let boundary = |b: usize| runs.iter().flat_map(|run| run.times.boundaries[b].clone()).collect();
+    (0..=design.form.layers).map(boundary).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_transfer_happens_in_the_cycle_in_which_the_stepped_machine_makes_it(
+        design in designs(), stalls in stalls(), count in 1usize..30, skip: bool, seed: u64,
+    ) {
+        let networks = [seed, seed.wrapping_add(1)].map(|seed| network(&design, seed));
+        let networks = [&networks[0], &networks[1]];
+        let patches = patches(&design, count, seed);
+        let model = Cycle::new(&design, networks).unwrap().skip_zeros(skip).stalls(stalls);
+        let runs: Vec<PatchRun> = model.run(patches.clone()).collect();
+        let traces = specified(networks, &patches);
+        prop_assert!(runs.iter().map(|run| &run.trace).eq(&traces));
+        let stepped = stepped::run(&design, skip, stalls, &traces);
+        for (boundary, (ours, theirs)) in cycles(&design, &runs).iter().zip(&stepped).enumerate() {
+            let differs = ours.iter().zip(theirs).position(|(a, b)| a != b);
+            prop_assert_eq!(differs, None, "boundary {}", boundary);
+            prop_assert_eq!(ours.len(), theirs.len());
+        }
+    }
+
+    #[test]
+    fn a_chain_of_equal_patches_takes_what_the_slowest_stage_would_take_alone(design in designs()) {
+        let estimate = estimate(&design, None);
+        let alone = estimate.stages[estimate.limiting_stage()].largest();
+        prop_assert!(estimate.cycles_per_patch >= alone - 0.1, "{} {alone}", estimate.cycles_per_patch);
+    }
+}
+
+#[test]
+fn beats_carry_what_the_receiver_needs() {
+    for recurrence in [Recurrence::Direct, Recurrence::Difference] {
+        let mut design = committed("tiny");
+        design.form.recurrence = recurrence;
+        let network = sample::for_design(&design, 3);
+        let model = Cycle::new(&design, [&network, &network]).unwrap();
+        let run = model.run(patches(&design, 1, 1)).next().unwrap();
+        let beat = |boundary: usize, i: usize| run.transfers(boundary).nth(i).unwrap();
+        let codes = &run.trace.codes;
+        let base = if recurrence == Recurrence::Direct { &codes[0].b } else { &codes[1].b };
+        assert_eq!(beat(1, 2).base, Some([codes[0].b[4], codes[0].b[5]]));
+        assert_eq!(beat(2, 2).base, Some([base[4], base[5]]));
+        assert_eq!([beat(0, 2).base, beat(3, 2).base, beat(4, 2).base], [None; 3]);
+        assert_eq!(beat(0, 2).words, [run.trace.input[4], run.trace.input[5]]);
+        assert_eq!(beat(2, 2).words, [codes[1].sent[4], codes[1].sent[5]]);
+        assert_eq!(beat(3, 2).words, [codes[2].z[4], codes[2].z[5]]);
+        assert_eq!(beat(4, 2).words, [run.trace.output[4], run.trace.output[5]]);
+        for boundary in 0..run.boundaries() {
+            let lasts: Vec<bool> = run.transfers(boundary).map(|beat| beat.last).collect();
+            assert_eq!(lasts.iter().position(|last| *last), Some(run.words(boundary).len() / 2 - 1));
+        }
+    }
+}
+
+fn summary(model: &Cycle, patches: Vec<Patch>) -> Summary {
+    let mut summary = Summary::new(model.design());
+    model.run(patches).for_each(|run| summary.add(&run));
+    summary
+}
+
+#[test]
+fn paper_takes_the_same_number_of_cycles_for_any_patch_and_at_most_200() {
+    let design = committed("paper");
+    let networks = [1, 2].map(|seed| network(&design, seed));
+    let model = Cycle::new(&design, [&networks[0], &networks[1]]).unwrap();
+    let summary = summary(&model, patches(&design, 500, 4));
+    assert_eq!((summary.fewest_cycles, summary.most_cycles), (192, 192));
+    assert_eq!(estimate(&design, None).cycles_per_patch, 192.0);
+}
+
+#[test]
+fn skipping_zeros_changes_cycles_and_not_one_word() {
+    for name in ["tiny", "paper", "kc705"] {
+        let design = committed(name);
+        let network = network(&design, 2);
+        let model = Cycle::new(&design, [&network, &network]).unwrap();
+        let run = |skip| model.clone().skip_zeros(skip).run(patches(&design, 100, 7)).collect::<Vec<_>>();
+        let (on, off) = (run(true), run(false));
+        assert!(on.iter().map(|run| &run.trace).eq(off.iter().map(|run| &run.trace)), "{name}");
+        let end = |runs: &[PatchRun]| runs.last().unwrap().times.end();
+        assert!(end(&on) < end(&off), "{name}");
+    }
+}
+
+#[test]
+fn counters_are_those_of_the_specification() {
+    let design = committed("tiny");
+    let network = network(&design, 5);
+    let patches = patches(&design, 60, 8);
+    let traces = specified([&network; 2], &patches);
+    let summary = summary(&Cycle::new(&design, [&network; 2]).unwrap(), patches);
+    for (stage, counts) in summary.counts.stages.iter().enumerate() {
+        let nonzeros: u64 = traces.iter().map(|trace| trace.stages[stage].nonzeros).sum();
+        let saturations: u64 = traces.iter().map(|trace| trace.stages[stage].saturations()).sum();
+        assert_eq!((counts.nonzeros, counts.saturations()), (nonzeros, saturations));
+    }
+}
+
+#[test]
+fn a_network_of_another_form_is_refused() {
+    let (tiny, paper) = (committed("tiny"), committed("paper"));
+    let network = sample::for_design(&paper, 1);
+    let error = Cycle::new(&tiny, [&network, &network]).unwrap_err().to_string();
+    assert!(error.contains("does not fit design tiny: form"), "{error}");
+}
+
+/// Windows with a level and some texture, as photographs have them.
+fn natural_patches(design: &Design, count: usize) -> Vec<Patch> {
+    let draw = &mut Draw::new(5);
+    let side = design.form.window.side() as i64;
+    (0..count)
+        .map(|_| {
+            let (level, slope, noise) = (draw.whole(500, 25_000), draw.whole(-150, 150), draw.whole(1, 300));
+            let pixel =
+                |i: i64| (level + slope * (i % side) + draw.whole(-noise, noise)).clamp(0, 32_767) as i16;
+            Patch { window: (0..side * side).map(pixel).collect(), set: Set::First }
+        })
+        .collect()
+}
+
+#[test]
+fn kc705_with_trained_weights_takes_few_cycles_for_smooth_windows() {
+    let design = committed("kc705");
+    let network =
+        weight_file::load_fixed(&project().join("weights/edof-t4w12-outer.fixed.safetensors")).unwrap();
+    let model = Cycle::new(&design, [&network; 2]).unwrap();
+    let summary = summary(&model, natural_patches(&design, 1000));
+    let mean = summary.cycles_per_patch();
+    eprintln!("kc705: mean {mean}, most {}, limiting {}", summary.most_cycles, summary.limiting_stage());
+    assert!((97.0..400.0).contains(&mean), "{mean}");
+}

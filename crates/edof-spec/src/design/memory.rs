@@ -1,0 +1,143 @@
+//! What lies where in a stage's memories, and the addresses at which the host writes them.
+//!
+//! Weights lie in banks of [`BANK_LANES`] lanes, one 64-bit word a row: lane 0 in the lowest 16 bits. Row `set·weight_rows +
+//! pass·pass_rows + input` holds the weights of that input for outputs `pass·lanes + bank·4 …`. F's linear path follows the
+//! codes as inputs `codes … codes + pixels`. Thresholds lie two a word, at `set·outputs/2 + output/2`.
+
+use super::{BANK_LANES, BEAT, Kind, StagePlan};
+use crate::fixed_network::FixedNetwork;
+
+/// Which of a stage's two sets of weights, thresholds and shifts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Set {
+    /// Set 0.
+    First,
+    /// Set 1.
+    Second,
+}
+
+/// What a write goes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Space {
+    /// Half a row of one bank of weights: 2 lanes.
+    Weights {
+        /// Bank of lanes.
+        bank: usize,
+        /// Row.
+        row: usize,
+        /// 0: lanes 0 and 1; 1: lanes 2 and 3.
+        half: usize,
+    },
+    /// Two thresholds.
+    Thresholds {
+        /// Word.
+        row: usize,
+    },
+    /// The two thresholds of the stage before, where the stage sends differences.
+    PreviousThresholds {
+        /// Word.
+        row: usize,
+    },
+    /// A register: 0 and 1 are the shifts of each set, 2 is control.
+    Register {
+        /// Which.
+        row: usize,
+    },
+}
+
+/// Register 2, bit 0: skip zeros.
+pub const CONTROL_SKIP: u32 = 1;
+
+/// Bits of [`address`]: stage, space, bank, row, half.
+pub const ADDRESS_BITS: [u32; 5] = [4, 2, 6, 12, 1];
+
+/// The write address of a word of stage `stage`.
+#[must_use]
+pub const fn address(stage: usize, space: Space) -> u32 {
+    let (code, bank, row, half) = match space {
+        Space::Weights { bank, row, half } => (0, bank, row, half),
+        Space::Thresholds { row } => (1, 0, row, 0),
+        Space::PreviousThresholds { row } => (2, 0, row, 0),
+        Space::Register { row } => (3, 0, row, 0),
+    };
+    ((stage << 21) | (code << 19) | (bank << 13) | (row << 1) | half) as u32
+}
+
+/// The shifts of a stage, as one register holds them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Shifts {
+    /// Right shift of the sum (6 bits).
+    pub result: u32,
+    /// Left shift of the base (6 bits).
+    pub base: u32,
+    /// Left shift of code values before they are multiplied (4 bits).
+    pub code: u32,
+    /// Left shift of the linear path's values (4 bits).
+    pub linear: u32,
+}
+
+impl Shifts {
+    /// Those of a stage.
+    #[must_use]
+    pub fn of(network: &FixedNetwork, stage: &StagePlan) -> Self {
+        match stage.kind {
+            Kind::I => Self { result: network.analysis_shift(), ..Self::default() },
+            Kind::M => {
+                let shifts = network.middle_shifts(stage.index - 1);
+                Self { result: shifts.result, base: shifts.base, ..Self::default() }
+            }
+            Kind::F => {
+                let shifts = network.final_shifts();
+                Self { result: shifts.result, base: 0, code: shifts.dictionary, linear: shifts.linear_path }
+            }
+        }
+    }
+
+    /// The register's word.
+    #[must_use]
+    pub const fn word(self) -> u32 {
+        self.result | (self.base << 6) | (self.code << 12) | (self.linear << 16)
+    }
+}
+
+/// The weight of `output` for input `input` of a stage (F's linear path after the codes).
+#[must_use]
+pub fn weight(network: &FixedNetwork, stage: &StagePlan, output: usize, input: usize) -> i16 {
+    match stage.kind {
+        Kind::I => network.analysis.weights[[output, input]],
+        Kind::M => network.recurrent_matrix(stage.index - 1).weights[[output, input]],
+        Kind::F if input < stage.inputs => network.dictionary.weights[[output, input]],
+        Kind::F => network.linear_path.as_ref().map_or(0, |r| r.weights[[output, input - stage.inputs]]),
+    }
+}
+
+/// One set of weights of one bank: a 64-bit word a row.
+#[must_use]
+pub fn weight_words(network: &FixedNetwork, stage: &StagePlan, bank: usize) -> Vec<u64> {
+    let row = |pass: usize, input: usize| {
+        let first = pass * stage.lanes + bank * BANK_LANES;
+        let lane = |l: usize| u64::from(weight(network, stage, first + l, input) as u16) << (16 * l);
+        (0..BANK_LANES).map(lane).sum()
+    };
+    (0..stage.passes()).flat_map(|pass| (0..stage.pass_rows()).map(move |input| row(pass, input))).collect()
+}
+
+/// One set of thresholds, two a word; `before` gives those of the stage before.
+#[must_use]
+pub fn threshold_words(network: &FixedNetwork, stage: &StagePlan, before: bool) -> Vec<u32> {
+    let theta = &network.thresholds[stage.index - usize::from(before)];
+    let word = |pair: &[i16]| pair.iter().rev().fold(0, |word, v| (word << 16) | u32::from(*v as u16));
+    theta.as_slice().map_or_else(Vec::new, |theta| theta.chunks(BEAT).map(word).collect())
+}
+
+/// Path of a bank's memory image, relative to the generated directory.
+#[must_use]
+pub fn weight_image(stage: &StagePlan, bank: usize) -> String {
+    format!("mem/stage{}_bank{bank:02}.hex", stage.index)
+}
+
+/// Path of a threshold memory's image.
+#[must_use]
+pub fn threshold_image(stage: &StagePlan, before: bool) -> String {
+    format!("mem/stage{}_{}.hex", stage.index, if before { "previous_thresholds" } else { "thresholds" })
+}

@@ -1,0 +1,242 @@
+//! A design: everything that a generator, the golden model, the estimator and the board agree on.
+//!
+//! | what | module |
+//! |---|---|
+//! | one stage: sizes that follow from the design | [`stage`] |
+//! | cycles that all stages have in common | [`timing`] |
+//! | what lies where in weight and threshold memories, and how they are written | [`memory`] |
+
+pub mod memory;
+pub mod stage;
+pub mod timing;
+
+pub use stage::{Kind, StagePlan};
+
+use crate::fixed_network::FixedNetwork;
+use crate::geometry::Stride;
+use crate::network::{Form, NetworkError};
+use crate::number::ACCUMULATOR_BITS;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Lanes that share one block of weight memory.
+pub const BANK_LANES: usize = 4;
+/// Elements of a vector that pass in one beat.
+pub const BEAT: usize = 2;
+/// Largest left shift of a value before it is multiplied: the multiplier of a DSP48E1 takes 25 bits, a value has 16.
+pub const MOST_VALUE_SHIFT: u32 = 9;
+
+/// A hardware design for one form of network.
+///
+/// ```
+/// use edof_spec::Design;
+/// let paper = Design::from_json(include_str!("../../../../designs/paper.json"))?;
+/// assert_eq!(paper.stages().map(|s| s.dsps()).sum::<usize>(), 704);
+/// # Ok::<(), edof_spec::design::DesignError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Design {
+    /// Short name, as in `kc705`.
+    pub name: String,
+    /// Planned clock of the calculator in megahertz.
+    pub clock_mhz: f64,
+    /// The form of network it runs.
+    pub form: Form,
+    /// Bits of every weight and code.
+    pub code_bits: u32,
+    /// Bits of a sum on its way from the DSPs to rounding.
+    pub accumulator_bits: u32,
+    /// Whether only non-zero values are multiplied (initial value of a register).
+    pub skip_zeros: bool,
+    /// Lanes and rows of I, each M, F.
+    pub stages: Vec<StageSize>,
+    /// The picture it is made for.
+    pub frame: FrameSize,
+}
+
+/// How a stage is folded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageSize {
+    /// Outputs computed at once.
+    pub lanes: usize,
+    /// Values multiplied per cycle in each lane: 1 or 2.
+    pub rows: usize,
+}
+
+/// Size of a picture and the stride of its patches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrameSize {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Stride between patches.
+    pub stride: Stride,
+}
+
+/// A design that cannot be built, or a network that does not fit it.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// The file cannot be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// File.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// No design in the file.
+    #[error("{path}: {source}")]
+    Parse {
+        /// File.
+        path: String,
+        /// Where and why.
+        source: serde_json::Error,
+    },
+    /// A form that no network has.
+    #[error(transparent)]
+    Form(#[from] NetworkError),
+    /// A field out of range.
+    #[error("{field} {value}: must be {expected}")]
+    Field {
+        /// Which field.
+        field: String,
+        /// Its value.
+        value: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// The network's weights do not fit the design.
+    #[error("network {network} does not fit design {design}: {what} is {found}, the design has {expected}")]
+    Misfit {
+        /// The network's name.
+        network: String,
+        /// The design's name.
+        design: String,
+        /// What differs.
+        what: &'static str,
+        /// The network's value.
+        found: String,
+        /// The design's value.
+        expected: String,
+    },
+}
+
+impl Design {
+    /// A design from JSON text, checked.
+    ///
+    /// # Errors
+    /// [`DesignError::Parse`], or the first field that is wrong.
+    pub fn from_json(text: &str) -> Result<Self, DesignError> {
+        Self::parse(text, "design")
+    }
+
+    /// A design from a file, checked.
+    ///
+    /// # Errors
+    /// [`DesignError::Read`], [`DesignError::Parse`], or the first field that is wrong.
+    pub fn load(path: &Path) -> Result<Self, DesignError> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| DesignError::Read { path: name.clone(), source })?;
+        Self::parse(&text, &name)
+    }
+
+    fn parse(text: &str, path: &str) -> Result<Self, DesignError> {
+        let design: Self =
+            serde_json::from_str(text).map_err(|source| DesignError::Parse { path: path.into(), source })?;
+        design.check()?;
+        Ok(design)
+    }
+
+    /// The stages in order: I, each M, F.
+    pub fn stages(&self) -> impl ExactSizeIterator<Item = StagePlan> + '_ {
+        (0..self.stages.len()).map(|index| StagePlan::new(self, index))
+    }
+
+    /// One stage.
+    #[must_use]
+    pub fn stage(&self, index: usize) -> StagePlan {
+        StagePlan::new(self, index)
+    }
+
+    /// # Errors
+    /// [`DesignError::Field`] and its like for the first field that no design can have.
+    pub fn check(&self) -> Result<(), DesignError> {
+        self.form.check()?;
+        require(
+            "clock_mhz",
+            self.clock_mhz,
+            self.clock_mhz > 0.0 && self.clock_mhz <= 1000.0,
+            "above 0, at most 1000",
+        )?;
+        require(
+            "form.codes",
+            self.form.codes,
+            self.form.codes.is_multiple_of(BEAT) && self.form.codes <= 256,
+            "even and at most 256",
+        )?;
+        require("code_bits", self.code_bits, (8..=16).contains(&self.code_bits), "8 to 16")?;
+        let sums = 32..=ACCUMULATOR_BITS;
+        require(
+            "accumulator_bits",
+            self.accumulator_bits,
+            sums.contains(&self.accumulator_bits),
+            "32 to 48",
+        )?;
+        let layers = self.form.layers;
+        require(
+            "stages",
+            self.stages.len(),
+            self.stages.len() == layers,
+            &format!("{layers} stages, one a layer"),
+        )?;
+        self.stages().try_for_each(|stage| stage.check())
+    }
+
+    /// # Errors
+    /// [`DesignError::Misfit`] for the first thing in which the network and the design differ.
+    pub fn check_network(&self, network: &FixedNetwork) -> Result<(), DesignError> {
+        let misfit = |what, found: String, expected: String| DesignError::Misfit {
+            network: network.origin.name.clone(),
+            design: self.name.clone(),
+            what,
+            found,
+            expected,
+        };
+        let (theirs, ours) = (Form { tied: false, ..network.form }, Form { tied: false, ..self.form });
+        if theirs != ours {
+            return Err(misfit("form", json(&theirs), json(&ours)));
+        }
+        if network.code_bits != self.code_bits {
+            return Err(misfit("code_bits", network.code_bits.to_string(), self.code_bits.to_string()));
+        }
+        if network.stride != self.frame.stride {
+            return Err(misfit("stride", json(&network.stride), json(&self.frame.stride)));
+        }
+        let widest = network.accumulator_bits().into_iter().max().unwrap_or(0);
+        if widest > self.accumulator_bits {
+            let expected = format!("at most {}", self.accumulator_bits);
+            return Err(misfit("width of its sums", widest.to_string(), expected));
+        }
+        let shifts = network.final_shifts();
+        let shift = shifts.dictionary.max(shifts.linear_path);
+        if shift > MOST_VALUE_SHIFT {
+            return Err(misfit("alignment of F", shift.to_string(), format!("at most {MOST_VALUE_SHIFT}")));
+        }
+        Ok(())
+    }
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}
+
+fn require(field: &str, value: impl ToString, holds: bool, expected: &str) -> Result<(), DesignError> {
+    let wrong =
+        || DesignError::Field { field: field.into(), value: value.to_string(), expected: expected.into() };
+    if holds { Ok(()) } else { Err(wrong()) }
+}
