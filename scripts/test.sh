@@ -4,6 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
+need_simulators
 for component in fmt clippy; do
     if ! cargo "$component" --version >/dev/null 2>&1; then
         command -v rustup >/dev/null || fail "cargo $component is missing, and no rustup here to add it"
