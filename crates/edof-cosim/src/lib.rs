@@ -8,6 +8,7 @@
 //! | run | [`verilator`] | the design compiled to a shared library and driven from Rust |
 //! | run again | [`icarus`] | the same stimulus through a second, unrelated simulator |
 //! | map | [`yosys`] | the cells of a 7-series FPGA that the design becomes |
+//! | compare | [`chain`] | the calculator against the cycle model, at every boundary |
 //! | tell | [`junit`], [`error`] | a report for CI, and what can go wrong |
 //!
 //! A counter, driven by hand:
@@ -31,6 +32,7 @@
 //! ```
 
 mod cache;
+pub mod chain;
 pub mod error;
 pub mod icarus;
 pub mod junit;

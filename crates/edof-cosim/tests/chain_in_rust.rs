@@ -1,55 +1,35 @@
-//! The chain in rust-hdl's own simulator gives the golden model's words.
+//! The chain in rust-hdl's own simulator against the cycle model: every word and every cycle.
 
+use edof_cosim::chain::simulated::Simulated;
+use edof_cosim::chain::{Drive, Outcome};
+use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_golden::sample::{self, Draw};
-use edof_golden::scalar;
 use edof_hdl::blocks::chain::Chain;
 use edof_spec::Design;
-use rust_hdl::prelude::*;
+use edof_spec::design::memory::Set;
 
-fn settle(chain: &mut Chain) {
-    assert!(simulate(chain, 100), "the circuit does not settle");
-}
-
-fn tick(chain: &mut Chain) {
-    chain.clock.next = Clock { clk: true };
-    settle(chain);
-    chain.clock.next = Clock { clk: false };
-    settle(chain);
+fn run(design: &Design, count: usize, drive: &Drive, seed: u64) -> Outcome {
+    let networks = [1, 2].map(|set| sample::for_design(design, seed + set));
+    let sets = [&networks[0], &networks[1]];
+    let draw = &mut Draw::new(seed);
+    let pixels = design.form.window.pixels();
+    let patches = (0..count).map(|_| Patch {
+        set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
+        window: sample::extreme_window(draw, pixels),
+    });
+    let patches: Vec<Patch> = patches.collect();
+    let mut device = Simulated::new(Chain::checked(design, sets).unwrap());
+    drive.run(Cycle::new(design, sets).unwrap(), patches, &mut device, &mut |_| ()).unwrap()
 }
 
 #[test]
-fn tiny_restores_windows_bit_for_bit() {
+fn tiny_agrees_in_every_word_and_cycle() {
     let design = Design::from_json(include_str!("../../../designs/tiny.json")).unwrap();
-    let network = sample::extreme(design.form, design.code_bits, design.frame.stride, false, 7);
-    let mut chain = Chain::checked(&design, [&network, &network]).unwrap();
-    chain.connect_all();
-    chain.reset.next = true;
-    (0..20).for_each(|_| tick(&mut chain));
-    chain.reset.next = false;
-    let draw = &mut Draw::new(1);
-    let windows: Vec<Vec<i16>> = (0..5).map(|_| sample::extreme_window(draw, 64)).collect();
-    let beats: Vec<[i16; 2]> = windows.iter().flatten().copied().collect::<Vec<_>>().chunks(2).map(|c| [c[0], c[1]]).collect();
-    let (mut sent, mut got) = (0, Vec::new());
-    chain.patch_ready.next = true;
-    for cycle in 0..1500 {
-        chain.window_valid.next = sent < beats.len();
-        if let Some([even, odd]) = beats.get(sent) {
-            let word = u64::from(*even as u16) | (u64::from(*odd as u16) << 16);
-            chain.window_data.next = word.into();
-            chain.window_last.next = sent % 32 == 31;
-        }
-        settle(&mut chain);
-        if chain.window_valid.val() && chain.window_ready.val() {
-            sent += 1;
-        }
-        if chain.patch_valid.val() {
-            if got.len() % 128 == 0 { println!("patch {} at {cycle}", got.len() / 128); }
-            let word = chain.patch_data.val().to_u64();
-            got.extend([word as u16 as i16, (word >> 16) as u16 as i16]);
-        }
-        tick(&mut chain);
+    for (seed, skip, stalled) in [(1, true, 0), (2, false, 0), (3, true, 90), (4, false, 200)] {
+        let stalls = Some(Stalls::drawn(seed, stalled));
+        let drive = Drive { skip_zeros: Some(skip), stalls, ..Drive::default() };
+        let outcome = run(&design, 6, &drive, seed);
+        assert!(outcome.difference.is_none(), "{}", outcome.difference.unwrap());
+        assert_eq!(outcome.beats, 6 * (32 + 8 + 8 + 8 + 64));
     }
-    let expected: Vec<i16> = windows.iter().flat_map(|w| scalar::run(&network, w).output).collect();
-    assert_eq!(got.len(), expected.len());
-    assert_eq!(got, expected);
 }

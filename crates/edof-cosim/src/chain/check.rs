@@ -155,7 +155,14 @@ impl Boundary {
         })
     }
 
-    fn differs(&self, fault: Fault, cycle: u64, element: usize, expected: i64, got: Option<i64>) -> Box<Difference> {
+    fn differs(
+        &self,
+        fault: Fault,
+        cycle: u64,
+        element: usize,
+        expected: i64,
+        got: Option<i64>,
+    ) -> Box<Difference> {
         let (patch, beat) = self.expected.front().map_or((u64::MAX, 0), |(patch, beat, _)| (*patch, *beat));
         Box::new(Difference {
             fault,

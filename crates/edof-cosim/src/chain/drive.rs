@@ -90,7 +90,8 @@ impl Drive {
                 break Some(*difference);
             }
             cycle += 1;
-            if bench.is_done() && writes.peek().is_none() && *end.get_or_insert(cycle + QUIET_CYCLES) <= cycle {
+            if bench.is_done() && writes.peek().is_none() && *end.get_or_insert(cycle + QUIET_CYCLES) <= cycle
+            {
                 break self.counters(&bench.summary.counts.stages, cycle, device)?;
             }
         };
@@ -204,7 +205,12 @@ impl<I: Iterator<Item = Patch>> Bench<'_, '_, I> {
 
     fn add(&mut self, run: &PatchRun) {
         let beats = run.transfers(0);
-        self.source.beats.extend(beats.map(|t| Beat { words: t.words, base: [0; 2], last: t.last, set: t.set }));
+        self.source.beats.extend(beats.map(|t| Beat {
+            words: t.words,
+            base: [0; 2],
+            last: t.last,
+            set: t.set,
+        }));
         self.boundaries.iter_mut().enumerate().for_each(|(b, boundary)| boundary.expect(run, b));
         self.summary.add(run);
         self.held += 1;
