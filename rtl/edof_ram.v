@@ -20,14 +20,14 @@ module edof_ram #(
     localparam BITS = $clog2(DEPTH);
 
     generate
-        if (BLOCK != 0) begin : block
+        if (BLOCK != 0) begin : in_block
             (* ram_style = "block" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
             initial if (INIT != "") $readmemh(INIT, memory);
             always @(posedge clock_i) begin
                 if (write_enable_i) memory[write_address_i[BITS-1:0]] <= write_data_i;
                 read_data_o <= memory[read_address_i[BITS-1:0]];
             end
-        end else begin : distributed
+        end else begin : in_luts
             (* ram_style = "distributed" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
             initial if (INIT != "") $readmemh(INIT, memory);
             always @(posedge clock_i) begin

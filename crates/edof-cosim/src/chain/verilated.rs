@@ -1,10 +1,77 @@
 //! The chain as Verilog, in Verilator.
 
 use super::device::{Beat, Device, Inputs, Outputs, join, set, split};
-use crate::Error;
-use crate::source::Source;
-use crate::verilator::Model;
+use crate::error::{Error, at};
+use crate::source::{Direction, Port, Source};
+use crate::verilator::{Library, Model, Options, Start};
+use edof_hdl::project::Project;
+use edof_hdl::verilog;
 use edof_spec::design::memory::Set;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A generated chain, compiled, with its memory images on disk.
+#[derive(Debug)]
+pub struct Compiled {
+    library: Library,
+    images: TempDir,
+    stages: usize,
+}
+
+impl Compiled {
+    /// Compiles a chain of `stages` stages.
+    ///
+    /// # Errors
+    /// A tool is missing or refuses the text, or a file cannot be written.
+    pub fn new(project: &Project, stages: usize, options: &Options) -> Result<Self, Error> {
+        let library = Library::build(&source(project), options)?;
+        let images = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+        write_images(project, images.path())?;
+        Ok(Self { library, images, stages })
+    }
+
+    /// A fresh chain; registers and memories without an image hold what `seed` draws.
+    ///
+    /// # Errors
+    /// A memory image is broken, or the ports are not those of a chain.
+    pub fn start(&self, seed: u64) -> Result<Verilated, Error> {
+        let memory_dir = Some(self.images.path().to_path_buf());
+        Verilated::new(self.library.start(&Start { seed, memory_dir })?, self.stages)
+    }
+}
+
+/// A generated design as the simulators take it.
+#[must_use]
+pub fn source(project: &Project) -> Source {
+    let port = |port: &verilog::Port| Port {
+        name: port.name.clone(),
+        direction: match port.direction {
+            verilog::Direction::Input => Direction::In,
+            verilog::Direction::Output => Direction::Out,
+        },
+        bits: port.bits,
+        is_clock: port.is_clock,
+    };
+    Source {
+        top: project.top.clone(),
+        files: project.verilog.clone(),
+        ports: project.ports.iter().map(port).collect(),
+    }
+}
+
+/// Writes the memory images of a design where its `$readmemh` will look for them, below `dir`.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write_images(project: &Project, dir: &Path) -> Result<(), Error> {
+    for (name, text) in &project.memory {
+        let path = dir.join(name);
+        path.parent().map_or(Ok(()), fs::create_dir_all).map_err(at(&path))?;
+        fs::write(&path, text).map_err(at(&path))?;
+    }
+    Ok(())
+}
 
 /// A running model of a chain, its ports known by name.
 pub struct Verilated {
