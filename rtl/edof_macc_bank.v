@@ -3,14 +3,14 @@
 // Each cycle the row at address_a_i is read and each lane adds weight x value_a_i to its sum; with ROWS = 2 a second DSP of each
 // lane does the same for address_b_i and value_b_i. first_i starts the sums anew with this product. A cycle without work has value 0.
 // Four cycles after its address a product is in its sum. copy_i, one cycle later, copies the sums to the holding registers, of which
-// shift_i hands on two a cycle towards drain_*_o, and takes two from drain_*_i. A write needs a cycle in which nothing is read (ROWS = 2).
+// shift_i hands on two a cycle towards drain_*_o, and takes two from drain_*_i. Half a row is written where write_bank_i is bank_i;
+// with ROWS = 2 that needs a cycle in which nothing is read.
 `default_nettype none
 
 module edof_macc_bank #(
     parameter DEPTH = 384,
     parameter ROWS = 1,
     parameter SUM = 48,
-    parameter BANK = 0,
     parameter INIT = ""
 ) (
     input  wire               clock_i,
@@ -26,6 +26,7 @@ module edof_macc_bank #(
     output wire        [47:0] drain_even_o,
     output wire        [47:0] drain_odd_o,
     input  wire               write_enable_i,
+    input  wire        [5:0]  bank_i,
     input  wire        [5:0]  write_bank_i,
     input  wire               write_half_i,
     input  wire        [11:0] write_address_i,
@@ -36,7 +37,7 @@ module edof_macc_bank #(
     (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
     initial if (INIT != "") $readmemh(INIT, weights);
 
-    wire write = write_enable_i && (write_bank_i == BANK[5:0]);
+    wire write = write_enable_i && (write_bank_i == bank_i);
     wire write_low = write && !write_half_i;
     wire write_high = write && write_half_i;
 

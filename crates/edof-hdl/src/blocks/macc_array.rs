@@ -41,6 +41,7 @@ pub struct MaccArray {
     /// Two weights.
     pub write_data: Signal<In, Bits<32>>,
     banks: Vec<MaccBank>,
+    bank_ids: Vec<Constant<Bits<6>>>,
     _banks: usize,
 }
 
@@ -66,6 +67,7 @@ impl MaccArray {
             write_row: Signal::default(),
             write_data: Signal::default(),
             banks: (0..stage.banks()).map(|bank| MaccBank::new(stage, bank, sum_bits, words(bank))).collect(),
+            bank_ids: (0..stage.banks() as u64).map(|bank| Constant::new(bank.into())).collect(),
             _banks: stage.banks(),
         }
     }
@@ -87,6 +89,7 @@ impl Logic for MaccArray {
             self.banks[i].copy.next = self.copy.val();
             self.banks[i].shift.next = self.shift.val();
             self.banks[i].write_enable.next = self.write_enable.val();
+            self.banks[i].bank.next = self.bank_ids[i].val();
             self.banks[i].write_bank.next = self.write_bank.val();
             self.banks[i].write_half.next = self.write_half.val();
             self.banks[i].write_row.next = self.write_row.val();

@@ -34,6 +34,8 @@ pub struct MaccBank {
     pub drain_odd: Signal<Out, Sum>,
     /// Writes half a row of one bank.
     pub write_enable: Signal<In, Bit>,
+    /// Which bank this is.
+    pub bank: Signal<In, Bits<6>>,
     /// Which bank is meant.
     pub write_bank: Signal<In, Bits<6>>,
     /// Which half: lanes 0 and 1, or 2 and 3.
@@ -48,7 +50,6 @@ pub struct MaccBank {
 
 #[derive(Debug, Clone)]
 struct Sizes {
-    bank: usize,
     depth: usize,
     rows: usize,
     sum_bits: u32,
@@ -89,11 +90,12 @@ impl MaccBank {
             drain_even: Signal::default(),
             drain_odd: Signal::default(),
             write_enable: Signal::default(),
+            bank: Signal::default(),
             write_bank: Signal::default(),
             write_half: Signal::default(),
             write_row: Signal::default(),
             write_data: Signal::default(),
-            _sizes: Sizes { bank, depth: stage.weight_depth(), rows: stage.rows, sum_bits, image },
+            _sizes: Sizes { depth: stage.weight_depth(), rows: stage.rows, sum_bits, image },
             _state: State { weights, ..State::default() },
         }
     }
@@ -125,7 +127,7 @@ impl MaccBank {
             let next = next.map(|sum| wrap(extend(sum.to_u64(), 48), sizes.sum_bits));
             new.hold = [old.hold[2], old.hold[3], next[0], next[1]];
         }
-        if self.write_enable.val() && self.write_bank.val().to_u64() as usize == sizes.bank {
+        if self.write_enable.val() && self.write_bank.val() == self.bank.val() {
             let shift = if self.write_half.val() { 32 } else { 0 };
             if let Some(word) = new.weights.get_mut(self.write_row.val().to_u64() as usize) {
                 *word = (*word & !(0xffff_ffff << shift)) | (self.write_data.val().to_u64() << shift);
@@ -164,7 +166,6 @@ impl Logic for MaccBank {
             .parameter("DEPTH", self._sizes.depth)
             .parameter("ROWS", self._sizes.rows)
             .parameter("SUM", self._sizes.sum_bits as usize)
-            .parameter("BANK", self._sizes.bank)
             .text("INIT", &self._sizes.image)
             .port("clock_i", "clock")
             .port("first_i", "first")
@@ -179,6 +180,7 @@ impl Logic for MaccBank {
             .port("drain_even_o", "drain_even")
             .port("drain_odd_o", "drain_odd")
             .port("write_enable_i", "write_enable")
+            .port("bank_i", "bank")
             .port("write_bank_i", "write_bank")
             .port("write_half_i", "write_half")
             .port("write_address_i", "write_row")
