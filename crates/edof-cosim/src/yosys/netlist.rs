@@ -82,7 +82,7 @@ impl Cell {
         self.parameters.get(parameter).is_some_and(|value| value.contains('1'))
     }
 
-    /// OPMODE[6:4] selects Z: 010 is P (UG479, table 2-9).
+    /// Bits 6 to 4 of OPMODE select Z: 010 is P (UG479, table 2-9).
     fn dsp(&self, name: &str, to_carry: &BTreeSet<u64>) -> Dsp {
         let opmode = self.connections.get("OPMODE");
         let may_be = |bit: usize, value: &str| match opmode.and_then(|bits| bits.get(bit)) {
