@@ -205,7 +205,7 @@ impl Writer<'_> {
     /// Declarations of registers, local signals and wires between the parts.
     fn signals(&self) -> Vec<String> {
         let registered = self.registered();
-        let start = |id| {
+        let start = |id: SignalId| {
             let register = self.scope.registers.iter().find(|register| register.value == id);
             let value = register.and_then(|register| register.start.as_ref());
             value.map_or(String::new(), |value| format!(" = {}", pattern(self.scope.signals[id].ty, value)))
