@@ -31,6 +31,7 @@
 //! ```
 
 mod cache;
+mod emitted;
 pub mod error;
 pub mod icarus;
 pub mod junit;
