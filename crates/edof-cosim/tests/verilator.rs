@@ -2,11 +2,11 @@
 
 mod support;
 
-use edof_cosim::verilator::{Library, Model, Options, Start, Waveform};
+use edof_cosim::verilator::{Library, Model, Start, Waveform};
 use edof_cosim::{Direction, Error, Rows, Source};
 use std::collections::BTreeSet;
 use std::path::Path;
-use support::{build, build_traced, counter, images, machine, options, wide};
+use support::{build, build_traced, counter, fresh_cache, images, machine, options, wide};
 
 fn start(library: &Library, seed: u64) -> Model {
     library.start(&Start { seed, ..Start::default() }).unwrap()
@@ -214,8 +214,7 @@ fn ports_other_than_those_of_the_verilog_are_refused() {
 
 #[test]
 fn a_spoilt_file_in_the_cache_is_named() {
-    let cache = tempfile::tempdir().unwrap();
-    let options = Options { cache: Some(cache.path().into()), optimize: 0, ..Options::default() };
+    let (cache, options) = fresh_cache();
     drop(Library::build(&counter(), &options).unwrap());
     let names = std::fs::read_dir(cache.path()).unwrap().map(|entry| entry.unwrap().path());
     let model = names.into_iter().find(|path| path.extension().is_some_and(|end| end == "so")).unwrap();
@@ -226,8 +225,7 @@ fn a_spoilt_file_in_the_cache_is_named() {
 
 #[test]
 fn only_a_change_compiles_again() {
-    let cache = tempfile::tempdir().unwrap();
-    let options = Options { cache: Some(cache.path().into()), optimize: 0, ..Options::default() };
+    let (cache, options) = fresh_cache();
     let models = || {
         let names = std::fs::read_dir(cache.path()).unwrap().map(|entry| entry.unwrap().file_name());
         names.filter(|name| name.to_str().unwrap().ends_with(".so")).count()

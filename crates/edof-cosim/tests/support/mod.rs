@@ -10,6 +10,19 @@ pub fn options() -> Options {
     Options { cache: Some(Path::new(env!("CARGO_TARGET_TMPDIR")).join("models")), ..Options::default() }
 }
 
+/// A cache of its own, which has Verilator's library already and no model.
+pub fn fresh_cache() -> (tempfile::TempDir, Options) {
+    build(&counter());
+    let (cache, shared) = (tempfile::tempdir().unwrap(), options().cache.unwrap());
+    for file in std::fs::read_dir(shared).unwrap().map(Result::unwrap) {
+        if file.path().extension().is_some_and(|end| end == "o") {
+            std::fs::copy(file.path(), cache.path().join(file.file_name())).unwrap();
+        }
+    }
+    let options = Options { cache: Some(cache.path().into()), optimize: 0, ..Options::default() };
+    (cache, options)
+}
+
 /// Compiled without waveforms.
 pub fn build(source: &Source) -> Library {
     Library::build(source, &options()).unwrap()
