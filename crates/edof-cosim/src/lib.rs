@@ -33,6 +33,7 @@
 
 mod cache;
 pub mod chain;
+mod emitted;
 pub mod error;
 pub mod icarus;
 pub mod junit;

@@ -2,10 +2,9 @@
 
 use super::device::{Beat, Device, Inputs, Outputs, join, set, split};
 use crate::error::{Error, at};
-use crate::source::{Direction, Port, Source};
+use crate::source::Source;
 use crate::verilator::{Library, Model, Options, Start};
 use edof_hdl::project::Project;
-use edof_hdl::verilog;
 use edof_spec::design::memory::Set;
 use std::fs;
 use std::path::Path;
@@ -25,7 +24,7 @@ impl Compiled {
     /// # Errors
     /// A tool is missing or refuses the text, or a file cannot be written.
     pub fn new(project: &Project, stages: usize, options: &Options) -> Result<Self, Error> {
-        let library = Library::build(&source(project), options)?;
+        let library = Library::build(&Source::from(project), options)?;
         let images = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
         write_images(project, images.path())?;
         Ok(Self { library, images, stages })
@@ -38,25 +37,6 @@ impl Compiled {
     pub fn start(&self, seed: u64) -> Result<Verilated, Error> {
         let memory_dir = Some(self.images.path().to_path_buf());
         Verilated::new(self.library.start(&Start { seed, memory_dir })?, self.stages)
-    }
-}
-
-/// A generated design as the simulators take it.
-#[must_use]
-pub fn source(project: &Project) -> Source {
-    let port = |port: &verilog::Port| Port {
-        name: port.name.clone(),
-        direction: match port.direction {
-            verilog::Direction::Input => Direction::In,
-            verilog::Direction::Output => Direction::Out,
-        },
-        bits: port.bits,
-        is_clock: port.is_clock,
-    };
-    Source {
-        top: project.top.clone(),
-        files: project.verilog.clone(),
-        ports: project.ports.iter().map(port).collect(),
     }
 }
 
