@@ -67,7 +67,7 @@ module edof_macc_bank #(
             always @(posedge clock_i) begin
                 if (write_low) weights[address_a][31:0] <= write_data_i;
                 if (write_high) weights[address_a][63:32] <= write_data_i;
-                if (!write) row_a_q <= weights[address_a];
+                row_a_q <= weights[address_a];
             end
             always @(posedge clock_i) begin
                 row_b_q <= weights[address_b_i[BITS-1:0]];

@@ -7,9 +7,11 @@
 //! | block | [`blocks`] | the circuits |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`] | the files of a generated design |
+//! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
 
 pub mod blocks;
 pub mod describe;
 pub mod leaf;
 pub mod project;
+pub mod resources;
 pub mod verilog;
