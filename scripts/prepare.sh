@@ -17,6 +17,17 @@ install_packages() {
     DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "$@" >/dev/null
 }
 
+# Installs what runs and maps Verilog, where it is missing: for whoever simulates, not for the demo.
+need_simulators() {
+    local missing=() tool
+    for tool in verilator iverilog yosys g++ make; do
+        command -v "$tool" >/dev/null || missing+=("$tool")
+    done
+    # Headers for compressed waveforms.
+    [ -e /usr/include/zlib.h ] || missing+=(zlib1g-dev)
+    [ "${#missing[@]}" -eq 0 ] || install_packages "${missing[@]}"
+}
+
 # rustup puts cargo here; a shell that was started before does not know.
 if ! command -v cargo >/dev/null && [ -x "${CARGO_HOME:-$HOME/.cargo}/bin/cargo" ]; then
     PATH="${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"

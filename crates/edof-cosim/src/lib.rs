@@ -1,1 +1,49 @@
 //! The generated Verilog, run by Verilator and Icarus, and held to the golden model bit for bit and cycle for cycle.
+//!
+//! | step | module | gives |
+//! |---|---|---|
+//! | design | [`source`] | Verilog files and the ports of their top |
+//! | stimulus | [`rows`] | what the inputs are in every cycle, and what the outputs were |
+//! | check | [`lint`] | Verilator's opinion of the text, `-Wall` |
+//! | run | [`verilator`] | the design compiled to a shared library and driven from Rust |
+//! | run again | [`icarus`] | the same stimulus through a second, unrelated simulator |
+//! | map | [`yosys`] | the cells of a 7-series FPGA that the design becomes |
+//! | compare | [`chain`] | the calculator against the cycle model, at every boundary |
+//! | tell | [`junit`], [`error`] | a report for CI, and what can go wrong |
+//!
+//! A counter, driven by hand:
+//!
+//! ```no_run
+//! use edof_cosim::{Port, Source, verilator::{Library, Options, Start}};
+//! # let text = String::new();
+//! let source = Source {
+//!     top: "counter".into(),
+//!     files: vec![("counter.v".into(), text)],
+//!     ports: vec![Port::clock("clock_i"), Port::input("reset_i", 1), Port::output("count_o", 8)],
+//! };
+//! let library = Library::build(&source, &Options::default())?;
+//! let mut model = library.start(&Start { seed: 7, ..Start::default() })?;
+//! model.poke(1, 1)?;
+//! model.tick()?;
+//! model.poke(1, 0)?;
+//! model.tick()?;
+//! assert_eq!(model.peek(2)?, 1);
+//! # Ok::<(), edof_cosim::Error>(())
+//! ```
+
+mod cache;
+pub mod chain;
+mod emitted;
+pub mod error;
+pub mod icarus;
+pub mod junit;
+pub mod lint;
+pub mod rows;
+pub mod source;
+mod tool;
+pub mod verilator;
+pub mod yosys;
+
+pub use error::Error;
+pub use rows::{Layout, Rows};
+pub use source::{Direction, Port, Source};

@@ -6,8 +6,10 @@
 //! | leaf | [`leaf`] | an instance of a hand-written Verilog leaf of `rtl/` |
 //! | block | [`blocks`] | the circuits |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
+//! | all | [`project`] | the files of a generated design |
 
 pub mod blocks;
 pub mod describe;
 pub mod leaf;
+pub mod project;
 pub mod verilog;

@@ -32,6 +32,8 @@ pub struct StagePlan {
     pub lanes: usize,
     /// Values taken per cycle.
     pub rows: usize,
+    /// Whether the next stage is an M, which wants a base.
+    pub feeds_m: bool,
     /// Whether it sends the change of z, so that it must know the z before.
     pub sends_difference: bool,
     /// Windows that F keeps for its linear path.
@@ -50,6 +52,7 @@ impl StagePlan {
         };
         let linear = if kind == Kind::F && form.linear_path { form.window.pixels() } else { 0 };
         let size = design.stages[index];
+        let feeds_m = index + 2 < form.layers;
         Self {
             kind,
             index,
@@ -58,9 +61,8 @@ impl StagePlan {
             outputs,
             lanes: size.lanes,
             rows: size.rows,
-            sends_difference: form.recurrence == Recurrence::Difference
-                && kind == Kind::M
-                && index + 2 < form.layers,
+            feeds_m,
+            sends_difference: form.recurrence == Recurrence::Difference && kind == Kind::M && feeds_m,
             kept_windows: if linear > 0 { 2 * form.layers + 2 } else { 0 },
         }
     }

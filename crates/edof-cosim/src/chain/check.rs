@@ -1,0 +1,178 @@
+//! What should pass each boundary, and the first thing that did not.
+
+use super::device::Beat;
+use edof_golden::cycle::{PatchRun, Transfer};
+use serde::Serialize;
+use std::collections::VecDeque;
+use std::fmt;
+
+/// How a beat differs from the model's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fault {
+    /// It passes before the cycle in which it should.
+    Early,
+    /// It does not pass in the cycle in which it should.
+    Late,
+    /// A word to be multiplied, or of a result.
+    Word,
+    /// A word to be added to.
+    Base,
+    /// The mark of a vector's last beat.
+    Last,
+    /// The mark of the set.
+    Set,
+    /// A counter at the end of the run.
+    Counter,
+}
+
+/// The first difference between a circuit and the model.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Difference {
+    /// What differs.
+    pub fault: Fault,
+    /// The boundary, from sender to receiver, as in `I to M1`.
+    pub boundary: String,
+    /// The stage that sent it, or for the input the stage that takes it.
+    pub stage: String,
+    /// Which patch, 0 first.
+    pub patch: u64,
+    /// Which element of the vector.
+    pub element: usize,
+    /// The cycle in which it was seen, 0 the first after reset.
+    pub cycle: u64,
+    /// What the model says: a word, or a cycle for a beat that is early or late.
+    pub expected: i64,
+    /// What the circuit gave; nothing where nothing passed.
+    pub got: Option<i64>,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { boundary, stage, patch, element, cycle, expected, .. } = self;
+        write!(f, "stage {stage} ({boundary}), patch {patch}, element {element}, cycle {cycle}: ")?;
+        let got = self.got.map_or_else(|| "nothing".into(), |got| got.to_string());
+        match self.fault {
+            Fault::Early => write!(f, "expected in cycle {expected}, came in cycle {got}"),
+            Fault::Late => write!(f, "expected in cycle {expected}, did not come"),
+            Fault::Word => write!(f, "expected {expected}, got {got}"),
+            Fault::Base => write!(f, "base: expected {expected}, got {got}"),
+            Fault::Last => write!(f, "last: expected {expected}, got {got}"),
+            Fault::Set => write!(f, "set: expected {expected}, got {got}"),
+            Fault::Counter => write!(f, "counter {element}: expected {expected}, got {got}"),
+        }
+    }
+}
+
+/// Names of a chain's stages: I, M1…, F.
+#[must_use]
+pub fn stage_names(stages: usize) -> Vec<String> {
+    (0..stages)
+        .map(|stage| match stage {
+            0 => "I".into(),
+            last if last + 1 == stages => "F".into(),
+            middle => format!("M{middle}"),
+        })
+        .collect()
+}
+
+/// The beats that are still to come at one boundary.
+#[derive(Debug)]
+pub struct Boundary {
+    name: String,
+    stage: String,
+    expected: VecDeque<(u64, usize, Transfer)>,
+    /// Beats that passed as they should.
+    pub passed: u64,
+}
+
+impl Boundary {
+    /// Those of a chain, from the window to the patch.
+    #[must_use]
+    pub fn all(stages: usize) -> Vec<Self> {
+        let names = stage_names(stages);
+        let ends = |boundary: usize| match boundary {
+            0 => (format!("window to {}", names[0]), names[0].clone()),
+            last if last == stages => (format!("{} to patch", names[last - 1]), names[last - 1].clone()),
+            b => (format!("{} to {}", names[b - 1], names[b]), names[b - 1].clone()),
+        };
+        let boundary = |(name, stage)| Self { name, stage, expected: VecDeque::new(), passed: 0 };
+        (0..=stages).map(ends).map(boundary).collect()
+    }
+
+    /// Expects the beats of a patch more.
+    pub fn expect(&mut self, run: &PatchRun, boundary: usize) {
+        let beats = run.transfers(boundary).enumerate();
+        self.expected.extend(beats.map(|(beat, transfer)| (run.index, beat, transfer)));
+    }
+
+    /// The beat that comes next, if any is still to come.
+    #[must_use]
+    pub fn next(&self) -> Option<&Transfer> {
+        self.expected.front().map(|(.., transfer)| transfer)
+    }
+
+    /// Compares what passed in a cycle.
+    ///
+    /// # Errors
+    /// The first difference.
+    pub fn see(&mut self, cycle: u64, seen: Option<Beat>) -> Result<(), Box<Difference>> {
+        let Some((patch, beat, due)) = self.expected.front() else {
+            return match seen {
+                Some(_) => Err(self.differs(Fault::Early, cycle, 0, i64::MAX, Some(cycle as i64))),
+                None => Ok(()),
+            };
+        };
+        let _ = (patch, beat);
+        let due = *due;
+        match seen {
+            None if due.cycle > cycle => return Ok(()),
+            None => return Err(self.differs(Fault::Late, cycle, 0, due.cycle as i64, None)),
+            Some(_) if due.cycle > cycle => {
+                return Err(self.differs(Fault::Early, cycle, 0, due.cycle as i64, Some(cycle as i64)));
+            }
+            Some(seen) => self.same(cycle, &due, &seen)?,
+        }
+        self.expected.pop_front();
+        self.passed += 1;
+        Ok(())
+    }
+
+    fn same(&self, cycle: u64, due: &Transfer, seen: &Beat) -> Result<(), Box<Difference>> {
+        let mut pairs: Vec<(Fault, usize, i64, i64)> = Vec::with_capacity(6);
+        for element in 0..due.words.len() {
+            let (due, seen) = (due.words[element], seen.words[element]);
+            pairs.push((Fault::Word, element, due.into(), seen.into()));
+        }
+        for (element, base) in due.base.iter().flatten().enumerate() {
+            pairs.push((Fault::Base, element, (*base).into(), seen.base[element].into()));
+        }
+        pairs.push((Fault::Last, 0, due.last.into(), seen.last.into()));
+        pairs.push((Fault::Set, 0, due.set as i64, seen.set as i64));
+        let wrong = pairs.into_iter().find(|(_, _, due, seen)| due != seen);
+        wrong.map_or(Ok(()), |(fault, element, due, seen)| {
+            Err(self.differs(fault, cycle, element, due, Some(seen)))
+        })
+    }
+
+    fn differs(
+        &self,
+        fault: Fault,
+        cycle: u64,
+        element: usize,
+        expected: i64,
+        got: Option<i64>,
+    ) -> Box<Difference> {
+        let (patch, beat) = self.expected.front().map_or((u64::MAX, 0), |(patch, beat, _)| (*patch, *beat));
+        Box::new(Difference {
+            fault,
+            boundary: self.name.clone(),
+            stage: self.stage.clone(),
+            patch,
+            element: 2 * beat + element,
+            cycle,
+            expected,
+            got,
+        })
+    }
+}

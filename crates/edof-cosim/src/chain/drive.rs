@@ -1,0 +1,239 @@
+//! Patches through a circuit, compared with the cycle model as they pass.
+
+use super::check::{Boundary, Difference, Fault, stage_names};
+use super::device::{Beat, Device, Inputs, Outputs};
+use crate::Error;
+use edof_golden::StageCounts;
+use edof_golden::cycle::{Cycle, Patch, PatchRun, Run, StallPattern, Stalls, Summary};
+use edof_spec::design::memory::{self, Space};
+use std::collections::VecDeque;
+
+/// Cycles of reset: enough for every pipeline to run dry.
+const RESET_CYCLES: usize = 20;
+/// Cycles after the last patch in which nothing may come.
+const QUIET_CYCLES: u64 = 50;
+
+/// How patches are driven.
+#[derive(Debug, Clone, Default)]
+pub struct Drive {
+    /// Whether zeros are left out, where that is not what the design says.
+    pub skip_zeros: Option<bool>,
+    /// Stalls of source and sink.
+    pub stalls: Option<Stalls>,
+    /// Words written before the first patch.
+    pub writes: Vec<(u32, u32)>,
+    /// Words written while patches run, one after the other as the circuit takes them.
+    pub writes_while_running: Vec<(u32, u32)>,
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// Figures of the model, which the circuit shares where there is no difference.
+    pub summary: Summary,
+    /// Beats that passed as they should, at all boundaries.
+    pub beats: u64,
+    /// Cycles run after reset.
+    pub cycles: u64,
+    /// The first difference.
+    pub difference: Option<Difference>,
+}
+
+/// Called after every patch that the model has made: patches so far.
+pub type Progress<'a> = &'a mut dyn FnMut(u64);
+
+impl Drive {
+    /// Runs patches through `device` and compares every boundary in every cycle with `model`.
+    ///
+    /// # Errors
+    /// The simulation stops. A difference is no error but an outcome.
+    pub fn run(
+        &self,
+        model: Cycle,
+        patches: impl IntoIterator<Item = Patch>,
+        device: &mut impl Device,
+        progress: Progress<'_>,
+    ) -> Result<Outcome, Error> {
+        let design = model.design().clone();
+        let stalls = self.stalls.unwrap_or(Stalls::NEVER);
+        let model = model.stalls(stalls);
+        let model = match self.skip_zeros {
+            Some(skip) => model.skip_zeros(skip),
+            None => model,
+        };
+        let stages = design.stages.len();
+        self.begin(stages, device)?;
+        let mut bench = Bench {
+            source: Source { beats: VecDeque::new(), pending: false, stalls: stalls.source },
+            boundaries: Boundary::all(stages),
+            summary: Summary::new(&design),
+            runs: model.run(patches),
+            ahead: 2 * stages + 4,
+            held: 0,
+            progress,
+        };
+        let mut writes = self.writes_while_running.iter().copied().peekable();
+        let (mut cycle, mut end, mut outputs) = (0, None, Outputs::default());
+        let difference = loop {
+            bench.refill();
+            let inputs = Inputs {
+                window: bench.source.offer(cycle),
+                patch_ready: stalls.sink.go(cycle),
+                write: writes.peek().copied(),
+                ..Inputs::default()
+            };
+            device.cycle(&inputs, &mut outputs)?;
+            if outputs.write_ready && inputs.write.is_some() {
+                writes.next();
+            }
+            if let Err(difference) = bench.compare(cycle, &inputs, &outputs) {
+                break Some(*difference);
+            }
+            cycle += 1;
+            if bench.is_done() && writes.peek().is_none() && *end.get_or_insert(cycle + QUIET_CYCLES) <= cycle
+            {
+                break self.counters(&bench.summary.counts.stages, cycle, device)?;
+            }
+        };
+        let beats = bench.boundaries.iter().map(|b| b.passed).sum();
+        Ok(Outcome { summary: bench.summary, beats, cycles: cycle, difference })
+    }
+
+    /// Resets the circuit and writes what is to be written.
+    fn begin(&self, stages: usize, device: &mut impl Device) -> Result<(), Error> {
+        let mut outputs = Outputs::default();
+        for _ in 0..RESET_CYCLES {
+            device.cycle(&Inputs { reset: true, ..Inputs::default() }, &mut outputs)?;
+        }
+        let skip = self.skip_zeros.iter().flat_map(|skip| {
+            let control = |stage| memory::address(stage, Space::Register { row: 2 });
+            (0..stages).map(move |stage| (control(stage), u32::from(*skip) * memory::CONTROL_SKIP))
+        });
+        for write in skip.chain(self.writes.iter().copied()) {
+            let inputs = Inputs { write: Some(write), ..Inputs::default() };
+            device.cycle(&inputs, &mut outputs)?;
+            while !outputs.write_ready {
+                device.cycle(&inputs, &mut outputs)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares the counters of all stages.
+    fn counters(
+        &self,
+        stages: &[StageCounts],
+        cycle: u64,
+        device: &mut impl Device,
+    ) -> Result<Option<Difference>, Error> {
+        let mut outputs = Outputs::default();
+        for (stage, counts) in stages.iter().enumerate() {
+            let last = stage + 1 == stages.len();
+            let expected = [
+                counts.nonzeros,
+                counts.saturated_results,
+                counts.saturated_codes,
+                counts.saturated_differences,
+            ];
+            for (counter, expected) in expected.into_iter().enumerate() {
+                // F sends no pairs: the model does not count its non-zero results.
+                if last && counter == 0 {
+                    continue;
+                }
+                let status_address = ((stage << 2) | counter) as u32;
+                device.cycle(&Inputs { status_address, ..Inputs::default() }, &mut outputs)?;
+                if u64::from(outputs.status) != expected & 0xffff_ffff {
+                    let name = stage_names(stages.len()).swap_remove(stage);
+                    return Ok(Some(Difference {
+                        fault: Fault::Counter,
+                        boundary: "counters".into(),
+                        stage: name,
+                        patch: 0,
+                        element: counter,
+                        cycle,
+                        expected: expected as i64,
+                        got: Some(outputs.status.into()),
+                    }));
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The beats of windows, presented as the stall pattern allows.
+struct Source {
+    beats: VecDeque<Beat>,
+    pending: bool,
+    stalls: StallPattern,
+}
+
+impl Source {
+    /// The beat that stands on the input in this cycle.
+    fn offer(&mut self, cycle: u64) -> Option<Beat> {
+        if !self.pending {
+            self.pending = !self.beats.is_empty() && self.stalls.go(cycle);
+        }
+        self.beats.front().filter(|_| self.pending).copied()
+    }
+
+    fn taken(&mut self) {
+        self.beats.pop_front();
+        self.pending = false;
+    }
+}
+
+/// Model and source, side by side.
+struct Bench<'a, 'p, I> {
+    source: Source,
+    boundaries: Vec<Boundary>,
+    summary: Summary,
+    runs: Run<'a, I>,
+    ahead: usize,
+    held: usize,
+    progress: Progress<'p>,
+}
+
+impl<I: Iterator<Item = Patch>> Bench<'_, '_, I> {
+    /// Keeps the model a few patches ahead of the circuit.
+    fn refill(&mut self) {
+        while self.held < self.ahead {
+            let Some(run) = self.runs.next() else { return };
+            self.add(&run);
+        }
+    }
+
+    fn add(&mut self, run: &PatchRun) {
+        let beats = run.transfers(0);
+        self.source.beats.extend(beats.map(|t| Beat {
+            words: t.words,
+            base: [0; 2],
+            last: t.last,
+            set: t.set,
+        }));
+        self.boundaries.iter_mut().enumerate().for_each(|(b, boundary)| boundary.expect(run, b));
+        self.summary.add(run);
+        self.held += 1;
+        (self.progress)(self.summary.counts.patches);
+    }
+
+    fn compare(&mut self, cycle: u64, inputs: &Inputs, outputs: &Outputs) -> Result<(), Box<Difference>> {
+        let window = inputs.window.filter(|_| outputs.window_ready);
+        let patch = outputs.patch.filter(|_| inputs.patch_ready);
+        let seen = std::iter::once(window).chain(outputs.between.iter().copied()).chain([patch]);
+        for (boundary, seen) in self.boundaries.iter_mut().zip(seen) {
+            boundary.see(cycle, seen)?;
+        }
+        if window.is_some() {
+            self.source.taken();
+        }
+        if patch.is_some_and(|beat| beat.last) {
+            self.held -= 1;
+        }
+        Ok(())
+    }
+
+    fn is_done(&self) -> bool {
+        self.held == 0 && self.boundaries.iter().all(|b| b.next().is_none())
+    }
+}

@@ -1,0 +1,19 @@
+//! The whole calculator held to the cycle model: every word and every cycle at every boundary.
+//!
+//! | step | module | gives |
+//! |---|---|---|
+//! | circuit | [`device`] | what a chain shows and takes in one cycle, whoever simulates it |
+//! | | [`simulated`] | the chain in rust-hdl's own simulator |
+//! | | [`verilated`] | the chain as Verilog, in Verilator |
+//! | compare | [`check`] | the first difference: stage, patch, element, cycle, expected, got |
+//! | run | [`drive`] | patches through a circuit, with stalls, checked as they pass |
+
+pub mod check;
+pub mod device;
+pub mod drive;
+pub mod simulated;
+pub mod verilated;
+
+pub use check::{Difference, Fault};
+pub use device::{Beat, Device, Inputs, Outputs};
+pub use drive::{Drive, Outcome};

@@ -1,0 +1,185 @@
+//! From Verilog to a shared library.
+
+use super::ports;
+use super::shim::{SHIM, ports_inc};
+use crate::cache::{self, Product};
+use crate::error::{Error, at};
+use crate::{Source, tool};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// How a model is built.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// The compiler's `-O`, 0 to 3. 0 runs ten times slower than 1 and builds no faster; 2 is for long runs.
+    pub optimize: u8,
+    /// Which waveforms the model can write. A model that can write one is slower even when it does not.
+    pub waveform: Waveform,
+    /// What stands where Verilog says nothing.
+    pub unknowns: Unknowns,
+    /// Where compiled models are kept, by everything that went into them; without it, nothing is kept.
+    pub cache: Option<PathBuf>,
+    /// Compilers at work at the same time.
+    pub jobs: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { optimize: 1, waveform: Waveform::None, unknowns: Unknowns::Random, cache: None, jobs: 2 }
+    }
+}
+
+impl Options {
+    /// Where a user's compiled models belong: `edof/models` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
+    #[must_use]
+    pub fn user_cache() -> Option<PathBuf> {
+        let set = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+        let base = set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")));
+        base.map(|base| base.join("edof/models"))
+    }
+}
+
+/// Format of a waveform file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Waveform {
+    /// None can be written.
+    None,
+    /// Value change dump: large text that every viewer reads.
+    Vcd,
+    /// Fast signal trace: small; needs zlib's headers to build.
+    Fst,
+}
+
+impl Waveform {
+    /// FST where it can be built, else VCD.
+    #[must_use]
+    pub fn best() -> Self {
+        let mut probe = tool::command("g++", Path::new("/"));
+        let found = probe.args(["-E", "-x", "c++", "-include", "zlib.h", "/dev/null"]);
+        if tool::run(found).is_ok() { Self::Fst } else { Self::Vcd }
+    }
+
+    /// What such a file's name ends in, without the dot.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Vcd => "vcd",
+            Self::Fst => "fst",
+        }
+    }
+
+    const fn option(self) -> Option<&'static str> {
+        match self {
+            Self::None => None,
+            Self::Vcd => Some("--trace"),
+            Self::Fst => Some("--trace-fst"),
+        }
+    }
+}
+
+/// What registers and memories hold at the start, and what an `x` in the text becomes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unknowns {
+    /// Random by the seed of the instance, different for each: finds what reset forgot.
+    Random,
+    /// Whatever is fastest.
+    Fast,
+}
+
+impl Unknowns {
+    const fn option(self) -> &'static str {
+        match self {
+            Self::Random => "unique",
+            Self::Fast => "fast",
+        }
+    }
+}
+
+/// Flags of everything that goes into a library: no symbol of it is seen by other libraries, and how it stops is ours.
+const CFLAGS: &str = "-fPIC -fvisibility=hidden -fno-gnu-unique -w -DVL_USER_FATAL -DVL_USER_WARN -DVL_USER_STOP -DVL_USER_FINISH";
+
+/// Verilator's own makefile knows which objects there are and how they are compiled. `make runtime.o` gives its library in
+/// one piece, which all models with the same kind of waveform share; `make model.so` what Rust loads.
+const MAKEFILE: &str = "\
+include Vdut.mk
+runtime.o: $(VK_GLOBAL_OBJS)
+\tld -r -o $@ $^
+model.so: shim.o $(VK_OBJS)
+\t$(CXX) -shared -Wl,-Bsymbolic -Wl,--wrap=fopen -o $@ $^ $(RUNTIME) $(LDLIBS)
+";
+
+/// The compiled model, from the cache if nothing changed.
+pub fn build(source: &Source, options: &Options) -> Result<Product, Error> {
+    let tools = tools()?;
+    let key = cache::key(inputs(source, options, &tools).iter().map(String::as_str));
+    let name = format!("{}-{}.so", source.top, &key[..24]);
+    cache::obtain(options.cache.as_deref(), &name, |work| {
+        verilate(source, options, work)?;
+        ports::check(source, work)?;
+        let runtime = runtime(options, &tools, work)?;
+        make(work, options, "model.so", &format!("RUNTIME={}", runtime.path.display()))?;
+        fs::rename(work.join("model.so"), work.join(&name)).map_err(at(work))
+    })
+}
+
+/// Everything that a model depends on.
+fn inputs(source: &Source, options: &Options, tools: &str) -> Vec<String> {
+    let mut parts = vec![tools.into(), CFLAGS.into(), MAKEFILE.into(), SHIM.into(), ports_inc(source)];
+    parts.push(source.top.clone());
+    parts.extend(verilator_options(options).into_iter().map(String::from));
+    parts.push(options.optimize.to_string());
+    source.files.iter().for_each(|(name, text)| parts.extend([name.clone(), text.clone()]));
+    parts
+}
+
+/// Versions of Verilator and of the compiler; asked once.
+fn tools() -> Result<String, Error> {
+    static TOOLS: Mutex<Option<String>> = Mutex::new(None);
+    let mut known = TOOLS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if let Some(tools) = &*known {
+        return Ok(tools.clone());
+    }
+    let version = |name| tool::run(tool::command(name, Path::new("/")).arg("--version"));
+    version("make")?;
+    Ok(known.insert(version("verilator")? + &version("g++")?).clone())
+}
+
+fn verilator_options(options: &Options) -> Vec<&'static str> {
+    let unknowns = options.unknowns.option();
+    let mut all = vec!["--cc", "-O3", "--x-assign", unknowns, "--x-initial", unknowns];
+    all.extend(["--timescale", "1ns/1ns"]);
+    all.extend(options.waveform.option());
+    all
+}
+
+/// Verilog to C++. Warnings are for [`crate::lint`].
+fn verilate(source: &Source, options: &Options, work: &Path) -> Result<(), Error> {
+    source.write(work)?;
+    for (name, text) in [("shim.cpp", SHIM), ("ports.inc", &ports_inc(source)), ("model.mk", MAKEFILE)] {
+        fs::write(work.join(name), text).map_err(at(work))?;
+    }
+    let mut command = tool::command("verilator", work);
+    command.args(verilator_options(options)).args(["-Wno-fatal", "-Wno-lint", "-Wno-style"]);
+    command.args(["--prefix", "Vdut", "--Mdir", ".", "--top-module", &source.top, "-CFLAGS", CFLAGS]);
+    tool::run(command.args(source.file_names())).map(drop)
+}
+
+/// Verilator's own library, which takes longer to compile than a small design: once for each kind of waveform.
+fn runtime(options: &Options, tools: &str, work: &Path) -> Result<Product, Error> {
+    let trace = options.waveform.option().unwrap_or("");
+    let key = cache::key([tools, CFLAGS, MAKEFILE, trace]);
+    let name = format!("runtime-{}.o", &key[..24]);
+    cache::obtain(options.cache.as_deref(), &name, |dir| {
+        make(work, options, "runtime.o", "RUNTIME=")?;
+        fs::copy(work.join("runtime.o"), dir.join(&name)).map(drop).map_err(at(work))
+    })
+}
+
+fn make(work: &Path, options: &Options, target: &str, variable: &str) -> Result<(), Error> {
+    let mut command = tool::command("make", work);
+    command.args(["-s", "-f", "model.mk", target, variable, "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]);
+    command.arg(format!("-j{}", options.jobs.max(1))).arg(format!("OPT_FAST=-O{}", options.optimize.min(3)));
+    tool::run(&mut command).map(drop)
+}

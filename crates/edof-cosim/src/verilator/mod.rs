@@ -1,0 +1,17 @@
+//! Verilog compiled by Verilator to a shared library, and driven from Rust.
+//!
+//! [`Library::build`] compiles (seconds; see [`Options::cache`]), [`Library::start`] makes an instance (microseconds).
+//! Any number of libraries and instances live side by side, each instance on whichever thread has it.
+//!
+//! A cycle is: change inputs ([`Model::poke`]), read outputs as they are before the edge ([`Model::peek`]), let the clocks
+//! rise ([`Model::tick`]). [`Model::run`] does that for a whole stimulus in C++.
+
+mod build;
+mod interface;
+mod model;
+mod ports;
+mod shim;
+
+pub use build::{Options, Unknowns, Waveform};
+pub use interface::Library;
+pub use model::{Model, Start};

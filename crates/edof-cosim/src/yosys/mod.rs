@@ -1,0 +1,142 @@
+//! What a design becomes on a 7-series FPGA, according to Yosys.
+
+mod netlist;
+
+use crate::error::{Error, at};
+use crate::{Source, tool};
+use netlist::Netlist;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// How a design is mapped.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Options {
+    /// Parameters of the top module and their values as Verilog text.
+    pub parameters: Vec<(String, String)>,
+    /// Where relative paths of `$readmemh` start; without it, in the working directory of the process.
+    pub memory_dir: Option<PathBuf>,
+}
+
+/// The cells of a mapped design.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Report {
+    /// How many there are of each type.
+    pub cells: BTreeMap<String, usize>,
+    /// Every DSP48E1.
+    pub dsps: Vec<Dsp>,
+}
+
+/// How one DSP48E1 is used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Dsp {
+    /// Its name in the netlist.
+    pub name: String,
+    /// The result is registered inside (PREG).
+    pub registers_result: bool,
+    /// The product is registered inside (MREG).
+    pub registers_product: bool,
+    /// The Z multiplexer can select P: the sum comes back inside.
+    pub sums_inside: bool,
+    /// P goes to a carry chain, by way of at most one LUT: something adds to it, or compares it, outside.
+    pub feeds_carry: bool,
+}
+
+impl Dsp {
+    /// The accumulator is inside: it is registered there and comes back there.
+    #[must_use]
+    pub const fn accumulates(&self) -> bool {
+        self.registers_result && self.sums_inside
+    }
+}
+
+impl Report {
+    /// Cells of one type.
+    #[must_use]
+    pub fn count(&self, cell: &str) -> usize {
+        self.cells.get(cell).copied().unwrap_or(0)
+    }
+
+    /// Multiply-accumulate blocks.
+    #[must_use]
+    pub fn dsp48e1(&self) -> usize {
+        self.count("DSP48E1")
+    }
+
+    /// Block RAMs of 36 kbit.
+    #[must_use]
+    pub fn ramb36e1(&self) -> usize {
+        self.count("RAMB36E1")
+    }
+
+    /// Block RAMs of 18 kbit.
+    #[must_use]
+    pub fn ramb18e1(&self) -> usize {
+        self.count("RAMB18E1")
+    }
+
+    /// LUT sites: logic, distributed RAM and shift registers. Inverters are left out, as a LUT takes them in.
+    #[must_use]
+    pub fn luts(&self) -> usize {
+        self.cells.iter().map(|(cell, count)| lut_sites(cell) * count).sum()
+    }
+
+    /// Flip-flops.
+    #[must_use]
+    pub fn flip_flops(&self) -> usize {
+        ["FDRE", "FDSE", "FDCE", "FDPE", "FDRE_1", "FDSE_1", "FDCE_1", "FDPE_1"]
+            .iter()
+            .map(|cell| self.count(cell))
+            .sum()
+    }
+
+    /// DSP48E1 whose accumulator is inside.
+    #[must_use]
+    pub fn accumulators_inside(&self) -> usize {
+        self.dsps.iter().filter(|dsp| dsp.accumulates()).count()
+    }
+}
+
+/// LUT sites that a cell takes (UG474, tables 2-2 to 2-5).
+fn lut_sites(cell: &str) -> usize {
+    match cell {
+        "LUT1" | "LUT2" | "LUT3" | "LUT4" | "LUT5" | "LUT6" | "SRL16E" | "SRLC16E" | "SRLC32E" => 1,
+        "RAM16X1S" | "RAM32X1S" | "RAM64X1S" => 1,
+        "RAM16X1D" | "RAM32X1D" | "RAM64X1D" | "RAM128X1S" => 2,
+        "RAM32M" | "RAM64M" | "RAM128X1D" | "RAM256X1S" => 4,
+        _ => 0,
+    }
+}
+
+/// Maps the design, flattened, by `synth_xilinx -family xc7`, without buffers for pins and clocks.
+///
+/// # Errors
+/// Yosys is missing or refuses the design.
+pub fn synthesize(source: &Source, options: &Options) -> Result<Report, Error> {
+    let work = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    source.write(work.path())?;
+    let script = work.path().join("synthesize.ys");
+    std::fs::write(&script, commands(source, options, work.path())).map_err(at(&script))?;
+    let dir = options.memory_dir.as_deref().unwrap_or(Path::new("."));
+    tool::run(tool::command("yosys", dir).arg("-q").arg("-s").arg(&script))?;
+    let path = work.path().join("netlist.json");
+    let file = std::fs::File::open(&path).map_err(at(&path))?;
+    let unexpected = |problem: String| Error::Output { tool: "yosys".into(), problem };
+    let netlist =
+        Netlist::read(std::io::BufReader::new(file)).map_err(|error| unexpected(error.to_string()))?;
+    netlist.report().ok_or_else(|| unexpected("no top in the netlist".into()))
+}
+
+/// Modules are elaborated once their parameters are known: before, a memory image may have no name.
+fn commands(source: &Source, options: &Options, work: &Path) -> String {
+    let files = source.file_names().filter(|name| !name.ends_with(".vh"));
+    let files: Vec<String> = files.map(|name| format!("\"{}\"", work.join(name).display())).collect();
+    let parameters = options.parameters.iter().map(|(name, value)| format!(" -chparam {name} {value}"));
+    let language = if source.file_names().any(|name| name.ends_with(".sv")) { "-sv " } else { "" };
+    [
+        format!("read_verilog {language}-defer {}\n", files.join(" ")),
+        format!("hierarchy -top {}{}\n", source.top, parameters.collect::<String>()),
+        "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf\n".into(),
+        format!("write_json \"{}\"\n", work.join("netlist.json").display()),
+    ]
+    .concat()
+}

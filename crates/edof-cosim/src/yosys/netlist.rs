@@ -1,0 +1,101 @@
+//! The part of Yosys's JSON netlist that we read.
+
+use super::{Dsp, Report};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
+
+/// All modules, most of them primitives.
+#[derive(Deserialize)]
+pub struct Netlist {
+    modules: BTreeMap<String, Module>,
+}
+
+#[derive(Deserialize)]
+struct Module {
+    #[serde(default)]
+    attributes: BTreeMap<String, IgnoredAny>,
+    #[serde(default)]
+    cells: BTreeMap<String, Cell>,
+}
+
+#[derive(Deserialize)]
+struct Cell {
+    #[serde(rename = "type")]
+    kind: String,
+    #[serde(default)]
+    parameters: BTreeMap<String, String>,
+    #[serde(default)]
+    connections: BTreeMap<String, Vec<Bit>>,
+}
+
+/// A net, or a constant: `0`, `1`, `x`, `z`.
+#[derive(Deserialize, PartialEq, Eq, PartialOrd, Ord, Clone)]
+#[serde(untagged)]
+enum Bit {
+    Net(u64),
+    Constant(String),
+}
+
+impl Netlist {
+    /// Reads a file of `write_json`.
+    pub fn read(file: impl Read) -> Result<Self, serde_json::Error> {
+        serde_json::from_reader(file)
+    }
+
+    /// What the top is made of; none where there is no top.
+    pub fn report(&self) -> Option<Report> {
+        let top = self.modules.values().find(|module| module.attributes.contains_key("top"))?;
+        let mut report = Report::default();
+        for cell in top.cells.values() {
+            *report.cells.entry(cell.kind.clone()).or_default() += 1;
+        }
+        let to_carry = top.nets_to_carry();
+        let dsps = top.cells.iter().filter(|(_, cell)| cell.kind == "DSP48E1");
+        report.dsps = dsps.map(|(name, cell)| cell.dsp(name, &to_carry)).collect();
+        Some(report)
+    }
+}
+
+impl Module {
+    /// Nets that enter a carry chain, directly or through one LUT.
+    fn nets_to_carry(&self) -> BTreeSet<u64> {
+        let carries = self.cells.values().filter(|cell| cell.kind == "CARRY4");
+        let direct: BTreeSet<u64> = carries.flat_map(|cell| cell.nets(&["S", "DI", "CYINIT"])).collect();
+        let luts = self.cells.values().filter(|cell| cell.kind.starts_with("LUT"));
+        let before = luts.filter(|lut| lut.nets(&["O"]).any(|net| direct.contains(&net)));
+        let through: BTreeSet<u64> =
+            before.flat_map(|lut| lut.nets(&["I0", "I1", "I2", "I3", "I4", "I5"])).collect();
+        direct.union(&through).copied().collect()
+    }
+}
+
+impl Cell {
+    fn nets(&self, ports: &'static [&str]) -> impl Iterator<Item = u64> {
+        let bits = ports.iter().filter_map(|&port| self.connections.get(port)).flatten();
+        bits.filter_map(|bit| if let Bit::Net(net) = bit { Some(*net) } else { None })
+    }
+
+    /// Parameters are binary text.
+    fn is_set(&self, parameter: &str) -> bool {
+        self.parameters.get(parameter).is_some_and(|value| value.contains('1'))
+    }
+
+    /// Bits 6 to 4 of OPMODE select Z: 010 is P (UG479, table 2-9).
+    fn dsp(&self, name: &str, to_carry: &BTreeSet<u64>) -> Dsp {
+        let opmode = self.connections.get("OPMODE");
+        let may_be = |bit: usize, value: &str| match opmode.and_then(|bits| bits.get(bit)) {
+            Some(Bit::Net(_)) => true,
+            Some(Bit::Constant(constant)) => constant == value,
+            None => false,
+        };
+        Dsp {
+            name: name.into(),
+            registers_result: self.is_set("PREG"),
+            registers_product: self.is_set("MREG"),
+            sums_inside: may_be(6, "0") && may_be(5, "1") && may_be(4, "0"),
+            feeds_carry: self.nets(&["P"]).any(|net| to_carry.contains(&net)),
+        }
+    }
+}

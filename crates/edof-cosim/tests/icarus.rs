@@ -1,0 +1,81 @@
+//! Icarus and Verilator give the same outputs.
+
+mod support;
+
+use edof_cosim::verilator::Start;
+use edof_cosim::{Layout, Rows, Source, icarus};
+use std::path::Path;
+use support::{build, counter, images, machine, wide};
+
+/// Random rows, after two cycles of reset, which is the first input.
+fn stimulus(source: &Source, cycles: usize, seed: u64) -> Rows {
+    let mut rows = Layout::inputs(source).random(cycles, seed);
+    for cycle in 0..cycles {
+        rows.row_mut(cycle)[0] = u32::from(cycle < 2);
+    }
+    rows
+}
+
+fn both(source: &Source, rows: &Rows, memory_dir: &Path) -> (Rows, icarus::Observed) {
+    let start = Start { seed: 11, memory_dir: Some(memory_dir.into()) };
+    let verilator = build(source).start(&start).unwrap().run(rows).unwrap();
+    (verilator, icarus::run(source, rows, Some(memory_dir)).unwrap())
+}
+
+#[test]
+fn a_state_machine_with_a_memory_is_the_same_in_both() {
+    let (_guard, dir) = images(0x4000);
+    let source = machine();
+    for seed in 0..3 {
+        let mut rows = stimulus(&source, 2000, seed);
+        (0..rows.len()).step_by(9).for_each(|cycle| rows.row_mut(cycle)[2] = 0);
+        let (verilator, icarus) = both(&source, &rows, &dir);
+        assert_eq!(icarus.first_difference(&source, &verilator), None);
+        assert!(icarus.known_from() <= 2, "{}", icarus.known_from());
+    }
+}
+
+#[test]
+fn every_width_is_the_same_in_both() {
+    let source = wide();
+    let rows = Layout::inputs(&source).random(100, 1);
+    let (verilator, icarus) = both(&source, &rows, Path::new("."));
+    assert_eq!(icarus.first_difference(&source, &verilator), None);
+    assert_eq!(icarus.known_from(), 1);
+}
+
+#[test]
+fn what_reset_forgot_stays_unknown() {
+    let source = counter();
+    let rows = stimulus(&source, 50, 1);
+    let (verilator, icarus) = both(&source, &rows, Path::new("."));
+    assert_eq!(icarus.first_difference(&source, &verilator), None);
+    assert_eq!(icarus.known_from(), 50);
+    assert!(icarus.unknown.iter().all(|row| row[2] == u32::MAX));
+}
+
+#[test]
+fn the_first_difference_is_named() {
+    let source = counter();
+    let rows = stimulus(&source, 50, 1);
+    let (mut verilator, icarus) = both(&source, &rows, Path::new("."));
+    verilator.row_mut(30)[1] ^= 1;
+    verilator.row_mut(31)[0] ^= 1;
+    let text = icarus.first_difference(&source, &verilator).unwrap().to_string();
+    assert_eq!(text, "cycle 30, last_o: expected 00000001, got 00000000");
+}
+
+#[test]
+fn a_missing_memory_image_stops_it() {
+    let (source, dir) = (machine(), tempfile::tempdir().unwrap());
+    let error = icarus::run(&source, &stimulus(&source, 5, 1), Some(dir.path())).unwrap_err().to_string();
+    assert!(error.starts_with("simulation stopped: ") && error.contains("images/machine.hex"), "{error}");
+}
+
+#[test]
+fn broken_verilog_is_told_with_file_and_line() {
+    let mut source = counter();
+    source.files[0].1 = "module counter (input wire a);\n  assign b = ;\nendmodule\n".into();
+    let error = icarus::run(&source, &Rows::zeros(2, 1), None).unwrap_err().to_string();
+    assert!(error.starts_with("iverilog failed: counter.v:2: "), "{error}");
+}

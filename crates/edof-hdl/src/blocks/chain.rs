@@ -1,0 +1,182 @@
+//! The stages of a design, one after the other.
+
+use super::Pair;
+use super::stage::Stage;
+use crate::described;
+use edof_spec::FixedNetwork;
+use edof_spec::design::{Design, DesignError};
+use rust_hdl::prelude::*;
+
+/// I, each M, F: windows in, patches out.
+#[derive(LogicBlock)]
+pub struct Chain {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets every vector; held for 16 cycles or more.
+    pub reset: Signal<In, Bit>,
+    /// Two pixels of a window stand on the input.
+    pub window_valid: Signal<In, Bit>,
+    /// They are taken in this cycle, if there are any.
+    pub window_ready: Signal<Out, Bit>,
+    /// They, the even one low.
+    pub window_data: Signal<In, Pair>,
+    /// Whether they are their window's last.
+    pub window_last: Signal<In, Bit>,
+    /// The set of weights for this window.
+    pub window_set: Signal<In, Bit>,
+    /// Two words of a patch stand on the output.
+    pub patch_valid: Signal<Out, Bit>,
+    /// The receiver takes them.
+    pub patch_ready: Signal<In, Bit>,
+    /// They.
+    pub patch_data: Signal<Out, Pair>,
+    /// Whether they are their patch's last.
+    pub patch_last: Signal<Out, Bit>,
+    /// The set that it was made with.
+    pub patch_set: Signal<Out, Bit>,
+    /// A word is to be written (`edof_spec::design::memory::address`).
+    pub write_valid: Signal<In, Bit>,
+    /// It can be, in this cycle.
+    pub write_ready: Signal<Out, Bit>,
+    /// Where.
+    pub write_address: Signal<In, Bits<25>>,
+    /// What.
+    pub write_data: Signal<In, Bits<32>>,
+    /// Stage (4 bits) and counter (2 bits) to show.
+    pub status_address: Signal<In, Bits<6>>,
+    /// The counter.
+    pub status: Signal<Out, Bits<32>>,
+    /// A beat passes from this stage to the next (observation only).
+    pub between_transfer: Vec<Signal<Out, Bit>>,
+    /// Its two words.
+    pub between_data: Vec<Signal<Out, Pair>>,
+    /// Their base words.
+    pub between_base: Vec<Signal<Out, Pair>>,
+    /// Whether it is its vector's last.
+    pub between_last: Vec<Signal<Out, Bit>>,
+    /// The vector's set.
+    pub between_set: Vec<Signal<Out, Bit>>,
+    stages: Vec<Stage>,
+    write_free: Signal<Local, Bit>,
+    shown: Signal<Local, Bits<32>>,
+    _count: usize,
+}
+
+impl Chain {
+    /// The chain of a design, its sets starting with these networks. Use [`Chain::checked`].
+    #[must_use]
+    pub fn new(design: &Design, sets: [&FixedNetwork; 2]) -> Self {
+        let gaps = design.stages.len() - 1;
+        Self {
+            clock: Signal::default(),
+            reset: Signal::default(),
+            window_valid: Signal::default(),
+            window_ready: Signal::default(),
+            window_data: Signal::default(),
+            window_last: Signal::default(),
+            window_set: Signal::default(),
+            patch_valid: Signal::default(),
+            patch_ready: Signal::default(),
+            patch_data: Signal::default(),
+            patch_last: Signal::default(),
+            patch_set: Signal::default(),
+            write_valid: Signal::default(),
+            write_ready: Signal::default(),
+            write_address: Signal::default(),
+            write_data: Signal::default(),
+            status_address: Signal::default(),
+            status: Signal::default(),
+            between_transfer: (0..gaps).map(|_| Signal::default()).collect(),
+            between_data: (0..gaps).map(|_| Signal::default()).collect(),
+            between_base: (0..gaps).map(|_| Signal::default()).collect(),
+            between_last: (0..gaps).map(|_| Signal::default()).collect(),
+            between_set: (0..gaps).map(|_| Signal::default()).collect(),
+            stages: design.stages().map(|stage| Stage::new(design, &stage, sets)).collect(),
+            write_free: Signal::default(),
+            shown: Signal::default(),
+            _count: gaps + 1,
+        }
+    }
+}
+
+impl Chain {
+    /// [`Chain::new`], once everything fits.
+    ///
+    /// # Errors
+    /// [`DesignError::Misfit`] names what does not.
+    pub fn checked(design: &Design, sets: [&FixedNetwork; 2]) -> Result<Self, DesignError> {
+        design.check()?;
+        sets.iter().try_for_each(|network| design.check_network(network))?;
+        Ok(Self::new(design, sets))
+    }
+}
+
+impl Logic for Chain {
+    described!(
+        "The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.\n\
+         The outputs `between_*` show what passes between the stages, for observation; they cost nothing where they are left open."
+    );
+    #[hdl_gen]
+    fn update(&mut self) {
+        for i in 0..self._count {
+            self.stages[i].clock.next = self.clock.val();
+            self.stages[i].reset.next = self.reset.val();
+            self.stages[i].write_valid.next = self.write_valid.val();
+            self.stages[i].write_address.next = self.write_address.val();
+            self.stages[i].write_data.next = self.write_data.val();
+            self.stages[i].status_address.next = self.status_address.val();
+        }
+
+        // Windows go to I, and to F.
+        for i in 0..(self._count - 1) {
+            self.stages[i].window_valid.next = false;
+            self.stages[i].window_data.next = 0.into();
+            self.stages[i].window_last.next = false;
+        }
+        self.stages[0].data.next = self.window_data.val();
+        self.stages[0].base.next = 0.into();
+        self.stages[0].last.next = self.window_last.val();
+        self.stages[0].set.next = self.window_set.val();
+        for i in (self._count - 1)..self._count {
+            self.stages[0].valid.next = self.window_valid.val() && self.stages[i].window_ready.val();
+            self.stages[i].window_valid.next = self.window_valid.val() && self.stages[0].ready.val();
+            self.stages[i].window_data.next = self.window_data.val();
+            self.stages[i].window_last.next = self.window_last.val();
+            self.window_ready.next = self.stages[0].ready.val() && self.stages[i].window_ready.val();
+        }
+
+        // From stage to stage.
+        for i in 0..(self._count - 1) {
+            self.stages[i + 1].valid.next = self.stages[i].out_valid.val();
+            self.stages[i + 1].data.next = self.stages[i].out_data.val();
+            self.stages[i + 1].base.next = self.stages[i].out_base.val();
+            self.stages[i + 1].last.next = self.stages[i].out_last.val();
+            self.stages[i + 1].set.next = self.stages[i].out_set.val();
+            self.stages[i].out_ready.next = self.stages[i + 1].ready.val();
+            self.between_transfer[i].next = self.stages[i].out_valid.val() && self.stages[i + 1].ready.val();
+            self.between_data[i].next = self.stages[i].out_data.val();
+            self.between_base[i].next = self.stages[i].out_base.val();
+            self.between_last[i].next = self.stages[i].out_last.val();
+            self.between_set[i].next = self.stages[i].out_set.val();
+        }
+
+        // Patches.
+        for i in (self._count - 1)..self._count {
+            self.stages[i].out_ready.next = self.patch_ready.val();
+            self.patch_valid.next = self.stages[i].out_valid.val();
+            self.patch_data.next = self.stages[i].out_data.val();
+            self.patch_last.next = self.stages[i].out_last.val();
+            self.patch_set.next = self.stages[i].out_set.val();
+        }
+
+        // The host.
+        self.write_free.next = true;
+        self.shown.next = 0.into();
+        for i in 0..self._count {
+            self.write_free.next = self.write_free.val() && self.stages[i].write_ready.val();
+            self.shown.next = self.shown.val() | self.stages[i].status.val();
+        }
+        self.write_ready.next = self.write_free.val();
+        self.status.next = self.shown.val();
+    }
+}

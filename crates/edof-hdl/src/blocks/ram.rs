@@ -1,0 +1,99 @@
+//! Leaf `edof_ram`: a memory with one write port and one read port.
+
+use super::Row;
+use crate::leaf::Leaf;
+use rust_hdl::prelude::*;
+
+/// One write port, one read port, one clock. A read takes a cycle and gives what lay there before a write in the same cycle.
+#[derive(LogicBlock)]
+pub struct Ram<const W: usize> {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Row to read.
+    pub read_address: Signal<In, Row>,
+    /// What lay there a cycle ago.
+    pub read_data: Signal<Out, Bits<W>>,
+    /// Whether to write.
+    pub write_enable: Signal<In, Bit>,
+    /// Row to write.
+    pub write_address: Signal<In, Row>,
+    /// Word to write.
+    pub write_data: Signal<In, Bits<W>>,
+    _shape: Shape,
+    _memory: Vec<Bits<W>>,
+}
+
+/// Where a memory lies and what it holds at first.
+#[derive(Debug, Clone)]
+pub struct Shape {
+    /// Rows.
+    pub depth: usize,
+    /// Block RAM, or LUT RAM.
+    pub block: bool,
+    /// Path of its image; none leaves the contents open.
+    pub image: Option<String>,
+}
+
+impl Shape {
+    /// LUT RAM without an image.
+    #[must_use]
+    pub const fn distributed(depth: usize) -> Self {
+        Self { depth, block: false, image: None }
+    }
+
+    /// Block RAM without an image.
+    #[must_use]
+    pub const fn block(depth: usize) -> Self {
+        Self { depth, block: true, image: None }
+    }
+}
+
+impl<const W: usize> Ram<W> {
+    /// A memory of the given shape; its model starts with `contents`, then zeros.
+    #[must_use]
+    pub fn new(shape: Shape, contents: &[u64]) -> Self {
+        let word = |row: usize| contents.get(row).copied().unwrap_or(0).into();
+        Self {
+            clock: Signal::default(),
+            read_address: Signal::default(),
+            read_data: Signal::default(),
+            write_enable: Signal::default(),
+            write_address: Signal::default(),
+            write_data: Signal::default(),
+            _memory: (0..shape.depth).map(word).collect(),
+            _shape: shape,
+        }
+    }
+}
+
+impl<const W: usize> Logic for Ram<W> {
+    fn update(&mut self) {
+        if self.clock.pos_edge() {
+            let read = self.read_address.val().to_u64() as usize;
+            self.read_data.next = self._memory.get(read).copied().unwrap_or_default();
+            let write = self.write_address.val().to_u64() as usize;
+            if let (true, Some(word)) = (self.write_enable.val(), self._memory.get_mut(write)) {
+                *word = self.write_data.val();
+            }
+        }
+    }
+
+    fn connect(&mut self) {
+        self.read_data.connect();
+    }
+
+    fn hdl(&self) -> Verilog {
+        Leaf::new("edof_ram")
+            .parameter("WIDTH", W)
+            .parameter("DEPTH", self._shape.depth)
+            .parameter("BLOCK", usize::from(self._shape.block))
+            .text("INIT", self._shape.image.as_deref().unwrap_or_default())
+            .port("clock_i", "clock")
+            .port("read_address_i", "read_address")
+            .port("read_data_o", "read_data")
+            .port("write_enable_i", "write_enable")
+            .port("write_address_i", "write_address")
+            .port("write_data_i", "write_data")
+            .verilog()
+    }
+}

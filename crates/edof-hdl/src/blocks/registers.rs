@@ -1,0 +1,87 @@
+//! What the host sets in a stage.
+
+use super::Row;
+use crate::described;
+use edof_spec::design::memory::{CONTROL_SKIP, Shifts};
+use rust_hdl::prelude::*;
+
+/// Shifts of both sets, and control.
+#[derive(LogicBlock)]
+pub struct Registers {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Back to the values of the generated design.
+    pub reset: Signal<In, Bit>,
+    /// Writes a register.
+    pub write_enable: Signal<In, Bit>,
+    /// Which: 0 and 1 are the shifts of each set, 2 is control.
+    pub write_row: Signal<In, Row>,
+    /// Its new value.
+    pub write_data: Signal<In, Bits<32>>,
+    /// Shifts of set 0 (`edof_spec::design::memory::Shifts::word`).
+    pub shifts_0: Signal<Out, Bits<20>>,
+    /// Shifts of set 1.
+    pub shifts_1: Signal<Out, Bits<20>>,
+    /// Whether zeros are left out.
+    pub skip_zeros: Signal<Out, Bit>,
+    start_0: Constant<Bits<20>>,
+    start_1: Constant<Bits<20>>,
+    start_skip: Constant<Bit>,
+    shifts_0_q: DFF<Bits<20>>,
+    shifts_1_q: DFF<Bits<20>>,
+    skip_q: DFF<Bit>,
+}
+
+impl Registers {
+    /// Registers that start with these shifts and this skip bit.
+    #[must_use]
+    pub fn new(shifts: [Shifts; 2], skip_zeros: bool) -> Self {
+        let start = shifts.map(|s| Constant::new(u64::from(s.word()).into()));
+        Self {
+            clock: Signal::default(),
+            reset: Signal::default(),
+            write_enable: Signal::default(),
+            write_row: Signal::default(),
+            write_data: Signal::default(),
+            shifts_0: Signal::default(),
+            shifts_1: Signal::default(),
+            skip_zeros: Signal::default(),
+            start_0: start[0],
+            start_1: start[1],
+            start_skip: Constant::new(skip_zeros),
+            shifts_0_q: DFF::default(),
+            shifts_1_q: DFF::default(),
+            skip_q: DFF::default(),
+        }
+    }
+
+    /// Bit of the control register that leaves zeros out.
+    pub const SKIP_BIT: usize = CONTROL_SKIP.trailing_zeros() as usize;
+}
+
+impl Logic for Registers {
+    described!(
+        "What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and control."
+    );
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, shifts_0_q, shifts_1_q, skip_q);
+        if self.write_enable.val() {
+            if self.write_row.val() == 0 {
+                self.shifts_0_q.d.next = self.write_data.val().get_bits::<20>(0);
+            } else if self.write_row.val() == 1 {
+                self.shifts_1_q.d.next = self.write_data.val().get_bits::<20>(0);
+            } else if self.write_row.val() == 2 {
+                self.skip_q.d.next = self.write_data.val().get_bit(0);
+            }
+        }
+        if self.reset.val() {
+            self.shifts_0_q.d.next = self.start_0.val();
+            self.shifts_1_q.d.next = self.start_1.val();
+            self.skip_q.d.next = self.start_skip.val();
+        }
+        self.shifts_0.next = self.shifts_0_q.q.val();
+        self.shifts_1.next = self.shifts_1_q.q.val();
+        self.skip_zeros.next = self.skip_q.q.val();
+    }
+}

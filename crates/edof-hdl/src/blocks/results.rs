@@ -1,0 +1,392 @@
+//! From sums to the words that go on.
+
+use super::base_ring::BaseRing;
+use super::delay::Delay;
+use super::difference::Difference;
+use super::ram::{Ram, Shape};
+use super::requantize::Requantize;
+use super::shrink::Shrink;
+use super::{Pair, Row, Sum, Word};
+use crate::described;
+use edof_spec::FixedNetwork;
+use edof_spec::design::{Design, StagePlan, memory};
+use rust_hdl::prelude::*;
+
+/// Two elements a cycle: base, rounding, threshold, difference. Parts that the stage does not need are not there.
+#[derive(LogicBlock)]
+pub struct Results {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets everything.
+    pub reset: Signal<In, Bit>,
+    /// Two sums are taken in this cycle, and stand on the inputs in the next.
+    pub take: Signal<In, Bit>,
+    /// Which two of their vector.
+    pub beat: Signal<In, Bits<8>>,
+    /// Whether they are its last.
+    pub last: Signal<In, Bit>,
+    /// Its set.
+    pub set: Signal<In, Bit>,
+    /// The even sum, a cycle after `take`.
+    pub sum_even: Signal<In, Sum>,
+    /// The odd one.
+    pub sum_odd: Signal<In, Sum>,
+    /// Shifts of set 0.
+    pub shifts_0: Signal<In, Bits<20>>,
+    /// Shifts of set 1.
+    pub shifts_1: Signal<In, Bits<20>>,
+    /// A beat with base words arrives at the stage.
+    pub base_write: Signal<In, Bit>,
+    /// They.
+    pub base_words: Signal<In, Pair>,
+    /// Writes two thresholds.
+    pub write_thresholds: Signal<In, Bit>,
+    /// Writes two thresholds of the stage before.
+    pub write_previous: Signal<In, Bit>,
+    /// Where.
+    pub write_row: Signal<In, Row>,
+    /// What.
+    pub write_data: Signal<In, Bits<32>>,
+    /// A beat is done, eight cycles after `take`.
+    pub push: Signal<Out, Bit>,
+    /// Its two words.
+    pub data: Signal<Out, Pair>,
+    /// Their base words for the next stage.
+    pub base: Signal<Out, Pair>,
+    /// Whether it is its vector's last.
+    pub done_last: Signal<Out, Bit>,
+    /// Its set.
+    pub done_set: Signal<Out, Bit>,
+    /// Which words are not zero.
+    pub nonzero: Signal<Out, Bits<2>>,
+    /// Which results did not fit.
+    pub result_saturated: Signal<Out, Bits<2>>,
+    /// Which thresholded codes did not fit.
+    pub code_saturated: Signal<Out, Bits<2>>,
+    /// Which differences did not fit.
+    pub difference_saturated: Signal<Out, Bits<2>>,
+    set_rows: Constant<Row>,
+    to_1: Delay<3, 1>,
+    to_2: Delay<3, 1>,
+    to_5: Delay<3, 3>,
+    to_8: Delay<3, 3>,
+    beat_to_5: Delay<8, 5>,
+    sum_even_q: DFF<Sum>,
+    sum_odd_q: DFF<Sum>,
+    requantize_even: Requantize,
+    requantize_odd: Requantize,
+    result_flags: Delay<2, 2>,
+    base_ring: Vec<BaseRing>,
+    thresholds: Vec<Ram<32>>,
+    shrink_even: Vec<Shrink>,
+    shrink_odd: Vec<Shrink>,
+    code_flags: Vec<Delay<2, 1>>,
+    codes_to_8: Vec<Delay<32, 1>>,
+    base_to_6: Vec<Delay<32, 4>>,
+    previous_thresholds: Vec<Ram<32>>,
+    previous_even: Vec<Shrink>,
+    previous_odd: Vec<Shrink>,
+    difference_even: Vec<Difference>,
+    difference_odd: Vec<Difference>,
+    results_to_8: Vec<Delay<32, 2>>,
+    base_to_8: Vec<Delay<32, 6>>,
+    marks: Signal<Local, Bits<3>>,
+    shifts: Signal<Local, Bits<20>>,
+    base_word: Signal<Local, Pair>,
+    result: Signal<Local, Pair>,
+    threshold_row: Signal<Local, Row>,
+    code_even: Signal<Local, Word>,
+    code_odd: Signal<Local, Word>,
+    code: Signal<Local, Pair>,
+    change_even: Signal<Local, Word>,
+    change_odd: Signal<Local, Word>,
+    change: Signal<Local, Pair>,
+    sent: Signal<Local, Pair>,
+    _has_base: usize,
+    _shrinks: usize,
+    _differs: usize,
+    _sends_codes: usize,
+    _keeps_result: usize,
+    _result_is_sent: usize,
+    _result_is_base: usize,
+    _passes_base: usize,
+}
+
+impl Results {
+    /// The results of a stage. The models of its memories hold the thresholds of both sets.
+    #[must_use]
+    pub fn new(design: &Design, stage: &StagePlan, sets: [&FixedNetwork; 2]) -> Self {
+        let bits = if stage.shrinks() { design.code_bits } else { 16 };
+        let shrinkage = design.form.shrinkage;
+        let part = usize::from;
+        let differs = part(stage.sends_difference);
+        let shrinks = part(stage.shrinks());
+        let has_base = part(stage.has_base());
+        let result_is_sent = part(!stage.shrinks());
+        let result_is_base = part(stage.feeds_m && (stage.sends_difference || !stage.has_base()));
+        let passes_base = part(stage.feeds_m) - result_is_base;
+        let thresholds = |before: bool| {
+            let image = Some(memory::threshold_image(stage, before));
+            let words = sets.iter().flat_map(|n| memory::threshold_words(n, stage, before)).map(u64::from);
+            let shape = Shape { image, ..Shape::distributed(stage.outputs) };
+            Ram::new(shape, &words.collect::<Vec<_>>())
+        };
+        let shrink = || Shrink::new(shrinkage, bits);
+        Self {
+            clock: Signal::default(),
+            reset: Signal::default(),
+            take: Signal::default(),
+            beat: Signal::default(),
+            last: Signal::default(),
+            set: Signal::default(),
+            sum_even: Signal::default(),
+            sum_odd: Signal::default(),
+            shifts_0: Signal::default(),
+            shifts_1: Signal::default(),
+            base_write: Signal::default(),
+            base_words: Signal::default(),
+            write_thresholds: Signal::default(),
+            write_previous: Signal::default(),
+            write_row: Signal::default(),
+            write_data: Signal::default(),
+            push: Signal::default(),
+            data: Signal::default(),
+            base: Signal::default(),
+            done_last: Signal::default(),
+            done_set: Signal::default(),
+            nonzero: Signal::default(),
+            result_saturated: Signal::default(),
+            code_saturated: Signal::default(),
+            difference_saturated: Signal::default(),
+            set_rows: Constant::new((stage.beats_out() as u64).into()),
+            to_1: Delay::default(),
+            to_2: Delay::default(),
+            to_5: Delay::default(),
+            to_8: Delay::default(),
+            beat_to_5: Delay::default(),
+            sum_even_q: DFF::default(),
+            sum_odd_q: DFF::default(),
+            requantize_even: Requantize::new(bits, stage.has_base()),
+            requantize_odd: Requantize::new(bits, stage.has_base()),
+            result_flags: Delay::default(),
+            base_ring: (0..has_base).map(|_| BaseRing::new(stage)).collect(),
+            thresholds: (0..shrinks).map(|_| thresholds(false)).collect(),
+            shrink_even: (0..shrinks).map(|_| shrink()).collect(),
+            shrink_odd: (0..shrinks).map(|_| shrink()).collect(),
+            code_flags: (0..shrinks).map(|_| Delay::default()).collect(),
+            codes_to_8: (0..shrinks - differs).map(|_| Delay::default()).collect(),
+            base_to_6: (0..differs).map(|_| Delay::default()).collect(),
+            previous_thresholds: (0..differs).map(|_| thresholds(true)).collect(),
+            previous_even: (0..differs).map(|_| shrink()).collect(),
+            previous_odd: (0..differs).map(|_| shrink()).collect(),
+            difference_even: (0..differs).map(|_| Difference::new(bits)).collect(),
+            difference_odd: (0..differs).map(|_| Difference::new(bits)).collect(),
+            results_to_8: (0..result_is_sent + result_is_base).map(|_| Delay::default()).collect(),
+            base_to_8: (0..passes_base).map(|_| Delay::default()).collect(),
+            marks: Signal::default(),
+            shifts: Signal::default(),
+            base_word: Signal::default(),
+            result: Signal::default(),
+            threshold_row: Signal::default(),
+            code_even: Signal::default(),
+            code_odd: Signal::default(),
+            code: Signal::default(),
+            change_even: Signal::default(),
+            change_odd: Signal::default(),
+            change: Signal::default(),
+            sent: Signal::default(),
+            _has_base: has_base,
+            _shrinks: shrinks,
+            _differs: differs,
+            _sends_codes: shrinks - differs,
+            _keeps_result: result_is_sent + result_is_base,
+            _result_is_sent: result_is_sent,
+            _result_is_base: result_is_base,
+            _passes_base: passes_base,
+        }
+    }
+}
+
+impl Logic for Results {
+    described!(
+        "From sums to the words that go on, two elements a cycle. Counted from `take`: 1 sums and base are read, 2 to 6 base, rounding,\n\
+         shift and saturation, 7 threshold, 8 difference or wait. Nothing in here ever stalls."
+    );
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, sum_even_q, sum_odd_q);
+        self.to_1.clock.next = self.clock.val();
+        self.to_2.clock.next = self.clock.val();
+        self.to_5.clock.next = self.clock.val();
+        self.to_8.clock.next = self.clock.val();
+        self.beat_to_5.clock.next = self.clock.val();
+        self.requantize_even.clock.next = self.clock.val();
+        self.requantize_odd.clock.next = self.clock.val();
+        self.result_flags.clock.next = self.clock.val();
+
+        // What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
+        self.marks.next = 0.into();
+        if self.take.val() {
+            self.marks.next = self.marks.val() | 1;
+        }
+        if self.last.val() {
+            self.marks.next = self.marks.val() | 2;
+        }
+        if self.set.val() {
+            self.marks.next = self.marks.val() | 4;
+        }
+        self.to_1.now.next = self.marks.val();
+        self.to_2.now.next = self.to_1.later.val();
+        self.to_5.now.next = self.to_2.later.val();
+        self.to_8.now.next = self.to_5.later.val();
+        self.beat_to_5.now.next = self.beat.val();
+
+        // Cycles 1 to 6: base and rounding.
+        self.sum_even_q.d.next = self.sum_even.val();
+        self.sum_odd_q.d.next = self.sum_odd.val();
+        self.base_word.next = 0.into();
+        for i in 0..self._has_base {
+            self.base_ring[i].clock.next = self.clock.val();
+            self.base_ring[i].reset.next = self.reset.val();
+            self.base_ring[i].write.next = self.base_write.val();
+            self.base_ring[i].words.next = self.base_words.val();
+            self.base_ring[i].read.next = self.to_1.later.val().get_bit(0);
+            self.base_word.next = self.base_ring[i].front.val();
+        }
+        self.shifts.next = self.shifts_0.val();
+        if self.to_2.later.val().get_bit(2) {
+            self.shifts.next = self.shifts_1.val();
+        }
+        self.requantize_even.sum.next = self.sum_even_q.q.val();
+        self.requantize_even.base.next = self.base_word.val().get_bits::<16>(0);
+        self.requantize_even.base_shift.next = self.shifts.val().get_bits::<6>(6);
+        self.requantize_even.result_shift.next = self.shifts.val().get_bits::<6>(0);
+        self.requantize_odd.sum.next = self.sum_odd_q.q.val();
+        self.requantize_odd.base.next = self.base_word.val().get_bits::<16>(16);
+        self.requantize_odd.base_shift.next = self.shifts.val().get_bits::<6>(6);
+        self.requantize_odd.result_shift.next = self.shifts.val().get_bits::<6>(0);
+        self.result.next = (bit_cast::<32, 16>(self.requantize_odd.result.val()) << 16)
+            | bit_cast::<32, 16>(self.requantize_even.result.val());
+        self.result_flags.now.next = 0.into();
+        if self.requantize_even.saturated.val() && self.requantize_odd.saturated.val() {
+            self.result_flags.now.next = 3.into();
+        } else if self.requantize_even.saturated.val() {
+            self.result_flags.now.next = 1.into();
+        } else if self.requantize_odd.saturated.val() {
+            self.result_flags.now.next = 2.into();
+        }
+        self.result_saturated.next = self.result_flags.later.val();
+
+        // Cycle 7: thresholds, read in cycle 5.
+        self.threshold_row.next = bit_cast::<12, 8>(self.beat_to_5.later.val());
+        if self.to_5.later.val().get_bit(2) {
+            self.threshold_row.next = bit_cast::<12, 8>(self.beat_to_5.later.val()) + self.set_rows.val();
+        }
+        self.code_even.next = 0.into();
+        self.code_odd.next = 0.into();
+        self.code_saturated.next = 0.into();
+        for i in 0..self._shrinks {
+            self.thresholds[i].clock.next = self.clock.val();
+            self.thresholds[i].read_address.next = self.threshold_row.val();
+            self.thresholds[i].write_enable.next = self.write_thresholds.val();
+            self.thresholds[i].write_address.next = self.write_row.val();
+            self.thresholds[i].write_data.next = self.write_data.val();
+            self.shrink_even[i].clock.next = self.clock.val();
+            self.shrink_even[i].code.next = self.requantize_even.result.val();
+            self.shrink_even[i].threshold.next = self.thresholds[i].read_data.val().get_bits::<16>(0);
+            self.shrink_odd[i].clock.next = self.clock.val();
+            self.shrink_odd[i].code.next = self.requantize_odd.result.val();
+            self.shrink_odd[i].threshold.next = self.thresholds[i].read_data.val().get_bits::<16>(16);
+            self.code_even.next = self.shrink_even[i].result.val();
+            self.code_odd.next = self.shrink_odd[i].result.val();
+            self.code_flags[i].clock.next = self.clock.val();
+            self.code_flags[i].now.next = 0.into();
+            if self.shrink_even[i].saturated.val() && self.shrink_odd[i].saturated.val() {
+                self.code_flags[i].now.next = 3.into();
+            } else if self.shrink_even[i].saturated.val() {
+                self.code_flags[i].now.next = 1.into();
+            } else if self.shrink_odd[i].saturated.val() {
+                self.code_flags[i].now.next = 2.into();
+            }
+            self.code_saturated.next = self.code_flags[i].later.val();
+        }
+        self.code.next =
+            (bit_cast::<32, 16>(self.code_odd.val()) << 16) | bit_cast::<32, 16>(self.code_even.val());
+        self.sent.next = 0.into();
+        for i in 0..self._sends_codes {
+            self.codes_to_8[i].clock.next = self.clock.val();
+            self.codes_to_8[i].now.next = self.code.val();
+            self.sent.next = self.codes_to_8[i].later.val();
+        }
+
+        // Cycle 8: the difference to the z before, made again from the base and the thresholds before.
+        self.difference_saturated.next = 0.into();
+        self.change_even.next = 0.into();
+        self.change_odd.next = 0.into();
+        for i in 0..self._differs {
+            self.change_even.next = self.difference_even[i].result.val();
+            self.change_odd.next = self.difference_odd[i].result.val();
+        }
+        self.change.next =
+            (bit_cast::<32, 16>(self.change_odd.val()) << 16) | bit_cast::<32, 16>(self.change_even.val());
+        for i in 0..self._differs {
+            self.base_to_6[i].clock.next = self.clock.val();
+            self.base_to_6[i].now.next = self.base_word.val();
+            self.previous_thresholds[i].clock.next = self.clock.val();
+            self.previous_thresholds[i].read_address.next = self.threshold_row.val();
+            self.previous_thresholds[i].write_enable.next = self.write_previous.val();
+            self.previous_thresholds[i].write_address.next = self.write_row.val();
+            self.previous_thresholds[i].write_data.next = self.write_data.val();
+            self.previous_even[i].clock.next = self.clock.val();
+            self.previous_even[i].code.next = self.base_to_6[i].later.val().get_bits::<16>(0);
+            self.previous_even[i].threshold.next =
+                self.previous_thresholds[i].read_data.val().get_bits::<16>(0);
+            self.previous_odd[i].clock.next = self.clock.val();
+            self.previous_odd[i].code.next = self.base_to_6[i].later.val().get_bits::<16>(16);
+            self.previous_odd[i].threshold.next =
+                self.previous_thresholds[i].read_data.val().get_bits::<16>(16);
+            self.difference_even[i].clock.next = self.clock.val();
+            self.difference_even[i].now.next = self.code_even.val();
+            self.difference_even[i].before.next = self.previous_even[i].result.val();
+            self.difference_odd[i].clock.next = self.clock.val();
+            self.difference_odd[i].now.next = self.code_odd.val();
+            self.difference_odd[i].before.next = self.previous_odd[i].result.val();
+            self.sent.next = self.change.val();
+            if self.difference_even[i].saturated.val() && self.difference_odd[i].saturated.val() {
+                self.difference_saturated.next = 3.into();
+            } else if self.difference_even[i].saturated.val() {
+                self.difference_saturated.next = 1.into();
+            } else if self.difference_odd[i].saturated.val() {
+                self.difference_saturated.next = 2.into();
+            }
+        }
+
+        // What goes on.
+        self.base.next = 0.into();
+        for i in 0..self._keeps_result {
+            self.results_to_8[i].clock.next = self.clock.val();
+            self.results_to_8[i].now.next = self.result.val();
+        }
+        for i in 0..self._result_is_sent {
+            self.sent.next = self.results_to_8[i].later.val();
+        }
+        for i in 0..self._result_is_base {
+            self.base.next = self.results_to_8[i].later.val();
+        }
+        for i in 0..self._passes_base {
+            self.base_to_8[i].clock.next = self.clock.val();
+            self.base_to_8[i].now.next = self.base_word.val();
+            self.base.next = self.base_to_8[i].later.val();
+        }
+        self.data.next = self.sent.val();
+        self.push.next = self.to_8.later.val().get_bit(0);
+        self.done_last.next = self.to_8.later.val().get_bit(1);
+        self.done_set.next = self.to_8.later.val().get_bit(2);
+        self.nonzero.next = 0.into();
+        if self.sent.val().get_bits::<16>(0).any() && self.sent.val().get_bits::<16>(16).any() {
+            self.nonzero.next = 3.into();
+        } else if self.sent.val().any() {
+            self.nonzero.next = 1.into();
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Everything that a generated design consists of, as text: modules, leaves, memory images.
+
+use crate::blocks::chain::Chain;
+use crate::verilog::{EmitError, Port, emit};
+use edof_spec::design::{Design, DesignError, memory};
+use edof_spec::{FixedNetwork, fixed_network::FixedNetworkError};
+use rust_hdl::prelude::Block;
+use std::fmt::Write;
+
+/// The hand-written leaves of `rtl/`, by module name.
+pub const LEAVES: [(&str, &str); 4] = [
+    ("edof_fifo", include_str!("../../../rtl/edof_fifo.v")),
+    ("edof_macc", include_str!("../../../rtl/edof_macc.v")),
+    ("edof_macc_bank", include_str!("../../../rtl/edof_macc_bank.v")),
+    ("edof_ram", include_str!("../../../rtl/edof_ram.v")),
+];
+
+/// A generated design.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Project {
+    /// Name of the top module.
+    pub top: String,
+    /// Its ports.
+    pub ports: Vec<Port>,
+    /// File name and text of each module, parts before what they are parts of.
+    pub verilog: Vec<(String, String)>,
+    /// Path, relative to the design, and text of each memory image.
+    pub memory: Vec<(String, String)>,
+}
+
+/// Why a design was not generated.
+#[derive(Debug, thiserror::Error)]
+pub enum ProjectError {
+    /// The design, or a network that does not fit it.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// A network that cannot run exactly.
+    #[error(transparent)]
+    Network(#[from] FixedNetworkError),
+    /// A circuit that has no exact Verilog.
+    #[error(transparent)]
+    Emit(#[from] EmitError),
+}
+
+/// The calculator chain of a design; its two sets start with these networks.
+///
+/// ```
+/// use edof_spec::{Design, weight_file};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let design = Design::from_json(include_str!("../../../designs/paper.json"))?;
+/// let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+/// let network = weight_file::load_fixed(&root.join("weights/paper-t4.fixed.safetensors"))?;
+/// let project = edof_hdl::project::calculator(&design, [&network, &network])?;
+/// assert_eq!(project.top, "chain");
+/// assert!(project.verilog.iter().map(|(_, text)| text.len()).sum::<usize>() < 400_000);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`ProjectError`]: what does not fit what.
+pub fn calculator(design: &Design, sets: [&FixedNetwork; 2]) -> Result<Project, ProjectError> {
+    sets.iter().try_for_each(|network| network.check())?;
+    let mut chain = Chain::checked(design, sets)?;
+    chain.connect_all();
+    let emitted = emit(&chain)?;
+    let modules = emitted.modules.into_iter().map(|module| (format!("{}.v", module.name), module.text));
+    let leaves = LEAVES.iter().map(|(name, text)| (format!("{name}.v"), (*text).to_string()));
+    Ok(Project {
+        top: emitted.top,
+        ports: emitted.ports,
+        verilog: leaves.chain(modules).collect(),
+        memory: images(design, sets),
+    })
+}
+
+/// The memory images of all stages: set 0, then set 1.
+#[must_use]
+pub fn images(design: &Design, sets: [&FixedNetwork; 2]) -> Vec<(String, String)> {
+    let mut images = Vec::new();
+    for stage in design.stages() {
+        for bank in 0..stage.banks() {
+            let words = sets.iter().flat_map(|network| memory::weight_words(network, &stage, bank));
+            images.push((memory::weight_image(&stage, bank), hexadecimal(words, 16)));
+        }
+        let kept = [(false, stage.shrinks()), (true, stage.sends_difference)];
+        for (before, _) in kept.into_iter().filter(|(_, there)| *there) {
+            let words = sets.iter().flat_map(|network| memory::threshold_words(network, &stage, before));
+            images.push((memory::threshold_image(&stage, before), hexadecimal(words.map(u64::from), 8)));
+        }
+    }
+    images
+}
+
+/// A `$readmemh` image: one word a line.
+fn hexadecimal(words: impl Iterator<Item = u64>, digits: usize) -> String {
+    words.fold(String::new(), |mut text, word| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{word:0digits$x}");
+        text
+    })
+}

@@ -1,0 +1,174 @@
+//! Cuts a kernel into processes that do not depend on each other's order: plain assignments and `always @*` blocks.
+//!
+//! Statements that drive the same signal stay together and in order. So do a read of a local signal or output and the
+//! writes that follow it, because Rust reads those as they stand. Everything else means the same in any order.
+
+use std::collections::{BTreeSet, HashSet};
+
+use super::error::{EmitError, Fault, rust_path};
+use super::expression::{Expression, Node};
+use super::flow::collect_targets;
+use super::kernel::{Assign, Statement};
+use super::scope::{Role, Scope, SignalId};
+
+/// Statements that run together.
+#[derive(Debug)]
+pub(super) struct Process {
+    pub statements: Vec<Statement>,
+    pub targets: BTreeSet<SignalId>,
+    pub reads: BTreeSet<SignalId>,
+}
+
+impl Process {
+    fn of(statements: Vec<Statement>) -> Self {
+        let (mut targets, mut reads) = (HashSet::new(), BTreeSet::new());
+        collect_targets(&statements, &mut targets);
+        collect_reads(&statements, &mut reads);
+        Self { statements, targets: targets.into_iter().collect(), reads }
+    }
+
+    /// The assignment that the process is, where it is one of a whole signal.
+    pub fn plain(&self) -> Option<&Assign> {
+        let mut real = self.statements.iter().filter(|statement| !matches!(statement, Statement::Comment(_)));
+        match (real.next(), real.next()) {
+            (Some(Statement::Assign(assign)), None) if assign.at.is_none() => Some(assign),
+            _ => None,
+        }
+    }
+}
+
+/// The processes of a kernel, in the order in which its text comes to them.
+pub(super) fn split(scope: &Scope, statements: Vec<Statement>) -> Result<Vec<Process>, EmitError> {
+    let mut units: Vec<Process> = units(statements).into_iter().map(Process::of).collect();
+    drop_dead_holds(&mut units);
+    let groups = group(scope, &units);
+    check_settled_reads(scope, &units, &groups)?;
+    let mut order: Vec<usize> = (0..units.len()).collect();
+    // The place of a process is its first statement that says more than that a register holds.
+    let place = |group: usize| {
+        let members = || (0..units.len()).filter(|unit| groups[*unit] == group);
+        members().find(|unit| !holds(&units[*unit])).or_else(|| members().next()).unwrap_or(0)
+    };
+    order.sort_by_key(|unit| (place(groups[*unit]), groups[*unit], *unit));
+    let mut processes: Vec<(usize, Vec<Statement>)> = vec![];
+    let mut units: Vec<Option<Process>> = units.into_iter().map(Some).collect();
+    for unit in order {
+        let statements = units[unit].take().map(|process| process.statements).unwrap_or_default();
+        match processes.last_mut() {
+            Some((group, together)) if *group == groups[unit] => together.extend(statements),
+            _ => processes.push((groups[unit], statements)),
+        }
+    }
+    Ok(processes.into_iter().map(|(_, statements)| Process::of(statements)).collect())
+}
+
+/// Top-level statements, each with the comments before it.
+fn units(statements: Vec<Statement>) -> Vec<Vec<Statement>> {
+    let mut units = vec![];
+    let mut unit = vec![];
+    for statement in statements {
+        let is_comment = matches!(statement, Statement::Comment(_));
+        unit.push(statement);
+        if !is_comment {
+            units.push(std::mem::take(&mut unit));
+        }
+    }
+    units
+}
+
+fn holds(process: &Process) -> bool {
+    process.plain().is_some_and(|assign| assign.holds)
+}
+
+/// A register that is driven anyhow need not hold first.
+fn drop_dead_holds(units: &mut Vec<Process>) {
+    let mut driven = BTreeSet::new();
+    let mut kept: Vec<Process> = vec![];
+    for unit in units.drain(..).rev() {
+        match unit.plain() {
+            Some(assign) if assign.holds && driven.contains(&assign.target) => continue,
+            Some(assign) => _ = driven.insert(assign.target),
+            None => {}
+        }
+        kept.push(unit);
+    }
+    kept.reverse();
+    *units = kept;
+}
+
+/// The group of each unit.
+fn group(scope: &Scope, units: &[Process]) -> Vec<usize> {
+    let mut groups: Vec<usize> = (0..units.len()).collect();
+    let mut writers: Vec<Vec<usize>> = vec![vec![]; scope.signals.len()];
+    for (unit, process) in units.iter().enumerate() {
+        process.targets.iter().for_each(|target| writers[*target].push(unit));
+    }
+    for together in &writers {
+        together.windows(2).for_each(|pair| join(&mut groups, pair[0], pair[1]));
+    }
+    for (unit, process) in units.iter().enumerate() {
+        for read in process.reads.iter().filter(|read| in_order(scope, **read)) {
+            let later = writers[*read].iter().copied().filter(|writer| *writer > unit);
+            later.for_each(|writer| join(&mut groups, unit, writer));
+        }
+    }
+    (0..units.len()).map(|unit| root(&groups, unit)).collect()
+}
+
+/// Signals that Rust reads as they stand, not as they settle.
+fn in_order(scope: &Scope, id: SignalId) -> bool {
+    matches!(scope.signals[id].role, Role::Output | Role::Local)
+}
+
+fn root(groups: &[usize], mut unit: usize) -> usize {
+    while groups[unit] != unit {
+        unit = groups[unit];
+    }
+    unit
+}
+
+fn join(groups: &mut [usize], one: usize, other: usize) {
+    let (one, other) = (root(groups, one), root(groups, other));
+    groups[one.max(other)] = one.min(other);
+}
+
+/// Rust reads the inputs of parts and registers as they settle. Inside the process that drives them, that is their value
+/// only after the last write.
+fn check_settled_reads(scope: &Scope, units: &[Process], groups: &[usize]) -> Result<(), EmitError> {
+    for (unit, process) in units.iter().enumerate() {
+        for read in process.reads.iter().filter(|read| !in_order(scope, **read)) {
+            let written =
+                (unit..units.len()).any(|w| groups[w] == groups[unit] && units[w].targets.contains(read));
+            if written {
+                let key = &scope.signals[*read].key;
+                return Err(EmitError::field(&scope.path, key, Fault::ReadBeforeWrite(rust_path(key))));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn collect_reads(statements: &[Statement], reads: &mut BTreeSet<SignalId>) {
+    for statement in statements {
+        match statement {
+            Statement::Comment(_) => {}
+            Statement::Assign(assign) => collect(&assign.value, reads),
+            Statement::If { test, then, otherwise } => {
+                collect(test, reads);
+                [then, otherwise].iter().for_each(|block| collect_reads(block, reads));
+            }
+            Statement::Case { subject, arms, default } => {
+                collect(subject, reads);
+                arms.iter().map(|arm| &arm.body).chain(default).for_each(|block| collect_reads(block, reads));
+            }
+        }
+    }
+}
+
+fn collect(expression: &Expression, reads: &mut BTreeSet<SignalId>) {
+    expression.walk(&mut |part| {
+        if let Node::Signal(id) = part.node {
+            reads.insert(id);
+        }
+    });
+}

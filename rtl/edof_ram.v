@@ -1,0 +1,41 @@
+// Memory with one write port and one read port, one clock; a read gives what lay there before a write in the same cycle.
+//
+// BLOCK = 1 asks for block RAM, 0 for LUT RAM. INIT names a $readmemh image, "" leaves the start-up contents open.
+// Addresses are 12 bits wide whatever the depth, so that one port fits all; the memory uses as many bits as it has rows.
+`default_nettype none
+
+module edof_ram #(
+    parameter WIDTH = 32,
+    parameter DEPTH = 64,
+    parameter BLOCK = 0,
+    parameter INIT = ""
+) (
+    input  wire             clock_i,
+    input  wire [11:0]      read_address_i,
+    output reg  [WIDTH-1:0] read_data_o,
+    input  wire             write_enable_i,
+    input  wire [11:0]      write_address_i,
+    input  wire [WIDTH-1:0] write_data_i
+);
+    localparam BITS = $clog2(DEPTH);
+
+    generate
+        if (BLOCK != 0) begin : in_block
+            (* ram_style = "block" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
+            initial if (INIT != "") $readmemh(INIT, memory);
+            always @(posedge clock_i) begin
+                if (write_enable_i) memory[write_address_i[BITS-1:0]] <= write_data_i;
+                read_data_o <= memory[read_address_i[BITS-1:0]];
+            end
+        end else begin : in_luts
+            (* ram_style = "distributed" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
+            initial if (INIT != "") $readmemh(INIT, memory);
+            always @(posedge clock_i) begin
+                if (write_enable_i) memory[write_address_i[BITS-1:0]] <= write_data_i;
+                read_data_o <= memory[read_address_i[BITS-1:0]];
+            end
+        end
+    endgenerate
+endmodule
+
+`default_nettype wire
