@@ -49,7 +49,7 @@ fn designs() -> impl Strategy<Value = Design> {
                     shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
                     recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
                     linear_path,
-                    tied: seed % 3 == 0,
+                    tied: seed.is_multiple_of(3),
                 },
                 code_bits: bits,
                 accumulator_bits: 48,
@@ -79,7 +79,7 @@ fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
         .map(|_| {
             let dark = draw.whole(0, 4) == 0;
             let window = if dark { vec![0; pixels] } else { sample::extreme_window(draw, pixels) };
-            Patch { window, set: if draw.bits() % 2 == 0 { Set::First } else { Set::Second } }
+            Patch { window, set: if draw.bits().is_multiple_of(2) { Set::First } else { Set::Second } }
         })
         .collect()
 }
@@ -87,7 +87,7 @@ fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
 /// A network that fits the design; half of them have thresholds that leave few codes.
 fn network(design: &Design, seed: u64) -> FixedNetwork {
     let mut network = sample::for_design(design, seed);
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         let most = ((1 << (design.code_bits - 1)) - 1) as i16;
         network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|t| t.max(most - most / 8)));
     }
@@ -130,7 +130,7 @@ proptest! {
     fn a_chain_of_equal_patches_takes_what_the_slowest_stage_would_take_alone(design in designs()) {
         let estimate = estimate(&design, None);
         let alone = estimate.stages[estimate.limiting_stage()].largest();
-        prop_assert!(estimate.cycles_per_patch >= alone - 0.1, "{} {alone}", estimate.cycles_per_patch);
+        prop_assert_eq!(estimate.cycles_per_patch, alone);
     }
 }
 
@@ -172,7 +172,9 @@ fn paper_takes_the_same_number_of_cycles_for_any_patch_and_at_most_200() {
     let model = Cycle::new(&design, [&networks[0], &networks[1]]).unwrap();
     let summary = summary(&model, patches(&design, 500, 4));
     assert_eq!((summary.fewest_cycles, summary.most_cycles), (192, 192));
-    assert_eq!(estimate(&design, None).cycles_per_patch, 192.0);
+    let estimate = estimate(&design, None);
+    assert_eq!((estimate.cycles_per_patch, estimate.patches_per_frame), (192.0, 240 * 135));
+    assert!((20.0..20.2).contains(&estimate.frames_per_second));
 }
 
 #[test]
@@ -226,13 +228,14 @@ fn natural_patches(design: &Design, count: usize) -> Vec<Patch> {
 }
 
 #[test]
-fn kc705_with_trained_weights_takes_few_cycles_for_smooth_windows() {
+fn kc705_with_trained_weights_takes_little_more_than_its_mean_patch_would() {
     let design = committed("kc705");
-    let network =
-        weight_file::load_fixed(&project().join("weights/edof-t4w12-outer.fixed.safetensors")).unwrap();
-    let model = Cycle::new(&design, [&network; 2]).unwrap();
-    let summary = summary(&model, natural_patches(&design, 1000));
-    let mean = summary.cycles_per_patch();
-    eprintln!("kc705: mean {mean}, most {}, limiting {}", summary.most_cycles, summary.limiting_stage());
-    assert!((97.0..400.0).contains(&mean), "{mean}");
+    let path = project().join("weights/edof-t4w12-outer.fixed.safetensors");
+    let network = weight_file::load_fixed(&path).unwrap();
+    let summary = summary(&Cycle::new(&design, [&network; 2]).unwrap(), natural_patches(&design, 1000));
+    let mean = estimate(&design, Some(&summary.mean_pairs()));
+    let cycles = summary.cycles_per_patch();
+    assert!((mean.cycles_per_patch..1.15 * mean.cycles_per_patch).contains(&cycles), "{cycles}, {mean:?}");
+    assert!(cycles < estimate(&design, None).cycles_per_patch);
+    assert_eq!(summary.limiting_stage(), mean.limiting_stage());
 }

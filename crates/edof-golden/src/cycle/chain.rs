@@ -1,7 +1,8 @@
 //! The chain of stages: the cycle of every transfer of one patch after the other.
 //!
 //! All that a patch meets was decided by patches before it: a stage's room for vector k by vector k − 2, F's room for window k
-//! by window k − `kept_windows`. So one patch goes through all stages at once, with one maximum or two for a beat.
+//! by window k − `kept_windows`; a window's place, like a slot, is free from the cycle after its vector's last pass finished. Nor
+//! can room be lost while a vector comes in: its first beat waits, the others follow as they are sent. So one patch goes through all stages at once, with one maximum or two for a beat.
 
 use super::stage::{Receiver, StageClock, StageUse};
 use super::{StallPattern, Stalls};

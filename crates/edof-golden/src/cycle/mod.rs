@@ -9,7 +9,7 @@
 //! | beats | [`transfer`] | words and cycles of a patch together |
 //! | run | [`run`] | patches in, [`PatchRun`]s out, one after the other |
 //! | figures | [`summary`] | cycles a patch, latency, counters, which stage limits |
-//! | ahead | [`estimate`] | the same from a design alone, or with mean numbers of non-zeros |
+//! | ahead | [`mod@estimate`] | the same from a design alone, or with mean numbers of non-zeros |
 //! | proof | [`stepped`] | the same cycles from a machine that steps through every cycle: slow, for tests |
 //!
 //! Between stages nothing is random and nothing changes within a vector, so that the cycles follow from a few maxima a beat:

@@ -16,6 +16,8 @@ pub struct Receiver {
 /// What a stage did for one vector.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct StageUse {
+    /// Pairs of the vector that it multiplied.
+    pub pairs: u64,
     /// Cycles in which it multiplied.
     pub steps: u64,
     /// Cycles in which it did not because the vector was not there.
@@ -24,7 +26,10 @@ pub struct StageUse {
     pub waited_for_drain: u64,
 }
 
-/// A stage between two vectors. Every field is the first cycle in which something is free: one more than the cycle that the
+/// A stage between two vectors.
+///
+/// Its base ring never makes it wait: with two slots full, one vector in the DSPs and one in the drain, `BASE_VECTORS` bases are
+/// held, and the next vector's first beat comes when the slot, and so the drain, of an older one is free. Every field is the first cycle in which something is free: one more than the cycle that the
 /// contract's recurrences name.
 #[derive(Debug, Clone)]
 pub struct StageClock {
@@ -76,11 +81,11 @@ impl StageClock {
     /// its result's beats are transferred to `out`.
     pub fn take(&mut self, last_in: u64, pairs: usize, receiver: Receiver, out: &mut Vec<u64>) -> StageUse {
         let steps = self.plan.cycles(pairs) as u64 / self.plan.passes() as u64;
-        let mut used = StageUse::default();
+        let mut used = StageUse { pairs: pairs as u64, ..StageUse::default() };
         self.output = self.output.max(receiver.from);
         for _ in 0..self.plan.passes() {
-            let first = self.multipliers.max(last_in + 1).max(self.drains[1]);
             let present = self.multipliers.max(last_in + 1);
+            let first = present.max(self.drains[1]);
             used.waited_for_input += present - self.multipliers;
             used.waited_for_drain += first - present;
             used.steps += steps;

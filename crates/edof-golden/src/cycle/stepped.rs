@@ -4,11 +4,14 @@
 use super::Stalls;
 use crate::Trace;
 use edof_spec::Design;
-use edof_spec::design::timing::{DRAIN_CREDITS, DRAIN_LATENCY, SUM_LATENCY};
+use edof_spec::design::timing::{BASE_VECTORS, DRAIN_CREDITS, DRAIN_LATENCY, SUM_LATENCY};
 use edof_spec::design::{BEAT, StagePlan};
 use std::collections::VecDeque;
 
 /// Steps a design through patches, from reset until the last result is out. Gives the cycles of all transfers at each boundary.
+///
+/// # Panics
+/// When a stage would have to hold more bases than [`BASE_VECTORS`]: a flaw of the contract, which lets no beat wait for them.
 #[must_use]
 pub fn run(design: &Design, skip_zeros: bool, stalls: Stalls, traces: &[Trace]) -> Vec<Vec<u64>> {
     let mut machine = Machine::new(design, skip_zeros, traces);
@@ -119,6 +122,10 @@ struct Stage {
     /// Takes left in the holding registers.
     holding: usize,
     credits: usize,
+    /// Takes until the last of a vector's last pass.
+    takes: usize,
+    /// Vectors of which a beat came in and whose last take is not over: their bases are held.
+    bases: usize,
     /// Results on their way from holding registers to FIFO.
     draining: Delay,
     /// Beats in the FIFO.
@@ -141,6 +148,8 @@ impl Stage {
             sums: 0,
             holding: 0,
             credits: DRAIN_CREDITS,
+            takes: plan.beats_out(),
+            bases: 0,
             draining: Delay::new(DRAIN_LATENCY),
             fifo: 0,
         }
@@ -193,6 +202,11 @@ impl Stage {
             self.holding -= 1;
             self.credits -= 1;
             self.open -= usize::from(self.holding == 0);
+            self.takes -= 1;
+            if self.takes == 0 {
+                self.takes = self.plan.beats_out();
+                self.bases -= 1;
+            }
         }
         if copies {
             self.sums -= 1;
@@ -206,6 +220,10 @@ impl Stage {
 
     /// A beat into the slot that fills.
     fn append(&mut self) {
+        if self.filling.1 == 0 {
+            self.bases += 1;
+            assert!(self.bases <= BASE_VECTORS, "stage {} holds {} bases", self.plan.index, self.bases);
+        }
         self.filling.0 += self.coming.pop_front().unwrap_or(0);
         self.filling.1 += 1;
         if self.filling.1 == self.plan.beats_in() {

@@ -15,7 +15,7 @@ pub struct Summary {
     pub stages: Vec<StageSummary>,
     /// Most cycles from one result's last beat to the next's; 0 before the second patch.
     pub most_cycles: u64,
-    /// Fewest.
+    /// Fewest; `u64::MAX` before the second patch.
     pub fewest_cycles: u64,
     /// Most cycles from a window's first beat to its result's last.
     pub most_latency: u64,
@@ -28,6 +28,8 @@ pub struct Summary {
 #[derive(Debug, Clone, Copy)]
 pub struct StageSummary {
     plan: StagePlan,
+    /// Pairs that it multiplied.
+    pub pairs: u64,
     /// Cycles in which it multiplied.
     pub steps: u64,
     /// Cycles in which it did not because no vector was there.
@@ -42,8 +44,14 @@ impl Summary {
     /// Of no patches yet.
     #[must_use]
     pub fn new(design: &Design) -> Self {
-        let empty =
-            |plan| StageSummary { plan, steps: 0, waited_for_input: 0, waited_for_drain: 0, alone: 0.0 };
+        let empty = |plan| StageSummary {
+            plan,
+            pairs: 0,
+            steps: 0,
+            waited_for_input: 0,
+            waited_for_drain: 0,
+            alone: 0.0,
+        };
         Self {
             counts: Counts::new(design.form.layers),
             stages: design.stages().map(empty).collect(),
@@ -70,6 +78,7 @@ impl Summary {
         self.most_latency = self.most_latency.max(patch.times.latency());
         self.counts.add(&patch.trace.stages);
         for (stage, used) in self.stages.iter_mut().zip(&patch.times.stages) {
+            stage.pairs += used.pairs;
             stage.steps += used.steps;
             stage.waited_for_input += used.waited_for_input;
             stage.waited_for_drain += used.waited_for_drain;
@@ -89,6 +98,12 @@ impl Summary {
     #[must_use]
     pub fn mean_latency(&self) -> f64 {
         self.latencies as f64 / self.counts.patches.max(1) as f64
+    }
+
+    /// Mean number of pairs that I, each M, F multiplied of a patch: what [`super::estimate()`] takes.
+    #[must_use]
+    pub fn mean_pairs(&self) -> Vec<f64> {
+        self.stages.iter().map(|stage| stage.pairs as f64 / self.counts.patches.max(1) as f64).collect()
     }
 
     /// Cycles that the whole run took.
