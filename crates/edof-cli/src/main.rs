@@ -8,15 +8,19 @@
 //! | Ctrl-C | [`interrupt`] |
 //! | a network's form in words | [`form`] |
 //! | networks by name, wherever the program is started | [`weights`] |
+//! | designs likewise | [`designs`] |
+//! | windows to feed the hardware with | [`windows`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
+mod designs;
 mod error;
 mod form;
 mod interrupt;
 mod ui;
 mod weights;
+mod windows;
 
 use clap::{Parser, Subcommand};
 use error::Error;
@@ -52,6 +56,9 @@ Examples:
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
+  edof estimate --design kc705 --weights edof-t4w12-outer
+  edof cosim --design tiny                             the generated Verilog against the cycle model
+  edof generate --design paper --weights paper-t4 --out build/paper
 
 Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
 2 wrong usage, 130 stopped by Ctrl-C.";
@@ -66,6 +73,9 @@ enum Command {
     Reconstruct(commands::reconstruct::Args),
     Study(commands::study::Args),
     Demo(commands::demo::Args),
+    Cosim(commands::cosim::Args),
+    Estimate(commands::estimate::Args),
+    Generate(commands::generate::Args),
 }
 
 fn main() -> ExitCode {
@@ -92,6 +102,9 @@ fn run(cli: Cli) -> Result<(), Error> {
         Command::Reconstruct(args) => commands::reconstruct::run(args, &ui),
         Command::Study(args) => commands::study::run(args, &ui),
         Command::Demo(args) => commands::demo::run(args, &ui),
+        Command::Cosim(args) => commands::cosim::run(args, &ui),
+        Command::Estimate(args) => commands::estimate::run(args, &ui),
+        Command::Generate(args) => commands::generate::run(args, &ui),
     }
 }
 

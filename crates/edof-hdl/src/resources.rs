@@ -192,7 +192,8 @@ fn lut_ram(width: usize, depth: usize) -> Resources {
 
 /// Blocks of four LUTs that a memory takes, and how many stand behind one another: 64 rows of 3 bits or 32 of 6 each.
 fn ram_blocks(width: usize, depth: usize) -> (usize, usize) {
-    let blocks = |rows: usize, bits: usize| (depth.div_ceil(rows) * width.div_ceil(bits), depth.div_ceil(rows));
+    let blocks =
+        |rows: usize, bits: usize| (depth.div_ceil(rows) * width.div_ceil(bits), depth.div_ceil(rows));
     blocks(64, 3).min(blocks(32, 6))
 }
 

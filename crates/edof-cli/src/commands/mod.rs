@@ -1,7 +1,10 @@
 //! One thin file a sub-command: open, check, compute, write, tell. No algorithm lives here.
 
 pub mod capture;
+pub mod cosim;
 pub mod demo;
+pub mod estimate;
+pub mod generate;
 pub mod optics;
 pub mod quantize;
 pub mod reconstruct;

@@ -33,7 +33,9 @@ pub struct Outcome {
     pub summary: Summary,
     /// Beats that passed as they should, at all boundaries.
     pub beats: u64,
-    /// Cycles run after reset.
+    /// Cycles of reset and writing before cycle 0.
+    pub lead: u64,
+    /// Cycles run from cycle 0 on.
     pub cycles: u64,
     /// The first difference.
     pub difference: Option<Difference>,
@@ -62,7 +64,7 @@ impl Drive {
             None => model,
         };
         let stages = design.stages.len();
-        self.begin(stages, device)?;
+        let lead = self.begin(stages, device)?;
         let mut bench = Bench {
             source: Source { beats: VecDeque::new(), pending: false, stalls: stalls.source },
             boundaries: Boundary::all(stages),
@@ -96,12 +98,13 @@ impl Drive {
             }
         };
         let beats = bench.boundaries.iter().map(|b| b.passed).sum();
-        Ok(Outcome { summary: bench.summary, beats, cycles: cycle, difference })
+        Ok(Outcome { summary: bench.summary, beats, lead, cycles: cycle, difference })
     }
 
-    /// Resets the circuit and writes what is to be written.
-    fn begin(&self, stages: usize, device: &mut impl Device) -> Result<(), Error> {
+    /// Resets the circuit and writes what is to be written; tells how many cycles that took.
+    fn begin(&self, stages: usize, device: &mut impl Device) -> Result<u64, Error> {
         let mut outputs = Outputs::default();
+        let mut cycles = RESET_CYCLES as u64;
         for _ in 0..RESET_CYCLES {
             device.cycle(&Inputs { reset: true, ..Inputs::default() }, &mut outputs)?;
         }
@@ -111,12 +114,15 @@ impl Drive {
         });
         for write in skip.chain(self.writes.iter().copied()) {
             let inputs = Inputs { write: Some(write), ..Inputs::default() };
-            device.cycle(&inputs, &mut outputs)?;
-            while !outputs.write_ready {
+            loop {
                 device.cycle(&inputs, &mut outputs)?;
+                cycles += 1;
+                if outputs.write_ready {
+                    break;
+                }
             }
         }
-        Ok(())
+        Ok(cycles)
     }
 
     /// Compares the counters of all stages.

@@ -6,11 +6,13 @@
 //! | | [`simulated`] | the chain in rust-hdl's own simulator |
 //! | | [`verilated`] | the chain as Verilog, in Verilator |
 //! | compare | [`check`] | the first difference: stage, patch, element, cycle, expected, got |
+//! | | [`second`] | what was run, once more in Icarus |
 //! | run | [`drive`] | patches through a circuit, with stalls, checked as they pass |
 
 pub mod check;
 pub mod device;
 pub mod drive;
+pub mod second;
 pub mod simulated;
 pub mod verilated;
 

@@ -1,0 +1,213 @@
+//! `edof cosim`: the generated Verilog against the cycle model.
+
+use crate::designs;
+use crate::error::Error;
+use crate::interrupt;
+use crate::ui::Ui;
+use crate::weights;
+use crate::windows;
+use edof_cosim::chain::second::{Recorded, icarus};
+use edof_cosim::chain::verilated::Compiled;
+use edof_cosim::chain::{Drive, Outcome};
+use edof_cosim::junit;
+use edof_cosim::verilator::{Options, Waveform};
+use edof_golden::cycle::{Cycle, Patch, Stalls};
+use edof_golden::sample::{self, Draw};
+use edof_hdl::project::{self, Project};
+use edof_spec::design::memory::Set;
+use edof_spec::{Design, FixedNetwork};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Cycles that the waveform shows before a difference.
+const WAVEFORM_CYCLES: u64 = 300;
+
+/// Run the generated Verilog in Verilator and compare every word and cycle with the model
+///
+/// Patches are windows of a picture behind the network's own camera, or drawn at random with extreme values. Registers and
+/// memories start with random contents. Every stage boundary is compared in every cycle, and the counters at the end; the first
+/// difference ends the run with exit status 1, and is shown in a waveform.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof cosim --design tiny --random 2000 --stalls 0.3
+  edof cosim --design paper --weights paper-t4 --photo photo.png --patches 2000 --json result.json
+  edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml")]
+pub struct Args {
+    /// Design: tiny, paper, kc705, or a JSON file
+    #[arg(long, value_name = "NAME|FILE")]
+    design: String,
+
+    /// Quantized network, by name or file; without it, one with extreme weights is drawn for the design
+    #[arg(long, value_name = "NAME|FILE")]
+    weights: Option<String>,
+
+    /// Picture whose windows are used; without it, a built-in scene of dead leaves
+    #[arg(long, value_name = "FILE", conflicts_with = "random")]
+    photo: Option<PathBuf>,
+
+    /// Use N drawn windows with extreme values in place of a picture
+    #[arg(long, value_name = "N")]
+    random: Option<usize>,
+
+    /// Most patches of the picture that are run
+    #[arg(long, default_value_t = 500, value_name = "N")]
+    patches: usize,
+
+    /// Share of cycles in which source and sink stall, 0 to 0.99
+    #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
+    stalls: f64,
+
+    /// Leave zeros out, or not [default: as the design says]
+    #[arg(long, value_parser = ["on", "off"])]
+    skip: Option<String>,
+
+    /// Seed of start-up contents, stalls and everything drawn
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    /// Run the same inputs in Icarus too and compare all outputs; slow
+    #[arg(long)]
+    icarus: bool,
+
+    /// Where the waveform of a difference goes, without extension
+    #[arg(long, default_value = "cosim-difference", value_name = "FILE")]
+    waveform: PathBuf,
+
+    /// Write the result as JUnit XML too
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+}
+
+/// # Errors
+/// A design, network or picture that cannot be used, a simulator that is missing, or a difference.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let start = Instant::now();
+    let design = designs::load(&args.design)?;
+    let network = match &args.weights {
+        Some(name) => weights::fixed(name)?,
+        None => sample::for_design(&design, args.seed),
+    };
+    let trial = Trial { patches: patches(&args, &design, &network)?, design, network, drive: drive(&args)? };
+    let project = project::calculator(&trial.design, [&trial.network, &trial.network])?;
+    let outcome = trial.run(&project, &args, ui)?;
+    let seconds = start.elapsed().as_secs_f64();
+    tell(&args, &trial.design, &outcome, seconds, ui)?;
+    match &outcome.difference {
+        None => Ok(()),
+        Some(difference) => {
+            let waveform = trial.waveform(&project, &args, &outcome)?;
+            Err(Error::message(format!("{difference}; waveform {}", waveform.display())))
+        }
+    }
+}
+
+fn drive(args: &Args) -> Result<Drive, Error> {
+    if !(0.0..=0.99).contains(&args.stalls) {
+        return Err(Error::message(format!("--stalls {}: must be 0 to 0.99", args.stalls)));
+    }
+    let stalls = Stalls::drawn(args.seed, (256.0 * args.stalls) as u8);
+    Ok(Drive { skip_zeros: args.skip.as_ref().map(|s| s == "on"), stalls: Some(stalls), ..Drive::default() })
+}
+
+/// The patches to run; random ones use both sets of weights.
+fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<Patch>, Error> {
+    let draw = &mut Draw::new(args.seed);
+    if let Some(count) = args.random {
+        let pixels = design.form.window.pixels();
+        let patch = |_| Patch {
+            set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
+            window: sample::extreme_window(draw, pixels),
+        };
+        return Ok((0..count).map(patch).collect());
+    }
+    let raw = windows::frame(network, args.photo.as_deref(), args.seed)?;
+    let windows = windows::of(network, &raw)?.take(args.patches);
+    Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
+}
+
+/// What is run.
+struct Trial {
+    design: Design,
+    network: FixedNetwork,
+    patches: Vec<Patch>,
+    drive: Drive,
+}
+
+impl Trial {
+    fn model(&self) -> Result<Cycle, Error> {
+        Ok(Cycle::new(&self.design, [&self.network, &self.network])?)
+    }
+
+    fn run(&self, project: &Project, args: &Args, ui: &Ui) -> Result<Outcome, Error> {
+        let options = Options { cache: Options::user_cache(), ..Options::default() };
+        ui.note(format!("compiling {} modules with Verilator", project.verilog.len()));
+        let compiled = Compiled::new(project, self.design.stages.len(), &options)?;
+        interrupt::check()?;
+        let mut device = Recorded::new(compiled.start(args.seed)?);
+        let bar = ui.progress(self.patches.len() as u64, "patches compared");
+        let patches = self.patches.iter().take_while(|_| interrupt::check().is_ok()).cloned();
+        let outcome = self.drive.run(self.model()?, patches, &mut device, &mut |done| bar.set(done))?;
+        drop(bar);
+        interrupt::check()?;
+        if args.icarus && outcome.difference.is_none() {
+            ui.note("running the same inputs in Icarus");
+            if let Some(difference) = icarus(project, &compiled, device.inputs(), args.seed)? {
+                return Err(Error::message(format!("Icarus differs from Verilator: {difference}")));
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// Runs once more, with the last cycles before the difference in a waveform.
+    fn waveform(&self, project: &Project, args: &Args, outcome: &Outcome) -> Result<PathBuf, Error> {
+        let waveform = Waveform::best();
+        let path = args.waveform.with_extension(waveform.extension());
+        let options = Options { waveform, cache: Options::user_cache(), ..Options::default() };
+        let mut device = Compiled::new(project, self.design.stages.len(), &options)?.start(args.seed)?;
+        let end = outcome.lead + outcome.cycles;
+        device.model().trace_window(&path, end.saturating_sub(WAVEFORM_CYCLES), end + 1)?;
+        self.drive.run(self.model()?, self.patches.iter().cloned(), &mut device, &mut |_| ())?;
+        Ok(path)
+    }
+}
+
+fn tell(args: &Args, design: &Design, outcome: &Outcome, seconds: f64, ui: &Ui) -> Result<(), Error> {
+    let summary = &outcome.summary;
+    let boundaries = design.stages.len() + 1;
+    let differences = usize::from(outcome.difference.is_some());
+    let patches = summary.counts.patches;
+    if differences == 0 {
+        ui.say(format!(
+            "{}: {patches} patches, {} beats at {boundaries} boundaries, {} cycles: no difference; {:.1} cycles a patch, at most {}",
+            design.name, outcome.beats, outcome.cycles, summary.cycles_per_patch(), summary.most_cycles
+        ))?;
+    }
+    if let Some(path) = &args.junit {
+        write_junit(path, design, outcome, seconds)?;
+    }
+    ui.json(&json!({
+        "design": design.name,
+        "weights": args.weights,
+        "patches": patches,
+        "boundaries": boundaries,
+        "beats": outcome.beats,
+        "differences": differences,
+        "first_difference": outcome.difference,
+        "cycles": outcome.cycles,
+        "cycles_per_patch": { "mean": summary.cycles_per_patch(), "max": summary.most_cycles },
+        "stalls": args.stalls,
+        "seed": args.seed,
+        "icarus": args.icarus,
+        "seconds": seconds,
+    }))
+}
+
+fn write_junit(path: &Path, design: &Design, outcome: &Outcome, seconds: f64) -> Result<(), Error> {
+    let failure = outcome.difference.as_ref().map(ToString::to_string);
+    let name = format!("{} patches at every boundary and cycle", outcome.summary.counts.patches);
+    let cases = vec![junit::Case { name, seconds, failure }];
+    let suites = vec![junit::Suite { name: format!("cosim {}", design.name), cases }];
+    edof_spec::atomic::write(path, junit::Report { suites }.to_xml().as_bytes())?;
+    Ok(())
+}

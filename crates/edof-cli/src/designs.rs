@@ -1,0 +1,42 @@
+//! Designs by name or by file: `kc705` stands for `designs/kc705.json`, which travels inside the program.
+
+use crate::error::Error;
+use edof_spec::Design;
+use std::path::Path;
+
+/// The designs inside the program.
+const EMBEDDED: [(&str, &str); 3] = [
+    ("tiny", include_str!("../../../designs/tiny.json")),
+    ("paper", include_str!("../../../designs/paper.json")),
+    ("kc705", include_str!("../../../designs/kc705.json")),
+];
+
+/// Loads a design by file, or by name.
+///
+/// # Errors
+/// Nothing of that name, or a file that holds no usable design.
+pub fn load(name_or_path: &str) -> Result<Design, Error> {
+    let path = Path::new(name_or_path);
+    if path.is_file() {
+        return Ok(Design::load(path)?);
+    }
+    match EMBEDDED.iter().find(|(name, _)| *name == name_or_path) {
+        Some((_, text)) => Ok(Design::from_json(text)?),
+        None => Err(Error::message(format!(
+            "design '{name_or_path}': no such file, and not one of the designs that come with the program ({})",
+            EMBEDDED.map(|(name, _)| name).join(", ")
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_design_inside_the_program_is_usable() {
+        for (name, _) in EMBEDDED {
+            assert_eq!(load(name).unwrap().name, name);
+        }
+    }
+}
