@@ -15,6 +15,8 @@ pub struct Options {
     pub parameters: Vec<(String, String)>,
     /// Where relative paths of `$readmemh` start; without it, in the working directory of the process.
     pub memory_dir: Option<PathBuf>,
+    /// Maps each module by itself: much faster where many are alike, and parts are reported. Nothing is shared across borders.
+    pub keep_hierarchy: bool,
 }
 
 /// The cells of a mapped design.
@@ -24,6 +26,8 @@ pub struct Report {
     pub cells: BTreeMap<String, usize>,
     /// Every DSP48E1.
     pub dsps: Vec<Dsp>,
+    /// The same of each instance in the top, where the hierarchy was kept.
+    pub parts: BTreeMap<String, Report>,
 }
 
 /// How one DSP48E1 is used.
@@ -50,6 +54,13 @@ impl Dsp {
 }
 
 impl Report {
+    fn add(&mut self, part: &Self) {
+        for (cell, count) in &part.cells {
+            *self.cells.entry(cell.clone()).or_default() += count;
+        }
+        self.dsps.extend(part.dsps.iter().cloned());
+    }
+
     /// Cells of one type.
     #[must_use]
     pub fn count(&self, cell: &str) -> usize {
@@ -107,7 +118,7 @@ fn lut_sites(cell: &str) -> usize {
     }
 }
 
-/// Maps the design, flattened, by `synth_xilinx -family xc7`, without buffers for pins and clocks.
+/// Maps the design by `synth_xilinx -family xc7`, without buffers for pins and clocks.
 ///
 /// # Errors
 /// Yosys is missing or refuses the design.
@@ -135,7 +146,10 @@ fn commands(source: &Source, options: &Options, work: &Path) -> String {
     [
         format!("read_verilog {language}-defer {}\n", files.join(" ")),
         format!("hierarchy -top {}{}\n", source.top, parameters.collect::<String>()),
-        "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf\n".into(),
+        format!(
+            "synth_xilinx -family xc7 {}-noiopad -noclkbuf\n",
+            if options.keep_hierarchy { "" } else { "-flatten " }
+        ),
         format!("write_json \"{}\"\n", work.join("netlist.json").display()),
     ]
     .concat()

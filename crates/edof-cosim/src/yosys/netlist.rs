@@ -47,14 +47,34 @@ impl Netlist {
     /// What the top is made of; none where there is no top.
     pub fn report(&self) -> Option<Report> {
         let top = self.modules.values().find(|module| module.attributes.contains_key("top"))?;
+        Some(self.report_of(top))
+    }
+
+    /// A module with everything that its parts are made of.
+    fn report_of(&self, module: &Module) -> Report {
         let mut report = Report::default();
-        for cell in top.cells.values() {
-            *report.cells.entry(cell.kind.clone()).or_default() += 1;
+        let to_carry = module.nets_to_carry();
+        for (name, cell) in &module.cells {
+            if let Some(part) = self.part(&cell.kind) {
+                let part = self.report_of(part);
+                report.add(&part);
+                report.parts.insert(name.clone(), part);
+            } else {
+                *report.cells.entry(cell.kind.clone()).or_default() += 1;
+                if cell.kind == "DSP48E1" {
+                    report.dsps.push(cell.dsp(name, &to_carry));
+                }
+            }
         }
-        let to_carry = top.nets_to_carry();
-        let dsps = top.cells.iter().filter(|(_, cell)| cell.kind == "DSP48E1");
-        report.dsps = dsps.map(|(name, cell)| cell.dsp(name, &to_carry)).collect();
-        Some(report)
+        report
+    }
+
+    /// The module of that name, if it is no primitive.
+    fn part(&self, kind: &str) -> Option<&Module> {
+        let is_primitive = |module: &Module| {
+            ["blackbox", "whitebox"].iter().any(|attribute| module.attributes.contains_key(*attribute))
+        };
+        self.modules.get(kind).filter(|module| !is_primitive(module))
     }
 }
 

@@ -1,0 +1,88 @@
+//! What Yosys makes of the committed designs, against what was estimated before it ran.
+
+use edof_cosim::Source;
+use edof_cosim::yosys::{Options, Report, synthesize};
+use edof_golden::sample;
+use edof_hdl::project;
+use edof_hdl::resources::{Resources, stages};
+use edof_spec::Design;
+use edof_spec::design::{FrameSize, StageSize};
+use edof_spec::network::{Form, Recurrence};
+
+fn committed(name: &str) -> Design {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    Design::load(&root.join(format!("designs/{name}.json"))).unwrap()
+}
+
+/// Maps a chain. Without the names of their images all banks of a stage are one module, which is mapped once.
+fn mapped(design: &Design) -> Report {
+    let network = sample::for_design(design, 1);
+    let mut source = Source::from(&project::calculator(design, [&network, &network]).unwrap());
+    for (_, text) in &mut source.files {
+        *text = without_images(text);
+    }
+    synthesize(&source, &Options { keep_hierarchy: true, ..Options::default() }).unwrap()
+}
+
+fn without_images(text: &str) -> String {
+    let line = |line: &str| match line.trim_start().starts_with(".INIT(\"") {
+        true => "        .INIT(\"\")".to_string(),
+        false => line.to_string(),
+    };
+    text.lines().map(|l| line(l) + "\n").collect()
+}
+
+fn assert_within(percent: usize, what: &str, estimated: usize, measured: usize) {
+    let off = estimated.abs_diff(measured) * 100;
+    assert!(off <= percent * measured, "{what}: {estimated} estimated, {measured} measured");
+}
+
+/// Holds every stage and the whole to the estimate.
+fn assert_as_estimated(design: &Design) {
+    let report = mapped(design);
+    for (index, (plan, estimated)) in design.stages().zip(stages(design)).enumerate() {
+        let part = &report.parts[&format!("stages_{index}")];
+        let name = format!("{} stage {index}", design.name);
+        assert_eq!(part.dsp48e1(), plan.lanes * plan.rows, "{name}");
+        assert_eq!(part.accumulators_inside(), plan.lanes * plan.rows, "{name}");
+        assert_eq!(estimated.dsp48e1, part.dsp48e1(), "{name}");
+        assert_eq!(estimated.ramb36e1, part.ramb36e1(), "{name}");
+        assert_eq!(estimated.ramb18e1, part.ramb18e1(), "{name}");
+        assert_within(15, &format!("LUT of {name}"), estimated.lut, part.luts());
+        assert_within(15, &format!("FF of {name}"), estimated.ff, part.flip_flops());
+    }
+    let all: Resources = stages(design).into_iter().sum();
+    assert_within(15, "LUT", all.lut, report.luts());
+    assert_within(15, "FF", all.ff, report.flip_flops());
+}
+
+#[test]
+fn tiny_takes_what_was_estimated() {
+    assert_as_estimated(&committed("tiny"));
+}
+
+#[test]
+fn paper_takes_what_was_estimated() {
+    assert_as_estimated(&committed("paper"));
+}
+
+#[test]
+fn kc705_takes_what_was_estimated() {
+    assert_as_estimated(&committed("kc705"));
+}
+
+#[test]
+fn the_difference_form_takes_what_was_estimated() {
+    let tiny = committed("tiny");
+    let form = Form { recurrence: Recurrence::Difference, linear_path: false, ..tiny.form };
+    let size = |lanes, rows| StageSize { lanes, rows };
+    let design = Design {
+        name: "difference".into(),
+        form,
+        stages: vec![size(8, 1), size(16, 2), size(16, 1), size(64, 1)],
+        frame: FrameSize { width: 64, ..tiny.frame },
+        ..tiny
+    };
+    design.check().unwrap();
+    assert_as_estimated(&design);
+}
