@@ -54,7 +54,10 @@ pub fn icarus(
 }
 
 /// Inputs as rows of a chain's ports.
-fn rows(source: &Source, inputs: &[Inputs]) -> Result<Rows, Error> {
+///
+/// # Errors
+/// The source has not the ports of a chain.
+pub fn rows(source: &Source, inputs: &[Inputs]) -> Result<Rows, Error> {
     let layout = Layout::inputs(source);
     let mut rows = Rows::new(layout.words());
     for input in inputs {
