@@ -118,20 +118,10 @@ impl Typing<'_> {
             // In Rust, a number shifted by a signal is a Bits<64>.
             (Op::Shl | Op::Shr, (Guess::Number(_), _)) => Guess::Type(Type::bits(64)),
             (Op::Shl | Op::Shr, (guess, _)) => guess,
-            (Op::Mul, _) => Guess::Type(self.factor(left, right)?.with_bits(32)),
+            (Op::Mul, _) => Guess::Type(factor(guesses).with_bits(32)),
             (_, (Guess::Type(ty), _) | (_, Guess::Type(ty))) => Guess::Type(ty),
             (_, (open @ Guess::Open { .. }, _) | (_, open)) => open,
         })
-    }
-
-    /// The type of both factors of a product: rust-hdl multiplies 16 by 16 bits only.
-    fn factor(&self, left: &Source, right: &Source) -> Result<Type, Fault> {
-        let signed = match (self.guess(left)?, self.guess(right)?) {
-            (Guess::Type(ty), _) | (_, Guess::Type(ty)) => ty.signed,
-            (Guess::Open { signed }, _) | (_, Guess::Open { signed }) => signed,
-            _ => return Err(Fault::Ambiguous(quote_binary(left, &Op::Mul, right))),
-        };
-        Ok(Type { bits: 16, signed })
     }
 
     /// A slice is as signed as its operand, or as the field of the composite that it is.
@@ -142,7 +132,10 @@ impl Typing<'_> {
         {
             return Ok(true);
         }
-        Ok(self.subject(inner)?.ty.signed)
+        match self.guess(inner)? {
+            Guess::Type(ty) => Ok(ty.signed),
+            _ => Err(Fault::Ambiguous(quote(inner))),
+        }
     }
 
     fn check(&self, source: &Source, wanted: Type) -> Typed {
@@ -227,7 +220,9 @@ impl Typing<'_> {
             Op::BitAnd | Op::BitOr | Op::BitXor => {
                 both(wanted).map(|(l, r)| Node::Wrapping(symbol(op), l, r))?
             }
-            Op::Mul => both(self.factor(left, right)?).map(|(l, r)| Node::Product(l, r))?,
+            Op::Mul => {
+                both(factor((self.guess(left)?, self.guess(right)?))).map(|(l, r)| Node::Product(l, r))?
+            }
             Op::LogicalAnd | Op::LogicalOr => {
                 both(Type::BIT).map(|(l, r)| Node::Logical(symbol(op), l, r))?
             }
@@ -291,6 +286,16 @@ impl Typing<'_> {
             }
         }
     }
+}
+
+/// The type of both factors of a product: rust-hdl multiplies 16 by 16 bits only.
+fn factor(guesses: (Guess, Guess)) -> Type {
+    let signed = match guesses {
+        (Guess::Type(ty), _) | (_, Guess::Type(ty)) => ty.signed,
+        (Guess::Open { signed }, _) | (_, Guess::Open { signed }) => signed,
+        _ => false,
+    };
+    Type { bits: 16, signed }
 }
 
 fn quote_binary(left: &Source, op: &Op, right: &Source) -> String {
