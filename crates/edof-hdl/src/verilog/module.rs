@@ -1,10 +1,11 @@
 //! One block as the text of one module.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use rust_hdl::prelude::Verilog;
 
 use super::collect::Tree;
+use super::cycles::{self, Path};
 use super::error::{EmitError, Fault};
 use super::expression::{Expression, Node};
 use super::flow;
@@ -26,12 +27,13 @@ pub(super) const NAME: &str = "\u{1}";
 pub(super) struct Draft {
     pub text: String,
     pub ports: Vec<Port>,
+    pub paths: Vec<(usize, usize)>,
 }
 
 /// What a part is an instance of.
 pub(super) enum Kind<'a> {
-    /// A module of ours, and its ports.
-    Module(&'a str, &'a [Port]),
+    /// A module of ours, its ports, and which of them follow which within a cycle.
+    Module(&'a str, &'a [Port], &'a [(usize, usize)]),
     Leaf(Leaf),
 }
 
@@ -48,7 +50,9 @@ pub(super) fn draft(
     let scope = Scope::of(tree)?;
     let statements = kernel::lower(&scope, kernel)?;
     flow::check(&scope, &statements)?;
-    let mut processes = process::split(&scope, statements)?;
+    let (known, possible) = paths_of_parts(&scope, kinds);
+    let mut processes = cycles::cut(&scope, process::split(&scope, statements)?, &known, &possible)?;
+    let paths = cycles::paths(&scope, &processes, &known);
     let reads: BTreeSet<SignalId> =
         processes.iter().flat_map(|process| process.reads.iter().copied()).collect();
     let wiring = Wiring::find(&scope, &mut processes)?;
@@ -66,7 +70,37 @@ pub(super) fn draft(
         processes: &processes,
     };
     let text = writer.module(description, kinds, &instances)?;
-    Ok(Draft { text, ports: ports(&scope, &signal_names) })
+    let of_port = port_numbers(&scope);
+    let paths = paths.into_iter().map(|(from, to)| (of_port[&from], of_port[&to])).collect();
+    Ok(Draft { text, ports: ports(&scope, &signal_names), paths })
+}
+
+/// Number of each port among the block's ports.
+fn port_numbers(scope: &Scope) -> HashMap<SignalId, usize> {
+    let is_port = |id: &SignalId| matches!(scope.signals[*id].role, Role::Input | Role::Output);
+    (0..scope.signals.len()).filter(is_port).enumerate().map(|(number, id)| (id, number)).collect()
+}
+
+/// Which outputs of parts follow which of their inputs, and which may: of leaves nothing is known.
+fn paths_of_parts(scope: &Scope, kinds: &[Option<Kind>]) -> (Vec<Path>, Vec<Path>) {
+    let (mut known, mut possible) = (vec![], vec![]);
+    for part in &scope.parts {
+        let id = |port: usize| part.ports[port].1;
+        match &kinds[part.index] {
+            Some(Kind::Module(_, _, paths)) => {
+                known.extend(paths.iter().map(|(from, to)| (id(*from), id(*to))))
+            }
+            Some(Kind::Leaf(_)) => {
+                let of = |role| {
+                    part.ports.iter().map(|port| port.1).filter(move |id| scope.signals[*id].role == role)
+                };
+                let data = || of(Role::PartInput).filter(|id| !scope.signals[*id].is_clock);
+                possible.extend(data().flat_map(|from| of(Role::PartOutput).map(move |to| (from, to))));
+            }
+            None => {}
+        }
+    }
+    (known, possible)
 }
 
 fn what(hdl: &Verilog) -> &'static str {
@@ -303,7 +337,7 @@ impl Writer<'_> {
         for (part, instance) in scope.parts.iter().zip(instances) {
             let Some(kind) = &kinds[part.index] else { continue };
             let (module, parameters, ports) = match kind {
-                Kind::Module(name, ports) => {
+                Kind::Module(name, ports, _) => {
                     (*name, &[][..], ports.iter().map(|port| port.name.clone()).collect())
                 }
                 Kind::Leaf(leaf) => (leaf.module.as_str(), &leaf.parameters[..], leaf_ports(leaf, part)),

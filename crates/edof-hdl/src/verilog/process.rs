@@ -20,7 +20,7 @@ pub(super) struct Process {
 }
 
 impl Process {
-    fn of(statements: Vec<Statement>) -> Self {
+    pub fn of(statements: Vec<Statement>) -> Self {
         let (mut targets, mut reads) = (HashSet::new(), BTreeSet::new());
         collect_targets(&statements, &mut targets);
         collect_reads(&statements, &mut reads);
