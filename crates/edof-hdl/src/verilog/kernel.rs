@@ -144,7 +144,7 @@ impl Lowering<'_> {
         let place = self.typing().number(at).map_err(refuse)?;
         let inside = |at: &i128| *at >= 0 && at + bits as i128 <= signal.ty.bits as i128;
         let at = place.filter(inside).ok_or_else(|| refuse(Fault::OutOfRange(quote(at))))?;
-        let value = self.typing().part(value, bits).map_err(refuse)?;
+        let value = self.typing().value(value, Type::bits(bits)).map_err(refuse)?;
         Ok(Statement::Assign(Assign { target, at: Some(at as usize), value, holds: false }))
     }
 

@@ -45,16 +45,6 @@ impl Typing<'_> {
         }
     }
 
-    /// The value written to a part of a composite.
-    pub fn part(&self, source: &Source, bits: usize) -> Typed {
-        let signed = match self.guess(source)? {
-            Guess::Type(ty) => ty.signed,
-            Guess::Open { signed } => signed,
-            Guess::Number(value) => value < 0,
-        };
-        self.check(source, Type { bits, signed })
-    }
-
     /// A number that is known now, such as the place of a field.
     pub fn number(&self, source: &Source) -> Result<Option<i128>, Fault> {
         Ok(match self.guess(source)? {
@@ -97,8 +87,8 @@ impl Typing<'_> {
             Source::Unary(Unary::All | Unary::Any | Unary::Xor, _) | Source::Index(..) => {
                 Guess::Type(Type::BIT)
             }
-            Source::Slice(inner, bits, at) => {
-                Guess::Type(Type { bits: *bits, signed: self.slice_is_signed(inner, *bits, at)? })
+            Source::Slice(inner, bits, _) => {
+                Guess::Type(Type { bits: *bits, signed: self.slice_is_signed(inner)? })
             }
             Source::Binary(left, op, right) => self.guess_binary(left, op, right)?,
         })
@@ -124,14 +114,8 @@ impl Typing<'_> {
         })
     }
 
-    /// A slice is as signed as its operand, or as the field of the composite that it is.
-    fn slice_is_signed(&self, inner: &Source, bits: usize, at: &Source) -> Result<bool, Fault> {
-        if let (Source::Signal(name), Some(at)) = (inner, self.number(at)?)
-            && let Meaning::Signal(id) = self.scope.meaning(name, self.loops)?
-            && self.scope.field_is_signed(id, at, bits)
-        {
-            return Ok(true);
-        }
+    /// A slice is as signed as its operand.
+    fn slice_is_signed(&self, inner: &Source) -> Result<bool, Fault> {
         match self.guess(inner)? {
             Guess::Type(ty) => Ok(ty.signed),
             _ => Err(Fault::Ambiguous(quote(inner))),
@@ -170,9 +154,7 @@ impl Typing<'_> {
             Source::Unary(op, inner) => self.unary(source, op, inner, wanted)?,
             Source::Binary(left, op, right) => self.binary(source, (left, op, right), wanted)?,
             Source::Index(inner, index) => self.bit(source, inner, index)?,
-            Source::Slice(inner, bits, at) => {
-                self.slice(source, inner, *bits, at)?.reinterpret(wanted.signed)
-            }
+            Source::Slice(inner, bits, at) => self.slice(source, inner, *bits, at)?,
             Source::IndexReplace(inner, index, bit) => {
                 let (operand, bit) = (self.check(inner, wanted)?, self.check(bit, Type::BIT)?);
                 if wanted.signed {
