@@ -140,10 +140,10 @@ impl Random {
         match next() % 8 {
             0 => 0,
             1 => mask,
-            2 => (mask >> 1) + 1 & mask,
+            2 => ((mask >> 1) + 1) & mask,
             3 => mask >> 1,
-            4 => next() % 8 & mask,
-            _ => (next() << 64 | next()) & mask,
+            4 => (next() % 8) & mask,
+            _ => ((next() << 64) | next()) & mask,
         }
     }
 

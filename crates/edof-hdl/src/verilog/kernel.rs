@@ -149,8 +149,10 @@ impl Lowering<'_> {
     }
 
     fn link(&self, link: &VerilogLink) -> Result<Statement, EmitError> {
-        let end =
-            |side: &str, details: &VerilogLinkDetails| Source::Signal(format!("{side}.{}", details.my_name));
+        let end = |side: &str, details: &VerilogLinkDetails| {
+            let field = details.my_name.trim_start_matches('.');
+            Source::Signal(if field.is_empty() { side.into() } else { format!("{side}.{field}") })
+        };
         match link {
             VerilogLink::Forward(link) => {
                 self.assign(&end(&link.other_name, link), &end(&link.owner_name, link))
