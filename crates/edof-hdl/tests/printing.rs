@@ -330,7 +330,7 @@ fn names_are_verilog_and_say_what_is_not_used() {
     wire part_start;
     wire part_busy_unused;
 
-    // Only a part of these values is used.
+    // Only a part of what follows is used.
     /* verilator lint_off UNUSED */
     wire [7:0] always_o_shifted = value_q >> logic_;
     /* verilator lint_on UNUSED */

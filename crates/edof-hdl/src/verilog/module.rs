@@ -180,8 +180,7 @@ impl Writer<'_> {
         let logic = self.logic()?;
         let parts = self.parts(kinds, instances);
         let clocked = self.clocked();
-        let paragraphs =
-            [self.constants(), self.signals(), self.steps(), self.between(), self.between_in_part()];
+        let paragraphs = [self.constants(), self.signals(), self.between()];
         let mut text = header(description);
         text += &format!("`default_nettype none\n\nmodule {NAME} (\n{}\n);\n", self.ports().join(",\n"));
         for lines in
@@ -260,29 +259,23 @@ impl Writer<'_> {
         (0..self.scope.signals.len()).filter_map(declare).collect()
     }
 
-    /// Steps inside of processes.
-    fn steps(&self) -> Vec<String> {
-        let steps = self.printer.between.iter().filter(|between| between.value.is_none() && !between.in_part);
-        steps.map(|step| format!("reg  {}{};", of_type(step.ty), step.name)).collect()
-    }
-
+    /// Values in between, each after those that it is made from.
     fn between(&self) -> Vec<String> {
-        let wires = self.printer.between.iter().filter(|between| between.value.is_some() && !between.in_part);
-        wires.map(declare_wire).collect()
-    }
-
-    fn between_in_part(&self) -> Vec<String> {
-        let in_part: Vec<_> = self.printer.between.iter().filter(|between| between.in_part).collect();
-        if in_part.is_empty() {
-            return vec![];
+        let mut lines = vec![];
+        let mut is_quiet = false;
+        for between in &self.printer.between {
+            if between.in_part && !is_quiet {
+                lines.push("// Only a part of what follows is used.".to_string());
+                lines.push("/* verilator lint_off UNUSED */".into());
+            } else if is_quiet && !between.in_part {
+                lines.push("/* verilator lint_on UNUSED */".into());
+            }
+            is_quiet = between.in_part;
+            lines.push(declare(between));
         }
-        let opening = ["// Only a part of these values is used.", "/* verilator lint_off UNUSED */"];
-        let mut lines = opening.map(String::from).to_vec();
-        lines.extend(in_part.iter().map(|between| match between.value {
-            Some(_) => declare_wire(between),
-            None => format!("reg  {}{};", of_type(between.ty), between.name),
-        }));
-        lines.push("/* verilator lint_on UNUSED */".into());
+        if is_quiet {
+            lines.push("/* verilator lint_on UNUSED */".into());
+        }
         lines
     }
 
@@ -417,9 +410,13 @@ fn instance_lines(
     lines
 }
 
-fn declare_wire(between: &Between) -> String {
-    let value = between.value.as_deref().unwrap_or_default();
-    format!("wire {}{} = {value};", of_type(between.ty), between.name)
+/// A wire with its value, or a register that a process assigns.
+fn declare(between: &Between) -> String {
+    let (ty, name) = (of_type(between.ty), &between.name);
+    match &between.value {
+        Some(value) => format!("wire {ty}{name} = {value};"),
+        None => format!("reg  {ty}{name};"),
+    }
 }
 
 /// `signed [15:0] ` before a name; nothing for one bit.
