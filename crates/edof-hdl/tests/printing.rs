@@ -62,8 +62,68 @@ fn a_whole_module_reads_like_this() {
     let mut top = Sequencer::default();
     top.connect_all();
     let emitted = verilog::emit(&top).unwrap();
-    println!("{}", emitted.modules[0].text);
+    assert_eq!(emitted.modules[0].text, SEQUENCER);
+    assert_eq!(verilog::emit(&top).unwrap(), emitted);
 }
+
+const SEQUENCER: &str = "\
+// Fills for 16 cycles, drains for one.
+//
+// Starts when it is told to.
+//
+// From crates/edof-hdl/tests/printing.rs (Sequencer).
+`default_nettype none
+
+module sequencer (
+    input  wire clock_i,
+    input  wire start_i,
+    output wire busy_o
+);
+
+    localparam [1:0] PHASE_IDLE = 2'd0;
+    localparam [1:0] PHASE_FILL = 2'd1;
+    localparam [1:0] PHASE_DRAIN = 2'd2;
+
+    wire last;
+    reg  [1:0] phase_q;
+    reg  [1:0] phase_d;
+    reg  [3:0] count_q;
+    reg  [3:0] count_d;
+
+    assign last = (count_q + 4'd1) == 4'd0;
+    assign busy_o = phase_q != PHASE_IDLE;
+
+    always @* begin
+        phase_d = phase_q;
+        count_d = count_q;
+        case (phase_q)
+            PHASE_IDLE: begin
+                if (start_i) begin
+                    phase_d = PHASE_FILL;
+                    count_d = 4'd0;
+                end
+            end
+            PHASE_FILL: begin
+                count_d = count_q + 4'd1;
+                if (last) begin
+                    phase_d = PHASE_DRAIN;
+                end
+            end
+            default: begin
+                // Phase::Drain
+                phase_d = PHASE_IDLE;
+            end
+        endcase
+    end
+
+    always @(posedge clock_i) begin
+        phase_q <= phase_d;
+        count_q <= count_d;
+    end
+endmodule
+
+`default_nettype wire
+";
 
 #[derive(LogicBlock, Default)]
 struct Accumulator {
@@ -89,25 +149,13 @@ impl Logic for Accumulator {
     }
 }
 
-#[derive(LogicBlock)]
+#[derive(LogicBlock, Default)]
 struct Pair {
     pub clock: Signal<In, Clock>,
     pub a: Signal<In, Signed<16>>,
     pub b: [Signal<In, Signed<16>>; 2],
     pub sum: [Signal<Out, Signed<48>>; 2],
     lanes: [Accumulator; 2],
-}
-
-impl Default for Pair {
-    fn default() -> Self {
-        Self {
-            clock: Default::default(),
-            a: Default::default(),
-            b: Default::default(),
-            sum: Default::default(),
-            lanes: Default::default(),
-        }
-    }
 }
 
 impl Logic for Pair {
@@ -129,10 +177,44 @@ fn equal_parts_share_a_module() {
     let mut top = Pair::default();
     top.connect_all();
     let emitted = verilog::emit(&top).unwrap();
-    for m in &emitted.modules {
-        println!("{}", m.text);
-    }
-    assert_eq!(emitted.modules.len(), 2);
+    let names: Vec<_> = emitted.modules.iter().map(|module| module.name.as_str()).collect();
+    assert_eq!((names, emitted.top.as_str()), (vec!["accumulator", "pair"], "pair"));
+    let fields: Vec<_> = emitted.ports.iter().map(|port| (port.field.as_str(), port.name.as_str())).collect();
+    assert_eq!(fields[2..4], [("b[0]", "b_0_i"), ("b[1]", "b_1_i")]);
+    assert!(emitted.ports[0].is_clock && emitted.ports[1].signed && emitted.ports[5].bits == 48);
+}
+
+#[test]
+fn parts_are_connected_without_wires() {
+    let lane = |n: usize, b: usize| {
+        format!(
+            "    accumulator lanes_{n} (
+        .clock_i(clock_i),
+        .clear_i(1'b0),
+        .a_i(a_i),
+        \
+             .b_i(b_{b}_i),
+        .sum_o(sum_{n}_o)
+    );"
+        )
+    };
+    assert_eq!(
+        body(&mut Pair::default()),
+        format!(
+            "{}
+
+{}",
+            lane(0, 1),
+            lane(1, 0)
+        )
+    );
+}
+
+#[test]
+fn products_are_signed_and_their_extension_is_spelled_out() {
+    let text = body(&mut Accumulator::default());
+    assert!(text.contains("wire signed [31:0] acc_d_product = a_i * b_i;"), "{text}");
+    assert!(text.contains("acc_d = acc_q + {{16{acc_d_product[31]}}, acc_d_product};"), "{text}");
 }
 
 #[derive(LogicBlock, Default)]
@@ -175,5 +257,175 @@ impl Logic for Reader {
 
 #[test]
 fn leaves_are_instances() {
-    println!("{}", body(&mut Reader::default()));
+    let mut top = Reader::default();
+    assert_eq!(
+        body(&mut top),
+        "    wire [15:0] memory_data;
+    reg  [3:0] at_q;
+    wire [3:0] at_d;
+
+    edof_ram #(
+        .DEPTH(16),
+        .INIT(\"mem/a.hex\")
+    ) memory (
+        .clock_i(clock_i),
+        .at_i(at_q),
+        .data_o(memory_data)
+    );
+
+    assign at_d = at_q + 4'd1;
+    assign data_o = memory_data[11:4];
+
+    always @(posedge clock_i) begin
+        at_q <= at_d;
+    end"
+    );
+    assert!(verilog::emit(&top).unwrap().leaves.contains("edof_ram"));
+}
+
+/// A constant, a register that starts with it, a name that Verilog reserves, and an output that nobody reads.
+#[derive(LogicBlock)]
+struct Names {
+    pub clock: Signal<In, Clock>,
+    pub always: Signal<Out, Bits<8>>,
+    logic: Signal<Local, Bits<8>>,
+    first: Constant<Bits<8>>,
+    value: DFFWithInit<Bits<8>>,
+    part: Sequencer,
+}
+
+impl Default for Names {
+    fn default() -> Self {
+        Self {
+            clock: Default::default(),
+            always: Default::default(),
+            logic: Default::default(),
+            first: Constant::new(0x2a.into()),
+            value: DFFWithInit::new(0x2a.into()),
+            part: Default::default(),
+        }
+    }
+}
+
+impl Logic for Names {
+    described!("Names.");
+    #[hdl_gen]
+    fn update(&mut self) {
+        clock!(self, clock, part, value);
+        self.part.start.next = self.value.q.val() == self.first.val();
+        self.logic.next = !self.value.q.val();
+        self.value.d.next = self.logic.val();
+        self.always.next = bit_cast::<8, 4>(bit_cast::<4, 8>(self.value.q.val() >> self.logic.val()));
+    }
+}
+
+#[test]
+fn names_are_verilog_and_say_what_is_not_used() {
+    assert_eq!(
+        body(&mut Names::default()),
+        "    localparam [7:0] FIRST = 8'h2a;
+
+    wire [7:0] logic_;
+    reg  [7:0] value_q = 8'h2a;
+    wire part_start;
+    wire part_busy_unused;
+
+    // Only a part of what follows is used.
+    /* verilator lint_off UNUSED */
+    wire [7:0] always_o_shifted = value_q >> logic_;
+    /* verilator lint_on UNUSED */
+
+    sequencer part (
+        .clock_i(clock_i),
+        .start_i(part_start),
+        .busy_o(part_busy_unused)
+    );
+
+    assign part_start = value_q == FIRST;
+    assign logic_ = ~value_q;
+    assign always_o = {4'd0, always_o_shifted[3:0]};
+
+    always @(posedge clock_i) begin
+        value_q <= logic_;
+    end"
+    );
+}
+
+/// A stream into a block.
+#[derive(LogicInterface, Clone, Debug, Default)]
+#[join = "StreamOut"]
+struct StreamIn {
+    pub data: Signal<In, Bits<8>>,
+    pub valid: Signal<In, Bit>,
+    pub ready: Signal<Out, Bit>,
+}
+
+/// A stream out of a block.
+#[derive(LogicInterface, Clone, Debug, Default)]
+#[join = "StreamIn"]
+struct StreamOut {
+    pub data: Signal<Out, Bits<8>>,
+    pub valid: Signal<Out, Bit>,
+    pub ready: Signal<In, Bit>,
+}
+
+#[derive(LogicBlock, Default)]
+struct Pass {
+    pub from: StreamIn,
+    pub to: StreamOut,
+}
+
+impl Logic for Pass {
+    described!("Passes a stream on, counted up.");
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.to.data.next = self.from.data.val() + 1;
+        self.to.valid.next = self.from.valid.val();
+        self.from.ready.next = self.to.ready.val();
+    }
+}
+
+#[derive(LogicBlock, Default)]
+struct Chain {
+    pub from: StreamIn,
+    pub to: StreamOut,
+    parts: [Pass; 2],
+}
+
+impl Logic for Chain {
+    described!("Two in a row.");
+    #[hdl_gen]
+    fn update(&mut self) {
+        StreamIn::link(&mut self.from, &mut self.parts[0].from);
+        StreamOut::join(&mut self.parts[0].to, &mut self.parts[1].from);
+        StreamOut::link(&mut self.to, &mut self.parts[1].to);
+    }
+}
+
+#[test]
+fn interfaces_are_linked_and_joined() {
+    assert_eq!(
+        body(&mut Chain::default()),
+        "    wire [7:0] parts_0_to_data;
+    wire parts_0_to_valid;
+    wire parts_1_from_ready;
+
+    pass parts_0 (
+        .from_data_i(from_data_i),
+        .from_valid_i(from_valid_i),
+        .from_ready_o(from_ready_o),
+        .to_data_o(parts_0_to_data),
+        .to_valid_o(parts_0_to_valid),
+        .to_ready_i(parts_1_from_ready)
+    );
+
+    pass parts_1 (
+        .from_data_i(parts_0_to_data),
+        .from_valid_i(parts_0_to_valid),
+        .from_ready_o(parts_1_from_ready),
+        .to_data_o(to_data_o),
+        .to_valid_o(to_valid_o),
+        .to_ready_i(to_ready_i)
+    );"
+    );
 }

@@ -144,13 +144,15 @@ impl Lowering<'_> {
         let place = self.typing().number(at).map_err(refuse)?;
         let inside = |at: &i128| *at >= 0 && at + bits as i128 <= signal.ty.bits as i128;
         let at = place.filter(inside).ok_or_else(|| refuse(Fault::OutOfRange(quote(at))))?;
-        let value = self.typing().part(value, bits).map_err(refuse)?;
+        let value = self.typing().value(value, Type::bits(bits)).map_err(refuse)?;
         Ok(Statement::Assign(Assign { target, at: Some(at as usize), value, holds: false }))
     }
 
     fn link(&self, link: &VerilogLink) -> Result<Statement, EmitError> {
-        let end =
-            |side: &str, details: &VerilogLinkDetails| Source::Signal(format!("{side}.{}", details.my_name));
+        let end = |side: &str, details: &VerilogLinkDetails| {
+            let field = details.my_name.trim_start_matches('.');
+            Source::Signal(if field.is_empty() { side.into() } else { format!("{side}.{field}") })
+        };
         match link {
             VerilogLink::Forward(link) => {
                 self.assign(&end(&link.other_name, link), &end(&link.owner_name, link))

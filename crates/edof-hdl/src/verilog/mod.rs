@@ -11,6 +11,7 @@
 //! | lower | `kernel` | typed statements, loops unrolled |
 //! | check | `flow` | no latch, nothing read before it is written, nothing left open |
 //! | split | `process` | plain assignments and `always @*` blocks |
+//! | order | `cycles` | no loop without a register, and no process that looks like one |
 //! | connect | `wiring` | signals that need no wire of their own |
 //! | print | `print`, `module` | the text of a module |
 //!
@@ -51,6 +52,7 @@
 //! ```
 
 mod collect;
+mod cycles;
 mod error;
 mod expression;
 mod flow;
@@ -148,6 +150,8 @@ pub fn emit(top: &dyn Block) -> Result<Emitted, EmitError> {
 struct Emitter {
     modules: Vec<Module>,
     ports: Vec<Vec<Port>>,
+    /// Which ports of each module follow which within a cycle.
+    paths: Vec<Vec<(usize, usize)>>,
     leaves: BTreeSet<String>,
     names: Names,
     /// Module of each content, by type name and text without the name.
@@ -166,7 +170,11 @@ impl Emitter {
         }
         let kinds: Vec<Option<Kind>> = (tree.parts.iter().zip(&parts))
             .map(|(part, module)| match module {
-                Some(module) => Some(Kind::Module(&self.modules[*module].name, &self.ports[*module])),
+                Some(module) => Some(Kind::Module(
+                    &self.modules[*module].name,
+                    &self.ports[*module],
+                    &self.paths[*module],
+                )),
                 None => Leaf::of(&part.hdl).map(Kind::Leaf),
             })
             .collect();
@@ -182,6 +190,7 @@ impl Emitter {
         self.known.insert(key, self.modules.len());
         self.modules.push(Module { name, text });
         self.ports.push(draft.ports);
+        self.paths.push(draft.paths);
         Ok(self.modules.len() - 1)
     }
 }

@@ -1,10 +1,11 @@
 //! One block as the text of one module.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use rust_hdl::prelude::Verilog;
 
 use super::collect::Tree;
+use super::cycles::{self, Path};
 use super::error::{EmitError, Fault};
 use super::expression::{Expression, Node};
 use super::flow;
@@ -26,12 +27,13 @@ pub(super) const NAME: &str = "\u{1}";
 pub(super) struct Draft {
     pub text: String,
     pub ports: Vec<Port>,
+    pub paths: Vec<(usize, usize)>,
 }
 
 /// What a part is an instance of.
 pub(super) enum Kind<'a> {
-    /// A module of ours, and its ports.
-    Module(&'a str, &'a [Port]),
+    /// A module of ours, its ports, and which of them follow which within a cycle.
+    Module(&'a str, &'a [Port], &'a [(usize, usize)]),
     Leaf(Leaf),
 }
 
@@ -48,7 +50,9 @@ pub(super) fn draft(
     let scope = Scope::of(tree)?;
     let statements = kernel::lower(&scope, kernel)?;
     flow::check(&scope, &statements)?;
-    let mut processes = process::split(&scope, statements)?;
+    let (known, possible) = paths_of_parts(&scope, kinds);
+    let mut processes = cycles::cut(&scope, process::split(&scope, statements)?, &known, &possible)?;
+    let paths = cycles::paths(&scope, &processes, &known);
     let reads: BTreeSet<SignalId> =
         processes.iter().flat_map(|process| process.reads.iter().copied()).collect();
     let wiring = Wiring::find(&scope, &mut processes)?;
@@ -66,7 +70,37 @@ pub(super) fn draft(
         processes: &processes,
     };
     let text = writer.module(description, kinds, &instances)?;
-    Ok(Draft { text, ports: ports(&scope, &signal_names) })
+    let of_port = port_numbers(&scope);
+    let paths = paths.into_iter().map(|(from, to)| (of_port[&from], of_port[&to])).collect();
+    Ok(Draft { text, ports: ports(&scope, &signal_names), paths })
+}
+
+/// Number of each port among the block's ports.
+fn port_numbers(scope: &Scope) -> HashMap<SignalId, usize> {
+    let is_port = |id: &SignalId| matches!(scope.signals[*id].role, Role::Input | Role::Output);
+    (0..scope.signals.len()).filter(is_port).enumerate().map(|(number, id)| (id, number)).collect()
+}
+
+/// Which outputs of parts follow which of their inputs, and which may: of leaves nothing is known.
+fn paths_of_parts(scope: &Scope, kinds: &[Option<Kind>]) -> (Vec<Path>, Vec<Path>) {
+    let (mut known, mut possible) = (vec![], vec![]);
+    for part in &scope.parts {
+        let id = |port: usize| part.ports[port].1;
+        match &kinds[part.index] {
+            Some(Kind::Module(_, _, paths)) => {
+                known.extend(paths.iter().map(|(from, to)| (id(*from), id(*to))))
+            }
+            Some(Kind::Leaf(_)) => {
+                let of = |role| {
+                    part.ports.iter().map(|port| port.1).filter(move |id| scope.signals[*id].role == role)
+                };
+                let data = || of(Role::PartInput).filter(|id| !scope.signals[*id].is_clock);
+                possible.extend(data().flat_map(|from| of(Role::PartOutput).map(move |to| (from, to))));
+            }
+            None => {}
+        }
+    }
+    (known, possible)
 }
 
 fn what(hdl: &Verilog) -> &'static str {
@@ -146,8 +180,7 @@ impl Writer<'_> {
         let logic = self.logic()?;
         let parts = self.parts(kinds, instances);
         let clocked = self.clocked();
-        let paragraphs =
-            [self.constants(), self.signals(), self.steps(), self.between(), self.between_in_part()];
+        let paragraphs = [self.constants(), self.signals(), self.between()];
         let mut text = header(description);
         text += &format!("`default_nettype none\n\nmodule {NAME} (\n{}\n);\n", self.ports().join(",\n"));
         for lines in
@@ -226,29 +259,23 @@ impl Writer<'_> {
         (0..self.scope.signals.len()).filter_map(declare).collect()
     }
 
-    /// Steps inside of processes.
-    fn steps(&self) -> Vec<String> {
-        let steps = self.printer.between.iter().filter(|between| between.value.is_none() && !between.in_part);
-        steps.map(|step| format!("reg  {}{};", of_type(step.ty), step.name)).collect()
-    }
-
+    /// Values in between, each after those that it is made from.
     fn between(&self) -> Vec<String> {
-        let wires = self.printer.between.iter().filter(|between| between.value.is_some() && !between.in_part);
-        wires.map(declare_wire).collect()
-    }
-
-    fn between_in_part(&self) -> Vec<String> {
-        let in_part: Vec<_> = self.printer.between.iter().filter(|between| between.in_part).collect();
-        if in_part.is_empty() {
-            return vec![];
+        let mut lines = vec![];
+        let mut is_quiet = false;
+        for between in &self.printer.between {
+            if between.in_part && !is_quiet {
+                lines.push("// Only a part of what follows is used.".to_string());
+                lines.push("/* verilator lint_off UNUSED */".into());
+            } else if is_quiet && !between.in_part {
+                lines.push("/* verilator lint_on UNUSED */".into());
+            }
+            is_quiet = between.in_part;
+            lines.push(declare(between));
         }
-        let opening = ["// Only a part of these values is used.", "/* verilator lint_off UNUSED */"];
-        let mut lines = opening.map(String::from).to_vec();
-        lines.extend(in_part.iter().map(|between| match between.value {
-            Some(_) => declare_wire(between),
-            None => format!("reg  {}{};", of_type(between.ty), between.name),
-        }));
-        lines.push("/* verilator lint_on UNUSED */".into());
+        if is_quiet {
+            lines.push("/* verilator lint_on UNUSED */".into());
+        }
         lines
     }
 
@@ -303,7 +330,7 @@ impl Writer<'_> {
         for (part, instance) in scope.parts.iter().zip(instances) {
             let Some(kind) = &kinds[part.index] else { continue };
             let (module, parameters, ports) = match kind {
-                Kind::Module(name, ports) => {
+                Kind::Module(name, ports, _) => {
                     (*name, &[][..], ports.iter().map(|port| port.name.clone()).collect())
                 }
                 Kind::Leaf(leaf) => (leaf.module.as_str(), &leaf.parameters[..], leaf_ports(leaf, part)),
@@ -383,9 +410,13 @@ fn instance_lines(
     lines
 }
 
-fn declare_wire(between: &Between) -> String {
-    let value = between.value.as_deref().unwrap_or_default();
-    format!("wire {}{} = {value};", of_type(between.ty), between.name)
+/// A wire with its value, or a register that a process assigns.
+fn declare(between: &Between) -> String {
+    let (ty, name) = (of_type(between.ty), &between.name);
+    match &between.value {
+        Some(value) => format!("wire {ty}{name} = {value};"),
+        None => format!("reg  {ty}{name};"),
+    }
 }
 
 /// `signed [15:0] ` before a name; nothing for one bit.

@@ -3,7 +3,7 @@
 //! Statements that drive the same signal stay together and in order. So do a read of a local signal or output and the
 //! writes that follow it, because Rust reads those as they stand. Everything else means the same in any order.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::error::{EmitError, Fault, rust_path};
 use super::expression::{Expression, Node};
@@ -20,7 +20,7 @@ pub(super) struct Process {
 }
 
 impl Process {
-    fn of(statements: Vec<Statement>) -> Self {
+    pub fn of(statements: Vec<Statement>) -> Self {
         let (mut targets, mut reads) = (HashSet::new(), BTreeSet::new());
         collect_targets(&statements, &mut targets);
         collect_reads(&statements, &mut reads);
@@ -43,13 +43,14 @@ pub(super) fn split(scope: &Scope, statements: Vec<Statement>) -> Result<Vec<Pro
     drop_dead_holds(&mut units);
     let groups = group(scope, &units);
     check_settled_reads(scope, &units, &groups)?;
-    let mut order: Vec<usize> = (0..units.len()).collect();
     // The place of a process is its first statement that says more than that a register holds.
-    let place = |group: usize| {
-        let members = || (0..units.len()).filter(|unit| groups[*unit] == group);
-        members().find(|unit| !holds(&units[*unit])).or_else(|| members().next()).unwrap_or(0)
-    };
-    order.sort_by_key(|unit| (place(groups[*unit]), groups[*unit], *unit));
+    let mut places = vec![usize::MAX; units.len()];
+    for (unit, process) in units.iter().enumerate() {
+        let place = if holds(process) { units.len() + unit } else { unit };
+        places[groups[unit]] = places[groups[unit]].min(place);
+    }
+    let mut order: Vec<usize> = (0..units.len()).collect();
+    order.sort_by_key(|unit| (places[groups[*unit]], *unit));
     let mut processes: Vec<(usize, Vec<Statement>)> = vec![];
     let mut units: Vec<Option<Process>> = units.into_iter().map(Some).collect();
     for unit in order {
@@ -135,11 +136,13 @@ fn join(groups: &mut [usize], one: usize, other: usize) {
 /// Rust reads the inputs of parts and registers as they settle. Inside the process that drives them, that is their value
 /// only after the last write.
 fn check_settled_reads(scope: &Scope, units: &[Process], groups: &[usize]) -> Result<(), EmitError> {
+    let mut last_write = HashMap::new();
+    for (unit, process) in units.iter().enumerate() {
+        process.targets.iter().for_each(|target| _ = last_write.insert((groups[unit], *target), unit));
+    }
     for (unit, process) in units.iter().enumerate() {
         for read in process.reads.iter().filter(|read| !in_order(scope, **read)) {
-            let written =
-                (unit..units.len()).any(|w| groups[w] == groups[unit] && units[w].targets.contains(read));
-            if written {
+            if last_write.get(&(groups[unit], *read)).is_some_and(|last| *last >= unit) {
                 let key = &scope.signals[*read].key;
                 return Err(EmitError::field(&scope.path, key, Fault::ReadBeforeWrite(rust_path(key))));
             }

@@ -42,7 +42,6 @@ pub(super) struct Signal {
     pub ty: Type,
     pub role: Role,
     pub is_clock: bool,
-    descriptor: TypeDescriptor,
 }
 
 /// A register: rust-hdl's `DFF` or `DFFWithInit`.
@@ -122,9 +121,8 @@ impl Scope {
             return Err(EmitError::field(&self.path, &key, Fault::NoBits));
         }
         self.add_states(&wire.descriptor).map_err(|fault| EmitError::field(&self.path, &key, fault))?;
-        let descriptor = wire.descriptor.clone();
         self.ids.insert(key.clone(), self.signals.len());
-        self.signals.push(Signal { key, ty: wire.ty, role, is_clock: wire.is_clock, descriptor });
+        self.signals.push(Signal { key, ty: wire.ty, role, is_clock: wire.is_clock });
         Ok(self.signals.len() - 1)
     }
 
@@ -196,28 +194,6 @@ impl Scope {
         let starts = std::iter::once(0).chain(key.match_indices('$').map(|(at, _)| at + 1));
         let state = starts.into_iter().find_map(|start| self.states.get(&key[start..]));
         state.map(Meaning::State).ok_or_else(|| Fault::Unknown(super::error::rust_path(&key)))
-    }
-
-    /// The signedness of the field of a composite signal at this place.
-    pub fn field_is_signed(&self, signal: SignalId, offset: i128, bits: usize) -> bool {
-        let TypeKind::Composite(fields) = &self.signals[signal].descriptor.kind else { return false };
-        let mut start = 0;
-        for field in fields {
-            let width = bits_of(&field.kind.kind);
-            if start as i128 == offset && width == bits {
-                return matches!(field.kind.kind, TypeKind::Signed(_));
-            }
-            start += width;
-        }
-        false
-    }
-}
-
-fn bits_of(kind: &TypeKind) -> usize {
-    match kind {
-        TypeKind::Bits(bits) | TypeKind::Signed(bits) => *bits,
-        TypeKind::Enum(labels) => clog2(labels.len()),
-        TypeKind::Composite(fields) => fields.iter().map(|field| bits_of(&field.kind.kind)).sum(),
     }
 }
 

@@ -45,16 +45,6 @@ impl Typing<'_> {
         }
     }
 
-    /// The value written to a part of a composite.
-    pub fn part(&self, source: &Source, bits: usize) -> Typed {
-        let signed = match self.guess(source)? {
-            Guess::Type(ty) => ty.signed,
-            Guess::Open { signed } => signed,
-            Guess::Number(value) => value < 0,
-        };
-        self.check(source, Type { bits, signed })
-    }
-
     /// A number that is known now, such as the place of a field.
     pub fn number(&self, source: &Source) -> Result<Option<i128>, Fault> {
         Ok(match self.guess(source)? {
@@ -97,8 +87,8 @@ impl Typing<'_> {
             Source::Unary(Unary::All | Unary::Any | Unary::Xor, _) | Source::Index(..) => {
                 Guess::Type(Type::BIT)
             }
-            Source::Slice(inner, bits, at) => {
-                Guess::Type(Type { bits: *bits, signed: self.slice_is_signed(inner, *bits, at)? })
+            Source::Slice(inner, bits, _) => {
+                Guess::Type(Type { bits: *bits, signed: self.slice_is_signed(inner)? })
             }
             Source::Binary(left, op, right) => self.guess_binary(left, op, right)?,
         })
@@ -118,31 +108,18 @@ impl Typing<'_> {
             // In Rust, a number shifted by a signal is a Bits<64>.
             (Op::Shl | Op::Shr, (Guess::Number(_), _)) => Guess::Type(Type::bits(64)),
             (Op::Shl | Op::Shr, (guess, _)) => guess,
-            (Op::Mul, _) => Guess::Type(self.factor(left, right)?.with_bits(32)),
+            (Op::Mul, _) => Guess::Type(factor(guesses).with_bits(32)),
             (_, (Guess::Type(ty), _) | (_, Guess::Type(ty))) => Guess::Type(ty),
             (_, (open @ Guess::Open { .. }, _) | (_, open)) => open,
         })
     }
 
-    /// The type of both factors of a product: rust-hdl multiplies 16 by 16 bits only.
-    fn factor(&self, left: &Source, right: &Source) -> Result<Type, Fault> {
-        let signed = match (self.guess(left)?, self.guess(right)?) {
-            (Guess::Type(ty), _) | (_, Guess::Type(ty)) => ty.signed,
-            (Guess::Open { signed }, _) | (_, Guess::Open { signed }) => signed,
-            _ => return Err(Fault::Ambiguous(quote_binary(left, &Op::Mul, right))),
-        };
-        Ok(Type { bits: 16, signed })
-    }
-
-    /// A slice is as signed as its operand, or as the field of the composite that it is.
-    fn slice_is_signed(&self, inner: &Source, bits: usize, at: &Source) -> Result<bool, Fault> {
-        if let (Source::Signal(name), Some(at)) = (inner, self.number(at)?)
-            && let Meaning::Signal(id) = self.scope.meaning(name, self.loops)?
-            && self.scope.field_is_signed(id, at, bits)
-        {
-            return Ok(true);
+    /// A slice is as signed as its operand.
+    fn slice_is_signed(&self, inner: &Source) -> Result<bool, Fault> {
+        match self.guess(inner)? {
+            Guess::Type(ty) => Ok(ty.signed),
+            _ => Err(Fault::Ambiguous(quote(inner))),
         }
-        Ok(self.subject(inner)?.ty.signed)
     }
 
     fn check(&self, source: &Source, wanted: Type) -> Typed {
@@ -177,9 +154,7 @@ impl Typing<'_> {
             Source::Unary(op, inner) => self.unary(source, op, inner, wanted)?,
             Source::Binary(left, op, right) => self.binary(source, (left, op, right), wanted)?,
             Source::Index(inner, index) => self.bit(source, inner, index)?,
-            Source::Slice(inner, bits, at) => {
-                self.slice(source, inner, *bits, at)?.reinterpret(wanted.signed)
-            }
+            Source::Slice(inner, bits, at) => self.slice(source, inner, *bits, at)?,
             Source::IndexReplace(inner, index, bit) => {
                 let (operand, bit) = (self.check(inner, wanted)?, self.check(bit, Type::BIT)?);
                 if wanted.signed {
@@ -227,7 +202,9 @@ impl Typing<'_> {
             Op::BitAnd | Op::BitOr | Op::BitXor => {
                 both(wanted).map(|(l, r)| Node::Wrapping(symbol(op), l, r))?
             }
-            Op::Mul => both(self.factor(left, right)?).map(|(l, r)| Node::Product(l, r))?,
+            Op::Mul => {
+                both(factor((self.guess(left)?, self.guess(right)?))).map(|(l, r)| Node::Product(l, r))?
+            }
             Op::LogicalAnd | Op::LogicalOr => {
                 both(Type::BIT).map(|(l, r)| Node::Logical(symbol(op), l, r))?
             }
@@ -291,6 +268,16 @@ impl Typing<'_> {
             }
         }
     }
+}
+
+/// The type of both factors of a product: rust-hdl multiplies 16 by 16 bits only.
+fn factor(guesses: (Guess, Guess)) -> Type {
+    let signed = match guesses {
+        (Guess::Type(ty), _) | (_, Guess::Type(ty)) => ty.signed,
+        (Guess::Open { signed }, _) | (_, Guess::Open { signed }) => signed,
+        _ => false,
+    };
+    Type { bits: 16, signed }
 }
 
 fn quote_binary(left: &Source, op: &Op, right: &Source) -> String {

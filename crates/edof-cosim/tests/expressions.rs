@@ -1,0 +1,45 @@
+//! Random typed expressions, computed by Rust, Icarus and Verilator.
+
+mod bench;
+mod trees;
+
+use bench::{BOTH, Random, emit, run};
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::TestRunner;
+use trees::{Table, Tree, expressions};
+
+/// Expressions in one module, and modules.
+const BATCH: usize = 2_500;
+const BATCHES: usize = 4;
+const ROWS: usize = 40;
+
+#[test]
+fn random_expressions_mean_what_rust_means() {
+    let mut runner = TestRunner::deterministic();
+    let strategy = expressions();
+    for batch in 0..BATCHES {
+        let trees: Vec<Tree> =
+            (0..BATCH).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect();
+        compare(&trees, batch as u64 + 1);
+    }
+}
+
+/// Fails with the first expression on which a simulator differs from Rust.
+fn compare(trees: &[Tree], seed: u64) {
+    let emitted = emit(&mut Table::new(trees));
+    let rows = Random(seed * 0x9e37_79b9).rows(&emitted, ROWS);
+    for simulator in BOTH {
+        for (row, found) in rows.iter().zip(run(&emitted, simulator, &rows)) {
+            let wrong = |n: &usize| found[*n] != trees[*n].value(row);
+            if let Some(n) = (0..trees.len()).find(wrong) {
+                let want = trees[n].value(row);
+                let lines = emitted.modules[0].text.lines().filter(|line| line.contains(&format!(" y{n}_")));
+                let lines = lines.collect::<Vec<_>>().join("\n");
+                panic!(
+                    "{simulator:?}: {:x}, Rust: {want:x}, inputs {row:x?}\n{:?}\n{lines}",
+                    found[n], trees[n]
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! Each thing that the backend refuses, and the words in which it does.
+
+use edof_hdl::leaf::Leaf;
+use edof_hdl::{described, verilog};
+use rust_hdl::prelude::*;
+
+/// The refusal of a circuit.
+fn refusal<B: Block + Default>() -> String {
+    let mut top = B::default();
+    top.connect_all();
+    verilog::emit(&top).unwrap_err().to_string()
+}
+
+/// A block of the given ports whose kernel is the given statements.
+macro_rules! block {
+    ($name:ident { $($field:ident: $ty:ty),* } $($kernel:tt)*) => {
+        #[derive(LogicBlock, Default)]
+        struct $name { $(pub $field: $ty),* }
+        impl Logic for $name {
+            described!("A block to refuse.");
+            $($kernel)*
+        }
+    };
+}
+
+block!(Latch { on: Signal<In, Bit>, y: Signal<Out, Bits<4>> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    if self.on.val() { self.y.next = 1.into(); }
+});
+
+block!(Undriven { x: Signal<In, Bit>, y: Signal<Out, Bit>, z: Signal<Out, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.x.val();
+});
+
+block!(Unconnected { y: Signal<Out, Bits<4>>, part: Latch }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.part.y.val();
+});
+
+block!(Early { x: Signal<In, Bit>, y: Signal<Out, Bit>, t: Signal<Local, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.t.val();
+    self.t.next = self.x.val();
+});
+
+block!(Inverter { x: Signal<In, Bit>, y: Signal<Out, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = !self.x.val();
+});
+
+block!(Ring { y: Signal<Out, Bit>, part: Inverter }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.part.x.next = self.part.y.val();
+    self.y.next = self.part.y.val();
+});
+
+block!(Wide { x: Signal<In, Signed<8>>, y: Signal<Out, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = signed_bit_cast::<16, 8>(self.x.val()) < signed_bit_cast::<16, 8>(self.x.val());
+});
+
+block!(Literal { x: Signal<In, Signed<4>>, y: Signal<Out, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.x.val() > 8.into();
+});
+
+block!(Outside { x: Signal<In, Bits<4>>, y: Signal<Out, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.x.val().get_bit(4);
+});
+
+block!(Gated { clock: Signal<In, Clock>, y: Signal<Out, Bit>, r: DFF<Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.r.clock.next = !self.clock.val();
+    self.r.d.next = !self.r.q.val();
+    self.y.next = self.r.q.val();
+});
+
+#[derive(LogicBlock, Default)]
+struct Nameless {
+    pub x: Signal<In, Bit>,
+    pub y: Signal<Out, Bit>,
+}
+
+impl Logic for Nameless {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.y.next = self.x.val();
+    }
+}
+
+block!(Owner { x: Signal<In, Bit>, y: Signal<Out, Bit>, part: Nameless }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.part.x.next = self.x.val();
+    self.y.next = self.part.y.val();
+});
+
+macro_rules! foreign {
+    ($name:ident, $hdl:expr) => {
+        #[derive(LogicBlock, Default)]
+        struct $name {
+            pub y: Signal<Out, Bit>,
+        }
+        impl Logic for $name {
+            described!("Not a kernel.");
+            fn update(&mut self) {}
+            fn hdl(&self) -> Verilog {
+                $hdl
+            }
+        }
+    };
+}
+
+foreign!(Custom, Verilog::Custom("assign y = 1;".into()));
+foreign!(Top, Leaf::new("edof_thing").verilog());
+foreign!(WrongLeaf, Leaf::new("edof_thing").port("y_o", "why").verilog());
+
+block!(Holder { y: Signal<Out, Bit>, part: WrongLeaf }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.part.y.val();
+});
+
+#[derive(LogicBlock, Default)]
+struct Pin {
+    pub pin: Signal<InOut, Bit>,
+}
+
+impl Logic for Pin {
+    described!("A pin.");
+    #[hdl_gen]
+    fn update(&mut self) {}
+}
+
+#[derive(Copy, Clone, Debug, PartialEq, LogicState)]
+enum One {
+    Only,
+}
+
+block!(NoBits { x: Signal<In, One>, y: Signal<Out, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.x.val() == One::Only;
+});
+
+const LIMIT: u64 = 5;
+
+block!(Unknown { x: Signal<In, Bits<4>>, y: Signal<Out, Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = self.x.val() == LIMIT;
+});
+
+block!(Still { y: Signal<Out, Bits<2>> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.y.next = 0.into();
+    self.y.next = 1.into();
+});
+
+#[test]
+fn what_cannot_be_translated_is_refused_with_its_place() {
+    let refusals = [
+        refusal::<Latch>(),
+        refusal::<Undriven>(),
+        refusal::<Unconnected>(),
+        refusal::<Early>(),
+        refusal::<Ring>(),
+        refusal::<Wide>(),
+        refusal::<Literal>(),
+        refusal::<Outside>(),
+        refusal::<Gated>(),
+        refusal::<Nameless>(),
+        refusal::<Owner>(),
+        refusal::<Custom>(),
+        refusal::<Top>(),
+        refusal::<Holder>(),
+        refusal::<Pin>(),
+        refusal::<NoBits>(),
+        refusal::<Unknown>(),
+        refusal::<Still>(),
+    ];
+    println!("{refusals:#?}");
+    let wanted = [
+        "top.y: is not driven on every path, which would be a latch",
+        "top.z: is never driven",
+        "top.part.y: is not driven on every path, which would be a latch",
+        "top.y: `t` is read before it is written",
+        "top.part.x: depends on itself without a register between: part.x, part.y",
+        "top.y: the width of `signed(x) < signed(x)` follows from nothing around it; assign it to a signal first",
+        "top.y: 8 does not fit Signed<4>",
+        "top.y: `x.get_bit(4)` reaches outside of its operand",
+        "top.r.clock: a clock must be driven once, by a plain signal",
+        "top: has no description; put described!(\"…\") into its impl Logic",
+        "top.part: has no description; put described!(\"…\") into its impl Logic",
+        "top: its hdl() is Verilog text; only #[hdl_gen] kernels, registers and leaves are translated",
+        "top: is a leaf or a register and cannot be the top",
+        "top.part: the leaf `edof_thing` connects the field `why`, which the block does not have",
+        "top.pin: bidirectional ports are not translated",
+        "top.x: has no bits",
+        "top.y: `LIMIT` is neither a signal, a state nor a loop variable; constants belong into a Constant<T>",
+        "top.y: is driven by statements that depend on no signal; write one assignment",
+    ];
+    for (found, wanted) in refusals.iter().zip(wanted) {
+        assert_eq!(found, wanted);
+    }
+}
