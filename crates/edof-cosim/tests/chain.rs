@@ -1,51 +1,195 @@
-//! The generated Verilog in Verilator against the cycle model: every word and every cycle.
+//! The generated Verilog in Verilator against the cycle model: every word and every cycle, in every form of a small design.
 
-use edof_cosim::chain::verilated::Compiled;
-use edof_cosim::chain::{Drive, Outcome};
-use edof_cosim::verilator::Options;
-use edof_golden::cycle::{Cycle, Patch, Stalls};
-use edof_golden::sample::{self, Draw};
-use edof_hdl::project;
-use edof_spec::Design;
-use edof_spec::FixedNetwork;
-use edof_spec::design::memory::Set;
+mod common;
+mod support;
 
-fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
-    let draw = &mut Draw::new(seed);
-    let pixels = design.form.window.pixels();
-    let patch = |_| Patch {
-        set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
-        window: sample::extreme_window(draw, pixels),
-    };
-    (0..count).map(patch).collect()
+use common::{Bench, committed, expect_clean, patches};
+use edof_cosim::Error;
+use edof_cosim::chain::{Device, Drive, Inputs, Outputs};
+use edof_golden::cycle::Stalls;
+use edof_spec::design::{FrameSize, StageSize};
+use edof_spec::network::Recurrence::{self, Difference, Direct};
+use edof_spec::network::Shrinkage::{self, OneSided, TwoSided};
+use edof_spec::{Design, Stride, Window};
+use std::collections::BTreeSet;
+
+/// A design of 16 codes, but for which its stages are 16, 8 or 4 lanes wide, and F 128, 64 or 32.
+struct Small {
+    shrinkage: Shrinkage,
+    recurrence: Recurrence,
+    /// With R.
+    linear_path: bool,
+    window: usize,
+    bits: u32,
+    tied: bool,
+    /// Lanes and rows of I, each M, F.
+    stages: &'static [(usize, usize)],
 }
 
-fn run(design: &Design, sets: [&FixedNetwork; 2], count: usize, drive: &Drive, seed: u64) -> Outcome {
-    let project = project::calculator(design, sets).unwrap();
-    let compiled = Compiled::new(&project, design.stages.len(), &Options::default()).unwrap();
-    let model = Cycle::new(design, sets).unwrap();
-    drive.run(model, patches(design, count, seed), &mut compiled.start(seed).unwrap(), &mut |_| ()).unwrap()
+impl Small {
+    fn design(&self) -> Design {
+        let design = Design {
+            name: "small".into(),
+            clock_mhz: 100.0,
+            form: edof_spec::network::Form {
+                window: Window::new(self.window).unwrap(),
+                codes: 16,
+                layers: self.stages.len(),
+                shrinkage: self.shrinkage,
+                recurrence: self.recurrence,
+                linear_path: self.linear_path,
+                tied: self.tied,
+            },
+            code_bits: self.bits,
+            accumulator_bits: 48,
+            skip_zeros: true,
+            stages: self
+                .stages
+                .iter()
+                .map(|(lanes, rows)| StageSize { lanes: *lanes, rows: *rows })
+                .collect(),
+            frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+        };
+        design.check().unwrap();
+        design
+    }
+}
+
+/// 2,000 patches: without stalls, with few, with many; zeros skipped and not.
+fn agrees_in_every_word_and_cycle(design: Design) {
+    let bench = Bench::new(design, 1);
+    for (seed, skip, stalled, count) in [
+        (1, true, 0, 600),
+        (2, true, 40, 400),
+        (3, true, 190, 200),
+        (4, false, 0, 400),
+        (5, false, 40, 300),
+        (6, false, 190, 100),
+    ] {
+        let stalls = Some(Stalls::drawn(seed, stalled));
+        let drive = Drive { skip_zeros: Some(skip), stalls, ..Drive::default() };
+        expect_clean(&bench.run(&drive, patches(&bench.design, count, seed), seed));
+    }
+}
+
+/// One test for each form, and the list of all.
+macro_rules! forms {
+    ($($name:ident: $shrinkage:ident $recurrence:ident, R $r:literal, window $window:literal, bits $bits:literal, tied $tied:literal, $stages:expr;)*) => {
+        $(#[test]
+        fn $name() {
+            agrees_in_every_word_and_cycle(forms()[stringify!($name)].design());
+        })*
+
+        fn forms() -> std::collections::BTreeMap<&'static str, Small> {
+            [$((
+                stringify!($name),
+                Small {
+                    shrinkage: $shrinkage,
+                    recurrence: $recurrence,
+                    linear_path: $r,
+                    window: $window,
+                    bits: $bits,
+                    tied: $tied,
+                    stages: &$stages,
+                },
+            )),*].into()
+        }
+    };
+}
+
+#[rustfmt::skip]
+forms! {
+    two_layers: TwoSided Direct, R false, window 8, bits 16, tied false, [(16, 1), (128, 1)];
+    two_layers_with_linear_path: OneSided Direct, R true, window 8, bits 16, tied false, [(8, 2), (64, 2)];
+    three_layers_of_differences: OneSided Difference, R true, window 8, bits 16, tied false, [(16, 2), (8, 1), (64, 1)];
+    three_layers_of_large_windows: TwoSided Direct, R false, window 12, bits 16, tied false, [(8, 1), (16, 2), (128, 2)];
+    four_layers_of_twelve_bits: OneSided Direct, R true, window 12, bits 12, tied false, [(16, 2), (16, 1), (8, 2), (64, 2)];
+    four_layers_of_differences: TwoSided Difference, R false, window 8, bits 16, tied false, [(16, 1), (8, 2), (16, 1), (128, 1)];
+    five_layers_tied: TwoSided Difference, R true, window 8, bits 16, tied true, [(8, 1), (8, 1), (8, 2), (16, 2), (128, 2)];
+    six_layers_of_eight_bits: OneSided Direct, R false, window 8, bits 8, tied true, [(16, 1), (16, 2), (16, 1), (8, 1), (8, 2), (64, 1)];
+    seven_layers: TwoSided Direct, R true, window 8, bits 16, tied false, [(8, 2), (16, 1), (8, 1), (16, 2), (8, 2), (16, 1), (32, 2)];
+    eight_layers_folded_four_times: OneSided Difference, R false, window 8, bits 16, tied false,
+        [(4, 2), (4, 1), (8, 2), (4, 2), (16, 1), (4, 1), (4, 2), (32, 1)];
+    nine_layers_of_large_windows: OneSided Difference, R true, window 12, bits 14, tied true,
+        [(8, 2), (8, 2), (16, 2), (8, 2), (16, 2), (16, 1), (8, 1), (8, 1), (64, 2)];
+    ten_layers: TwoSided Direct, R false, window 8, bits 16, tied false,
+        [(8, 1), (16, 1), (8, 1), (16, 1), (8, 1), (8, 2), (16, 2), (8, 2), (16, 2), (64, 1)];
+    ten_layers_of_differences: TwoSided Difference, R true, window 8, bits 16, tied false,
+        [(16, 2), (8, 1), (8, 2), (8, 1), (8, 2), (16, 1), (16, 2), (8, 1), (8, 2), (64, 2)];
+}
+
+#[test]
+fn the_forms_cover_every_choice() {
+    let forms = forms();
+    let seen = |of: fn(&Small) -> usize| forms.values().map(of).collect::<BTreeSet<usize>>();
+    assert_eq!(seen(|f| f.stages.len()), (2..=10).collect());
+    assert_eq!(seen(|f| f.window), [8, 12].into());
+    assert!(seen(|f| f.bits as usize).is_superset(&[8, 16].into()));
+    let choices =
+        |f: &Small| [f.shrinkage == OneSided, f.recurrence == Direct, f.linear_path].map(usize::from);
+    let pairs: BTreeSet<_> = forms.values().map(choices).collect();
+    assert_eq!(pairs.len(), 8, "each kind of shrinkage, recurrence and F");
+    let shape = |f: &Small| {
+        let last = f.stages.len() - 1;
+        let fold = |i: usize| if i == last { 128 } else { 16 } / f.stages[i].0;
+        (0..=last)
+            .map(|i| {
+                (
+                    if i == 0 {
+                        'I'
+                    } else if i == last {
+                        'F'
+                    } else {
+                        'M'
+                    },
+                    fold(i),
+                    f.stages[i].1,
+                )
+            })
+            .collect::<Vec<_>>()
+    };
+    let shapes: BTreeSet<_> = forms.values().flat_map(shape).collect();
+    for kind in ['I', 'M', 'F'] {
+        for (fold, rows) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
+            assert!(shapes.contains(&(kind, fold, rows)), "{kind} folded {fold}, {rows} rows");
+        }
+        assert!(shapes.iter().any(|(k, fold, _)| *k == kind && *fold == 4), "{kind} folded 4");
+    }
 }
 
 #[test]
 fn tiny_agrees_in_every_word_and_cycle() {
-    let design = Design::from_json(include_str!("../../../designs/tiny.json")).unwrap();
-    let networks = [1, 2].map(|seed| sample::for_design(&design, seed));
-    let drive = Drive { stalls: Some(Stalls::drawn(1, 60)), ..Drive::default() };
-    let start = std::time::Instant::now();
-    let outcome = run(&design, [&networks[0], &networks[1]], 500, &drive, 1);
-    println!("{:?} {} cycles", start.elapsed(), outcome.cycles);
-    assert!(outcome.difference.is_none(), "{}", outcome.difference.unwrap());
-    assert_eq!(outcome.beats, 500 * (32 + 8 + 8 + 8 + 64));
+    agrees_in_every_word_and_cycle(committed("tiny"));
+}
+
+/// A circuit whose patches are written down.
+struct Recorded<D> {
+    device: D,
+    words: Vec<i16>,
+}
+
+impl<D: Device> Device for Recorded<D> {
+    fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error> {
+        self.device.cycle(inputs, outputs)?;
+        let taken = outputs.patch.filter(|_| inputs.patch_ready && !inputs.reset);
+        self.words.extend(taken.iter().flat_map(|beat| beat.words));
+        Ok(())
+    }
 }
 
 #[test]
-fn paper_agrees_in_every_word_and_cycle() {
-    let design = Design::from_json(include_str!("../../../designs/paper.json")).unwrap();
-    let networks = [1, 2].map(|seed| sample::for_design(&design, seed));
-    let drive = Drive { stalls: Some(Stalls::drawn(1, 0)), ..Drive::default() };
-    let start = std::time::Instant::now();
-    let outcome = run(&design, [&networks[0], &networks[1]], 300, &drive, 1);
-    println!("{:?} {} cycles {}", start.elapsed(), outcome.cycles, outcome.summary.cycles_per_patch());
-    assert!(outcome.difference.is_none(), "{}", outcome.difference.unwrap());
+fn skipping_zeros_changes_cycles_and_no_bit() {
+    let bench = Bench::new(committed("tiny"), 3);
+    let run = |skip| {
+        let drive = Drive { skip_zeros: Some(skip), ..Drive::default() };
+        let mut device = Recorded { device: bench.start(1), words: vec![] };
+        let outcome =
+            drive.run(bench.model(), patches(&bench.design, 200, 1), &mut device, &mut |_| ()).unwrap();
+        expect_clean(&outcome);
+        (device.words, outcome.cycles)
+    };
+    let (skipped, kept) = (run(true), run(false));
+    assert_eq!(skipped.0, kept.0);
+    assert_eq!(kept.0.len(), 200 * 128);
+    assert!(skipped.1 < kept.1, "{} and {} cycles", skipped.1, kept.1);
 }

@@ -6,6 +6,7 @@ use crate::Error;
 use edof_golden::StageCounts;
 use edof_golden::cycle::{Cycle, Patch, PatchRun, Run, StallPattern, Stalls, Summary};
 use edof_spec::design::memory::{self, Space};
+use edof_spec::design::{StagePlan, timing};
 use std::collections::VecDeque;
 
 /// Cycles of reset: enough for every pipeline to run dry.
@@ -70,7 +71,7 @@ impl Drive {
             boundaries: Boundary::all(stages),
             summary: Summary::new(&design),
             runs: model.run(patches),
-            ahead: 2 * stages + 4,
+            ahead: 2 + design.stages().map(|stage| most_held(&stage)).sum::<usize>(),
             held: 0,
             progress,
         };
@@ -165,6 +166,11 @@ impl Drive {
         }
         Ok(None)
     }
+}
+
+/// More vectors than a stage ever holds: two in its pair buffer, two in its multipliers, and what its credits let out.
+const fn most_held(stage: &StagePlan) -> usize {
+    5 + timing::DRAIN_CREDITS.div_ceil(stage.beats_out())
 }
 
 /// The beats of windows, presented as the stall pattern allows.

@@ -1,0 +1,148 @@
+//! Designs, networks and patches for runs of a whole chain, and the chain itself, compiled.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use crate::support;
+use edof_cosim::chain::verilated::{Compiled, Verilated};
+use edof_cosim::chain::{Drive, Outcome};
+use edof_golden::cycle::{Cycle, Patch};
+use edof_golden::sample::{self, Draw};
+use edof_golden::scalar;
+use edof_hdl::project::{self, Project};
+use edof_spec::design::memory::Set;
+use edof_spec::{Design, FixedNetwork};
+use std::path::{Path, PathBuf};
+
+/// The root of the project.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A design of `designs/`.
+pub fn committed(name: &str) -> Design {
+    Design::load(&root().join(format!("designs/{name}.json"))).unwrap()
+}
+
+/// A network whose words lie at the ends of their range, and one whose results mostly fit and whose codes are half zeros: the
+/// first shows every saturation, the second every wrong bit.
+pub fn networks(design: &Design, seed: u64) -> [FixedNetwork; 2] {
+    [sample::for_design(design, seed), moderate(design, seed + 1)]
+}
+
+/// An extreme network with thresholds near zero, codes of one format, and weights halved until few results saturate.
+pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
+    let mut network = sample::for_design(design, seed);
+    let last = network.code_fractions[network.code_fractions.len() - 1];
+    network.code_fractions.fill(last);
+    let draw = &mut Draw::new(seed);
+    let most = 1 << (design.code_bits - 5);
+    network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|_| draw.whole(0, most) as i16));
+    let windows: Vec<Vec<i16>> =
+        (0..8).map(|_| natural_window(draw, design.form.window.side(), 15)).collect();
+    for stage in 0..design.form.layers {
+        // A stage's results depend on the stages before: they are settled first.
+        let mut halvings = 0;
+        while halvings < design.code_bits && saturated(&network, &windows, stage) > 16 {
+            weights_of(&mut network, stage).into_iter().for_each(|weight| *weight /= 2);
+            halvings += 1;
+        }
+    }
+    network
+}
+
+fn saturated(network: &FixedNetwork, windows: &[Vec<i16>], stage: usize) -> u64 {
+    windows.iter().map(|window| scalar::run(network, window).stages[stage].saturated_results).sum()
+}
+
+fn weights_of(network: &mut FixedNetwork, stage: usize) -> Vec<&mut i16> {
+    let last = network.form.layers - 1;
+    let tied = network.recurrent.len() == 1;
+    match stage {
+        0 => network.analysis.weights.iter_mut().collect(),
+        stage if stage == last => {
+            let linear = network.linear_path.iter_mut().flat_map(|r| r.weights.iter_mut());
+            network.dictionary.weights.iter_mut().chain(linear).collect()
+        }
+        stage => network.recurrent[if tied { 0 } else { stage - 1 }].weights.iter_mut().collect(),
+    }
+}
+
+/// A window as a camera sees it: a slope with noise.
+pub fn natural_window(draw: &mut Draw, side: usize, bits: u32) -> Vec<i16> {
+    let most = (1i64 << bits) - 1;
+    let (level, right, down) = (draw.whole(0, most), draw.whole(-most, most), draw.whole(-most, most));
+    let pixel = |draw: &mut Draw, i: usize| {
+        let (column, row) = ((i % side) as i64, (i / side) as i64);
+        let slope = (right * column + down * row) / (2 * side as i64);
+        (level + slope + draw.whole(-200, 200)).clamp(0, most) as i16
+    };
+    (0..side * side).map(|i| pixel(draw, i)).collect()
+}
+
+/// Windows for either set: natural ones, ones at the ends of their range, black ones.
+pub fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
+    let draw = &mut Draw::new(seed);
+    let window = design.form.window;
+    let patch = |_| Patch {
+        set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
+        window: match draw.whole(0, 9) {
+            0 => vec![0; window.pixels()],
+            1..=4 => sample::extreme_window(draw, window.pixels()),
+            _ => natural_window(draw, window.side(), 15),
+        },
+    };
+    (0..count).map(patch).collect()
+}
+
+/// The same patches, all for one set.
+pub fn for_set(set: Set, patches: Vec<Patch>) -> Vec<Patch> {
+    patches.into_iter().map(|patch| Patch { set, ..patch }).collect()
+}
+
+/// A design with a network in each set, generated and compiled.
+pub struct Bench {
+    pub design: Design,
+    pub networks: [FixedNetwork; 2],
+    pub compiled: Compiled,
+}
+
+impl Bench {
+    /// The design with [`networks`] of that seed.
+    pub fn new(design: Design, seed: u64) -> Self {
+        let networks = networks(&design, seed);
+        Self::altered(design, networks, |project| project)
+    }
+
+    /// The design as it is after something was done to its files.
+    pub fn altered(
+        design: Design,
+        networks: [FixedNetwork; 2],
+        alter: impl FnOnce(Project) -> Project,
+    ) -> Self {
+        let project = project::calculator(&design, [&networks[0], &networks[1]]).unwrap();
+        let compiled = Compiled::new(&alter(project), design.stages.len(), &support::options()).unwrap();
+        Self { design, networks, compiled }
+    }
+
+    /// A fresh circuit.
+    pub fn start(&self, seed: u64) -> Verilated {
+        self.compiled.start(seed).unwrap()
+    }
+
+    /// The model, which holds these networks.
+    pub fn model(&self) -> Cycle {
+        Cycle::new(&self.design, [&self.networks[0], &self.networks[1]]).unwrap()
+    }
+
+    /// Runs patches through a fresh circuit.
+    pub fn run(&self, drive: &Drive, patches: Vec<Patch>, seed: u64) -> Outcome {
+        drive.run(self.model(), patches, &mut self.start(seed), &mut |_| ()).unwrap()
+    }
+}
+
+/// Fails with the report of the first difference, if there is one.
+#[track_caller]
+pub fn expect_clean(outcome: &Outcome) {
+    if let Some(difference) = &outcome.difference {
+        panic!("{difference}");
+    }
+}
