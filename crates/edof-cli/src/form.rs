@@ -1,4 +1,4 @@
-//! A network's form in words, as `--form` takes it: `one-sided,w12,t4,r,tied`.
+//! A network's form in words, as `--form` takes it: `one-sided,w12,t4,r`.
 
 use edof_spec::Window;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
@@ -32,7 +32,7 @@ fn apply(form: &mut Form, word: &str) -> Result<(), String> {
     let number = |prefix: char| word.strip_prefix(prefix).and_then(|digits| digits.parse::<usize>().ok());
     match word {
         "paper-t4" => (),
-        "edof-t4w12" => ["one-sided", "w12", "r", "tied"].iter().try_for_each(|w| apply(form, w))?,
+        "edof-t4w12" => ["one-sided", "w12", "r"].iter().try_for_each(|w| apply(form, w))?,
         "one-sided" => form.shrinkage = Shrinkage::OneSided,
         "two-sided" => form.shrinkage = Shrinkage::TwoSided,
         "r" => form.linear_path = true,
@@ -76,7 +76,7 @@ mod tests {
         {
             assert_eq!(words(&parse(text).unwrap()), text);
         }
-        assert_eq!(words(&parse("edof-t4w12,t3").unwrap()), "one-sided,w12,t3,c192,r,tied");
+        assert_eq!(words(&parse("edof-t4w12,t3").unwrap()), "one-sided,w12,t3,c192,r");
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! | photos | [`patches`] | blurred photos, and random windows with their sharp patches |
 //! | start | [`initial`] | a first network: random analysis, or ISTA's matrices from a dictionary |
 //! | coordinates | [`precondition`] | whitened windows, so that training is well conditioned |
-//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`] and [`parameters`] |
+//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`], [`parameters`] and, for the board, [`mod@format`] |
 //! | step | [`adam`] | new weights |
 //! | run | [`train`] | the recipe: schedule, validation, checkpoints ([`checkpoint`]), resume |
 //! | use | [`reconstruct`] | a whole frame through the float network |
@@ -27,6 +27,7 @@
 
 pub mod adam;
 pub mod checkpoint;
+pub mod format;
 pub mod initial;
 pub mod linear_algebra;
 pub mod matmul;

@@ -1,5 +1,6 @@
 //! A batch through the network and back: forward, and the hand-written gradient (network.md, "Function").
 
+use crate::format::Format;
 use crate::matmul::{Into, Mat, product};
 use crate::parameters::Layout;
 use edof_spec::colour::RGB_OUTPUTS;
@@ -19,6 +20,8 @@ pub struct Loss {
 pub struct Pass {
     form: Form,
     layout: Layout,
+    /// What b_t and z_t are rounded to, t = 1…T−1.
+    formats: Vec<Format>,
     /// b_t, t = 1…T−1.
     b: Vec<Vec<f32>>,
     /// z_t, t = 1…T−1.
@@ -32,17 +35,29 @@ pub struct Pass {
 }
 
 impl Pass {
-    /// Buffers for `capacity` windows.
+    /// Buffers for `capacity` windows through a network that gives RGB.
     #[must_use]
     pub fn new(form: Form, capacity: usize) -> Self {
+        Self::with(form, Layout::new(&form), vec![Format::EXACT; form.shrinkages()], capacity)
+    }
+
+    /// Buffers for `capacity` windows through a folded network (4:2:2) whose codes are rounded to these formats. The gradient
+    /// looks through the rounding, except where a code is at the end of its range.
+    #[must_use]
+    pub fn rounding(form: Form, formats: &[Format], capacity: usize) -> Self {
+        Self::with(form, Layout::folded(&form), formats.to_vec(), capacity)
+    }
+
+    fn with(form: Form, layout: Layout, formats: Vec<Format>, capacity: usize) -> Self {
         let codes = || vec![0.0; capacity * form.codes];
         Self {
             form,
-            layout: Layout::new(&form),
+            formats,
             b: (0..form.shrinkages()).map(|_| codes()).collect(),
             z: (0..form.shrinkages()).map(|_| codes()).collect(),
             change: (0..form.middle_layers()).map(|_| codes()).collect(),
-            outputs: vec![0.0; capacity * RGB_OUTPUTS],
+            outputs: vec![0.0; capacity * layout.outputs],
+            layout,
             gradient_z: (0..form.shrinkages()).map(|_| codes()).collect(),
             gradient_b: codes(),
             gradient_b1: codes(),
@@ -61,7 +76,12 @@ impl Pass {
         &self.z[t]
     }
 
-    /// Runs `windows` windows of `inputs` (windows × pixels, row-major) and returns the outputs (windows × 192, RGB).
+    /// The outputs; before [`Pass::backward`], the loss's gradient for them.
+    pub fn outputs_mut(&mut self) -> &mut [f32] {
+        &mut self.outputs
+    }
+
+    /// Runs `windows` windows of `inputs` (windows × pixels, row-major) and returns the outputs (windows × outputs).
     pub fn forward(&mut self, weights: &[f32], inputs: &[f32], windows: usize) -> &[f32] {
         let (form, layout) = (self.form, &self.layout);
         let (codes, pixels) = (form.codes, form.window.pixels());
@@ -75,7 +95,10 @@ impl Pass {
         );
         for t in 0..form.shrinkages() {
             let theta = &weights[layout.thresholds[t].clone()];
+            let format = self.formats[t];
+            format.round_all(&mut self.b[t][..used]);
             shrink(form.shrinkage, &self.b[t][..used], theta, &mut self.z[t]);
+            format.round_all(&mut self.z[t][..used]);
             if t == form.middle_layers() {
                 break;
             }
@@ -90,18 +113,20 @@ impl Pass {
                 Recurrence::Difference => {
                     next.copy_from_slice(&before[t][..used]);
                     subtract_previous(&self.z, t, &mut self.change[t][..used]);
+                    format.round_all(&mut self.change[t][..used]);
                     product(next, Into::Add, Mat::new(&self.change[t], windows, codes), s.t());
                 }
             }
         }
-        let d = Mat::new(&weights[layout.dictionary.clone()], RGB_OUTPUTS, codes);
+        let outputs = layout.outputs;
+        let d = Mat::new(&weights[layout.dictionary.clone()], outputs, codes);
         let last = Mat::new(&self.z[form.middle_layers()], windows, codes);
         product(&mut self.outputs, Into::Replace, last, d.t());
         if form.linear_path {
-            let r = Mat::new(&weights[layout.linear_path.clone()], RGB_OUTPUTS, pixels);
+            let r = Mat::new(&weights[layout.linear_path.clone()], outputs, pixels);
             product(&mut self.outputs, Into::Add, y, r.t());
         }
-        &self.outputs[..windows * RGB_OUTPUTS]
+        &self.outputs[..windows * outputs]
     }
 
     /// [`Pass::forward`], then adds the loss's gradient to `gradient`.
@@ -121,12 +146,26 @@ impl Pass {
     ) -> Loss {
         let windows = importance.len();
         self.forward(weights, inputs, windows);
-        let mut loss = Loss { squared: self.errors(targets, importance, squared_errors), sparsity: 0.0 };
+        let squared = weighted_errors(&mut self.outputs, targets, importance, squared_errors);
+        Loss { squared, sparsity: self.backward(weights, inputs, windows, lambda, gradient) }
+    }
+
+    /// Adds to `gradient` what [`Pass::outputs_mut`], now the loss's gradient for the outputs of the last [`Pass::forward`],
+    /// and λ give; returns λ's part of the loss.
+    pub fn backward(
+        &mut self,
+        weights: &[f32],
+        inputs: &[f32],
+        windows: usize,
+        lambda: f32,
+        gradient: &mut [f32],
+    ) -> f64 {
         let form = self.form;
         let (codes, pixels) = (form.codes, form.window.pixels());
         let used = windows * codes;
         let y = Mat::new(inputs, windows, pixels);
-        let errors = Mat::new(&self.outputs, windows, RGB_OUTPUTS);
+        let outputs = self.layout.outputs;
+        let errors = Mat::new(&self.outputs, windows, outputs);
         let last = form.middle_layers();
         let layout = &self.layout;
         let dictionary = &weights[layout.dictionary.clone()];
@@ -140,8 +179,8 @@ impl Pass {
             product(&mut gradient[layout.linear_path.clone()], Into::Add, errors.t(), y);
         }
         self.gradient_z.iter_mut().for_each(|g| g[..used].fill(0.0));
-        product(&mut self.gradient_z[last], Into::Replace, errors, Mat::new(dictionary, RGB_OUTPUTS, codes));
-        loss.sparsity += sparsity(
+        product(&mut self.gradient_z[last], Into::Replace, errors, Mat::new(dictionary, outputs, codes));
+        let mut loss = sparsity(
             lambda,
             codes,
             &self.z[last][..used],
@@ -157,6 +196,7 @@ impl Pass {
                 self.gradient_b[..used].fill(0.0);
             }
             unshrink(form.shrinkage, &self.z[t][..used], &self.gradient_z[t], &mut self.gradient_b, theta);
+            self.formats[t].stop_clipped(&mut self.gradient_b[..used], &self.b[t][..used]);
             if form.recurrence == Recurrence::Direct || t == 0 {
                 add(&mut self.gradient_b1[..used], &self.gradient_b);
             }
@@ -181,7 +221,7 @@ impl Pass {
             } else {
                 product(g, Into::Add, into_b, s);
             }
-            loss.sparsity += sparsity(
+            loss += sparsity(
                 lambda,
                 codes,
                 &self.z[t - 1][..used],
@@ -198,23 +238,29 @@ impl Pass {
         );
         loss
     }
+}
 
-    /// Outputs become weighted errors; returns half the weighted sum of their squares.
-    fn errors(&mut self, targets: &[f32], importance: &[f32], squared_errors: &mut [f32]) -> f64 {
-        let rows = self.outputs.chunks_exact_mut(RGB_OUTPUTS).zip(targets.chunks_exact(RGB_OUTPUTS));
-        let mut loss = 0.0;
-        for (((out, target), &weight), squared) in rows.zip(importance).zip(squared_errors) {
-            let mut sum = 0.0;
-            for (o, &x) in out.iter_mut().zip(target) {
-                let error = *o - x;
-                sum += error * error;
-                *o = error * weight;
-            }
-            *squared = sum;
-            loss += 0.5 * f64::from(weight * sum);
+/// Outputs become errors times their window's importance; returns half the weighted sum of their squares. `squared_errors[p]`
+/// becomes ‖x̂_p − x_p‖².
+pub fn weighted_errors(
+    outputs: &mut [f32],
+    targets: &[f32],
+    importance: &[f32],
+    squared_errors: &mut [f32],
+) -> f64 {
+    let rows = outputs.chunks_exact_mut(RGB_OUTPUTS).zip(targets.chunks_exact(RGB_OUTPUTS));
+    let mut loss = 0.0;
+    for (((out, target), &weight), squared) in rows.zip(importance).zip(squared_errors) {
+        let mut sum = 0.0;
+        for (o, &x) in out.iter_mut().zip(target) {
+            let error = *o - x;
+            sum += error * error;
+            *o = error * weight;
         }
-        loss
+        *squared = sum;
+        loss += 0.5 * f64::from(weight * sum);
     }
+    loss
 }
 
 /// z = σ_θ(b).

@@ -10,11 +10,15 @@ use std::ops::Range;
 
 /// The change of coordinates of one run; decided by a batch of its windows.
 #[derive(Debug, Clone)]
-pub struct Precondition {
-    pixels: usize,
+pub struct Precondition(Vec<Block>);
+
+/// Matrices that multiply the same inputs.
+#[derive(Debug, Clone)]
+struct Block {
+    matrices: Vec<Range<usize>>,
+    inputs: usize,
     whiten: Vec<f32>,
     colour: Vec<f32>,
-    windowed: [Range<usize>; 2],
 }
 
 impl Precondition {
@@ -22,50 +26,57 @@ impl Precondition {
     #[must_use]
     pub fn new(layout: &Layout, inputs: &[f32], pixels: usize, floor: f64) -> Self {
         let factor = cholesky(&second_moment(inputs, pixels, floor), pixels);
-        let mut whiten = vec![0.0; pixels * pixels];
-        for column in 0..pixels {
-            // Row `column` of L⁻ᵀ is column `column` of L⁻¹.
-            let mut unit = vec![0.0; pixels];
-            unit[column] = 1.0;
-            solve_upper(&factor, pixels, &mut unit);
-            (0..pixels).for_each(|row| whiten[column * pixels + row] = unit[row] as f32);
-        }
-        Self {
-            pixels,
-            whiten,
-            colour: factor.iter().map(|v| *v as f32).collect(),
-            windowed: [layout.analysis.clone(), layout.linear_path.clone()],
-        }
+        Self(vec![Block::new(vec![layout.analysis.clone(), layout.linear_path.clone()], &factor, pixels)])
+    }
+
+    /// Coordinates in which each matrix acts on white inputs; beside it stands the factor L (row-major) of their moments, and
+    /// their number.
+    #[must_use]
+    pub fn of<'a>(matrices: impl IntoIterator<Item = (Range<usize>, &'a [f64], usize)>) -> Self {
+        Self(matrices.into_iter().map(|(matrix, l, inputs)| Block::new(vec![matrix], l, inputs)).collect())
     }
 
     /// The network's weights for those in training coordinates.
     pub fn to_network(&self, trained: &[f32], network: &mut [f32]) {
         network.copy_from_slice(trained);
-        self.multiply(trained, network, Mat::new(&self.whiten, self.pixels, self.pixels));
+        self.0.iter().for_each(|block| block.multiply(trained, network, block.matrix(&block.whiten)));
     }
 
     /// Inverse of [`Precondition::to_network`].
     pub fn to_trained(&self, network: &[f32], trained: &mut [f32]) {
         trained.copy_from_slice(network);
-        self.multiply(network, trained, Mat::new(&self.colour, self.pixels, self.pixels));
+        self.0.iter().for_each(|block| block.multiply(network, trained, block.matrix(&block.colour)));
     }
 
     /// Turns a gradient for the network's weights into one for the trained coordinates: the adjoint of
     /// [`Precondition::to_network`].
     pub fn pull_back(&self, gradient: &mut [f32], scratch: &mut [f32]) {
         scratch.copy_from_slice(gradient);
-        self.multiply(scratch, gradient, Mat::new(&self.whiten, self.pixels, self.pixels).t());
+        self.0.iter().for_each(|block| block.multiply(scratch, gradient, block.matrix(&block.whiten).t()));
+    }
+}
+
+impl Block {
+    fn new(matrices: Vec<Range<usize>>, factor: &[f64], inputs: usize) -> Self {
+        let mut whiten = vec![0.0; inputs * inputs];
+        for (column, row) in whiten.chunks_exact_mut(inputs).enumerate() {
+            // Row `column` of L⁻ᵀ is column `column` of L⁻¹.
+            let mut unit = vec![0.0; inputs];
+            unit[column] = 1.0;
+            solve_upper(factor, inputs, &mut unit);
+            row.iter_mut().zip(&unit).for_each(|(w, u)| *w = *u as f32);
+        }
+        Self { matrices, inputs, whiten, colour: factor.iter().map(|v| *v as f32).collect() }
+    }
+
+    fn matrix<'a>(&self, values: &'a [f32]) -> Mat<'a> {
+        Mat::new(values, self.inputs, self.inputs)
     }
 
     fn multiply(&self, from: &[f32], to: &mut [f32], by: Mat<'_>) {
-        for range in self.windowed.iter().filter(|r| !r.is_empty()) {
-            let rows = range.len() / self.pixels;
-            product(
-                &mut to[range.clone()],
-                Into::Replace,
-                Mat::new(&from[range.clone()], rows, self.pixels),
-                by,
-            );
+        for range in self.matrices.iter().filter(|r| !r.is_empty()) {
+            let matrix = Mat::new(&from[range.clone()], range.len() / self.inputs, self.inputs);
+            product(&mut to[range.clone()], Into::Replace, matrix, by);
         }
     }
 }

@@ -252,12 +252,12 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
             seen.push(p.validation_db);
             true
         };
-        (finetune(&fixed, &bank, &tuning, tell).unwrap(), seen)
+        (finetune(&fixed, &bank, &tuning, tell), seen)
     };
     let (tuned, db) = tune();
     assert_eq!(db.len(), 3);
-    assert!(db[2] > db[0] + 0.02, "{db:?}");
+    assert!(db[2] > db[0] + 0.1, "{db:?}");
     assert_eq!(tuned.code_fractions, fixed.code_fractions);
-    assert_ne!(tuned.analysis, fixed.analysis);
+    assert_ne!(tuned.dictionary, fixed.dictionary);
     assert_eq!(tune(), (tuned, db));
 }

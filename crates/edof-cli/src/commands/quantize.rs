@@ -70,7 +70,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0, value_name = "STEPS")]
     finetune: u64,
 
-    /// Largest move of a weight in one of these steps, in units of its last bit
+    /// Largest move of a weight in one of these steps, for inputs of variance one and in units of a code's last bit
     #[arg(long, default_value_t = FinetuneOptions::default().rate)]
     finetune_rate: f32,
 
@@ -155,7 +155,7 @@ fn tune(
         first.get_or_insert(progress.validation_db);
         best = progress.best_db;
         interrupt::check().is_ok()
-    })?;
+    });
     drop(bar);
     interrupt::check()?;
     let before = first.unwrap_or(best);

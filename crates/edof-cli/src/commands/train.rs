@@ -32,7 +32,7 @@ const STUDY_PREFIX: &str = "kodim";
   edof train --form two-sided,w8,t4 --camera ring-2018 --images photos/ --steps 8000 --out quick.safetensors
   edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors --resume")]
 pub struct Args {
-    /// The network's form: paper-t4, edof-t4w12, or words as in one-sided,w12,t4,c192,r,tied
+    /// The network's form: paper-t4, edof-t4w12, or words as in one-sided,w12,t4,c192,r
     #[arg(long, value_parser = form::parse, long_help = form::HELP)]
     form: Form,
 

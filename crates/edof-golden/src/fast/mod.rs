@@ -280,9 +280,9 @@ impl Fast {
         match isa {
             Isa::Portable => portable::dense(matrix, input, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => x86::dense_avx2(matrix, input, sums),
+            Isa::Avx2 => x86::avx2::dense(matrix, input, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => x86::dense_avx512(matrix, input, sums),
+            Isa::Avx512 => x86::avx512::dense(matrix, input, sums),
             #[cfg(not(target_arch = "x86_64"))]
             _ => portable::dense(matrix, input, sums),
         }
@@ -293,9 +293,9 @@ impl Fast {
         match self.isa {
             Isa::Portable => portable::sparse(matrix, pairs, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => x86::sparse_avx2(matrix, pairs, sums),
+            Isa::Avx2 => x86::avx2::sparse(matrix, pairs, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => x86::sparse_avx512(matrix, pairs, sums),
+            Isa::Avx512 => x86::avx512::sparse(matrix, pairs, sums),
             #[cfg(not(target_arch = "x86_64"))]
             _ => portable::sparse(matrix, pairs, sums),
         }

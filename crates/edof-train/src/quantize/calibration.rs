@@ -102,7 +102,7 @@ impl Calibration {
     }
 
     /// Takes in how the inputs of the batch that `pass` has just run go together.
-    fn observe_moments(&mut self, pass: &Pass, inputs: &[f32], form: Form) {
+    pub(super) fn observe_moments(&mut self, pass: &Pass, inputs: &[f32], form: Form) {
         let (codes, pixels) = (form.codes, form.window.pixels());
         let windows = inputs.len() / pixels;
         let mut sums = vec![0.0; (codes + pixels).pow(2)];

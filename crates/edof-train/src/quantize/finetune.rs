@@ -1,13 +1,24 @@
 //! Quantization-aware fine-tuning: weights go on being trained while the network computes with the words that the board will
-//! hold. Below 12 bits this wins back most of what rounding costs. Formats stay as the quantizer chose them.
+//! hold. Formats stay as the quantizer chose them.
+//!
+//! The weights that are trained are kept in floating point; each step rounds them as [`super::rounding`] does and looks through
+//! the rounding for the gradient. To nearest would not do: windows are so smooth that, with 8 bits, it costs 10 dB, and
+//! steps that move single words undo what the quantizer's rounding had hidden. They are trained in the coordinates in which
+//! what each matrix multiplies is white (see [`crate::precondition`]).
+//!
+//! A layer's rounding errors can only be learned by the layers behind it once they stand still. So the steps are shared out:
+//! A settles first, then each S in turn, and in the last share only D and R move. Thresholds move throughout.
 
 use super::fold::{self, Folded};
-use super::simulated::{Formats, Places, Simulated, rgb_map};
-use super::{QuantizeError, formats};
+use super::simulated::{Simulated, code_formats, rgb_map};
+use super::{Calibration, formats, rounding::Rounding};
 use crate::adam::Adam;
+use crate::parameters::{Layout, flatten_folded, unflatten_folded};
 use crate::patches::{Bank, Batch, Random};
+use crate::precondition::Precondition;
 use edof_spec::FixedNetwork;
 use edof_spec::colour::RGB_OUTPUTS;
+use edof_spec::network::{Form, Shrinkage};
 use rayon::prelude::*;
 
 /// Parts of a batch that are computed side by side and added in order: the result does not depend on the threads.
@@ -18,6 +29,8 @@ const VALIDATION_WINDOWS: usize = 64;
 const VALIDATE_EVERY: u64 = 100;
 /// How much of a cell's running error one window replaces.
 const CELL_RATE: f32 = 0.02;
+/// Batches of a step's size from which the moments of what is multiplied are taken.
+const MOMENT_BATCHES: u64 = 16;
 
 /// How to fine-tune.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +39,7 @@ pub struct FinetuneOptions {
     pub steps: u64,
     /// Windows a step.
     pub batch: usize,
-    /// Largest move of a weight in one step, in units of its last bit.
+    /// Largest move of a weight in one step, for inputs of variance one and in units of a code's last bit.
     pub rate: f32,
     /// Seed of the windows drawn.
     pub seed: u64,
@@ -50,19 +63,17 @@ pub struct FinetuneProgress {
 }
 
 /// Fine-tunes the weights and thresholds of `fixed` on the bank's windows. `tell`
-/// hears every validation, the first before any step, and stops the work by returning false. The best validated weights come
+/// hears every validation, the first before any step, and stops the work by returning false. The best validated words come
 /// out, so the result is never worse than the start on the validation windows.
-///
-/// # Errors
-/// [`QuantizeError::Fixed`] if the tuned weights could overflow an accumulator.
+#[must_use]
 pub fn finetune(
     fixed: &FixedNetwork,
     bank: &Bank,
     tuning: &FinetuneOptions,
     mut tell: impl FnMut(&FinetuneProgress) -> bool,
-) -> Result<FixedNetwork, QuantizeError> {
+) -> FixedNetwork {
     let mut tuner = Tuner::new(fixed, bank, tuning);
-    let mut best = (tuner.validate(), tuner.weights.clone());
+    let mut best = (tuner.validate(), fixed.clone());
     let mut go_on = tell(&FinetuneProgress { step: 0, validation_db: best.0, best_db: best.0 });
     for step in 1..=tuning.steps {
         if !go_on {
@@ -71,24 +82,31 @@ pub fn finetune(
         tuner.step(step);
         if step.is_multiple_of(VALIDATE_EVERY) || step == tuning.steps {
             let db = tuner.validate();
-            if db > best.0 {
-                best = (db, tuner.weights.clone());
+            // Words whose sums could overflow are no network.
+            if db > best.0 && tuner.words.check().is_ok() {
+                best = (db, tuner.words.clone());
             }
             go_on = tell(&FinetuneProgress { step, validation_db: db, best_db: best.0 });
         }
     }
-    let tuned = tuner.places.unflatten(&fixed.form, &best.1);
-    formats::rounded_to(&tuned, fixed)
+    best.1
 }
 
 struct Tuner<'a> {
     bank: &'a Bank,
     tuning: &'a FinetuneOptions,
     noise: f32,
-    places: Places,
-    formats: Formats,
+    layout: Layout,
+    rounding: Rounding,
+    condition: Precondition,
+    /// What is trained, in the coordinates of `condition`.
     weights: Vec<f32>,
-    steps: Vec<f32>,
+    /// The words that it stands for, and their values.
+    words: FixedNetwork,
+    values: Vec<f32>,
+    scratch: Vec<f32>,
+    /// A code's last bit, for each weight.
+    rates: Vec<f32>,
     adam: Adam,
     cell_errors: Vec<f32>,
     parts: Vec<Part>,
@@ -106,38 +124,46 @@ struct Part {
 impl<'a> Tuner<'a> {
     fn new(fixed: &FixedNetwork, bank: &'a Bank, tuning: &'a FinetuneOptions) -> Self {
         let form = fixed.form;
-        let places = Places::new(&form);
-        let formats = Formats::of(fixed, &places);
-        let weights = Places::flatten(&Folded::of(fixed));
+        let layout = Layout::folded(&form);
+        let values = flatten_folded(&Folded::of(fixed));
         let to_rgb = rgb_map(&fold::output_weights(fixed.stride, fixed.overlap));
         let share = tuning.batch.div_ceil(PARTS);
         let part = |_| Part {
-            pass: Simulated::new(form, &formats.codes, &to_rgb, share.max(VALIDATION_WINDOWS)),
+            pass: Simulated::new(form, &code_formats(fixed), &to_rgb, share.max(VALIDATION_WINDOWS)),
             batch: Batch::new(form.window, share),
             importance: vec![0.0; share],
             errors: vec![0.0; share],
-            gradient: vec![0.0; weights.len()],
+            gradient: vec![0.0; values.len()],
         };
         let noise = fixed.origin.noise as f32;
+        let mut parts: Vec<Part> = (0..PARTS).map(part).collect();
+        let rounding = parts[0].moments(&form, &values, bank, noise, tuning.seed);
+        let condition = Precondition::of(rounding.factors(&layout));
+        let mut weights = values.clone();
+        condition.to_trained(&values, &mut weights);
         Self {
             bank,
             tuning,
             noise,
-            steps: formats.steps(weights.len()),
-            adam: Adam::new(weights.len()),
+            rates: vec![(1.0 - fixed.code_bits as f32).exp2(); values.len()],
+            adam: Adam::new(values.len()),
             cell_errors: vec![0.0; bank.cells()],
-            parts: (0..PARTS).map(part).collect(),
             validation: validation(bank, noise),
+            words: fixed.clone(),
+            scratch: values.clone(),
+            layout,
+            rounding,
+            condition,
             weights,
-            formats,
-            places,
+            values,
+            parts,
         }
     }
 
-    /// One batch and one step of Adam; the rate falls along a cosine.
+    /// One batch and one step of Adam; in each share of the steps the rate falls along a cosine.
     fn step(&mut self, step: u64) {
-        let rounded = self.formats.rounded(&self.weights);
         let (bank, noise, seed, cells) = (self.bank, self.noise, self.tuning.seed, &self.cell_errors);
+        let values = &self.values;
         self.parts.par_iter_mut().enumerate().for_each(|(index, part)| {
             let mut random = Random::new(seed, step, index as u64);
             bank.draw(&mut random, noise, 8, &mut part.batch);
@@ -149,7 +175,7 @@ impl<'a> Tuner<'a> {
             part.gradient.fill(0.0);
             let Batch { inputs, targets, .. } = &part.batch;
             part.pass.gradient(
-                &rounded,
+                values,
                 inputs,
                 targets,
                 &part.importance,
@@ -162,9 +188,13 @@ impl<'a> Tuner<'a> {
         for other in &*others {
             gradient.iter_mut().zip(&other.gradient).for_each(|(sum, g)| *sum += g);
         }
-        let progress = step as f32 / self.tuning.steps.max(1) as f32;
-        let rate = self.tuning.rate * 0.5 * (1.0 + (std::f32::consts::PI * progress).cos());
-        self.adam.step(&mut self.weights, gradient, rate, &self.steps);
+        // One share of the steps for A, one for each S, one for F.
+        let shares = (self.words.recurrent.len() + 2) as f32;
+        let progress = shares * (step - 1) as f32 / self.tuning.steps.max(1) as f32;
+        let rate = self.tuning.rate * 0.5 * (1.0 + (std::f32::consts::PI * progress.fract()).cos());
+        self.condition.pull_back(gradient, &mut self.scratch);
+        self.adam.step(&mut self.weights, gradient, rate, &self.rates);
+        self.round(progress as usize);
         for part in &self.parts {
             for (&cell, &error) in part.batch.cells.iter().zip(&part.errors) {
                 let mean = &mut self.cell_errors[cell as usize];
@@ -173,9 +203,22 @@ impl<'a> Tuner<'a> {
         }
     }
 
+    /// The words for the weights now, but for the first `settled` of A and all S.
+    fn round(&mut self, settled: usize) {
+        if self.words.form.shrinkage == Shrinkage::TwoSided {
+            for theta in &self.layout.thresholds {
+                self.weights[theta.clone()].iter_mut().for_each(|t| *t = t.max(0.0));
+            }
+        }
+        self.condition.to_network(&self.weights, &mut self.scratch);
+        let folded = unflatten_folded(&self.words.form, &self.scratch);
+        self.words = formats::rounded_to(&folded, &self.words, &self.rounding, settled);
+        self.values = flatten_folded(&Folded::of(&self.words));
+    }
+
     /// Mean PSNR in dB over the validation sets.
     fn validate(&mut self) -> f64 {
-        let rounded = self.formats.rounded(&self.weights);
+        let values = &self.values;
         let parts = self.validation.len().div_ceil(PARTS);
         let sums: Vec<f64> = self
             .parts
@@ -183,7 +226,7 @@ impl<'a> Tuner<'a> {
             .zip(self.validation.par_chunks(parts))
             .map(|(part, sets)| {
                 let db = |set: &Batch| {
-                    let rgb = part.pass.forward(&rounded, &set.inputs, VALIDATION_WINDOWS);
+                    let rgb = part.pass.forward(values, &set.inputs, VALIDATION_WINDOWS);
                     let squares: f64 =
                         rgb.iter().zip(&set.targets).map(|(a, b)| f64::from(a - b).powi(2)).sum();
                     -10.0 * (squares / set.targets.len() as f64).log10()
@@ -192,6 +235,19 @@ impl<'a> Tuner<'a> {
             })
             .collect();
         sums.iter().sum::<f64>() / self.validation.len() as f64
+    }
+}
+
+impl Part {
+    /// How what the matrices multiply goes together, on windows that no step draws.
+    fn moments(&mut self, form: &Form, values: &[f32], bank: &Bank, noise: f32, seed: u64) -> Rounding {
+        let mut seen = Calibration::new(form);
+        for index in 0..MOMENT_BATCHES {
+            bank.draw(&mut Random::new(seed, u64::MAX, index), noise, 8, &mut self.batch);
+            self.pass.forward(values, &self.batch.inputs, self.batch.cells.len());
+            seen.observe_moments(&self.pass.pass, &self.batch.inputs, *form);
+        }
+        Rounding::new(&seen, &vec![1.0; form.codes], form)
     }
 }
 

@@ -103,24 +103,38 @@ pub fn integers(
     }
 }
 
-/// The same formats for other weights of the same network.
-///
-/// # Errors
-/// [`QuantizeError::Fixed`] if these could overflow an accumulator.
-pub fn rounded_to(folded: &Folded, like: &FixedNetwork) -> Result<FixedNetwork, QuantizeError> {
+/// The same formats for other weights of the same network, rounded as [`integers`] rounds them. The first `settled` of A and
+/// all S keep their words. The caller checks the sums.
+#[must_use]
+pub fn rounded_to(folded: &Folded, like: &FixedNetwork, rounding: &Rounding, settled: usize) -> FixedNetwork {
     let bits = like.code_bits;
-    let again = |matrix: &Array2<f64>, like: &FixedMatrix| rounded(matrix, like.fraction, bits);
-    let thetas = folded.thresholds.iter().zip(&like.code_fractions);
-    let fixed = FixedNetwork {
-        analysis: again(&folded.analysis, &like.analysis),
-        thresholds: thetas.map(|(t, f)| thresholds(t, *f, bits, like.form.shrinkage)).collect(),
-        recurrent: folded.recurrent.iter().zip(&like.recurrent).map(|(s, l)| again(s, l)).collect(),
-        dictionary: again(&folded.dictionary, &like.dictionary),
-        linear_path: folded.linear_path.as_ref().zip(like.linear_path.as_ref()).map(|(r, l)| again(r, l)),
-        ..like.clone()
+    let analysis = if settled > 0 {
+        like.analysis.weights.clone()
+    } else {
+        rounding.analysis(&folded.analysis, like.analysis.fraction, bits)
     };
-    fixed.check().map_err(|source| QuantizeError::Fixed { bits, source })?;
-    Ok(fixed)
+    let recurrent = |(i, (s, like)): (usize, (&Array2<f64>, &FixedMatrix))| {
+        let settled = i + 1 < settled;
+        let weights =
+            if settled { like.weights.clone() } else { rounding.recurrent(i, s, like.fraction, bits) };
+        FixedMatrix { weights, fraction: like.fraction }
+    };
+    let linear = folded.linear_path.as_ref().zip(like.linear_path.as_ref());
+    let (dictionary, linear_path) = rounding.outputs(
+        (&folded.dictionary, like.dictionary.fraction),
+        linear.map(|(r, like)| (r, like.fraction)),
+        bits,
+    );
+    let again = |weights, like: &FixedMatrix| FixedMatrix { weights, fraction: like.fraction };
+    let thetas = folded.thresholds.iter().zip(&like.code_fractions);
+    FixedNetwork {
+        analysis: again(analysis, &like.analysis),
+        thresholds: thetas.map(|(t, f)| thresholds(t, *f, bits, like.form.shrinkage)).collect(),
+        recurrent: folded.recurrent.iter().zip(&like.recurrent).enumerate().map(recurrent).collect(),
+        dictionary: again(dictionary, &like.dictionary),
+        linear_path: linear_path.zip(like.linear_path.as_ref()).map(|(r, like)| again(r, like)),
+        ..like.clone()
+    }
 }
 
 /// The most fraction bits at which every layer's codes, with headroom, and its thresholds keep within their width.
@@ -173,10 +187,6 @@ fn weight_fraction(what: &'static str, matrix: &Array2<f64>, bits: u32) -> Resul
     let value = matrix.iter().fold(0.0, |a: f64, w| a.max(w.abs()));
     let fits = |fraction: &u32| (value * f64::from(*fraction).exp2()).round() <= most(bits);
     (0..=MOST_FRACTION).rev().find(fits).ok_or(QuantizeError::Large { what, value, bits })
-}
-
-fn rounded(matrix: &Array2<f64>, fraction: u32, bits: u32) -> FixedMatrix {
-    FixedMatrix { weights: matrix.mapv(|w| word(w, fraction, bits)), fraction }
 }
 
 fn thresholds(theta: &Array1<f64>, fraction: u32, bits: u32, shrinkage: Shrinkage) -> Array1<i16> {

@@ -131,9 +131,7 @@ pub fn quantize(
     let scales = fold::scales(network, calibration, options);
     let folded = fold::fold(network, &scales, options.stride, options.overlap);
     let used = formats::used(calibration, &scales);
-    let matrix_of: Vec<usize> =
-        (0..network.form.middle_layers()).map(|layer| network.form.recurrent_index(layer)).collect();
-    let rounding = rounding::Rounding::new(calibration, &scales, &matrix_of);
+    let rounding = rounding::Rounding::new(calibration, &scales, &network.form);
     let fixed = formats::integers(&folded, &used, &rounding, network, options, float_hash)?;
     let report = report(&fixed, &used);
     Ok((fixed, report))

@@ -7,7 +7,10 @@
 
 use super::Calibration;
 use crate::linear_algebra::cholesky;
+use crate::parameters::Layout;
+use edof_spec::network::Form;
 use ndarray::{Array2, concatenate, s};
+use std::ops::Range;
 
 /// Share of the mean square of an input that is added to every input's: rare inputs must not bend the weights of others.
 const RIDGE: f64 = 1e-4;
@@ -17,6 +20,8 @@ const RIDGE: f64 = 1e-4;
 pub struct Rounding {
     analysis: Factor,
     recurrent: Vec<Factor>,
+    /// Of the last codes alone.
+    last: Factor,
     outputs: Factor,
 }
 
@@ -27,27 +32,39 @@ struct Factor {
 }
 
 impl Rounding {
-    /// The factors of what calibration saw, for codes scaled by `scales`. `matrix_of[layer]` tells which S M layer `layer` uses.
+    /// The factors of what calibration saw, for codes scaled by `scales`.
     #[must_use]
-    pub fn new(calibration: &Calibration, scales: &[f64], matrix_of: &[usize]) -> Self {
+    pub fn new(calibration: &Calibration, scales: &[f64], form: &Form) -> Self {
         let (codes, n) = (scales.len(), calibration.outputs.nrows());
         let scale = |i: usize| scales.get(i).copied().unwrap_or(1.0);
         let scaled = |moments: &Array2<f64>| {
             Array2::from_shape_fn(moments.dim(), |(i, j)| moments[(i, j)] * scale(i) * scale(j))
         };
-        let matrices = matrix_of.iter().max().map_or(0, |m| m + 1);
-        let recurrent = (0..matrices)
+        let recurrent = (0..form.recurrent_matrices())
             .map(|matrix| {
-                let layers = matrix_of.iter().zip(&calibration.sent).filter(|(of, _)| **of == matrix);
-                let sum = layers.fold(Array2::zeros((codes, codes)), |sum, (_, moments)| sum + moments);
+                let layers = calibration.sent.iter().enumerate();
+                let uses = layers.filter(|(layer, _)| form.recurrent_index(*layer) == matrix);
+                let sum = uses.fold(Array2::zeros((codes, codes)), |sum, (_, moments)| sum + moments);
                 Factor::new(&scaled(&sum))
             })
             .collect();
+        let outputs = Factor::new(&scaled(&calibration.outputs));
         Self {
             analysis: Factor::new(&calibration.outputs.slice(s![codes..n, codes..n]).to_owned()),
             recurrent,
-            outputs: Factor::new(&scaled(&calibration.outputs)),
+            last: outputs.leading(codes),
+            outputs,
         }
+    }
+
+    /// Each matrix of `layout` with the factor of what it multiplies, and its inputs' number. D and R come alone.
+    pub fn factors<'a>(&'a self, layout: &Layout) -> Vec<(Range<usize>, &'a [f64], usize)> {
+        let of = |range: &Range<usize>, factor: &'a Factor| (range.clone(), &factor.l[..], factor.n);
+        let recurrent = layout.recurrent.iter().zip(&self.recurrent).map(|(s, factor)| of(s, factor));
+        std::iter::once(of(&layout.analysis, &self.analysis))
+            .chain(recurrent)
+            .chain([of(&layout.dictionary, &self.last), of(&layout.linear_path, &self.analysis)])
+            .collect()
     }
 
     /// A's words.
@@ -72,7 +89,7 @@ impl Rounding {
     ) -> (Array2<i16>, Option<Array2<i16>>) {
         let codes = d.ncols();
         let Some((r, r_fraction)) = r else {
-            return (self.outputs.leading(codes).round(d, &vec![d_fraction; codes], bits), None);
+            return (self.last.round(d, &vec![d_fraction; codes], bits), None);
         };
         let fractions = [vec![d_fraction; codes], vec![r_fraction; r.ncols()]].concat();
         let Ok(both) = concatenate(ndarray::Axis(1), &[d.view(), r.view()]) else {
