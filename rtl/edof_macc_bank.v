@@ -5,6 +5,10 @@
 // Four cycles after its address a product is in its sum. copy_i, one cycle later, copies the sums to the holding registers, of which
 // shift_i hands on two a cycle towards drain_*_o, and takes two from drain_*_i. Half a row is written where write_bank_i is bank_i;
 // with ROWS = 2 that needs a cycle in which nothing is read.
+// Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
+`ifndef EDOF_DIR
+`define EDOF_DIR "./"
+`endif
 `default_nettype none
 
 module edof_macc_bank #(
@@ -35,7 +39,7 @@ module edof_macc_bank #(
     localparam BITS = $clog2(DEPTH);
 
     (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
-    initial if (INIT != "") $readmemh(INIT, weights);
+    initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, weights);
 
     wire write = write_enable_i && (write_bank_i == bank_i);
     wire write_low = write && !write_half_i;

@@ -2,6 +2,10 @@
 //
 // BLOCK = 1 asks for block RAM, 0 for LUT RAM. INIT names a $readmemh image, "" leaves the start-up contents open.
 // Addresses are 12 bits wide whatever the depth, so that one port fits all; the memory uses as many bits as it has rows.
+// Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
+`ifndef EDOF_DIR
+`define EDOF_DIR "./"
+`endif
 `default_nettype none
 
 module edof_ram #(
@@ -21,18 +25,18 @@ module edof_ram #(
 
     generate
         if (BLOCK != 0) begin : in_block
-            (* ram_style = "block" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
-            initial if (INIT != "") $readmemh(INIT, memory);
+            (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
+            initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
             always @(posedge clock_i) begin
-                if (write_enable_i) memory[write_address_i[BITS-1:0]] <= write_data_i;
-                read_data_o <= memory[read_address_i[BITS-1:0]];
+                if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
+                read_data_o <= words[read_address_i[BITS-1:0]];
             end
         end else begin : in_luts
-            (* ram_style = "distributed" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
-            initial if (INIT != "") $readmemh(INIT, memory);
+            (* ram_style = "distributed" *) reg [WIDTH-1:0] words [0:DEPTH-1];
+            initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
             always @(posedge clock_i) begin
-                if (write_enable_i) memory[write_address_i[BITS-1:0]] <= write_data_i;
-                read_data_o <= memory[read_address_i[BITS-1:0]];
+                if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
+                read_data_o <= words[read_address_i[BITS-1:0]];
             end
         end
     endgenerate

@@ -35,6 +35,11 @@ pub struct Args {
 /// File that tells an output of this command from any other folder.
 const MANIFEST: &str = "manifest.json";
 
+/// Top of the list of files.
+const LIST_HEADER: &str = "\
+Files of the design, for tools that are started in this folder.
+From elsewhere, tell where the memory images are: define EDOF_DIR as \"/path/to/this/folder/\".";
+
 /// # Errors
 /// A design or network that cannot be used or do not fit each other, or a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
@@ -66,7 +71,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 /// Every file and its path in the folder.
 fn files(project: &Project) -> Vec<(String, String)> {
     let verilog = project.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text.clone()));
-    let list = project.verilog.iter().map(|(name, _)| format!("rtl/{name}\n")).collect();
+    let names = project.verilog.iter().map(|(name, _)| format!("rtl/{name}\n"));
+    let list = LIST_HEADER.lines().map(|line| format!("// {line}\n")).chain(names).collect();
     let memory = project.memory.iter().cloned();
     verilog.chain(memory).chain([("files.f".to_string(), list)]).collect()
 }

@@ -1,0 +1,122 @@
+//! `generate`, `estimate` and `cosim`, by the real binary.
+
+mod support;
+
+use serde_json::Value;
+use std::process::Command;
+use support::Place;
+
+fn design(change: impl Fn(&mut Value)) -> String {
+    let mut design: Value = serde_json::from_str(include_str!("../../../designs/tiny.json")).unwrap();
+    change(&mut design);
+    design.to_string()
+}
+
+#[test]
+fn an_estimate_tells_cells_cycles_and_frames() {
+    let report: Value =
+        serde_json::from_str(&Place::new().edof("estimate --design paper --json").done().out).unwrap();
+    assert_eq!((&report["dsp48e1"], &report["ramb36e1"]), (&704.into(), &176.into()));
+    assert_eq!(report["cycles_per_patch"], 192.0);
+    assert!(report["lut"].as_u64().unwrap() > 30_000 && report["ff"].as_u64().unwrap() > 30_000);
+    let frames = report["frames_per_second"].as_f64().unwrap();
+    assert!((frames - 125e6 / (192.0 * 240.0 * 135.0)).abs() < 1e-6);
+    assert_eq!(report["clock_mhz"], 125.0);
+}
+
+#[test]
+fn an_estimate_with_a_network_counts_what_is_not_zero() {
+    let line = "estimate --design kc705 --weights edof-t4w12-outer --json";
+    let report: Value = serde_json::from_str(&Place::new().edof(line).done().out).unwrap();
+    let pairs = report["stages"][1]["pairs_per_patch"].as_f64().unwrap();
+    assert!(pairs > 5.0 && pairs < 150.0, "{pairs}");
+    let cycles = report["cycles_per_patch"].as_f64().unwrap();
+    assert!(cycles >= 97.0 && cycles < 300.0, "{cycles}");
+}
+
+#[test]
+fn a_generated_design_is_whole_and_the_same_every_time() {
+    let place = Place::new();
+    place.edof("generate --design paper --weights paper-t4 --out one").done();
+    place.edof("generate --design paper --weights paper-t4 --out two").done();
+    let same = Command::new("diff").args(["-r", "one", "two"]).current_dir(place.path("")).status().unwrap();
+    assert!(same.success());
+    let manifest: Value =
+        serde_json::from_slice(&std::fs::read(place.path("one/manifest.json")).unwrap()).unwrap();
+    let files = manifest["files"].as_array().unwrap();
+    assert!(files.iter().all(|file| place.path("one").join(file["path"].as_str().unwrap()).is_file()));
+    assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 179);
+    // Over an earlier output of its own it may write.
+    place.edof("generate --design paper --weights paper-t4 --out two").done();
+}
+
+#[test]
+fn memory_images_are_found_from_any_directory() {
+    let place = Place::new();
+    place.edof("generate --design paper --weights paper-t4 --out here").done();
+    let folder = place.path("here");
+    let list = std::fs::read_to_string(folder.join("files.f")).unwrap();
+    let files = list.lines().filter(|line| !line.starts_with("//")).map(|line| folder.join(line));
+    let define = format!("-DEDOF_DIR=\"{}/\"", folder.display());
+    let compiled = place.path("chain.vvp");
+    let mut compile = Command::new("iverilog");
+    compile.args(["-g2005", "-s", "chain", &define, "-o"]).arg(&compiled).args(files).current_dir("/");
+    assert!(compile.status().unwrap().success());
+    let run = Command::new("vvp").arg("-n").arg(&compiled).current_dir("/").output().unwrap();
+    let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success() && !said.contains("Unable to open"), "{said}");
+}
+
+#[test]
+fn a_folder_of_something_else_is_left_alone() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("mine")).unwrap();
+    place.write("mine/thesis.txt", "words");
+    let run = place.edof("generate --design paper --weights paper-t4 --out mine");
+    run.refused(&["--out mine", "must not exist, be empty, or hold an earlier output"]);
+    assert_eq!(place.files(), ["mine"]);
+}
+
+#[test]
+fn a_network_of_another_form_names_both() {
+    let run = Place::new().edof("generate --design kc705 --weights paper-t4 --out x");
+    run.refused(&["network paper-t4 does not fit design kc705", "form"]);
+}
+
+#[test]
+fn a_design_that_cannot_be_built_names_the_field() {
+    let place = Place::new();
+    for (change, words) in [
+        (design(|d| d["stages"][1]["lanes"] = 6.into()), ["stages[1].lanes 6", "a multiple of 4 that divides 16"]),
+        (design(|d| d["stages"][0]["rows"] = 3.into()), ["stages[0].rows 3", "1 or 2"]),
+        (design(|d| d["accumulator_bits"] = 50.into()), ["accumulator_bits 50", "32 to 48"]),
+        (design(|d| d["stages"] = Value::Array(vec![])), ["stages 0", "4 stages"]),
+        (design(|d| d["clock_mhz"] = 0.into()), ["clock_mhz 0", "above 0"]),
+        (design(|d| d["form"]["codes"] = 15.into()), ["form.codes 15", "even"]),
+        (design(|d| d["color"] = 1.into()), ["bad.json", "unknown field `color`"]),
+    ] {
+        place.write("bad.json", change);
+        place.edof("estimate --design bad.json").refused(&words);
+    }
+    place.edof("estimate --design kc706").refused(&["design 'kc706'", "tiny, paper, kc705"]);
+}
+
+#[test]
+fn co_simulation_of_tiny_finds_no_difference_and_reports_it() {
+    let place = Place::new();
+    let line = "cosim --design tiny --random 60 --stalls 0.2 --icarus --junit cosim.xml --json cosim.json";
+    let run = place.edof(line).done();
+    assert!(run.out.contains("no difference"), "{}", run.out);
+    let report: Value = serde_json::from_slice(&std::fs::read(place.path("cosim.json")).unwrap()).unwrap();
+    assert_eq!((&report["design"], &report["patches"]), (&"tiny".into(), &60.into()));
+    assert_eq!((&report["boundaries"], &report["differences"]), (&5.into(), &0.into()));
+    assert!(report["cycles_per_patch"]["max"].as_f64() >= report["cycles_per_patch"]["mean"].as_f64());
+    assert!(report["seconds"].as_f64().unwrap() > 0.0);
+    let xml = std::fs::read_to_string(place.path("cosim.xml")).unwrap();
+    assert!(xml.contains("tests=\"1\" failures=\"0\""), "{xml}");
+}
+
+#[test]
+fn stalls_without_end_are_refused() {
+    Place::new().edof("cosim --design tiny --stalls 1").refused(&["--stalls 1", "0 to 0.99"]);
+}
