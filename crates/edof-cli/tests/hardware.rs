@@ -29,9 +29,9 @@ fn an_estimate_with_a_network_counts_what_is_not_zero() {
     let line = "estimate --design kc705 --weights edof-t4w12-outer --json";
     let report: Value = serde_json::from_str(&Place::new().edof(line).done().out).unwrap();
     let pairs = report["stages"][1]["pairs_per_patch"].as_f64().unwrap();
-    assert!(pairs > 5.0 && pairs < 150.0, "{pairs}");
+    assert!((5.0..150.0).contains(&pairs), "{pairs}");
     let cycles = report["cycles_per_patch"].as_f64().unwrap();
-    assert!(cycles >= 97.0 && cycles < 300.0, "{cycles}");
+    assert!((97.0..300.0).contains(&cycles), "{cycles}");
 }
 
 #[test]
@@ -87,7 +87,10 @@ fn a_network_of_another_form_names_both() {
 fn a_design_that_cannot_be_built_names_the_field() {
     let place = Place::new();
     for (change, words) in [
-        (design(|d| d["stages"][1]["lanes"] = 6.into()), ["stages[1].lanes 6", "a multiple of 4 that divides 16"]),
+        (
+            design(|d| d["stages"][1]["lanes"] = 6.into()),
+            ["stages[1].lanes 6", "a multiple of 4 that divides 16"],
+        ),
         (design(|d| d["stages"][0]["rows"] = 3.into()), ["stages[0].rows 3", "1 or 2"]),
         (design(|d| d["accumulator_bits"] = 50.into()), ["accumulator_bits 50", "32 to 48"]),
         (design(|d| d["stages"] = Value::Array(vec![])), ["stages 0", "4 stages"]),
