@@ -3,9 +3,8 @@
 mod common;
 mod support;
 
-use common::{Bench, committed, expect_clean, patches};
-use edof_cosim::Error;
-use edof_cosim::chain::{Device, Drive, Inputs, Outputs};
+use common::{Bench, Recorded, committed, expect_clean, patches};
+use edof_cosim::chain::Drive;
 use edof_golden::cycle::Stalls;
 use edof_spec::design::{FrameSize, StageSize};
 use edof_spec::network::Recurrence::{self, Difference, Direct};
@@ -162,27 +161,12 @@ fn tiny_agrees_in_every_word_and_cycle() {
     agrees_in_every_word_and_cycle(committed("tiny"));
 }
 
-/// A circuit whose patches are written down.
-struct Recorded<D> {
-    device: D,
-    words: Vec<i16>,
-}
-
-impl<D: Device> Device for Recorded<D> {
-    fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error> {
-        self.device.cycle(inputs, outputs)?;
-        let taken = outputs.patch.filter(|_| inputs.patch_ready && !inputs.reset);
-        self.words.extend(taken.iter().flat_map(|beat| beat.words));
-        Ok(())
-    }
-}
-
 #[test]
 fn skipping_zeros_changes_cycles_and_no_bit() {
     let bench = Bench::new(committed("tiny"), 3);
     let run = |skip| {
         let drive = Drive { skip_zeros: Some(skip), ..Drive::default() };
-        let mut device = Recorded { device: bench.start(1), words: vec![] };
+        let mut device = Recorded::new(bench.start(1));
         let outcome =
             drive.run(bench.model(), patches(&bench.design, 200, 1), &mut device, &mut |_| ()).unwrap();
         expect_clean(&outcome);
