@@ -3,10 +3,11 @@
 mod common;
 mod support;
 
-use common::{Bench, committed, expect_clean, patches};
-use edof_cosim::Error;
-use edof_cosim::chain::{Device, Drive, Inputs, Outputs};
+use common::{Bench, Recorded, committed, expect_clean, patches};
+use edof_cosim::chain::Drive;
 use edof_golden::cycle::Stalls;
+use edof_golden::sample::Draw;
+use edof_golden::{Counts, scalar};
 use edof_spec::design::{FrameSize, StageSize};
 use edof_spec::network::Recurrence::{self, Difference, Direct};
 use edof_spec::network::Shrinkage::{self, OneSided, TwoSided};
@@ -162,27 +163,12 @@ fn tiny_agrees_in_every_word_and_cycle() {
     agrees_in_every_word_and_cycle(committed("tiny"));
 }
 
-/// A circuit whose patches are written down.
-struct Recorded<D> {
-    device: D,
-    words: Vec<i16>,
-}
-
-impl<D: Device> Device for Recorded<D> {
-    fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error> {
-        self.device.cycle(inputs, outputs)?;
-        let taken = outputs.patch.filter(|_| inputs.patch_ready && !inputs.reset);
-        self.words.extend(taken.iter().flat_map(|beat| beat.words));
-        Ok(())
-    }
-}
-
 #[test]
 fn skipping_zeros_changes_cycles_and_no_bit() {
     let bench = Bench::new(committed("tiny"), 3);
     let run = |skip| {
         let drive = Drive { skip_zeros: Some(skip), ..Drive::default() };
-        let mut device = Recorded { device: bench.start(1), words: vec![] };
+        let mut device = Recorded::new(bench.start(1));
         let outcome =
             drive.run(bench.model(), patches(&bench.design, 200, 1), &mut device, &mut |_| ()).unwrap();
         expect_clean(&outcome);
@@ -192,4 +178,23 @@ fn skipping_zeros_changes_cycles_and_no_bit() {
     assert_eq!(skipped.0, kept.0);
     assert_eq!(kept.0.len(), 200 * 128);
     assert!(skipped.1 < kept.1, "{} and {} cycles", skipped.1, kept.1);
+}
+
+#[test]
+fn the_second_set_neither_saturates_nor_falls_silent() {
+    for (name, form) in forms() {
+        let design = form.design();
+        let network = common::moderate(&design, 2);
+        let draw = &mut Draw::new(1);
+        let mut counts = Counts::new(design.form.layers);
+        for _ in 0..100 {
+            counts.add(&scalar::run(&network, &common::natural_window(draw, form.window, 15)).stages);
+        }
+        let last = design.form.layers - 1;
+        for (stage, counts) in counts.stages.iter().enumerate() {
+            let results = if stage == last { 12_800 } else { 1_600 };
+            assert!(4 * counts.saturated_results < results, "{name}, stage {stage}: {counts:?}");
+            assert!(stage == last || 8 * counts.nonzeros > results, "{name}, stage {stage}: {counts:?}");
+        }
+    }
 }

@@ -3,7 +3,8 @@
 
 use crate::support;
 use edof_cosim::chain::verilated::{Compiled, Verilated};
-use edof_cosim::chain::{Drive, Outcome};
+use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
+use edof_cosim::{Error, Source};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::sample::{self, Draw};
 use edof_golden::scalar;
@@ -28,7 +29,7 @@ pub fn networks(design: &Design, seed: u64) -> [FixedNetwork; 2] {
     [sample::for_design(design, seed), moderate(design, seed + 1)]
 }
 
-/// An extreme network with thresholds near zero, codes of one format, and weights halved until few results saturate.
+/// An extreme network with thresholds near zero, codes of one format, and matrices scaled down until few results saturate.
 pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
     let mut network = sample::for_design(design, seed);
     let last = network.code_fractions[network.code_fractions.len() - 1];
@@ -39,11 +40,13 @@ pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
     let windows: Vec<Vec<i16>> =
         (0..8).map(|_| natural_window(draw, design.form.window.side(), 15)).collect();
     for stage in 0..design.form.layers {
-        // A stage's results depend on the stages before: they are settled first.
-        let mut halvings = 0;
-        while halvings < design.code_bits && saturated(&network, &windows, stage) > 16 {
-            weights_of(&mut network, stage).into_iter().for_each(|weight| *weight /= 2);
-            halvings += 1;
+        // A stage's results depend on the stages before: those are settled first.
+        while saturated(&network, &windows, stage) > 16 {
+            let scaled = scaled_down(&network, stage);
+            if scaled.check().is_err() || design.check_network(&scaled).is_err() {
+                break;
+            }
+            network = scaled;
         }
     }
     network
@@ -53,17 +56,22 @@ fn saturated(network: &FixedNetwork, windows: &[Vec<i16>], stage: usize) -> u64 
     windows.iter().map(|window| scalar::run(network, window).stages[stage].saturated_results).sum()
 }
 
-fn weights_of(network: &mut FixedNetwork, stage: usize) -> Vec<&mut i16> {
+/// A stage's matrices with one more fraction bit.
+fn scaled_down(network: &FixedNetwork, stage: usize) -> FixedNetwork {
+    let mut network = network.clone();
     let last = network.form.layers - 1;
-    let tied = network.recurrent.len() == 1;
     match stage {
-        0 => network.analysis.weights.iter_mut().collect(),
+        0 => network.analysis.fraction += 1,
         stage if stage == last => {
-            let linear = network.linear_path.iter_mut().flat_map(|r| r.weights.iter_mut());
-            network.dictionary.weights.iter_mut().chain(linear).collect()
+            network.dictionary.fraction += 1;
+            network.linear_path.iter_mut().for_each(|r| r.fraction += 1);
         }
-        stage => network.recurrent[if tied { 0 } else { stage - 1 }].weights.iter_mut().collect(),
+        stage => {
+            let index = network.form.recurrent_index(stage - 1);
+            network.recurrent[index].fraction += 1;
+        }
     }
+    network
 }
 
 /// A window as a camera sees it: a slope with noise.
@@ -109,6 +117,11 @@ impl Bench {
     /// The design with [`networks`] of that seed.
     pub fn new(design: Design, seed: u64) -> Self {
         let networks = networks(&design, seed);
+        Self::new_with(design, networks)
+    }
+
+    /// The design with these networks.
+    pub fn new_with(design: Design, networks: [FixedNetwork; 2]) -> Self {
         Self::altered(design, networks, |project| project)
     }
 
@@ -130,13 +143,73 @@ impl Bench {
 
     /// The model, which holds these networks.
     pub fn model(&self) -> Cycle {
-        Cycle::new(&self.design, [&self.networks[0], &self.networks[1]]).unwrap()
+        self.model_of([&self.networks[0], &self.networks[1]])
+    }
+
+    /// The model, which holds other networks.
+    pub fn model_of(&self, networks: [&FixedNetwork; 2]) -> Cycle {
+        Cycle::new(&self.design, networks).unwrap()
     }
 
     /// Runs patches through a fresh circuit.
     pub fn run(&self, drive: &Drive, patches: Vec<Patch>, seed: u64) -> Outcome {
         drive.run(self.model(), patches, &mut self.start(seed), &mut |_| ()).unwrap()
     }
+}
+
+/// A circuit, and what passed through its ports.
+pub struct Recorded<D> {
+    pub device: D,
+    /// Every cycle, reset included.
+    pub inputs: Vec<Inputs>,
+    /// Words of patches that were taken.
+    pub words: Vec<i16>,
+    /// Cycle of the last write that was taken.
+    pub last_write: usize,
+    /// Cycles in which a write waited.
+    pub waits: usize,
+}
+
+impl<D: Device> Recorded<D> {
+    pub fn new(device: D) -> Self {
+        Self { device, inputs: vec![], words: vec![], last_write: 0, waits: 0 }
+    }
+
+    /// The cycle in which the first beat for set 1 is offered.
+    pub fn first_of_second_set(&self) -> Option<usize> {
+        self.inputs.iter().position(|inputs| inputs.window.is_some_and(|beat| beat.set == Set::Second))
+    }
+}
+
+impl<D: Device> Device for Recorded<D> {
+    fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error> {
+        self.device.cycle(inputs, outputs)?;
+        let taken = outputs.patch.filter(|_| inputs.patch_ready && !inputs.reset);
+        self.words.extend(taken.iter().flat_map(|beat| beat.words));
+        match (inputs.write, outputs.write_ready) {
+            (Some(_), true) => self.last_write = self.inputs.len(),
+            (Some(_), false) => self.waits += 1,
+            (None, _) => (),
+        }
+        self.inputs.push(*inputs);
+        Ok(())
+    }
+}
+
+/// The design for Icarus, its memories without an image full of zeros. An idle multiplier multiplies 0 by whatever weight the
+/// memories' leftovers point to: 0 in any circuit, but unknown to a simulator that starts with unknown memories.
+pub fn with_zeroed_memories(mut source: Source) -> Source {
+    let load = r#"initial if (INIT != "") $readmemh(INIT, memory);"#;
+    let cleared = r#"integer row;
+            initial begin
+                for (row = 0; row < DEPTH; row = row + 1) memory[row] = 0;
+                if (INIT != "") $readmemh(INIT, memory);
+            end"#;
+    for (_, text) in source.files.iter_mut().filter(|(name, _)| name == "edof_ram.v") {
+        assert_eq!(text.matches(load).count(), 2, "one for block RAM, one for LUT RAM");
+        *text = text.replace(load, cleared);
+    }
+    source
 }
 
 /// Fails with the report of the first difference, if there is one.

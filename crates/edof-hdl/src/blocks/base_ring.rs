@@ -21,7 +21,7 @@ pub struct BaseRing {
     pub read: Signal<In, Bit>,
     /// The two that stood first a cycle ago.
     pub front: Signal<Out, Pair>,
-    memory: Ram<32>,
+    ram: Ram<32>,
     last_row: Constant<Row>,
     write_row: DFF<Row>,
     read_row: DFF<Row>,
@@ -39,7 +39,7 @@ impl BaseRing {
             words: Signal::default(),
             read: Signal::default(),
             front: Signal::default(),
-            memory: Ram::new(Shape::distributed(depth), &[]),
+            ram: Ram::new(Shape::distributed(depth), &[]),
             last_row: Constant::new((depth as u64 - 1).into()),
             write_row: DFF::default(),
             read_row: DFF::default(),
@@ -55,12 +55,12 @@ impl Logic for BaseRing {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, write_row, read_row);
-        self.memory.clock.next = self.clock.val();
-        self.memory.write_enable.next = self.write.val();
-        self.memory.write_address.next = self.write_row.q.val();
-        self.memory.write_data.next = self.words.val();
-        self.memory.read_address.next = self.read_row.q.val();
-        self.front.next = self.memory.read_data.val();
+        self.ram.clock.next = self.clock.val();
+        self.ram.write_enable.next = self.write.val();
+        self.ram.write_address.next = self.write_row.q.val();
+        self.ram.write_data.next = self.words.val();
+        self.ram.read_address.next = self.read_row.q.val();
+        self.front.next = self.ram.read_data.val();
 
         if self.write.val() {
             self.write_row.d.next = self.write_row.q.val() + 1;

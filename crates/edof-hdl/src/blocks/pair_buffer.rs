@@ -188,13 +188,16 @@ impl Logic for PairBuffer {
         }
 
         self.available.next = self.full.q.val().any();
-        self.read_row.next = bit_cast::<12, 8>(self.read_pair.val());
         self.count.next = self.count_0.q.val();
         self.front_set.next = self.set_0.q.val();
         if self.read_slot.q.val() {
-            self.read_row.next = bit_cast::<12, 8>(self.read_pair.val()) + self.slot_rows.val();
             self.count.next = self.count_1.q.val();
             self.front_set.next = self.set_1.q.val();
+        }
+        // Apart from the count, on which read_pair depends: together they would be one process, and never come to rest.
+        self.read_row.next = bit_cast::<12, 8>(self.read_pair.val());
+        if self.read_slot.q.val() {
+            self.read_row.next = bit_cast::<12, 8>(self.read_pair.val()) + self.slot_rows.val();
         }
         self.even_pairs.read_address.next = self.read_row.val();
         self.odd_pairs.read_address.next = self.read_row.val();

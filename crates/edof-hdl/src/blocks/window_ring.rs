@@ -27,7 +27,7 @@ pub struct WindowRing {
     pub read_pixels: Signal<Out, Pair>,
     /// Frees the oldest window.
     pub finished: Signal<In, Bit>,
-    memory: Ram<32>,
+    ram: Ram<32>,
     window_rows: Constant<Row>,
     last_row: Constant<Row>,
     last_window: Constant<Row>,
@@ -55,7 +55,7 @@ impl WindowRing {
             read_pair: Signal::default(),
             read_pixels: Signal::default(),
             finished: Signal::default(),
-            memory: Ram::new(Shape::block(depth as usize), &[]),
+            ram: Ram::new(Shape::block(depth as usize), &[]),
             window_rows: Constant::new(window.into()),
             last_row: Constant::new((depth - 1).into()),
             last_window: Constant::new((depth - window).into()),
@@ -77,16 +77,16 @@ impl Logic for WindowRing {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, write_row, oldest_row, held);
-        self.memory.clock.next = self.clock.val();
+        self.ram.clock.next = self.clock.val();
 
         self.ready.next = self.held.q.val() != self.most.val();
         self.accept.next = self.valid.val() && (self.held.q.val() != self.most.val());
         self.arrived.next = self.accept.val() && self.last.val();
-        self.memory.write_enable.next = self.accept.val();
-        self.memory.write_address.next = self.write_row.q.val();
-        self.memory.write_data.next = self.pixels.val();
-        self.memory.read_address.next = self.oldest_row.q.val() + bit_cast::<12, 8>(self.read_pair.val());
-        self.read_pixels.next = self.memory.read_data.val();
+        self.ram.write_enable.next = self.accept.val();
+        self.ram.write_address.next = self.write_row.q.val();
+        self.ram.write_data.next = self.pixels.val();
+        self.ram.read_address.next = self.oldest_row.q.val() + bit_cast::<12, 8>(self.read_pair.val());
+        self.read_pixels.next = self.ram.read_data.val();
 
         if self.accept.val() {
             self.write_row.d.next = self.write_row.q.val() + 1;

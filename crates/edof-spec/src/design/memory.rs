@@ -4,7 +4,7 @@
 //! pass·pass_rows + input` holds the weights of that input for outputs `pass·lanes + bank·4 …`. F's linear path follows the
 //! codes as inputs `codes … codes + pixels`. Thresholds lie two a word, at `set·outputs/2 + output/2`.
 
-use super::{BANK_LANES, BEAT, Kind, StagePlan};
+use super::{BANK_LANES, BEAT, Design, Kind, StagePlan};
 use crate::fixed_network::FixedNetwork;
 
 /// Which of a stage's two sets of weights, thresholds and shifts.
@@ -128,6 +128,34 @@ pub fn threshold_words(network: &FixedNetwork, stage: &StagePlan, before: bool) 
     let theta = &network.thresholds[stage.index - usize::from(before)];
     let word = |pair: &[i16]| pair.iter().rev().fold(0, |word, v| (word << 16) | u32::from(*v as u16));
     theta.as_slice().map_or_else(Vec::new, |theta| theta.chunks(BEAT).map(word).collect())
+}
+
+/// All words of a set and the addresses at which the host writes them: weights, thresholds, shifts, stage by stage.
+#[must_use]
+pub fn writes(design: &Design, network: &FixedNetwork, set: Set) -> Vec<(u32, u32)> {
+    let second = set as usize;
+    let mut all = Vec::new();
+    for stage in &design.stages().collect::<Vec<_>>() {
+        let at = |space| address(stage.index, space);
+        for bank in 0..stage.banks() {
+            for (row, word) in weight_words(network, stage, bank).into_iter().enumerate() {
+                let row = second * stage.weight_rows() + row;
+                let half = |half: usize| at(Space::Weights { bank, row, half });
+                all.extend([(half(0), word as u32), (half(1), (word >> 32) as u32)]);
+            }
+        }
+        let first = second * stage.beats_out();
+        if stage.shrinks() {
+            let words = threshold_words(network, stage, false).into_iter().enumerate();
+            all.extend(words.map(|(row, word)| (at(Space::Thresholds { row: first + row }), word)));
+        }
+        if stage.sends_difference {
+            let words = threshold_words(network, stage, true).into_iter().enumerate();
+            all.extend(words.map(|(row, word)| (at(Space::PreviousThresholds { row: first + row }), word)));
+        }
+        all.push((at(Space::Register { row: second }), Shifts::of(network, stage).word()));
+    }
+    all
 }
 
 /// Path of a bank's memory image, relative to the generated directory.

@@ -1,0 +1,120 @@
+//! Faults planted in the generated files, each found where it is.
+
+mod common;
+mod support;
+
+use common::{Bench, committed, moderate, patches};
+use edof_cosim::chain::{Difference, Drive, Fault};
+use edof_golden::cycle::Stalls;
+use edof_hdl::project::Project;
+use edof_spec::design::memory::{self, Shifts};
+
+/// `tiny` after `plant`: the first difference in 60 patches, if there is one.
+fn first_difference(plant: impl FnOnce(Project) -> Project) -> Option<Difference> {
+    let design = committed("tiny");
+    let networks = [5, 6].map(|seed| moderate(&design, seed));
+    let bench = Bench::altered(design, networks, plant);
+    let drive = Drive { stalls: Some(Stalls::drawn(1, 40)), ..Drive::default() };
+    bench.run(&drive, patches(&bench.design, 60, 1), 1).difference
+}
+
+fn found(plant: impl FnOnce(Project) -> Project) -> Difference {
+    let difference = first_difference(plant).expect("the fault is found");
+    println!("{difference}");
+    difference
+}
+
+/// Replaces text that is there exactly once in the module of a part, which is named by its instances from the top on.
+fn replaced(mut project: Project, part: &str, from: &str, to: &str) -> Project {
+    let module = part.split('.').fold(project.top.clone(), |module, instance| {
+        let text = text(&mut project, &module);
+        let line = text.lines().find(|line| line.ends_with(&format!(" {instance} ("))).unwrap();
+        line.split_whitespace().next().unwrap().into()
+    });
+    let text = text(&mut project, &module);
+    assert_eq!(text.matches(from).count(), 1, "{from} in {module}");
+    *text = text.replace(from, to);
+    project
+}
+
+fn text<'a>(project: &'a mut Project, module: &str) -> &'a mut String {
+    let file = format!("{module}.v");
+    &mut project.verilog.iter_mut().find(|(name, _)| *name == file).unwrap().1
+}
+
+#[test]
+fn without_a_fault_there_is_no_difference() {
+    assert_eq!(first_difference(|project| project), None);
+}
+
+#[test]
+fn a_wrong_shift() {
+    let design = committed("tiny");
+    let shifts = Shifts::of(&moderate(&design, 5), &design.stage(3));
+    let wrong = Shifts { result: shifts.result + 1, ..shifts };
+    let start = |shifts: Shifts| format!("START_0 = 20'h{:x};", shifts.word());
+    let first = patches(&design, 60, 1).iter().position(|patch| patch.set == memory::Set::First).unwrap();
+
+    let difference = found(|p| replaced(p, "stages_3.registers", &start(shifts), &start(wrong)));
+
+    assert_eq!((difference.fault, difference.stage.as_str()), (Fault::Word, "F"));
+    assert_eq!((difference.patch, difference.element), (first as u64, 0));
+    assert!((difference.got.unwrap() - difference.expected / 2).abs() <= 1, "half the word: {difference}");
+}
+
+#[test]
+fn a_wrong_direction_of_rounding() {
+    let round = "half = (ONE << result_shift_i) >> 1;";
+    let difference = found(|p| replaced(p, "stages_0.results.requantize_even", round, "half = 48'd0;"));
+    assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Base, "I to M1"));
+    assert_eq!(difference.element % 2, 0);
+    assert_eq!(difference.got.unwrap(), difference.expected - 1);
+}
+
+#[test]
+fn a_drain_that_ends_one_beat_early() {
+    // M1 has eight lanes: its drain ends with beat 3, here with beat 2.
+    let difference = found(|p| replaced(p, "stages_1.drain", "LAST_TAKE = 8'h3;", "LAST_TAKE = 8'h2;"));
+    assert_eq!((difference.stage.as_str(), difference.boundary.as_str()), ("M1", "M1 to M2"));
+    assert_eq!((difference.patch, difference.element), (0, 6));
+}
+
+#[test]
+fn two_banks_that_changed_places() {
+    let design = committed("tiny");
+    let [two, three] = [2, 3].map(|bank| memory::weight_image(&design.stage(3), bank));
+    let difference = found(|mut project| {
+        let place = |name: &str| project.memory.iter().position(|(path, _)| path == name).unwrap();
+        let (two, three) = (place(&two), place(&three));
+        let swapped = [two, three].map(|bank| project.memory[bank].1.clone());
+        [project.memory[three].1, project.memory[two].1] = swapped;
+        project
+    });
+    assert_eq!((difference.fault, difference.stage.as_str()), (Fault::Word, "F"));
+    assert_eq!((difference.patch, difference.element), (0, 8), "the first lane of bank 2");
+}
+
+#[test]
+fn two_sets_that_changed_places() {
+    let of_set = "if (set_i) begin\n            row_q_d";
+    let other = "if (!set_i) begin\n            row_q_d";
+    let difference = found(|p| replaced(p, "stages_1.sequencer", of_set, other));
+    assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Word, "M1 to M2"));
+    assert_eq!(difference.patch, 0);
+}
+
+#[test]
+fn a_receiver_that_is_not_waited_for() {
+    let difference = found(|p| replaced(p, "stages_1", ".ready_i(out_ready_i)", ".ready_i(1'b1)"));
+    assert_eq!((difference.stage.as_str(), difference.boundary.as_str()), ("M1", "M1 to M2"));
+    assert!(matches!(difference.fault, Fault::Word | Fault::Late), "{difference}");
+}
+
+#[test]
+fn a_receiver_that_never_says_wait() {
+    // M1 and M2 have the same module; F is the slowest stage, and the first whose buffer is full.
+    let difference = found(|p| {
+        replaced(p, "stages_3.pairs", "assign ready_o = full_q != 2'd2;", "assign ready_o = 1'b1;")
+    });
+    assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Early, "M2 to F"));
+}

@@ -1,0 +1,76 @@
+//! A second network written to a running circuit.
+
+mod common;
+mod support;
+
+use common::{Bench, Recorded, committed, expect_clean, for_set, moderate, patches};
+use edof_cosim::chain::{Drive, Outcome};
+use edof_golden::cycle::Stalls;
+use edof_spec::Design;
+use edof_spec::design::memory::{self, Set};
+use edof_spec::network::Recurrence;
+
+/// The circuit starts with one network in both sets. A second one is written to set 1 while patches of set 0 run; patches of both
+/// sets follow. Gives cycles in which writes waited.
+fn written_while_running(design: Design, drive: Drive) -> (Outcome, usize) {
+    let [first, second] = [1, 2].map(|seed| moderate(&design, seed));
+    let bench = Bench::new_with(design, [first.clone(), first.clone()]);
+    let mut patches = for_set(Set::First, patches(&bench.design, 150, 1));
+    patches.extend(common::patches(&bench.design, 150, 2));
+    let writes_while_running = memory::writes(&bench.design, &second, Set::Second);
+    let mut circuit = Recorded::new(bench.start(1));
+    let drive = Drive { writes_while_running, ..drive };
+    let outcome = drive.run(bench.model_of([&first, &second]), patches, &mut circuit, &mut |_| ()).unwrap();
+    assert!(circuit.last_write > 1000 && circuit.last_write < circuit.first_of_second_set().unwrap());
+    (outcome, circuit.waits)
+}
+
+fn with_rows(design: Design, rows: usize) -> Design {
+    let stages = design.stages.iter().map(|size| edof_spec::design::StageSize { rows, ..*size }).collect();
+    Design { stages, ..design }
+}
+
+/// Windows that come so slowly that every stage is idle now and then.
+fn slow() -> Drive {
+    Drive { stalls: Some(Stalls::drawn(1, 220)), ..Drive::default() }
+}
+
+#[test]
+fn weights_that_are_read_at_one_port_are_written_at_once() {
+    let (outcome, waits) = written_while_running(with_rows(committed("tiny"), 1), slow());
+    expect_clean(&outcome);
+    assert_eq!(waits, 0);
+}
+
+#[test]
+fn weights_that_are_read_at_both_ports_are_written_between_reads() {
+    let (outcome, waits) = written_while_running(with_rows(committed("tiny"), 2), slow());
+    expect_clean(&outcome);
+    assert!(waits > 100, "{waits} cycles of waiting");
+}
+
+#[test]
+fn thresholds_of_differences_are_written_too() {
+    let mut design = committed("tiny");
+    design.form.recurrence = Recurrence::Difference;
+    expect_clean(&written_while_running(design, slow()).0);
+}
+
+#[test]
+fn a_circuit_that_skips_zeros_is_told_not_to() {
+    let design = committed("tiny");
+    assert!(design.skip_zeros);
+    expect_clean(&written_while_running(design, Drive { skip_zeros: Some(false), ..slow() }).0);
+}
+
+#[test]
+fn words_lie_at_addresses_of_their_own() {
+    for name in ["tiny", "paper", "kc705"] {
+        let design = committed(name);
+        let network = edof_golden::sample::for_design(&design, 1);
+        let writes = [Set::First, Set::Second].map(|set| memory::writes(&design, &network, set)).concat();
+        let addresses: std::collections::BTreeSet<u32> = writes.iter().map(|(address, _)| *address).collect();
+        assert_eq!(addresses.len(), writes.len());
+        assert!(addresses.iter().all(|address| address >> memory::ADDRESS_BITS.iter().sum::<u32>() == 0));
+    }
+}

@@ -1,0 +1,25 @@
+// What came in as many cycles ago as there are registers.
+//
+// From crates/edof-hdl/src/blocks/delay.rs (Delay).
+`default_nettype none
+
+module delay_3 (
+    input  wire       clock_i,
+    input  wire [2:0] now_i,
+    output wire [2:0] later_o
+);
+
+    reg  [2:0] row_0_q;
+    reg  [2:0] row_1_q;
+    reg  [2:0] row_2_q;
+
+    assign later_o = row_2_q;
+
+    always @(posedge clock_i) begin
+        row_0_q <= now_i;
+        row_1_q <= row_0_q;
+        row_2_q <= row_1_q;
+    end
+endmodule
+
+`default_nettype wire

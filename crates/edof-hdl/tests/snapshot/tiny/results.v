@@ -1,0 +1,297 @@
+// From sums to the words that go on, two elements a cycle. Counted from `take`: 1 sums and base are read, 2 to 6 base, rounding,
+// shift and saturation, 7 threshold, 8 difference or wait. Nothing in here ever stalls.
+//
+// From crates/edof-hdl/src/blocks/results.rs (Results).
+`default_nettype none
+
+module results (
+    input  wire        clock_i,
+    input  wire        reset_i,
+    input  wire        take_i,
+    input  wire [7:0]  beat_i,
+    input  wire        last_i,
+    input  wire        set_i,
+    input  wire [47:0] sum_even_i,
+    input  wire [47:0] sum_odd_i,
+    input  wire [19:0] shifts_0_i,
+    input  wire [19:0] shifts_1_i,
+    input  wire        base_write_i,
+    input  wire [31:0] base_words_i,
+    input  wire        write_thresholds_i,
+    input  wire        write_previous_i,
+    input  wire [11:0] write_row_i,
+    input  wire [31:0] write_data_i,
+    output wire        push_o,
+    output wire [31:0] data_o,
+    output reg  [31:0] base_o,
+    output wire        done_last_o,
+    output wire        done_set_o,
+    output reg  [1:0]  nonzero_o,
+    output wire [1:0]  result_saturated_o,
+    output reg  [1:0]  code_saturated_o,
+    output wire [1:0]  difference_saturated_o
+);
+
+    localparam [11:0] SET_ROWS = 12'h8;
+
+    reg  [2:0] marks;
+    reg  [19:0] shifts;
+    wire [31:0] base_word;
+    wire [31:0] result;
+    reg  [11:0] threshold_row;
+    reg  [15:0] code_even;
+    reg  [15:0] code_odd;
+    wire [31:0] code;
+    wire [15:0] change_even;
+    wire [15:0] change_odd;
+    wire [31:0] change;
+    reg  [31:0] sent;
+    wire [2:0] to_1_later;
+    wire [2:0] to_2_later;
+    wire [2:0] to_5_later;
+    wire [2:0] to_8_later;
+    wire [7:0] beat_to_5_later;
+    reg  [47:0] sum_even_q_q;
+    reg  [47:0] sum_odd_q_q;
+    wire [15:0] requantize_even_base;
+    wire [5:0] requantize_even_base_shift;
+    wire [5:0] requantize_even_result_shift;
+    wire [15:0] requantize_even_result;
+    wire requantize_even_saturated;
+    wire [15:0] requantize_odd_base;
+    wire [5:0] requantize_odd_base_shift;
+    wire [5:0] requantize_odd_result_shift;
+    wire [15:0] requantize_odd_result;
+    wire requantize_odd_saturated;
+    reg  [1:0] result_flags_now;
+    wire [31:0] thresholds_0_read_data;
+    wire [15:0] shrink_even_0_threshold;
+    wire [15:0] shrink_even_0_result;
+    wire shrink_even_0_saturated;
+    wire [15:0] shrink_odd_0_threshold;
+    wire [15:0] shrink_odd_0_result;
+    wire shrink_odd_0_saturated;
+    reg  [1:0] code_flags_0_now;
+    wire [1:0] code_flags_0_later;
+    wire [31:0] codes_to_8_0_later;
+    wire [31:0] results_to_8_0_later;
+
+    delay_2 to_1 (
+        .clock_i(clock_i),
+        .now_i(marks),
+        .later_o(to_1_later)
+    );
+
+    delay_2 to_2 (
+        .clock_i(clock_i),
+        .now_i(to_1_later),
+        .later_o(to_2_later)
+    );
+
+    delay_3 to_5 (
+        .clock_i(clock_i),
+        .now_i(to_2_later),
+        .later_o(to_5_later)
+    );
+
+    delay_3 to_8 (
+        .clock_i(clock_i),
+        .now_i(to_5_later),
+        .later_o(to_8_later)
+    );
+
+    delay_4 beat_to_5 (
+        .clock_i(clock_i),
+        .now_i(beat_i),
+        .later_o(beat_to_5_later)
+    );
+
+    requantize requantize_even (
+        .clock_i(clock_i),
+        .sum_i(sum_even_q_q),
+        .base_i(requantize_even_base),
+        .base_shift_i(requantize_even_base_shift),
+        .result_shift_i(requantize_even_result_shift),
+        .result_o(requantize_even_result),
+        .saturated_o(requantize_even_saturated)
+    );
+
+    requantize requantize_odd (
+        .clock_i(clock_i),
+        .sum_i(sum_odd_q_q),
+        .base_i(requantize_odd_base),
+        .base_shift_i(requantize_odd_base_shift),
+        .result_shift_i(requantize_odd_result_shift),
+        .result_o(requantize_odd_result),
+        .saturated_o(requantize_odd_saturated)
+    );
+
+    delay_6 result_flags (
+        .clock_i(clock_i),
+        .now_i(result_flags_now),
+        .later_o(result_saturated_o)
+    );
+
+    edof_ram #(
+        .WIDTH(32),
+        .DEPTH(16),
+        .BLOCK(0),
+        .INIT("mem/stage0_thresholds.hex")
+    ) thresholds_0 (
+        .clock_i(clock_i),
+        .read_address_i(threshold_row),
+        .read_data_o(thresholds_0_read_data),
+        .write_enable_i(write_thresholds_i),
+        .write_address_i(write_row_i),
+        .write_data_i(write_data_i)
+    );
+
+    shrink shrink_even_0 (
+        .clock_i(clock_i),
+        .code_i(requantize_even_result),
+        .threshold_i(shrink_even_0_threshold),
+        .result_o(shrink_even_0_result),
+        .saturated_o(shrink_even_0_saturated)
+    );
+
+    shrink shrink_odd_0 (
+        .clock_i(clock_i),
+        .code_i(requantize_odd_result),
+        .threshold_i(shrink_odd_0_threshold),
+        .result_o(shrink_odd_0_result),
+        .saturated_o(shrink_odd_0_saturated)
+    );
+
+    delay_7 code_flags_0 (
+        .clock_i(clock_i),
+        .now_i(code_flags_0_now),
+        .later_o(code_flags_0_later)
+    );
+
+    delay_8 codes_to_8_0 (
+        .clock_i(clock_i),
+        .now_i(code),
+        .later_o(codes_to_8_0_later)
+    );
+
+    delay_9 results_to_8_0 (
+        .clock_i(clock_i),
+        .now_i(result),
+        .later_o(results_to_8_0_later)
+    );
+
+    always @* begin
+        marks = 3'd0;
+        if (take_i) begin
+            marks = marks | 3'd1;
+        end
+        if (last_i) begin
+            marks = marks | 3'd2;
+        end
+        if (set_i) begin
+            marks = marks | 3'd4;
+        end
+    end
+
+    assign base_word = 32'd0;
+
+    always @* begin
+        shifts = shifts_0_i;
+        if (to_2_later[2]) begin
+            shifts = shifts_1_i;
+        end
+    end
+
+    assign requantize_even_base = base_word[15:0];
+    assign requantize_even_base_shift = shifts[11:6];
+    assign requantize_even_result_shift = shifts[5:0];
+    assign requantize_odd_base = base_word[31:16];
+    assign requantize_odd_base_shift = shifts[11:6];
+    assign requantize_odd_result_shift = shifts[5:0];
+    assign result = ({16'd0, requantize_odd_result} << 16) | {16'd0, requantize_even_result};
+
+    always @* begin
+        result_flags_now = 2'd0;
+        if (requantize_even_saturated && requantize_odd_saturated) begin
+            result_flags_now = 2'd3;
+        end else if (requantize_even_saturated) begin
+            result_flags_now = 2'd1;
+        end else if (requantize_odd_saturated) begin
+            result_flags_now = 2'd2;
+        end
+    end
+
+    always @* begin
+        threshold_row = {4'd0, beat_to_5_later};
+        if (to_5_later[2]) begin
+            threshold_row = {4'd0, beat_to_5_later} + SET_ROWS;
+        end
+    end
+
+    always @* begin
+        code_even = 16'd0;
+        code_even = shrink_even_0_result;
+    end
+
+    always @* begin
+        code_odd = 16'd0;
+        code_odd = shrink_odd_0_result;
+    end
+
+    always @* begin
+        code_saturated_o = 2'd0;
+        code_saturated_o = code_flags_0_later;
+    end
+
+    assign shrink_even_0_threshold = thresholds_0_read_data[15:0];
+    assign shrink_odd_0_threshold = thresholds_0_read_data[31:16];
+
+    always @* begin
+        code_flags_0_now = 2'd0;
+        if (shrink_even_0_saturated && shrink_odd_0_saturated) begin
+            code_flags_0_now = 2'd3;
+        end else if (shrink_even_0_saturated) begin
+            code_flags_0_now = 2'd1;
+        end else if (shrink_odd_0_saturated) begin
+            code_flags_0_now = 2'd2;
+        end
+    end
+
+    assign code = ({16'd0, code_odd} << 16) | {16'd0, code_even};
+
+    always @* begin
+        sent = 32'd0;
+        sent = codes_to_8_0_later;
+    end
+
+    assign difference_saturated_o = 2'd0;
+    assign change_even = 16'd0;
+    assign change_odd = 16'd0;
+    assign change = ({16'd0, change_odd} << 16) | {16'd0, change_even};
+
+    always @* begin
+        base_o = 32'd0;
+        base_o = results_to_8_0_later;
+    end
+
+    assign data_o = sent;
+    assign push_o = to_8_later[0];
+    assign done_last_o = to_8_later[1];
+    assign done_set_o = to_8_later[2];
+
+    always @* begin
+        nonzero_o = 2'd0;
+        if ((|sent[15:0]) && (|sent[31:16])) begin
+            nonzero_o = 2'd3;
+        end else if (|sent) begin
+            nonzero_o = 2'd1;
+        end
+    end
+
+    always @(posedge clock_i) begin
+        sum_even_q_q <= sum_even_i;
+        sum_odd_q_q <= sum_odd_i;
+    end
+endmodule
+
+`default_nettype wire
