@@ -92,11 +92,7 @@ impl Recipe {
             },
             output_rate: 0.2,
             threshold_rate: 0.15,
-            // Two-sided codes keep their meaning only where they are not pressed.
-            lambda: match form.shrinkage {
-                Shrinkage::OneSided => 3e-4,
-                Shrinkage::TwoSided => 1e-5,
-            },
+            lambda: 3e-5,
             start: Start::Whitened,
             seed: 1,
             threads: 2,
