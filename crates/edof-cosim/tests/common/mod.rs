@@ -199,15 +199,12 @@ impl<D: Device> Device for Recorded<D> {
 /// The design for Icarus, its memories without an image full of zeros. An idle multiplier multiplies 0 by whatever weight the
 /// memories' leftovers point to: 0 in any circuit, but unknown to a simulator that starts with unknown memories.
 pub fn with_zeroed_memories(mut source: Source) -> Source {
-    let load = r#"initial if (INIT != "") $readmemh(INIT, memory);"#;
-    let cleared = r#"integer row;
-            initial begin
-                for (row = 0; row < DEPTH; row = row + 1) memory[row] = 0;
-                if (INIT != "") $readmemh(INIT, memory);
-            end"#;
+    let memory = "reg [WIDTH-1:0] words [0:DEPTH-1];";
+    let unknown = "words[row] === {WIDTH{1'bx}}";
+    let clear = format!("for (row = 0; row < DEPTH; row = row + 1) if ({unknown}) words[row] = 0;");
     for (_, text) in source.files.iter_mut().filter(|(name, _)| name == "edof_ram.v") {
-        assert_eq!(text.matches(load).count(), 2, "one for block RAM, one for LUT RAM");
-        *text = text.replace(load, cleared);
+        assert_eq!(text.matches(memory).count(), 2, "one for block RAM, one for LUT RAM");
+        *text = text.replace(memory, &format!("{memory}\n integer row;\n initial {clear}"));
     }
     source
 }

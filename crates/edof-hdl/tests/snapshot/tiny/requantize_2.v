@@ -37,7 +37,7 @@ module requantize_2 (
     reg  saturated_q_d;
     wire [5:0] shift_later_later;
 
-    // Only a part of these values is used.
+    // Only a part of what follows is used.
     /* verilator lint_off UNUSED */
     wire [47:0] result_q_d_value = LEAST;
     wire [47:0] result_q_d_value_2 = MOST;

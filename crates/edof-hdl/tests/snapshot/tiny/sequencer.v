@@ -80,7 +80,7 @@ module sequencer (
     reg  [24:0] value_b_q2_q;
     reg  [24:0] value_b_q2_d;
 
-    // Only a part of these values is used.
+    // Only a part of what follows is used.
     /* verilator lint_off UNUSED */
     wire [9:0] read_pair_o_shifted = step_q >> 1;
     wire [9:0] read_pixel_o_shifted = linear_step >> 1;

@@ -23,7 +23,7 @@ module shrink (
     reg  saturated_q_q;
     reg  saturated_q_d;
 
-    // Only a part of these values is used.
+    // Only a part of what follows is used.
     /* verilator lint_off UNUSED */
     wire [16:0] result_q_d_value = MOST;
     /* verilator lint_on UNUSED */
