@@ -3,7 +3,8 @@
 mod common;
 mod support;
 
-use common::{Bench, Recorded, committed, expect_clean, patches, with_zeroed_memories};
+use common::{Bench, Recorded, committed, expect_clean, patches};
+use edof_cosim::chain::second::with_cleared_memories;
 use edof_cosim::chain::verilated::write_images;
 use edof_cosim::chain::{Drive, Inputs};
 use edof_cosim::verilator::{Library, Start};
@@ -65,7 +66,7 @@ fn agrees(design: Design) {
     let start = Start { seed: 9, memory_dir: Some(images.path().into()) };
     let verilator =
         Library::build(&source, &support::options()).unwrap().start(&start).unwrap().run(&rows).unwrap();
-    let icarus = icarus::run(&with_zeroed_memories(source.clone()), &rows, Some(images.path())).unwrap();
+    let icarus = icarus::run(&with_cleared_memories(source.clone()), &rows, Some(images.path())).unwrap();
 
     assert_eq!(icarus.first_difference(&source, &verilator), None);
     let layout = Layout::outputs(&source);

@@ -4,7 +4,7 @@
 use crate::support;
 use edof_cosim::chain::verilated::{Compiled, Verilated};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
-use edof_cosim::{Error, Source};
+use edof_cosim::Error;
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::sample::{self, Draw};
 use edof_golden::scalar;
@@ -194,19 +194,6 @@ impl<D: Device> Device for Recorded<D> {
         self.inputs.push(*inputs);
         Ok(())
     }
-}
-
-/// The design for Icarus, its memories without an image full of zeros. An idle multiplier multiplies 0 by whatever weight the
-/// memories' leftovers point to: 0 in any circuit, but unknown to a simulator that starts with unknown memories.
-pub fn with_zeroed_memories(mut source: Source) -> Source {
-    let memory = "reg [WIDTH-1:0] words [0:DEPTH-1];";
-    let unknown = "words[row] === {WIDTH{1'bx}}";
-    let clear = format!("for (row = 0; row < DEPTH; row = row + 1) if ({unknown}) words[row] = 0;");
-    for (_, text) in source.files.iter_mut().filter(|(name, _)| name == "edof_ram.v") {
-        assert_eq!(text.matches(memory).count(), 2, "one for block RAM, one for LUT RAM");
-        *text = text.replace(memory, &format!("{memory}\n integer row;\n initial {clear}"));
-    }
-    source
 }
 
 /// Fails with the report of the first difference, if there is one.

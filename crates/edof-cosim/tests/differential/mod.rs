@@ -1,7 +1,7 @@
 //! A block driven in rust-hdl's simulation, and the same stimulus through its Verilog.
 
-use crate::common::with_zeroed_memories;
 use crate::support;
+use edof_cosim::chain::second::with_cleared_memories;
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Layout, Rows, Source, icarus};
 use edof_golden::sample::Draw;
@@ -162,7 +162,7 @@ pub fn agree_with_images<B: Circuit>(
     let library = Library::build(&source, &support::options()).unwrap();
     let start = Start { seed: 3, memory_dir: Some(dir.path().into()) };
     let verilator = library.start(&start).unwrap().run(&stimulus).unwrap();
-    let icarus = icarus::run(&with_zeroed_memories(source.clone()), &stimulus, Some(dir.path())).unwrap();
+    let icarus = icarus::run(&with_cleared_memories(source.clone()), &stimulus, Some(dir.path())).unwrap();
     for cycle in compared_from..stimulus.len() {
         for port in emitted.ports.iter().filter(|port| port.direction == Direction::Output) {
             let at = |rows: &Rows, field: &str| {
