@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use crate::support;
+use edof_cosim::Error;
 use edof_cosim::chain::verilated::{Compiled, Verilated};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
-use edof_cosim::Error;
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::sample::{self, Draw};
 use edof_golden::scalar;
