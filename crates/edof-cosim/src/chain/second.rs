@@ -2,7 +2,7 @@
 
 use super::device::{Device, Inputs, Outputs, join};
 use crate::error::{Error, at};
-use crate::icarus::{self, Difference};
+use crate::icarus::{self, Difference, Observed};
 use crate::rows::{Layout, Rows};
 use crate::{Source, chain::verilated};
 use edof_hdl::project::Project;
@@ -51,26 +51,53 @@ pub fn icarus(
     verilated::write_images(project, images.path())?;
     let observed = icarus::run(&with_cleared_memories(source.clone()), &stimulus, Some(images.path()))?;
     let lead = inputs.iter().take_while(|inputs| inputs.reset).count();
-    if observed.known_from() > lead {
-        let problem = format!("outputs are unknown until cycle {}", observed.known_from());
+    if let Some(port) = unknown(&source, &observed, &expected, lead)? {
+        let problem = format!("{port} is unknown to it after reset");
         return Err(Error::Output { tool: "iverilog".into(), problem });
     }
     Ok(observed.first_difference(&source, &expected))
+}
+
+/// An output that Icarus must know and does not: what says whether a beat passes, from reset on, and the beats that pass.
+fn unknown(
+    source: &Source,
+    icarus: &Observed,
+    expected: &Rows,
+    lead: usize,
+) -> Result<Option<String>, Error> {
+    let layout = Layout::outputs(source);
+    for port in source.ports.iter().map(|port| port.name.as_str()) {
+        let valid = if port.starts_with("between_") {
+            port.replace("_data_", "_transfer_")
+                .replace("_last_", "_transfer_")
+                .replace("_set_", "_transfer_")
+        } else {
+            port.replace("_data_o", "_valid_o").replace("_last_o", "_valid_o").replace("_set_o", "_valid_o")
+        };
+        let is_control =
+            port.starts_with("between_transfer_") || port == "patch_valid_o" || port == "window_ready_o";
+        if port.ends_with("_i") || (valid == port && !is_control) {
+            continue;
+        }
+        let (value, valid) = (source.port(port)?, source.port(&valid)?);
+        for cycle in lead..expected.len() {
+            let counts = is_control || layout.get(expected.row(cycle), valid)? == 1;
+            if counts && layout.get(icarus.unknown.row(cycle), value)? != 0 {
+                return Ok(Some(port.into()));
+            }
+        }
+    }
+    Ok(None)
 }
 
 /// The chain for Icarus, its memories without an image full of zeros. An idle multiplier multiplies 0 by whatever weight the
 /// memories' leftovers point to: 0 in any circuit, but unknown to a simulator that starts with unknown memories.
 #[must_use]
 pub fn with_cleared_memories(mut source: Source) -> Source {
-    for (leaf, memory, rows) in
-        [("edof_ram.v", "words [0:DEPTH-1];", "DEPTH"), ("edof_fifo.v", "memory [0:15];", "16")]
-    {
-        let name = memory.split(' ').next().unwrap_or_default();
-        let unknown = format!("{name}[row] === {{WIDTH{{1'bx}}}}");
-        let clear = format!("for (row = 0; row < {rows}; row = row + 1) if ({unknown}) {name}[row] = 0;");
-        for (_, text) in source.files.iter_mut().filter(|(file, _)| file == leaf) {
-            *text = text.replace(memory, &format!("{memory}\n integer row;\n initial {clear}"));
-        }
+    let memory = "words [0:DEPTH-1];";
+    let clear = "for (row = 0; row < DEPTH; row = row + 1) if (words[row] === {WIDTH{1'bx}}) words[row] = 0;";
+    for (_, text) in source.files.iter_mut().filter(|(file, _)| file == "edof_ram.v") {
+        *text = text.replace(memory, &format!("{memory}\n integer row;\n initial {clear}"));
     }
     source
 }
