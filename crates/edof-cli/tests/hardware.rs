@@ -96,6 +96,7 @@ fn a_design_that_cannot_be_built_names_the_field() {
         (design(|d| d["stages"] = Value::Array(vec![])), ["stages 0", "4 stages"]),
         (design(|d| d["clock_mhz"] = 0.into()), ["clock_mhz 0", "above 0"]),
         (design(|d| d["form"]["codes"] = 15.into()), ["form.codes 15", "even"]),
+        (design(|d| d["frame"]["width"] = 0.into()), ["frame: ", "0"]),
         (design(|d| d["color"] = 1.into()), ["bad.json", "unknown field `color`"]),
     ] {
         place.write("bad.json", change);
@@ -122,4 +123,11 @@ fn co_simulation_of_tiny_finds_no_difference_and_reports_it() {
 #[test]
 fn stalls_without_end_are_refused() {
     Place::new().edof("cosim --design tiny --stalls 1").refused(&["--stalls 1", "0 to 0.99"]);
+}
+
+#[test]
+fn a_co_simulation_of_nothing_is_refused() {
+    for line in ["cosim --design tiny --random 0", "cosim --design tiny --patches 0"] {
+        Place::new().edof(line).refused(&["must be 1 or more"]);
+    }
 }

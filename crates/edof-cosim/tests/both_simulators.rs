@@ -4,42 +4,15 @@ mod common;
 mod support;
 
 use common::{Bench, Recorded, committed, expect_clean, patches};
-use edof_cosim::chain::second::with_cleared_memories;
+use edof_cosim::chain::Drive;
+use edof_cosim::chain::second::{rows, with_cleared_memories};
 use edof_cosim::chain::verilated::write_images;
-use edof_cosim::chain::{Drive, Inputs};
 use edof_cosim::verilator::{Library, Start};
-use edof_cosim::{Layout, Rows, Source, icarus};
+use edof_cosim::{Layout, Source, icarus};
 use edof_golden::cycle::Stalls;
 use edof_hdl::project;
 use edof_spec::Design;
-use edof_spec::design::memory::Set;
 use edof_spec::network::{Recurrence, Shrinkage};
-
-/// What a driver gave a chain, as a stimulus.
-fn stimulus(source: &Source, inputs: &[Inputs]) -> Rows {
-    let layout = Layout::inputs(source);
-    let mut rows = Rows::zeros(layout.words(), inputs.len());
-    for (cycle, inputs) in inputs.iter().enumerate() {
-        let beat = inputs.window;
-        let words = beat.map_or(0, |beat| edof_cosim::chain::device::join(beat.words));
-        let (address, data) = inputs.write.unwrap_or_default();
-        for (port, value) in [
-            ("reset_i", inputs.reset.into()),
-            ("window_valid_i", beat.is_some().into()),
-            ("window_data_i", words),
-            ("window_last_i", beat.is_some_and(|beat| beat.last).into()),
-            ("window_set_i", beat.is_some_and(|beat| beat.set == Set::Second).into()),
-            ("patch_ready_i", inputs.patch_ready.into()),
-            ("write_valid_i", inputs.write.is_some().into()),
-            ("write_address_i", address),
-            ("write_data_i", data),
-            ("status_address_i", inputs.status_address),
-        ] {
-            layout.put(rows.row_mut(cycle), source.port(port).unwrap(), value.into()).unwrap();
-        }
-    }
-    rows
-}
 
 /// Outputs that must be known whenever `valid` is high, and from reset on.
 fn streams(design: &Design) -> Vec<(String, Vec<String>)> {
@@ -60,18 +33,18 @@ fn agrees(design: Design) {
 
     let project = project::calculator(&bench.design, [&bench.networks[0], &bench.networks[1]]).unwrap();
     let source = Source::from(&project);
-    let rows = stimulus(&source, &circuit.inputs);
+    let stimulus = rows(&source, &circuit.inputs).unwrap();
     let images = tempfile::tempdir().unwrap();
     write_images(&project, images.path()).unwrap();
     let start = Start { seed: 9, memory_dir: Some(images.path().into()) };
     let verilator =
-        Library::build(&source, &support::options()).unwrap().start(&start).unwrap().run(&rows).unwrap();
-    let icarus = icarus::run(&with_cleared_memories(source.clone()), &rows, Some(images.path())).unwrap();
+        Library::build(&source, &support::options()).unwrap().start(&start).unwrap().run(&stimulus).unwrap();
+    let icarus = icarus::run(&with_cleared_memories(source.clone()), &stimulus, Some(images.path())).unwrap();
 
     assert_eq!(icarus.first_difference(&source, &verilator), None);
     let layout = Layout::outputs(&source);
     let reset = circuit.inputs.iter().position(|inputs| !inputs.reset).unwrap();
-    for cycle in reset..rows.len() {
+    for cycle in reset..stimulus.len() {
         let unknown = |port: &str| layout.get(icarus.unknown.row(cycle), source.port(port).unwrap()).unwrap();
         for (valid, rest) in streams(&bench.design) {
             assert_eq!(unknown(&valid), 0, "{valid} in cycle {cycle}");

@@ -89,6 +89,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => sample::for_design(&design, args.seed),
     };
     let trial = Trial { patches: patches(&args, &design, &network)?, design, network, drive: drive(&args)? };
+    if trial.patches.is_empty() {
+        return Err(Error::message("--random, --patches 0: must be 1 or more, or nothing is compared"));
+    }
     let project = project::calculator(&trial.design, [&trial.network, &trial.network])?;
     let outcome = trial.run(&project, &args, ui)?;
     let seconds = start.elapsed().as_secs_f64();

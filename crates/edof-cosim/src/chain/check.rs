@@ -117,14 +117,12 @@ impl Boundary {
     /// # Errors
     /// The first difference.
     pub fn see(&mut self, cycle: u64, seen: Option<Beat>) -> Result<(), Box<Difference>> {
-        let Some((patch, beat, due)) = self.expected.front() else {
+        let Some(due) = self.next().copied() else {
             return match seen {
                 Some(_) => Err(self.differs(Fault::Early, cycle, 0, i64::MAX, Some(cycle as i64))),
                 None => Ok(()),
             };
         };
-        let _ = (patch, beat);
-        let due = *due;
         match seen {
             None if due.cycle > cycle => return Ok(()),
             None => return Err(self.differs(Fault::Late, cycle, 0, due.cycle as i64, None)),

@@ -13,7 +13,7 @@ pub mod timing;
 pub use stage::{Kind, StagePlan};
 
 use crate::fixed_network::FixedNetwork;
-use crate::geometry::Stride;
+use crate::geometry::{Geometry, GeometryError, Stride};
 use crate::network::{Form, NetworkError};
 use crate::number::ACCUMULATOR_BITS;
 use serde::{Deserialize, Serialize};
@@ -99,6 +99,9 @@ pub enum DesignError {
     /// A form that no network has.
     #[error(transparent)]
     Form(#[from] NetworkError),
+    /// A picture that has no whole windows.
+    #[error("frame: {0}")]
+    Frame(#[from] GeometryError),
     /// A field out of range.
     #[error("{field} {value}: must be {expected}")]
     Field {
@@ -194,6 +197,8 @@ impl Design {
             self.stages.len() == layers,
             &format!("{layers} stages, one a layer"),
         )?;
+        Geometry::new(self.form.window, self.frame.stride)
+            .check_frame(self.frame.height, self.frame.width)?;
         self.stages().try_for_each(|stage| stage.check())
     }
 
