@@ -11,9 +11,9 @@ use edof_cosim::chain::device::{Beat, Inputs};
 use edof_cosim::chain::second::rows;
 use edof_cosim::verilator::{Library, Options, Start, Unknowns};
 use edof_golden::cycle::{Cycle, Patch};
-use edof_golden::sample::{self, Draw};
 use edof_hdl::project;
 use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork, weight_file};
 use std::path::Path;
 use std::time::Instant;
@@ -41,7 +41,7 @@ fn report(name: &str, weights: &str) -> Result<(), Failure> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let design = Design::load(&root.join(format!("designs/{name}.json")))?;
     let network = match weights {
-        "drawn" => sample::for_design(&design, 1),
+        "drawn" => edof_random::for_design(&design, 1),
         _ => weight_file::load_fixed(&root.join(format!("weights/{weights}.fixed.safetensors")))?,
     };
     let patches = patches(&design);

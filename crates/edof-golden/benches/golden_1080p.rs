@@ -4,8 +4,8 @@
 //! `cargo bench -p edof-golden`; `RAYON_NUM_THREADS` sets the threads.
 
 use edof_golden::frame::scalar_frame;
-use edof_golden::sample::{self, Draw};
 use edof_golden::{Golden, fast::Isa};
+use edof_spec::draw::Draw;
 use edof_spec::{CfaPhase, FixedNetwork, RawFrame, weight_file};
 use ndarray::Array2;
 use std::path::{Path, PathBuf};
@@ -73,7 +73,8 @@ fn networks() -> Vec<(String, FixedNetwork)> {
         }
     }
     all.extend(
-        [(8, 8), (12, 8), (12, 4)].map(|(w, s)| (format!("drawn, window {w}"), sample::natural(w, s, 1))),
+        [(8, 8), (12, 8), (12, 4)]
+            .map(|(w, s)| (format!("drawn, window {w}"), edof_random::natural(w, s, 1))),
     );
     all
 }
@@ -86,7 +87,7 @@ fn raw_frame(height: usize, width: usize) -> RawFrame {
         let edge = if (r / 50 + c / 70) % 2 == 0 { 300 } else { 0 };
         (shade as i64 + edge + draw.whole(-20, 20)) as u16
     });
-    match RawFrame::from_codes(codes, 12, CfaPhase::Rggb) {
+    match RawFrame::from_sensor_values(codes, 12, CfaPhase::Rggb) {
         Ok(frame) => frame,
         Err(error) => unreachable!("{error}"),
     }

@@ -12,14 +12,13 @@
 //! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
 //! | gamma | [`gamma`] | 8-bit luma through a loadable table: the picture on the wire |
 //! | study | [`reconstructor`] | [`GoldenReconstructor`], the method that experiments compare |
-//! | trials | [`sample`] | drawn networks and windows for tests, examples and benchmarks |
 //!
 //! ```
 //! use edof_golden::{Gamma, Golden, display};
 //! use edof_spec::{CfaPhase, RawFrame};
-//! # let network = edof_golden::sample::natural(8, 8, 7);
+//! # let network = edof_random::natural(8, 8, 7);
 //! // `network` came out of edof_spec::weight_file::load_fixed.
-//! let raw = RawFrame::from_codes(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
+//! let raw = RawFrame::from_sensor_values(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
 //! let out = Golden::new(network)?.frame(&raw)?;
 //! assert_eq!(out.counts.patches, 4 * 6);
 //! let picture = display(&out.frame, &Gamma::srgb());
@@ -33,7 +32,6 @@ pub mod frame;
 pub mod gamma;
 pub mod overlap_add;
 pub mod reconstructor;
-pub mod sample;
 pub mod scalar;
 
 pub mod trace;

@@ -77,9 +77,9 @@ mod decoder {
         let area = active_area(&image);
         let phase =
             phase(&image, &area).map_err(|found| CameraRawError::Mosaic { path: path.to_owned(), found })?;
-        let codes =
+        let values =
             linear_light(&image, &area).ok_or_else(|| failed("its size is not its pixels'".to_owned()))?;
-        RawFrame::from_codes(codes, 16, phase).map_err(|e| failed(e.to_string()))
+        RawFrame::from_sensor_values(values, 16, phase).map_err(|e| failed(e.to_string()))
     }
 
     /// The part that light falls on, whole Bayer cells.

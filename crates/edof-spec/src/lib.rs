@@ -14,6 +14,7 @@
 //! | the file both kinds of network live in | [`weight_file`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
+//! | the generator of everything drawn for trials | [`draw`] |
 //! | files that appear whole or not at all | [`atomic`] |
 //!
 //! ```
@@ -28,6 +29,7 @@ pub mod camera;
 pub mod cfa;
 pub mod colour;
 pub mod design;
+pub mod draw;
 pub mod fixed_network;
 pub mod frame;
 pub mod geometry;

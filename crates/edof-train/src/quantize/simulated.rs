@@ -94,8 +94,8 @@ mod tests {
     use super::*;
     use crate::parameters::{Layout, flatten_folded};
     use crate::quantize::fold::Folded;
-    use edof_golden::sample::{self, Draw};
     use edof_golden::scalar;
+    use edof_spec::draw::Draw;
     use edof_spec::network::{Recurrence, Shrinkage};
     use edof_spec::{Stride, Window};
     use proptest::prelude::*;
@@ -132,11 +132,11 @@ mod tests {
         seed: u64,
     ) -> Result<(), TestCaseError> {
         let form = form(layers, flags);
-        let fixed = with_exact_sums(sample::extreme(form, 8, Stride::PATCH, false, seed));
+        let fixed = with_exact_sums(edof_random::extreme(form, 8, Stride::PATCH, false, seed));
         let weights = flatten_folded(&Folded::of(&fixed));
         // Eight bits of input, so that I's sums are exact too: 64 products of 8 by 8 bits.
         let y: Vec<i16> =
-            sample::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
+            edof_random::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
         let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / 32768.0).collect();
         let mut pass = Simulated::new(form, &code_formats(&fixed), &rgb_map(&[1.0; 128]), 1);
         pass.forward(&weights, &inputs, 1);
