@@ -25,11 +25,13 @@ fn refused_without_a_trace(place: &Place, line: &str, words: &[&str]) {
 fn an_image_too_small_for_a_window() {
     let place = ready();
     place.raw("raw.png", 8, 32);
-    refused_without_a_trace(
-        &place,
-        RECONSTRUCT,
-        &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"],
-    );
+    for phase in ["rggb", "grbg", "gbrg", "bggr"] {
+        refused_without_a_trace(
+            &place,
+            &format!("{RECONSTRUCT} --phase {phase}"),
+            &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"],
+        );
+    }
 }
 
 #[test]

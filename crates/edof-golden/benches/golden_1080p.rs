@@ -41,7 +41,7 @@ fn report(name: &str, network: FixedNetwork, frame: &RawFrame) {
         "{name:24} {:>6} {:>10.2} {:>8.0} {:>14} {:>11} {:>11.0}x",
         network.stride.pixels(),
         1.0 / seconds,
-        counts.multiply_accumulates(&network) as f64 / seconds * 1e-6,
+        counts.multiplications(&network).executed as f64 / seconds * 1e-6,
         nonzeros.join("/"),
         counts.saturations(),
         slow / fast,

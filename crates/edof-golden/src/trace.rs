@@ -1,6 +1,8 @@
 //! What a stage hands to the next, and what its counters say.
 
 use edof_spec::FixedNetwork;
+use edof_spec::colour::OUTPUTS_422;
+use edof_spec::reconstructor::Multiplications;
 
 /// One patch on its way through the network: the words at every stage boundary.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -65,8 +67,6 @@ pub struct Counts {
     pub stages: Vec<StageCounts>,
     /// Luma and chroma words whose overlap sum did not fit 16 bits.
     pub saturated_sums: u64,
-    /// Chroma codes that were clamped to 1…254.
-    pub clamped_chroma: u64,
 }
 
 impl Counts {
@@ -88,7 +88,6 @@ impl Counts {
     pub fn merge(&mut self, other: &Self) {
         self.patches += other.patches;
         self.saturated_sums += other.saturated_sums;
-        self.clamped_chroma += other.clamped_chroma;
         for (sum, stage) in self.stages.iter_mut().zip(&other.stages) {
             *sum += *stage;
         }
@@ -100,16 +99,20 @@ impl Counts {
         self.stages.iter().map(StageCounts::saturations).sum::<u64>() + self.saturated_sums
     }
 
-    /// Multiply-accumulates that a machine which skips zero codes needs for these patches.
+    /// Multiplications for these patches; executed are those of a machine that skips zero sparse codes (of M and F: every word
+    /// that is sent and not zero, times the rows of the matrix), as [`crate::fast`] and the board do.
     #[must_use]
-    pub fn multiply_accumulates(&self, network: &FixedNetwork) -> u64 {
+    pub fn multiplications(&self, network: &FixedNetwork) -> Multiplications {
         let (codes, pixels) = (network.form.codes as u64, network.form.window.pixels() as u64);
-        let outputs = network.dictionary.weights.nrows() as u64;
+        let outputs = OUTPUTS_422 as u64;
         let (last, middle) = match self.stages.get(..network.form.shrinkages()) {
             Some([middle @ .., last]) => (last.nonzeros, middle.iter().map(|s| s.nonzeros).sum::<u64>()),
             _ => (0, 0),
         };
         let linear = if network.linear_path.is_some() { pixels * outputs } else { 0 };
-        self.patches * (pixels * codes + linear) + middle * codes + last * outputs
+        Multiplications {
+            dense: self.patches * network.form.dense_multiplications(OUTPUTS_422),
+            executed: self.patches * (pixels * codes + linear) + middle * codes + last * outputs,
+        }
     }
 }

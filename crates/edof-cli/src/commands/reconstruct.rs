@@ -109,7 +109,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "height": height,
         "seconds": result.seconds,
         "seconds_per_megapixel": result.seconds / megapixels,
-        "multiply_accumulates": result.multiply_accumulates,
+        "multiplications": result.multiplications,
     }))
 }
 
