@@ -10,6 +10,7 @@
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
 //! | windows to feed the hardware with | [`windows`] |
+//! | words at stage boundaries for NumPy | [`words`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
@@ -21,6 +22,7 @@ mod interrupt;
 mod ui;
 mod weights;
 mod windows;
+mod words;
 
 use clap::{Parser, Subcommand};
 use error::Error;
@@ -76,6 +78,7 @@ enum Command {
     Cosim(commands::cosim::Args),
     Estimate(commands::estimate::Args),
     Generate(commands::generate::Args),
+    RandomNetwork(commands::random_network::Args),
 }
 
 fn main() -> ExitCode {
@@ -105,6 +108,7 @@ fn run(cli: Cli) -> Result<(), Error> {
         Command::Cosim(args) => commands::cosim::run(args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Generate(args) => commands::generate::run(args, &ui),
+        Command::RandomNetwork(args) => commands::random_network::run(args, &ui),
     }
 }
 

@@ -65,6 +65,12 @@ impl Golden {
         &self.fast
     }
 
+    /// Where patches and windows lie.
+    #[must_use]
+    pub const fn geometry(&self) -> Geometry {
+        self.geometry
+    }
+
     /// The network it runs.
     #[must_use]
     pub const fn network(&self) -> &FixedNetwork {

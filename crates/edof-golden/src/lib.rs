@@ -9,6 +9,7 @@
 //! | counters | [`trace`] | saturations and non-zeros of each stage |
 //! | overlap | [`overlap_add`] | the sum of overlapping patches: the 4:2:2 frame in words |
 //! | frame | [`frame`] | a whole frame on all threads ([`Golden`]), and its slow twin |
+//! | words | [`words`] | every boundary of a whole frame, for whoever wants to check |
 //! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
 //! | tables | [`gamma`] | light to codes: loadable tables for luma and for each colour |
 //! | display | [`display`] | the 8-bit Y′CbCr 4:2:2 codes on the wire, and what a sink shows of them |
@@ -36,9 +37,9 @@ pub mod gamma;
 pub mod overlap_add;
 pub mod reconstructor;
 pub mod scalar;
-
 pub mod trace;
 pub mod windows;
+pub mod words;
 
 pub use display::{Display, DisplayCounts, Picture};
 pub use frame::{Golden, GoldenFrame};
