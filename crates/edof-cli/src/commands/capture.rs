@@ -8,8 +8,8 @@ use edof_optics::capture::{Capture, CutCost, Cuts, Depth, capture, measure_cuts}
 use edof_optics::draw::parse_name;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
-use edof_optics::sensor::{Noise, Sensor};
-use edof_spec::{Camera, CfaPhase};
+use edof_optics::sensor::Sensor;
+use edof_spec::{Camera, CfaPhase, Noise};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -44,13 +44,11 @@ pub struct Args {
     #[arg(long, default_value = "rggb", value_name = "CFA")]
     phase: CfaPhase,
 
-    /// Standard deviation of Gaussian noise, in units of full scale
-    #[arg(long, default_value_t = 0.0, value_name = "SIGMA", allow_hyphen_values = true)]
-    noise: f64,
-
-    /// Photo-electrons at full scale, for photon noise [default: no photon noise]
-    #[arg(long, value_name = "ELECTRONS")]
-    full_well: Option<f64>,
+    /// Noise: none, the standard deviation of Gaussian noise in units of full scale, or sensor, the photon and read noise of
+    /// a sensor (10000 electrons of full well, 2.5 of read noise, gain 1 unless said otherwise, as in
+    /// sensor:full-well=6000:read-noise=1.8:gain=4)
+    #[arg(long, default_value_t = Noise::None, value_name = "NOISE", allow_hyphen_values = true)]
+    noise: Noise,
 
     /// Share of the energy that a cut kernel keeps, more than 0 and at most 1
     #[arg(long, default_value_t = 0.999, value_name = "SHARE")]
@@ -85,7 +83,7 @@ const EXAMPLES: &str = "\
 Examples:
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof capture chart-4 --noise 0.01 --out raw.pgm --sharp sharp.png
-  edof capture leaves --psi 6 --full-well 10000 --depth 10 --phase bggr --out raw.png --exact";
+  edof capture leaves --psi 6 --noise sensor:gain=4 --depth 10 --phase bggr --out raw.png --exact";
 
 #[derive(Serialize)]
 struct Captured {
@@ -106,8 +104,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range)?;
     let cuts = args.cuts()?;
-    let noise = Noise { gaussian: args.noise, full_well: args.full_well };
-    let sensor = Sensor { depth: args.depth, phase: args.phase, noise, seed: args.drawing.seed };
+    let sensor = Sensor { depth: args.depth, phase: args.phase, noise: args.noise, seed: args.drawing.seed };
     let shot = capture(&scene, &camera, &sensor, &cuts)?;
     raw::save(&args.out, &shot.raw)?;
     if let Some(path) = &args.sharp {
