@@ -57,6 +57,7 @@ Examples:
   edof scene chart --out out/chart                     a built-in scene
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
+  edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
   edof estimate --design kc705 --weights edof-t4w12-outer
   edof cosim --design tiny                             the generated Verilog against the cycle model

@@ -9,13 +9,20 @@ use ndarray_npy::{NpzWriter, WritableElement, WriteNpzError};
 use std::io::{Cursor, Write};
 use std::path::Path;
 
-/// Writes `folder`/words.npz, and makes the folder if there is none.
+/// Makes the folder if there is none: before all work, so that a wrong one costs none.
 ///
 /// # Errors
-/// When the folder cannot be made or the file cannot be written.
-pub fn save(folder: &Path, boundaries: &[Boundary], frame: &Frame422, codes: &Picture) -> Result<(), Error> {
+/// When it cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder)
-        .map_err(|e| Error::message(format!("{}: cannot make this folder: {e}", folder.display())))?;
+        .map_err(|e| Error::message(format!("{}: cannot make this folder: {e}", folder.display())))
+}
+
+/// Writes `folder`/words.npz.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn save(folder: &Path, boundaries: &[Boundary], frame: &Frame422, codes: &Picture) -> Result<(), Error> {
     let path = folder.join("words.npz");
     let failed = |e: WriteNpzError| Error::message(format!("{}: cannot write: {e}", path.display()));
     let bytes = npz(boundaries, frame, codes).map_err(failed)?;

@@ -174,6 +174,7 @@ fn fixed(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
     let network = fixed_network(args)?;
     let name = format!("{}.fixed", network.origin.name);
     let golden = Golden::new(network)?;
+    args.words.as_deref().map_or(Ok(()), words::make_folder)?;
     let start = Instant::now();
     let out = golden.frame(frame).map_err(|e| of_frame(args, e))?;
     let seconds = start.elapsed().as_secs_f64();
