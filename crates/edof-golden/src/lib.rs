@@ -45,4 +45,4 @@ pub use display::{Display, DisplayCounts, Picture};
 pub use frame::{Golden, GoldenFrame};
 pub use gamma::{ColourTable, Curve, LumaTable};
 pub use reconstructor::GoldenReconstructor;
-pub use trace::{Codes, Counts, StageCounts, Trace};
+pub use trace::{Counts, LayerWords, StageCounts, Trace};

@@ -10,7 +10,7 @@ pub struct Trace {
     /// y: the window's input words, row by row.
     pub input: Vec<i16>,
     /// What I and each M stage made, t = 1…T−1.
-    pub codes: Vec<Codes>,
+    pub layers: Vec<LayerWords>,
     /// F's 128 words: luma, Cb, Cr.
     pub output: Vec<i16>,
     /// Counters of I, each M, F for this patch alone.
@@ -19,10 +19,10 @@ pub struct Trace {
 
 /// The words that I or an M stage makes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Codes {
-    /// b_t, rounded.
+pub struct LayerWords {
+    /// Pre-activations b_t, rounded.
     pub b: Vec<i16>,
-    /// z_t = shrink(b_t).
+    /// Sparse codes z_t = shrink(b_t).
     pub z: Vec<i16>,
     /// What the next stage multiplies: z_t, or z_t − z_{t−1} where the difference form's next stage is an M.
     pub sent: Vec<i16>,
@@ -33,7 +33,7 @@ pub struct Codes {
 pub struct StageCounts {
     /// Accumulators that did not fit when rounded to b or to the output.
     pub saturated_results: u64,
-    /// Thresholded codes that did not fit (b − θ with a negative θ).
+    /// Sparse codes that did not fit (b − θ with a negative θ).
     pub saturated_codes: u64,
     /// Differences z_t − z_{t−1} that did not fit.
     pub saturated_differences: u64,

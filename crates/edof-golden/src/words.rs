@@ -2,7 +2,7 @@
 
 use crate::frame::Golden;
 use crate::scalar::sends_difference;
-use crate::trace::{Codes, Trace};
+use crate::trace::{LayerWords, Trace};
 use crate::windows::Mirrored;
 use edof_spec::RawFrame;
 use edof_spec::geometry::GeometryError;
@@ -47,13 +47,13 @@ impl Golden {
         };
         let mut all = vec![gather("y".to_owned(), &|trace| &trace.input)];
         for t in 0..self.network().form.shrinkages() {
-            let mut layer = |name: &str, part: fn(&Codes) -> &[i16]| {
-                all.push(gather(format!("{name}{}", t + 1), &|trace| part(&trace.codes[t])));
+            let mut layer = |name: &str, part: fn(&LayerWords) -> &[i16]| {
+                all.push(gather(format!("{name}{}", t + 1), &|trace| part(&trace.layers[t])));
             };
-            layer("b", |codes| &codes.b);
-            layer("z", |codes| &codes.z);
+            layer("b", |layer| &layer.b);
+            layer("z", |layer| &layer.z);
             if sends_difference(self.network(), t) {
-                layer("v", |codes| &codes.sent);
+                layer("v", |layer| &layer.sent);
             }
         }
         all.push(gather("f".to_owned(), &|trace| &trace.output));
@@ -92,7 +92,7 @@ mod tests {
         let (aligned, _) = raw.to_rggb();
         let y = window(&aligned, golden.geometry(), 2, 3);
         let trace = scalar::run(&network, &y);
-        let expected = [&y, &trace.codes[0].b, &trace.codes[0].z, &trace.codes[0].sent];
+        let expected = [&y, &trace.layers[0].b, &trace.layers[0].z, &trace.layers[0].sent];
         for (boundary, expected) in all.iter().zip(expected) {
             assert_eq!(boundary.words.slice(s![2, 3, ..]).to_vec(), *expected, "{}", boundary.name);
         }

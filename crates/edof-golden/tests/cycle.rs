@@ -143,7 +143,7 @@ fn beats_carry_what_the_receiver_needs() {
         let model = Cycle::new(&design, [&network, &network]).unwrap();
         let run = model.run(patches(&design, 1, 1)).next().unwrap();
         let beat = |boundary: usize, i: usize| run.transfers(boundary).nth(i).unwrap();
-        let codes = &run.trace.codes;
+        let codes = &run.trace.layers;
         let base = if recurrence == Recurrence::Direct { &codes[0].b } else { &codes[1].b };
         assert_eq!(beat(1, 2).base, Some([codes[0].b[4], codes[0].b[5]]));
         assert_eq!(beat(2, 2).base, Some([base[4], base[5]]));

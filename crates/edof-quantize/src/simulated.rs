@@ -141,7 +141,7 @@ mod tests {
         let mut pass = Simulated::new(form, &code_formats(&fixed), &rgb_map(&[1.0; 128]), 1);
         pass.forward(&weights, &inputs, 1);
         let trace = scalar::run(&fixed, &y);
-        for (t, codes) in trace.codes.iter().enumerate() {
+        for (t, codes) in trace.layers.iter().enumerate() {
             let unit = (-(fixed.code_fractions[t] as f32)).exp2();
             let words = |values: &[f32]| values.iter().map(|v| (v / unit) as i16).collect::<Vec<_>>();
             prop_assert_eq!(words(pass.pass.b(t)), codes.b.clone(), "b of layer {}", t);

@@ -121,7 +121,7 @@ fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec
         let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32).collect();
         let x: Array1<f64> = pass.forward(&weights, &inputs, 1).iter().map(|v| f64::from(*v)).collect();
         let trace = scalar::run(&fixed, &y);
-        for (t, codes) in trace.codes.iter().enumerate() {
+        for (t, codes) in trace.layers.iter().enumerate() {
             let unit = (-f64::from(fixed.code_fractions[t])).exp2();
             for ((word, b), c) in codes.b.iter().zip(pass.b(t)).zip(&scales) {
                 squares[t] +=

@@ -93,7 +93,7 @@ pub fn chroma_word(difference: f64) -> i16 {
     luma_word(CHROMA_GAIN * difference)
 }
 
-/// sRGB's transfer curve: display code (0…1) for linear light (0…1).
+/// sRGB's transfer curve: encoded light (0…1) for linear light (0…1).
 #[must_use]
 pub fn srgb_encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }

@@ -7,7 +7,7 @@
 //!         difference: base = b_t, v = saturate(z_t − z_{t−1}), z_0 = 0
 //! F   acc = (Σ D·z_{T−1} << shift_D) + (Σ R·y << shift_R)      out = requantize(acc, shift_F)
 //! ```
-//! All codes b_t, z_t have `code_bits` bits and their own fraction bits; outputs have 16 bits and
+//! All b_t, z_t have `code_bits` bits and their own fraction bits; outputs have 16 bits and
 //! [`OUTPUT_FRACTION`]. All shifts follow from the fraction bits and are computed here only.
 
 use crate::colour::OUTPUTS_422;
@@ -32,7 +32,7 @@ pub struct FixedMatrix {
 pub struct FixedNetwork {
     /// Its form.
     pub form: Form,
-    /// Bits of every weight and code, 8…16.
+    /// Bits of every weight, pre-activation and sparse code, 8…16.
     pub code_bits: u32,
     /// Stride that F's averaging window is made for.
     pub stride: Stride,
@@ -82,10 +82,10 @@ pub enum FixedNetworkError {
     /// Matrices that do not fit the form.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// Code width out of range.
+    /// Width of words out of range.
     #[error("code_bits {0}: must be 8 to 16")]
     CodeBits(u32),
-    /// A value is wider than the codes.
+    /// A value is wider than stated.
     #[error("{what}: holds {value}, which {bits} bits cannot hold")]
     TooWide {
         /// Which matrix or vector.
@@ -111,7 +111,7 @@ pub enum FixedNetworkError {
         /// Worst case.
         bits: u32,
     },
-    /// The difference form keeps one format for all codes.
+    /// The difference form keeps one format for all layers.
     #[error("code_fractions: differ from layer to layer, the difference form needs them equal")]
     UnequalFractions,
     /// Two-sided thresholds cannot be negative.
@@ -153,7 +153,7 @@ impl FixedNetwork {
         &self.recurrent[self.form.recurrent_index(layer)]
     }
 
-    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any codes), sign included:
+    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any sparse codes), sign included:
     /// I, then every M, then F. The bound includes rounding and every partial sum.
     #[must_use]
     pub fn accumulator_bits(&self) -> Vec<u32> {
