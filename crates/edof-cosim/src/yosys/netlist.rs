@@ -120,13 +120,13 @@ impl Loads {
 
 /// Pins that only a clock drives.
 const CLOCK_PINS: [&str; 6] = ["C", "CLK", "WCLK", "CLKARDCLK", "CLKBWRCLK", "G"];
-/// Starts of the names of pins that enable, reset, write or choose an operation.
-const CONTROL_PINS: [&str; 8] = ["CE", "R", "S", "WE", "EN", "OPMODE", "INMODE", "ALUMODE"];
+/// Starts of the names of pins that enable, write or choose an operation.
+const CONTROL_PINS: [&str; 7] = ["CE", "WE", "EN", "RST", "REGCE", "OPMODE", "INMODE"];
 
+/// Whether a pin enables, resets, writes or chooses an operation. A flip-flop's R and S are not the S of a multiplexer.
 fn is_control(cell: &Cell, pin: &str) -> bool {
-    let exact = |name: &&str| pin == *name || (name.len() > 1 && pin.starts_with(*name));
-    let reset = pin.starts_with("RST") || pin.starts_with("REGCE");
-    cell.kind != "CARRY4" && (reset || CONTROL_PINS.iter().any(|name| exact(&name)))
+    let resets = cell.kind.starts_with("FD") && matches!(pin, "R" | "S" | "CLR" | "PRE");
+    resets || CONTROL_PINS.iter().any(|name| pin.starts_with(name))
 }
 
 impl Module {
