@@ -11,4 +11,5 @@ pub mod random_network;
 pub mod reconstruct;
 pub mod scene;
 pub mod study;
+pub mod timing;
 pub mod train;
