@@ -298,4 +298,5 @@ def linear_picture(planes, phase, size, most):
     green = (y - 0.2126 * red - 0.0722 * blue) / 0.7152
     light = np.stack([red, green, blue], axis=2).astype(np.float32)[dr : dr + height, dc : dc + width]
     scaled = np.clip(light, np.float32(0), np.float32(1)) * np.float32(most)
-    return np.floor(scaled + np.float32(0.5)).astype(np.uint16)
+    whole = np.floor(scaled)
+    return (whole + (scaled - whole >= 0.5)).astype(np.uint16)
