@@ -4,9 +4,9 @@
 //! `cargo bench -p edof-golden`; `RAYON_NUM_THREADS` sets the threads.
 
 use edof_golden::frame::scalar_frame;
-use edof_golden::{Golden, fast::Isa};
+use edof_golden::{Curve, Display, Golden, fast::Isa};
 use edof_spec::draw::Draw;
-use edof_spec::{CfaPhase, FixedNetwork, RawFrame, weight_file};
+use edof_spec::{CfaPhase, DisplayMode, FixedNetwork, Frame422, RawFrame, weight_file};
 use ndarray::Array2;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -21,6 +21,7 @@ fn main() {
     for (name, network) in networks() {
         report(&name, network, &frame);
     }
+    report_display();
 }
 
 fn report(name: &str, network: FixedNetwork, frame: &RawFrame) {
@@ -46,6 +47,18 @@ fn report(name: &str, network: FixedNetwork, frame: &RawFrame) {
         counts.saturations(),
         slow / fast,
     );
+}
+
+/// How long the display step takes over a frame of random words.
+fn report_display() {
+    let draw = &mut Draw::new(3);
+    let mut words = |columns| Array2::from_shape_fn((1080, columns), |_| draw.whole(-2_000, 18_000) as i16);
+    let frame = Frame422 { luma: words(1920), chroma: [words(960), words(960)] };
+    for mode in DisplayMode::ALL {
+        let display = Display::new(mode, Curve::Srgb);
+        let seconds = best_of(5, || display.picture(&frame, (0, 0), (1080, 1920)));
+        println!("display, {mode:6} {:>28.2} frames/s", 1.0 / seconds);
+    }
 }
 
 /// Shortest of several runs, in seconds.
