@@ -23,7 +23,7 @@ impl DisplayMode {
 
 impl std::fmt::Display for DisplayMode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
+        f.pad(match self {
             Self::Luma => "luma",
             Self::Colour => "colour",
         })
