@@ -153,15 +153,17 @@ class Checker:
         with Image.open(picture) as image:
             self.same(label, "picture", contract.linear_picture(planes, phase, size, 255), np.asarray(image))
 
-    def refused(self, weights):
+    def least_sides(self, weights):
         """Frames below the least sides are refused alike in all phases, by their own size."""
+        least = contract.least_side(contract.Network.load(weights).form["window"])
         raw = self.folder / "small.pgm"
-        options = write_raw(raw, np.zeros((8, 8), np.int64), 8)
-        for phase in PHASES:
+        for side, phase in [(side, phase) for side in (least - 2, least) for phase in PHASES]:
+            options = write_raw(raw, np.zeros((side, side), np.int64), 8)
             command = [self.edof, "reconstruct", raw, *options, "--phase", phase, "--weights", weights, "--out", "x.png"]
             done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder)
-            if done.returncode != 1 or "frame 8x8" not in done.stderr:
-                raise Differs(f"8x8 {phase}: exit status {done.returncode}, {done.stderr.strip()}")
+            named = f"frame {side}x{side}" in done.stderr
+            if (done.returncode, named) != ((1, True) if side < least else (0, False)):
+                raise Differs(f"{side}x{side} {phase}: exit status {done.returncode}, {done.stderr.strip()}")
 
 
 def drawn_cases(checker):
@@ -239,7 +241,8 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         checker = Checker(Path(given.edof).resolve(), scratch)
         cases = [*drawn_cases(checker), *shipped_cases()]
-        checker.refused(cases[0][1])
+        for case in cases[:3]:
+            checker.least_sides(case[1])
         if photos:
             cases += photo_cases(checker, photos)
         else:
