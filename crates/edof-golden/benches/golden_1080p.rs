@@ -100,7 +100,7 @@ fn raw_frame(height: usize, width: usize) -> RawFrame {
         let edge = if (r / 50 + c / 70) % 2 == 0 { 300 } else { 0 };
         (shade as i64 + edge + draw.whole(-20, 20)) as u16
     });
-    match RawFrame::from_sensor_values(codes, 12, CfaPhase::Rggb) {
+    match RawFrame::from_values(codes, 12, CfaPhase::Rggb) {
         Ok(frame) => frame,
         Err(error) => unreachable!("{error}"),
     }

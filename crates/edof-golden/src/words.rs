@@ -83,7 +83,7 @@ mod tests {
         };
         let network = edof_random::extreme(form, 12, Stride::new(4).unwrap(), false, 4);
         let values = Array2::from_shape_fn((14, 18), |(r, c)| (r * 2003 + c * 331) as u16);
-        let raw = RawFrame::from_sensor_values(values, 16, CfaPhase::Grbg).unwrap();
+        let raw = RawFrame::from_values(values, 16, CfaPhase::Grbg).unwrap();
         let golden = Golden::new(network.clone()).unwrap();
         let all = golden.words(&raw).unwrap();
         let names: Vec<&str> = all.iter().map(|b| b.name.as_str()).collect();

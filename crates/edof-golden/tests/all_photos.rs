@@ -39,7 +39,7 @@ fn mosaic(path: &Path) -> RawFrame {
         let channel = CfaPhase::Rggb.channel(r, c);
         u16::from(photo.get_pixel(c as u32, r as u32)[channel.plane()]) * 257
     });
-    RawFrame::from_sensor_values(values, 16, CfaPhase::Rggb).unwrap()
+    RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap()
 }
 
 fn networks() -> Vec<FixedNetwork> {

@@ -79,7 +79,7 @@ mod decoder {
             phase(&image, &area).map_err(|found| CameraRawError::Mosaic { path: path.to_owned(), found })?;
         let values =
             linear_light(&image, &area).ok_or_else(|| failed("its size is not its pixels'".to_owned()))?;
-        RawFrame::from_sensor_values(values, 16, phase).map_err(|e| failed(e.to_string()))
+        RawFrame::from_values(values, 16, phase).map_err(|e| failed(e.to_string()))
     }
 
     /// The part that light falls on, whole Bayer cells.

@@ -183,7 +183,7 @@ pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
         Alignment::Bottom => words,
         Alignment::Top => lower(words, depth, path)?,
     };
-    RawFrame::from_sensor_values(values, depth, options.phase)
+    RawFrame::from_values(values, depth, options.phase)
         .map_err(|source| RawError::Frame { path: path.to_owned(), source })
 }
 
@@ -255,12 +255,12 @@ pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let (words, full_scale) = match ending.as_str() {
         "raw" | "bin" => {
-            let bytes: Vec<u8> = frame.sensor_values().iter().flat_map(|v| v.to_le_bytes()).collect();
+            let bytes: Vec<u8> = frame.values().iter().flat_map(|v| v.to_le_bytes()).collect();
             edof_spec::atomic::write(path, &bytes).map_err(SamplesError::from)?;
             return Ok(());
         }
         "png" | "tif" | "tiff" => (frame.pixels().clone(), u16::MAX),
-        "pgm" => (frame.sensor_values(), u16::MAX >> (16 - frame.depth())),
+        "pgm" => (frame.values(), u16::MAX >> (16 - frame.depth())),
         _ => {
             let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
             return Err(SamplesError::Ending { path: path.to_owned(), expected }.into());
@@ -276,7 +276,7 @@ mod tests {
 
     fn frame(depth: u32, phase: CfaPhase) -> RawFrame {
         let values = Array2::from_shape_fn((4, 6), |(r, c)| ((r * 6 + c) * ((1 << depth) - 1) / 23) as u16);
-        RawFrame::from_sensor_values(values, depth, phase).unwrap()
+        RawFrame::from_values(values, depth, phase).unwrap()
     }
 
     /// A file in a folder of its own, and what loading it gives.
@@ -309,7 +309,7 @@ mod tests {
         let little = loaded("x.raw", &[1, 2, 3, 4, 5, 6, 7, 8], options).unwrap();
         let big = loaded("x.raw", &[2, 1, 4, 3, 6, 5, 8, 7], RawOptions { order: ByteOrder::Big, ..options })
             .unwrap();
-        assert_eq!(little.sensor_values()[(0, 1)], 0x0403);
+        assert_eq!(little.values()[(0, 1)], 0x0403);
         assert_eq!(little, big);
     }
 
@@ -319,7 +319,7 @@ mod tests {
         let at_top = loaded("x", GREY, options).unwrap();
         let at_bottom =
             loaded("x", GREY, RawOptions { alignment: Some(Alignment::Bottom), ..options }).unwrap();
-        assert_eq!((at_top.sensor_values()[(0, 1)], at_bottom.sensor_values()[(0, 1)]), (2, 32));
+        assert_eq!((at_top.values()[(0, 1)], at_bottom.values()[(0, 1)]), (2, 32));
     }
 
     #[test]

@@ -14,6 +14,7 @@ pub struct RawFrame {
 
 /// A frame that is no raw frame.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FrameError {
     /// Sides that hold no whole Bayer cells.
     #[error(transparent)]
@@ -23,16 +24,7 @@ pub enum FrameError {
     Depth(u32),
     /// A word is larger than its depth allows.
     #[error("pixel at row {row}, column {column} is {value}, more than {depth} bits can hold")]
-    Value {
-        /// Row of the first such pixel.
-        row: usize,
-        /// Its column.
-        column: usize,
-        /// Its value.
-        value: u16,
-        /// The depth that was stated.
-        depth: u32,
-    },
+    Value { row: usize, column: usize, value: u16, depth: u32 },
 }
 
 impl RawFrame {
@@ -40,7 +32,7 @@ impl RawFrame {
     ///
     /// # Errors
     /// [`FrameError`] for odd sides, a depth outside 8…16 or a value that does not fit the depth.
-    pub fn from_sensor_values(values: Array2<u16>, depth: u32, phase: CfaPhase) -> Result<Self, FrameError> {
+    pub fn from_values(values: Array2<u16>, depth: u32, phase: CfaPhase) -> Result<Self, FrameError> {
         if !(8..=16).contains(&depth) {
             return Err(FrameError::Depth(depth));
         }
@@ -62,9 +54,9 @@ impl RawFrame {
         &self.pixels
     }
 
-    /// Sensor values 0…2^depth − 1, as [`RawFrame::from_sensor_values`] takes them.
+    /// Sensor values 0…2^depth − 1, as [`RawFrame::from_values`] takes them.
     #[must_use]
-    pub fn sensor_values(&self) -> Array2<u16> {
+    pub fn values(&self) -> Array2<u16> {
         self.pixels.mapv(|v| v >> (16 - self.depth))
     }
 
@@ -147,16 +139,16 @@ mod tests {
     }
 
     #[test]
-    fn sensor_values_are_aligned_to_the_top_and_come_back() {
-        let frame = RawFrame::from_sensor_values(ramp(4, 6), 12, CfaPhase::Rggb).unwrap();
+    fn values_are_aligned_to_the_top_and_come_back() {
+        let frame = RawFrame::from_values(ramp(4, 6), 12, CfaPhase::Rggb).unwrap();
         assert_eq!(frame.pixels()[(0, 1)], 16);
-        assert_eq!(frame.sensor_values(), ramp(4, 6));
+        assert_eq!(frame.values(), ramp(4, 6));
     }
 
     #[test]
     fn every_phase_becomes_red_first_and_keeps_its_colours() {
         for phase in CfaPhase::ALL {
-            let frame = RawFrame::from_sensor_values(ramp(4, 6), 16, phase).unwrap();
+            let frame = RawFrame::from_values(ramp(4, 6), 16, phase).unwrap();
             let (aligned, (dr, dc)) = frame.to_rggb();
             assert_eq!(aligned.size(), (4 + 2 * dr, 6 + 2 * dc));
             for ((r, c), &v) in frame.pixels().indexed_iter() {
@@ -172,8 +164,7 @@ mod tests {
 
     #[test]
     fn wrong_depths_sides_and_values_are_refused() {
-        let refused =
-            |h, w, depth| RawFrame::from_sensor_values(ramp(h, w), depth, CfaPhase::Rggb).unwrap_err();
+        let refused = |h, w, depth| RawFrame::from_values(ramp(h, w), depth, CfaPhase::Rggb).unwrap_err();
         assert_eq!(refused(4, 4, 7).to_string(), "bit depth 7: must be 8 to 16");
         assert!(refused(3, 4, 8).to_string().contains("4x3"));
         assert_eq!(
