@@ -6,7 +6,7 @@ use edof_golden::words::Boundary;
 use edof_spec::Frame422;
 use ndarray::{ArrayBase, Data, Dimension};
 use ndarray_npy::{NpzWriter, WritableElement, WriteNpzError};
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::Path;
 
 /// Makes the folder if there is none: before all work, so that a wrong one costs none.

@@ -189,7 +189,7 @@ impl<'a> Line<'a> {
 }
 
 fn doubled(column: usize, site: usize, sites: usize, word: impl Fn(usize) -> i32) -> i32 {
-    let next = if column % 2 == 0 { site } else { (site + 1).min(sites - 1) };
+    let next = if column.is_multiple_of(2) { site } else { (site + 1).min(sites - 1) };
     word(site) + word(next)
 }
 
