@@ -5,7 +5,7 @@
 
 use edof_golden::frame::scalar_frame;
 use edof_golden::sample::{self, Draw};
-use edof_golden::{Golden, fast::Isa};
+use edof_golden::{Golden, fast::isa::Isa};
 use edof_spec::{CfaPhase, FixedNetwork, RawFrame, weight_file};
 use ndarray::Array2;
 use std::path::{Path, PathBuf};
