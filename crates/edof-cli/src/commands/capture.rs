@@ -2,6 +2,7 @@
 
 use crate::commands::scene::Drawing;
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use edof_io::{photo, raw};
 use edof_optics::capture::{Capture, CutCost, Cuts, Depth, capture, measure_cuts};
@@ -103,6 +104,8 @@ struct Captured {
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    files.may_write("--sharp", args.sharp.as_ref()).may_write("--light", args.light.as_ref()).check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range)?;
     let cuts = args.cuts()?;

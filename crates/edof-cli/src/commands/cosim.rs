@@ -2,6 +2,7 @@
 
 use crate::designs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
@@ -82,6 +83,9 @@ pub struct Args {
 /// # Errors
 /// A design, network or picture that cannot be used, a simulator that is missing, or a difference.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
+    let files = files.reads_all(&args.photo).may_write("--junit", args.junit.as_ref());
+    files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
     let design = designs::load(&args.design)?;
     let network = match &args.weights {
@@ -129,6 +133,10 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<P
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }
 
+fn waveform_file(args: &Args, waveform: Waveform) -> PathBuf {
+    args.waveform.with_extension(waveform.extension())
+}
+
 /// What is run.
 struct Trial {
     design: Design,
@@ -165,7 +173,7 @@ impl Trial {
     /// Runs once more, with the last cycles before the difference in a waveform.
     fn waveform(&self, project: &Project, args: &Args, outcome: &Outcome) -> Result<PathBuf, Error> {
         let waveform = Waveform::best();
-        let path = args.waveform.with_extension(waveform.extension());
+        let path = waveform_file(args, waveform);
         let options = Options { waveform, cache: Options::user_cache(), ..Options::default() };
         let mut device = Compiled::new(project, self.design.stages.len(), &options)?.start(args.seed)?;
         let end = outcome.lead + outcome.cycles;

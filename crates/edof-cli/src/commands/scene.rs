@@ -1,6 +1,7 @@
 //! `edof scene`.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use edof_io::raw::Size;
 use edof_optics::draw::{self, four_depths};
@@ -57,6 +58,9 @@ Examples:
   edof scene chart --out out/chart
   edof scene leaves-4 --size 1920x1080 --seed 3 --psi 0,2,5,8";
 
+/// What is written.
+const FILES: [&str; 3] = ["sharp.png", "screen.png", "depth.png"];
+
 #[derive(Serialize)]
 struct Drawn {
     scene: String,
@@ -69,12 +73,11 @@ struct Drawn {
 /// # Errors
 /// An unknown scene, an impossible size or number of depths, or a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    Files::new(ui).reads(&args.camera).writes_into("--out", &args.out, FILES).check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = args.drawing.draw(&args.scene, camera.psi_range)?;
     scene.check()?;
-    std::fs::create_dir_all(&args.out)
-        .map_err(|e| Error::message(format!("{}: cannot create: {e}", args.out.display())))?;
-    let files = ["sharp.png", "screen.png", "depth.png"].map(|name| args.out.join(name));
+    let files = FILES.map(|name| args.out.join(name));
     let sharp = scene.sharp();
     edof_io::photo::save(&files[0], &sharp, 16)?;
     edof_spec::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;

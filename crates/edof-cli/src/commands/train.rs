@@ -1,6 +1,7 @@
 //! `edof train`: a float network from photographs.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::{form, interrupt};
 use edof_io::photo;
@@ -132,6 +133,10 @@ pub struct Args {
 /// # Errors
 /// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let file = checkpoint_file(&args.out);
+    let files = Files::new(ui).reads(&args.camera);
+    let files = args.images.iter().fold(files, Files::reads_pictures_of);
+    files.writes("--out", &args.out).writes("checkpoint", &file).check()?;
     let mut camera = Camera::resolve(&args.camera)?;
     camera.psi_range = args.psi.unwrap_or(camera.psi_range);
     let recipe = recipe(&args);
@@ -139,7 +144,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let photographs = photographs(args.images.as_deref(), args.photos.as_ref(), ui)?;
     let (names, frames): (Vec<_>, Vec<_>) = photographs.into_iter().unzip();
     let run = Run { recipe: recipe.clone(), camera: camera.to_json(), photos: names, psis: psis.clone() };
-    let file = checkpoint_file(&args.out);
     if file.exists() && !args.resume {
         return Err(Error::message(format!(
             "{}: left by an earlier run; go on with it by --resume, or delete it",
@@ -152,7 +156,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     } else {
         Trainer::new(recipe, &bank)?
     };
-    // Before hours of work: can OUT's folder be written at all?
     checkpoint::save(&file, &run, &trainer.state)?;
     let begun = Begun { time: Instant::now(), step: trainer.state.step };
     if let Err(error) = train(&mut trainer, &args, &file, &run, ui) {
