@@ -114,7 +114,7 @@ fn bench(source: &Source, inputs: &Layout, outputs: &Layout, work: &Path) -> Res
             connections.push(format!(".{}({vector}[{high}:{low}])", source.ports[slot.port].name));
         }
     }
-    let template = include_str!("icarus/bench.v");
+    let template = include_str!("../../../sim/icarus/bench.v");
     Ok(template
         .replace("@stimulus@", &quoted(&work.join("stimulus"))?)
         .replace("@outputs@", &quoted(&work.join("outputs"))?)

@@ -26,8 +26,8 @@ fn ready() -> Place {
     place.photo("photos/a.png", 288, 256);
     place.float_network("net.safetensors");
     place.fixed_network("net.fixed.safetensors");
-    place.write("camera.json", include_str!("../../../cameras/clear.json"));
-    place.write("design.json", include_str!("../../../designs/tiny.json"));
+    place.write("camera.json", include_str!("../cameras/clear.json"));
+    place.write("design.json", include_str!("../designs/tiny.json"));
     std::os::unix::fs::symlink("raw.png", place.path("link.png")).unwrap();
     place
 }

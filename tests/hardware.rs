@@ -7,7 +7,7 @@ use std::process::Command;
 use support::Place;
 
 fn design(change: impl Fn(&mut Value)) -> String {
-    let mut design: Value = serde_json::from_str(include_str!("../../../designs/tiny.json")).unwrap();
+    let mut design: Value = serde_json::from_str(include_str!("../designs/tiny.json")).unwrap();
     change(&mut design);
     design.to_string()
 }
