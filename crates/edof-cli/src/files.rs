@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::ui::Ui;
-use edof_io::samples::Format;
+use edof_io::picture::Format;
 use edof_spec::atomic;
 use std::path::{Path, PathBuf};
 

@@ -23,7 +23,7 @@ pub enum Error {
     },
     /// Verilator has something to say about the text of the design.
     #[error("{0}")]
-    Lint(crate::lint::LintErrors),
+    Lint(crate::finding::Findings),
     /// The description of the design is wrong.
     #[error("design {top}: {problem}")]
     Source {

@@ -1,41 +1,9 @@
 //! Verilator's opinion of a design.
 
 use crate::error::{Error, at};
+use crate::finding::{Finding, Findings};
 use crate::{Source, tool};
-use std::fmt;
 use std::path::Path;
-
-/// One warning or error.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Finding {
-    /// Verilator's name of the warning, such as `WIDTH`; empty for an error.
-    pub code: String,
-    /// File, line and column, and what was said.
-    pub text: String,
-}
-
-/// All that was found; never empty.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LintErrors(pub Vec<Finding>);
-
-/// So many are shown.
-const SHOWN: usize = 5;
-
-impl fmt::Display for LintErrors {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, finding) in self.0.iter().take(SHOWN).enumerate() {
-            let between = if i == 0 { "" } else { "; " };
-            let code = if finding.code.is_empty() { "error" } else { &finding.code };
-            write!(f, "{between}{code} {}", finding.text)?;
-        }
-        match self.0.len().saturating_sub(SHOWN) {
-            0 => Ok(()),
-            more => write!(f, "; and {more} more"),
-        }
-    }
-}
-
-impl std::error::Error for LintErrors {}
 
 /// Verilator with all warnings has nothing to say about the design. `waivers` is a configuration file (`.vlt`) that says which
 /// warnings are meant.
@@ -57,7 +25,7 @@ pub fn clean(source: &Source, waivers: Option<&Path>) -> Result<(), Error> {
         (true, false) => {
             Err(Error::ToolFailed { tool: "verilator".into(), lines: vec![output.status.to_string()] })
         }
-        _ => Err(Error::Lint(LintErrors(found))),
+        _ => Err(Error::Lint(Findings(found))),
     }
 }
 

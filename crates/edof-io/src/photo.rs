@@ -1,6 +1,7 @@
 //! Photographs: files to linear light and back. Code values are taken as linear light, as the study does.
 
-use crate::samples::{self, Samples, SamplesError};
+use crate::picture::{self, Format, PictureError};
+use crate::samples::Samples;
 use edof_spec::ColourFrame;
 use ndarray::Array3;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub enum PhotoError {
     /// The file itself.
     #[error(transparent)]
-    Samples(#[from] SamplesError),
+    Picture(#[from] PictureError),
     /// Neither 8 nor 16 bits.
     #[error("{path}: {bits} bits a sample: must be 8 or 16", path = path.display())]
     Bits {
@@ -56,9 +57,9 @@ pub type Named = (String, ColourFrame);
 /// Reads a PNG, TIFF, PPM or PGM of 8 or 16 bits. Grey gives three equal planes, alpha is dropped, full scale becomes 1.
 ///
 /// # Errors
-/// [`PhotoError::Samples`] naming the file.
+/// [`PhotoError::Picture`] naming the file.
 pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
-    let Samples { planes, full_scale } = samples::decode(&samples::read(path)?, path)?;
+    let Samples { planes, full_scale } = picture::decode(&picture::read(path)?, path)?;
     let (channels, height, width) = planes.dim();
     let scale = f32::from(full_scale);
     let light = |(p, r, c): (usize, usize, usize)| f32::from(planes[(p.min(channels - 1), r, c)]) / scale;
@@ -77,7 +78,7 @@ pub fn save(path: &Path, frame: &ColourFrame, bits: u32) -> Result<(), PhotoErro
         _ => return Err(PhotoError::Bits { path: path.to_owned(), bits }),
     };
     let planes = frame.planes.mapv(|v| (v.clamp(0.0, 1.0) * f32::from(full_scale)).round() as u16);
-    Ok(samples::save(path, &Samples { planes, full_scale })?)
+    Ok(picture::save(path, &Samples { planes, full_scale })?)
 }
 
 /// All photographs of a folder by name, in alphabetical order, and what was wrong with those that had to be skipped.
@@ -89,7 +90,7 @@ pub fn load_folder(folder: &Path) -> Result<(Vec<Named>, Vec<PhotoError>), Folde
     let entries =
         std::fs::read_dir(folder).map_err(cannot)?.collect::<Result<Vec<_>, _>>().map_err(cannot)?;
     let mut files: Vec<PathBuf> = entries.into_iter().map(|e| e.path()).collect();
-    files.retain(|file| samples::Format::of_ending(file).is_some());
+    files.retain(|file| Format::of_ending(file).is_some());
     files.sort();
     let count = files.len();
     let (mut photos, mut skipped) = (vec![], vec![]);

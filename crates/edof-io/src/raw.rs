@@ -11,7 +11,8 @@
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
 use crate::camera_raw::{self, CameraRawError};
-use crate::samples::{self, Format, Samples, SamplesError};
+use crate::picture::{self, Format, PictureError};
+use crate::samples::Samples;
 use edof_spec::frame::FrameError;
 use edof_spec::{CfaPhase, RawFrame};
 use ndarray::{Array2, Axis};
@@ -65,7 +66,7 @@ pub enum ByteOrder {
 pub enum RawError {
     /// The file itself.
     #[error(transparent)]
-    Samples(#[from] SamplesError),
+    Picture(#[from] PictureError),
     /// Camera raw that cannot be used.
     #[error(transparent)]
     CameraRaw(#[from] CameraRawError),
@@ -163,7 +164,7 @@ pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
     if camera_raw::is_camera_raw(path) {
         return Ok(camera_raw::load(path)?);
     }
-    let bytes = samples::read(path)?;
+    let bytes = picture::read(path)?;
     if let Some(depth) = options.depth.filter(|d| !(8..=16).contains(d)) {
         return Err(RawError::Frame { path: path.to_owned(), source: FrameError::Depth(depth) });
     }
@@ -174,7 +175,7 @@ pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
             (words, options.depth.unwrap_or(16), Alignment::Bottom)
         }
         (Some(_), size) => {
-            let samples = samples::decode(&bytes, path)?;
+            let samples = picture::decode(&bytes, path)?;
             let (depth, alignment) = meaning(&samples, options.depth, path)?;
             (single_plane(samples, size, path)?, depth, alignment)
         }
@@ -250,23 +251,23 @@ fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, Raw
 /// and `.bin` headerless little-endian words (codes at the bottom).
 ///
 /// # Errors
-/// [`RawError::Samples`] naming the file; none is left half written.
+/// [`RawError::Picture`] naming the file; none is left half written.
 pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let (words, full_scale) = match ending.as_str() {
         "raw" | "bin" => {
             let bytes: Vec<u8> = frame.codes().iter().flat_map(|v| v.to_le_bytes()).collect();
-            edof_spec::atomic::write(path, &bytes).map_err(SamplesError::from)?;
+            edof_spec::atomic::write(path, &bytes).map_err(PictureError::from)?;
             return Ok(());
         }
         "png" | "tif" | "tiff" => (frame.pixels().clone(), u16::MAX),
         "pgm" => (frame.codes(), u16::MAX >> (16 - frame.depth())),
         _ => {
             let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
-            return Err(SamplesError::Ending { path: path.to_owned(), expected }.into());
+            return Err(PictureError::Ending { path: path.to_owned(), expected }.into());
         }
     };
-    Ok(samples::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
+    Ok(picture::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
 }
 
 #[cfg(test)]
