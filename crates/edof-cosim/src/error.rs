@@ -4,21 +4,19 @@ use std::path::{Path, PathBuf};
 
 /// Why a design was not built, run, checked or mapped.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum Error {
     /// A program that we need is not installed.
     #[error(
         "{tool} not found: install it by `source scripts/prepare.sh; need_simulators` (a Debian package)"
     )]
     ToolMissing {
-        /// Name of the program.
         tool: String,
     },
     /// A program refused its input; the lines are its own, with file and line where it gave them.
     #[error("{tool} failed: {}", lines.join("; "))]
     ToolFailed {
-        /// Name of the program.
         tool: String,
-        /// The first lines that say why.
         lines: Vec<String>,
     },
     /// Verilator has something to say about the text of the design.
@@ -27,9 +25,7 @@ pub enum Error {
     /// The description of the design is wrong.
     #[error("design {top}: {problem}")]
     Source {
-        /// Name of the top module.
         top: String,
-        /// What is wrong, and what would be right.
         problem: String,
     },
     /// A port or a row that the design does not have.
@@ -41,25 +37,19 @@ pub enum Error {
     /// A compiled model could not be loaded.
     #[error("{}: {problem}", path.display())]
     Load {
-        /// The shared library.
         path: PathBuf,
-        /// What the loader said.
         problem: String,
     },
     /// A file could not be read or written.
     #[error("{}: {source}", path.display())]
     File {
-        /// The file or directory.
         path: PathBuf,
-        /// What the system said.
         source: std::io::Error,
     },
     /// A simulator or a synthesizer gave something that we cannot read.
     #[error("{tool} gave something unexpected: {problem}")]
     Output {
-        /// Name of the program.
         tool: String,
-        /// What was found, and what was expected.
         problem: String,
     },
 }

@@ -12,27 +12,23 @@ const ENDINGS: [&str; 12] =
 
 /// A camera raw file that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CameraRawError {
     /// The program was built without the feature.
     #[error("{path}: camera raw needs a build with --features camera-raw; or convert it to a 16-bit PNG, TIFF or PGM", path = path.display())]
     NotBuiltIn {
-        /// The file.
         path: PathBuf,
     },
     /// Damaged, or of a camera that is not known.
     #[error("{path}: cannot read camera raw: {reason}", path = path.display())]
     Decode {
-        /// The file.
         path: PathBuf,
-        /// What the decoder said.
         reason: String,
     },
     /// Some other mosaic, or none.
     #[error("{path}: sensor has {found}, expected a 2x2 Bayer mosaic of red, green and blue", path = path.display())]
     Mosaic {
-        /// The file.
         path: PathBuf,
-        /// What it has.
         found: String,
     },
 }

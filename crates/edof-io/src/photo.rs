@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// A photograph that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PhotoError {
     /// The file itself.
     #[error(transparent)]
@@ -15,38 +16,31 @@ pub enum PhotoError {
     /// Neither 8 nor 16 bits.
     #[error("{path}: {bits} bits a sample: must be 8 or 16", path = path.display())]
     Bits {
-        /// The file that was asked for.
         path: PathBuf,
-        /// Bits that were asked for.
         bits: u32,
     },
 }
 
 /// A folder without a single photograph that can be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FolderError {
     /// The folder cannot be listed.
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
     List {
-        /// The folder.
         folder: PathBuf,
-        /// What the system said.
         source: std::io::Error,
     },
     /// No file with the ending of a photograph.
     #[error("{folder}: holds no photographs, expected .png, .tif, .tiff, .ppm or .pgm files", folder = folder.display())]
     Empty {
-        /// The folder.
         folder: PathBuf,
     },
     /// Photographs, none of which can be read.
     #[error("{folder}: none of its {count} photographs can be read; the first: {first}", folder = folder.display())]
     NoneReadable {
-        /// The folder.
         folder: PathBuf,
-        /// How many there are.
         count: usize,
-        /// What is wrong with the first.
         first: PhotoError,
     },
 }

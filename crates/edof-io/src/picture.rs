@@ -9,55 +9,43 @@ use std::path::{Path, PathBuf};
 
 /// A picture that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PictureError {
     /// The file cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read {
-        /// The file.
         path: PathBuf,
-        /// What the system said.
         source: std::io::Error,
     },
     /// None of the formats.
     #[error("{path}: not a PNG, TIFF, PPM or PGM file", path = path.display())]
     Format {
-        /// The file.
         path: PathBuf,
     },
     /// Truncated or damaged.
     #[error("{path}: damaged or unsupported: {reason}", path = path.display())]
     Decode {
-        /// The file.
         path: PathBuf,
-        /// What the decoder said.
         reason: String,
     },
     /// Floating-point samples and the like.
     #[error("{path}: holds {found} samples, expected 8-bit or 16-bit integers", path = path.display())]
     Kind {
-        /// The file.
         path: PathBuf,
-        /// What it holds.
         found: String,
     },
     /// A name whose ending stands for no format.
     #[error("{path}: unknown ending, expected {expected}", path = path.display())]
     Ending {
-        /// The file that was asked for.
         path: PathBuf,
-        /// Endings that would do.
         expected: &'static str,
     },
     /// The encoder refused.
     #[error("{path}: cannot encode {width}x{height} pixels: {reason}", path = path.display())]
     Encode {
-        /// The file that was asked for.
         path: PathBuf,
-        /// Columns.
         width: usize,
-        /// Rows.
         height: usize,
-        /// What the encoder said.
         reason: String,
     },
     /// The disk refused.

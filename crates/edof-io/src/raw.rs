@@ -63,6 +63,7 @@ pub enum ByteOrder {
 
 /// A raw frame that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum RawError {
     /// The file itself.
     #[error(transparent)]
@@ -76,35 +77,26 @@ pub enum RawError {
         path = path.display()
     )]
     NoSize {
-        /// The file.
         path: PathBuf,
     },
     /// A colour picture.
     #[error("{path}: holds a colour picture, expected one raw value a pixel", path = path.display())]
     Colour {
-        /// The file.
         path: PathBuf,
     },
     /// Fewer bits than stated.
     #[error("{path}: holds {found}-bit samples, expected {expected}", path = path.display())]
     Depth {
-        /// The file.
         path: PathBuf,
-        /// What it holds.
         found: u32,
-        /// What would have been right.
         expected: String,
     },
     /// Another size than stated.
     #[error("{path}: {found}, expected {expected} for {size}", path = path.display())]
     Size {
-        /// The file.
         path: PathBuf,
-        /// What it holds.
         found: String,
-        /// What it should hold.
         expected: String,
-        /// Size stated.
         size: Size,
     },
     /// Bits where a top-aligned code has none.
@@ -113,23 +105,16 @@ pub enum RawError {
         path = path.display()
     )]
     Alignment {
-        /// The file.
         path: PathBuf,
-        /// Row of the first such pixel.
         row: usize,
-        /// Its column.
         column: usize,
-        /// Its value.
         value: u16,
-        /// Depth stated.
         depth: u32,
     },
     /// Odd sides, a depth outside 8…16, a code too large.
     #[error("{path}: {source}", path = path.display())]
     Frame {
-        /// The file.
         path: PathBuf,
-        /// What does not fit.
         source: FrameError,
     },
 }

@@ -84,6 +84,7 @@ pub struct CutCost {
 
 /// A scene that cannot be captured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CaptureError {
     /// The layers make no scene.
     #[error(transparent)]
@@ -94,9 +95,7 @@ pub enum CaptureError {
     /// Blur larger than any support.
     #[error("psi {psi}: must lie within {MOST_DEFOCUS} of the camera's focus at {focus}")]
     Psi {
-        /// The scene's.
         psi: f64,
-        /// The camera's.
         focus: f64,
     },
 }

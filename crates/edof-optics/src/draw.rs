@@ -25,6 +25,7 @@ pub enum Builtin {
 
 /// A scene that cannot be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DrawError {
     /// Not a scene of ours.
     #[error("scene '{0}': must be chart, chart-4, leaves or leaves-4")]
@@ -32,9 +33,7 @@ pub enum DrawError {
     /// Too small to hold its parts, or odd.
     #[error("scene {width}x{height}: both sides must be even and at least {LEAST_SIDE} pixels")]
     Size {
-        /// Rows.
         height: usize,
-        /// Columns.
         width: usize,
     },
     /// Neither one depth nor four.

@@ -37,6 +37,7 @@ pub struct Noise {
 
 /// A sensor that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum SensorError {
     /// Odd sides or a depth outside 8…16.
     #[error(transparent)]
@@ -44,11 +45,8 @@ pub enum SensorError {
     /// A noise parameter out of range.
     #[error("sensor: {field} is {value}, expected {expected}")]
     Noise {
-        /// Which.
         field: &'static str,
-        /// What it was.
         value: f64,
-        /// What would have been right.
         expected: &'static str,
     },
 }

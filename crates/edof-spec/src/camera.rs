@@ -129,41 +129,32 @@ impl Delay {
 
 /// A camera that cannot be read, or could not be built.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CameraError {
     /// The file cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read {
-        /// The file.
         path: PathBuf,
-        /// What the system said.
         source: std::io::Error,
     },
     /// The text is no camera.
     #[error("{origin}: not a camera: {source}")]
     Parse {
-        /// File or preset.
         origin: String,
-        /// What is wrong, with line and column.
         source: serde_json::Error,
     },
     /// A number is out of range.
     #[error("camera {camera}: {field} is {value}, expected {expected}")]
     Value {
-        /// Its name.
         camera: String,
-        /// The field.
         field: &'static str,
-        /// What it says.
         value: String,
-        /// What would have been right.
         expected: &'static str,
     },
     /// Neither a preset nor a file.
     #[error("camera '{name}': no such file, and not one of the presets {presets}")]
     Unknown {
-        /// What was asked for.
         name: String,
-        /// What there is.
         presets: String,
     },
 }

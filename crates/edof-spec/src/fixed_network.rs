@@ -78,6 +78,7 @@ pub struct FinalShifts {
 
 /// Integers that are no network the board can run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FixedNetworkError {
     /// Matrices that do not fit the form.
     #[error(transparent)]
@@ -88,27 +89,20 @@ pub enum FixedNetworkError {
     /// A value is wider than the codes.
     #[error("{what}: holds {value}, which {bits} bits cannot hold")]
     TooWide {
-        /// Which matrix or vector.
         what: &'static str,
-        /// The value.
         value: i16,
-        /// The width stated.
         bits: u32,
     },
     /// Fraction bits that would need a negative shift.
     #[error("{what}: fraction bits need a shift of {shift}, it must be 0 to 47")]
     Shift {
-        /// Which shift.
         what: &'static str,
-        /// What it would be.
         shift: i64,
     },
     /// Some input could overflow the 48-bit accumulator.
     #[error("{what}: accumulators may need {bits} bits, {ACCUMULATOR_BITS} are there")]
     Overflow {
-        /// Which layer.
         what: &'static str,
-        /// Worst case.
         bits: u32,
     },
     /// The difference form keeps one format for all codes.

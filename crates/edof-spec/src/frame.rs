@@ -14,6 +14,7 @@ pub struct RawFrame {
 
 /// A frame that is no raw frame.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FrameError {
     /// Sides that hold no whole Bayer cells.
     #[error(transparent)]
@@ -24,13 +25,9 @@ pub enum FrameError {
     /// A word is larger than its depth allows.
     #[error("pixel at row {row}, column {column} is {value}, more than {depth} bits can hold")]
     Value {
-        /// Row of the first such pixel.
         row: usize,
-        /// Its column.
         column: usize,
-        /// Its value.
         value: u16,
-        /// The depth that was stated.
         depth: u32,
     },
 }

@@ -56,6 +56,7 @@ pub struct Form {
 
 /// A form that no network has, or matrices that do not fit their form.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NetworkError {
     /// T out of range.
     #[error("layers {0}: must be 2 to 10")]
@@ -66,33 +67,23 @@ pub enum NetworkError {
     /// Wrong number of matrices or thresholds.
     #[error("{what}: {found} given, this form has {expected}")]
     Count {
-        /// Which.
         what: &'static str,
-        /// How many there are.
         found: usize,
-        /// How many there should be.
         expected: usize,
     },
     /// A matrix of the wrong shape.
     #[error("{what}: {rows}x{columns}, this form needs {expected_rows}x{expected_columns}")]
     Shape {
-        /// Which.
         what: &'static str,
-        /// Rows found.
         rows: usize,
-        /// Columns found.
         columns: usize,
-        /// Rows needed.
         expected_rows: usize,
-        /// Columns needed.
         expected_columns: usize,
     },
     /// NaN or infinity.
     #[error("{what}: holds {value}, every weight must be a finite number")]
     NotFinite {
-        /// Which.
         what: &'static str,
-        /// The first such value.
         value: f32,
     },
     /// Two-sided thresholds cannot be negative.

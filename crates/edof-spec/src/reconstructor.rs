@@ -16,6 +16,7 @@ pub struct Reconstruction {
 
 /// A frame that a method cannot reconstruct.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum ReconstructError {
     /// Odd or too small.
     #[error(transparent)]
@@ -23,9 +24,7 @@ pub enum ReconstructError {
     /// Anything else, in one line.
     #[error("{method}: {reason}")]
     Method {
-        /// Name of the method.
         method: String,
-        /// What was wrong and what would have been right.
         reason: String,
     },
 }

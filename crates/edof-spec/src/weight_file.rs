@@ -20,13 +20,12 @@ const LAYOUT: u32 = 1;
 
 /// A weight file that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum WeightFileError {
     /// Cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read {
-        /// The file.
         path: PathBuf,
-        /// What the system said.
         source: std::io::Error,
     },
     /// Cannot be written.
@@ -35,53 +34,39 @@ pub enum WeightFileError {
     /// Truncated, or not safetensors at all.
     #[error("{path}: not a whole safetensors file: {reason}", path = path.display())]
     Container {
-        /// The file.
         path: PathBuf,
-        /// What the parser said.
         reason: String,
     },
     /// Safetensors, but not ours.
     #[error("{path}: not an edof weight file: {reason}", path = path.display())]
     Foreign {
-        /// The file.
         path: PathBuf,
-        /// What is missing or wrong.
         reason: String,
     },
     /// A float file where a fixed one was expected, or the other way round.
     #[error("{path}: holds a {found} network, expected a {expected} one", path = path.display())]
     Kind {
-        /// The file.
         path: PathBuf,
-        /// Its kind.
         found: &'static str,
-        /// The kind asked for.
         expected: &'static str,
     },
     /// Tensors were changed after the file was made.
     #[error("{path}: tensors have SHA-256 {found}, the file states {stated}", path = path.display())]
     Hash {
-        /// The file.
         path: PathBuf,
-        /// Hash of what is there.
         found: String,
-        /// Hash in the metadata.
         stated: String,
     },
     /// The float network does not fit its form.
     #[error("{path}: {source}", path = path.display())]
     Network {
-        /// The file.
         path: PathBuf,
-        /// What does not fit.
         source: NetworkError,
     },
     /// The fixed network cannot run.
     #[error("{path}: {source}", path = path.display())]
     FixedNetwork {
-        /// The file.
         path: PathBuf,
-        /// Why not.
         source: FixedNetworkError,
     },
 }

@@ -22,21 +22,18 @@ pub struct Net {
 
 /// A net that cannot enter an experiment.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NetError {
     /// A float net whose weights do not fit its form.
     #[error("net '{net}': {source}")]
     Float {
-        /// Its name.
         net: String,
-        /// Why not.
         source: NetworkError,
     },
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
     Fixed {
-        /// Its name.
         net: String,
-        /// Why not.
         source: FixedNetworkError,
     },
     /// Two nets would share their rows.

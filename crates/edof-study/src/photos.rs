@@ -37,6 +37,7 @@ pub enum Selection {
 
 /// Photographs that cannot be had.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PhotosError {
     /// Neither a word nor a list of numbers.
     #[error("photos '{0}': must be test, train, all or numbers such as 3,6")]
@@ -44,9 +45,7 @@ pub enum PhotosError {
     /// The folder cannot be listed.
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
     Folder {
-        /// The folder.
         folder: PathBuf,
-        /// What the system said.
         source: std::io::Error,
     },
     /// No folder given and none found.
@@ -55,11 +54,8 @@ pub enum PhotosError {
     /// Nothing to work on.
     #[error("{folder}: holds no readable photograph of '{selection}'{first}", folder = folder.display())]
     None {
-        /// The folder.
         folder: PathBuf,
-        /// What was asked for.
         selection: Selection,
-        /// What was wrong with the first unreadable one, if any.
         first: String,
     },
 }

@@ -17,6 +17,7 @@ pub struct EmitError {
 /// What can be wrong with a circuit. Expressions are quoted in the words of the syntax tree.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum Fault {
     /// A block without [`described!`](crate::described).
     #[error("has no description; put described!(\"…\") into its impl Logic")]
@@ -30,9 +31,7 @@ pub enum Fault {
     /// A leaf that names a field it does not have.
     #[error("the leaf `{leaf}` connects the field `{port}`, which the block does not have")]
     LeafPort {
-        /// Module of the leaf.
         leaf: String,
-        /// The field.
         port: String,
     },
     /// A bidirectional port.
@@ -53,19 +52,14 @@ pub enum Fault {
     /// Operand or value of the wrong type.
     #[error("`{expression}` is {found}, where {wanted} is needed")]
     Mismatch {
-        /// The operand.
         expression: String,
-        /// Its type.
         found: Type,
-        /// The type that the operation or target has.
         wanted: Type,
     },
     /// A literal that the type of its peer or target cannot hold.
     #[error("{value} does not fit {wanted}")]
     Misfit {
-        /// The literal.
         value: String,
-        /// The type of its peer or target.
         wanted: Type,
     },
     /// A cast or literal whose width nothing around it tells.
@@ -74,9 +68,7 @@ pub enum Fault {
     /// An operation that Rust does not have for this operand.
     #[error("`{expression}`: {reason}")]
     Operand {
-        /// The operation.
         expression: String,
-        /// Why not.
         reason: &'static str,
     },
     /// A constant bit index or offset outside of its operand: Rust panics there.

@@ -79,21 +79,18 @@ pub struct FrameSize {
 
 /// A design that cannot be built, or a network that does not fit it.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DesignError {
     /// The file cannot be read.
     #[error("{path}: {source}")]
     Read {
-        /// File.
         path: String,
-        /// Why.
         source: std::io::Error,
     },
     /// No design in the file.
     #[error("{path}: {source}")]
     Parse {
-        /// File.
         path: String,
-        /// Where and why.
         source: serde_json::Error,
     },
     /// A form that no network has.
@@ -105,25 +102,17 @@ pub enum DesignError {
     /// A field out of range.
     #[error("{field} {value}: must be {expected}")]
     Field {
-        /// Which field.
         field: String,
-        /// Its value.
         value: String,
-        /// What would be right.
         expected: String,
     },
     /// The network's weights do not fit the design.
     #[error("network {network} does not fit design {design}: {what} is {found}, the design has {expected}")]
     Misfit {
-        /// The network's name.
         network: String,
-        /// The design's name.
         design: String,
-        /// What differs.
         what: &'static str,
-        /// The network's value.
         found: String,
-        /// The design's value.
         expected: String,
     },
 }

@@ -68,6 +68,7 @@ impl QuantizeOptions {
 
 /// A network that cannot be quantized so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum QuantizeError {
     /// The float network does not fit its form.
     #[error(transparent)]
@@ -75,19 +76,14 @@ pub enum QuantizeError {
     /// No integers of this width run exactly.
     #[error("{bits} bits: {source}")]
     Fixed {
-        /// The width asked for.
         bits: u32,
-        /// What could not be met.
         source: FixedNetworkError,
     },
     /// A weight is too large for the width, even without fraction bits.
     #[error("{what}: holds {value}, which {bits} bits cannot hold once ranges are equal")]
     Large {
-        /// Which matrix.
         what: &'static str,
-        /// Its largest weight after equalization.
         value: f64,
-        /// The width asked for.
         bits: u32,
     },
     /// Headroom below one.
