@@ -109,7 +109,10 @@ fn the_table_has_a_row_for_each_crate_and_points_down() {
     assert_eq!(names.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>(), there);
     for (index, (name, below)) in MAY_NAME.iter().enumerate() {
         for other in *below {
-            assert!(names[..index].contains(other), "{name} may name {other}, which does not stand above it in the table");
+            assert!(
+                names[..index].contains(other),
+                "{name} may name {other}, which does not stand above it in the table"
+            );
         }
     }
 }
@@ -148,7 +151,9 @@ fn unused(packages: &[Package]) -> Vec<String> {
                 match dependency.kind {
                     Kind::Build => is_build && workspace::mentions(text, &dependency.ident),
                     Kind::Normal => own && workspace::mentions(&code, &dependency.ident),
-                    Kind::Development => workspace::mentions(if own { &tests } else { text }, &dependency.ident),
+                    Kind::Development => {
+                        workspace::mentions(if own { &tests } else { text }, &dependency.ident)
+                    }
                 }
             };
             if !sources(package).iter().any(|(path, text)| mentions(path, text)) {
@@ -180,14 +185,16 @@ fn a_dependency_that_nothing_uses_is_found() {
 fn every_dependency_of_the_workspace_is_named_by_a_crate() {
     let named: BTreeSet<String> =
         packages().into_iter().flat_map(|package| package.dependencies).map(|d| d.name).collect();
-    let idle: Vec<String> = workspace::shared_dependencies().into_iter().filter(|n| !named.contains(n)).collect();
+    let idle: Vec<String> =
+        workspace::shared_dependencies().into_iter().filter(|n| !named.contains(n)).collect();
     assert_eq!(idle, [""; 0]);
 }
 
 #[test]
 fn every_whole_program_test_is_run() {
     let known: BTreeSet<String> = packages().into_iter().flat_map(|package| package.targets).collect();
-    let tests = std::fs::read_dir(workspace::root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
+    let tests =
+        std::fs::read_dir(workspace::root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
     for test in tests.filter(|path| path.extension().is_some_and(|e| e == "rs")) {
         let test = test.canonicalize().unwrap().display().to_string();
         assert!(known.contains(&test), "{test} is no [[test]] of crates/edof-cli/Cargo.toml");

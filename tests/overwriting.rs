@@ -32,7 +32,8 @@ fn ready() -> Place {
     place
 }
 
-const TRAIN: &str = "train --form two-sided,w8,t2,c8 --images photos --depths 1 --steps 4 --batch 64 --validate-every 2";
+const TRAIN: &str =
+    "train --form two-sided,w8,t2,c8 --images photos --depths 1 --steps 4 --batch 64 --validate-every 2";
 const GENERATE: &str = "generate --design paper --weights paper-t4 --out out";
 
 #[test]
@@ -48,7 +49,8 @@ fn no_output_replaces_an_input() {
         format!("reconstruct raw.png {fixed} --out out.png --json raw.png"),
         format!("reconstruct raw.png {fixed} --out out.png --json net.fixed.safetensors"),
         format!("reconstruct raw.png {fixed} --out out.png --camera camera.json --json camera.json"),
-        "reconstruct raw.png --float --weights net.safetensors --out out.png --json net.safetensors".to_owned(),
+        "reconstruct raw.png --float --weights net.safetensors --out out.png --json net.safetensors"
+            .to_owned(),
         "capture photo.png --psi 1 --out photo.png".to_owned(),
         "capture photo.png --psi 1 --out raw2.png --sharp photo.png".to_owned(),
         "capture photo.png --psi 1 --out raw2.png --light photo.png".to_owned(),
@@ -70,7 +72,8 @@ fn no_output_replaces_an_input() {
         "cosim --design design.json --json design.json".to_owned(),
         "cosim --design design.json --junit design.json".to_owned(),
         "cosim --design tiny --photo photo.png --json photo.png".to_owned(),
-        "generate --design design.json --weights net.fixed.safetensors --out out --json design.json".to_owned(),
+        "generate --design design.json --weights net.fixed.safetensors --out out --json design.json"
+            .to_owned(),
     ] {
         // Designs and networks of a form of their own may be refused for that first; nothing may be written anyway.
         let run = place.edof(&line);
@@ -87,7 +90,8 @@ fn no_output_replaces_another() {
     let place = ready();
     let before = snapshot(&place.path(""));
     for line in [
-        "reconstruct raw.png --weights net.fixed.safetensors --out out.png --json photos/../out.png".to_owned(),
+        "reconstruct raw.png --weights net.fixed.safetensors --out out.png --json photos/../out.png"
+            .to_owned(),
         "capture photo.png --psi 1 --out x.png --sharp x.png".to_owned(),
         "capture photo.png --psi 1 --out x.png --light ./x.png".to_owned(),
         "scene chart --out drawn --json drawn/sharp.png".to_owned(),
@@ -142,7 +146,10 @@ fn what_stands_in_a_generated_folder_and_is_not_its_own_is_named_and_kept() {
         if kept.is_none() {
             expected.insert(place.path("out").join(file), text.into());
         }
-        assert!(snapshot(&place.path("")) == expected, "{file}: --force replaces what is in the way and no more");
+        assert!(
+            snapshot(&place.path("")) == expected,
+            "{file}: --force replaces what is in the way and no more"
+        );
         if kept.is_none() {
             std::fs::remove_file(place.path("out").join(file)).unwrap();
         }

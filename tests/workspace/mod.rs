@@ -98,7 +98,8 @@ pub fn split(text: &str) -> (String, String) {
     let tests_from = text.find("#[cfg(test)]\nmod ").unwrap_or(text.len());
     let (code, tests) = text.split_at(tests_from);
     let is_comment = |line: &&str| line.trim_start().starts_with("//");
-    let is_example = |line: &&str| line.trim_start().starts_with("///") || line.trim_start().starts_with("//!");
+    let is_example =
+        |line: &&str| line.trim_start().starts_with("///") || line.trim_start().starts_with("//!");
     let kept: Vec<&str> = code.lines().filter(|line| !is_comment(line)).collect();
     let examples: Vec<&str> = code.lines().filter(is_example).collect();
     (kept.join("\n"), examples.join("\n") + tests)

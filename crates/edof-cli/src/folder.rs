@@ -54,7 +54,8 @@ pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Resu
 fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), Error> {
     let standing = standing(out).map_err(|e| failed(out, &e))?;
     let ours: BTreeSet<PathBuf> = untouched(out).intersection(&standing).cloned().collect();
-    let same = |path: &Path| files.get(path).is_some_and(|text| holds(&out.join(path), &hash(text.as_bytes())));
+    let same =
+        |path: &Path| files.get(path).is_some_and(|text| holds(&out.join(path), &hash(text.as_bytes())));
     let foreign: Vec<&PathBuf> = standing.iter().filter(|p| !ours.contains(*p) && !same(p)).collect();
     if !foreign.is_empty() && !force {
         return Err(Error::message(format!(
@@ -79,7 +80,8 @@ fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), Error> {
     let work = tempfile::Builder::new().prefix(".edof-generate").tempdir_in(out);
     let work = work.map_err(|_| Error::message(format!("--out {}: cannot be written", out.display())))?;
     for (path, text) in files {
-        put(&work.path().join(path), |place| fs::write(place, text)).map_err(|e| failed(&out.join(path), &e))?;
+        put(&work.path().join(path), |place| fs::write(place, text))
+            .map_err(|e| failed(&out.join(path), &e))?;
     }
     // The manifest last: until then the old one tells what is ours.
     for path in files.keys().filter(|path| **path != *MANIFEST).chain([&PathBuf::from(MANIFEST)]) {
@@ -138,7 +140,8 @@ fn untouched(out: &Path) -> BTreeSet<PathBuf> {
         return BTreeSet::new();
     }
     let listed = manifest["files"].as_array().into_iter().flatten();
-    let kept = listed.filter_map(|file| Some((PathBuf::from(file["path"].as_str()?), file["sha256"].as_str()?)));
+    let kept =
+        listed.filter_map(|file| Some((PathBuf::from(file["path"].as_str()?), file["sha256"].as_str()?)));
     let kept = kept.filter(|(path, sha256)| holds(&out.join(path), sha256)).map(|(path, _)| path);
     kept.chain([MANIFEST.into()]).collect()
 }

@@ -10,24 +10,16 @@ pub enum Error {
     #[error(
         "{tool} not found: install it by `source scripts/prepare.sh; need_simulators` (a Debian package)"
     )]
-    ToolMissing {
-        tool: String,
-    },
+    ToolMissing { tool: String },
     /// A program refused its input; the lines are its own, with file and line where it gave them.
     #[error("{tool} failed: {}", lines.join("; "))]
-    ToolFailed {
-        tool: String,
-        lines: Vec<String>,
-    },
+    ToolFailed { tool: String, lines: Vec<String> },
     /// Verilator has something to say about the text of the design.
     #[error("{0}")]
     Lint(crate::finding::Findings),
     /// The description of the design is wrong.
     #[error("design {top}: {problem}")]
-    Source {
-        top: String,
-        problem: String,
-    },
+    Source { top: String, problem: String },
     /// A port or a row that the design does not have.
     #[error("{0}")]
     Port(String),
@@ -36,22 +28,13 @@ pub enum Error {
     Stopped(String),
     /// A compiled model could not be loaded.
     #[error("{}: {problem}", path.display())]
-    Load {
-        path: PathBuf,
-        problem: String,
-    },
+    Load { path: PathBuf, problem: String },
     /// A file could not be read or written.
     #[error("{}: {source}", path.display())]
-    File {
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    File { path: PathBuf, source: std::io::Error },
     /// A simulator or a synthesizer gave something that we cannot read.
     #[error("{tool} gave something unexpected: {problem}")]
-    Output {
-        tool: String,
-        problem: String,
-    },
+    Output { tool: String, problem: String },
 }
 
 /// For `map_err` on operations on one file.

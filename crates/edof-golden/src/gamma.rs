@@ -27,10 +27,7 @@ pub enum GammaError {
     Length(usize),
     /// A sync code.
     #[error("gamma table: entry {index} is {code}, expected 1 to 254 (0 and 255 mark syncs)")]
-    Sync {
-        index: usize,
-        code: u8,
-    },
+    Sync { index: usize, code: u8 },
 }
 
 impl Gamma {

@@ -16,21 +16,13 @@ const ENDINGS: [&str; 12] =
 pub enum CameraRawError {
     /// The program was built without the feature.
     #[error("{path}: camera raw needs a build with --features camera-raw; or convert it to a 16-bit PNG, TIFF or PGM", path = path.display())]
-    NotBuiltIn {
-        path: PathBuf,
-    },
+    NotBuiltIn { path: PathBuf },
     /// Damaged, or of a camera that is not known.
     #[error("{path}: cannot read camera raw: {reason}", path = path.display())]
-    Decode {
-        path: PathBuf,
-        reason: String,
-    },
+    Decode { path: PathBuf, reason: String },
     /// Some other mosaic, or none.
     #[error("{path}: sensor has {found}, expected a 2x2 Bayer mosaic of red, green and blue", path = path.display())]
-    Mosaic {
-        path: PathBuf,
-        found: String,
-    },
+    Mosaic { path: PathBuf, found: String },
 }
 
 /// Whether the ending of a name stands for camera raw.

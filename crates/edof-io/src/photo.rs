@@ -15,10 +15,7 @@ pub enum PhotoError {
     Picture(#[from] PictureError),
     /// Neither 8 nor 16 bits.
     #[error("{path}: {bits} bits a sample: must be 8 or 16", path = path.display())]
-    Bits {
-        path: PathBuf,
-        bits: u32,
-    },
+    Bits { path: PathBuf, bits: u32 },
 }
 
 /// A folder without a single photograph that can be used.
@@ -27,22 +24,13 @@ pub enum PhotoError {
 pub enum FolderError {
     /// The folder cannot be listed.
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
-    List {
-        folder: PathBuf,
-        source: std::io::Error,
-    },
+    List { folder: PathBuf, source: std::io::Error },
     /// No file with the ending of a photograph.
     #[error("{folder}: holds no photographs, expected .png, .tif, .tiff, .ppm or .pgm files", folder = folder.display())]
-    Empty {
-        folder: PathBuf,
-    },
+    Empty { folder: PathBuf },
     /// Photographs, none of which can be read.
     #[error("{folder}: none of its {count} photographs can be read; the first: {first}", folder = folder.display())]
-    NoneReadable {
-        folder: PathBuf,
-        count: usize,
-        first: PhotoError,
-    },
+    NoneReadable { folder: PathBuf, count: usize, first: PhotoError },
 }
 
 /// A photograph and the name of its file without the ending.

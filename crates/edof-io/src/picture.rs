@@ -13,41 +13,22 @@ use std::path::{Path, PathBuf};
 pub enum PictureError {
     /// The file cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// None of the formats.
     #[error("{path}: not a PNG, TIFF, PPM or PGM file", path = path.display())]
-    Format {
-        path: PathBuf,
-    },
+    Format { path: PathBuf },
     /// Truncated or damaged.
     #[error("{path}: damaged or unsupported: {reason}", path = path.display())]
-    Decode {
-        path: PathBuf,
-        reason: String,
-    },
+    Decode { path: PathBuf, reason: String },
     /// Floating-point samples and the like.
     #[error("{path}: holds {found} samples, expected 8-bit or 16-bit integers", path = path.display())]
-    Kind {
-        path: PathBuf,
-        found: String,
-    },
+    Kind { path: PathBuf, found: String },
     /// A name whose ending stands for no format.
     #[error("{path}: unknown ending, expected {expected}", path = path.display())]
-    Ending {
-        path: PathBuf,
-        expected: &'static str,
-    },
+    Ending { path: PathBuf, expected: &'static str },
     /// The encoder refused.
     #[error("{path}: cannot encode {width}x{height} pixels: {reason}", path = path.display())]
-    Encode {
-        path: PathBuf,
-        width: usize,
-        height: usize,
-        reason: String,
-    },
+    Encode { path: PathBuf, width: usize, height: usize, reason: String },
     /// The disk refused.
     #[error(transparent)]
     Write(#[from] edof_spec::atomic::WriteError),

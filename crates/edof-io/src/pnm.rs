@@ -10,27 +10,16 @@ use ndarray::{Array3, ArrayView3};
 pub enum PnmError {
     /// The header ends early or holds no number where one belongs.
     #[error("{field} in the header is missing or no number")]
-    Header {
-        field: &'static str,
-    },
+    Header { field: &'static str },
     /// Width, height or maximum value out of range.
     #[error("{field} is {value}, expected 1 to 65535")]
-    Range {
-        field: &'static str,
-        value: usize,
-    },
+    Range { field: &'static str, value: usize },
     /// Fewer samples than the header promises.
     #[error("{found} samples, {expected} expected")]
-    Truncated {
-        found: usize,
-        expected: usize,
-    },
+    Truncated { found: usize, expected: usize },
     /// A sample above the maximum value.
     #[error("a sample is {value}, more than the stated maximum of {full_scale}")]
-    Sample {
-        value: u32,
-        full_scale: u16,
-    },
+    Sample { value: u32, full_scale: u16 },
 }
 
 /// Samples of a PGM or PPM file.

@@ -76,47 +76,25 @@ pub enum RawError {
         "{path}: not a PNG, TIFF or PGM file; for a headerless 16-bit file state its size as WIDTHxHEIGHT",
         path = path.display()
     )]
-    NoSize {
-        path: PathBuf,
-    },
+    NoSize { path: PathBuf },
     /// A colour picture.
     #[error("{path}: holds a colour picture, expected one raw value a pixel", path = path.display())]
-    Colour {
-        path: PathBuf,
-    },
+    Colour { path: PathBuf },
     /// Fewer bits than stated.
     #[error("{path}: holds {found}-bit samples, expected {expected}", path = path.display())]
-    Depth {
-        path: PathBuf,
-        found: u32,
-        expected: String,
-    },
+    Depth { path: PathBuf, found: u32, expected: String },
     /// Another size than stated.
     #[error("{path}: {found}, expected {expected} for {size}", path = path.display())]
-    Size {
-        path: PathBuf,
-        found: String,
-        expected: String,
-        size: Size,
-    },
+    Size { path: PathBuf, found: String, expected: String, size: Size },
     /// Bits where a top-aligned code has none.
     #[error(
         "{path}: pixel at row {row}, column {column} is {value}, no {depth}-bit code aligned to the top of 16 bits",
         path = path.display()
     )]
-    Alignment {
-        path: PathBuf,
-        row: usize,
-        column: usize,
-        value: u16,
-        depth: u32,
-    },
+    Alignment { path: PathBuf, row: usize, column: usize, value: u16, depth: u32 },
     /// Odd sides, a depth outside 8…16, a code too large.
     #[error("{path}: {source}", path = path.display())]
-    Frame {
-        path: PathBuf,
-        source: FrameError,
-    },
+    Frame { path: PathBuf, source: FrameError },
 }
 
 impl std::fmt::Display for Size {

@@ -94,10 +94,7 @@ pub enum CaptureError {
     Sensor(#[from] SensorError),
     /// Blur larger than any support.
     #[error("psi {psi}: must lie within {MOST_DEFOCUS} of the camera's focus at {focus}")]
-    Psi {
-        psi: f64,
-        focus: f64,
-    },
+    Psi { psi: f64, focus: f64 },
 }
 
 /// Captures a scene.

@@ -65,11 +65,7 @@ pub struct Found {
 pub enum DesignError {
     /// More rings than a mask of ours has, too few cameras, …
     #[error("design: {field} is {value}, expected {expected}")]
-    Value {
-        field: &'static str,
-        value: String,
-        expected: &'static str,
-    },
+    Value { field: &'static str, value: String, expected: &'static str },
     /// Statistics that are none.
     #[error(transparent)]
     Statistics(#[from] NotPositive),

@@ -32,10 +32,7 @@ pub enum DrawError {
     Unknown(String),
     /// Too small to hold its parts, or odd.
     #[error("scene {width}x{height}: both sides must be even and at least {LEAST_SIDE} pixels")]
-    Size {
-        height: usize,
-        width: usize,
-    },
+    Size { height: usize, width: usize },
     /// Neither one depth nor four.
     #[error("scene with {0} depths: must be one or four values of psi")]
     Depths(usize),

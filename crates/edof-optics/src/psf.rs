@@ -75,18 +75,12 @@ pub struct Psf {
 pub enum PsfError {
     /// No centre pixel.
     #[error("kernel {height}x{width}: must be square with an odd side")]
-    Shape {
-        height: usize,
-        width: usize,
-    },
+    Shape { height: usize, width: usize },
     /// Not even.
     #[error(
         "kernel: row {row}, column {column} differs from its mirror image, must be even about the centre along both axes"
     )]
-    Uneven {
-        row: usize,
-        column: usize,
-    },
+    Uneven { row: usize, column: usize },
     /// Creates or loses light.
     #[error("kernel: sums to {0}, must sum to 1")]
     Sum(f32),

@@ -50,11 +50,7 @@ pub enum SceneError {
     Background(String),
     /// No depth.
     #[error("scene {scene}: psi of layer {layer} is {psi}, expected a finite number")]
-    Psi {
-        scene: String,
-        layer: usize,
-        psi: f64,
-    },
+    Psi { scene: String, layer: usize, psi: f64 },
 }
 
 impl Scene {

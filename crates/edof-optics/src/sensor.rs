@@ -44,11 +44,7 @@ pub enum SensorError {
     Frame(#[from] FrameError),
     /// A noise parameter out of range.
     #[error("sensor: {field} is {value}, expected {expected}")]
-    Noise {
-        field: &'static str,
-        value: f64,
-        expected: &'static str,
-    },
+    Noise { field: &'static str, value: f64, expected: &'static str },
 }
 
 /// Linear light behind the colour filters, noise added: rows × columns, not yet saturated.

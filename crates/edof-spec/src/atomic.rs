@@ -29,7 +29,8 @@ pub fn write_with(
             return device.flush();
         }
         std::fs::create_dir_all(folder(path))?;
-        let temporary = tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempfile_in(folder(path))?;
+        let temporary =
+            tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempfile_in(folder(path))?;
         let mut buffered = std::io::BufWriter::new(temporary);
         fill(&mut buffered)?;
         let temporary = buffered.into_inner().map_err(std::io::IntoInnerError::into_error)?;
@@ -145,7 +146,12 @@ mod tests {
         let below = dir.path().join("file/x");
         let said = format!("{}: cannot write: Not a directory (os error 20)", below.display());
         assert_eq!(check(&below).unwrap_err().to_string(), said);
-        assert!(write(&below, b"").unwrap_err().to_string().starts_with(&format!("{}: cannot write: ", below.display())));
+        assert!(
+            write(&below, b"")
+                .unwrap_err()
+                .to_string()
+                .starts_with(&format!("{}: cannot write: ", below.display()))
+        );
         assert!(check(dir.path()).unwrap_err().to_string().contains("is a directory"));
     }
 }

@@ -133,30 +133,16 @@ impl Delay {
 pub enum CameraError {
     /// The file cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// The text is no camera.
     #[error("{origin}: not a camera: {source}")]
-    Parse {
-        origin: String,
-        source: serde_json::Error,
-    },
+    Parse { origin: String, source: serde_json::Error },
     /// A number is out of range.
     #[error("camera {camera}: {field} is {value}, expected {expected}")]
-    Value {
-        camera: String,
-        field: &'static str,
-        value: String,
-        expected: &'static str,
-    },
+    Value { camera: String, field: &'static str, value: String, expected: &'static str },
     /// Neither a preset nor a file.
     #[error("camera '{name}': no such file, and not one of the presets {presets}")]
-    Unknown {
-        name: String,
-        presets: String,
-    },
+    Unknown { name: String, presets: String },
 }
 
 macro_rules! presets {

@@ -88,23 +88,13 @@ pub enum FixedNetworkError {
     CodeBits(u32),
     /// A value is wider than the codes.
     #[error("{what}: holds {value}, which {bits} bits cannot hold")]
-    TooWide {
-        what: &'static str,
-        value: i16,
-        bits: u32,
-    },
+    TooWide { what: &'static str, value: i16, bits: u32 },
     /// Fraction bits that would need a negative shift.
     #[error("{what}: fraction bits need a shift of {shift}, it must be 0 to 47")]
-    Shift {
-        what: &'static str,
-        shift: i64,
-    },
+    Shift { what: &'static str, shift: i64 },
     /// Some input could overflow the 48-bit accumulator.
     #[error("{what}: accumulators may need {bits} bits, {ACCUMULATOR_BITS} are there")]
-    Overflow {
-        what: &'static str,
-        bits: u32,
-    },
+    Overflow { what: &'static str, bits: u32 },
     /// The difference form keeps one format for all codes.
     #[error("code_fractions: differ from layer to layer, the difference form needs them equal")]
     UnequalFractions,

@@ -24,12 +24,7 @@ pub enum FrameError {
     Depth(u32),
     /// A word is larger than its depth allows.
     #[error("pixel at row {row}, column {column} is {value}, more than {depth} bits can hold")]
-    Value {
-        row: usize,
-        column: usize,
-        value: u16,
-        depth: u32,
-    },
+    Value { row: usize, column: usize, value: u16, depth: u32 },
 }
 
 impl RawFrame {

@@ -23,18 +23,10 @@ pub enum GeometryError {
     Stride(usize),
     /// A Bayer frame has whole 2×2 cells.
     #[error("frame {width}x{height}: both sides must be even, so that it holds whole 2x2 Bayer cells")]
-    OddFrame {
-        height: usize,
-        width: usize,
-    },
+    OddFrame { height: usize, width: usize },
     /// Mirroring needs at least one window of pixels.
     #[error("frame {width}x{height}: both sides must be at least {least} pixels for a window of {window}")]
-    SmallFrame {
-        height: usize,
-        width: usize,
-        least: usize,
-        window: usize,
-    },
+    SmallFrame { height: usize, width: usize, least: usize, window: usize },
 }
 
 /// Side w of the raw window that a network sees: 8, 12 or 16 pixels.

@@ -66,26 +66,13 @@ pub enum NetworkError {
     Codes(usize),
     /// Wrong number of matrices or thresholds.
     #[error("{what}: {found} given, this form has {expected}")]
-    Count {
-        what: &'static str,
-        found: usize,
-        expected: usize,
-    },
+    Count { what: &'static str, found: usize, expected: usize },
     /// A matrix of the wrong shape.
     #[error("{what}: {rows}x{columns}, this form needs {expected_rows}x{expected_columns}")]
-    Shape {
-        what: &'static str,
-        rows: usize,
-        columns: usize,
-        expected_rows: usize,
-        expected_columns: usize,
-    },
+    Shape { what: &'static str, rows: usize, columns: usize, expected_rows: usize, expected_columns: usize },
     /// NaN or infinity.
     #[error("{what}: holds {value}, every weight must be a finite number")]
-    NotFinite {
-        what: &'static str,
-        value: f32,
-    },
+    NotFinite { what: &'static str, value: f32 },
     /// Two-sided thresholds cannot be negative.
     #[error("thresholds: holds {0}, two-sided shrinkage needs thresholds of 0 or more")]
     NegativeThreshold(f32),

@@ -23,10 +23,7 @@ pub enum ReconstructError {
     Geometry(#[from] GeometryError),
     /// Anything else, in one line.
     #[error("{method}: {reason}")]
-    Method {
-        method: String,
-        reason: String,
-    },
+    Method { method: String, reason: String },
 }
 
 /// A method that turns raw frames into colour frames.

@@ -75,31 +75,19 @@ pub struct Row {
 pub enum KodakError {
     /// A method refused a frame.
     #[error("{image}: {source}")]
-    Reconstruct {
-        image: String,
-        source: ReconstructError,
-    },
+    Reconstruct { image: String, source: ReconstructError },
     /// The photograph cannot be exposed, or the noise is impossible.
     #[error("{image}: {source}")]
-    Sensor {
-        image: String,
-        source: SensorError,
-    },
+    Sensor { image: String, source: SensorError },
     /// Blur larger than any kernel computed, or no number.
     #[error("psi {psi}: must be a number within {MOST_DEFOCUS} of camera {camera}'s focus")]
-    Psi {
-        psi: f64,
-        camera: String,
-    },
+    Psi { psi: f64, camera: String },
     /// The listener asked to stop.
     #[error("stopped")]
     Stopped,
     /// A photograph too small to measure.
     #[error("{image}: {source}")]
-    Metric {
-        image: String,
-        source: MetricError,
-    },
+    Metric { image: String, source: MetricError },
 }
 
 /// How far an experiment is.

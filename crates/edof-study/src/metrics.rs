@@ -45,12 +45,7 @@ pub enum MetricError {
     #[error(
         "frame of {width}x{height} pixels: must be at least {least}x{least} to crop {border} pixels and compare"
     )]
-    Small {
-        height: usize,
-        width: usize,
-        least: usize,
-        border: usize,
-    },
+    Small { height: usize, width: usize, least: usize, border: usize },
 }
 
 impl Quality {

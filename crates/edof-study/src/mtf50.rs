@@ -27,10 +27,7 @@ pub struct EdgeResponse {
 pub enum EdgeError {
     /// Too few pixels.
     #[error("edge region of {width}x{height} pixels: must be at least 16x16")]
-    Small {
-        height: usize,
-        width: usize,
-    },
+    Small { height: usize, width: usize },
     /// No contrast, or an edge that leaves the region.
     #[error("edge region: holds no single straight edge from one side to the other")]
     NoEdge,

@@ -26,16 +26,10 @@ pub struct Net {
 pub enum NetError {
     /// A float net whose weights do not fit its form.
     #[error("net '{net}': {source}")]
-    Float {
-        net: String,
-        source: NetworkError,
-    },
+    Float { net: String, source: NetworkError },
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
-    Fixed {
-        net: String,
-        source: FixedNetworkError,
-    },
+    Fixed { net: String, source: FixedNetworkError },
     /// Two nets would share their rows.
     #[error("net '{0}': given twice, every net needs a name of its own")]
     Twice(String),

@@ -44,20 +44,13 @@ pub enum PhotosError {
     Selection(String),
     /// The folder cannot be listed.
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
-    Folder {
-        folder: PathBuf,
-        source: std::io::Error,
-    },
+    Folder { folder: PathBuf, source: std::io::Error },
     /// No folder given and none found.
     #[error("no folder of photographs: looked for {0}; name one with --images or in EDOF_KODAK")]
     Nowhere(String),
     /// Nothing to work on.
     #[error("{folder}: holds no readable photograph of '{selection}'{first}", folder = folder.display())]
-    None {
-        folder: PathBuf,
-        selection: Selection,
-        first: String,
-    },
+    None { folder: PathBuf, selection: Selection, first: String },
 }
 
 impl std::str::FromStr for Selection {

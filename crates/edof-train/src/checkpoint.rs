@@ -16,27 +16,16 @@ const METADATA_KEY: &str = "edof-checkpoint";
 pub enum CheckpointError {
     /// Cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// Truncated, or not a checkpoint.
     #[error("{path}: not a checkpoint of a training run: {reason}", path = path.display())]
-    Foreign {
-        path: PathBuf,
-        reason: String,
-    },
+    Foreign { path: PathBuf, reason: String },
     /// Of a run with other settings.
     #[error("{path}: made with {field} {found}, asked to go on with {asked}", path = path.display())]
-    OtherRun {
-        path: PathBuf,
-        field: &'static str,
-        found: String,
-        asked: String,
-    },
+    OtherRun { path: PathBuf, field: &'static str, found: String, asked: String },
 }
 
 /// What identifies a run: a checkpoint goes on only with the same.

@@ -51,12 +51,7 @@ pub enum PatchError {
     NoPhotos,
     /// One is too small.
     #[error("training photo {index}: {width}x{height}, both sides must be at least {least} pixels")]
-    SmallPhoto {
-        index: usize,
-        width: usize,
-        height: usize,
-        least: usize,
-    },
+    SmallPhoto { index: usize, width: usize, height: usize, least: usize },
     /// No defocus at all.
     #[error("psi: no value given, at least one is needed")]
     NoPsi,

@@ -111,18 +111,10 @@ pub enum RecipeError {
     Form(#[from] edof_spec::network::NetworkError),
     /// A number out of range.
     #[error("{field} {value}: must be {expected}")]
-    Value {
-        field: &'static str,
-        value: String,
-        expected: &'static str,
-    },
+    Value { field: &'static str, value: String, expected: &'static str },
     /// Weights became NaN or infinite.
     #[error("training diverged at step {step}: the loss is {loss}; lower --rate (now {rate})")]
-    Diverged {
-        step: u64,
-        loss: f64,
-        rate: f32,
-    },
+    Diverged { step: u64, loss: f64, rate: f32 },
 }
 
 /// Everything that changes while training runs; what a checkpoint holds.

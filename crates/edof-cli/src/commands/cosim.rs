@@ -83,7 +83,8 @@ pub struct Args {
 /// # Errors
 /// A design, network or picture that cannot be used, a simulator that is missing, or a difference.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
+    let files =
+        Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     let files = files.reads_all(&args.photo).may_write("--junit", args.junit.as_ref());
     files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();

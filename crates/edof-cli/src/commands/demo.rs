@@ -94,7 +94,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         middle,
         lens("coded lens", coded_camera, vec![plain(), restored(&coded)]),
     ];
-    let names = lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
+    let names =
+        lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
     let files = Files::new(ui).reads_all(weights::fixed_file(&args.net));
     let files = files.reads_all(args.clear_net.as_deref().and_then(weights::fixed_file));
     files.writes_into("--out", &args.out, FILES.map(String::from).into_iter().chain(names)).check()?;

@@ -41,7 +41,8 @@ pub struct Args {
 /// # Errors
 /// A design, network or picture that cannot be used.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
+    let files =
+        Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
     let summary = match &args.weights {

@@ -87,7 +87,8 @@ pub struct Args {
 /// # Errors
 /// A frame, network or option that cannot be used, or a picture that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let network = if args.float { weights::float_file(&args.weights) } else { weights::fixed_file(&args.weights) };
+    let network =
+        if args.float { weights::float_file(&args.weights) } else { weights::fixed_file(&args.weights) };
     let files = Files::new(ui).reads(&args.raw).reads_all(network).reads_all(&args.camera);
     files.writes("--out", &args.out).check()?;
     let frame = raw::load(&args.raw, &raw_options(&args))?;

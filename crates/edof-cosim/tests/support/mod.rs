@@ -41,7 +41,11 @@ fn design(top: &str, text: &str, ports: Vec<Port>) -> Source {
 pub fn counter() -> Source {
     let inputs = [Port::clock("clock_i"), Port::input("reset_i", 1), Port::input("enable_i", 1)];
     let outputs = [Port::output("count_o", 8), Port::output("last_o", 1), Port::output("free_o", 32)];
-    design("counter", include_str!("../../../../sim/modules/counter.v"), inputs.into_iter().chain(outputs).collect())
+    design(
+        "counter",
+        include_str!("../../../../sim/modules/counter.v"),
+        inputs.into_iter().chain(outputs).collect(),
+    )
 }
 
 /// Ports: clock; inputs of 1, 33, 64, 100 bits; as many outputs, which are their complements.

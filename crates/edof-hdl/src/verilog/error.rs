@@ -30,10 +30,7 @@ pub enum Fault {
     NotATop,
     /// A leaf that names a field it does not have.
     #[error("the leaf `{leaf}` connects the field `{port}`, which the block does not have")]
-    LeafPort {
-        leaf: String,
-        port: String,
-    },
+    LeafPort { leaf: String, port: String },
     /// A bidirectional port.
     #[error("bidirectional ports are not translated")]
     InOut,
@@ -51,26 +48,16 @@ pub enum Fault {
     Index(String),
     /// Operand or value of the wrong type.
     #[error("`{expression}` is {found}, where {wanted} is needed")]
-    Mismatch {
-        expression: String,
-        found: Type,
-        wanted: Type,
-    },
+    Mismatch { expression: String, found: Type, wanted: Type },
     /// A literal that the type of its peer or target cannot hold.
     #[error("{value} does not fit {wanted}")]
-    Misfit {
-        value: String,
-        wanted: Type,
-    },
+    Misfit { value: String, wanted: Type },
     /// A cast or literal whose width nothing around it tells.
     #[error("the width of `{0}` follows from nothing around it; assign it to a signal first")]
     Ambiguous(String),
     /// An operation that Rust does not have for this operand.
     #[error("`{expression}`: {reason}")]
-    Operand {
-        expression: String,
-        reason: &'static str,
-    },
+    Operand { expression: String, reason: &'static str },
     /// A constant bit index or offset outside of its operand: Rust panics there.
     #[error("`{0}` reaches outside of its operand")]
     OutOfRange(String),

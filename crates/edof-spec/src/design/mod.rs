@@ -83,16 +83,10 @@ pub struct FrameSize {
 pub enum DesignError {
     /// The file cannot be read.
     #[error("{path}: {source}")]
-    Read {
-        path: String,
-        source: std::io::Error,
-    },
+    Read { path: String, source: std::io::Error },
     /// No design in the file.
     #[error("{path}: {source}")]
-    Parse {
-        path: String,
-        source: serde_json::Error,
-    },
+    Parse { path: String, source: serde_json::Error },
     /// A form that no network has.
     #[error(transparent)]
     Form(#[from] NetworkError),
@@ -101,20 +95,10 @@ pub enum DesignError {
     Frame(#[from] GeometryError),
     /// A field out of range.
     #[error("{field} {value}: must be {expected}")]
-    Field {
-        field: String,
-        value: String,
-        expected: String,
-    },
+    Field { field: String, value: String, expected: String },
     /// The network's weights do not fit the design.
     #[error("network {network} does not fit design {design}: {what} is {found}, the design has {expected}")]
-    Misfit {
-        network: String,
-        design: String,
-        what: &'static str,
-        found: String,
-        expected: String,
-    },
+    Misfit { network: String, design: String, what: &'static str, found: String, expected: String },
 }
 
 impl Design {

@@ -75,17 +75,10 @@ pub enum QuantizeError {
     Network(#[from] NetworkError),
     /// No integers of this width run exactly.
     #[error("{bits} bits: {source}")]
-    Fixed {
-        bits: u32,
-        source: FixedNetworkError,
-    },
+    Fixed { bits: u32, source: FixedNetworkError },
     /// A weight is too large for the width, even without fraction bits.
     #[error("{what}: holds {value}, which {bits} bits cannot hold once ranges are equal")]
-    Large {
-        what: &'static str,
-        value: f64,
-        bits: u32,
-    },
+    Large { what: &'static str, value: f64, bits: u32 },
     /// Headroom below one.
     #[error("headroom {0}: must be 1 or more")]
     Headroom(f64),
