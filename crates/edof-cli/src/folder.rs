@@ -2,6 +2,7 @@
 //! one of its own; so what the program wrote is told from what a user put there or changed, and only the former is replaced.
 
 use crate::error::Error;
+use edof_spec::atomic;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
@@ -77,8 +78,7 @@ fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), Error> {
             path.display()
         )));
     }
-    let work = tempfile::Builder::new().prefix(".edof-generate").tempdir_in(out);
-    let work = work.map_err(|_| Error::message(format!("--out {}: cannot be written", out.display())))?;
+    let work = atomic::work_folder(out).map_err(|e| failed(out, &e))?;
     for (path, text) in files {
         put(&work.path().join(path), |place| fs::write(place, text))
             .map_err(|e| failed(&out.join(path), &e))?;

@@ -24,7 +24,8 @@ pub struct Product {
     _work: Option<TempDir>,
 }
 
-/// The product of that name: from the cache, or made in a fresh directory, where `make` leaves it under the same name.
+/// The product of that name: from the cache, or made in a fresh directory, where `make` leaves it under the same name. A cache that
+/// cannot be written is none.
 ///
 /// Of several threads or processes that want the same thing, one makes it and the others wait.
 pub fn obtain(
@@ -32,24 +33,29 @@ pub fn obtain(
     name: &str,
     make: impl FnOnce(&Path) -> Result<(), Error>,
 ) -> Result<Product, Error> {
-    let Some(cache) = cache else {
+    let kept = cache.map(|cache| cache.join(name));
+    if let Some(path) = kept.as_ref().filter(|path| path.is_file()) {
+        return Ok(Product { path: path.clone(), _work: None });
+    }
+    let Some((path, _lock)) = kept.and_then(|path| lock(&path).map(|lock| (path, lock))) else {
         let work = work_dir()?;
         make(work.path())?;
         return Ok(Product { path: work.path().join(name), _work: Some(work) });
     };
-    fs::create_dir_all(cache).map_err(at(cache))?;
-    let path = cache.join(name);
     if !path.is_file() {
-        let lock = cache.join(format!("{name}.lock"));
-        let lock_file = File::create(&lock).map_err(at(&lock))?;
-        lock_file.lock().map_err(at(&lock))?;
-        if !path.is_file() {
-            let work = work_dir()?;
-            make(work.path())?;
-            install(&work.path().join(name), &path)?;
-        }
+        let work = work_dir()?;
+        make(work.path())?;
+        install(&work.path().join(name), &path)?;
     }
     Ok(Product { path, _work: None })
+}
+
+/// Waits until nobody else makes this product. None where nothing can be kept, as in a home that cannot be written.
+fn lock(path: &Path) -> Option<File> {
+    fs::create_dir_all(path.parent()?).ok()?;
+    let lock = File::create(path.with_added_extension("lock")).ok()?;
+    lock.lock().ok()?;
+    Some(lock)
 }
 
 /// Not in the cache itself: make refuses paths with spaces.
@@ -91,6 +97,13 @@ mod tests {
         });
         assert_eq!(made.into_inner(), 1);
         assert_eq!(fs::read_to_string(cache.path().join("x")).unwrap(), "product");
+    }
+
+    #[test]
+    fn a_cache_that_cannot_be_written_is_done_without() {
+        let make = |work: &Path| fs::write(work.join("x"), "product").map_err(at(work));
+        let product = obtain(Some(Path::new("/proc/no/such/place")), "x", make).unwrap();
+        assert_eq!(fs::read_to_string(&product.path).unwrap(), "product");
     }
 
     #[test]

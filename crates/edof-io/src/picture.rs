@@ -4,7 +4,8 @@ use crate::pnm;
 use crate::samples::Samples;
 use image::{DynamicImage, ImageFormat, ImageReader};
 use ndarray::{Array3, ArrayView3};
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
 /// A picture that cannot be read or written.
@@ -69,12 +70,34 @@ impl Format {
     }
 }
 
-/// The bytes of a file.
+/// So many bytes tell a format.
+const HEAD: u64 = 8;
+
+/// The bytes of a picture file. What begins like none, such as an endless device, is not read on.
+///
+/// # Errors
+/// [`PictureError::Read`] or [`PictureError::Format`].
+pub fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
+    let (mut file, mut bytes) = open(path)?;
+    if Format::of(&bytes).is_none() {
+        return Err(PictureError::Format { path: path.to_owned() });
+    }
+    file.read_to_end(&mut bytes).map_err(|source| PictureError::Read { path: path.to_owned(), source })?;
+    Ok(bytes)
+}
+
+/// A file and its first bytes, which tell its format and are read already.
 ///
 /// # Errors
 /// [`PictureError::Read`].
-pub fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
-    std::fs::read(path).map_err(|source| PictureError::Read { path: path.to_owned(), source })
+pub fn open(path: &Path) -> Result<(File, Vec<u8>), PictureError> {
+    let head = || {
+        let mut file = File::open(path)?;
+        let mut head = vec![];
+        file.by_ref().take(HEAD).read_to_end(&mut head)?;
+        Ok((file, head))
+    };
+    head().map_err(|source| PictureError::Read { path: path.to_owned(), source })
 }
 
 /// Samples of a PNG, TIFF, PGM or PPM in memory; `path` names it in errors.
@@ -212,6 +235,12 @@ mod tests {
         let samples = Samples { planes: Array3::zeros((1, 2, 2)), full_scale: 255 };
         let error = save(Path::new("/nowhere/x.bmp"), &samples).unwrap_err().to_string();
         assert_eq!(error, "/nowhere/x.bmp: unknown ending, expected .png, .tif, .tiff, .ppm or .pgm");
+    }
+
+    #[test]
+    fn an_endless_device_is_not_read_to_its_end() {
+        let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert_eq!(error, "/dev/zero: not a PNG, TIFF, PPM or PGM file");
     }
 
     #[test]

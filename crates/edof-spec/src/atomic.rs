@@ -3,6 +3,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -29,8 +30,12 @@ pub fn write_with(
             return device.flush();
         }
         std::fs::create_dir_all(folder(path))?;
-        let temporary =
-            tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempfile_in(folder(path))?;
+        let (temporary, _unfinished) = begin(|| {
+            let file =
+                tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempfile_in(folder(path))?;
+            let name = file.path().to_owned();
+            Ok((file, name))
+        })?;
         let mut buffered = std::io::BufWriter::new(temporary);
         fill(&mut buffered)?;
         let temporary = buffered.into_inner().map_err(std::io::IntoInnerError::into_error)?;
@@ -40,6 +45,70 @@ pub fn write_with(
         Ok(())
     };
     attempt().map_err(|error| WriteError { path: path.to_owned(), source: without_name(error) })
+}
+
+/// A folder for files that are to be renamed into `parent` or below it. It goes away with the value, and when [`abandon`] is
+/// called.
+///
+/// # Errors
+/// What the system says of a folder that cannot be made there.
+pub fn work_folder(parent: &Path) -> std::io::Result<WorkFolder> {
+    let made = begin(|| {
+        let folder = tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempdir_in(parent)?;
+        let name = folder.path().to_owned();
+        Ok((folder, name))
+    });
+    made.map(|(folder, _unfinished)| WorkFolder { folder, _unfinished }).map_err(without_name)
+}
+
+/// See [`work_folder`].
+#[derive(Debug)]
+pub struct WorkFolder {
+    folder: tempfile::TempDir,
+    _unfinished: Unfinished,
+}
+
+impl WorkFolder {
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Removes what is being written, and lets nobody begin anew: for a program that is about to be ended in the middle of its work.
+pub fn abandon() {
+    let unfinished = unfinished();
+    for path in unfinished.iter() {
+        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    }
+    // Whoever waits for the list waits until the end.
+    std::mem::forget(unfinished);
+}
+
+/// Temporary files and folders that exist now.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Takes a path off the list when it is dropped.
+#[derive(Debug)]
+struct Unfinished(PathBuf);
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        unfinished().retain(|path| *path != self.0);
+    }
+}
+
+/// Makes something temporary and puts it on the list, without a moment in which it is there and not on it.
+fn begin<T>(make: impl FnOnce() -> std::io::Result<(T, PathBuf)>) -> std::io::Result<(T, Unfinished)> {
+    let mut list = unfinished();
+    let (made, path) = make()?;
+    list.push(path.clone());
+    Ok((made, Unfinished(path)))
 }
 
 /// Whether a file could be written now, for whoever has long work to do first. Nothing is made yet, no folder either.
