@@ -8,6 +8,7 @@
 //! | no output replaces an input or another output | [`files`] |
 //! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | Ctrl-C | [`interrupt`] |
+//! | whether a job fits the machine | [`memory`] |
 //! | a network's form in words | [`form`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
@@ -22,6 +23,7 @@ mod files;
 mod folder;
 mod form;
 mod interrupt;
+mod memory;
 mod ui;
 mod weights;
 mod windows;

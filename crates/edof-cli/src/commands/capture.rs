@@ -136,6 +136,11 @@ fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
     let [psi] = args.drawing.psi[..] else {
         return Err(Error::message("--psi: one value, a photograph lies at one depth"));
     };
+    if let Some(size) = args.drawing.size {
+        return Err(Error::message(format!(
+            "--size {size}: a photograph has its own; only built-in scenes are drawn"
+        )));
+    }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Scene::flat(name, photo::load(Path::new(&args.scene))?, psi))
 }

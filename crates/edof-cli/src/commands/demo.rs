@@ -66,6 +66,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => fixed_if_any(CLEAR_NET)?,
     };
     let clear = clear.map(method).transpose()?;
+    super::scene::fits(args.width, args.height)?;
     let scene = draw(
         args.scene.parse::<Builtin>()?,
         args.height,

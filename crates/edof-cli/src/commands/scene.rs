@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files::Files;
+use crate::memory;
 use crate::ui::Ui;
 use edof_io::raw::Size;
 use edof_optics::draw::{self, four_depths};
@@ -36,12 +37,25 @@ pub struct Args {
     camera: String,
 }
 
+/// Size of a built-in scene where none was given.
+const SIZE: Size = Size { width: 768, height: 512 };
+/// Bytes a pixel that drawing, blurring and reconstructing a scene at four depths take, measured on the largest step.
+const BYTES_A_PIXEL: f64 = 200.0;
+
+/// Refuses a scene that this machine has no room for.
+///
+/// # Errors
+/// One line with the size, what it needs and what is free.
+pub fn fits(width: usize, height: usize) -> Result<(), Error> {
+    memory::check(&format!("scene {width}x{height}"), BYTES_A_PIXEL * width as f64 * height as f64)
+}
+
 /// How a built-in scene is drawn.
 #[derive(clap::Args)]
 pub struct Drawing {
-    /// Width and height in pixels, even and at least 64
-    #[arg(long, default_value = "768x512", value_name = "WxH")]
-    size: Size,
+    /// Width and height of a built-in scene in pixels, even and at least 64 [default: 768x512]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
 
     /// Depths as the defocus parameter in radians, from back to front: one value, or four for a scene at four depths
     /// [default: the range's middle, or four spread over the range]
@@ -106,7 +120,9 @@ impl Drawing {
                 )));
             }
         };
-        Ok(draw::draw(kind, self.size.height, self.size.width, &psis, self.seed)?)
+        let Size { width, height } = self.size.unwrap_or(SIZE);
+        fits(width, height)?;
+        Ok(draw::draw(kind, height, width, &psis, self.seed)?)
     }
 }
 
