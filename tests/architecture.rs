@@ -15,7 +15,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("edof-golden", &["edof-spec"]),
     ("edof-hdl", &["edof-spec"]),
     ("edof-cosim", &["edof-spec", "edof-golden", "edof-hdl"]),
-    ("edof-train", &["edof-spec", "edof-optics", "edof-golden"]),
+    ("edof-train", &["edof-spec", "edof-optics"]),
+    ("edof-quantize", &["edof-spec", "edof-optics", "edof-golden", "edof-train"]),
     ("edof-study", &["edof-spec", "edof-io", "edof-optics", "edof-deblur", "edof-golden", "edof-train"]),
     (
         "edof-cli",
@@ -28,6 +29,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "edof-hdl",
             "edof-cosim",
             "edof-train",
+            "edof-quantize",
             "edof-study",
         ],
     ),
@@ -41,7 +43,8 @@ const KNOWS_NOTHING_OF: &[(&str, &[&str])] = &[
     ("edof-golden", &["edof-train", "edof-hdl", "edof-io", "edof-optics"]),
     ("edof-hdl", &["edof-train", "edof-golden", "edof-io", "edof-optics", "edof-study"]),
     ("edof-cosim", &["edof-train", "edof-study"]),
-    ("edof-train", &["edof-hdl", "edof-cosim"]),
+    ("edof-train", &["edof-golden", "edof-quantize", "edof-hdl", "edof-cosim"]),
+    ("edof-quantize", &["edof-hdl", "edof-cosim"]),
 ];
 
 /// Crates of others that are the business of few of ours.

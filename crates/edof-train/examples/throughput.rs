@@ -7,7 +7,6 @@ use edof_optics::draw::leaves;
 use edof_optics::psf::Settings;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
 use edof_spec::{Camera, Window};
-use edof_train::initial::initial;
 use edof_train::patches::{Bank, Batch, Random};
 use edof_train::train::{Recipe, Trainer};
 use safetensors::tensor::{Dtype, TensorView};
@@ -61,7 +60,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn export(path: &Path, form: &Form, bank: &Bank, recipe: &Recipe) -> Result<(), Box<dyn Error>> {
     let mut batch = Batch::new(form.window, WINDOWS);
     bank.draw(&mut Random::new(recipe.seed, 0, 0), recipe.noise, recipe.noiseless, &mut batch);
-    let weights = initial(recipe, bank);
+    // Before the first validation, the best weights are those that training starts from.
+    let weights = Trainer::new(recipe.clone(), bank)?.state.best_weights;
     let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let tensors = [
         ("inputs", vec![WINDOWS, form.window.pixels()], bytes(&batch.inputs)),

@@ -3,14 +3,13 @@
 use crate::linear_algebra::{cholesky, least_squares, solve_upper};
 use crate::parameters::Layout;
 use crate::pass::Pass;
-use crate::patches::{Bank, Batch, Random};
-use crate::train::Recipe;
+use crate::patches::{Batch, Random};
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Shrinkage};
 use serde::{Deserialize, Serialize};
 
 /// Windows that starting values are computed from.
-const SAMPLES: usize = 16_384;
+pub const SAMPLES: usize = 16_384;
 /// Codes that take the mean of one CFA colour each and keep a threshold of 0: thresholding them costs 8 dB.
 const DC_CODES: usize = 4;
 
@@ -25,16 +24,13 @@ pub enum Start {
     Dictionary,
 }
 
-/// Starting weights in the flat layout of the recipe's form; the same recipe gives the same ones.
+/// Starting weights in the flat layout of a form, from windows like those that it will be trained on ([`SAMPLES`] are
+/// enough). The same batch and random stream give the same ones.
 #[must_use]
-pub fn initial(recipe: &Recipe, bank: &Bank) -> Vec<f32> {
-    let form = &recipe.form;
-    let mut random = Random::new(recipe.seed, u64::MAX, 0);
-    let mut batch = Batch::new(form.window, SAMPLES);
-    bank.draw(&mut random, recipe.noise, recipe.noiseless, &mut batch);
-    match recipe.start {
-        Start::Whitened => whitened(form, &batch, &mut random),
-        Start::Dictionary => from_dictionary(form, &batch, &mut random),
+pub fn initial(form: &Form, start: Start, batch: &Batch, random: &mut Random) -> Vec<f32> {
+    match start {
+        Start::Whitened => whitened(form, batch, random),
+        Start::Dictionary => from_dictionary(form, batch, random),
     }
 }
 

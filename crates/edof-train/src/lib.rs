@@ -5,11 +5,10 @@
 //! | photos | [`patches`] | blurred photos, and random windows with their sharp patches |
 //! | start | [`initial`] | a first network: random analysis, or ISTA's matrices from a dictionary |
 //! | coordinates | [`precondition`] | whitened windows, so that training is well conditioned |
-//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`], [`parameters`] and, for the board, [`mod@format`] |
+//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`], [`parameters`] and, where words are to be rounded, [`mod@format`] |
 //! | step | [`adam`] | new weights |
 //! | run | [`train`] | the recipe: schedule, validation, checkpoints ([`checkpoint`]), resume |
 //! | use | [`reconstruct`] | a whole frame through the float network |
-//! | board | [`quantize`] | integers, shifts, thresholds |
 //!
 //! ```
 //! use edof_train::pass::Pass;
@@ -35,6 +34,5 @@ pub mod parameters;
 pub mod pass;
 pub mod patches;
 pub mod precondition;
-pub mod quantize;
 pub mod reconstruct;
 pub mod train;

@@ -41,11 +41,11 @@ impl Pass {
         Self::with(form, Layout::new(&form), vec![Format::EXACT; form.shrinkages()], capacity)
     }
 
-    /// Buffers for `capacity` windows through a folded network (4:2:2) whose codes are rounded to these formats. The gradient
-    /// looks through the rounding, except where a code is at the end of its range.
+    /// Buffers for `capacity` windows through a network with so many outputs whose codes are rounded to these formats. The
+    /// gradient looks through the rounding, except where a code is at the end of its range.
     #[must_use]
-    pub fn rounding(form: Form, formats: &[Format], capacity: usize) -> Self {
-        Self::with(form, Layout::folded(&form), formats.to_vec(), capacity)
+    pub fn rounding(form: Form, outputs: usize, formats: &[Format], capacity: usize) -> Self {
+        Self::with(form, Layout::giving(&form, outputs), formats.to_vec(), capacity)
     }
 
     fn with(form: Form, layout: Layout, formats: Vec<Format>, capacity: usize) -> Self {

@@ -4,7 +4,7 @@
 //! [`Balance`].
 
 use crate::adam::Adam;
-use crate::initial::{Start, initial};
+use crate::initial::{self, Start};
 use crate::parameters::{Layout, unflatten};
 use crate::pass::Pass;
 use crate::patches::{Bank, Batch, Random};
@@ -219,7 +219,7 @@ impl<'a> Trainer<'a> {
     /// [`RecipeError`].
     pub fn new(recipe: Recipe, bank: &'a Bank) -> Result<Self, RecipeError> {
         check(&recipe, bank)?;
-        let network = initial(&recipe, bank);
+        let network = first_network(&recipe, bank);
         let mut weights = network.clone();
         condition(&recipe, bank).to_trained(&network, &mut weights);
         let state = State {
@@ -460,6 +460,14 @@ fn schedule(step: u64, steps: u64) -> f32 {
     let rise = ((step + 1) as f32 / WARM_UP as f32).min(1.0);
     let done = step as f32 / steps as f32;
     rise * (0.001 + 0.999 * 0.5 * (1.0 + (std::f32::consts::PI * done).cos()))
+}
+
+/// Where training starts: the same recipe gives the same weights.
+fn first_network(recipe: &Recipe, bank: &Bank) -> Vec<f32> {
+    let mut random = Random::new(recipe.seed, u64::MAX, 0);
+    let mut batch = Batch::new(recipe.form.window, initial::SAMPLES);
+    bank.draw(&mut random, recipe.noise, recipe.noiseless, &mut batch);
+    initial::initial(&recipe.form, recipe.start, &batch, &mut random)
 }
 
 /// Coordinates from a batch of training windows; the same for a resumed run.

@@ -9,16 +9,16 @@ use crate::weights;
 use edof_golden::Golden;
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::psf::Settings;
+use edof_quantize::capture::depths;
+use edof_quantize::{
+    Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, capture, evaluate,
+    finetune, quantize,
+};
 use edof_spec::overlap::Overlap;
 use edof_spec::{ColourFrame, FixedNetwork, Network, Stride, weight_file};
 use edof_study::metrics;
 use edof_study::photos::Selection;
 use edof_train::patches::Bank;
-use edof_train::quantize::capture::depths;
-use edof_train::quantize::{
-    Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, capture, evaluate,
-    finetune, quantize,
-};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -3,6 +3,9 @@
 use edof_golden::{Golden, sample::Draw, scalar};
 use edof_optics::psf::Settings;
 use edof_optics::sensor::{Sensor, expose};
+use edof_quantize::{
+    Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
+};
 use edof_spec::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::overlap::Overlap;
@@ -10,9 +13,6 @@ use edof_spec::{Camera, CfaPhase, ColourFrame, Geometry, Network, RawFrame, Stri
 use edof_train::parameters::flatten;
 use edof_train::pass::Pass;
 use edof_train::patches::Bank;
-use edof_train::quantize::{
-    Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
-};
 use edof_train::train::{Continue, Recipe, Trainer};
 use ndarray::{Array1, Array2, Array3};
 use proptest::prelude::*;

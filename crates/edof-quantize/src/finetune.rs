@@ -1,24 +1,24 @@
 //! Quantization-aware fine-tuning: weights go on being trained while the network computes with the words that the board will
 //! hold. Formats stay as the quantizer chose them.
 //!
-//! The weights that are trained are kept in floating point; each step rounds them as [`super::rounding`] does and looks through
+//! The weights that are trained are kept in floating point; each step rounds them as [`crate::rounding`] does and looks through
 //! the rounding for the gradient. To nearest would not do: windows are so smooth that, with 8 bits, it costs 10 dB, and
 //! steps that move single words undo what the quantizer's rounding had hidden. They are trained in the coordinates in which
-//! what each matrix multiplies is white (see [`crate::precondition`]).
+//! what each matrix multiplies is white (see [`edof_train::precondition`]).
 //!
 //! A layer's rounding errors can only be learned by the layers behind it once they stand still. So the steps are shared out:
 //! A settles first, then each S in turn, and in the last share only D and R move. Thresholds move throughout.
 
-use super::fold::{self, Folded};
-use super::simulated::{Simulated, code_formats, rgb_map};
-use super::{Calibration, formats, rounding::Rounding};
-use crate::adam::Adam;
-use crate::parameters::{Layout, flatten_folded, unflatten_folded};
-use crate::patches::{Bank, Batch, Random};
-use crate::precondition::Precondition;
+use crate::fold::{self, Folded};
+use crate::simulated::{Simulated, code_formats, rgb_map};
+use crate::{Calibration, formats, rounding::Rounding};
 use edof_spec::FixedNetwork;
-use edof_spec::colour::RGB_OUTPUTS;
+use edof_spec::colour::{OUTPUTS_422, RGB_OUTPUTS};
 use edof_spec::network::{Form, Shrinkage};
+use edof_train::adam::Adam;
+use edof_train::parameters::Layout;
+use edof_train::patches::{Bank, Batch, Random};
+use edof_train::precondition::Precondition;
 use rayon::prelude::*;
 
 /// Parts of a batch that are computed side by side and added in order: the result does not depend on the threads.
@@ -124,8 +124,8 @@ struct Part {
 impl<'a> Tuner<'a> {
     fn new(fixed: &FixedNetwork, bank: &'a Bank, tuning: &'a FinetuneOptions) -> Self {
         let form = fixed.form;
-        let layout = Layout::folded(&form);
-        let values = flatten_folded(&Folded::of(fixed));
+        let layout = Layout::giving(&form, OUTPUTS_422);
+        let values = Folded::of(fixed).flatten();
         let to_rgb = rgb_map(&fold::output_weights(fixed.stride, fixed.overlap));
         let share = tuning.batch.div_ceil(PARTS);
         let part = |_| Part {
@@ -211,9 +211,9 @@ impl<'a> Tuner<'a> {
             }
         }
         self.condition.to_network(&self.weights, &mut self.scratch);
-        let folded = unflatten_folded(&self.words.form, &self.scratch);
+        let folded = Folded::unflatten(&self.words.form, &self.scratch);
         self.words = formats::rounded_to(&folded, &self.words, &self.rounding, settled);
-        self.values = flatten_folded(&Folded::of(&self.words));
+        self.values = Folded::of(&self.words).flatten();
     }
 
     /// Mean PSNR in dB over the validation sets.

@@ -1,13 +1,13 @@
 //! The integer network in floating point: every weight and code rounded to the words it will be, and a gradient that looks
 //! through the rounding (straight-through estimator: Bengio, Léonard, Courville 2013).
 
-use crate::format::Format;
-use crate::matmul::{Into, Mat, product};
-use crate::pass::{Pass, weighted_errors};
 use edof_spec::FixedNetwork;
 use edof_spec::colour::{OUTPUTS_422, RGB_OUTPUTS, rgb_from_ycbcr};
 use edof_spec::geometry::{PATCH, PATCH_PIXELS};
 use edof_spec::network::Form;
+use edof_train::format::Format;
+use edof_train::matmul::{Into, Mat, product};
+use edof_train::pass::{Pass, weighted_errors};
 
 /// Formats of a fixed network's b_t and z_t.
 #[must_use]
@@ -54,7 +54,7 @@ impl Simulated {
     #[must_use]
     pub fn new(form: Form, codes: &[Format], to_rgb: &[f32], capacity: usize) -> Self {
         Self {
-            pass: Pass::rounding(form, codes, capacity),
+            pass: Pass::rounding(form, OUTPUTS_422, codes, capacity),
             to_rgb: to_rgb.to_vec(),
             rgb: vec![0.0; capacity * RGB_OUTPUTS],
         }
@@ -92,12 +92,12 @@ impl Simulated {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{Layout, flatten_folded};
-    use crate::quantize::fold::Folded;
+    use crate::fold::Folded;
     use edof_golden::sample::{self, Draw};
     use edof_golden::scalar;
     use edof_spec::network::{Recurrence, Shrinkage};
     use edof_spec::{Stride, Window};
+    use edof_train::parameters::Layout;
     use proptest::prelude::*;
 
     fn form(layers: usize, flags: [bool; 4]) -> Form {
@@ -133,7 +133,7 @@ mod tests {
     ) -> Result<(), TestCaseError> {
         let form = form(layers, flags);
         let fixed = with_exact_sums(sample::extreme(form, 8, Stride::PATCH, false, seed));
-        let weights = flatten_folded(&Folded::of(&fixed));
+        let weights = Folded::of(&fixed).flatten();
         // Eight bits of input, so that I's sums are exact too: 64 products of 8 by 8 bits.
         let y: Vec<i16> =
             sample::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
@@ -168,7 +168,7 @@ mod tests {
             layers in 2usize..=6, flags: [bool; 4], seed: u64
         ) {
             let form = form(layers, flags);
-            let layout = Layout::folded(&form);
+            let layout = Layout::giving(&form, OUTPUTS_422);
             let mut draw = Draw::new(seed);
             let mut noise = |length: usize, scale: f32| -> Vec<f32> {
                 (0..length).map(|_| draw.whole(-1000, 1000) as f32 * 1e-3 * scale).collect()
@@ -215,8 +215,8 @@ mod tests {
     fn outputs_go_back_to_the_colours_they_came_from() {
         let stride = Stride::new(4).unwrap();
         let overlap = edof_spec::overlap::Overlap::Hann;
-        let map = super::super::fold::output_map(stride, overlap);
-        let weights = super::super::fold::output_weights(stride, overlap);
+        let map = crate::fold::output_map(stride, overlap);
+        let weights = crate::fold::output_weights(stride, overlap);
         let colour: Vec<f64> = (0..192).map(|i| [0.2, 0.5, 0.7][i / 64]).collect();
         let outputs = map.dot(&ndarray::aview1(&colour));
         let back = rgb_map(&weights);
