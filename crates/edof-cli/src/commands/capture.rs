@@ -98,7 +98,7 @@ struct Captured {
     depths: Vec<Depth>,
     seconds: f64,
     cuts: Vec<CutCost>,
-    out: PathBuf,
+    out: String,
 }
 
 /// # Errors
@@ -124,7 +124,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, out) = (scene.name, camera.name, args.out);
+    let (scene, camera, out) = (scene.name, camera.name, args.out.display().to_string());
     ui.json(&Captured { scene, camera, width, height, psi, depths, seconds, cuts: costs, out })
 }
 

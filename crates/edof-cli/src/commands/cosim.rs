@@ -4,9 +4,11 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
+use crate::memory;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows;
+use edof_cosim::chain::device::Inputs;
 use edof_cosim::chain::second::{Recorded, icarus};
 use edof_cosim::chain::verilated::Compiled;
 use edof_cosim::chain::{Drive, Outcome};
@@ -21,6 +23,8 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Memory of a patch besides its window: what is recorded of its cycles, for the second simulator.
+const BYTES_A_PATCH: usize = 200 * size_of::<Inputs>();
 /// Cycles that the waveform shows before a difference.
 const WAVEFORM_CYCLES: u64 = 300;
 
@@ -122,6 +126,8 @@ fn drive(args: &Args) -> Result<Drive, Error> {
 fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<Patch>, Error> {
     let draw = &mut Draw::new(args.seed);
     if let Some(count) = args.random {
+        let bytes = BYTES_A_PATCH + size_of::<i16>() * design.form.window.pixels();
+        memory::check(&format!("--random {count}"), count as f64 * bytes as f64)?;
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
             set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },

@@ -146,7 +146,7 @@ const FILES: [&str; 3] = ["figure1.svg", "mtf.svg", "psf.png"];
 struct Shown {
     camera: String,
     depths: Vec<ShownDepth>,
-    files: [PathBuf; 3],
+    files: [String; 3],
 }
 
 #[derive(Serialize)]
@@ -186,7 +186,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             d.psi, d.kernel_side
         ))?;
     }
-    ui.json(&Shown { camera: camera.name, depths, files })
+    ui.json(&Shown { camera: camera.name, depths, files: files.map(|file| file.display().to_string()) })
 }
 
 impl Args {

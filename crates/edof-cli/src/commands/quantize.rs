@@ -236,7 +236,7 @@ fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluati
         .collect();
     json!({
         "weights": args.weights,
-        "out": out,
+        "out": out.display().to_string(),
         "bits": args.bits,
         "stride": args.stride,
         "overlap": args.overlap,

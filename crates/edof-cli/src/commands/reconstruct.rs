@@ -108,8 +108,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ))?;
     ui.json(&json!({
         "method": method.name(),
-        "raw": args.raw,
-        "picture": args.out,
+        "raw": args.raw.display().to_string(),
+        "picture": args.out.display().to_string(),
         "width": width,
         "height": height,
         "seconds": result.seconds,

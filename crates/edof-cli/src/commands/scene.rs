@@ -81,7 +81,7 @@ struct Drawn {
     width: usize,
     height: usize,
     psi: Vec<f64>,
-    files: [PathBuf; 3],
+    files: [String; 3],
 }
 
 /// # Errors
@@ -99,6 +99,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi: Vec<f64> = scene.layers.iter().map(|layer| layer.psi).collect();
     ui.say(format!("{}: {width}x{height}, psi {psi:.2?}, in {}", scene.name, args.out.display()))?;
+    let files = files.map(|file| file.display().to_string());
     ui.json(&Drawn { scene: scene.name, width, height, psi, files })
 }
 
