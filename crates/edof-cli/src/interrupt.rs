@@ -3,6 +3,7 @@
 
 use crate::error::Error;
 use crate::ui;
+use edof_cosim::tool;
 use edof_spec::atomic;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -30,6 +31,7 @@ pub fn install() -> Result<(), Error> {
 }
 
 fn end() {
+    tool::stop_all();
     atomic::abandon();
     ui::last_line(&format!("edof: {}", Error::Interrupted));
     std::process::exit(Error::Interrupted.exit_code().into());

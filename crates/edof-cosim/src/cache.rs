@@ -1,10 +1,11 @@
 //! Products that take seconds to make, kept under a name that changes with everything that went into them.
 
 use crate::error::{Error, at};
+use crate::work;
+use edof_spec::atomic::WorkFolder;
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
 /// SHA-256 of the parts, in hexadecimal. Lengths go in too, so that no two lists of parts are taken for one another.
 pub fn key<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
@@ -21,7 +22,7 @@ pub fn key<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
 pub struct Product {
     /// The file.
     pub path: PathBuf,
-    _work: Option<TempDir>,
+    _work: Option<WorkFolder>,
 }
 
 /// The product of that name: from the cache, or made in a fresh directory, where `make` leaves it under the same name. A cache that
@@ -38,14 +39,14 @@ pub fn obtain(
         return Ok(Product { path: path.clone(), _work: None });
     }
     let Some((path, _lock)) = kept.and_then(|path| lock(&path).map(|lock| (path, lock))) else {
-        let work = work_dir()?;
-        make(work.path())?;
-        return Ok(Product { path: work.path().join(name), _work: Some(work) });
+        let folder = work::folder()?;
+        make(folder.path())?;
+        return Ok(Product { path: folder.path().join(name), _work: Some(folder) });
     };
     if !path.is_file() {
-        let work = work_dir()?;
-        make(work.path())?;
-        install(&work.path().join(name), &path)?;
+        let folder = work::folder()?;
+        make(folder.path())?;
+        install(&folder.path().join(name), &path)?;
     }
     Ok(Product { path, _work: None })
 }
@@ -56,11 +57,6 @@ fn lock(path: &Path) -> Option<File> {
     let lock = File::create(path.with_added_extension("lock")).ok()?;
     lock.lock().ok()?;
     Some(lock)
-}
-
-/// Not in the cache itself: make refuses paths with spaces.
-fn work_dir() -> Result<TempDir, Error> {
-    tempfile::Builder::new().prefix("edof-cosim-").tempdir().map_err(at(&std::env::temp_dir()))
 }
 
 /// Copies, then renames, so that nobody ever sees half a file.

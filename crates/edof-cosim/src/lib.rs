@@ -41,8 +41,9 @@ pub mod junit;
 pub mod lint;
 pub mod rows;
 pub mod source;
-mod tool;
+pub mod tool;
 pub mod verilator;
+mod work;
 pub mod yosys;
 
 pub use error::Error;

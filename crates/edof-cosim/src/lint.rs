@@ -2,7 +2,7 @@
 
 use crate::error::{Error, at};
 use crate::finding::{Finding, Findings};
-use crate::{Source, tool};
+use crate::{Source, tool, work};
 use std::path::Path;
 
 /// Verilator with all warnings has nothing to say about the design. `waivers` is a configuration file (`.vlt`) that says which
@@ -11,7 +11,7 @@ use std::path::Path;
 /// # Errors
 /// [`Error::Lint`] with what it says; or Verilator is missing.
 pub fn clean(source: &Source, waivers: Option<&Path>) -> Result<(), Error> {
-    let work = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    let work = work::folder()?;
     source.write(work.path())?;
     let mut command = tool::command("verilator", work.path());
     command.args(["--lint-only", "-Wall", "--top-module", &source.top]);
