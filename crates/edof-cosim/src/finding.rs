@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
     /// Verilator's name of the warning, such as `WIDTH`; empty for an error.
-    pub code: String,
+    pub rule: String,
     /// File, line and column, and what was said.
     pub text: String,
 }
@@ -22,8 +22,8 @@ impl fmt::Display for Findings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, finding) in self.0.iter().take(SHOWN).enumerate() {
             let between = if i == 0 { "" } else { "; " };
-            let code = if finding.code.is_empty() { "error" } else { &finding.code };
-            write!(f, "{between}{code} {}", finding.text)?;
+            let rule = if finding.rule.is_empty() { "error" } else { &finding.rule };
+            write!(f, "{between}{rule} {}", finding.text)?;
         }
         match self.0.len().saturating_sub(SHOWN) {
             0 => Ok(()),

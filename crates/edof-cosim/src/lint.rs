@@ -29,12 +29,12 @@ pub fn clean(source: &Source, waivers: Option<&Path>) -> Result<(), Error> {
     }
 }
 
-/// `%Warning-CODE: text` and `%Error: text`, without the count at the end and the explanations between.
+/// `%Warning-RULE: text` and `%Error: text`, without the count at the end and the explanations between.
 fn findings(complaint: &str) -> Vec<Finding> {
     let finding = |line: &str| {
         let (kind, text) = line.strip_prefix('%')?.split_once(": ")?;
-        let code = kind.split_once('-').map_or("", |(_, code)| code);
-        (!text.starts_with("Exiting due to")).then(|| Finding { code: code.into(), text: text.trim().into() })
+        let rule = kind.split_once('-').map_or("", |(_, rule)| rule);
+        (!text.starts_with("Exiting due to")).then(|| Finding { rule: rule.into(), text: text.trim().into() })
     };
     complaint.lines().filter_map(finding).collect()
 }

@@ -85,7 +85,7 @@ fn raw_frame(size: (usize, usize)) -> RawFrame {
         let edge = if (r / 50 + c / 70) % 2 == 0 { 300 } else { 0 };
         (shade as i64 + edge + draw.whole(-20, 20)) as u16
     });
-    match RawFrame::from_codes(values, 12, CfaPhase::Rggb) {
+    match RawFrame::from_values(values, 12, CfaPhase::Rggb) {
         Ok(frame) => frame,
         Err(error) => unreachable!("{error}"),
     }

@@ -65,9 +65,9 @@ mod decoder {
         let area = active_area(&image);
         let phase =
             phase(&image, &area).map_err(|found| CameraRawError::Mosaic { path: path.to_owned(), found })?;
-        let codes =
+        let values =
             linear_light(&image, &area).ok_or_else(|| failed("its size is not its pixels'".to_owned()))?;
-        RawFrame::from_codes(codes, 16, phase).map_err(|e| failed(e.to_string()))
+        RawFrame::from_values(values, 16, phase).map_err(|e| failed(e.to_string()))
     }
 
     /// The part that light falls on, whole Bayer cells.
@@ -99,7 +99,7 @@ mod decoder {
         CfaPhase::ALL.into_iter().find(fits).ok_or_else(|| format!("the mosaic {}", cfa.name))
     }
 
-    /// (value − black) / (white − black) as 16-bit codes.
+    /// (value − black) / (white − black) as 16-bit sensor values.
     fn linear_light(image: &RawImage, area: &Rect) -> Option<Array2<u16>> {
         let black = image.blacklevel.as_bayer_array();
         let white = image.whitelevel.as_bayer_array();
@@ -107,14 +107,14 @@ mod decoder {
             RawImageData::Integer(values) => values.get(at).map(|&v| f32::from(v)),
             RawImageData::Float(values) => values.get(at).copied(),
         };
-        let mut codes = Array2::zeros((area.d.h, area.d.w));
-        for ((r, c), code) in codes.indexed_iter_mut() {
+        let mut values = Array2::zeros((area.d.h, area.d.w));
+        for ((r, c), value) in values.indexed_iter_mut() {
             let (row, column) = (area.p.y + r, area.p.x + c);
             let cell = 2 * (row % 2) + column % 2;
             let light = (value(row * image.width + column)? - black[cell]) / (white[cell] - black[cell]);
-            *code = (light.clamp(0.0, 1.0) * 65535.0).round() as u16;
+            *value = (light.clamp(0.0, 1.0) * 65535.0).round() as u16;
         }
-        Some(codes)
+        Some(values)
     }
 }
 

@@ -19,7 +19,7 @@
 //! photo::save(&at("grey.png"), &ColourFrame::zeros(4, 6), 16)?;
 //! assert_eq!(photo::load(&at("grey.png"))?.size(), (4, 6));
 //!
-//! let frame = RawFrame::from_codes(ndarray::Array2::from_elem((4, 6), 1000), 12, CfaPhase::Rggb)?;
+//! let frame = RawFrame::from_values(ndarray::Array2::from_elem((4, 6), 1000), 12, CfaPhase::Rggb)?;
 //! raw::save(&at("frame.pgm"), &frame)?;
 //! assert_eq!(raw::load(&at("frame.pgm"), &raw::RawOptions::default())?, frame);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

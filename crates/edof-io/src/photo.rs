@@ -1,4 +1,4 @@
-//! Photographs: files to linear light and back. Code values are taken as linear light, as the study does.
+//! Photographs: files to linear light and back. Sample values are taken as linear light, as the study does.
 
 use crate::picture::{self, Format, PictureError};
 use crate::samples::Samples;
@@ -48,7 +48,7 @@ pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
     Ok(ColourFrame { planes: Array3::from_shape_fn((3, height, width), light) })
 }
 
-/// Writes linear light as code values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are
+/// Writes linear light as sample values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are
 /// rounded and clipped to 0…1.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! PGM and PPM (P2, P3, P5, P6) with any maximum value, so that raw frames keep their codes: sensors of 10 to 14 bits state
+//! PGM and PPM (P2, P3, P5, P6) with any maximum value, so that raw frames keep their values: sensors of 10 to 14 bits state
 //! 1023 to 16383 there.
 
 use crate::samples::Samples;

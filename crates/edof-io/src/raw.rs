@@ -1,6 +1,6 @@
-//! Raw Bayer frames: files to codes and back.
+//! Raw Bayer frames: files to sensor values and back.
 //!
-//! | file | full scale | codes of fewer than 16 bits |
+//! | file | full scale | values of fewer than 16 bits |
 //! |---|---|---|
 //! | PNG, TIFF (16-bit grey) | 65535 | at the top of each word, as PNG has it, unless stated otherwise |
 //! | PNG, TIFF (8-bit grey) | 255 | only where a depth of 8 is stated; a PGM needs no such word |
@@ -29,7 +29,7 @@ pub struct RawOptions {
     pub depth: Option<u32>,
     /// Size of a headerless file; other files must agree with it.
     pub size: Option<Size>,
-    /// Where in a word codes of fewer than 16 bits lie; where absent, as in the table above.
+    /// Where in a word values of fewer than 16 bits lie; where absent, as in the table above.
     pub alignment: Option<Alignment>,
     /// Order of the two bytes of a headerless file's words.
     pub order: ByteOrder,
@@ -44,7 +44,7 @@ pub struct Size {
     pub height: usize,
 }
 
-/// Where in a 16-bit word a code of fewer bits lies.
+/// Where in a 16-bit word a value of fewer bits lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Alignment {
     /// At the top, zeros below.
@@ -88,13 +88,13 @@ pub enum RawError {
     /// Another size than stated.
     #[error("{path}: {found}, expected {expected} for {size}", path = path.display())]
     Size { path: PathBuf, found: String, expected: String, size: Size },
-    /// Bits where a top-aligned code has none.
+    /// Bits where a top-aligned value has none.
     #[error(
         "{path}: pixel at row {row}, column {column} is {value}, no {depth}-bit code aligned to the top of 16 bits",
         path = path.display()
     )]
     Alignment { path: PathBuf, row: usize, column: usize, value: u16, depth: u32 },
-    /// Odd sides, a depth outside 8…16, a code too large.
+    /// Odd sides, a depth outside 8…16, a value too large.
     #[error("{path}: {source}", path = path.display())]
     Frame { path: PathBuf, source: FrameError },
 }
@@ -163,11 +163,11 @@ pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
             (single_plane(samples, size, path)?, depth, alignment)
         }
     };
-    let codes = match options.alignment.unwrap_or(alignment) {
+    let values = match options.alignment.unwrap_or(alignment) {
         Alignment::Bottom => words,
         Alignment::Top => lower(words, depth, path)?,
     };
-    RawFrame::from_codes(codes, depth, options.phase)
+    RawFrame::from_values(values, depth, options.phase)
         .map_err(|source| RawError::Frame { path: path.to_owned(), source })
 }
 
@@ -240,7 +240,7 @@ fn headerless(bytes: &[u8], size: Size, order: ByteOrder, path: &Path) -> Result
         .map_err(|_| wrong_length())
 }
 
-/// Codes of top-aligned words.
+/// Values of top-aligned words.
 fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, RawError> {
     let shift = 16 - depth;
     let below = ((1u32 << shift) - 1) as u16;
@@ -250,8 +250,8 @@ fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, Raw
     Ok(words.mapv_into(|v| v >> shift))
 }
 
-/// Writes a raw frame: 16-bit PNG or TIFF (codes at the top of each word), PGM (codes and their maximum), or for `.raw`
-/// and `.bin` headerless little-endian words (codes at the bottom).
+/// Writes a raw frame: 16-bit PNG or TIFF (values at the top of each word), PGM (values and their maximum), or for `.raw`
+/// and `.bin` headerless little-endian words (values at the bottom).
 ///
 /// # Errors
 /// [`RawError::Picture`] naming the file; none is left half written.
@@ -259,12 +259,12 @@ pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let (words, full_scale) = match ending.as_str() {
         "raw" | "bin" => {
-            let bytes: Vec<u8> = frame.codes().iter().flat_map(|v| v.to_le_bytes()).collect();
+            let bytes: Vec<u8> = frame.values().iter().flat_map(|v| v.to_le_bytes()).collect();
             edof_spec::atomic::write(path, &bytes).map_err(PictureError::from)?;
             return Ok(());
         }
         "png" | "tif" | "tiff" => (frame.pixels().clone(), u16::MAX),
-        "pgm" => (frame.codes(), u16::MAX >> (16 - frame.depth())),
+        "pgm" => (frame.values(), u16::MAX >> (16 - frame.depth())),
         _ => {
             let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
             return Err(PictureError::Ending { path: path.to_owned(), expected }.into());
@@ -279,8 +279,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn frame(depth: u32, phase: CfaPhase) -> RawFrame {
-        let codes = Array2::from_shape_fn((4, 6), |(r, c)| ((r * 6 + c) * ((1 << depth) - 1) / 23) as u16);
-        RawFrame::from_codes(codes, depth, phase).unwrap()
+        let values = Array2::from_shape_fn((4, 6), |(r, c)| ((r * 6 + c) * ((1 << depth) - 1) / 23) as u16);
+        RawFrame::from_values(values, depth, phase).unwrap()
     }
 
     /// A file in a folder of its own, and what loading it gives.
@@ -313,17 +313,17 @@ mod tests {
         let little = loaded("x.raw", &[1, 2, 3, 4, 5, 6, 7, 8], options).unwrap();
         let big = loaded("x.raw", &[2, 1, 4, 3, 6, 5, 8, 7], RawOptions { order: ByteOrder::Big, ..options })
             .unwrap();
-        assert_eq!(little.codes()[(0, 1)], 0x0403);
+        assert_eq!(little.values()[(0, 1)], 0x0403);
         assert_eq!(little, big);
     }
 
     #[test]
-    fn codes_at_the_bottom_of_a_png_are_read_where_stated() {
+    fn values_at_the_bottom_of_a_png_are_read_where_stated() {
         let options = RawOptions { depth: Some(12), ..RawOptions::default() };
         let at_top = loaded("x", GREY, options).unwrap();
         let at_bottom =
             loaded("x", GREY, RawOptions { alignment: Some(Alignment::Bottom), ..options }).unwrap();
-        assert_eq!((at_top.codes()[(0, 1)], at_bottom.codes()[(0, 1)]), (2, 32));
+        assert_eq!((at_top.values()[(0, 1)], at_bottom.values()[(0, 1)]), (2, 32));
     }
 
     #[test]
@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn a_code_wider_than_the_depth_is_refused() {
+    fn a_value_wider_than_the_depth_is_refused() {
         let size = Some(Size { width: 2, height: 2 });
         let options = RawOptions { depth: Some(10), size, ..RawOptions::default() };
         assert_eq!(

@@ -61,7 +61,7 @@ pub enum NetworkError {
     /// T out of range.
     #[error("layers {0}: must be 2 to 10")]
     Layers(usize),
-    /// Code length out of range.
+    /// Length of the sparse code out of range.
     #[error("codes {0}: must be 1 to 1024")]
     Codes(usize),
     /// Wrong number of matrices or thresholds.

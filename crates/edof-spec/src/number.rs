@@ -8,7 +8,7 @@ pub const INPUT_FRACTION: u32 = 15;
 /// Fraction bits of F's outputs: luma in units of 2^−14, chroma in units of 2^−14/[`CHROMA_GAIN`].
 pub const OUTPUT_FRACTION: u32 = 14;
 /// Chroma rows of F carry this factor, so that 7 fraction bits of an output word stand below one 8-bit chroma code
-/// (224 codes for the full range: 224·2^7 = 1.75·2^14).
+/// (224 chroma codes for the full range: 224·2^7 = 1.75·2^14).
 pub const CHROMA_GAIN: f64 = 1.75;
 /// Bits of a chroma output word below its 8-bit code.
 pub const CHROMA_SHIFT: u32 = 7;

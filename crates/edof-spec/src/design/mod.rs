@@ -43,7 +43,7 @@ pub struct Design {
     pub clock_mhz: f64,
     /// The form of network it runs.
     pub form: Form,
-    /// Bits of every weight and code.
+    /// Bits of every weight, pre-activation and sparse code.
     pub code_bits: u32,
     /// Bits of a sum on its way from the DSPs to rounding.
     pub accumulator_bits: u32,
