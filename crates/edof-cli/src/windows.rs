@@ -3,11 +3,11 @@
 use crate::error::Error;
 use edof_golden::windows;
 use edof_io::photo;
-use edof_optics::capture::{Cuts, capture};
+use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
-use edof_optics::sensor::{Noise, Sensor};
-use edof_spec::{FixedNetwork, Geometry, RawFrame};
+use edof_optics::sensor::Sensor;
+use edof_spec::{FixedNetwork, Geometry, Noise, RawFrame};
 use std::path::Path;
 
 /// Size of the built-in scene: 1536 patches at stride 8.
@@ -25,9 +25,9 @@ pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64) -> Resul
         Some(path) => Scene::flat(path.display().to_string(), photo::load(path)?, psi),
         None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
     };
-    let noise = Noise { gaussian: network.origin.noise, full_well: None };
+    let noise = Noise::gaussian(network.origin.noise);
     let sensor = Sensor { noise, seed, ..Sensor::default() };
-    Ok(capture(&scene, camera, &sensor, &Cuts::default())?.raw)
+    Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
 }
 
 /// All windows of a frame, in the order in which the hardware takes them.

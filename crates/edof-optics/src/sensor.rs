@@ -1,7 +1,8 @@
 //! The sensor: colour filters, noise, saturation and bit depth make a raw frame of the light that falls on it.
 
 use edof_spec::frame::FrameError;
-use edof_spec::{CfaPhase, ColourFrame, RawFrame};
+use edof_spec::noise::NoiseError;
+use edof_spec::{CfaPhase, ColourFrame, Noise, RawFrame};
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
@@ -26,25 +27,15 @@ impl Default for Sensor {
     }
 }
 
-/// Noise of a sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Noise {
-    /// Standard deviation of the signal-independent (read) noise; full scale is 1.
-    pub gaussian: f64,
-    /// Photo-electrons at full scale, for photon (Poisson) noise; none for a light source without it.
-    pub full_well: Option<f64>,
-}
-
 /// A sensor that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum SensorError {
     /// Odd sides or a depth outside 8…16.
     #[error(transparent)]
     Frame(#[from] FrameError),
     /// A noise parameter out of range.
-    #[error("sensor: {field} is {value}, expected {expected}")]
-    Noise { field: &'static str, value: f64, expected: &'static str },
+    #[error(transparent)]
+    Noise(#[from] NoiseError),
 }
 
 /// Linear light behind the colour filters, noise added: rows × columns, not yet saturated.
@@ -52,30 +43,38 @@ pub enum SensorError {
 /// # Errors
 /// [`SensorError::Noise`].
 pub fn mosaic_with_noise(frame: &ColourFrame, sensor: &Sensor) -> Result<Array2<f32>, SensorError> {
-    let Noise { gaussian, full_well } = sensor.noise;
-    if !(gaussian.is_finite() && gaussian >= 0.0) {
-        return Err(SensorError::Noise { field: "gaussian noise", value: gaussian, expected: "0 or more" });
-    }
-    if let Some(value) = full_well.filter(|w| !(w.is_finite() && *w >= 1.0)) {
-        return Err(SensorError::Noise { field: "full well", value, expected: "at least 1 electron" });
-    }
+    sensor.noise.check()?;
     let mut generator = Pcg64::seed_from_u64(sensor.seed);
     let (height, width) = frame.size();
     let mut light = Array2::zeros((height, width));
     for ((row, column), pixel) in light.indexed_iter_mut() {
-        let mut value = f64::from(frame.planes[(sensor.phase.channel(row, column).plane(), row, column)]);
-        if let Some(well) = full_well {
-            // A mean of zero has no Poisson distribution, and gives no electrons.
-            let electrons = Poisson::new(value * well).map_or(0.0, |p| p.sample(&mut generator));
-            value = electrons / well;
-        }
-        if gaussian > 0.0 {
-            let draw: f64 = StandardNormal.sample(&mut generator);
-            value += gaussian * draw;
-        }
-        *pixel = value as f32;
+        let value = f64::from(frame.planes[(sensor.phase.channel(row, column).plane(), row, column)]);
+        *pixel = noisy(value, sensor.noise, &mut generator) as f32;
     }
     Ok(light)
+}
+
+/// One draw of what a pixel reads at a light of `value`.
+fn noisy(value: f64, noise: Noise, generator: &mut Pcg64) -> f64 {
+    match noise {
+        Noise::None => value,
+        Noise::Gaussian { sigma } => value + sigma * normal(generator),
+        Noise::Sensor(sensor) => {
+            let full_scale = sensor.full_scale_e();
+            let read = sensor.read_noise_e * normal(generator);
+            (electrons(value * full_scale, generator) + read) / full_scale
+        }
+    }
+}
+
+fn normal(generator: &mut Pcg64) -> f64 {
+    StandardNormal.sample(generator)
+}
+
+/// A count of electrons of that mean. Where there is no such distribution, darkness gives none, and a mean beyond 10¹⁹ is so
+/// sharp that it stands for every draw.
+fn electrons(mean: f64, generator: &mut Pcg64) -> f64 {
+    if mean <= 0.0 { 0.0 } else { Poisson::new(mean).map_or(mean, |p| p.sample(generator)) }
 }
 
 /// The raw frame: mosaic, noise, then code = round(light·2^depth), saturated to 0…2^depth − 1.
@@ -95,6 +94,7 @@ pub fn expose(frame: &ColourFrame, sensor: &Sensor) -> Result<RawFrame, SensorEr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_spec::noise::SensorNoise;
 
     fn flat(level: f32) -> ColourFrame {
         let mut frame = ColourFrame::zeros(200, 200);
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn gaussian_noise_has_its_deviation_and_no_bias() {
-        let noise = Noise { gaussian: 0.02, full_well: None };
+        let noise = Noise::gaussian(0.02);
         let light = mosaic_with_noise(&flat(0.5), &Sensor { noise, ..Sensor::default() }).unwrap();
         let (mean, variance) = mean_and_variance(&light);
         assert!((mean - 0.5).abs() < 5e-4 && (variance.sqrt() - 0.02).abs() < 3e-4, "{mean} {variance}");
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn photon_noise_grows_with_the_light() {
-        let noise = Noise { gaussian: 0.0, full_well: Some(1000.0) };
+        let noise = Noise::Sensor(SensorNoise { full_well_e: 1000.0, read_noise_e: 0.0, gain: 1.0 });
         for level in [0.0, 0.01, 0.1, 0.8] {
             let light = mosaic_with_noise(&flat(level), &Sensor { noise, ..Sensor::default() }).unwrap();
             let (mean, variance) = mean_and_variance(&light);
@@ -153,8 +153,31 @@ mod tests {
     }
 
     #[test]
+    fn a_sensors_noise_has_the_variance_that_it_states() {
+        for gain in [1.0, 8.0] {
+            let noise = Noise::sensor(gain);
+            for level in [0.0, 0.02, 0.5] {
+                let light = mosaic_with_noise(&flat(level), &Sensor { noise, ..Sensor::default() }).unwrap();
+                let (mean, variance) = mean_and_variance(&light);
+                let expected = noise.variance(f64::from(level));
+                assert!((mean - f64::from(level)).abs() < 5e-4, "{level}: {mean}");
+                assert!((variance - expected).abs() <= 0.05 * expected, "{level}: {variance} not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn light_too_strong_for_a_poisson_draw_stays_light() {
+        let noise = Noise::Sensor(SensorNoise { full_well_e: 1e9, read_noise_e: 0.0, gain: 1.0 });
+        for level in [1.0, 1e12, f32::MAX] {
+            let raw = expose(&flat(level), &Sensor { noise, ..Sensor::default() }).unwrap();
+            assert!(raw.values().iter().all(|&c| c >= 4094), "{level}");
+        }
+    }
+
+    #[test]
     fn the_same_seed_gives_the_same_frame_and_another_seed_another() {
-        let noise = Noise { gaussian: 0.01, full_well: Some(5000.0) };
+        let noise = Noise::sensor(2.0);
         let shot = |seed| expose(&flat(0.3), &Sensor { noise, seed, ..Sensor::default() }).unwrap();
         assert_eq!(shot(7), shot(7));
         assert_ne!(shot(7), shot(8));
@@ -164,16 +187,8 @@ mod tests {
     fn impossible_sensors_are_refused() {
         let refused = |sensor: Sensor| expose(&flat(0.1), &sensor).unwrap_err().to_string();
         assert_eq!(refused(Sensor { depth: 20, ..Sensor::default() }), "bit depth 20: must be 8 to 16");
-        let noise = Noise { gaussian: -0.1, full_well: None };
-        assert_eq!(
-            refused(Sensor { noise, ..Sensor::default() }),
-            "sensor: gaussian noise is -0.1, expected 0 or more"
-        );
-        let noise = Noise { gaussian: 0.0, full_well: Some(0.0) };
-        assert_eq!(
-            refused(Sensor { noise, ..Sensor::default() }),
-            "sensor: full well is 0, expected at least 1 electron"
-        );
+        let noise = Noise::sensor(0.0);
+        assert!(refused(Sensor { noise, ..Sensor::default() }).starts_with("noise: gain is 0, expected 1"));
         assert!(
             expose(&ColourFrame::zeros(3, 4), &Sensor::default()).unwrap_err().to_string().contains("4x3")
         );

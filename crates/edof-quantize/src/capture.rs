@@ -3,9 +3,9 @@
 use crate::Scene;
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_optics::sensor::{Noise, Sensor, SensorError, expose};
+use edof_optics::sensor::{Sensor, SensorError, expose};
 use edof_spec::network::Origin;
-use edof_spec::{CfaPhase, ColourFrame};
+use edof_spec::{CfaPhase, ColourFrame, Noise};
 use rayon::prelude::*;
 
 /// Depths that scenes are captured at, evenly over the camera's range.
@@ -36,7 +36,7 @@ pub fn capture<'a>(
                 let blurred = blur_frame(sharp, psfs);
                 let shot = |(i, &gaussian): (usize, &f64)| {
                     let seed = 1 + i as u64;
-                    let noise = Noise { gaussian, full_well: None };
+                    let noise = Noise::gaussian(gaussian);
                     let sensor = Sensor { depth: DEPTH, phase: CfaPhase::Rggb, noise, seed };
                     let raw = expose(&blurred, &sensor)?;
                     Ok(Scene { name: format!("{name}, psi {psi}, noise {gaussian}"), raw, sharp })

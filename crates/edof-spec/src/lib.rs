@@ -8,6 +8,8 @@
 //! | BT.709 Y′CbCr and the 4:2:2 sites of a patch | [`colour`] |
 //! | the averaging window of overlapping patches | [`overlap`] |
 //! | lens, mask and sensor, and their files | [`camera`] |
+//! | light and its sRGB encoding | [`tone`] |
+//! | a sensor's noise | [`noise`] |
 //! | fixed-point words and their rounding | [`number`] |
 //! | the float network | [`network`] |
 //! | the integer network, its shifts and thresholds | [`fixed_network`] |
@@ -32,9 +34,11 @@ pub mod fixed_network;
 pub mod frame;
 pub mod geometry;
 pub mod network;
+pub mod noise;
 pub mod number;
 pub mod overlap;
 pub mod reconstructor;
+pub mod tone;
 pub mod weight_file;
 
 pub use camera::Camera;
@@ -44,4 +48,6 @@ pub use fixed_network::FixedNetwork;
 pub use frame::{ColourFrame, Frame422, RawFrame};
 pub use geometry::{Geometry, Stride, Window};
 pub use network::Network;
+pub use noise::Noise;
 pub use reconstructor::{ReconstructError, Reconstruction, Reconstructor};
+pub use tone::Tone;

@@ -3,10 +3,10 @@
 use crate::metrics::{BORDER, MetricError, Quality, decibel};
 use crate::picture::{Tone, png, sheet};
 use crate::report::{Figure, Report};
-use edof_optics::capture::{CaptureError, Cuts, capture};
+use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, ColourFrame, ReconstructError, Reconstructor};
+use edof_spec::{Camera, ColourFrame, Noise, ReconstructError, Reconstructor};
 use ndarray::Array2;
 use serde::Serialize;
 
@@ -53,8 +53,8 @@ pub struct Demo {
     pub height: usize,
     /// Columns of the scene.
     pub width: usize,
-    /// σ of the noise, in units of full scale.
-    pub noise: f64,
+    /// Noise of the sensor.
+    pub noise: Noise,
     /// Bits of the sensor.
     pub depth: u32,
     /// All pictures, lens by lens.
@@ -90,7 +90,7 @@ pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>]) -> Result<Demo, 
     let depths = scene.psi_map();
     let mut pictures = vec![];
     for lens in lenses {
-        let raw = capture(scene, &lens.camera, sensor, &Cuts::default())?.raw;
+        let raw = capture(scene, &lens.camera, sensor, &Approximation::default())?.raw;
         for (treatment, method) in &lens.methods {
             let result = method.reconstruct(&raw)?;
             let quality = Quality::of(&truth, &result.frame, BORDER)?;
@@ -108,7 +108,7 @@ pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>]) -> Result<Demo, 
         }
     }
     let (height, width) = truth.size();
-    let (noise, depth) = (sensor.noise.gaussian, sensor.depth);
+    let (noise, depth) = (sensor.noise, sensor.depth);
     Ok(Demo { scene: scene.name.clone(), height, width, noise, depth, pictures, truth })
 }
 
@@ -178,7 +178,7 @@ impl Demo {
         let mut report = Report::new("Extended depth of field: one scene, four depths");
         report.paragraph(&format!(
             "The scene “{}” ({}×{} pixels) has four parts, each at its own depth. Every lens sees it once; a {}-bit sensor \
-             with Bayer filters and Gaussian noise of {} (full scale 1) gives one raw frame. “Demosaiced” shows that frame \
+             with Bayer filters and noise {} (a number: Gaussian, full scale 1) gives one raw frame. “Demosaiced” shows that frame \
              as a plain camera would; “reconstructed” is the network in fixed point, in the integers that the board \
              computes with. Made by `{command}`.",
             self.scene, self.width, self.height, self.depth, self.noise

@@ -8,8 +8,8 @@ use crate::metrics::{BORDER, MetricError, Quality};
 use crate::photos::Photo;
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{MOST_DEFOCUS, Settings, channel_psfs};
-use edof_optics::sensor::{Noise, Sensor, SensorError, expose};
-use edof_spec::{Camera, CfaPhase, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_optics::sensor::{Sensor, SensorError, expose};
+use edof_spec::{Camera, CfaPhase, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -194,7 +194,7 @@ pub fn sensor(image: &str, psi: f64, noise: f64) -> Sensor {
     // FNV-1a over whole words.
     let seed = words
         .fold(0xcbf2_9ce4_8422_2325, |hash: u64, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3));
-    Sensor { depth: DEPTH, phase: CfaPhase::Rggb, noise: Noise { gaussian: noise, full_well: None }, seed }
+    Sensor { depth: DEPTH, phase: CfaPhase::Rggb, noise: Noise::gaussian(noise), seed }
 }
 
 #[cfg(test)]
@@ -283,7 +283,10 @@ mod tests {
                 .to_string()
         };
         assert_eq!(refused(f64::NAN, 0.0), "psi NaN: must be a number within 200 of camera clear's focus");
-        assert_eq!(refused(0.0, -1.0), "p: sensor: gaussian noise is -1, expected 0 or more");
+        assert_eq!(
+            refused(0.0, -1.0),
+            "p: noise: the standard deviation is -1, expected 0 to 1, where full scale is 1"
+        );
     }
 
     #[test]

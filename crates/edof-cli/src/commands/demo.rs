@@ -8,8 +8,8 @@ use crate::{interrupt, weights};
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_optics::draw::{Builtin, draw, four_depths};
-use edof_optics::sensor::{Noise, Sensor};
-use edof_spec::{Camera, FixedNetwork, Reconstructor};
+use edof_optics::sensor::Sensor;
+use edof_spec::{Camera, FixedNetwork, Noise, Reconstructor};
 use edof_study::demo::{self, Lens};
 use edof_study::picture::{self, Tone};
 use std::path::PathBuf;
@@ -44,9 +44,9 @@ pub struct Args {
     #[arg(long, default_value = "chart", value_name = "SCENE")]
     scene: String,
 
-    /// Standard deviation of the noise, in units of full scale
-    #[arg(long, default_value_t = 0.005, value_name = "SIGMA")]
-    noise: f64,
+    /// Noise of the sensor: none, a standard deviation in units of full scale, or sensor[:gain=G] as in edof capture
+    #[arg(long, default_value = "0.005", value_name = "NOISE")]
+    noise: Noise,
 
     /// Rows of the scene, even
     #[arg(long, default_value_t = 480, value_name = "PIXELS")]
@@ -74,12 +74,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         &four_depths(coded_camera.psi_range),
         1,
     )?;
-    let sensor = Sensor {
-        depth: 12,
-        noise: Noise { gaussian: args.noise, full_well: None },
-        seed: 1,
-        ..Sensor::default()
-    };
+    let sensor = Sensor { depth: 12, noise: args.noise, seed: 1, ..Sensor::default() };
 
     let malvar = Malvar::default();
     let plain = || ("demosaiced".to_owned(), &malvar as &dyn Reconstructor);
