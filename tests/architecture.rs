@@ -13,7 +13,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("edof-optics", &["edof-spec"]),
     ("edof-deblur", &["edof-spec"]),
     ("edof-golden", &["edof-spec"]),
-    ("edof-hdl", &["edof-spec"]),
+    ("edof-hdl-derive", &[]),
+    ("edof-hdl", &["edof-spec", "edof-hdl-derive"]),
     ("edof-cosim", &["edof-spec", "edof-golden", "edof-hdl"]),
     ("edof-train", &["edof-spec", "edof-optics"]),
     ("edof-quantize", &["edof-spec", "edof-optics", "edof-golden", "edof-train"]),
@@ -54,6 +55,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("image", &["edof-io", "edof-study", "edof-golden"]),
     ("libloading", &["edof-cosim"]),
     ("rust-hdl", &["edof-hdl", "edof-cosim"]),
+    ("syn", &["edof-hdl-derive"]),
 ];
 
 fn row<'a>(table: &[(&str, &'a [&'a str])], name: &str) -> Option<&'a [&'a str]> {

@@ -69,6 +69,7 @@ fn no_output_replaces_an_input() {
         "demo --net net.fixed.safetensors --json net.fixed.safetensors".to_owned(),
         "demo --clear-net net.fixed.safetensors --json net.fixed.safetensors".to_owned(),
         "estimate --design design.json --json design.json".to_owned(),
+        "timing --design design.json --json design.json".to_owned(),
         "cosim --design design.json --json design.json".to_owned(),
         "cosim --design design.json --junit design.json".to_owned(),
         "cosim --design tiny --photo photo.png --json photo.png".to_owned(),

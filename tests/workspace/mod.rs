@@ -68,8 +68,13 @@ fn package(value: &Value) -> Package {
         name: text(&value["name"]),
         folder: Path::new(value["manifest_path"].as_str().unwrap()).parent().unwrap().to_owned(),
         dependencies: value["dependencies"].as_array().unwrap().iter().map(dependency).collect(),
-        targets: value["targets"].as_array().unwrap().iter().map(|t| text(&t["src_path"])).collect(),
+        targets: value["targets"].as_array().unwrap().iter().map(|t| plain(&text(&t["src_path"]))).collect(),
     }
+}
+
+/// A path without `..`, so that it can be compared.
+fn plain(path: &str) -> String {
+    Path::new(path).canonicalize().unwrap().display().to_string()
 }
 
 /// Path and text of every Rust file of a crate, its tests at the top level included.

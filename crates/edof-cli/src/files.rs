@@ -131,6 +131,15 @@ mod tests {
     }
 
     #[test]
+    fn every_command_tells_what_it_reads_and_writes() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/commands");
+        for file in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            assert!(text.contains("Files::new(ui)") || file.ends_with("mod.rs"), "{}", file.display());
+        }
+    }
+
+    #[test]
     fn a_device_may_be_written_twice() {
         files().writes("--out", "/dev/null").writes("--json", "/dev/null").check().unwrap();
     }
