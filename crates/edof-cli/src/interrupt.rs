@@ -11,7 +11,7 @@ use std::time::Duration;
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// How long work may take to come to its next look, for instance to write a checkpoint.
-const GRACE: Duration = Duration::from_millis(700);
+const GRACE: Duration = Duration::from_millis(500);
 
 /// Starts to listen for Ctrl-C and SIGTERM.
 ///

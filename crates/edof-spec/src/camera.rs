@@ -363,9 +363,7 @@ mod tests {
         assert!(refused(|c| c.aperture_radius_mm = 1e-9).contains("at least 1/64 of a wavelength"));
         assert!(refused(|c| c.pixel_pitch_um = 1e9).contains("at most 8 wavelengths"));
         assert!(refused(|c| c.pixel_pitch_um = 1e-9).contains("at least 1/64 of a wavelength"));
-        assert!(
-            refused(|c| c.rings = vec![c.rings[0].clone(); 65]).contains("65 of them, expected 64 at most")
-        );
+        assert!(refused(|c| c.rings = vec![c.rings[0]; 65]).contains("65 of them, expected 64 at most"));
     }
 
     #[test]
