@@ -7,15 +7,11 @@ use edof_spec::Frame422;
 use ndarray::{ArrayBase, Data, Dimension};
 use ndarray_npy::{NpzWriter, WritableElement, WriteNpzError};
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Makes the folder if there is none: before all work, so that a wrong one costs none.
-///
-/// # Errors
-/// When it cannot be made.
-pub fn make_folder(folder: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| Error::message(format!("{}: cannot make this folder: {e}", folder.display())))
+/// The file in a folder.
+pub fn file(folder: &Path) -> PathBuf {
+    folder.join("words.npz")
 }
 
 /// Writes `folder`/words.npz.
@@ -23,10 +19,10 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
 /// # Errors
 /// When the file cannot be written.
 pub fn save(folder: &Path, boundaries: &[Boundary], frame: &Frame422, codes: &Picture) -> Result<(), Error> {
-    let path = folder.join("words.npz");
+    let path = file(folder);
     let failed = |e: WriteNpzError| Error::message(format!("{}: cannot write: {e}", path.display()));
     let bytes = npz(boundaries, frame, codes).map_err(failed)?;
-    Ok(edof_spec::atomic::write_with(&path, |file| file.write_all(&bytes))?)
+    Ok(edof_spec::atomic::write(&path, &bytes)?)
 }
 
 fn npz(boundaries: &[Boundary], frame: &Frame422, codes: &Picture) -> Result<Vec<u8>, WriteNpzError> {

@@ -43,31 +43,14 @@ impl Curve {
 
 /// A table that the board cannot load.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum TableError {
     /// Wrong length.
     #[error("{what} table: {found} entries, expected {expected}")]
-    Length {
-        /// Luma or colour.
-        what: &'static str,
-        /// Entries given.
-        found: usize,
-        /// Entries that it has.
-        expected: usize,
-    },
+    Length { what: &'static str, found: usize, expected: usize },
     /// An entry that cannot be sent.
     #[error("{what} table: entry {index} is {value}, expected {least} to {most}")]
-    Entry {
-        /// Luma or colour.
-        what: &'static str,
-        /// Which entry.
-        index: usize,
-        /// What it holds.
-        value: u16,
-        /// The least it may hold.
-        least: u16,
-        /// The most.
-        most: u16,
-    },
+    Entry { what: &'static str, index: usize, value: u16, least: u16, most: u16 },
 }
 
 /// An 8-bit code for each luma word of 0 or more; negative words read entry 0.

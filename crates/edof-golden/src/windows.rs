@@ -13,7 +13,7 @@ pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> 
     let side = geometry.window.side() as isize;
     (top..top + side)
         .flat_map(|r| (left..left + side).map(move |c| (r, c)))
-        .map(|(r, c)| input_word(raw.pixels()[(mirror(r, height), mirror(c, width))]).to_bits())
+        .map(|(r, c)| input_word(raw.pixels()[(mirror(r, height), mirror(c, width))]))
         .collect()
 }
 
@@ -36,7 +36,7 @@ impl Mirrored {
         let mut words = Vec::with_capacity((height + 2 * reach) * columns.len());
         for r in 0..height + 2 * reach {
             let line = raw.pixels().row(inside(r, height));
-            words.extend(columns.iter().map(|&c| input_word(line[c]).to_bits()));
+            words.extend(columns.iter().map(|&c| input_word(line[c])));
         }
         Self { words, width: columns.len(), geometry }
     }

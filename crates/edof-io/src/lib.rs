@@ -5,7 +5,7 @@
 //! | photographs: PNG, TIFF, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
 //! | raw frames: PNG, TIFF, PGM, and headerless 16-bit files | [`raw`] |
 //! | camera raw (DNG and friends), with the feature `camera-raw` | [`camera_raw`] |
-//! | pixels as files hold them, before either meaning is given to them | [`samples`] |
+//! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
 //! Everything is written through [`edof_spec::atomic`]: a file appears whole or not at all.
@@ -27,6 +27,7 @@
 
 pub mod camera_raw;
 pub mod photo;
+pub mod picture;
 pub mod pnm;
 pub mod raw;
 pub mod samples;

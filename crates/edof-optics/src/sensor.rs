@@ -171,7 +171,7 @@ mod tests {
         let noise = Noise::Sensor(SensorNoise { full_well_e: 1e9, read_noise_e: 0.0, gain: 1.0 });
         for level in [1.0, 1e12, f32::MAX] {
             let raw = expose(&flat(level), &Sensor { noise, ..Sensor::default() }).unwrap();
-            assert!(raw.codes().iter().all(|&c| c >= 4094), "{level}");
+            assert!(raw.values().iter().all(|&c| c >= 4094), "{level}");
         }
     }
 

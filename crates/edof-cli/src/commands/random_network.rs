@@ -1,6 +1,7 @@
 //! `edof random-network`: a drawn network, where there is no trained one.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use clap::ValueEnum;
@@ -54,9 +55,10 @@ enum Kind {
 /// # Errors
 /// A form that cannot be drawn, a network that no accumulator could hold, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    Files::new(ui).writes("--out", &args.out).check()?;
     weight_file::save_fixed(&args.out, &network(&args)?)?;
     ui.say(format!("{}: {}, stride {}", args.out.display(), form::words(&args.form), args.stride))?;
-    ui.json(&json!({ "out": args.out, "form": args.form, "stride": args.stride, "seed": args.seed }))
+    ui.json(&json!({ "out": args.out.display().to_string(), "form": args.form, "stride": args.stride, "seed": args.seed }))
 }
 
 fn network(args: &Args) -> Result<FixedNetwork, Error> {

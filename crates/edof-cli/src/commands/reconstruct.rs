@@ -1,6 +1,7 @@
 //! `edof reconstruct`: from a raw frame to a picture.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
 use crate::words;
@@ -122,6 +123,15 @@ enum Gamma {
 /// # Errors
 /// A frame, network or option that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let network =
+        if args.float { weights::float_file(&args.weights) } else { weights::fixed_file(&args.weights) };
+    let files = Files::new(ui).reads(&args.raw).reads_all(network).reads_all(&args.camera);
+    let words = args.words.as_deref().map(words::file);
+    files
+        .writes("--out", &args.out)
+        .may_write("--board", codes_file(&args))
+        .may_write("--words", words)
+        .check()?;
     let frame = raw::load(&args.raw, &raw_options(&args))?;
     remark_on_dim_frames(&frame, &args, ui);
     let made = if args.float { float(&args, &frame)? } else { fixed(&args, &frame)? };
@@ -135,8 +145,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ))?;
     let mut report = json!({
         "method": made.name,
-        "raw": args.raw,
-        "picture": args.out,
+        "raw": args.raw.display().to_string(),
+        "picture": args.out.display().to_string(),
         "width": width,
         "height": height,
         "tone": args.tone,
@@ -174,12 +184,11 @@ fn fixed(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
     let network = fixed_network(args)?;
     let name = format!("{}.fixed", network.origin.name);
     let golden = Golden::new(network)?;
-    args.words.as_deref().map_or(Ok(()), words::make_folder)?;
     let start = Instant::now();
     let out = golden.frame(frame).map_err(|e| of_frame(args, e))?;
     let seconds = start.elapsed().as_secs_f64();
     let (picture, shown) = out.picture(&Display::new(args.display, curve(args)));
-    let board = args.board.then(|| args.out.with_extension("yuyv"));
+    let board = codes_file(args);
     if let Some(codes) = &board {
         photo::save(&args.out, &picture.shown_frame(), args.bits)?;
         edof_spec::atomic::write(codes, &picture.yuyv())?;
@@ -192,11 +201,16 @@ fn fixed(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
     let more = json!({
         "counters": counters(&out.counts),
         "display": { "mode": args.display, "clamped_chroma": shown.clamped_chroma, "out_of_gamut": shown.out_of_gamut },
-        "board": board,
-        "words": args.words,
+        "board": board.map(|file| file.display().to_string()),
+        "words": args.words.as_deref().map(|folder| words::file(folder).display().to_string()),
     });
     let multiplications = Some(out.counts.multiplications(golden.network()));
     Ok(Made { name, seconds, multiplications, more })
+}
+
+/// Where the board's codes go, if they are asked for.
+fn codes_file(args: &Args) -> Option<PathBuf> {
+    args.board.then(|| args.out.with_extension("yuyv"))
 }
 
 /// Saturations and non-zeros of every stage.
