@@ -135,7 +135,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, tone, noise, out) = (scene.name, camera.name, args.tone, args.noise, args.out.display().to_string());
+    let (scene, camera, tone, noise, out) =
+        (scene.name, camera.name, args.tone, args.noise, args.out.display().to_string());
     ui.json(&Captured {
         scene,
         camera,
