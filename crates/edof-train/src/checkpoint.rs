@@ -1,7 +1,8 @@
 //! A training run on disk: the recipe and everything that changes while it runs, so that it goes on bit for bit.
 
 use crate::adam::Adam;
-use crate::train::{Recipe, State};
+use crate::recipe::Recipe;
+use crate::train::{Best, State};
 use edof_spec::atomic::{self, WriteError};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
@@ -66,6 +67,7 @@ struct Metadata {
     adam_steps: u64,
     /// Bits of an f64: JSON has no −∞.
     best_db_bits: u64,
+    best_within_budget: bool,
     stale: u32,
 }
 
@@ -79,7 +81,8 @@ pub fn save(path: &Path, run: &Run, state: &State) -> Result<(), CheckpointError
         run: run.clone(),
         step: state.step,
         adam_steps: state.adam.steps,
-        best_db_bits: state.best_db.to_bits(),
+        best_db_bits: state.best.db.to_bits(),
+        best_within_budget: state.best.within_budget,
         stale: state.stale,
     };
     let text = serde_json::to_string(&metadata).map_err(|e| foreign(e.to_string()))?;
@@ -124,7 +127,8 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         adam: Adam { steps: metadata.adam_steps, mean: tensor("adam_mean")?, square: tensor("adam_square")? },
         cell_errors: tensor("cell_errors")?,
         best_weights: tensor("best_weights")?,
-        best_db: f64::from_bits(metadata.best_db_bits),
+        lambdas: tensor("lambdas")?,
+        best: Best { within_budget: metadata.best_within_budget, db: f64::from_bits(metadata.best_db_bits) },
         stale: metadata.stale,
     };
     let lengths = [&state.adam.mean, &state.adam.square, &state.best_weights].map(Vec::len);
@@ -134,12 +138,13 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
     Ok(state)
 }
 
-const fn named(state: &State) -> [(&'static str, &Vec<f32>); 5] {
+const fn named(state: &State) -> [(&'static str, &Vec<f32>); 6] {
     [
         ("weights", &state.weights),
         ("adam_mean", &state.adam.mean),
         ("adam_square", &state.adam.square),
         ("cell_errors", &state.cell_errors),
+        ("lambdas", &state.lambdas),
         ("best_weights", &state.best_weights),
     ]
 }

@@ -3,8 +3,9 @@
 use crate::linear_algebra::{cholesky, least_squares, solve_upper};
 use crate::parameters::Layout;
 use crate::pass::Pass;
-use crate::patches::{Bank, Batch, Random};
-use crate::train::Recipe;
+use crate::dataset::{Batch, Dataset};
+use crate::random::Random;
+use crate::recipe::Recipe;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Shrinkage};
 use serde::{Deserialize, Serialize};
@@ -27,11 +28,11 @@ pub enum Start {
 
 /// Starting weights in the flat layout of the recipe's form; the same recipe gives the same ones.
 #[must_use]
-pub fn initial(recipe: &Recipe, bank: &Bank) -> Vec<f32> {
+pub fn initial(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
     let form = &recipe.form;
     let mut random = Random::new(recipe.seed, u64::MAX, 0);
     let mut batch = Batch::new(form.window, SAMPLES);
-    bank.draw(&mut random, recipe.noise, recipe.noiseless, &mut batch);
+    dataset.draw(&mut random, &recipe.conditions, &mut batch);
     match recipe.start {
         Start::Whitened => whitened(form, &batch, &mut random),
         Start::Dictionary => from_dictionary(form, &batch, &mut random),
@@ -81,7 +82,7 @@ const fn first_threshold(shrinkage: Shrinkage) -> f32 {
 /// D and R by least squares over what the rest of the network makes of the batch.
 fn fit_final_layer(form: &Form, layout: &Layout, batch: &Batch, weights: &mut [f32]) {
     let (codes, pixels) = (form.codes, form.window.pixels());
-    let windows = batch.cells.len();
+    let windows = batch.windows();
     let mut pass = Pass::new(*form, windows);
     pass.forward(weights, &batch.inputs, windows);
     let z = pass.z(form.middle_layers());
@@ -165,17 +166,17 @@ fn normalise_atoms(dictionary: &mut [f32], codes: usize) {
 
 /// ISTA on ½‖x − Dz‖² + μ‖z‖₁ (atom 0 unpenalised), all patches at once.
 fn sparse_codes(patches: &[f32], dictionary: &[f32], codes: usize, mu: f32, steps: usize) -> Vec<f32> {
-    use crate::matmul::{Into, Mat, product};
+    use crate::matmul::{Destination, Mat, product};
     let count = patches.len() / RGB_OUTPUTS;
     let d = Mat::new(dictionary, RGB_OUTPUTS, codes);
     let mut gram = vec![0.0; codes * codes];
-    product(&mut gram, Into::Replace, d.t(), d);
+    product(&mut gram, Destination::Replace, d.t(), d);
     let mut start = vec![0.0; count * codes];
-    product(&mut start, Into::Replace, Mat::new(patches, count, RGB_OUTPUTS), d);
+    product(&mut start, Destination::Replace, Mat::new(patches, count, RGB_OUTPUTS), d);
     let step = 1.0 / (largest_eigenvalue(&gram, codes) * 1.01);
     let (mut z, mut toward) = (vec![0.0f32; count * codes], vec![0.0; count * codes]);
     for _ in 0..steps {
-        product(&mut toward, Into::Replace, Mat::new(&z, count, codes), Mat::new(&gram, codes, codes));
+        product(&mut toward, Destination::Replace, Mat::new(&z, count, codes), Mat::new(&gram, codes, codes));
         for (i, ((z, &g), &b)) in z.iter_mut().zip(&toward).zip(&start).enumerate() {
             let moved = *z + step * (b - g);
             let theta = if i % codes == 0 { 0.0 } else { step * mu };
