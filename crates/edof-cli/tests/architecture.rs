@@ -53,6 +53,14 @@ fn the_golden_pipeline_knows_only_the_specification() {
 }
 
 #[test]
+fn training_knows_neither_the_golden_pipeline_nor_quantization() {
+    let known = reachable(&graph(), "edof-train");
+    for above in ["edof-golden", "edof-quantize"] {
+        assert!(!known.contains(&above.to_owned()), "edof-train reaches {above}");
+    }
+}
+
+#[test]
 fn nothing_depends_on_the_command() {
     for (name, dependencies) in graph() {
         assert!(!dependencies.contains(&"edof-cli".to_owned()), "{name} depends on edof-cli");
@@ -63,7 +71,7 @@ fn nothing_depends_on_the_command() {
 fn optics_io_and_deblurring_know_no_network() {
     for name in ["edof-optics", "edof-io", "edof-deblur"] {
         let known = reachable(&graph(), name);
-        for network in ["edof-train", "edof-golden"] {
+        for network in ["edof-train", "edof-quantize", "edof-golden"] {
             assert!(!known.contains(&network.to_owned()), "{name} reaches {network}");
         }
     }

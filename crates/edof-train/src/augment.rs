@@ -115,7 +115,8 @@ fn coverage(many: usize, few: usize) -> Vec<(usize, Vec<f32>)> {
         .map(|i| {
             let (from, to) = (i * many, (i + 1) * many);
             let pixels = from / few..to.div_ceil(few);
-            let share = |pixel: usize| (to.min((pixel + 1) * few) - from.max(pixel * few)) as f32 / many as f32;
+            let share =
+                |pixel: usize| (to.min((pixel + 1) * few) - from.max(pixel * few)) as f32 / many as f32;
             (pixels.start, pixels.map(share).collect())
         })
         .collect()

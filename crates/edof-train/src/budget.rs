@@ -21,6 +21,9 @@ const RANGE: [f32; 2] = [1e-7, 0.1];
 const TOLERANCE: f64 = 0.03;
 
 impl Budget {
+    /// A rate that settles within some thousand steps.
+    pub const RATE: f32 = 2e-3;
+
     /// Moves each λ toward its target; `measured` are a batch's mean non-zeros, `share` is the schedule's.
     pub fn steer(&self, lambdas: &mut [f32], measured: &[f32], share: f32) {
         for ((lambda, &found), &target) in lambdas.iter_mut().zip(measured).zip(&self.non_zeros) {

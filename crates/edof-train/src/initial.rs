@@ -1,17 +1,16 @@
 //! Starting values: random analysis of whitened inputs, or ISTA's own matrices from a dictionary.
 
+use crate::dataset::Batch;
 use crate::linear_algebra::{cholesky, least_squares, solve_upper};
 use crate::parameters::Layout;
 use crate::pass::Pass;
-use crate::dataset::{Batch, Dataset};
 use crate::random::Random;
-use crate::recipe::Recipe;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Shrinkage};
 use serde::{Deserialize, Serialize};
 
 /// Windows that starting values are computed from.
-const SAMPLES: usize = 16_384;
+pub const SAMPLES: usize = 16_384;
 /// Codes that take the mean of one CFA colour each and keep a threshold of 0: thresholding them costs 8 dB.
 const DC_CODES: usize = 4;
 
@@ -26,16 +25,13 @@ pub enum Start {
     Dictionary,
 }
 
-/// Starting weights in the flat layout of the recipe's form; the same recipe gives the same ones.
+/// Starting weights in the flat layout of a form, from windows like those that it will be trained on ([`SAMPLES`] are
+/// enough). The same batch and random stream give the same ones.
 #[must_use]
-pub fn initial(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
-    let form = &recipe.form;
-    let mut random = Random::new(recipe.seed, u64::MAX, 0);
-    let mut batch = Batch::new(form.window, SAMPLES);
-    dataset.draw(&mut random, &recipe.conditions, &mut batch);
-    match recipe.start {
-        Start::Whitened => whitened(form, &batch, &mut random),
-        Start::Dictionary => from_dictionary(form, &batch, &mut random),
+pub fn initial(form: &Form, start: Start, batch: &Batch, random: &mut Random) -> Vec<f32> {
+    match start {
+        Start::Whitened => whitened(form, batch, random),
+        Start::Dictionary => from_dictionary(form, batch, random),
     }
 }
 

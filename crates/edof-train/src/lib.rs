@@ -7,12 +7,11 @@
 //! | | [`holdout`] | the part of each photograph that training keeps away from |
 //! | start | [`initial`] | a first network: random analysis, or ISTA's matrices from a dictionary |
 //! | coordinates | [`precondition`] | whitened windows, so that training is well conditioned |
-//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`], [`parameters`], [`encoding`] and, for the board, [`mod@format`]; in either precision ([`real`]) |
+//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`], [`parameters`], [`encoding`] and, where words are to be rounded, [`mod@format`]; in either precision ([`real`]) |
 //! | weights | [`weighting`], [`budget`] | what a window's error counts, and what a non-zero costs |
 //! | step | [`adam`] | new weights |
 //! | run | [`recipe`], [`train`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
 //! | use | [`reconstruct`] | a whole frame through the float network |
-//! | board | [`quantize`] | integers, shifts, thresholds |
 //!
 //! ```
 //! use edof_train::pass::Pass;
@@ -43,7 +42,6 @@ pub mod noise;
 pub mod parameters;
 pub mod pass;
 pub mod precondition;
-pub mod quantize;
 pub mod random;
 pub mod real;
 pub mod recipe;

@@ -123,7 +123,8 @@ mod tests {
                 let mut light = vec![level; 400_000];
                 expose(noise, &mut Random::new(1, 0, 0), &mut light);
                 let mean = light.iter().map(|v| f64::from(v - level)).sum::<f64>() / light.len() as f64;
-                let square = light.iter().map(|v| f64::from(v - level).powi(2)).sum::<f64>() / light.len() as f64;
+                let square =
+                    light.iter().map(|v| f64::from(v - level).powi(2)).sum::<f64>() / light.len() as f64;
                 let expected = noise.variance(level.into());
                 assert!(mean.abs() < 0.01 * expected.sqrt() && (square / expected - 1.0).abs() < 0.01);
             }

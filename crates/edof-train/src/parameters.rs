@@ -1,8 +1,7 @@
 //! All weights of a network in one flat vector, and where in it each matrix lies. Gradients and Adam's moments have the
 //! same layout.
 
-use crate::quantize::fold::Folded;
-use edof_spec::colour::{OUTPUTS_422, RGB_OUTPUTS};
+use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Network, Origin};
 use ndarray::{Array1, Array2};
 use std::ops::Range;
@@ -31,13 +30,9 @@ impl Layout {
         Self::giving(form, RGB_OUTPUTS)
     }
 
-    /// The layout of a form that gives 4:2:2: that of [`Folded`].
+    /// The layout of a form whose F has so many outputs.
     #[must_use]
-    pub fn folded(form: &Form) -> Self {
-        Self::giving(form, OUTPUTS_422)
-    }
-
-    fn giving(form: &Form, outputs: usize) -> Self {
+    pub fn giving(form: &Form, outputs: usize) -> Self {
         let mut end = 0;
         let mut take = |length: usize| {
             end += length;
@@ -106,32 +101,4 @@ pub fn unflatten(form: Form, flat: &[f32], origin: Origin) -> Network {
         linear_path: form.linear_path.then(|| matrix(&layout.linear_path, pixels)),
         origin,
     }
-}
-
-/// [`flatten`] for a folded network; the inverse of [`unflatten_folded`].
-#[must_use]
-pub fn flatten_folded(folded: &Folded) -> Vec<f32> {
-    let matrices = folded.recurrent.iter().chain([&folded.dictionary]).chain(&folded.linear_path);
-    let first = folded.analysis.iter().chain(folded.thresholds.iter().flatten());
-    first.chain(matrices.flatten()).map(|v| *v as f32).collect()
-}
-
-/// The folded network that a flat vector of its form describes.
-#[must_use]
-pub fn unflatten_folded(form: &Form, flat: &[f32]) -> Folded {
-    let layout = Layout::folded(form);
-    let (codes, pixels) = (form.codes, form.window.pixels());
-    let matrix = |range: &Range<usize>, columns: usize| wide_matrix(&flat[range.clone()], columns);
-    let vector = |range: &Range<usize>| flat[range.clone()].iter().map(|v| f64::from(*v)).collect();
-    Folded {
-        analysis: matrix(&layout.analysis, pixels),
-        thresholds: layout.thresholds.iter().map(vector).collect(),
-        recurrent: layout.recurrent.iter().map(|s| matrix(s, codes)).collect(),
-        dictionary: matrix(&layout.dictionary, codes),
-        linear_path: form.linear_path.then(|| matrix(&layout.linear_path, pixels)),
-    }
-}
-
-fn wide_matrix(flat: &[f32], columns: usize) -> Array2<f64> {
-    Array2::from_shape_fn((flat.len() / columns, columns), |(r, c)| f64::from(flat[r * columns + c]))
 }

@@ -119,11 +119,8 @@ impl Recipe {
         if self.steps == 0 || self.validate_every == 0 {
             return Err(value("steps", self.steps.min(self.validate_every), "1 or more"));
         }
-        let rates = [
-            ("rate", self.rate),
-            ("output rate", self.output_rate),
-            ("threshold rate", self.threshold_rate),
-        ];
+        let rates =
+            [("rate", self.rate), ("output rate", self.output_rate), ("threshold rate", self.threshold_rate)];
         for (field, number) in rates {
             positive(field, number)?;
         }
@@ -143,7 +140,11 @@ impl Recipe {
             return Err(value("gain", gain, "1 to 1024"));
         }
         if !(least > 0.0 && least <= most && most <= 16.0) {
-            return Err(value("exposure", format!("{least}:{most}"), "two factors in order, above 0 and up to 16"));
+            return Err(value(
+                "exposure",
+                format!("{least}:{most}"),
+                "two factors in order, above 0 and up to 16",
+            ));
         }
         Ok(())
     }
@@ -151,7 +152,11 @@ impl Recipe {
     fn check_sparsity(&self) -> Result<(), RecipeError> {
         let layers = self.form.shrinkages();
         let count = |field, found: usize| {
-            Err(value(field, format!("with {found} values"), format!("one for each of the {layers} shrinkages")))
+            Err(value(
+                field,
+                format!("with {found} values"),
+                format!("one for each of the {layers} shrinkages"),
+            ))
         };
         if self.lambda.len() != 1 && self.lambda.len() != layers {
             return count("lambda", self.lambda.len());

@@ -2,7 +2,7 @@
 
 use crate::adam::Adam;
 use crate::dataset::{Batch, Dataset};
-use crate::initial::initial;
+use crate::initial::{SAMPLES, initial};
 use crate::noise::Conditions;
 use crate::parameters::{Layout, unflatten};
 use crate::pass::Pass;
@@ -122,7 +122,7 @@ impl<'a> Trainer<'a> {
     /// [`RecipeError`].
     pub fn new(recipe: Recipe, dataset: &'a Dataset, threads: usize) -> Result<Self, RecipeError> {
         recipe.check(dataset)?;
-        let network = initial(&recipe, dataset);
+        let network = start(&recipe, dataset);
         let mut weights = network.clone();
         condition(&recipe, dataset).to_trained(&network, &mut weights);
         let state = State {
@@ -182,6 +182,12 @@ impl<'a> Trainer<'a> {
     #[must_use]
     pub const fn recipe(&self) -> &Recipe {
         &self.recipe
+    }
+
+    /// ψ at a position of [`crate::dataset::Place`].
+    #[must_use]
+    pub fn psi(&self, position: usize) -> f64 {
+        self.dataset.psis()[position]
     }
 
     /// Trains until the schedule ends, patience is spent, or `tell` says no. `tell` is called after every step of a hundred and
@@ -366,6 +372,14 @@ fn schedule(step: u64, steps: u64) -> f32 {
     let rise = ((step + 1) as f32 / WARM_UP as f32).min(1.0);
     let done = step as f32 / steps as f32;
     rise * (0.001 + 0.999 * 0.5 * (1.0 + (std::f32::consts::PI * done).cos()))
+}
+
+/// Starting weights from windows like those to come.
+fn start(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
+    let mut random = Random::new(recipe.seed, u64::MAX, 0);
+    let mut batch = Batch::new(recipe.form.window, SAMPLES);
+    dataset.draw(&mut random, &recipe.conditions, &mut batch);
+    initial(&recipe.form, recipe.start, &batch, &mut random)
 }
 
 /// Coordinates from a batch of training windows; the same for a resumed run.

@@ -8,6 +8,7 @@ use crate::encoding::encode_with_slope;
 use crate::noise::Conditions;
 use crate::pass::Pass;
 use crate::random::Random;
+use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::Form;
 use edof_spec::{Noise, Tone};
 use rayon::prelude::*;
@@ -60,8 +61,7 @@ impl ValidationSets {
         let all = places.into_par_iter().enumerate().flat_map_iter(|(index, place)| {
             [false, true].map(|noisy| {
                 let tone = dataset.tones()[place.tone];
-                let noise =
-                    if noisy { conditions.at(tone, Conditions::judged(tone)) } else { Noise::None };
+                let noise = if noisy { conditions.at(tone, Conditions::judged(tone)) } else { Noise::None };
                 let mut batch = Batch::new(dataset.window(), WINDOWS);
                 let mut random = Random::new(SEED, index as u64, noisy.into());
                 dataset.draw_validation(&mut random, place, noise, &mut batch);
@@ -82,22 +82,31 @@ impl ValidationSets {
 impl Set {
     fn measure(&self, pass: &mut Pass, form: Form, weights: &[f32]) -> Measured {
         let outputs = pass.forward(weights, &self.batch.inputs, WINDOWS);
-        let encode = |v: f32| match self.batch.tones[0] {
-            Tone::Linear => v,
-            Tone::Srgb => encode_with_slope(v).0,
-        };
-        let pairs = outputs.iter().zip(&self.batch.targets);
-        let squares: f64 =
-            pairs.map(|(o, x)| f64::from(encode(o.clamp(0.0, 1.0)) - encode(*x)).powi(2)).sum();
-        let mse = (squares / outputs.len() as f64).max(1e-12);
+        let psnr_db = psnr_db(outputs, &self.batch);
         let count = |t: usize| pass.z(t)[..WINDOWS * form.codes].iter().filter(|z| **z != 0.0).count();
         Measured {
             place: self.place,
             noisy: self.noisy,
-            psnr_db: -10.0 * mse.log10(),
+            psnr_db,
             non_zeros: (0..form.shrinkages()).map(|t| count(t) as f64 / WINDOWS as f64).collect(),
         }
     }
+}
+
+/// PSNR in dB over all outputs of a batch, cut to 0…1, each window's in its tone.
+#[must_use]
+pub fn psnr_db(outputs: &[f32], batch: &Batch) -> f64 {
+    let rows = outputs.chunks_exact(RGB_OUTPUTS).zip(batch.targets.chunks_exact(RGB_OUTPUTS));
+    let mut squares = 0.0;
+    for ((outputs, targets), tone) in rows.zip(&batch.tones) {
+        let encode = |v: f32| match tone {
+            Tone::Linear => v,
+            Tone::Srgb => encode_with_slope(v).0,
+        };
+        let errors = outputs.iter().zip(targets).map(|(o, x)| encode(o.clamp(0.0, 1.0)) - encode(*x));
+        squares += errors.map(|e| f64::from(e * e)).sum::<f64>();
+    }
+    -10.0 * (squares / outputs.len() as f64).max(1e-12).log10()
 }
 
 impl Validation {

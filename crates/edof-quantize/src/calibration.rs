@@ -1,14 +1,14 @@
 //! Ranges of all codes, measured by the float network on real raw frames.
 
-use super::QuantizeError;
-use crate::matmul::{Into, Mat, product};
-use crate::parameters::flatten;
-use crate::pass::Pass;
+use crate::QuantizeError;
 use edof_golden::windows::Mirrored;
 use edof_spec::geometry::GeometryError;
 use edof_spec::network::{Form, Recurrence};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::{Geometry, Network, RawFrame, Stride};
+use edof_train::matmul::{Destination, Mat, product};
+use edof_train::parameters::flatten;
+use edof_train::pass::Pass;
 use ndarray::Array2;
 use rayon::prelude::*;
 
@@ -102,13 +102,13 @@ impl Calibration {
     }
 
     /// Takes in how the inputs of the batch that `pass` has just run go together.
-    pub(super) fn observe_moments(&mut self, pass: &Pass, inputs: &[f32], form: Form) {
+    pub(crate) fn observe_moments(&mut self, pass: &Pass, inputs: &[f32], form: Form) {
         let (codes, pixels) = (form.codes, form.window.pixels());
         let windows = inputs.len() / pixels;
         let mut sums = vec![0.0; (codes + pixels).pow(2)];
         let mut add = |moments: &mut Array2<f64>, vectors: &[f32], n: usize| {
             let v = Mat::new(vectors, windows, n);
-            product(&mut sums, Into::Replace, v.t(), v);
+            product(&mut sums, Destination::Replace, v.t(), v);
             moments.iter_mut().zip(&sums).for_each(|(m, s)| *m += f64::from(*s));
         };
         for (t, moments) in self.sent.iter_mut().enumerate() {
@@ -165,7 +165,7 @@ impl Calibration {
 
     /// # Errors
     /// [`QuantizeError::Calibration`] if nothing was seen, or a network of another form.
-    pub(super) fn check(&self, form: &Form) -> Result<(), QuantizeError> {
+    pub(crate) fn check(&self, form: &Form) -> Result<(), QuantizeError> {
         if self.windows == 0 {
             return Err(QuantizeError::Calibration("no windows seen, expected at least one raw frame"));
         }

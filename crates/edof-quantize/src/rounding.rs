@@ -5,10 +5,10 @@
 //! q_j is chosen, last column first, as the nearest to what makes its component zero given the words chosen before (Babai's
 //! nearest plane; the same as GPTQ, Frantar et al. 2023).
 
-use super::Calibration;
-use crate::linear_algebra::cholesky;
-use crate::parameters::Layout;
+use crate::Calibration;
 use edof_spec::network::Form;
+use edof_train::linear_algebra::cholesky;
+use edof_train::parameters::Layout;
 use ndarray::{Array2, concatenate, s};
 use std::ops::Range;
 

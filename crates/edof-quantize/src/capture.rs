@@ -1,6 +1,6 @@
 //! Scenes to calibrate and judge on: sharp pictures behind the network's own camera, over its whole range of ψ and noise.
 
-use super::Scene;
+use crate::Scene;
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};

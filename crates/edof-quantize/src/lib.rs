@@ -12,6 +12,17 @@
 //!
 //! Ranges are measured on the float network, so that integers hold every value seen, times a headroom. All layers share the
 //! coefficients' scales (b₁ feeds every one of them); what differs from layer to layer is the count of fraction bits.
+//!
+//! ```
+//! use edof_quantize::{Calibration, QuantizeOptions, quantize};
+//! # fn show(network: &edof_spec::Network, frames: &[edof_spec::RawFrame]) -> Result<(), Box<dyn std::error::Error>> {
+//! let seen = Calibration::measure(network, frames)?;
+//! let (fixed, layers) = quantize(network, &QuantizeOptions::default(), &seen, "the weight file's hash")?;
+//! assert!(layers.iter().all(|layer| layer.accumulator_bits <= 48));
+//! assert_eq!(fixed.code_bits, 16);
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod calibration;
 pub mod capture;

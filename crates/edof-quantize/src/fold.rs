@@ -1,14 +1,17 @@
 //! What is folded into the matrices before rounding: the colour map, the averaging window, equal ranges. The function stays
 //! the same; only its numbers become fit for integers.
 
-use super::{Calibration, QuantizeOptions};
+use crate::{Calibration, QuantizeOptions};
 use edof_spec::colour::{OUTPUTS_422, patch_422_from_rgb};
 use edof_spec::fixed_network::FixedMatrix;
 use edof_spec::geometry::{PATCH, PATCH_PIXELS};
+use edof_spec::network::Form;
 use edof_spec::number::CHROMA_GAIN;
 use edof_spec::overlap::Overlap;
 use edof_spec::{FixedNetwork, Network, Stride};
+use edof_train::parameters::Layout;
 use ndarray::{Array1, Array2};
+use std::ops::Range;
 
 /// A network in the board's units, still in floating point: codes of −1…1, outputs in units of 1 (luma) and
 /// 1/[`CHROMA_GAIN`] (chroma), weighted for the overlap.
@@ -39,6 +42,34 @@ impl Folded {
             recurrent: fixed.recurrent.iter().map(values).collect(),
             dictionary: values(&fixed.dictionary),
             linear_path: fixed.linear_path.as_ref().map(values),
+        }
+    }
+
+    /// All values as one vector, in the order of [`Layout`]; the inverse of [`Folded::unflatten`].
+    #[must_use]
+    pub fn flatten(&self) -> Vec<f32> {
+        let matrices = self.recurrent.iter().chain([&self.dictionary]).chain(&self.linear_path);
+        let first = self.analysis.iter().chain(self.thresholds.iter().flatten());
+        first.chain(matrices.flatten()).map(|v| *v as f32).collect()
+    }
+
+    /// What a flat vector of its form describes.
+    #[must_use]
+    pub fn unflatten(form: &Form, flat: &[f32]) -> Self {
+        let layout = Layout::giving(form, OUTPUTS_422);
+        let (codes, pixels) = (form.codes, form.window.pixels());
+        let matrix = |range: &Range<usize>, columns: usize| {
+            let flat = &flat[range.clone()];
+            let at = |(r, c)| f64::from(flat[r * columns + c]);
+            Array2::from_shape_fn((flat.len() / columns, columns), at)
+        };
+        let vector = |range: &Range<usize>| flat[range.clone()].iter().map(|v| f64::from(*v)).collect();
+        Self {
+            analysis: matrix(&layout.analysis, pixels),
+            thresholds: layout.thresholds.iter().map(vector).collect(),
+            recurrent: layout.recurrent.iter().map(|s| matrix(s, codes)).collect(),
+            dictionary: matrix(&layout.dictionary, codes),
+            linear_path: form.linear_path.then(|| matrix(&layout.linear_path, pixels)),
         }
     }
 }

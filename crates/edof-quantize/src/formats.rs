@@ -3,9 +3,9 @@
 //! Every code and matrix gets as many fraction bits as its largest value allows. Then bits are taken away where a shift would
 //! be illegal or an accumulator could pass 48 bits; what cannot be mended so is refused.
 
-use super::fold::Folded;
-use super::rounding::Rounding;
-use super::{Calibration, QuantizeError, QuantizeOptions};
+use crate::fold::Folded;
+use crate::rounding::Rounding;
+use crate::{Calibration, QuantizeError, QuantizeOptions};
 use edof_spec::fixed_network::{FixedMatrix, FixedNetworkError};
 use edof_spec::network::{Recurrence, Shrinkage};
 use edof_spec::number::{ACCUMULATOR_BITS, INPUT_FRACTION};
