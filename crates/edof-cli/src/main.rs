@@ -59,6 +59,7 @@ Examples:
   edof estimate --design kc705 --weights edof-t4w12-outer
   edof cosim --design tiny                             the generated Verilog against the cycle model
   edof generate --design paper --weights paper-t4 --out build/paper
+  edof timing --design tiny                            the longest path of logic of every stage
 
 Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
 2 wrong usage, 130 stopped by Ctrl-C.";
@@ -76,6 +77,7 @@ enum Command {
     Cosim(commands::cosim::Args),
     Estimate(commands::estimate::Args),
     Generate(commands::generate::Args),
+    Timing(commands::timing::Args),
 }
 
 fn main() -> ExitCode {
@@ -105,6 +107,7 @@ fn run(cli: Cli) -> Result<(), Error> {
         Command::Cosim(args) => commands::cosim::run(args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Generate(args) => commands::generate::run(args, &ui),
+        Command::Timing(args) => commands::timing::run(args, &ui),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use edof_golden::windows;
 use edof_io::photo;
-use edof_optics::capture::{Cuts, capture};
+use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
@@ -27,7 +27,7 @@ pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64) -> Resul
     };
     let noise = Noise::gaussian(network.origin.noise);
     let sensor = Sensor { noise, seed, ..Sensor::default() };
-    Ok(capture(&scene, camera, &sensor, &Cuts::default())?.raw)
+    Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
 }
 
 /// All windows of a frame, in the order in which the hardware takes them.

@@ -16,6 +16,13 @@ pub fn key<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// `edof/KIND` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
+pub fn of_user(kind: &str) -> Option<PathBuf> {
+    let set = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let base = set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")));
+    base.map(|base| base.join("edof").join(kind))
+}
+
 /// A product and, where nothing is kept, the directory that goes away with it.
 #[derive(Debug)]
 pub struct Product {

@@ -11,7 +11,7 @@
 //! | scene | [`draw`] | charts and leaves drawn by code |
 //! | | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
-//! | all of it | [`capture`](mod@capture) | a scene captured, what each cut of the computation costs and saves |
+//! | all of it | [`capture`](mod@capture) | a scene captured, what each approximation costs and saves |
 //!
 //! Designing a mask for it:
 //!

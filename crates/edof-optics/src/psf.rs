@@ -24,7 +24,7 @@ pub struct Settings {
     pub energy: f64,
     /// Share of the energy that may lie wrong because a spectrum is sampled at few wavelengths; at 0 it is sampled at the most.
     pub wavelength_tolerance: f64,
-    /// No cuts: the whole computed support, and as many wavelengths as the program ever takes.
+    /// Nothing left out: the whole computed support, and as many wavelengths as the program ever takes.
     pub exact: bool,
 }
 
@@ -35,7 +35,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// No cuts.
+    /// Nothing left out.
     #[must_use]
     pub fn exact() -> Self {
         Self { exact: true, ..Self::default() }

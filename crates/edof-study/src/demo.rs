@@ -3,7 +3,7 @@
 use crate::metrics::{BORDER, MetricError, Quality, decibel};
 use crate::picture::{Tone, png, sheet};
 use crate::report::{Figure, Report};
-use edof_optics::capture::{CaptureError, Cuts, capture};
+use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
 use edof_spec::{Camera, ColourFrame, Noise, ReconstructError, Reconstructor};
@@ -90,7 +90,7 @@ pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>]) -> Result<Demo, 
     let depths = scene.psi_map();
     let mut pictures = vec![];
     for lens in lenses {
-        let raw = capture(scene, &lens.camera, sensor, &Cuts::default())?.raw;
+        let raw = capture(scene, &lens.camera, sensor, &Approximation::default())?.raw;
         for (treatment, method) in &lens.methods {
             let result = method.reconstruct(&raw)?;
             let quality = Quality::of(&truth, &result.frame, BORDER)?;

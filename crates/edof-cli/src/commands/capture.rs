@@ -4,7 +4,9 @@ use crate::commands::scene::Drawing;
 use crate::error::Error;
 use crate::ui::Ui;
 use edof_io::{photo, raw};
-use edof_optics::capture::{Capture, CutCost, Cuts, Depth, capture, measure_cuts};
+use edof_optics::capture::{
+    Approximation, ApproximationCost, Capture, Depth, capture, measure_approximation,
+};
 use edof_optics::draw::parse_name;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
@@ -16,8 +18,8 @@ use std::path::{Path, PathBuf};
 /// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene
 ///
 /// Only what the scene needs is computed: the depths it has, kernels up to an asked share of the energy, as many wavelengths
-/// as a tolerance asks for. What each of these cuts changes of the light on the sensor, and the time it saves, is measured
-/// against a computation without any and printed (--no-measure leaves that out; --exact leaves the cuts out).
+/// as a tolerance asks for. What each of these approximations changes of the light on the sensor, and the time it saves, is
+/// measured against an exact computation and printed (--no-measure leaves that out; --exact approximates nothing).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -62,11 +64,11 @@ pub struct Args {
     #[arg(long, default_value_t = 0.0, value_name = "PSI")]
     depth_tolerance: f64,
 
-    /// No cuts
+    /// No approximation
     #[arg(long)]
     exact: bool,
 
-    /// Do not measure what the cuts change and save
+    /// Do not measure what the approximations change and save
     #[arg(long)]
     no_measure: bool,
 
@@ -94,7 +96,7 @@ struct Captured {
     psi: Vec<f64>,
     depths: Vec<Depth>,
     seconds: f64,
-    cuts: Vec<CutCost>,
+    approximations: Vec<ApproximationCost>,
     out: PathBuf,
 }
 
@@ -103,9 +105,9 @@ struct Captured {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range)?;
-    let cuts = args.cuts()?;
+    let approximation = args.approximation()?;
     let sensor = Sensor { depth: args.depth, phase: args.phase, noise: args.noise, seed: args.drawing.seed };
-    let shot = capture(&scene, &camera, &sensor, &cuts)?;
+    let shot = capture(&scene, &camera, &sensor, &approximation)?;
     raw::save(&args.out, &shot.raw)?;
     if let Some(path) = &args.sharp {
         photo::save(path, &shot.sharp, 16)?;
@@ -113,13 +115,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if let Some(path) = &args.light {
         photo::save(path, &shot.light, 16)?;
     }
-    let costs = if args.exact || args.no_measure { vec![] } else { measure_cuts(&scene, &camera, &cuts)? };
+    let costs = if args.exact || args.no_measure {
+        vec![]
+    } else {
+        measure_approximation(&scene, &camera, &approximation)?
+    };
     tell(&scene, &shot, &costs, ui)?;
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
     let (scene, camera, out) = (scene.name, camera.name, args.out);
-    ui.json(&Captured { scene, camera, width, height, psi, depths, seconds, cuts: costs, out })
+    ui.json(&Captured { scene, camera, width, height, psi, depths, seconds, approximations: costs, out })
 }
 
 /// A built-in scene by its name, or a photograph at one depth.
@@ -135,9 +141,9 @@ fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
 }
 
 impl Args {
-    fn cuts(&self) -> Result<Cuts, Error> {
+    fn approximation(&self) -> Result<Approximation, Error> {
         if self.exact {
-            return Ok(Cuts::exact());
+            return Ok(Approximation::exact());
         }
         if !(self.energy > 0.0 && self.energy <= 1.0) {
             return Err(Error::message(format!(
@@ -151,11 +157,11 @@ impl Args {
         }
         let wavelength_tolerance = self.wavelength_tolerance;
         let psf = Settings { energy: self.energy, wavelength_tolerance, exact: false };
-        Ok(Cuts { psf, depth_tolerance: self.depth_tolerance })
+        Ok(Approximation { psf, depth_tolerance: self.depth_tolerance })
     }
 }
 
-fn tell(scene: &Scene, shot: &Capture, costs: &[CutCost], ui: &Ui) -> Result<(), Error> {
+fn tell(scene: &Scene, shot: &Capture, costs: &[ApproximationCost], ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     ui.say(format!("{}: {width}x{height}, {} depths, {:.2} s", scene.name, shot.depths.len(), shot.seconds))?;
     for depth in &shot.depths {
@@ -175,8 +181,8 @@ fn tell(scene: &Scene, shot: &Capture, costs: &[CutCost], ui: &Ui) -> Result<(),
     }
     for cost in costs {
         ui.say(format!(
-            "  cut {:11}: rms error {:.1e}, largest {:.1e} of full scale; {:.2} s instead of {:.2} s",
-            cost.cut, cost.rms_error, cost.max_error, cost.seconds, cost.exact_seconds
+            "  approximated {:11}: rms error {:.1e}, largest {:.1e} of full scale; {:.2} s instead of {:.2} s",
+            cost.approximation, cost.rms_error, cost.max_error, cost.seconds, cost.exact_seconds
         ))?;
     }
     Ok(())

@@ -10,4 +10,5 @@ pub mod quantize;
 pub mod reconstruct;
 pub mod scene;
 pub mod study;
+pub mod timing;
 pub mod train;

@@ -53,7 +53,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.999, value_name = "SHARE")]
     energy: f64,
 
-    /// No cuts: whole kernels, all wavelengths
+    /// No approximation: whole kernels, all wavelengths
     #[arg(long)]
     exact: bool,
 }

@@ -34,9 +34,7 @@ impl Options {
     /// Where a user's compiled models belong: `edof/models` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
     #[must_use]
     pub fn user_cache() -> Option<PathBuf> {
-        let set = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
-        let base = set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")));
-        base.map(|base| base.join("edof/models"))
+        cache::of_user("models")
     }
 }
 

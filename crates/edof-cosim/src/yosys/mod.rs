@@ -1,6 +1,7 @@
 //! What a design becomes on a 7-series FPGA, according to Yosys.
 
 mod netlist;
+pub mod timing;
 
 use crate::error::{Error, at};
 use crate::{Source, tool};
@@ -39,6 +40,8 @@ pub struct Dsp {
     pub registers_result: bool,
     /// The product is registered inside (MREG).
     pub registers_product: bool,
+    /// Both factors are registered inside (AREG, BREG).
+    pub registers_factors: bool,
     /// The Z multiplexer can select P: the sum comes back inside.
     pub sums_inside: bool,
     /// P goes to a carry chain, by way of at most one LUT: something adds to it, or compares it, outside.
@@ -50,6 +53,14 @@ impl Dsp {
     #[must_use]
     pub const fn accumulates(&self) -> bool {
         self.registers_result && self.sums_inside
+    }
+}
+
+impl Dsp {
+    /// All registers that a multiplier has are used: no path leads through it.
+    #[must_use]
+    pub const fn is_registered(&self) -> bool {
+        self.registers_factors && self.registers_product && self.registers_result
     }
 }
 

@@ -1,5 +1,6 @@
 //! The part of Yosys's JSON netlist that we read.
 
+use super::timing::FanOut;
 use super::{Dsp, Report};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -18,6 +19,14 @@ struct Module {
     attributes: BTreeMap<String, IgnoredAny>,
     #[serde(default)]
     cells: BTreeMap<String, Cell>,
+    #[serde(default)]
+    netnames: BTreeMap<String, Wire>,
+}
+
+#[derive(Deserialize)]
+struct Wire {
+    hide_name: u8,
+    bits: Vec<Bit>,
 }
 
 #[derive(Deserialize)]
@@ -26,6 +35,8 @@ struct Cell {
     kind: String,
     #[serde(default)]
     parameters: BTreeMap<String, String>,
+    #[serde(default)]
+    port_directions: BTreeMap<String, String>,
     #[serde(default)]
     connections: BTreeMap<String, Vec<Bit>>,
 }
@@ -48,6 +59,16 @@ impl Netlist {
     pub fn report(&self) -> Option<Report> {
         let top = self.modules.values().find(|module| module.attributes.contains_key("top"))?;
         Some(self.report_of(top))
+    }
+
+    /// All nets of a flat top but its clocks, those with the most loads first; none where there is no top.
+    pub fn fan_out(&self) -> Option<Vec<FanOut>> {
+        let top = self.modules.values().find(|module| module.attributes.contains_key("top"))?;
+        let names = top.names();
+        let mut nets: Vec<FanOut> =
+            top.loads().into_iter().map(|(net, loads)| loads.told(net, &names)).collect();
+        nets.sort_by(|a, b| b.loads.cmp(&a.loads).then_with(|| a.net.cmp(&b.net)));
+        Some(nets)
     }
 
     /// A module with everything that its parts are made of.
@@ -78,7 +99,78 @@ impl Netlist {
     }
 }
 
+/// Pins to which a net leads.
+#[derive(Default)]
+struct Loads {
+    count: usize,
+    /// Whether one of them enables, resets or writes.
+    controls: bool,
+}
+
+impl Loads {
+    fn told(&self, net: u64, names: &BTreeMap<u64, (String, bool)>) -> FanOut {
+        match names.get(&net) {
+            Some((name, single)) => {
+                FanOut { net: name.clone(), loads: self.count, control: self.controls || *single }
+            }
+            None => FanOut { net: format!("net {net}"), loads: self.count, control: self.controls },
+        }
+    }
+}
+
+/// Pins that only a clock drives.
+const CLOCK_PINS: [&str; 6] = ["C", "CLK", "WCLK", "CLKARDCLK", "CLKBWRCLK", "G"];
+/// Starts of the names of pins that enable, write or choose an operation.
+const CONTROL_PINS: [&str; 7] = ["CE", "WE", "EN", "RST", "REGCE", "OPMODE", "INMODE"];
+
+/// Whether a pin enables, resets, writes or chooses an operation. A flip-flop's R and S are not the S of a multiplexer.
+fn is_control(cell: &Cell, pin: &str) -> bool {
+    let resets = cell.kind.starts_with("FD") && matches!(pin, "R" | "S" | "CLR" | "PRE");
+    resets || CONTROL_PINS.iter().any(|name| pin.starts_with(name))
+}
+
 impl Module {
+    /// The loads of every net that is no clock.
+    fn loads(&self) -> BTreeMap<u64, Loads> {
+        let mut loads: BTreeMap<u64, Loads> = BTreeMap::new();
+        let mut clocks = BTreeSet::new();
+        for cell in self.cells.values() {
+            for (pin, bits) in &cell.connections {
+                if cell.port_directions.get(pin).is_none_or(|direction| direction != "input") {
+                    continue;
+                }
+                for bit in bits {
+                    let Bit::Net(net) = bit else { continue };
+                    if CLOCK_PINS.contains(&pin.as_str()) {
+                        clocks.insert(*net);
+                    }
+                    let entry = loads.entry(*net).or_default();
+                    entry.count += 1;
+                    entry.controls |= is_control(cell, pin);
+                }
+            }
+        }
+        loads.retain(|net, _| !clocks.contains(net));
+        loads
+    }
+
+    /// A name for each net, and whether it is a signal of one bit: of the source's names the shortest.
+    fn names(&self) -> BTreeMap<u64, (String, bool)> {
+        let mut names: BTreeMap<u64, (String, bool)> = BTreeMap::new();
+        for (name, wire) in self.netnames.iter().filter(|(_, wire)| wire.hide_name == 0) {
+            let single = wire.bits.len() == 1;
+            for (place, bit) in wire.bits.iter().enumerate() {
+                let Bit::Net(net) = bit else { continue };
+                let told = if single { name.clone() } else { format!("{name} [{place}]") };
+                let longer = names.get(net).is_some_and(|(known, _)| known.len() <= told.len());
+                if !longer {
+                    names.insert(*net, (told, single));
+                }
+            }
+        }
+        names
+    }
+
     /// Nets that enter a carry chain, directly or through one LUT.
     fn nets_to_carry(&self) -> BTreeSet<u64> {
         let carries = self.cells.values().filter(|cell| cell.kind == "CARRY4");
@@ -114,6 +206,7 @@ impl Cell {
             name: name.into(),
             registers_result: self.is_set("PREG"),
             registers_product: self.is_set("MREG"),
+            registers_factors: self.is_set("AREG") && self.is_set("BREG"),
             sums_inside: may_be(6, "0") && may_be(5, "1") && may_be(4, "0"),
             feeds_carry: self.nets(&["P"]).any(|net| to_carry.contains(&net)),
         }

@@ -1,0 +1,201 @@
+//! Static timing of a design, one stage at a time: the worst path of logic alone, and the nets that lead to the most loads.
+//!
+//! Each stage is mapped flat from the emitted files as they are, and Yosys' own `sta` adds the delays that its Xilinx library states
+//! for cells, with set-up and clock-to-output. There is no placement, so that wires take no time, the clock no skew and a net of a
+//! thousand loads no longer than one of two: such a figure tells which paths are long, not at which clock a board runs.
+
+mod report;
+
+use super::netlist::Netlist;
+use crate::cache;
+use crate::error::{Error, at};
+use crate::{Source, tool};
+use edof_hdl::project::Project;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Nets of highest fan-out that are told of each stage.
+pub const NETS: usize = 10;
+/// Stages that are mapped at once, at most: a big one takes 400 MB.
+const AT_ONCE: usize = 2;
+/// Changes with what is read out of a run, so that older results in the cache are not taken for it.
+const FORMAT: &str = "timing 1";
+
+/// Where a user's results belong: `edof/timing` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
+#[must_use]
+pub fn user_cache() -> Option<PathBuf> {
+    cache::of_user("timing")
+}
+
+/// One stage.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StageTiming {
+    /// Its module.
+    pub module: String,
+    /// Delay of the worst path in picoseconds, from clock edge to set-up. A port counts as a register.
+    pub delay_ps: u64,
+    /// LUTs, multiplexers and carry blocks on it.
+    pub levels: usize,
+    /// The path, where it begins first.
+    pub path: Vec<Step>,
+    /// Nets of highest fan-out, those of control and those of data; the clock is left out.
+    pub nets: Vec<FanOut>,
+    /// Loads of the net of control that has most; 0 without one.
+    pub control_loads: usize,
+    /// Multipliers.
+    pub dsps: usize,
+    /// Those of them whose registers A, B, M and P are all used.
+    pub registered_dsps: usize,
+}
+
+/// One cell on a path, and the net at which it is left.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Step {
+    /// Picoseconds since the clock edge.
+    pub arrival_ps: u64,
+    /// Type of the cell and the pins through which the path goes, such as `LUT6.I0->O`.
+    pub cell: String,
+    /// The net in the source's own name; empty where the mapping made it.
+    pub net: String,
+}
+
+/// One net.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FanOut {
+    /// Its name in the source, or the mapping's where it has none.
+    pub net: String,
+    /// Pins that it leads to.
+    pub loads: usize,
+    /// Whether it is control: a signal of one bit, or one that enables, resets or writes somewhere. All else are bits of words.
+    pub control: bool,
+}
+
+/// The stages of a generated design, in their order. Equal stages are mapped once. `cache` keeps results under the hash of
+/// everything that went in; `done` is told how many of how many stages there are.
+///
+/// # Errors
+/// Yosys is missing, refuses the design, or tells what cannot be read.
+pub fn stages(
+    project: &Project,
+    count: usize,
+    cache: Option<&Path>,
+    done: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Vec<StageTiming>, Error> {
+    let work = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    let design = elaborated(project, work.path())?;
+    let text = std::fs::read_to_string(&design).map_err(at(&design))?;
+    let modules = (0..count).map(|stage| module_of(&text, project, stage)).collect::<Result<Vec<_>, _>>()?;
+    let mut wanted = modules.clone();
+    wanted.sort();
+    wanted.dedup();
+    let version = tool::run(tool::command("yosys", work.path()).arg("-V"))?;
+    let (next, finished, found) = (AtomicUsize::new(0), AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
+    let worker = || {
+        while let Some(module) = wanted.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let key = cache::key([FORMAT, &version, &text, module]);
+            let timing = of_module(&design, module, &key, cache);
+            done(finished.fetch_add(1, Ordering::Relaxed) + 1, wanted.len());
+            // A poisoned lock means that the other worker panicked: its panic is what counts.
+            if let Ok(mut found) = found.lock() {
+                found.insert(module.clone(), timing);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..AT_ONCE.min(wanted.len()) {
+            scope.spawn(worker);
+        }
+    });
+    let mut all = BTreeMap::new();
+    for (module, timing) in found.into_inner().unwrap_or_default() {
+        all.insert(module, timing?);
+    }
+    let of = |module: &String| all.get(module).cloned().ok_or_else(|| unreadable(format!("no {module}")));
+    modules.iter().map(of).collect()
+}
+
+/// The design with all parameters and memory images in place, before anything is mapped.
+fn elaborated(project: &Project, work: &Path) -> Result<PathBuf, Error> {
+    let source = Source::from(project);
+    source.write(work)?;
+    crate::chain::verilated::write_images(project, work)?;
+    let files: Vec<&str> = source.file_names().collect();
+    let script = format!(
+        "read_verilog -defer {}\nhierarchy -top {}\nproc\nwrite_rtlil design.il\n",
+        files.join(" "),
+        source.top
+    );
+    run(&script, "elaborate.ys", work)?;
+    Ok(work.join("design.il"))
+}
+
+/// The module of stage `stage`: the type of the top's cell of that name.
+fn module_of(rtlil: &str, project: &Project, stage: usize) -> Result<String, Error> {
+    let top = format!("module \\{}", project.top);
+    let cell = format!("\\stages_{stage}");
+    let lines = rtlil.lines().skip_while(|line| *line != top).take_while(|line| *line != "end");
+    let mut words = lines.map(|line| line.split_whitespace().collect::<Vec<_>>());
+    words
+        .find_map(|words| match words[..] {
+            ["cell", kind, name] if name == cell => Some(kind.to_string()),
+            _ => None,
+        })
+        .ok_or_else(|| unreadable(format!("no cell {cell} in the top, {}", project.top)))
+}
+
+fn of_module(design: &Path, module: &str, key: &str, cache: Option<&Path>) -> Result<StageTiming, Error> {
+    let name = format!("{key}.json");
+    let product = cache::obtain(cache, &name, |work| {
+        let timing = mapped(design, module, work)?;
+        let text = serde_json::to_string(&timing).map_err(|error| unreadable(error.to_string()))?;
+        let path = work.join(&name);
+        std::fs::write(&path, text).map_err(at(&path))
+    })?;
+    let text = std::fs::read_to_string(&product.path).map_err(at(&product.path))?;
+    serde_json::from_str(&text).map_err(|error| unreadable(format!("{}: {error}", product.path.display())))
+}
+
+/// Maps a module flat and times it.
+fn mapped(design: &Path, module: &str, work: &Path) -> Result<StageTiming, Error> {
+    let script = format!(
+        "read_rtlil \"{}\"\n\
+         hierarchy -top {module}\n\
+         synth_xilinx -family xc7 -flatten -noiopad -noclkbuf\n\
+         write_json netlist.json\n\
+         read_verilog -lib -specify +/xilinx/cells_sim.v\n\
+         tee -q -o sta.txt sta\n",
+        design.display()
+    );
+    run(&script, "time.ys", work)?;
+    let text = std::fs::read_to_string(work.join("sta.txt")).map_err(at(&work.join("sta.txt")))?;
+    let (delay_ps, path) = report::path(&text).map_err(unreadable)?;
+    let file = std::fs::File::open(work.join("netlist.json")).map_err(at(&work.join("netlist.json")))?;
+    let netlist =
+        Netlist::read(std::io::BufReader::new(file)).map_err(|error| unreadable(error.to_string()))?;
+    let missing = || unreadable("no top in the netlist".into());
+    let nets = netlist.fan_out().ok_or_else(missing)?;
+    let dsps = netlist.report().ok_or_else(missing)?.dsps;
+    let of_kind = |control: bool| nets.iter().filter(move |net| net.control == control);
+    Ok(StageTiming {
+        module: module.trim_start_matches('\\').into(),
+        delay_ps,
+        levels: path.iter().filter(|step| report::is_logic(&step.cell)).count(),
+        path,
+        control_loads: of_kind(true).map(|net| net.loads).max().unwrap_or(0),
+        nets: of_kind(true).take(NETS).chain(of_kind(false).take(NETS)).cloned().collect(),
+        dsps: dsps.len(),
+        registered_dsps: dsps.iter().filter(|dsp| dsp.is_registered()).count(),
+    })
+}
+
+fn run(script: &str, name: &str, dir: &Path) -> Result<(), Error> {
+    std::fs::write(dir.join(name), script).map_err(at(&dir.join(name)))?;
+    tool::run(tool::command("yosys", dir).args(["-q", "-s", name])).map(drop)
+}
+
+fn unreadable(problem: String) -> Error {
+    Error::Output { tool: "yosys".into(), problem }
+}
