@@ -143,9 +143,7 @@ pub fn more_folder() -> Option<PathBuf> {
 fn candidates(folder: &str) -> Vec<PathBuf> {
     let working = std::env::current_dir().unwrap_or_default();
     let built = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let beside =
-        working.ancestors().skip(1).chain([built.join("..").as_path()]).map(|f| f.join(folder)).collect();
-    beside
+    working.ancestors().skip(1).chain([built.join("..").as_path()]).map(|f| f.join(folder)).collect()
 }
 
 /// The chosen photographs of a folder in the order of their names, and one line for each that could not be read.

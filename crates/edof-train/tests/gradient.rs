@@ -101,7 +101,7 @@ impl Case {
             let slope: f64 =
                 direction.iter().zip(&gradient[range.clone()]).map(|(d, g)| d * g / length).sum();
             let measured = (above - below) / (2.0 * STEP);
-            (right == sides && left == sides && measured.abs() > 1e-4).then_some((slope, measured))
+            (right == sides && left == sides && measured.abs() > 1e-3).then_some((slope, measured))
         })
     }
 }
@@ -111,13 +111,19 @@ fn the_gradient_of_every_group_equals_finite_differences() {
     let mut counts: BTreeMap<String, [u32; 2]> = BTreeMap::new();
     for index in 0..180 {
         let mut case = Case::new(index);
+        let loss = case.at::<f64>(&case.weights).0;
         for (name, range) in case.groups() {
             let slopes = case.slopes(&range);
             let count = counts.entry(name.clone()).or_default();
             count[usize::from(slopes.is_some())] += 1;
             if let Some((slope, measured)) = slopes {
-                let error = (slope - measured).abs() / measured.abs();
-                assert!(error < 1e-6, "{name} of case {index}, {:?}: {slope} {measured}", case.form);
+                // Beside 10⁻⁶ of the slope, what rounding leaves open in the difference of two losses.
+                let tolerance = 1e-6 * measured.abs() + 8.0 * f64::EPSILON * loss / STEP;
+                assert!(
+                    (slope - measured).abs() < tolerance,
+                    "{name} of case {index}, {:?}: {slope} {measured}",
+                    case.form
+                );
             }
         }
     }
