@@ -5,7 +5,10 @@
 //! | one thin file a sub-command | [`commands`] |
 //! | results on standard output, progress on standard error | [`ui`] |
 //! | the one line that a failure prints | [`error`] |
+//! | no output replaces an input or another output | [`files`] |
+//! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | Ctrl-C | [`interrupt`] |
+//! | whether a job fits the machine | [`memory`] |
 //! | a network's form in words | [`form`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
@@ -16,8 +19,11 @@
 mod commands;
 mod designs;
 mod error;
+mod files;
+mod folder;
 mod form;
 mod interrupt;
+mod memory;
 mod ui;
 mod weights;
 mod windows;
@@ -39,7 +45,7 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
 
-    /// Write results as JSON to FILE; without FILE (or as `-`) print them in place of text
+    /// Write results as JSON to FILE, in place of an older one; without FILE (or as `-`) print them in place of text
     #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 
@@ -94,7 +100,7 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<(), Error> {
     interrupt::install()?;
-    let ui = Ui::new(cli.json, cli.quiet)?;
+    let ui = Ui::new(cli.json, cli.quiet);
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),

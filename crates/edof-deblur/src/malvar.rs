@@ -169,7 +169,7 @@ mod tests {
         field: impl Fn(Channel, usize, usize) -> u16,
     ) -> RawFrame {
         let codes = Array2::from_shape_fn(size, |(r, c)| field(phase.channel(r, c), r, c));
-        RawFrame::from_codes(codes, 16, phase).unwrap()
+        RawFrame::from_values(codes, 16, phase).unwrap()
     }
 
     fn demosaiced(raw: &RawFrame) -> ColourFrame {

@@ -20,18 +20,14 @@ pub struct Gamma {
 
 /// A table that the board cannot load.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum GammaError {
     /// Wrong length.
     #[error("gamma table: {0} entries, expected {ENTRIES}")]
     Length(usize),
     /// A sync code.
     #[error("gamma table: entry {index} is {code}, expected 1 to 254 (0 and 255 mark syncs)")]
-    Sync {
-        /// Which entry.
-        index: usize,
-        /// What it holds.
-        code: u8,
-    },
+    Sync { index: usize, code: u8 },
 }
 
 impl Gamma {

@@ -19,7 +19,7 @@
 //! use edof_spec::{CfaPhase, RawFrame};
 //! # let network = edof_golden::sample::natural(8, 8, 7);
 //! // `network` came out of edof_spec::weight_file::load_fixed.
-//! let raw = RawFrame::from_codes(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
+//! let raw = RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
 //! let out = Golden::new(network)?.frame(&raw)?;
 //! assert_eq!(out.counts.patches, 4 * 6);
 //! let picture = display(&out.frame, &Gamma::srgb());

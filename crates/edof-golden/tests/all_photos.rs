@@ -35,7 +35,7 @@ fn mosaic(path: &Path) -> RawFrame {
         let channel = CfaPhase::Rggb.channel(r, c);
         u16::from(photo.get_pixel(c as u32, r as u32)[channel.plane()]) * 257
     });
-    RawFrame::from_codes(codes, 16, CfaPhase::Rggb).unwrap()
+    RawFrame::from_values(codes, 16, CfaPhase::Rggb).unwrap()
 }
 
 fn networks() -> Vec<FixedNetwork> {

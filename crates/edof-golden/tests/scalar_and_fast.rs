@@ -1,6 +1,6 @@
 //! The fast pipeline equals the specification at every stage boundary, word for word and count for count.
 
-use edof_golden::fast::{Fast, Isa};
+use edof_golden::fast::{Fast, isa::Isa};
 use edof_golden::frame::scalar_frame;
 use edof_golden::sample::{self, Draw};
 use edof_golden::{Golden, scalar};
@@ -69,7 +69,7 @@ proptest! {
     ) {
         let draw = &mut Draw::new(seed);
         let codes = Array2::from_shape_fn((2 * rows, 2 * columns), |_| draw.extreme(16) as u16);
-        let raw = RawFrame::from_codes(codes, 16, CfaPhase::ALL[phase]).unwrap();
+        let raw = RawFrame::from_values(codes, 16, CfaPhase::ALL[phase]).unwrap();
         let specified = scalar_frame(&network, &raw).unwrap();
         prop_assert_eq!(Golden::new(network).unwrap().frame(&raw).unwrap(), specified);
     }

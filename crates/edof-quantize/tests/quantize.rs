@@ -90,7 +90,7 @@ fn raw(seed: u64) -> RawFrame {
     let codes = Array2::from_shape_fn((40, 56), |(r, c)| {
         (2000 + (r / 7 + c / 9) as i64 % 2 * 1500 + draw.whole(-400, 400)) as u16
     });
-    RawFrame::from_codes(codes, 12, CfaPhase::Rggb).unwrap()
+    RawFrame::from_values(codes, 12, CfaPhase::Rggb).unwrap()
 }
 
 fn options(bits: u32) -> QuantizeOptions {

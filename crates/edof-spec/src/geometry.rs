@@ -13,6 +13,7 @@ pub const PATCH_PIXELS: usize = PATCH * PATCH;
 
 /// A window, stride or frame that the system cannot work with.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum GeometryError {
     /// Not one of the supported windows.
     #[error("window {0}: must be 8, 12 or 16")]
@@ -22,24 +23,10 @@ pub enum GeometryError {
     Stride(usize),
     /// A Bayer frame has whole 2×2 cells.
     #[error("frame {width}x{height}: both sides must be even, so that it holds whole 2x2 Bayer cells")]
-    OddFrame {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-    },
+    OddFrame { height: usize, width: usize },
     /// Mirroring needs at least one window of pixels.
     #[error("frame {width}x{height}: both sides must be at least {least} pixels for a window of {window}")]
-    SmallFrame {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-        /// The smallest side allowed.
-        least: usize,
-        /// The window asked for.
-        window: usize,
-    },
+    SmallFrame { height: usize, width: usize, least: usize, window: usize },
 }
 
 /// Side w of the raw window that a network sees: 8, 12 or 16 pixels.

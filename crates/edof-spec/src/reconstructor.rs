@@ -16,18 +16,14 @@ pub struct Reconstruction {
 
 /// A frame that a method cannot reconstruct.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum ReconstructError {
     /// Odd or too small.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
     /// Anything else, in one line.
     #[error("{method}: {reason}")]
-    Method {
-        /// Name of the method.
-        method: String,
-        /// What was wrong and what would have been right.
-        reason: String,
-    },
+    Method { method: String, reason: String },
 }
 
 /// A method that turns raw frames into colour frames.

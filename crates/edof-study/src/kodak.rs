@@ -71,42 +71,23 @@ pub struct Row {
 
 /// An experiment that cannot go on.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum KodakError {
     /// A method refused a frame.
     #[error("{image}: {source}")]
-    Reconstruct {
-        /// The photograph.
-        image: String,
-        /// Why.
-        source: ReconstructError,
-    },
+    Reconstruct { image: String, source: ReconstructError },
     /// The photograph cannot be exposed, or the noise is impossible.
     #[error("{image}: {source}")]
-    Sensor {
-        /// The photograph.
-        image: String,
-        /// Why.
-        source: SensorError,
-    },
+    Sensor { image: String, source: SensorError },
     /// Blur larger than any kernel computed, or no number.
     #[error("psi {psi}: must be a number within {MOST_DEFOCUS} of camera {camera}'s focus")]
-    Psi {
-        /// The depth asked for.
-        psi: f64,
-        /// The camera.
-        camera: String,
-    },
+    Psi { psi: f64, camera: String },
     /// The listener asked to stop.
     #[error("stopped")]
     Stopped,
     /// A photograph too small to measure.
     #[error("{image}: {source}")]
-    Metric {
-        /// The photograph.
-        image: String,
-        /// Why.
-        source: MetricError,
-    },
+    Metric { image: String, source: MetricError },
 }
 
 /// How far an experiment is.

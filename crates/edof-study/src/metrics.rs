@@ -36,6 +36,7 @@ pub struct Quality {
 
 /// Frames that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum MetricError {
     /// Different sizes.
     #[error("frames of {}x{} and {}x{} pixels: must be equally large", .0.1, .0.0, .1.1, .1.0)]
@@ -44,16 +45,7 @@ pub enum MetricError {
     #[error(
         "frame of {width}x{height} pixels: must be at least {least}x{least} to crop {border} pixels and compare"
     )]
-    Small {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-        /// The smallest side.
-        least: usize,
-        /// Pixels cropped on each side.
-        border: usize,
-    },
+    Small { height: usize, width: usize, least: usize, border: usize },
 }
 
 impl Quality {

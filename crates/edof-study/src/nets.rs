@@ -22,23 +22,14 @@ pub struct Net {
 
 /// A net that cannot enter an experiment.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NetError {
     /// A float net whose weights do not fit its form.
     #[error("net '{net}': {source}")]
-    Float {
-        /// Its name.
-        net: String,
-        /// Why not.
-        source: NetworkError,
-    },
+    Float { net: String, source: NetworkError },
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
-    Fixed {
-        /// Its name.
-        net: String,
-        /// Why not.
-        source: FixedNetworkError,
-    },
+    Fixed { net: String, source: FixedNetworkError },
     /// Two nets would share their rows.
     #[error("net '{0}': given twice, every net needs a name of its own")]
     Twice(String),

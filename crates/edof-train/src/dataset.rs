@@ -68,6 +68,7 @@ struct Picture {
 
 /// Photographs that nothing can be learned from.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DatasetError {
     /// No photograph at all.
     #[error("training photos: none given, at least one is needed")]
@@ -77,29 +78,13 @@ pub enum DatasetError {
         "training photo {index}: {width}x{height} is too small: a quarter of each side is for validation, and training \
          keeps {reach} pixels away from it, as far as the blur reaches"
     )]
-    SmallPhoto {
-        /// Position in the list, from 0.
-        index: usize,
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-        /// Largest kernel radius in pixels.
-        reach: usize,
-    },
+    SmallPhoto { index: usize, width: usize, height: usize, reach: usize },
     /// No defocus at all.
     #[error("psi: no value given, at least one is needed")]
     NoPsi,
     /// A number out of range.
     #[error("{field} {value}: must be {expected}")]
-    Value {
-        /// Which.
-        field: &'static str,
-        /// What it is.
-        value: f32,
-        /// What would have been right.
-        expected: &'static str,
-    },
+    Value { field: &'static str, value: f32, expected: &'static str },
 }
 
 /// A batch of windows: what goes in, what should come out, and where each came from.

@@ -103,9 +103,9 @@ impl Recipe {
     /// Whether the recipe can be followed with these data.
     ///
     /// # Errors
-    /// [`RecipeError::Form`] or [`RecipeError::Value`].
-    pub fn check(&self, dataset: &Dataset) -> Result<(), RecipeError> {
-        self.form.check()?;
+    /// As [`Recipe::check`].
+    pub fn check_with(&self, dataset: &Dataset) -> Result<(), RecipeError> {
+        self.check()?;
         if self.form.window != dataset.window() {
             return Err(value("window", self.form.window.side(), "the window that the photos were cut for"));
         }
@@ -113,6 +113,15 @@ impl Recipe {
             let tones: Vec<String> = self.tones.iter().map(ToString::to_string).collect();
             return Err(value("tone", tones.join(" and "), "the tone that the photos were read in"));
         }
+        Ok(())
+    }
+
+    /// Whether the recipe can be followed with any data.
+    ///
+    /// # Errors
+    /// [`RecipeError::Form`] or [`RecipeError::Value`].
+    pub fn check(&self) -> Result<(), RecipeError> {
+        self.form.check()?;
         if self.batch == 0 || !self.batch.is_multiple_of(SHARES) {
             return Err(value("batch", self.batch, "a positive multiple of 8"));
         }
@@ -177,30 +186,17 @@ impl Recipe {
 
 /// A recipe that cannot be followed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum RecipeError {
     /// The form is none.
     #[error(transparent)]
     Form(#[from] edof_spec::network::NetworkError),
     /// A number out of range.
     #[error("{field} {value}: must be {expected}")]
-    Value {
-        /// Which.
-        field: &'static str,
-        /// What it is.
-        value: String,
-        /// What would have been right.
-        expected: String,
-    },
+    Value { field: &'static str, value: String, expected: String },
     /// Weights became NaN or infinite.
     #[error("training diverged at step {step}: the loss is {loss}; lower --rate (now {rate})")]
-    Diverged {
-        /// When.
-        step: u64,
-        /// The loss then.
-        loss: f64,
-        /// The rate it ran with.
-        rate: f32,
-    },
+    Diverged { step: u64, loss: f64, rate: f32 },
 }
 
 pub(crate) fn value(field: &'static str, found: impl ToString, expected: impl ToString) -> RecipeError {

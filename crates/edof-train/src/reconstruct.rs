@@ -235,7 +235,7 @@ mod tests {
     fn flat_raw(phase: CfaPhase) -> RawFrame {
         let codes =
             Array2::from_shape_fn((20, 28), |(r, c)| [60000, 30000, 10000][phase.channel(r, c).plane()]);
-        RawFrame::from_codes(codes, 16, phase).unwrap()
+        RawFrame::from_values(codes, 16, phase).unwrap()
     }
 
     #[test]

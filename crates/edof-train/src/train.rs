@@ -121,7 +121,7 @@ impl<'a> Trainer<'a> {
     /// # Errors
     /// [`RecipeError`].
     pub fn new(recipe: Recipe, dataset: &'a Dataset, threads: usize) -> Result<Self, RecipeError> {
-        recipe.check(dataset)?;
+        recipe.check_with(dataset)?;
         let network = start(&recipe, dataset);
         let mut weights = network.clone();
         condition(&recipe, dataset).to_trained(&network, &mut weights);
@@ -148,7 +148,7 @@ impl<'a> Trainer<'a> {
         threads: usize,
         state: State,
     ) -> Result<Self, RecipeError> {
-        recipe.check(dataset)?;
+        recipe.check_with(dataset)?;
         let layout = Layout::new(&recipe.form);
         for (field, found, expected) in [
             ("checkpoint weights", state.weights.len(), layout.len()),

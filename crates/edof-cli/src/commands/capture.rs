@@ -2,6 +2,7 @@
 
 use crate::commands::scene::Drawing;
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use edof_io::{photo, raw};
 use edof_optics::capture::{
@@ -97,12 +98,14 @@ struct Captured {
     depths: Vec<Depth>,
     seconds: f64,
     approximations: Vec<ApproximationCost>,
-    out: PathBuf,
+    out: String,
 }
 
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    files.may_write("--sharp", args.sharp.as_ref()).may_write("--light", args.light.as_ref()).check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range)?;
     let approximation = args.approximation()?;
@@ -124,7 +127,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, out) = (scene.name, camera.name, args.out);
+    let (scene, camera, out) = (scene.name, camera.name, args.out.display().to_string());
     ui.json(&Captured { scene, camera, width, height, psi, depths, seconds, approximations: costs, out })
 }
 
@@ -136,6 +139,11 @@ fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
     let [psi] = args.drawing.psi[..] else {
         return Err(Error::message("--psi: one value, a photograph lies at one depth"));
     };
+    if let Some(size) = args.drawing.size {
+        return Err(Error::message(format!(
+            "--size {size}: a photograph has its own; only built-in scenes are drawn"
+        )));
+    }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Scene::flat(name, photo::load(Path::new(&args.scene))?, psi))
 }

@@ -2,6 +2,7 @@
 
 use super::study::fixed_if_any;
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::{interrupt, weights};
 use edof_deblur::Malvar;
@@ -65,6 +66,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => fixed_if_any(CLEAR_NET)?,
     };
     let clear = clear.map(method).transpose()?;
+    super::scene::fits(args.width, args.height)?;
     let scene = draw(
         args.scene.parse::<Builtin>()?,
         args.height,
@@ -73,8 +75,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         1,
     )?;
     let sensor = Sensor { depth: 12, noise: args.noise, seed: 1, ..Sensor::default() };
-    std::fs::create_dir_all(&args.out)
-        .map_err(|e| Error::message(format!("{}: cannot make this folder: {e}", args.out.display())))?;
 
     let malvar = Malvar::default();
     let plain = || ("demosaiced".to_owned(), &malvar as &dyn Reconstructor);
@@ -90,23 +90,35 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         middle,
         lens("coded lens", coded_camera, vec![plain(), restored(&coded)]),
     ];
+    let names =
+        lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
+    let files = Files::new(ui).reads_all(weights::fixed_file(&args.net));
+    let files = files.reads_all(args.clear_net.as_deref().and_then(weights::fixed_file));
+    files.writes_into("--out", &args.out, FILES.map(String::from).into_iter().chain(names)).check()?;
+
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
     let result = demo::run(&scene, &sensor, &lenses)?;
     interrupt::check()?;
     drop(progress);
 
-    let report = args.out.join("report.html");
+    let [report, overview, scene] = FILES.map(|name| args.out.join(name));
     result.report(Tone::Code, &command_line(&args))?.save(&report)?;
-    let shots = result.pictures.iter().map(|p| (format!("{} {}", p.lens, p.treatment), &p.frame));
-    for (title, frame) in std::iter::once(("scene".to_owned(), &result.truth)).chain(shots) {
-        let file = title.replace(',', "").replace(' ', "-") + ".png";
-        edof_spec::atomic::write(&args.out.join(file), &picture::png(frame, Tone::Code)?)?;
+    let shots = result.pictures.iter().map(|p| (args.out.join(file_name(&p.lens, &p.treatment)), &p.frame));
+    for (file, frame) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
+        edof_spec::atomic::write(&file, &picture::png(frame, Tone::Code)?)?;
     }
-    edof_spec::atomic::write(&args.out.join("overview.png"), &picture::png(&result.overview(), Tone::Code)?)?;
     ui.say(result.to_text())?;
     ui.say(format_args!("pictures side by side: {}", report.display()))?;
     ui.json(&result)
+}
+
+/// What is written besides a picture for each treatment behind each lens.
+const FILES: [&str; 3] = ["report.html", "overview.png", "scene.png"];
+
+/// File of a lens's picture.
+fn file_name(lens: &str, treatment: &str) -> String {
+    format!("{lens} {treatment}").replace(',', "").replace(' ', "-") + ".png"
 }
 
 /// A fixed net as a method, with the camera it was trained for.

@@ -1,6 +1,7 @@
 //! `edof reconstruct`: from a raw frame to a picture.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
 use edof_golden::GoldenReconstructor;
@@ -86,6 +87,10 @@ pub struct Args {
 /// # Errors
 /// A frame, network or option that cannot be used, or a picture that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let network =
+        if args.float { weights::float_file(&args.weights) } else { weights::fixed_file(&args.weights) };
+    let files = Files::new(ui).reads(&args.raw).reads_all(network).reads_all(&args.camera);
+    files.writes("--out", &args.out).check()?;
     let frame = raw::load(&args.raw, &raw_options(&args))?;
     remark_on_dim_frames(&frame, &args, ui);
     let method = method(&args)?;
@@ -103,8 +108,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ))?;
     ui.json(&json!({
         "method": method.name(),
-        "raw": args.raw,
-        "picture": args.out,
+        "raw": args.raw.display().to_string(),
+        "picture": args.out.display().to_string(),
         "width": width,
         "height": height,
         "seconds": result.seconds,

@@ -1,6 +1,7 @@
 //! `edof study`: experiments on photographs.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::{interrupt, weights};
 use clap::Subcommand;
@@ -90,6 +91,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
+    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
+    let float = args.nets.iter().filter_map(|net| weights::float_file(net));
+    let fixed = args.nets.iter().filter_map(|net| weights::fixed_file(&fixed_name(net)));
+    let files = Files::new(ui).reads_all(float).reads_all(fixed).reads_pictures_of(&folder);
+    files.may_write("--report", args.report.as_ref()).check()?;
     let stride = Stride::new(args.stride)?;
     let optics = if args.exact { Settings::exact() } else { Settings::default() };
     let conditions = Conditions { psi: args.psi, noise: args.noise, stride: args.stride, optics };
@@ -100,7 +106,6 @@ fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
         loaded.push(net);
         notes.extend(note);
     }
-    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
     let selection: Selection = args.photos.parse()?;
     let (photos, skipped) = photos::load(&folder, &selection)?;
     if !skipped.is_empty() {
@@ -135,10 +140,15 @@ fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
 fn load_net(name: &str, stride: Stride) -> Result<(Net, Option<String>), Error> {
     let float = weights::float(name)?;
     let hash = weights::float_hash(name)?;
-    let stem = name.strip_suffix(".safetensors");
-    let fixed = fixed_if_any(&stem.map_or_else(|| name.to_owned(), |s| format!("{s}.fixed.safetensors")))?;
-    let shown = stem.unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
+    let fixed = fixed_if_any(&fixed_name(name))?;
+    let shown = name.strip_suffix(".safetensors").unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
     Ok(Net::new(shown, float, &hash, fixed, stride))
+}
+
+/// Name of the fixed net that goes with a float one.
+fn fixed_name(name: &str) -> String {
+    let stem = name.strip_suffix(".safetensors");
+    stem.map_or_else(|| name.to_owned(), |stem| format!("{stem}.fixed.safetensors"))
 }
 
 /// A fixed net, where there is one of that name. One that is there but broken is an error.

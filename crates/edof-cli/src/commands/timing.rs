@@ -2,6 +2,7 @@
 
 use crate::designs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
 use edof_cosim::chain::check::stage_names;
@@ -37,6 +38,8 @@ pub struct Args {
 /// # Errors
 /// A design or network that cannot be used, or Yosys is missing.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads(&args.design);
+    files.reads_all(args.weights.as_deref().and_then(weights::fixed_file)).check()?;
     let design = designs::load(&args.design)?;
     let network = match &args.weights {
         Some(name) => weights::fixed(name)?,

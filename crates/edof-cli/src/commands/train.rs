@@ -1,14 +1,15 @@
 //! `edof train`: a float network from photographs.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
-use crate::{form, interrupt};
+use crate::{form, interrupt, memory};
 use edof_io::photo;
 use edof_spec::network::{Form, Network};
 use edof_spec::{Camera, ColourFrame, Tone, weight_file};
 use edof_study::photos::{self, Selection};
 use edof_train::budget::Budget;
-use edof_train::checkpoint::{self, Run};
+use edof_train::checkpoint::{self, Fingerprint, Run};
 use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
 use edof_train::recipe::Recipe;
@@ -118,8 +119,8 @@ pub struct Args {
     steps: Option<u64>,
 
     /// Stop after so many minutes, wherever the schedule is
-    #[arg(long)]
-    minutes: Option<f64>,
+    #[arg(long, value_parser = minutes)]
+    minutes: Option<Duration>,
 
     /// Windows a step; a multiple of 8
     #[arg(long)]
@@ -177,25 +178,27 @@ pub struct Args {
 /// # Errors
 /// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let mut camera = Camera::resolve(&args.camera)?;
-    camera.psi_range = args.psi.unwrap_or(camera.psi_range);
     let recipes = recipes(&args)?;
     let seeds: Vec<(Recipe, PathBuf)> =
         recipes.into_iter().map(|recipe| (recipe.clone(), checkpoint_file(&args, recipe.seed))).collect();
+    let files = Files::new(ui).reads(&args.camera);
+    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
+    seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
+    let mut camera = Camera::resolve(&args.camera)?;
+    camera.psi_range = args.psi.unwrap_or(camera.psi_range);
     if let Some((_, file)) = seeds.iter().find(|(_, file)| file.exists() && !args.resume) {
         return Err(Error::message(format!(
             "{}: left by an earlier run; go on with it by --resume, or delete it",
             file.display()
         )));
     }
+    let recipe = &seeds[0].0;
+    recipe.check()?;
+    memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
     tell_photographs(&photographs, ui)?;
-    let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
-    let names = photographs.iter().map(Photograph::name).collect();
-    let photos = checkpoint::fingerprints(names, &frames);
-    let dataset = dataset(&frames, &camera, &seeds[0].0, &psis, ui)?;
-    drop(frames);
+    let (photos, dataset) = dataset(&photographs, &camera, recipe, &psis, ui)?;
     let mut results = Vec::new();
     for (recipe, file) in &seeds {
         let run = Run {
@@ -247,7 +250,6 @@ fn one_seed<'a>(
     } else {
         Trainer::new(run.recipe.clone(), dataset, threads)?
     };
-    // Before hours of work: can OUT's folder be written at all?
     checkpoint::save(file, run, &trainer.state)?;
     let (begun, first, mut history) = (Instant::now(), trainer.state.step, vec![]);
     if let Err(error) = train(&mut trainer, args, file, run, &mut history, ui) {
@@ -263,6 +265,12 @@ fn one_seed<'a>(
     Ok(Trained { trainer, seconds: begun.elapsed().as_secs_f64(), steps, history })
 }
 
+/// Memory that a step takes for each of its windows: inputs, targets, and what the gradient needs of every layer.
+fn bytes_a_window(form: &Form) -> f64 {
+    let words = form.window.pixels() + 3 * 192 + 4 * form.codes * form.layers;
+    (words * size_of::<f32>()) as f64
+}
+
 fn train(
     trainer: &mut Trainer<'_>,
     args: &Args,
@@ -272,7 +280,7 @@ fn train(
     ui: &Ui,
 ) -> Result<(), Error> {
     let bar = ui.progress(trainer.recipe().steps, format!("train, seed {}", trainer.recipe().seed));
-    let limit = args.minutes.map(|m| Duration::from_secs_f64((60.0 * m).clamp(0.0, 1e9)));
+    let limit = args.minutes;
     let (start, mut saved) = (Instant::now(), Instant::now());
     let mut failed = None;
     trainer.run(|trainer, progress: &Progress| {
@@ -480,19 +488,26 @@ fn tell_photographs(photographs: &[Photograph], ui: &Ui) -> Result<(), Error> {
     Ok(())
 }
 
+/// The photographs' fingerprints, and what they are made into.
 fn dataset(
-    frames: &[ColourFrame],
+    photographs: &[Photograph],
     camera: &Camera,
     recipe: &Recipe,
     psis: &[f64],
     ui: &Ui,
-) -> Result<Dataset, Error> {
+) -> Result<(Vec<Fingerprint>, Dataset), Error> {
+    let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
+    let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
+    let pictures = recipe.tones.len() as f64 * recipe.augmentation.variants as f64 * (psis.len() + 1) as f64;
+    memory::check("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
     let bar = ui.progress(frames.len() as u64, "blur");
     let tell = |done: usize, _| {
         bar.set(done as u64);
         interrupt::check().is_ok()
     };
-    Dataset::new(frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)
+    let dataset = Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)?;
+    let names = photographs.iter().map(Photograph::name).collect();
+    Ok((checkpoint::fingerprints(names, &frames), dataset))
 }
 
 fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
@@ -501,6 +516,12 @@ fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
         1 => Ok(vec![0.5 * (low + high)]),
         _ => Ok((0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect()),
     }
+}
+
+fn minutes(text: &str) -> Result<Duration, String> {
+    let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);
+    let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
+    time.ok_or_else(|| "expected a number of minutes above 0".to_owned())
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
@@ -617,7 +638,7 @@ fn tell(
         "seeds": seeds,
         "seconds": seconds,
         "windows_per_second": windows as f64 / seconds,
-        "weights": args.out,
+        "weights": args.out.display().to_string(),
     }))
 }
 

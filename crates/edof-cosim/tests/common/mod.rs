@@ -107,13 +107,13 @@ pub fn for_set(set: Set, patches: Vec<Patch>) -> Vec<Patch> {
 }
 
 /// A design with a network in each set, generated and compiled.
-pub struct Bench {
+pub struct Setup {
     pub design: Design,
     pub networks: [FixedNetwork; 2],
     pub compiled: Compiled,
 }
 
-impl Bench {
+impl Setup {
     /// The design with [`networks`] of that seed.
     pub fn new(design: Design, seed: u64) -> Self {
         let networks = networks(&design, seed);

@@ -1,7 +1,7 @@
 //! From accumulators to words: round, shift, saturate; soft threshold; difference. Each function is plain Rust that is
 //! compiled once for every instruction set, and gives how many words saturated.
 
-use super::Isa;
+use super::isa::Isa;
 use edof_spec::fixed_network::FinalShifts;
 use edof_spec::network::Shrinkage;
 
@@ -45,12 +45,12 @@ macro_rules! for_each_isa {
 
             match isa {
                 Isa::Portable => body($($arg),*),
-                // SAFETY: `Fast` holds only instruction sets that `Isa::available` found on this machine.
+                // SAFETY: the token proves that this machine has these instructions.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => unsafe { avx2($($arg),*) },
+                Isa::Avx2(_) => unsafe { avx2($($arg),*) },
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => unsafe { avx512($($arg),*) },
+                Isa::Avx512(_) => unsafe { avx512($($arg),*) },
                 #[cfg(not(target_arch = "x86_64"))]
                 _ => body($($arg),*),
             }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | weights packed for a kernel, and what bounds their sums | [`pack`] |
 //! | which non-zero codes multiply which columns | [`pairs`] |
+//! | instruction sets, and tokens for those that were detected | [`isa`] |
 //! | kernels in plain Rust | [`portable`] |
 //! | kernels for AVX2 and AVX-512 | `x86` |
 //! | accumulators to words: round, shift, saturate, shrink | [`finish`] |
@@ -13,6 +14,7 @@
 //! largest |weight| times its code, summed as the codes come. Both hold for every partial sum.
 
 pub mod finish;
+pub mod isa;
 pub mod pack;
 pub mod pairs;
 pub mod portable;
@@ -25,48 +27,9 @@ use edof_spec::FixedNetwork;
 use edof_spec::colour::OUTPUTS_422;
 use edof_spec::network::Recurrence;
 use finish::{Finish, Threshold};
+use isa::Isa;
 use pack::{Dense, Sparse};
 use pairs::Pairs;
-
-/// Instruction sets that have kernels of their own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Isa {
-    /// Plain Rust.
-    Portable,
-    /// AVX2.
-    Avx2,
-    /// AVX-512 F, BW, DQ, VL and VNNI.
-    Avx512,
-}
-
-impl Isa {
-    /// Those that this machine can run, slowest first.
-    #[must_use]
-    pub fn available() -> Vec<Self> {
-        let mut all = vec![Self::Portable];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                all.push(Self::Avx2);
-            }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512vnni")
-            {
-                all.push(Self::Avx512);
-            }
-        }
-        all
-    }
-
-    /// The fastest that this machine can run.
-    #[must_use]
-    pub fn best() -> Self {
-        Self::available().pop().unwrap_or(Self::Portable)
-    }
-}
 
 /// A network packed for one instruction set.
 #[derive(Debug, Clone)]
@@ -153,10 +116,9 @@ impl Fast {
         Self::with_isa(network, Isa::best())
     }
 
-    /// Packs a checked network for given kernels; those that this machine lacks are replaced by plain Rust.
+    /// Packs a checked network for given kernels.
     #[must_use]
     pub fn with_isa(network: FixedNetwork, isa: Isa) -> Self {
-        let isa = if Isa::available().contains(&isa) { isa } else { Isa::Portable };
         Self {
             isa,
             analysis: Dense::new(&network.analysis.weights),
@@ -280,9 +242,9 @@ impl Fast {
         match isa {
             Isa::Portable => portable::dense(matrix, input, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => x86::avx2::dense(matrix, input, sums),
+            Isa::Avx2(token) => x86::avx2::dense(token, matrix, input, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => x86::avx512::dense(matrix, input, sums),
+            Isa::Avx512(token) => x86::avx512::dense(token, matrix, input, sums),
             #[cfg(not(target_arch = "x86_64"))]
             _ => portable::dense(matrix, input, sums),
         }
@@ -293,9 +255,9 @@ impl Fast {
         match self.isa {
             Isa::Portable => portable::sparse(matrix, pairs, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => x86::avx2::sparse(matrix, pairs, sums),
+            Isa::Avx2(token) => x86::avx2::sparse(token, matrix, pairs, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => x86::avx512::sparse(matrix, pairs, sums),
+            Isa::Avx512(token) => x86::avx512::sparse(token, matrix, pairs, sums),
             #[cfg(not(target_arch = "x86_64"))]
             _ => portable::sparse(matrix, pairs, sums),
         }

@@ -6,7 +6,6 @@ use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
-use std::time::{Duration, Instant};
 use support::Place;
 
 #[test]
@@ -103,10 +102,10 @@ fn a_training_stopped_by_ctrl_c_goes_on_to_the_same_bytes() {
 
     let broken = with_photos();
     let mut child = broken.command(TRAIN).stderr(Stdio::piped()).spawn().unwrap();
-    let patience = Instant::now();
+    // It ends by itself: 600 steps, then this fails.
     while !broken.path("net.safetensors.checkpoint").exists() {
-        assert!(patience.elapsed() < Duration::from_secs(120) && child.try_wait().unwrap().is_none());
-        std::thread::sleep(Duration::from_millis(2));
+        assert!(child.try_wait().unwrap().is_none());
+        std::thread::sleep(std::time::Duration::from_millis(2));
     }
     let interrupt =
         std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();

@@ -105,7 +105,7 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
         ("capture photo.png --psi 1 --energy 0 --out r.png", ["--energy 0", "at most 1"]),
         ("capture photo.png --psi 1 --camera none --out r.png", ["camera 'none'", "ring-outer"]),
         ("capture none.png --psi 1 --out r.png", ["none.png", "cannot read"]),
-        ("capture photo.png --psi 1 --no-measure --out no/where/r.png", ["no/where/r.png", "cannot write"]),
+        ("capture photo.png --psi 1 --no-measure --out odd.png/r.png", ["odd.png/r.png", "cannot write"]),
         ("capture chart-4 --psi 1,2 --out r.png", ["--psi: 2 values", "expected 4"]),
         ("scene sea", ["scene 'sea'", "leaves-4"]),
         ("scene chart --size 30x30", ["scene 30x30", "at least 64"]),
