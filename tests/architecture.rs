@@ -9,20 +9,25 @@ use workspace::{Kind, Package, packages, sources};
 /// it names: nothing points back up. A new crate gets a row.
 const MAY_NAME: &[(&str, &[&str])] = &[
     ("edof-spec", &[]),
+    ("edof-random", &["edof-spec"]),
     ("edof-io", &["edof-spec"]),
     ("edof-optics", &["edof-spec"]),
     ("edof-deblur", &["edof-spec"]),
-    ("edof-golden", &["edof-spec"]),
+    ("edof-golden", &["edof-spec", "edof-random"]),
     ("edof-hdl-derive", &[]),
     ("edof-hdl", &["edof-spec", "edof-hdl-derive"]),
-    ("edof-cosim", &["edof-spec", "edof-golden", "edof-hdl"]),
+    ("edof-cosim", &["edof-spec", "edof-random", "edof-golden", "edof-hdl"]),
     ("edof-train", &["edof-spec", "edof-optics"]),
-    ("edof-quantize", &["edof-spec", "edof-optics", "edof-golden", "edof-train"]),
-    ("edof-study", &["edof-spec", "edof-io", "edof-optics", "edof-deblur", "edof-golden", "edof-train"]),
+    ("edof-quantize", &["edof-spec", "edof-random", "edof-optics", "edof-golden", "edof-train"]),
+    (
+        "edof-study",
+        &["edof-spec", "edof-random", "edof-io", "edof-optics", "edof-deblur", "edof-golden", "edof-train"],
+    ),
     (
         "edof-cli",
         &[
             "edof-spec",
+            "edof-random",
             "edof-io",
             "edof-optics",
             "edof-deblur",
