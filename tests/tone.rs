@@ -5,7 +5,7 @@ mod support;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use edof_spec::{ColourFrame, Tone};
-use serde_json::Value;
+use serde_json::{Value, json};
 use support::Place;
 
 /// Sensor values of a raw frame of 12 bits.
@@ -14,7 +14,7 @@ fn sensor_values(place: &Place, name: &str) -> Vec<u16> {
     raw::load(&place.path(name), &options).unwrap().values().iter().copied().collect()
 }
 
-fn json(place: &Place, name: &str) -> Value {
+fn read_json(place: &Place, name: &str) -> Value {
     serde_json::from_slice(&std::fs::read(place.path(name)).unwrap()).unwrap()
 }
 
@@ -70,19 +70,19 @@ fn a_study_measures_any_network_under_either_tone() {
             "study kodak --nets net.safetensors --images photos --psi 0,4 --json s.json --markdown s.md {options}"
         );
         place.edof(&line).done();
-        (json(&place, "s.json"), std::fs::read_to_string(place.path("s.md")).unwrap())
+        (read_json(&place, "s.json"), std::fs::read_to_string(place.path("s.md")).unwrap())
     };
     let (linear, page) = study("");
-    assert_eq!((&linear["measure"]["tone"], &linear["measure"]["border"]), (&"linear".into(), &8.into()));
+    assert_eq!(linear["measure"], json!({ "tone": "linear", "peak": 1.0, "border": 8 }));
     assert!(page.contains("--tone linear --nets net.safetensors --psi 0,4 --noise none,0.01,0.02"), "{page}");
     let row = &linear["rows"][1];
     assert_eq!(row["psnr_db"], row["light"]["psnr_db"]);
     let identity = ["family", "network", "format", "stride", "layers"].map(|field| row[field].clone());
-    assert_eq!(identity, ["network".into(), "net".into(), "float".into(), 8.into(), 3.into()]);
+    assert_eq!(json!(identity), json!(["network", "net", "float", 8, 3]));
 
     let (srgb, page) = study("--tone srgb");
     let noises: Vec<&Value> = srgb["rows"].as_array().unwrap().iter().map(|r| &r["noise"]).collect();
-    assert!(noises.contains(&&"sensor:gain=8".into()) && noises.contains(&&"none".into()), "{noises:?}");
+    assert!(noises.contains(&&json!("sensor:gain=8")) && noises.contains(&&json!("none")), "{noises:?}");
     assert!(page.contains("| net.float | clear |") && page.contains("sensor, gain 8"), "{page}");
     let row = &srgb["rows"][1];
     assert_ne!(row["psnr_db"], row["light"]["psnr_db"]);
@@ -94,14 +94,14 @@ fn the_demo_measures_the_encoded_picture_and_its_light() {
     place.fixed_network("net.safetensors");
     let line = "demo --net net.safetensors --clear-net net.safetensors --height 96 --width 128 --out out --json demo.json";
     place.edof(line).done();
-    let demo = json(&place, "demo.json");
-    assert_eq!((&demo["tone"], &demo["noise"]), (&"srgb".into(), &"sensor:gain=4".into()));
+    let demo = read_json(&place, "demo.json");
+    assert_eq!((&demo["tone"], &demo["noise"]), (&json!("srgb"), &json!("sensor:gain=4")));
     assert_ne!(demo["pictures"][0]["psnr_db"], demo["pictures"][0]["light"]["psnr_db"]);
     let shown = photo::load(&place.path("out/scene.png")).unwrap();
 
     place.edof(&format!("{line} --tone linear")).done();
-    let demo = json(&place, "demo.json");
-    assert_eq!((&demo["tone"], &demo["noise"]), (&"linear".into(), &"0.005".into()));
+    let demo = read_json(&place, "demo.json");
+    assert_eq!((&demo["tone"], &demo["noise"]), (&json!("linear"), &json!("0.005")));
     assert_eq!(demo["pictures"][0]["psnr_db"], demo["pictures"][0]["light"]["psnr_db"]);
     assert_eq!(photo::load(&place.path("out/scene.png")).unwrap(), shown, "shown encoded in either case");
 

@@ -9,7 +9,7 @@ use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, ColourFrame, FixedNetwork, Noise, Reconstructor, Tone};
+use edof_spec::{Camera, FixedNetwork, Noise, Reconstructor, Tone};
 use edof_study::demo::{self, Demo, Lens};
 use edof_study::picture;
 use std::path::PathBuf;
