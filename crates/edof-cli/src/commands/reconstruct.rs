@@ -82,9 +82,9 @@ pub struct Args {
     order: String,
 
     /// What the picture's numbers mean: srgb is for looking at; linear writes the network's light as it is, for frames and networks
-    /// that take a photograph's codes for light
-    #[arg(long, default_value_t = Tone::Srgb)]
-    tone: Tone,
+    /// that take a photograph's codes for light [default: what RAW.json says of the scene, else srgb: a sensor measures light]
+    #[arg(long)]
+    tone: Option<Tone>,
 
     /// Curve from light to the picture's numbers, and of the board's tables [default: the tone's]
     #[arg(long, value_name = "CURVE")]
@@ -154,7 +154,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "picture": args.out.display().to_string(),
         "width": width,
         "height": height,
-        "tone": args.tone,
+        "tone": made.tone,
         "seconds": made.seconds,
         "seconds_per_megapixel": per_megapixel,
         "multiplications": made.multiplications,
@@ -168,6 +168,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 /// What has been made and written.
 struct Made {
     name: String,
+    tone: Tone,
     seconds: f64,
     multiplications: Option<Multiplications>,
     /// What else there is to report.
@@ -179,27 +180,35 @@ fn float(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> 
     let network = weights::float(&args.weights)?;
     ui.used(weights::float_input(&args.weights)?);
     fits_camera(&network.origin, args, record)?;
+    let tone = tone(args, record);
     let method = FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?;
     let result = method.reconstruct(frame).map_err(|e| of_frame(args, e))?;
-    photo::save(&args.out, &encoded(result.frame, curve(args)), args.bits)?;
+    photo::save(&args.out, &encoded(result.frame, curve(args, tone)), args.bits)?;
     let name = method.name().to_owned();
-    Ok(Made { name, seconds: result.seconds, multiplications: result.multiplications, more: Value::Null })
+    Ok(Made {
+        name,
+        tone,
+        seconds: result.seconds,
+        multiplications: result.multiplications,
+        more: Value::Null,
+    })
 }
 
 fn fixed(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> Result<Made, Error> {
     let network = fixed_network(args, record, ui)?;
     let name = format!("{}.fixed", network.origin.name);
+    let tone = tone(args, record);
     let golden = Golden::new(network)?;
     let start = Instant::now();
     let out = golden.frame(frame).map_err(|e| of_frame(args, e))?;
     let seconds = start.elapsed().as_secs_f64();
-    let (picture, shown) = out.picture(&Display::new(args.display, curve(args)));
+    let (picture, shown) = out.picture(&Display::new(args.display, curve(args, tone)));
     let board = codes_file(args);
     if let Some(codes) = &board {
         photo::save(&args.out, &picture.shown_frame(), args.bits)?;
         edof_spec::atomic::write(codes, &picture.yuyv())?;
     } else {
-        photo::save(&args.out, &encoded(out.colour(), curve(args)), args.bits)?;
+        photo::save(&args.out, &encoded(out.colour(), curve(args, tone)), args.bits)?;
     }
     if let Some(folder) = &args.words {
         words::save(folder, &golden.words(frame).map_err(|e| of_frame(args, e))?, &out.frame, &picture)?;
@@ -211,7 +220,7 @@ fn fixed(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> 
         "words": args.words.as_deref().map(|folder| words::file(folder).display().to_string()),
     });
     let multiplications = Some(out.counts.multiplications(golden.network()));
-    Ok(Made { name, seconds, multiplications, more })
+    Ok(Made { name, tone, seconds, multiplications, more })
 }
 
 /// Where the board's codes go, if they are asked for.
@@ -241,8 +250,13 @@ fn of_frame(args: &Args, error: impl std::fmt::Display) -> Error {
     Error::message(format!("{}: {error}", args.raw.display()))
 }
 
-fn curve(args: &Args) -> Curve {
-    match (args.gamma, args.tone) {
+/// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.
+fn tone(args: &Args, record: Option<&RawRecord>) -> Tone {
+    args.tone.or(record.map(|r| r.tone)).unwrap_or(Tone::Srgb)
+}
+
+fn curve(args: &Args, tone: Tone) -> Curve {
+    match (args.gamma, tone) {
         (Some(Gamma::Linear), _) | (None, Tone::Linear) => Curve::Linear,
         (Some(Gamma::Srgb), _) | (None, Tone::Srgb) => Curve::Srgb,
         (Some(Gamma::Bt709), _) => Curve::Bt709,
