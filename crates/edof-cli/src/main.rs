@@ -114,7 +114,7 @@ fn run() -> Result<(), Error> {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),
         Command::Capture(args) => commands::capture::run(args, &ui),
-        Command::Train(args) => commands::train::run(*args, &ui),
+        Command::Train(args) => commands::train::run(&args, &ui),
         Command::Weights(args) => commands::weights::run(args, &ui),
         Command::Quantize(args) => commands::quantize::run(args, &ui),
         Command::Reconstruct(args) => commands::reconstruct::run(args, &ui),
