@@ -7,7 +7,7 @@ use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{FixedNetwork, Geometry, Noise, RawFrame};
+use edof_spec::{FixedNetwork, Geometry, RawFrame};
 use std::path::Path;
 
 /// Size of the built-in scene: 1536 patches at stride 8.

@@ -1,7 +1,6 @@
 //! Integers stand for the float network: every layer's words are its values, to the last bits.
 
 use edof_golden::{Golden, GoldenReconstructor, scalar};
-use edof_optics::psf::Settings;
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
@@ -262,8 +261,8 @@ fn pictures() -> Vec<ColourFrame> {
 fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
     let camera = Camera::resolve("clear").unwrap();
     let window = Window::new(8).unwrap();
-    let options = DatasetOptions::plain(&[0.0, 2.0], window);
-    let dataset = Dataset::new(&pictures(), &camera, options, |_, _| true).unwrap().unwrap();
+    let plain = DatasetOptions::plain(&[0.0, 2.0], window);
+    let dataset = Dataset::new(&pictures(), &camera, plain, |_, _| true).unwrap().unwrap();
     let form = Form { codes: 32, ..form(4, Shrinkage::OneSided, true) };
     let recipe = Recipe {
         steps: 300,

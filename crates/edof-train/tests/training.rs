@@ -17,7 +17,11 @@ const PSIS: [f64; 2] = [0.0, 4.0];
 
 /// Overlapping discs of random colours: edges at every place and angle.
 fn discs() -> ColourFrame {
-    let mut random = Random::new(11, 0, 0);
+    drawn(11)
+}
+
+fn drawn(seed: u64) -> ColourFrame {
+    let mut random = Random::new(seed, 0, 0);
     let mut photo = ColourFrame::zeros(256, 256);
     for _ in 0..400 {
         let at = [random.unit() * 256.0, random.unit() * 256.0];
@@ -32,8 +36,12 @@ fn discs() -> ColourFrame {
 }
 
 fn dataset(recipe: &Recipe) -> Dataset {
+    of(&[discs()], recipe)
+}
+
+fn of(photos: &[ColourFrame], recipe: &Recipe) -> Dataset {
     let camera = Camera::resolve("clear").unwrap();
-    Dataset::new(&[discs()], &camera, recipe.dataset(&PSIS), |_, _| true).unwrap().unwrap()
+    Dataset::new(photos, &camera, recipe.dataset(&PSIS), |_, _| true).unwrap().unwrap()
 }
 
 fn recipe(shrinkage: Shrinkage) -> Recipe {
@@ -62,7 +70,9 @@ fn long(recipe: Recipe) -> Recipe {
     Recipe { steps: 1500, rate: 5e-3, validate_every: 500, conditions, augmentation, ..recipe }
 }
 
-fn gain(recipe: Recipe, dataset: &Dataset) -> f64 {
+/// Gain in dB over the start, on windows that training has not seen, of photographs enough not to learn by heart.
+fn gain(recipe: Recipe) -> f64 {
+    let dataset = &of(&[1, 2, 3, 4].map(drawn), &recipe);
     let mut trainer = Trainer::new(recipe, dataset, 2).unwrap();
     let before = trainer.validate().db();
     run_to(&mut trainer, 1500);
@@ -73,10 +83,9 @@ fn gain(recipe: Recipe, dataset: &Dataset) -> f64 {
 fn training_gains_over_its_start_for_both_shrinkages_and_both_starts() {
     for shrinkage in [Shrinkage::OneSided, Shrinkage::TwoSided] {
         let longer = long(recipe(shrinkage));
-        let dataset = dataset(&longer);
         for start in [Start::Whitened, Start::Dictionary] {
-            let gain = gain(Recipe { start, ..longer.clone() }, &dataset);
-            assert!(gain > 0.2, "{shrinkage:?} {start:?}: grew by {gain} dB");
+            let gain = gain(Recipe { start, ..longer.clone() });
+            assert!(gain > 0.1, "{shrinkage:?} {start:?}: grew by {gain} dB");
         }
     }
 }
@@ -86,9 +95,8 @@ fn training_gains_in_the_tone_of_pictures_and_in_both_tones_at_once() {
     for tones in [vec![Tone::Srgb], Tone::ALL.to_vec()] {
         let recipe =
             Recipe { tones, steps: 1500, rate: 5e-3, validate_every: 500, ..recipe(Shrinkage::OneSided) };
-        let dataset = dataset(&recipe);
-        let gain = gain(recipe.clone(), &dataset);
-        assert!(gain > 0.2, "{:?}: grew by {gain} dB", recipe.tones);
+        let gain = gain(recipe.clone());
+        assert!(gain > 0.1, "{:?}: grew by {gain} dB", recipe.tones);
     }
 }
 

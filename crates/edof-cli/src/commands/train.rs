@@ -178,10 +178,10 @@ pub struct Args {
 
 /// # Errors
 /// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
-pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let recipes = recipes(&args)?;
+pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
+    let recipes = recipes(args)?;
     let seeds: Vec<(Recipe, PathBuf)> =
-        recipes.into_iter().map(|recipe| (recipe.clone(), checkpoint_file(&args, recipe.seed))).collect();
+        recipes.into_iter().map(|recipe| (recipe.clone(), checkpoint_file(args, recipe.seed))).collect();
     let files = Files::new(ui).reads(&args.camera);
     let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
@@ -211,19 +211,19 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             photos: photos.clone(),
             psis: psis.clone(),
         };
-        results.push(one_seed(&dataset, &run, file, &args, ui)?);
+        results.push(one_seed(&dataset, &run, file, args, ui)?);
     }
     let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
     let chosen =
         others.iter_mut().fold(first, |best, other| if other.best() > best.best() { other } else { best });
-    let made = provenance(&args, chosen.trainer.recipe(), ui);
-    let network = chosen.trainer.best(&name(&args), &camera, made);
+    let made = provenance(args, chosen.trainer.recipe(), ui);
+    let network = chosen.trainer.best(&name(args), &camera, made);
     weight_file::save_network(&args.out, &network)?;
     for (_, file) in &seeds {
         let _ = std::fs::remove_file(file);
     }
     let seed = chosen.trainer.recipe().seed;
-    tell(&network, &results, seed, &photographs, &args, ui)
+    tell(&network, &results, seed, &photographs, args, ui)
 }
 
 /// A trained network that has not been written yet.
