@@ -52,6 +52,13 @@ impl Ui {
         self.provenance.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
+    /// A command as reports state it: with the program that ran it and where, as a shell's remark.
+    pub fn signed(&self, command: &str) -> String {
+        let Provenance { version, revision, host, .. } = self.provenance();
+        let revision = revision.unwrap_or_else(|| "unknown".to_owned());
+        format!("{command}  # edof {version}, revision {revision}, {}", host.cpu)
+    }
+
     /// Whether standard output belongs to JSON alone.
     fn json_on_stdout(&self) -> bool {
         self.json.as_deref() == Some(Path::new("-"))

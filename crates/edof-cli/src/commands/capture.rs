@@ -116,6 +116,7 @@ struct Captured {
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    let files = files.writes("the record beside --out", record::path_of(&args.out));
     files.may_write("--sharp", args.sharp.as_ref()).may_write("--light", args.light.as_ref()).check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range, ui)?;

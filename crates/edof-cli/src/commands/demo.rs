@@ -67,7 +67,8 @@ pub struct Args {
 /// No weights, settings out of range, a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (camera, coded) = method(weights::fixed(&args.net)?)?;
-    let clear = clear_method(args.clear_net.as_deref())?;
+    ui.used(weights::fixed_input(&args.net)?);
+    let clear = clear_method(args.clear_net.as_deref(), ui)?;
     super::scene::fits(args.width, args.height)?;
     let depths = four_depths(camera.psi_range);
     let scene = draw(args.scene.parse::<Builtin>()?, args.height, args.width, &depths, 1)?;
@@ -82,7 +83,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     drop(progress);
 
-    save(&result, &args)?;
+    save(&result, &args, ui)?;
     ui.say(result.to_text())?;
     ui.say(format_args!("pictures side by side: {}", args.out.join("report.html").display()))?;
     ui.json(&result)
@@ -119,9 +120,9 @@ fn lenses<'a>(
 }
 
 /// The report, every picture, and all of them in one.
-fn save(result: &Demo, args: &Args) -> Result<(), Error> {
+fn save(result: &Demo, args: &Args, ui: &Ui) -> Result<(), Error> {
     let [report, overview, scene] = FILES.map(|name| args.out.join(name));
-    result.report(&args.command_line())?.save(&report)?;
+    result.report(&ui.signed(&args.command_line()))?.save(&report)?;
     let shots = result.pictures.iter().map(|p| (args.out.join(file_name(&p.lens, &p.treatment)), &p.frame));
     for (file, light) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
         edof_spec::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
@@ -130,11 +131,14 @@ fn save(result: &Demo, args: &Args) -> Result<(), Error> {
 }
 
 /// The net behind the clear lens: the one named, or the usual one where it is there.
-fn clear_method(name: Option<&str>) -> Result<Option<(Camera, GoldenReconstructor)>, Error> {
+fn clear_method(name: Option<&str>, ui: &Ui) -> Result<Option<(Camera, GoldenReconstructor)>, Error> {
     let net = match name {
         Some(name) => Some(weights::fixed(name)?),
         None => fixed_if_any(CLEAR_NET)?,
     };
+    if net.is_some() {
+        ui.used(weights::fixed_input(name.unwrap_or(CLEAR_NET))?);
+    }
     net.map(method).transpose()
 }
 

@@ -6,6 +6,7 @@ use crate::ui::Ui;
 use crate::{interrupt, weights};
 use clap::Subcommand;
 use edof_optics::psf::Settings;
+use edof_spec::provenance::Input;
 use edof_spec::weight_file::WeightFileError;
 use edof_spec::{FixedNetwork, Noise, Stride, Tone};
 use edof_study::kodak::{self, Conditions, KodakError, Progress, Row, Setup, usual_noise};
@@ -110,12 +111,13 @@ fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
     let stride = Stride::new(args.stride)?;
     let (mut notes, mut loaded) = (vec![], vec![]);
     for name in &args.nets {
-        let (net, note) = load_net(name, stride)?;
+        let (net, note) = load_net(name, stride, ui)?;
         loaded.push(net);
         notes.extend(note);
     }
     let selection: Selection = args.photos.parse()?;
     let (photos, skipped) = photos::load(&folder, &selection)?;
+    photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
     if !skipped.is_empty() {
         notes.extend(skipped.iter().map(|why| format!("photo skipped: {why}")));
         notes.push(format!("{} of {} photos skipped", skipped.len(), skipped.len() + photos.len()));
@@ -128,7 +130,7 @@ fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
         edof_spec::atomic::write(path, study.to_markdown(&args.command_line()).as_bytes())?;
     }
     if let Some(path) = &args.report {
-        study.report(&args.command_line()).save(path)?;
+        study.report(&ui.signed(&args.command_line())).save(path)?;
     }
     ui.say(study.to_text())?;
     ui.json(&study)
@@ -173,10 +175,15 @@ impl Kodak {
 }
 
 /// A net with its fixed-point weights where it has some. Weights that are there but broken are an error.
-fn load_net(name: &str, stride: Stride) -> Result<(Net, Option<String>), Error> {
+fn load_net(name: &str, stride: Stride, ui: &Ui) -> Result<(Net, Option<String>), Error> {
     let float = weights::float(name)?;
-    let hash = weights::float_input(name)?.sha256;
+    let file = weights::float_input(name)?;
+    let hash = file.sha256.clone();
+    ui.used(file);
     let fixed = fixed_if_any(&fixed_name(name))?;
+    if fixed.is_some() {
+        ui.used(weights::fixed_input(&fixed_name(name))?);
+    }
     let shown = name.strip_suffix(".safetensors").unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
     Ok(Net::new(shown, float, &hash, fixed, stride))
 }
