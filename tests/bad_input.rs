@@ -139,6 +139,20 @@ fn a_network_whose_window_does_not_fit_its_matrices() {
 }
 
 #[test]
+fn a_network_whose_fraction_bits_no_sum_can_hold() {
+    let place = ready();
+    forge(&place.path("net.safetensors"), |text, _| {
+        *text = text.replace("\"analysis\":14", "\"analysis\":4294967290");
+        assert!(text.contains("4294967290"), "{text}");
+    });
+    refused_without_a_trace(
+        &place,
+        RECONSTRUCT,
+        &["net.safetensors", "fraction bits 4294967290: must be 0 to 255"],
+    );
+}
+
+#[test]
 fn a_network_of_a_window_that_does_not_exist() {
     let place = ready();
     forge(&place.path("net.safetensors"), |text, _| *text = text.replace("\"window\":8", "\"window\":9"));

@@ -2,8 +2,6 @@
 
 mod support;
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use support::Place;
 
 /// Commands with a gap for the file that is wrong.
@@ -79,25 +77,10 @@ fn ready() -> Place {
     place
 }
 
-/// Every file with its size, and every folder.
-fn listing(folder: &Path) -> BTreeMap<PathBuf, Option<u64>> {
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    entries
-        .flat_map(|path| {
-            if path.is_dir() {
-                listing(&path).into_iter().chain([(path, None)]).collect()
-            } else {
-                let size = std::fs::metadata(&path).unwrap().len();
-                vec![(path, Some(size))]
-            }
-        })
-        .collect()
-}
-
 #[test]
 fn every_wrong_file_is_refused_by_every_command_that_reads_it() {
     let place = ready();
-    let before = listing(&place.path(""));
+    let before = place.snapshot();
     for command in COMMANDS {
         for wrong in WRONG {
             let line = command.replace("{}", wrong);
@@ -106,7 +89,7 @@ fn every_wrong_file_is_refused_by_every_command_that_reads_it() {
             assert_eq!(run.err.lines().count(), 1, "{line}: {}", run.err);
             assert!(run.err.starts_with("edof: ") && run.err.contains(wrong), "{line}: {}", run.err);
             assert_eq!(run.out, "", "{line}");
-            assert!(listing(&place.path("")) == before, "{line}: files changed");
+            assert!(place.snapshot() == before, "{line}: files changed");
         }
     }
 }

@@ -76,6 +76,9 @@ pub struct FinalShifts {
     pub result: u32,
 }
 
+/// Most fraction bits that a file may state; sums of them are far from overflowing.
+const MOST_FRACTION: u32 = 255;
+
 /// Integers that are no network the board can run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
@@ -89,6 +92,9 @@ pub enum FixedNetworkError {
     /// A word is wider than the stated bits.
     #[error("{what}: holds {value}, which {bits} bits cannot hold")]
     TooWide { what: &'static str, value: i16, bits: u32 },
+    /// Fraction bits that no word has.
+    #[error("fraction bits {0}: must be 0 to 255")]
+    Fraction(u32),
     /// Fraction bits that would need a negative shift.
     #[error("{what}: fraction bits need a shift of {shift}, it must be 0 to 47")]
     Shift { what: &'static str, shift: i64 },
@@ -179,6 +185,7 @@ impl FixedNetwork {
         {
             return Err(FixedNetworkError::UnequalFractions);
         }
+        self.check_fractions()?;
         self.check_shifts()?;
         for (bits, what) in self.accumulator_bits().into_iter().zip(layer_names(form.layers)) {
             if bits > ACCUMULATOR_BITS {
@@ -226,6 +233,17 @@ impl FixedNetwork {
         match (self.form.shrinkage, negative) {
             (Shrinkage::TwoSided, Some(&value)) => Err(FixedNetworkError::NegativeThreshold(value)),
             _ => Ok(()),
+        }
+    }
+
+    /// Before fraction bits are added to each other.
+    fn check_fractions(&self) -> Result<(), FixedNetworkError> {
+        let matrices =
+            [&self.analysis, &self.dictionary].into_iter().chain(&self.recurrent).chain(&self.linear_path);
+        let mut fractions = matrices.map(|matrix| matrix.fraction).chain(self.code_fractions.iter().copied());
+        match fractions.find(|fraction| *fraction > MOST_FRACTION) {
+            Some(fraction) => Err(FixedNetworkError::Fraction(fraction)),
+            None => Ok(()),
         }
     }
 

@@ -1,6 +1,6 @@
 //! `edof capture`.
 
-use crate::commands::scene::Drawing;
+use crate::commands::scene::{Drawing, fits};
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
@@ -145,7 +145,10 @@ fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
         )));
     }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Scene::flat(name, photo::load(Path::new(&args.scene))?, psi))
+    let photo = photo::load(Path::new(&args.scene))?;
+    let (height, width) = photo.size();
+    fits(width, height)?;
+    Ok(Scene::flat(name, photo, psi))
 }
 
 impl Args {
