@@ -25,11 +25,13 @@ fn refused_without_a_trace(place: &Place, line: &str, words: &[&str]) {
 fn an_image_too_small_for_a_window() {
     let place = ready();
     place.raw("raw.png", 8, 32);
-    refused_without_a_trace(
-        &place,
-        RECONSTRUCT,
-        &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"],
-    );
+    for phase in ["rggb", "grbg", "gbrg", "bggr"] {
+        refused_without_a_trace(
+            &place,
+            &format!("{RECONSTRUCT} --phase {phase}"),
+            &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"],
+        );
+    }
 }
 
 #[test]
@@ -176,6 +178,35 @@ fn a_stride_that_a_fixed_network_is_not_made_for() {
     let line = |stride: u32| format!("{RECONSTRUCT} --stride {stride}");
     refused_without_a_trace(&place, &line(4), &["--stride 4", "quantized for a stride of 8"]);
     refused_without_a_trace(&place, &line(3), &["stride 3: must be 2, 4 or 8"]);
+}
+
+#[test]
+fn the_boards_picture_of_a_float_network_or_in_16_bits() {
+    let place = ready();
+    for more in ["--board --float", "--board --bits 16", "--words w --float", "--display luma --float"] {
+        let run = place.edof(&format!("{RECONSTRUCT} {more}"));
+        assert_eq!(run.code, Some(2), "{more}");
+        assert!(run.err.contains("cannot be used with"), "{}", run.err);
+    }
+    let run = place.edof(&format!("{RECONSTRUCT} --board --display grey"));
+    assert!(run.err.contains("display 'grey': must be luma or colour"), "{}", run.err);
+    assert_eq!(place.files(), ["net.safetensors", "raw.png"]);
+}
+
+#[test]
+fn words_where_no_folder_can_be() {
+    let place = ready();
+    let line = format!("{RECONSTRUCT} --words raw.png");
+    refused_without_a_trace(&place, &line, &["raw.png/words.npz: cannot write"]);
+}
+
+#[test]
+fn a_drawn_network_that_there_is_none_of() {
+    let place = Place::new();
+    let line = |more: &str| format!("random-network --out net.safetensors {more}");
+    refused_without_a_trace(&place, &line("--bits 7"), &["--bits 7: must be 8 to 16"]);
+    refused_without_a_trace(&place, &line("--stride 3"), &["stride 3: must be 2, 4 or 8"]);
+    refused_without_a_trace(&place, &line("--kind natural --bits 12"), &["--kind natural", "16 bits only"]);
 }
 
 #[test]

@@ -13,6 +13,7 @@
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
 //! | windows to feed the hardware with | [`windows`] |
+//! | words at stage boundaries for NumPy | [`words`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
@@ -27,6 +28,7 @@ mod memory;
 mod ui;
 mod weights;
 mod windows;
+mod words;
 
 use clap::{Parser, Subcommand};
 use error::Error;
@@ -61,6 +63,7 @@ Examples:
   edof scene chart --out out/chart                     a built-in scene
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
+  edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
   edof estimate --design kc705 --weights edof-t4w12-outer
   edof cosim --design tiny                             the generated Verilog against the cycle model
@@ -83,6 +86,7 @@ enum Command {
     Cosim(commands::cosim::Args),
     Estimate(commands::estimate::Args),
     Generate(commands::generate::Args),
+    RandomNetwork(commands::random_network::Args),
     Timing(commands::timing::Args),
 }
 
@@ -113,6 +117,7 @@ fn run(cli: Cli) -> Result<(), Error> {
         Command::Cosim(args) => commands::cosim::run(args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Generate(args) => commands::generate::run(args, &ui),
+        Command::RandomNetwork(args) => commands::random_network::run(args, &ui),
         Command::Timing(args) => commands::timing::run(args, &ui),
     }
 }

@@ -12,9 +12,9 @@ use edof_cosim::chain::device::{Beat, Inputs};
 use edof_cosim::chain::second::rows;
 use edof_cosim::verilator::{Library, Model, Options, Start, Unknowns};
 use edof_golden::cycle::{Cycle, Patch};
-use edof_golden::sample::{self, Draw};
 use edof_hdl::project;
 use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork, weight_file};
 use std::path::Path;
 
@@ -80,7 +80,7 @@ impl Case {
             Some((_, weights)) if *weights != "drawn" => {
                 weight_file::load_fixed(&root.join(format!("weights/{weights}.fixed.safetensors")))?
             }
-            _ => sample::for_design(&design, 1),
+            _ => edof_random::for_design(&design, 1),
         };
         let patches = patches(&design);
         Ok(Self { design, network, patches })

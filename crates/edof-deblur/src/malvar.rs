@@ -80,7 +80,7 @@ impl Reconstructor for Malvar {
         }
         let start = Instant::now();
         let frame = demosaic(raw);
-        Ok(Reconstruction { frame, seconds: start.elapsed().as_secs_f64(), multiply_accumulates: None })
+        Ok(Reconstruction { frame, seconds: start.elapsed().as_secs_f64(), multiplications: None })
     }
 }
 

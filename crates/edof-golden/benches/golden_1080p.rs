@@ -6,8 +6,9 @@
 use divan::{Bencher, counter::ItemsCount};
 use edof_golden::Golden;
 use edof_golden::frame::scalar_frame;
-use edof_golden::sample::{self, Draw};
-use edof_spec::{CfaPhase, FixedNetwork, RawFrame, weight_file};
+use edof_golden::{Curve, Display};
+use edof_spec::draw::Draw;
+use edof_spec::{CfaPhase, DisplayMode, FixedNetwork, Frame422, RawFrame, weight_file};
 use ndarray::Array2;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,18 @@ fn fast(bencher: Bencher<'_, '_>, named: &Named, size: (usize, usize)) {
     }
 }
 
+/// The display step alone, over a frame of random words.
+#[divan::bench(args = DisplayMode::ALL, sample_count = 5, sample_size = 1)]
+fn display(bencher: Bencher<'_, '_>, mode: DisplayMode) {
+    let draw = &mut Draw::new(3);
+    let mut words = |columns| Array2::from_shape_fn((1080, columns), |_| draw.whole(-2_000, 18_000) as i16);
+    let frame = Frame422 { luma: words(1920), chroma: [words(960), words(960)] };
+    let display = Display::new(mode, Curve::Srgb);
+    bencher
+        .counter(ItemsCount::new(1080 * 1920usize))
+        .bench(|| display.picture(&frame, (0, 0), (1080, 1920)));
+}
+
 /// A network and what the results call it.
 struct Named {
     name: String,
@@ -71,7 +84,7 @@ fn networks() -> Vec<Named> {
     }
     let drawn = |(window, stride)| Named {
         name: format!("drawn, window {window}"),
-        network: sample::natural(window, stride, 1),
+        network: edof_random::natural(window, stride, 1),
     };
     all.extend([(8, 8), (12, 8), (12, 4)].map(drawn));
     all

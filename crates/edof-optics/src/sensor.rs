@@ -96,8 +96,8 @@ pub fn expose(frame: &ColourFrame, sensor: &Sensor) -> Result<RawFrame, SensorEr
     }
     let full_scale = (1u32 << sensor.depth) as f32;
     let light = mosaic_with_noise(frame, sensor)?;
-    let codes = light.mapv(|v| (v * full_scale).round().clamp(0.0, full_scale - 1.0) as u16);
-    Ok(RawFrame::from_values(codes, sensor.depth, sensor.phase)?)
+    let values = light.mapv(|v| (v * full_scale).round().clamp(0.0, full_scale - 1.0) as u16);
+    Ok(RawFrame::from_values(values, sensor.depth, sensor.phase)?)
 }
 
 #[cfg(test)]

@@ -143,7 +143,7 @@ impl FixedNetwork {
         &self.recurrent[self.form.recurrent_index(layer)]
     }
 
-    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any sparse code), sign included:
+    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any sparse codes), sign included:
     /// I, then every M, then F. The bound includes rounding and every partial sum.
     #[must_use]
     pub fn accumulator_bits(&self) -> Vec<u32> {

@@ -121,13 +121,13 @@ impl ColourFrame {
     }
 }
 
-/// The board's picture before gamma: 16-bit linear luma and 8-bit chroma at half the columns, co-sited with the even ones.
+/// The board's picture before the display step: 16-bit linear luma, and 16-bit chroma at half the columns, co-sited with the even ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame422 {
     /// Luma, signed with [`crate::number::OUTPUT_FRACTION`] fraction bits; rows × columns.
     pub luma: Array2<i16>,
-    /// 8-bit Cb and Cr codes, 128 = none, 224 of them for the full range; rows × columns/2 each.
-    pub chroma: [Array2<u8>; 2],
+    /// Cb and Cr words, 0 = none, as many fraction bits and the gain [`crate::number::CHROMA_GAIN`]; rows × columns/2 each.
+    pub chroma: [Array2<i16>; 2],
 }
 
 #[cfg(test)]

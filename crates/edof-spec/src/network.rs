@@ -91,6 +91,15 @@ impl Form {
         Ok(())
     }
 
+    /// Multiplications that one window takes if every weight is multiplied, for an F of `outputs` rows (128 in the board's 4:2:2,
+    /// 192 in RGB): codes·pixels + (T − 2)·codes² + outputs·codes, + outputs·pixels where R is used.
+    #[must_use]
+    pub const fn dense_multiplications(&self, outputs: usize) -> u64 {
+        let linear = if self.linear_path { outputs * self.window.pixels() } else { 0 };
+        let middle = self.middle_layers() * self.codes * self.codes;
+        (self.codes * self.window.pixels() + middle + outputs * self.codes + linear) as u64
+    }
+
     /// M layers: T − 2.
     #[must_use]
     pub const fn middle_layers(&self) -> usize {

@@ -2,6 +2,7 @@
 
 use crate::frame::{ColourFrame, RawFrame};
 use crate::geometry::GeometryError;
+use serde::Serialize;
 
 /// What a method made of a raw frame, and what it cost.
 #[derive(Debug, Clone)]
@@ -10,8 +11,17 @@ pub struct Reconstruction {
     pub frame: ColourFrame,
     /// Wall-clock seconds, without reading and writing files.
     pub seconds: f64,
-    /// Multiply-accumulates that were carried out, where the method counts them.
-    pub multiply_accumulates: Option<u64>,
+    /// Multiplications that it took, where the method counts them.
+    pub multiplications: Option<Multiplications>,
+}
+
+/// Multiplications of a weight by a word or number, for a whole frame; each is added to a sum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Multiplications {
+    /// Those of a machine that multiplies every weight: patches × [`crate::network::Form::dense_multiplications`].
+    pub dense: u64,
+    /// Those that were carried out; fewer where zero sparse codes are skipped.
+    pub executed: u64,
 }
 
 /// A frame that a method cannot reconstruct.

@@ -147,7 +147,7 @@ mod tests {
 
     /// Fixed weights for stride 8 made from the float weights of hash `h`.
     fn fixed() -> FixedNetwork {
-        let mut network = edof_golden::sample::natural(8, 8, 7);
+        let mut network = edof_random::natural(8, 8, 7);
         network.stride = Stride::PATCH;
         network.float_hash = "h".into();
         network

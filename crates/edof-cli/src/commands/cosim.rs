@@ -15,9 +15,9 @@ use edof_cosim::chain::{Drive, Outcome};
 use edof_cosim::junit;
 use edof_cosim::verilator::{Options, Waveform};
 use edof_golden::cycle::{Cycle, Patch, Stalls};
-use edof_golden::sample::{self, Draw};
 use edof_hdl::project::{self, Project};
 use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -95,7 +95,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let design = designs::load(&args.design)?;
     let network = match &args.weights {
         Some(name) => weights::fixed(name)?,
-        None => sample::for_design(&design, args.seed),
+        None => edof_random::for_design(&design, args.seed),
     };
     let trial = Trial { patches: patches(&args, &design, &network)?, design, network, drive: drive(&args)? };
     if trial.patches.is_empty() {
@@ -131,7 +131,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<P
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
             set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
-            window: sample::extreme_window(draw, pixels),
+            window: edof_random::extreme_window(draw, pixels),
         };
         return Ok((0..count).map(patch).collect());
     }

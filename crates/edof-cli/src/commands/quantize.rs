@@ -245,7 +245,6 @@ fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluati
         "calibration_windows": windows,
         "layers": layers,
         "saturated_sums": evaluation.counts.saturated_sums,
-        "clamped_chroma": evaluation.counts.clamped_chroma,
         "mean_lost_db": evaluation.mean_lost_db(),
         "worst_lost_db": evaluation.worst().map(|w| w.lost_db()),
         "scenes": scenes,

@@ -7,7 +7,6 @@ use crate::ui::Ui;
 use crate::weights;
 use edof_cosim::chain::check::stage_names;
 use edof_cosim::yosys::timing::{self, FanOut, StageTiming};
-use edof_golden::sample;
 use edof_hdl::project;
 use serde_json::json;
 use std::path::PathBuf;
@@ -43,7 +42,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let design = designs::load(&args.design)?;
     let network = match &args.weights {
         Some(name) => weights::fixed(name)?,
-        None => sample::for_design(&design, 1),
+        None => edof_random::for_design(&design, 1),
     };
     let project = project::calculator(&design, [&network, &network])?;
     let count = design.stages.len();

@@ -171,7 +171,7 @@ impl Design {
             &format!("{layers} stages, one a layer"),
         )?;
         Geometry::new(self.form.window, self.frame.stride)
-            .check_frame(self.frame.height, self.frame.width)?;
+            .check_frame((self.frame.height, self.frame.width))?;
         self.stages().try_for_each(|stage| stage.check())
     }
 
