@@ -270,6 +270,15 @@ fn an_ending_that_stands_for_no_format() {
     let place = ready();
     let line = "reconstruct raw.png --weights net.safetensors --out out.jpeg";
     refused_without_a_trace(&place, line, &["out.jpeg: unknown ending, expected .png"]);
+    // Before the work: nothing is read yet.
+    for (line, words) in [
+        ("reconstruct none.png --out out.jpeg", "out.jpeg: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.jpeg", "raw.jpeg: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.pgm --sharp x.gif", "x.gif: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.pgm --light x", "x: unknown ending, expected .png"),
+    ] {
+        refused_without_a_trace(&place, line, &[words]);
+    }
 }
 
 #[test]

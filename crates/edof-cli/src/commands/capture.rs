@@ -104,8 +104,14 @@ struct Captured {
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
-    files.may_write("--sharp", args.sharp.as_ref()).may_write("--light", args.light.as_ref()).check()?;
+    raw::check_ending(&args.out)?;
+    let mut files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    for (option, file) in [("--sharp", &args.sharp), ("--light", &args.light)] {
+        if let Some(file) = file {
+            files = files.writes_picture(option, file)?;
+        }
+    }
+    files.check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range)?;
     let approximation = args.approximation()?;
