@@ -98,10 +98,6 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
         ("capture odd.png --psi 1 --out r.png", ["frame 65x48", "both sides must be even"]),
         ("capture photo.png --psi 900 --out r.png", ["psi 900", "within 200"]),
         ("capture photo.png --psi 1 --depth 7 --out r.png", ["bit depth 7", "8 to 16"]),
-        (
-            "capture photo.png --psi 1 --noise -0.5 --out r.png",
-            ["standard deviation is -0.5", "expected 0 to 1"],
-        ),
         ("capture photo.png --psi 1 --energy 0 --out r.png", ["--energy 0", "at most 1"]),
         ("capture photo.png --psi 1 --camera none --out r.png", ["camera 'none'", "ring-outer"]),
         ("capture none.png --psi 1 --out r.png", ["none.png", "cannot read"]),

@@ -80,7 +80,8 @@ impl Reconstructor for Malvar {
         }
         let start = Instant::now();
         let frame = demosaic(raw);
-        Ok(Reconstruction { frame, seconds: start.elapsed().as_secs_f64(), multiplications: None })
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Reconstruction { frame, seconds, multiplications: None, counters: None })
     }
 }
 

@@ -42,6 +42,7 @@ impl Reconstructor for GoldenReconstructor {
             frame: out.colour(),
             seconds,
             multiplications: Some(out.counts.multiplications(self.golden.network())),
+            counters: Some(out.counts.counters()),
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use edof_spec::FixedNetwork;
 use edof_spec::colour::OUTPUTS_422;
-use edof_spec::reconstructor::Multiplications;
+use edof_spec::reconstructor::{Counters, Multiplications};
 
 /// One patch on its way through the network: the words at every stage boundary.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -97,6 +97,14 @@ impl Counts {
     #[must_use]
     pub fn saturations(&self) -> u64 {
         self.stages.iter().map(StageCounts::saturations).sum::<u64>() + self.saturated_sums
+    }
+
+    /// What every method may count, of these counts.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        let shrinkages = self.stages.len().saturating_sub(1);
+        let nonzeros = self.stages.iter().take(shrinkages).map(|s| s.nonzeros).collect();
+        Counters { patches: self.patches, nonzeros, saturations: self.saturations() }
     }
 
     /// Multiplications for these patches; executed are those of a machine that skips zero sparse codes (of M and F: every word

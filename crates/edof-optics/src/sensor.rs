@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use rand_pcg::Pcg64;
 
-/// How a sensor turns light into codes.
+/// How a sensor turns light into values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
     /// Bits a pixel, 8…16.

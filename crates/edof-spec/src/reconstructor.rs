@@ -13,6 +13,19 @@ pub struct Reconstruction {
     pub seconds: f64,
     /// Multiplications that it took, where the method counts them.
     pub multiplications: Option<Multiplications>,
+    /// What the method's counters say, where it has some.
+    pub counters: Option<Counters>,
+}
+
+/// Counters of a fixed-point network for a whole frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Counters {
+    /// Patches reconstructed.
+    pub patches: u64,
+    /// Words that were not zero after each shrinkage, all patches together.
+    pub nonzeros: Vec<u64>,
+    /// Words of all stages and overlap sums that did not fit.
+    pub saturations: u64,
 }
 
 /// Multiplications of a weight by a word or number, for a whole frame; each is added to a sum.

@@ -17,7 +17,7 @@ const TEST_EVERY: u32 = 3;
 pub struct Photo {
     /// File name without its ending.
     pub name: String,
-    /// Code values of 0…1, taken as linear light.
+    /// The file's values, 0…1; a [`Tone`](edof_spec::Tone) says whether they are light or sRGB.
     pub frame: ColourFrame,
 }
 

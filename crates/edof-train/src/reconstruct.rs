@@ -130,6 +130,7 @@ impl Reconstructor for FloatReconstructor {
             frame: frame.crop(row, column, height, width),
             seconds: start.elapsed().as_secs_f64(),
             multiplications: Some(self.multiplications(rows, columns)),
+            counters: None,
         })
     }
 }

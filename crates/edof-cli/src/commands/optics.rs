@@ -10,9 +10,9 @@ use edof_optics::estimator::{Task, Verdict, judge};
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, through_focus};
 use edof_optics::psf::{MOST_DEFOCUS, Settings, channel_psfs};
 use edof_optics::statistics::Statistics;
-use edof_spec::{Camera, Window};
+use edof_spec::{Camera, Tone, Window};
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
-use edof_study::picture::{Tone, png};
+use edof_study::picture::png;
 use edof_study::plot::side_by_side;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -175,7 +175,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     edof_spec::atomic::write(&files[0], figure1.as_bytes())?;
     edof_spec::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
     let sheet = psf_sheet(&[&camera, &clear], &args.psi, &settings);
-    edof_spec::atomic::write(&files[2], &png(&sheet, Tone::Code)?)?;
+    edof_spec::atomic::write(&files[2], &png(&sheet, Tone::Linear)?)?;
     let depths: Vec<_> = args.psi.iter().map(|&psi| shown(&camera, psi, args.nominal, &settings)).collect();
     ui.say(format!("{}: F/{:.2}, figures in {}", camera.name, camera.f_number(), args.out.display()))?;
     for d in &depths {

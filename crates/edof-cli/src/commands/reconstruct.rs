@@ -20,12 +20,12 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Frames that use less than this share of full scale are remarked upon: their codes may lie at the bottom of the word.
+/// Frames that use less than this share of full scale are remarked upon: their values may lie at the bottom of the word.
 const DIM: u16 = u16::MAX / 16;
 
 /// Reconstruct a sharp picture from a raw Bayer frame
 ///
-/// RAW is a 16-bit grey PNG, TIFF or PGM (codes of fewer bits at the top of each word, or as a PGM's maximum says), or a
+/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or as a PGM's maximum says), or a
 /// headerless 16-bit file with --size; with the optional feature camera-raw also DNG and other camera files. The network runs in the board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -70,7 +70,7 @@ pub struct Args {
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     size: Option<Size>,
 
-    /// Where in a word codes of fewer than 16 bits lie [default: bottom in headerless files, else top]
+    /// Where in a word values of fewer than 16 bits lie [default: bottom in headerless files, else top]
     #[arg(long, value_parser = ["top", "bottom"])]
     align: Option<String>,
 
@@ -298,9 +298,14 @@ fn fits_camera(origin: &Origin, args: &Args) -> Result<(), Error> {
 fn remark_on_dim_frames(frame: &RawFrame, args: &Args, ui: &Ui) {
     let brightest = frame.pixels().iter().copied().max().unwrap_or(0);
     if args.depth.is_none() && args.align.is_none() && brightest < DIM {
+        // Headerless files have their values at the bottom already.
+        let align = if args.size.is_some() {
+            ""
+        } else {
+            ", and --align bottom where they lie at the bottom of each word"
+        };
         ui.note(format!(
-            "{}: brightest pixel is {brightest} of 65535; if its values lie at the bottom of each word, give --depth and \
-             --align bottom",
+            "{}: brightest pixel is {brightest} of 65535; if its values have fewer than 16 bits, give --depth{align}",
             args.raw.display()
         ));
     }

@@ -7,16 +7,16 @@ use crate::ui::Ui;
 use edof_io::raw::Size;
 use edof_optics::draw::{self, four_depths};
 use edof_optics::scene::Scene;
-use edof_spec::Camera;
-use edof_study::picture::{Tone, png};
+use edof_spec::{Camera, Tone};
+use edof_study::picture::png;
 use ndarray::Array2;
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Draw a built-in scene: the sharp truth, how it looks on a screen, and its depths
 ///
-/// Writes sharp.png (16 bits, code values in proportion to light), screen.png (8 bits, sRGB) and depth.png (8 bits, the
-/// smallest psi of the range black, the largest white).
+/// Writes sharp.png (16 bits, encoded as --tone says: what edof capture takes for the same scene under the same tone),
+/// screen.png (8 bits, sRGB) and depth.png (8 bits, the smallest psi of the range black, the largest white).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -31,6 +31,10 @@ pub struct Args {
 
     #[command(flatten)]
     drawing: Drawing,
+
+    /// Values of sharp.png: srgb, encoded light, or linear, light itself
+    #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
+    tone: Tone,
 
     /// Camera whose range of psi the depths are spread over: a preset or a JSON file
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
@@ -81,6 +85,7 @@ struct Drawn {
     width: usize,
     height: usize,
     psi: Vec<f64>,
+    tone: Tone,
     files: [String; 3],
 }
 
@@ -93,14 +98,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     scene.check()?;
     let files = FILES.map(|name| args.out.join(name));
     let sharp = scene.sharp();
-    edof_io::photo::save(&files[0], &sharp, 16)?;
+    edof_io::photo::save(&files[0], &args.tone.encoded(&sharp), 16)?;
     edof_spec::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;
     edof_io::photo::save(&files[2], &depth_picture(&scene.psi_map(), camera.psi_range), 8)?;
     let (height, width) = scene.size();
     let psi: Vec<f64> = scene.layers.iter().map(|layer| layer.psi).collect();
     ui.say(format!("{}: {width}x{height}, psi {psi:.2?}, in {}", scene.name, args.out.display()))?;
     let files = files.map(|file| file.display().to_string());
-    ui.json(&Drawn { scene: scene.name, width, height, psi, files })
+    ui.json(&Drawn { scene: scene.name, width, height, psi, tone: args.tone, files })
 }
 
 impl Drawing {
