@@ -172,15 +172,10 @@ fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
         )));
     }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-<<<<<<< HEAD
     let photo = photo::load(Path::new(&args.scene))?;
     let (height, width) = photo.size();
     fits(width, height)?;
-    Ok(Scene::flat(name, photo, psi))
-=======
-    let light = args.tone.decoded(&photo::load(Path::new(&args.scene))?);
-    Ok(Scene::flat(name, light, psi))
->>>>>>> main
+    Ok(Scene::flat(name, args.tone.decoded(&photo), psi))
 }
 
 impl Args {
