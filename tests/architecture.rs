@@ -19,9 +19,21 @@ struct Row {
 /// From the bottom up: a crate stands below all that name it, in tests too. A new crate gets a row.
 const CRATES: &[Row] = &[
     Row { name: "edof-spec", uses: &[], tests_use: &[], knows_nothing_of: &[] },
+    Row { name: "edof-numerics", uses: &[], tests_use: &[], knows_nothing_of: &["edof-spec"] },
+    Row {
+        name: "edof-sparse",
+        uses: &["edof-numerics"],
+        tests_use: &[],
+        knows_nothing_of: &["edof-spec", "edof-hdl"],
+    },
     Row { name: "edof-random", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: &[] },
     Row { name: "edof-io", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: &["edof-optics"] },
-    Row { name: "edof-optics", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: NETWORKS },
+    Row {
+        name: "edof-optics",
+        uses: &["edof-spec", "edof-numerics"],
+        tests_use: &[],
+        knows_nothing_of: NETWORKS,
+    },
     Row { name: "edof-deblur", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: NETWORKS },
     Row {
         name: "edof-golden",
@@ -44,13 +56,13 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-train",
-        uses: &["edof-spec", "edof-optics"],
+        uses: &["edof-spec", "edof-numerics", "edof-sparse", "edof-optics"],
         tests_use: &["edof-random"],
         knows_nothing_of: &["edof-golden", "edof-hdl"],
     },
     Row {
         name: "edof-quantize",
-        uses: &["edof-spec", "edof-optics", "edof-golden", "edof-train"],
+        uses: &["edof-spec", "edof-numerics", "edof-optics", "edof-golden", "edof-train"],
         tests_use: &["edof-random"],
         knows_nothing_of: &["edof-hdl"],
     },

@@ -150,7 +150,7 @@ fn a_network_whose_fraction_bits_no_sum_can_hold() {
     refused_without_a_trace(
         &place,
         RECONSTRUCT,
-        &["net.safetensors", "fraction bits 4294967290: must be 0 to 255"],
+        &["net.safetensors", "4294967290 fraction bits, must be 0 to 48"],
     );
 }
 
