@@ -9,16 +9,21 @@ use workspace::{Kind, Package, packages, sources};
 /// it names: nothing points back up. A new crate gets a row.
 const MAY_NAME: &[(&str, &[&str])] = &[
     ("edof-spec", &[]),
+    ("edof-numerics", &[]),
+    ("edof-sparse", &["edof-numerics"]),
     ("edof-random", &["edof-spec"]),
     ("edof-io", &["edof-spec"]),
-    ("edof-optics", &["edof-spec"]),
+    ("edof-optics", &["edof-spec", "edof-numerics"]),
     ("edof-deblur", &["edof-spec"]),
     ("edof-golden", &["edof-spec", "edof-random"]),
     ("edof-hdl-derive", &[]),
     ("edof-hdl", &["edof-spec", "edof-hdl-derive"]),
     ("edof-cosim", &["edof-spec", "edof-random", "edof-golden", "edof-hdl"]),
-    ("edof-train", &["edof-spec", "edof-optics"]),
-    ("edof-quantize", &["edof-spec", "edof-random", "edof-optics", "edof-golden", "edof-train"]),
+    ("edof-train", &["edof-spec", "edof-optics", "edof-numerics", "edof-sparse"]),
+    (
+        "edof-quantize",
+        &["edof-spec", "edof-random", "edof-numerics", "edof-optics", "edof-golden", "edof-train"],
+    ),
     (
         "edof-study",
         &["edof-spec", "edof-random", "edof-io", "edof-optics", "edof-deblur", "edof-golden", "edof-train"],

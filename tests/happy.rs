@@ -61,6 +61,20 @@ fn a_picture_is_encoded_for_looking_at_unless_told_otherwise() {
 }
 
 #[test]
+fn a_frame_that_was_taken_of_codes_gives_codes_back_unless_told_otherwise() {
+    let place = Place::new();
+    place.photo("photo.png", 128, 96);
+    place.fixed_network("net.safetensors");
+    place.edof("capture photo.png --camera clear --psi 0 --tone linear --no-measure --out raw.png").done();
+    let tone = |more: &str| {
+        let line = format!("reconstruct raw.png --weights net.safetensors --out out.png {more} --json");
+        let report: serde_json::Value = serde_json::from_str(&place.edof(&line).done().out).unwrap();
+        report["tone"].clone()
+    };
+    assert_eq!((tone(""), tone("--tone srgb")), (json!("linear"), json!("srgb")));
+}
+
+#[test]
 fn the_boards_own_codes_come_with_what_a_screen_shows() {
     let place = Place::new();
     place.raw("raw.pgm", 48, 32);

@@ -87,17 +87,15 @@ class Network:
         text = header.pop("__metadata__")["edof"]
         metadata = json.loads(text)
         tensors, digest = {}, hashlib.sha256()
-        if metadata["layout"] == 2:
-            before, after = text.rsplit(metadata["sha256"], 1)
-            digest.update((before + "0" * 64 + after).encode())
+        assert metadata["layout"] == 2, f"{path}: layout {metadata['layout']}"
+        before, after = text.rsplit(metadata["sha256"], 1)
+        digest.update((before + "0" * 64 + after).encode())
         for name in sorted(header, key=str.encode):
             entry = header[name]
             begin, end = entry["data_offsets"]
             assert entry["dtype"] == "I16", f"{path}: {name} is {entry['dtype']}"
             tensors[name] = np.frombuffer(data[begin:end], "<i2").reshape(entry["shape"]).astype(np.int64)
-            kind = " I16 " if metadata["layout"] == 2 else ""
-            digest.update(f"{name}{kind}[{', '.join(map(str, entry['shape']))}]".encode() + data[begin:end])
-        assert metadata["layout"] in (1, 2), f"{path}: layout {metadata['layout']}"
+            digest.update(f"{name} I16 [{', '.join(map(str, entry['shape']))}]".encode() + data[begin:end])
         assert digest.hexdigest() == metadata["sha256"], f"{path}: hash"
         return cls(metadata["form"], metadata["fixed"], tensors)
 

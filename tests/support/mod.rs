@@ -131,14 +131,7 @@ pub fn form() -> Form {
 }
 
 fn origin() -> Origin {
-    Origin {
-        name: "small".into(),
-        camera: Camera::resolve("clear").unwrap(),
-        noise: 0.0,
-        command: "none".into(),
-        patches: 0,
-        validation_db: 0.0,
-    }
+    Origin::untrained("small", Camera::resolve("clear").unwrap())
 }
 
 /// Copies every raw pixel to all three colours through R; codes stay zero.
@@ -172,6 +165,7 @@ pub fn fixed_network() -> FixedNetwork {
         code_fractions: vec![13, 13],
         origin: origin(),
         float_hash: "0".into(),
+        quantized: None,
     }
 }
 
@@ -191,19 +185,22 @@ pub fn forge(path: &Path, change: impl FnOnce(&mut String, &mut Vec<(String, Vec
             (name, view.shape().to_vec(), view.data().to_vec())
         })
         .collect();
-    let old = hash(&mut tensors);
+    let metadata: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let old = metadata["sha256"].as_str().unwrap();
     change(&mut text, &mut tensors);
-    let text = text.replace(&old, &hash(&mut tensors));
+    let blank = text.replace(old, &"0".repeat(64));
+    let text = text.replace(old, &hash(&blank, dtype, &mut tensors));
     let views = tensors.iter().map(|(n, s, b)| (n.as_str(), TensorView::new(dtype, s.clone(), b).unwrap()));
     let forged = safetensors::serialize(views, Some(HashMap::from([("edof".to_owned(), text)]))).unwrap();
     std::fs::write(path, forged).unwrap();
 }
 
-fn hash(tensors: &mut [(String, Vec<usize>, Vec<u8>)]) -> String {
+fn hash(text: &str, dtype: Dtype, tensors: &mut [(String, Vec<usize>, Vec<u8>)]) -> String {
     tensors.sort();
     let mut digest = Sha256::new();
+    digest.update(text);
     for (name, shape, bytes) in tensors {
-        digest.update(format!("{name}{shape:?}"));
+        digest.update(format!("{name} {dtype:?} {shape:?}"));
         digest.update(bytes);
     }
     digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

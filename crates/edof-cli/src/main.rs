@@ -10,6 +10,7 @@
 //! | Ctrl-C | [`interrupt`] |
 //! | whether a job fits the machine | [`memory`] |
 //! | a network's form in words | [`form`] |
+//! | what is written about a run into its results | [`provenance`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
 //! | windows to feed the hardware with | [`windows`] |
@@ -25,12 +26,13 @@ mod folder;
 mod form;
 mod interrupt;
 mod memory;
+mod provenance;
 mod ui;
 mod weights;
 mod windows;
 mod words;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -79,6 +81,7 @@ enum Command {
     Scene(commands::scene::Args),
     Capture(commands::capture::Args),
     Train(Box<commands::train::Args>),
+    Weights(commands::weights::Args),
     Quantize(commands::quantize::Args),
     Reconstruct(commands::reconstruct::Args),
     Study(commands::study::Args),
@@ -91,8 +94,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    match run(cli) {
+    match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
@@ -102,14 +104,18 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(cli: Cli) -> Result<(), Error> {
+fn run() -> Result<(), Error> {
+    let mut command = Cli::command();
+    let matches = command.get_matches_mut();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     interrupt::install()?;
-    let ui = Ui::new(cli.json, cli.quiet);
+    let ui = Ui::new(cli.json, cli.quiet, provenance::of_run(&matches, &command));
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),
         Command::Capture(args) => commands::capture::run(args, &ui),
         Command::Train(args) => commands::train::run(&args, &ui),
+        Command::Weights(args) => commands::weights::run(args, &ui),
         Command::Quantize(args) => commands::quantize::run(args, &ui),
         Command::Reconstruct(args) => commands::reconstruct::run(args, &ui),
         Command::Study(args) => commands::study::run(args, &ui),
@@ -125,7 +131,6 @@ fn run(cli: Cli) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_well_formed() {

@@ -8,7 +8,8 @@
 use crate::error::Error;
 use edof_spec::fixed_network::FixedNetwork;
 use edof_spec::network::Network;
-use edof_spec::weight_file;
+use edof_spec::provenance::{Input, InputKind};
+use edof_spec::{Camera, weight_file};
 use std::path::{Path, PathBuf};
 
 /// File name and bytes of the networks inside the program.
@@ -32,13 +33,32 @@ pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, Error> {
     Ok(weight_file::parse_fixed(bytes, &origin)?)
 }
 
-/// Where a float network's tensors come from, as [`FixedNetwork::float_hash`] states it.
+/// A float network's file as an input, with the hash that [`FixedNetwork::float_hash`] states.
 ///
 /// # Errors
 /// As [`float`].
-pub fn float_hash(name_or_path: &str) -> Result<String, Error> {
-    let (origin, bytes) = find(name_or_path, ".safetensors")?;
-    Ok(weight_file::parse_tensor_hash(bytes, &origin)?)
+pub fn float_input(name_or_path: &str) -> Result<Input, Error> {
+    input(name_or_path, ".safetensors")
+}
+
+/// A fixed network's file as an input.
+///
+/// # Errors
+/// As [`fixed`].
+pub fn fixed_input(name_or_path: &str) -> Result<Input, Error> {
+    input(name_or_path, ".fixed.safetensors")
+}
+
+fn input(name_or_path: &str, suffix: &str) -> Result<Input, Error> {
+    let (origin, bytes) = find(name_or_path, suffix)?;
+    let sha256 = weight_file::parse_hash(bytes, &origin)?;
+    let name = origin.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Input { kind: InputKind::Weights, name, sha256 })
+}
+
+/// A network that comes with the program and was trained for a camera's lens.
+pub fn trained_for(camera: &Camera) -> Option<&'static str> {
+    names().into_iter().find(|name| float(name).is_ok_and(|n| n.origin.camera.same_lens(camera)))
 }
 
 /// The file that [`float`] reads, where the network is not inside the program.

@@ -7,7 +7,7 @@ use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{FixedNetwork, Geometry, Noise, RawFrame};
+use edof_spec::{FixedNetwork, Geometry, RawFrame};
 use std::path::Path;
 
 /// Size of the built-in scene: 1536 patches at stride 8.
@@ -25,7 +25,7 @@ pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64) -> Resul
         Some(path) => Scene::flat(path.display().to_string(), photo::load(path)?, psi),
         None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
     };
-    let noise = Noise::gaussian(network.origin.noise);
+    let noise = network.origin.most_noise();
     let sensor = Sensor { noise, seed, ..Sensor::default() };
     Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
 }

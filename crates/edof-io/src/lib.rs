@@ -4,6 +4,7 @@
 //! |---|---|
 //! | photographs: PNG, TIFF, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
 //! | raw frames: PNG, TIFF, PGM, and headerless 16-bit files | [`raw`] |
+//! | what a raw frame knows of itself: phase, sensor, camera, depth | [`record`] |
 //! | camera raw (DNG and friends), with the feature `camera-raw` | [`camera_raw`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
@@ -30,4 +31,5 @@ pub mod photo;
 pub mod picture;
 pub mod pnm;
 pub mod raw;
+pub mod record;
 pub mod samples;

@@ -45,12 +45,22 @@ pub struct Size {
 }
 
 /// Where in a 16-bit word a value of fewer bits lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Alignment {
     /// At the top, zeros below.
     Top,
     /// At the bottom, zeros above.
     Bottom,
+}
+
+impl std::fmt::Display for Alignment {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Top => "top",
+            Self::Bottom => "bottom",
+        })
+    }
 }
 
 /// Which byte of a word comes first.

@@ -3,8 +3,8 @@
 //! The first population is drawn at random within the bounds; no preset is among it.
 
 use crate::estimator::{Task, Verdict, judge};
-use crate::linear::NotPositive;
 use crate::statistics::Statistics;
+use edof_numerics::NotPositive;
 use edof_spec::camera::{Delay, Ring, Sign};
 use edof_spec::{Camera, geometry::Window};
 use rand::{RngExt, SeedableRng};

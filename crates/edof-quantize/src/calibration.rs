@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// Windows that go through the float network at once.
 const BATCH: usize = 256;
 /// One batch in so many is asked how its inputs go together.
-const MOMENTS_EVERY: usize = 4;
+const MOMENTS_EVERY: usize = 64;
 /// Frames that are measured side by side.
 const FRAMES_AT_ONCE: usize = 16;
 
@@ -50,7 +50,8 @@ impl Calibration {
         }
     }
 
-    /// Measures a network on all windows of raw frames of any CFA phase, patch by patch without overlap.
+    /// Measures a network on all windows of raw frames of any CFA phase at the finest stride. Those of larger strides are among
+    /// them, so nothing seen here saturates at any stride.
     ///
     /// # Errors
     /// [`GeometryError`] for a frame too small for the network's window.
@@ -59,7 +60,7 @@ impl Calibration {
         frames: impl IntoIterator<Item = &'a RawFrame>,
     ) -> Result<Self, GeometryError> {
         let weights = flatten(network);
-        let geometry = Geometry::new(network.form.window, Stride::PATCH);
+        let geometry = Geometry::new(network.form.window, Stride::FINEST);
         let frames: Vec<&RawFrame> = frames.into_iter().collect();
         // In order, a few at a time: the same frames give the same sums.
         let mut all = Self::new(&network.form);
@@ -174,10 +175,13 @@ impl Calibration {
         };
         let n = form.codes + form.window.pixels();
         let moments_fit = self.outputs.dim() == (n, n) && self.sent.len() == form.middle_layers();
-        if fits(&self.codes) && fits(&self.changes) && moments_fit {
-            Ok(())
-        } else {
-            Err(QuantizeError::Calibration("measured on a network of another form"))
+        if !(fits(&self.codes) && fits(&self.changes) && moments_fit) {
+            return Err(QuantizeError::Calibration("measured on a network of another form"));
         }
+        let mut moments = self.sent.iter().chain([&self.outputs]).flatten();
+        if !moments.all(|m| m.is_finite()) {
+            return Err(QuantizeError::Calibration("the network's codes are too large to be squared"));
+        }
+        Ok(())
     }
 }

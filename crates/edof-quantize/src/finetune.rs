@@ -137,7 +137,7 @@ impl<'a> Tuner<'a> {
             errors: vec![0.0; share],
             gradient: vec![0.0; values.len()],
         };
-        let conditions = Conditions::plain(fixed.origin.noise as f32);
+        let conditions = Conditions::plain(fixed.origin.most_sigma() as f32);
         let mut parts: Vec<Part> = (0..PARTS).map(part).collect();
         let rounding = parts[0].moments(&form, &values, dataset, &conditions, tuning.seed);
         let condition = Precondition::of(rounding.factors(&layout));

@@ -73,6 +73,7 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
         code_fractions,
         origin: origin("extreme"),
         float_hash: String::new(),
+        quantized: None,
     }
 }
 
@@ -152,6 +153,7 @@ pub fn natural(window: usize, stride: usize, seed: u64) -> FixedNetwork {
         code_fractions: vec![15, 14, 14],
         origin: origin("natural"),
         float_hash: String::new(),
+        quantized: None,
     }
 }
 
@@ -168,26 +170,20 @@ fn mean_weight(pixels: usize, stride: usize) -> i16 {
 
 fn origin(name: &str) -> Origin {
     let spectra = [610.0, 535.0, 460.0].map(edof_spec::camera::Spectrum::Line);
-    Origin {
-        name: name.into(),
-        camera: Camera {
-            name: "none".into(),
-            focal_length_mm: 16.0,
-            aperture_radius_mm: 2.3,
-            pixel_pitch_um: 3.0,
-            spectra,
-            reference_wavelength_nm: 460.0,
-            defocus_sign: edof_spec::camera::Sign::Plus,
-            focus_psi: 0.0,
-            psi_range: [0.0, 8.0],
-            rings: vec![],
-            source: "drawn".into(),
-        },
-        noise: 0.0,
-        command: "drawn at random".into(),
-        patches: 0,
-        validation_db: 0.0,
-    }
+    let camera = Camera {
+        name: "none".into(),
+        focal_length_mm: 16.0,
+        aperture_radius_mm: 2.3,
+        pixel_pitch_um: 3.0,
+        spectra,
+        reference_wavelength_nm: 460.0,
+        defocus_sign: edof_spec::camera::Sign::Plus,
+        focus_psi: 0.0,
+        psi_range: [0.0, 8.0],
+        rings: vec![],
+        source: "drawn".into(),
+    };
+    Origin::untrained(name, camera)
 }
 
 #[cfg(test)]

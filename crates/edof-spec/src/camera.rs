@@ -227,6 +227,18 @@ impl Camera {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
+    /// Whether a network for one serves the other, too: names, sources and ranges may differ, lens, mask and sensor may not.
+    #[must_use]
+    pub fn same_lens(&self, other: &Self) -> bool {
+        let renamed = Self {
+            name: other.name.clone(),
+            source: other.source.clone(),
+            psi_range: other.psi_range,
+            ..self.clone()
+        };
+        renamed == *other
+    }
+
     /// Focal length over aperture diameter.
     #[must_use]
     pub fn f_number(&self) -> f64 {

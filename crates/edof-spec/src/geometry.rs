@@ -85,6 +85,8 @@ pub struct Stride(usize);
 impl Stride {
     /// Patches side by side, no overlap.
     pub const PATCH: Self = Self(PATCH);
+    /// The smallest: the windows and patches of every other stride are among its own.
+    pub const FINEST: Self = Self(2);
 
     /// # Errors
     /// [`GeometryError::Stride`] for any step but 2, 4 and 8.

@@ -16,6 +16,7 @@
 //! | the integer network, its shifts and thresholds | [`fixed_network`] |
 //! | the file both kinds of network live in | [`weight_file`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
+//! | how a result came to be | [`provenance`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
 //! | the generator of everything drawn for trials | [`draw`] |
 //! | files that appear whole or not at all | [`atomic`] |
@@ -41,6 +42,7 @@ pub mod network;
 pub mod noise;
 pub mod number;
 pub mod overlap;
+pub mod provenance;
 pub mod reconstructor;
 pub mod tone;
 pub mod weight_file;

@@ -133,14 +133,7 @@ mod tests {
             recurrent: vec![],
             dictionary: Array2::zeros((192, 2)),
             linear_path: None,
-            origin: Origin {
-                name: "n".into(),
-                camera: Camera::resolve(camera).unwrap(),
-                noise: 0.0,
-                command: String::new(),
-                patches: 0,
-                validation_db: 0.0,
-            },
+            origin: Origin::untrained("n", Camera::resolve(camera).unwrap()),
         }
     }
 

@@ -3,11 +3,10 @@
 use crate::adam::Adam;
 use crate::recipe::Recipe;
 use crate::train::{Best, State};
-use edof_spec::ColourFrame;
 use edof_spec::atomic::{self, WriteError};
+use edof_spec::provenance::Input;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -38,32 +37,10 @@ pub struct Run {
     pub recipe: Recipe,
     /// The camera, as JSON.
     pub camera: String,
-    /// The photographs, in order.
-    pub photos: Vec<Fingerprint>,
+    /// The photographs, in order: by name and content.
+    pub photos: Vec<Input>,
     /// ψ of each blur.
     pub psis: Vec<f64>,
-}
-
-/// A photograph by name and content.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fingerprint {
-    /// Its name.
-    pub name: String,
-    /// SHA-256 of its sides and values.
-    pub sha256: String,
-}
-
-/// Names of photographs with what is in them.
-#[must_use]
-pub fn fingerprints(names: Vec<String>, frames: &[ColourFrame]) -> Vec<Fingerprint> {
-    let hash = |frame: &ColourFrame| {
-        let (height, width) = frame.size();
-        let mut hash = Sha256::new();
-        [height, width].iter().for_each(|side| hash.update((*side as u64).to_le_bytes()));
-        frame.planes.iter().for_each(|value| hash.update(value.to_le_bytes()));
-        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-    };
-    names.into_iter().zip(frames).map(|(name, frame)| Fingerprint { name, sha256: hash(frame) }).collect()
 }
 
 #[derive(Serialize, Deserialize)]

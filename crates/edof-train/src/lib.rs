@@ -36,7 +36,6 @@ pub mod encoding;
 pub mod format;
 pub mod holdout;
 pub mod initial;
-pub mod linear_algebra;
 pub mod matmul;
 pub mod noise;
 pub mod parameters;

@@ -11,8 +11,9 @@ use crate::random::Random;
 use crate::recipe::{Recipe, RecipeError, SHARES, value};
 use crate::validation::{Validation, ValidationSets};
 use crate::weighting::remember;
-use edof_spec::Camera;
-use edof_spec::network::{Form, Network, Origin, Shrinkage};
+use edof_spec::network::{Condition, Form, Network, Origin, Shrinkage};
+use edof_spec::provenance::Provenance;
+use edof_spec::{Camera, Tone};
 use rayon::prelude::*;
 
 /// Everything that changes while training runs; what a checkpoint holds.
@@ -249,14 +250,17 @@ impl<'a> Trainer<'a> {
 
     /// The network of the best validation so far.
     #[must_use]
-    pub fn best(&self, name: &str, camera: &Camera, command: &str) -> Network {
+    pub fn best(&self, name: &str, camera: &Camera, provenance: Provenance) -> Network {
+        let most = |&tone: &Tone| Condition { tone, noise: self.recipe.conditions.at(tone, 1.0) };
+        let non_zeros = self.validate_best().non_zeros(true);
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
-            noise: f64::from(self.recipe.conditions.noise),
-            command: command.to_owned(),
+            conditions: self.recipe.tones.iter().map(most).collect(),
             patches: self.state.step * self.recipe.batch as u64,
             validation_db: (self.state.best.db * 1e4).round() / 1e4,
+            non_zeros: non_zeros.iter().map(|n| (n * 1e2).round() / 1e2).collect(),
+            provenance,
         };
         unflatten(self.recipe.form, &self.state.best_weights, origin)
     }

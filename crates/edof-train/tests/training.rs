@@ -1,10 +1,11 @@
 //! Training as a whole: it learns, it repeats, it goes on where it was stopped, whatever the threads.
 
 use edof_spec::network::{Form, Recurrence, Shrinkage};
+use edof_spec::provenance::Input;
 use edof_spec::{Camera, ColourFrame, Tone, Window};
 use edof_train::augment::Augmentation;
 use edof_train::budget::Budget;
-use edof_train::checkpoint::{self, CheckpointError, Run, fingerprints};
+use edof_train::checkpoint::{self, CheckpointError, Run};
 use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
 use edof_train::noise::Conditions;
@@ -117,7 +118,7 @@ fn lambda_moves_until_the_budget_is_nearly_met() {
 }
 
 fn run_of(recipe: &Recipe, photo: &ColourFrame, name: &str) -> Run {
-    let photos = fingerprints(vec![name.into()], std::slice::from_ref(photo));
+    let photos = vec![Input::photograph(name, photo)];
     Run { recipe: recipe.clone(), camera: "clear".into(), photos, psis: PSIS.to_vec() }
 }
 
@@ -149,7 +150,10 @@ fn a_checkpoint_of_another_run_is_refused_naming_what_differs() {
     let path = folder.path().join("run.checkpoint");
     checkpoint::save(&path, &run, &state).unwrap();
     let refused = |run: &Run| checkpoint::load(&path, run).unwrap_err().to_string();
-    assert!(refused(&run_of(&recipe, &photo, "y")).contains(r#"made with photos [{"name":"x","#));
+    assert!(
+        refused(&run_of(&recipe, &photo, "y"))
+            .contains(r#"made with photos [{"kind":"photograph","name":"x","#)
+    );
     photo.planes[(0, 5, 5)] += 0.01;
     assert!(
         refused(&run_of(&recipe, &photo, "x")).contains("made with photos [{"),

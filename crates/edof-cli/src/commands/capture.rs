@@ -4,6 +4,7 @@ use crate::commands::scene::Drawing;
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
+use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_optics::capture::{
     Approximation, ApproximationCost, Capture, Depth, capture, measure_approximation,
@@ -12,7 +13,8 @@ use edof_optics::draw::parse_name;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, CfaPhase, Noise, Tone};
+use edof_spec::provenance::Input;
+use edof_spec::{Camera, CfaPhase, Noise, RawFrame, Tone};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -28,7 +30,8 @@ pub struct Args {
     #[arg(value_name = "SCENE")]
     scene: String,
 
-    /// Raw frame: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header
+    /// Raw frame: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header; beside it FILE.json says
+    /// how it was taken
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
@@ -115,11 +118,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
     files.may_write("--sharp", args.sharp.as_ref()).may_write("--light", args.light.as_ref()).check()?;
     let camera = Camera::resolve(&args.camera)?;
-    let scene = open(&args, camera.psi_range)?;
+    let scene = open(&args, camera.psi_range, ui)?;
     let approximation = args.approximation()?;
     let sensor = Sensor { depth: args.depth, phase: args.phase, noise: args.noise, seed: args.drawing.seed };
     let shot = capture(&scene, &camera, &sensor, &approximation)?;
     raw::save(&args.out, &shot.raw)?;
+    record::save(&args.out, &record_of(&args, &camera, &scene, &shot.raw, ui))?;
     if let Some(path) = &args.sharp {
         photo::save(path, &args.tone.encoded(&shot.sharp), 16)?;
     }
@@ -152,8 +156,25 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     })
 }
 
+/// What the raw frame cannot say of itself.
+fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: &Ui) -> RawRecord {
+    ui.used(Input::camera(camera));
+    RawRecord {
+        phase: frame.phase(),
+        depth: frame.depth(),
+        alignment: record::alignment_of(&args.out),
+        black_level: 0,
+        camera: camera.clone(),
+        psi: scene.layers.iter().map(|layer| layer.psi).collect(),
+        tone: args.tone,
+        noise: args.noise,
+        sha256: Input::raw_frame(&scene.name, frame).sha256,
+        provenance: ui.provenance().for_file(),
+    }
+}
+
 /// A built-in scene by its name, or a photograph at one depth.
-fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
+fn open(args: &Args, range: [f64; 2], ui: &Ui) -> Result<Scene, Error> {
     if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
         return args.drawing.draw(&args.scene, range);
     }
@@ -166,8 +187,9 @@ fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
         )));
     }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let light = args.tone.decoded(&photo::load(Path::new(&args.scene))?);
-    Ok(Scene::flat(name, light, psi))
+    let photograph = photo::load(Path::new(&args.scene))?;
+    ui.used(Input::photograph(&name, &photograph));
+    Ok(Scene::flat(name, args.tone.decoded(&photograph), psi))
 }
 
 impl Args {

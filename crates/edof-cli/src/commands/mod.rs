@@ -13,3 +13,4 @@ pub mod scene;
 pub mod study;
 pub mod timing;
 pub mod train;
+pub mod weights;

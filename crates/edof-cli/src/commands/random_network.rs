@@ -56,7 +56,9 @@ enum Kind {
 /// A form that cannot be drawn, a network that no accumulator could hold, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     Files::new(ui).writes("--out", &args.out).check()?;
-    weight_file::save_fixed(&args.out, &network(&args)?)?;
+    let mut network = network(&args)?;
+    network.origin.provenance = ui.provenance().for_file();
+    weight_file::save_fixed(&args.out, &network)?;
     ui.say(format!("{}: {}, stride {}", args.out.display(), form::words(&args.form), args.stride))?;
     ui.json(&json!({ "out": args.out.display().to_string(), "form": args.form, "stride": args.stride, "seed": args.seed }))
 }

@@ -8,11 +8,13 @@ use crate::words;
 use clap::ValueEnum;
 use edof_golden::{Counts, Curve, Display, Golden};
 use edof_io::raw::{Alignment, ByteOrder, RawOptions, Size};
+use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_spec::display::DisplayMode;
 use edof_spec::fixed_network::layer_names;
 use edof_spec::network::Origin;
 use edof_spec::overlap::Overlap;
+use edof_spec::provenance::Input;
 use edof_spec::reconstructor::Multiplications;
 use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone};
 use edof_train::reconstruct::{FloatReconstructor, Output};
@@ -26,7 +28,8 @@ const DIM: u16 = u16::MAX / 16;
 /// Reconstruct a sharp picture from a raw Bayer frame
 ///
 /// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or as a PGM's maximum says), or a
-/// headerless 16-bit file with --size; with the optional feature camera-raw also DNG and other camera files. The network runs in the board's integers unless --float is given.
+/// headerless 16-bit file with --size. How the frame was taken is read from RAW.json, which 'edof capture' writes, and
+/// contradictions are refused; with the optional feature camera-raw also DNG and other camera files. The network runs in the board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof reconstruct raw.png --out sharp.png
@@ -58,11 +61,11 @@ pub struct Args {
     #[arg(long)]
     stride: Option<usize>,
 
-    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr
-    #[arg(long, default_value_t = CfaPhase::Rggb)]
-    phase: CfaPhase,
+    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr [default: what RAW.json says, else rggb]
+    #[arg(long)]
+    phase: Option<CfaPhase>,
 
-    /// Bits that the sensor gave, 8 to 16 [default: what the file says, else 16]
+    /// Bits that the sensor gave, 8 to 16 [default: what RAW.json or the file says, else 16]
     #[arg(long, value_name = "BITS")]
     depth: Option<u32>,
 
@@ -79,9 +82,9 @@ pub struct Args {
     order: String,
 
     /// What the picture's numbers mean: srgb is for looking at; linear writes the network's light as it is, for frames and networks
-    /// that take a photograph's codes for light
-    #[arg(long, default_value_t = Tone::Srgb)]
-    tone: Tone,
+    /// that take a photograph's codes for light [default: what RAW.json says of the scene, else srgb: a sensor measures light]
+    #[arg(long)]
+    tone: Option<Tone>,
 
     /// Curve from light to the picture's numbers, and of the board's tables [default: the tone's]
     #[arg(long, value_name = "CURVE")]
@@ -125,16 +128,18 @@ enum Gamma {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let network =
         if args.float { weights::float_file(&args.weights) } else { weights::fixed_file(&args.weights) };
-    let files = Files::new(ui).reads(&args.raw).reads_all(network).reads_all(&args.camera);
+    let record = record::path_of(&args.raw);
+    let files = Files::new(ui).reads(&args.raw).reads(record).reads_all(network).reads_all(&args.camera);
     let words = args.words.as_deref().map(words::file);
     files
         .writes("--out", &args.out)
         .may_write("--board", codes_file(&args))
         .may_write("--words", words)
         .check()?;
-    let frame = raw::load(&args.raw, &raw_options(&args))?;
+    let (frame, record) = open(&args, ui)?;
     remark_on_dim_frames(&frame, &args, ui);
-    let made = if args.float { float(&args, &frame)? } else { fixed(&args, &frame)? };
+    let record = record.as_ref();
+    let made = if args.float { float(&args, &frame, record, ui)? } else { fixed(&args, &frame, record, ui)? };
     let (height, width) = frame.size();
     let per_megapixel = made.seconds / ((height * width) as f64 / 1e6);
     ui.say(format!(
@@ -149,7 +154,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "picture": args.out.display().to_string(),
         "width": width,
         "height": height,
-        "tone": args.tone,
+        "tone": made.tone,
         "seconds": made.seconds,
         "seconds_per_megapixel": per_megapixel,
         "multiplications": made.multiplications,
@@ -163,37 +168,47 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 /// What has been made and written.
 struct Made {
     name: String,
+    tone: Tone,
     seconds: f64,
     multiplications: Option<Multiplications>,
     /// What else there is to report.
     more: Value,
 }
 
-fn float(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
+fn float(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> Result<Made, Error> {
     let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
     let network = weights::float(&args.weights)?;
-    fits_camera(&network.origin, args)?;
+    ui.used(weights::float_input(&args.weights)?);
+    fits_camera(&network.origin, args, record)?;
+    let tone = tone(args, record);
     let method = FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?;
     let result = method.reconstruct(frame).map_err(|e| of_frame(args, e))?;
-    photo::save(&args.out, &encoded(result.frame, curve(args)), args.bits)?;
+    photo::save(&args.out, &encoded(result.frame, curve(args, tone)), args.bits)?;
     let name = method.name().to_owned();
-    Ok(Made { name, seconds: result.seconds, multiplications: result.multiplications, more: Value::Null })
+    Ok(Made {
+        name,
+        tone,
+        seconds: result.seconds,
+        multiplications: result.multiplications,
+        more: Value::Null,
+    })
 }
 
-fn fixed(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
-    let network = fixed_network(args)?;
+fn fixed(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> Result<Made, Error> {
+    let network = fixed_network(args, record, ui)?;
     let name = format!("{}.fixed", network.origin.name);
+    let tone = tone(args, record);
     let golden = Golden::new(network)?;
     let start = Instant::now();
     let out = golden.frame(frame).map_err(|e| of_frame(args, e))?;
     let seconds = start.elapsed().as_secs_f64();
-    let (picture, shown) = out.picture(&Display::new(args.display, curve(args)));
+    let (picture, shown) = out.picture(&Display::new(args.display, curve(args, tone)));
     let board = codes_file(args);
     if let Some(codes) = &board {
         photo::save(&args.out, &picture.shown_frame(), args.bits)?;
         edof_spec::atomic::write(codes, &picture.yuyv())?;
     } else {
-        photo::save(&args.out, &encoded(out.colour(), curve(args)), args.bits)?;
+        photo::save(&args.out, &encoded(out.colour(), curve(args, tone)), args.bits)?;
     }
     if let Some(folder) = &args.words {
         words::save(folder, &golden.words(frame).map_err(|e| of_frame(args, e))?, &out.frame, &picture)?;
@@ -205,7 +220,7 @@ fn fixed(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
         "words": args.words.as_deref().map(|folder| words::file(folder).display().to_string()),
     });
     let multiplications = Some(out.counts.multiplications(golden.network()));
-    Ok(Made { name, seconds, multiplications, more })
+    Ok(Made { name, tone, seconds, multiplications, more })
 }
 
 /// Where the board's codes go, if they are asked for.
@@ -235,8 +250,13 @@ fn of_frame(args: &Args, error: impl std::fmt::Display) -> Error {
     Error::message(format!("{}: {error}", args.raw.display()))
 }
 
-fn curve(args: &Args) -> Curve {
-    match (args.gamma, args.tone) {
+/// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.
+fn tone(args: &Args, record: Option<&RawRecord>) -> Tone {
+    args.tone.or(record.map(|r| r.tone)).unwrap_or(Tone::Srgb)
+}
+
+fn curve(args: &Args, tone: Tone) -> Curve {
+    match (args.gamma, tone) {
         (Some(Gamma::Linear), _) | (None, Tone::Linear) => Curve::Linear,
         (Some(Gamma::Srgb), _) | (None, Tone::Srgb) => Curve::Srgb,
         (Some(Gamma::Bt709), _) => Curve::Bt709,
@@ -251,9 +271,26 @@ fn encoded(mut light: ColourFrame, curve: Curve) -> ColourFrame {
     light
 }
 
+/// The frame, and its record where one lies beside it.
+fn open(args: &Args, ui: &Ui) -> Result<(RawFrame, Option<RawRecord>), Error> {
+    let record = record::load(&args.raw)?;
+    let stated = raw_options(args);
+    let options = match &record {
+        Some(record) => record.options(&args.raw, stated, args.phase)?,
+        None => stated,
+    };
+    let frame = raw::load(&args.raw, &options)?;
+    if let Some(record) = &record {
+        record.check(&args.raw, &frame)?;
+    }
+    let name = args.raw.file_name().unwrap_or_default().to_string_lossy();
+    ui.used(Input::raw_frame(&name, &frame));
+    Ok((frame, record))
+}
+
 fn raw_options(args: &Args) -> RawOptions {
     RawOptions {
-        phase: args.phase,
+        phase: args.phase.unwrap_or_default(),
         depth: args.depth,
         size: args.size,
         alignment: args.align.as_deref().map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom }),
@@ -261,9 +298,10 @@ fn raw_options(args: &Args) -> RawOptions {
     }
 }
 
-fn fixed_network(args: &Args) -> Result<FixedNetwork, Error> {
+fn fixed_network(args: &Args, record: Option<&RawRecord>, ui: &Ui) -> Result<FixedNetwork, Error> {
     let network = weights::fixed(&args.weights)?;
-    fits_camera(&network.origin, args)?;
+    ui.used(weights::fixed_input(&args.weights)?);
+    fits_camera(&network.origin, args, record)?;
     match args.stride.map(Stride::new).transpose()? {
         Some(stride) if stride != network.stride => Err(Error::message(format!(
             "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
@@ -276,22 +314,30 @@ fn fixed_network(args: &Args) -> Result<FixedNetwork, Error> {
     }
 }
 
-/// Names, sources and ranges may differ, lenses may not.
-fn fits_camera(origin: &Origin, args: &Args) -> Result<(), Error> {
-    let Some(name) = &args.camera else { return Ok(()) };
-    let camera = Camera::resolve(name)?;
-    let same_lens = Camera {
-        name: camera.name.clone(),
-        source: camera.source.clone(),
-        psi_range: camera.psi_range,
-        ..origin.camera.clone()
-    };
-    if same_lens == camera {
+/// The network must have been trained for the lens that the user states, and for the one that took the frame.
+fn fits_camera(origin: &Origin, args: &Args, record: Option<&RawRecord>) -> Result<(), Error> {
+    let stated = args.camera.as_deref().map(Camera::resolve).transpose()?;
+    let Some(camera) = stated.as_ref().or(record.map(|r| &r.camera)) else { return Ok(()) };
+    if origin.camera.same_lens(camera) {
         return Ok(());
     }
+    let trained = &origin.camera.name;
+    if stated.is_some() {
+        return Err(Error::message(format!(
+            "--weights {}: trained for the camera {trained}, whose lens or mask is not that of {}",
+            args.weights, camera.name
+        )));
+    }
+    let instead = match weights::trained_for(camera) {
+        Some(name) => format!("use --weights {name}"),
+        None => format!("train one by 'edof train --camera {}'", camera.name),
+    };
     Err(Error::message(format!(
-        "--weights {}: trained for the camera {}, whose lens or mask is not that of {name}",
-        args.weights, origin.camera.name
+        "--weights {}: trained for the camera {trained}, but {} was taken by {} ({}); {instead}",
+        args.weights,
+        args.raw.display(),
+        camera.name,
+        record::path_of(&args.raw).display()
     )))
 }
 

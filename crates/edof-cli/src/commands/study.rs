@@ -175,7 +175,7 @@ impl Kodak {
 /// A net with its fixed-point weights where it has some. Weights that are there but broken are an error.
 fn load_net(name: &str, stride: Stride) -> Result<(Net, Option<String>), Error> {
     let float = weights::float(name)?;
-    let hash = weights::float_hash(name)?;
+    let hash = weights::float_input(name)?.sha256;
     let fixed = fixed_if_any(&fixed_name(name))?;
     let shown = name.strip_suffix(".safetensors").unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
     Ok(Net::new(shown, float, &hash, fixed, stride))

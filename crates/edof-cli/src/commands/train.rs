@@ -6,10 +6,11 @@ use crate::ui::Ui;
 use crate::{form, interrupt, memory};
 use edof_io::photo;
 use edof_spec::network::{Form, Network};
+use edof_spec::provenance::{Input, Provenance};
 use edof_spec::{Camera, ColourFrame, Tone, weight_file};
 use edof_study::photos::{self, Selection};
 use edof_train::budget::Budget;
-use edof_train::checkpoint::{self, Fingerprint, Run};
+use edof_train::checkpoint::{self, Run};
 use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
 use edof_train::recipe::Recipe;
@@ -186,6 +187,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
     let mut camera = Camera::resolve(&args.camera)?;
     camera.psi_range = args.psi.unwrap_or(camera.psi_range);
+    ui.used(Input::camera(&camera));
     if let Some((_, file)) = seeds.iter().find(|(_, file)| file.exists() && !args.resume) {
         return Err(Error::message(format!(
             "{}: left by an earlier run; go on with it by --resume, or delete it",
@@ -198,7 +200,9 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let psis = spread(camera.psi_range, args.depths)?;
     let photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
     tell_photographs(&photographs, ui)?;
-    let (photos, dataset) = dataset(&photographs, &camera, recipe, &psis, ui)?;
+    let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
+    photos.iter().for_each(|photo| ui.used(photo.clone()));
+    let dataset = dataset(&photographs, &camera, recipe, &psis, ui)?;
     let mut results = Vec::new();
     for (recipe, file) in &seeds {
         let run = Run {
@@ -212,7 +216,8 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
     let chosen =
         others.iter_mut().fold(first, |best, other| if other.best() > best.best() { other } else { best });
-    let network = chosen.trainer.best(&name(args), &camera, &command(args, chosen.trainer.recipe()));
+    let made = provenance(args, chosen.trainer.recipe(), ui);
+    let network = chosen.trainer.best(&name(args), &camera, made);
     weight_file::save_network(&args.out, &network)?;
     for (_, file) in &seeds {
         let _ = std::fs::remove_file(file);
@@ -488,14 +493,14 @@ fn tell_photographs(photographs: &[Photograph], ui: &Ui) -> Result<(), Error> {
     Ok(())
 }
 
-/// The photographs' fingerprints, and what they are made into.
+/// What photographs are made into.
 fn dataset(
     photographs: &[Photograph],
     camera: &Camera,
     recipe: &Recipe,
     psis: &[f64],
     ui: &Ui,
-) -> Result<(Vec<Fingerprint>, Dataset), Error> {
+) -> Result<Dataset, Error> {
     let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
     let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
     let pictures = recipe.tones.len() as f64 * recipe.augmentation.variants as f64 * (psis.len() + 1) as f64;
@@ -505,9 +510,7 @@ fn dataset(
         bar.set(done as u64);
         interrupt::check().is_ok()
     };
-    let dataset = Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)?;
-    let names = photographs.iter().map(Photograph::name).collect();
-    Ok((checkpoint::fingerprints(names, &frames), dataset))
+    Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)
 }
 
 fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
@@ -542,6 +545,10 @@ fn checkpoint_file(args: &Args, seed: u64) -> PathBuf {
 fn name(args: &Args) -> String {
     let stem = || args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     args.name.clone().unwrap_or_else(stem)
+}
+
+fn provenance(args: &Args, recipe: &Recipe, ui: &Ui) -> Provenance {
+    Provenance { command: command(args, recipe), seed: Some(recipe.seed), ..ui.provenance().for_file() }
 }
 
 /// The command that makes this network, with everything that its bytes depend on and nothing else, so that a resumed run
