@@ -141,6 +141,20 @@ fn a_network_whose_window_does_not_fit_its_matrices() {
 }
 
 #[test]
+fn a_network_whose_fraction_bits_no_sum_can_hold() {
+    let place = ready();
+    forge(&place.path("net.safetensors"), |text, _| {
+        *text = text.replace("\"analysis\":14", "\"analysis\":4294967290");
+        assert!(text.contains("4294967290"), "{text}");
+    });
+    refused_without_a_trace(
+        &place,
+        RECONSTRUCT,
+        &["net.safetensors", "4294967290 fraction bits, must be 0 to 48"],
+    );
+}
+
+#[test]
 fn a_network_of_a_window_that_does_not_exist() {
     let place = ready();
     forge(&place.path("net.safetensors"), |text, _| *text = text.replace("\"window\":8", "\"window\":9"));
@@ -256,6 +270,15 @@ fn an_ending_that_stands_for_no_format() {
     let place = ready();
     let line = "reconstruct raw.png --weights net.safetensors --out out.jpeg";
     refused_without_a_trace(&place, line, &["out.jpeg: unknown ending, expected .png"]);
+    // Before the work: nothing is read yet.
+    for (line, words) in [
+        ("reconstruct none.png --out out.jpeg", "out.jpeg: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.jpeg", "raw.jpeg: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.pgm --sharp x.gif", "x.gif: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.pgm --light x", "x: unknown ending, expected .png"),
+    ] {
+        refused_without_a_trace(&place, line, &[words]);
+    }
 }
 
 #[test]

@@ -2,20 +2,7 @@
 
 mod support;
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use support::Place;
-
-/// Every file and link below a folder, with its bytes.
-fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    entries
-        .flat_map(|path| match path.is_dir() && !path.is_symlink() {
-            true => snapshot(&path).into_iter().collect(),
-            false => vec![(path.clone(), std::fs::read(&path).unwrap_or_default())],
-        })
-        .collect()
-}
 
 /// One of everything that a command reads.
 fn ready() -> Place {
@@ -39,7 +26,7 @@ const GENERATE: &str = "generate --design paper --weights paper-t4 --out out";
 #[test]
 fn no_output_replaces_an_input() {
     let place = ready();
-    let before = snapshot(&place.path(""));
+    let before = place.snapshot();
     let fixed = "--weights net.fixed.safetensors";
     for line in [
         format!("reconstruct raw.png {fixed} --out raw.png"),
@@ -82,14 +69,14 @@ fn no_output_replaces_an_input() {
             assert!(run.err.contains("would replace"), "{line}: {}", run.err);
         }
         run.refused(&[]);
-        assert!(snapshot(&place.path("")) == before, "{line}: files changed");
+        assert!(place.snapshot() == before, "{line}: files changed");
     }
 }
 
 #[test]
 fn no_output_replaces_another() {
     let place = ready();
-    let before = snapshot(&place.path(""));
+    let before = place.snapshot();
     for line in [
         "reconstruct raw.png --weights net.fixed.safetensors --out out.png --json photos/../out.png"
             .to_owned(),
@@ -109,7 +96,7 @@ fn no_output_replaces_another() {
         format!("{GENERATE} --json out/rtl/edof_ram.v"),
     ] {
         place.edof(&line).refused(&["each output needs a file of its own"]);
-        assert!(snapshot(&place.path("")) == before, "{line}: files changed");
+        assert!(place.snapshot() == before, "{line}: files changed");
     }
 }
 
@@ -117,20 +104,20 @@ fn no_output_replaces_another() {
 fn generating_again_leaves_a_folder_as_new() {
     let place = Place::new();
     place.edof(GENERATE).done();
-    let first = snapshot(&place.path(""));
+    let first = place.snapshot();
     place.edof(GENERATE).done();
-    assert!(snapshot(&place.path("")) == first);
+    assert!(place.snapshot() == first);
     // Another network has other images and other names among them; none of the old ones stays.
     place.edof("generate --design kc705 --weights edof-t4w12-outer --out out").done();
     place.edof(GENERATE).done();
-    assert!(snapshot(&place.path("")) == first);
+    assert!(place.snapshot() == first);
 }
 
 #[test]
 fn what_stands_in_a_generated_folder_and_is_not_its_own_is_named_and_kept() {
     let place = Place::new();
     place.edof(GENERATE).done();
-    let whole = snapshot(&place.path(""));
+    let whole = place.snapshot();
     for (file, text) in [
         ("notes.txt", "a week's work"),
         ("mem/mine.hex", "00"),
@@ -139,18 +126,15 @@ fn what_stands_in_a_generated_folder_and_is_not_its_own_is_named_and_kept() {
     ] {
         let kept = std::fs::read(place.path("out").join(file)).ok();
         place.write(&format!("out/{file}"), text);
-        let before = snapshot(&place.path(""));
+        let before = place.snapshot();
         place.edof(GENERATE).refused(&["--out out", file, "--force"]);
-        assert!(snapshot(&place.path("")) == before, "{file}");
+        assert!(place.snapshot() == before, "{file}");
         place.edof(&format!("{GENERATE} --force")).done();
         let mut expected = whole.clone();
         if kept.is_none() {
             expected.insert(place.path("out").join(file), text.into());
         }
-        assert!(
-            snapshot(&place.path("")) == expected,
-            "{file}: --force replaces what is in the way and no more"
-        );
+        assert!(place.snapshot() == expected, "{file}: --force replaces what is in the way and no more");
         if kept.is_none() {
             std::fs::remove_file(place.path("out").join(file)).unwrap();
         }
@@ -167,9 +151,9 @@ fn a_manifest_of_someone_else_gives_nothing_away() {
     for path in ["thesis.txt", "../thesis.txt"] {
         let manifest = format!("{{\"files\":[{{\"path\":\"{path}\",\"sha256\":\"{hash}\"}}]}}");
         place.write("out/manifest.json", manifest);
-        let before = snapshot(&place.path(""));
+        let before = place.snapshot();
         place.edof(GENERATE).refused(&["manifest.json, thesis.txt"]);
-        assert!(snapshot(&place.path("")) == before);
+        assert!(place.snapshot() == before);
     }
 }
 
@@ -180,21 +164,21 @@ fn a_link_in_a_generated_folder_leads_nowhere() {
     place.write("elsewhere/chain.v", "an original");
     std::fs::create_dir(place.path("out")).unwrap();
     std::os::unix::fs::symlink("../elsewhere", place.path("out/rtl")).unwrap();
-    let before = snapshot(&place.path(""));
+    let before = place.snapshot();
     place.edof(GENERATE).refused(&["rtl", "--force"]);
     place.edof(&format!("{GENERATE} --force")).refused(&["in its way"]);
-    assert!(snapshot(&place.path("")) == before);
+    assert!(place.snapshot() == before);
 }
 
 #[test]
 fn a_folder_that_cannot_be_written_is_left_as_it_was() {
     let place = Place::new();
     place.edof(GENERATE).done();
-    let before = snapshot(&place.path(""));
+    let before = place.snapshot();
     let binary = env!("CARGO_BIN_EXE_edof");
     let script = format!("trap '' XFSZ; ulimit -f 1; exec {binary} {GENERATE}");
     let mut shell = std::process::Command::new("sh");
     let run: support::Run = shell.args(["-c", &script]).current_dir(place.path("")).output().unwrap().into();
     run.refused(&["cannot write"]);
-    assert!(snapshot(&place.path("")) == before);
+    assert!(place.snapshot() == before);
 }

@@ -20,6 +20,7 @@ fn jobs_that_no_machine_can_hold() {
             ["--random 1000000000000000", "are free"],
         ),
         (format!("{train} --batch 1000000000"), ["--batch 1000000000", "are free"]),
+        (format!("{train} --depths 18446744073709551615"), ["--depths 18446744073709551615", "1 to 1000"]),
     ] {
         place.edof(&line).refused(&words);
         assert_eq!(place.files(), before, "{line}");

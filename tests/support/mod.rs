@@ -9,7 +9,7 @@ use edof_spec::{Camera, CfaPhase, ColourFrame, RawFrame, Stride, Window, weight_
 use ndarray::{Array1, Array2, Array3};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use sha2::{Digest, Sha256};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -49,6 +49,11 @@ impl Place {
         names
     }
 
+    /// Every file and link here and below, with its bytes.
+    pub fn snapshot(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        snapshot(self.dir.path())
+    }
+
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), bytes).unwrap();
     }
@@ -78,6 +83,17 @@ impl Place {
     pub fn fixed_network(&self, name: &str) {
         weight_file::save_fixed(&self.path(name), &fixed_network()).unwrap();
     }
+}
+
+/// Every file and link below a folder, with its bytes.
+fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .flat_map(|path| match path.is_dir() && !path.is_symlink() {
+            true => snapshot(&path).into_iter().collect(),
+            false => vec![(path.clone(), std::fs::read(&path).unwrap_or_default())],
+        })
+        .collect()
 }
 
 /// What a run of `edof` left.

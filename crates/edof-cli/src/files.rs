@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::ui::Ui;
-use edof_io::picture::Format;
+use edof_io::picture::{self, Format};
 use edof_spec::atomic;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +41,15 @@ impl Files {
     pub fn writes(mut self, option: &str, file: impl AsRef<Path>) -> Self {
         self.written.push((option.to_owned(), file.as_ref().to_owned()));
         self
+    }
+
+    /// A picture that is written: its ending must stand for a format.
+    ///
+    /// # Errors
+    /// An ending that stands for none.
+    pub fn writes_picture(self, option: &str, file: impl AsRef<Path>) -> Result<Self, Error> {
+        picture::format_of(file.as_ref())?;
+        Ok(self.writes(option, file))
     }
 
     /// A file that is written if it was asked for.

@@ -140,14 +140,21 @@ fn widen(bytes: &[u8]) -> Vec<u16> {
     bytes.iter().map(|&b| u16::from(b)).collect()
 }
 
+/// The format in which [`save`] would write a file of that name; for whoever has long work to do first.
+///
+/// # Errors
+/// [`PictureError::Ending`].
+pub fn format_of(path: &Path) -> Result<Format, PictureError> {
+    let expected = ".png, .tif, .tiff, .ppm or .pgm";
+    Format::of_ending(path).ok_or_else(|| PictureError::Ending { path: path.to_owned(), expected })
+}
+
 /// Writes samples in the format that the ending of `path` stands for. PNG and TIFF hold a full scale of 255 or 65535.
 ///
 /// # Errors
 /// [`PictureError::Ending`], [`PictureError::Encode`] or [`PictureError::Write`].
 pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
-    let expected = ".png, .tif, .tiff, .ppm or .pgm";
-    let format =
-        Format::of_ending(path).ok_or_else(|| PictureError::Ending { path: path.to_owned(), expected })?;
+    let format = format_of(path)?;
     let (_, height, width) = samples.planes.dim();
     let refused = |reason: String| PictureError::Encode { path: path.to_owned(), width, height, reason };
     let bytes = match format {

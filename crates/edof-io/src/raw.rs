@@ -260,25 +260,51 @@ fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, Raw
     Ok(words.mapv_into(|v| v >> shift))
 }
 
+/// Kinds of files for raw frames.
+enum Kind {
+    /// Words alone.
+    Headerless,
+    /// Pictures whose full scale is that of 16 bits.
+    FullScale,
+    /// Pictures that state their full scale.
+    StatedScale,
+}
+
+fn kind(path: &Path) -> Result<Kind, RawError> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    match ending.as_str() {
+        "raw" | "bin" => Ok(Kind::Headerless),
+        "png" | "tif" | "tiff" => Ok(Kind::FullScale),
+        "pgm" => Ok(Kind::StatedScale),
+        _ => {
+            let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
+            Err(PictureError::Ending { path: path.to_owned(), expected }.into())
+        }
+    }
+}
+
+/// Whether [`save`] knows how to write a file of that name; for whoever has long work to do first.
+///
+/// # Errors
+/// [`RawError::Picture`] with the endings that it knows.
+pub fn check_ending(path: &Path) -> Result<(), RawError> {
+    kind(path).map(drop)
+}
+
 /// Writes a raw frame: 16-bit PNG or TIFF (values at the top of each word), PGM (values and their maximum), or for `.raw`
 /// and `.bin` headerless little-endian words (values at the bottom).
 ///
 /// # Errors
 /// [`RawError::Picture`] naming the file; none is left half written.
 pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    let (words, full_scale) = match ending.as_str() {
-        "raw" | "bin" => {
+    let (words, full_scale) = match kind(path)? {
+        Kind::Headerless => {
             let bytes: Vec<u8> = frame.values().iter().flat_map(|v| v.to_le_bytes()).collect();
             edof_spec::atomic::write(path, &bytes).map_err(PictureError::from)?;
             return Ok(());
         }
-        "png" | "tif" | "tiff" => (frame.pixels().clone(), u16::MAX),
-        "pgm" => (frame.values(), u16::MAX >> (16 - frame.depth())),
-        _ => {
-            let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
-            return Err(PictureError::Ending { path: path.to_owned(), expected }.into());
-        }
+        Kind::FullScale => (frame.pixels().clone(), u16::MAX),
+        Kind::StatedScale => (frame.values(), u16::MAX >> (16 - frame.depth())),
     };
     Ok(picture::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
 }

@@ -117,6 +117,7 @@ pub fn capture(
     approximation: &Approximation,
 ) -> Result<Capture, CaptureError> {
     check(scene, camera)?;
+    sensor.check()?;
     let start = Instant::now();
     let (light, depths) = light_on_sensor(scene, camera, approximation);
     let seconds = start.elapsed().as_secs_f64();

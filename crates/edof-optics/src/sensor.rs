@@ -38,6 +38,15 @@ pub enum SensorError {
     Noise(#[from] NoiseError),
 }
 
+impl Sensor {
+    /// # Errors
+    /// [`SensorError`] for noise or a depth that no sensor has.
+    pub fn check(&self) -> Result<(), SensorError> {
+        self.noise.check()?;
+        if (8..=16).contains(&self.depth) { Ok(()) } else { Err(FrameError::Depth(self.depth).into()) }
+    }
+}
+
 /// Linear light behind the colour filters, noise added: rows × columns, not yet saturated.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! `edof capture`.
 
-use crate::commands::scene::Drawing;
+use crate::commands::scene::{Drawing, fits};
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
@@ -115,8 +115,14 @@ struct Captured {
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
-    files.may_write("--sharp", args.sharp.as_ref()).may_write("--light", args.light.as_ref()).check()?;
+    raw::check_ending(&args.out)?;
+    let mut files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    for (option, file) in [("--sharp", &args.sharp), ("--light", &args.light)] {
+        if let Some(file) = file {
+            files = files.writes_picture(option, file)?;
+        }
+    }
+    files.check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range, ui)?;
     let approximation = args.approximation()?;
@@ -188,6 +194,8 @@ fn open(args: &Args, range: [f64; 2], ui: &Ui) -> Result<Scene, Error> {
     }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let photograph = photo::load(Path::new(&args.scene))?;
+    let (height, width) = photograph.size();
+    fits(width, height)?;
     ui.used(Input::photograph(&name, &photograph));
     Ok(Scene::flat(name, args.tone.decoded(&photograph), psi))
 }

@@ -132,7 +132,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads(&args.raw).reads(record).reads_all(network).reads_all(&args.camera);
     let words = args.words.as_deref().map(words::file);
     files
-        .writes("--out", &args.out)
+        .writes_picture("--out", &args.out)?
         .may_write("--board", codes_file(&args))
         .may_write("--words", words)
         .check()?;

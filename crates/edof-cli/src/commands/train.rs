@@ -515,7 +515,7 @@ fn dataset(
 
 fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
     match count {
-        0 => Err(Error::message("--depths 0: must be 1 or more")),
+        0 | 1001.. => Err(Error::message(format!("--depths {count}: must be 1 to 1000"))),
         1 => Ok(vec![0.5 * (low + high)]),
         _ => Ok((0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect()),
     }

@@ -6,6 +6,7 @@
 
 mod report;
 
+use super::fan_out::FanOut;
 use super::netlist::Netlist;
 use crate::cache;
 use crate::error::{Error, at};
@@ -60,17 +61,6 @@ pub struct Step {
     pub cell: String,
     /// The net in the source's own name; empty where the mapping made it.
     pub net: String,
-}
-
-/// One net.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FanOut {
-    /// Its name in the source, or the mapping's where it has none.
-    pub net: String,
-    /// Pins that it leads to.
-    pub loads: usize,
-    /// Whether it is control: a signal of one bit, or one that enables, resets or writes somewhere. All else are bits of words.
-    pub control: bool,
 }
 
 /// The stages of a generated design, in their order. Equal stages are mapped once. `cache` keeps results under the hash of
