@@ -75,10 +75,10 @@ pub enum DatasetError {
     NoPhotos,
     /// One is too small.
     #[error(
-        "training photo {index}: {width}x{height} is too small: a quarter of each side is for validation, and training \
-         keeps {reach} pixels away from it, as far as the blur reaches"
+        "training photo {index}: {width}x{height}, both sides should be at least {least} pixels: a quarter of each is for \
+         validation, and training keeps {reach} pixels away from it, as far as the blur reaches"
     )]
-    SmallPhoto { index: usize, width: usize, height: usize, reach: usize },
+    SmallPhoto { index: usize, width: usize, height: usize, least: usize, reach: usize },
     /// No defocus at all.
     #[error("psi: no value given, at least one is needed")]
     NoPsi,
@@ -175,7 +175,9 @@ impl Dataset {
                 })
                 .collect();
             if looks.iter().any(|picture| !picture.holdout.fits(options.window.side())) {
-                return Err(DatasetError::SmallPhoto { index, width, height, reach });
+                let whole = Holdout::least(options.window.side(), reach);
+                let least = (whole as f32 / options.augmentation.scale).ceil() as usize;
+                return Err(DatasetError::SmallPhoto { index, width, height, least, reach });
             }
             pictures.extend(looks);
         }
@@ -514,7 +516,10 @@ mod tests {
             Dataset::new(photos, &camera, options, |_, _| true).unwrap_err().to_string()
         };
         assert_eq!(make(&[], 1), "training photos: none given, at least one is needed");
-        assert!(make(&[ColourFrame::zeros(30, 30)], 1).starts_with("training photo 0: 30x30 is too small"));
+        assert!(
+            make(&[ColourFrame::zeros(30, 30)], 1)
+                .starts_with("training photo 0: 30x30, both sides should be at least ")
+        );
         assert_eq!(make(&[marked()], 0), "variants 0: must be 1 or more");
     }
 }

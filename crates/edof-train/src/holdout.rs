@@ -40,6 +40,13 @@ impl Holdout {
         Self { height, width, block: (rows, columns), ..*self }
     }
 
+    /// A side with which a photograph is always large enough for windows of `side` pixels.
+    #[must_use]
+    pub const fn least(side: usize, guard: usize) -> usize {
+        let beside = (SHARE * (guard + side)).div_ceil(SHARE - 1);
+        if beside > SHARE * side { beside } else { SHARE * side }
+    }
+
     /// Whether windows of `side` pixels fit both into the block and beside it.
     #[must_use]
     pub const fn fits(&self, side: usize) -> bool {
@@ -152,6 +159,13 @@ mod tests {
                 }
                 prop_assert!(closest >= guard && closest <= guard + 3, "{closest} for {guard}");
             }
+        }
+
+        #[test]
+        fn the_least_side_is_large_enough_and_not_by_much(side in 8usize..16, guard in 0usize..200) {
+            let least = Holdout::least(side, guard);
+            prop_assert!(Holdout::new(least, least, 0, guard).fits(side));
+            prop_assert!(!Holdout::new(least - 4, least - 4, 0, guard).fits(side));
         }
 
         #[test]
