@@ -66,7 +66,7 @@ mod tests {
         let truth = ndarray::array![[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]];
         let signals =
             Array2::from_shape_fn((60, 3), |(i, r)| (1.0 + (i / 3) as f32 / 20.0) * truth[(r, i % 3)]);
-        let penalties = Array1::from_elem(3, 0.01);
+        let penalties = Array1::from_elem(3, 0.1);
         let effort = Effort { rounds: 30, steps: 200 };
         let learned = optimal_directions(signals.view(), Array2::eye(3), penalties.view(), effort);
         let mut found = learned.dictionary;
