@@ -7,14 +7,14 @@ use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{FixedNetwork, Geometry, RawFrame};
+use edof_spec::{FixedNetwork, Geometry, RawFrame, Tone};
 use std::path::Path;
 
 /// Size of the built-in scene: 1536 patches at stride 8.
 const SCENE_SIZE: (usize, usize) = (256, 384);
 
 /// The raw frame of a photograph, or of a built-in scene of dead leaves, at the far end of the network's range, where blur is
-/// hardest, with the most noise that the network was trained for.
+/// hardest, with the tone and the most noise of the first condition that the network was trained for.
 ///
 /// # Errors
 /// A photograph that cannot be read or used.
@@ -22,7 +22,10 @@ pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64) -> Resul
     let camera = &network.origin.camera;
     let psi = camera.psi_range[1];
     let scene = match picture {
-        Some(path) => Scene::flat(path.display().to_string(), photo::load(path)?, psi),
+        Some(path) => {
+            let tone = network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone);
+            Scene::flat(path.display().to_string(), tone.decoded(&photo::load(path)?), psi)
+        }
         None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
     };
     let noise = network.origin.most_noise();
