@@ -59,6 +59,18 @@ impl Calibration {
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
     ) -> Result<Self, GeometryError> {
+        Self::measure_while(network, frames, || true)
+    }
+
+    /// [`Calibration::measure`], cut short where `go_on` says no; it is asked every few hundred windows.
+    ///
+    /// # Errors
+    /// As [`Calibration::measure`].
+    pub fn measure_while<'a>(
+        network: &Network,
+        frames: impl IntoIterator<Item = &'a RawFrame>,
+        go_on: impl Fn() -> bool + Sync,
+    ) -> Result<Self, GeometryError> {
         let weights = flatten(network);
         let geometry = Geometry::new(network.form.window, Stride::FINEST);
         let frames: Vec<&RawFrame> = frames.into_iter().collect();
@@ -66,7 +78,7 @@ impl Calibration {
         let mut all = Self::new(&network.form);
         for some in frames.chunks(FRAMES_AT_ONCE) {
             let seen: Result<Vec<Self>, GeometryError> =
-                some.par_iter().map(|raw| Self::of_frame(network, &weights, geometry, raw)).collect();
+                some.par_iter().map(|raw| Self::of_frame(network, &weights, geometry, raw, &go_on)).collect();
             all = seen?.iter().fold(all, Self::merged);
         }
         Ok(all)
@@ -77,6 +89,7 @@ impl Calibration {
         weights: &[f32],
         geometry: Geometry,
         raw: &RawFrame,
+        go_on: &(impl Fn() -> bool + Sync),
     ) -> Result<Self, GeometryError> {
         geometry.check_frame(raw.size())?;
         let (raw, _) = raw.to_rggb();
@@ -88,7 +101,7 @@ impl Calibration {
         let mut pass = Pass::new(network.form, BATCH);
         let pixels = network.form.window.pixels();
         let mut words = vec![0; pixels];
-        for (index, some) in patches.chunks(BATCH).enumerate() {
+        for (index, some) in patches.chunks(BATCH).enumerate().take_while(|_| go_on()) {
             let mut inputs = Vec::with_capacity(some.len() * pixels);
             for &(row, column) in some {
                 mirrored.copy_window(row, column, &mut words);

@@ -105,7 +105,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let scenes = capture::capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
     drop(progress);
     interrupt::check()?;
-    let calibration = Calibration::measure(&network, scenes.iter().map(|scene| &scene.raw))?;
+    let frames = scenes.iter().map(|scene| &scene.raw);
+    let calibration = Calibration::measure_while(&network, frames, || interrupt::check().is_ok())?;
+    interrupt::check()?;
     let (fixed, mut layers) = quantize(&network, &options, &calibration, &hash)?;
     let mut fixed = match args.finetune {
         0 => fixed,
