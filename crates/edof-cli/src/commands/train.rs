@@ -30,7 +30,7 @@ const STUDY_PREFIX: &str = "kodim";
 
 /// Train a float network on photographs seen through a camera
 ///
-/// Without options this is the one recipe by which all networks that come with the program were made. A block of a quarter of
+/// Without options this is the one recipe by which scripts/weights.sh makes the program's networks. A block of a quarter of
 /// each side of every photograph is kept for validation, and training stays as far away from it as the blur reaches. A
 /// checkpoint is written beside OUT every minute and when Ctrl-C stops the run; --resume goes on from it and ends with the
 /// same bytes as a run that was never stopped. The same seed and options give the same bytes, whatever --threads.
