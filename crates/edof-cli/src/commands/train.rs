@@ -199,7 +199,6 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
-    tell_photographs(&photographs, ui)?;
     let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
     photos.iter().for_each(|photo| ui.used(photo.clone()));
     let dataset = dataset(&photographs, &camera, recipe, &psis, ui)?;
@@ -608,6 +607,7 @@ fn tell(
     let validation = chosen.trainer.validate_best();
     let windows: u64 = results.iter().map(|r| r.steps * r.trainer.recipe().batch as u64).sum();
     let seconds: f64 = results.iter().map(|r| r.seconds).sum();
+    tell_photographs(photographs, ui)?;
     tell_validation(&validation, &chosen.trainer, photographs, ui)?;
     for result in results.iter().filter(|_| results.len() > 1) {
         let best = result.best();

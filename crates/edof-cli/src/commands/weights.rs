@@ -1,6 +1,7 @@
 //! `edof weights`: what a weight file holds.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use crate::weights;
@@ -27,6 +28,8 @@ pub struct Args {
 /// # Errors
 /// Nothing of that name, or a file that is no weight file.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
+    files.reads_all(weights::fixed_file(&args.weights)).check()?;
     let found = Found { float: float(&args.weights)?, fixed: fixed(&args.weights)? };
     let origin = match (&found.float, &found.fixed) {
         (Some(float), _) => float.origin.clone(),
