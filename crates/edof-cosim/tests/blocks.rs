@@ -24,7 +24,7 @@ use edof_hdl::blocks::sequencer::Sequencer;
 use edof_hdl::blocks::shrink::Shrink;
 use edof_hdl::blocks::stage::Stage;
 use edof_hdl::blocks::window_ring::WindowRing;
-use edof_hdl::described;
+use edof_hdl::describe::Circuit;
 use edof_spec::design::memory::{self, Shifts, Space};
 use edof_spec::network::{Recurrence, Shrinkage};
 use edof_spec::{Design, FixedNetwork};
@@ -226,7 +226,7 @@ fn results() {
 }
 
 /// The leaf `edof_ram` in a module of its own.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
 struct RamTop {
     pub clock: Signal<In, Clock>,
     pub read_address: Signal<In, Bits<12>>,
@@ -238,7 +238,6 @@ struct RamTop {
 }
 
 impl Logic for RamTop {
-    described!("A memory alone.");
     #[hdl_gen]
     fn update(&mut self) {
         self.ram.clock.next = self.clock.val();
@@ -256,15 +255,7 @@ fn ram() {
     let image: String = contents.iter().map(|word| format!("{word:07x}\n")).collect();
     for block in [false, true] {
         let shape = Shape { depth: 24, block, image: Some("mem/ram.hex".into()) };
-        let top = RamTop {
-            clock: Signal::default(),
-            read_address: Signal::default(),
-            read_data: Signal::default(),
-            write_enable: Signal::default(),
-            write_address: Signal::default(),
-            write_data: Signal::default(),
-            ram: Ram::new(shape, &contents),
-        };
+        let top = RamTop::from_parts(RamTopParts { ram: Ram::new(shape, &contents) });
         let images = [("mem/ram.hex".to_string(), image.clone())];
         agree_with_images(top, 1, &[], &images, |b, draw, _| {
             b.read_address.next = (draw.whole(0, 23) as u64).into();
@@ -276,7 +267,7 @@ fn ram() {
 }
 
 /// The leaf `edof_fifo` in a module of its own.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
 struct FifoTop {
     pub clock: Signal<In, Clock>,
     pub reset: Signal<In, Bit>,
@@ -295,7 +286,6 @@ struct FifoTop {
 }
 
 impl Logic for FifoTop {
-    described!("A FIFO alone.");
     #[hdl_gen]
     fn update(&mut self) {
         self.fifo.clock.next = self.clock.val();
@@ -317,22 +307,7 @@ impl Logic for FifoTop {
 #[test]
 fn fifo() {
     for base in [false, true] {
-        let top = FifoTop {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            push: Signal::default(),
-            data: Signal::default(),
-            base: Signal::default(),
-            last: Signal::default(),
-            set: Signal::default(),
-            valid: Signal::default(),
-            ready: Signal::default(),
-            front_data: Signal::default(),
-            front_base: Signal::default(),
-            front_last: Signal::default(),
-            front_set: Signal::default(),
-            fifo: Fifo::new(base),
-        };
+        let top = FifoTop::from_parts(FifoTopParts { fifo: Fifo::new(base) });
         let qualified = ["front_data", "front_base", "front_last", "front_set"].map(|port| (port, "valid"));
         agree(top, RESET as usize, &qualified, |b, draw, last| {
             b.reset.next = last.cycle < RESET;
@@ -351,7 +326,7 @@ fn fifo() {
 }
 
 /// The leaf `edof_macc_bank` in a module of its own.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
 struct BankTop {
     pub clock: Signal<In, Clock>,
     pub first: Signal<In, Bit>,
@@ -375,7 +350,6 @@ struct BankTop {
 }
 
 impl Logic for BankTop {
-    described!("Four lanes alone.");
     #[hdl_gen]
     fn update(&mut self) {
         self.macc.clock.next = self.clock.val();
@@ -405,27 +379,7 @@ fn macc_bank() {
         let design = committed("tiny");
         let (stage, sets) = (design.stage(index), networks(&design, 1));
         let words = sets.iter().flat_map(|network| memory::weight_words(network, &stage, 1)).collect();
-        let top = BankTop {
-            clock: Signal::default(),
-            first: Signal::default(),
-            address_a: Signal::default(),
-            value_a: Signal::default(),
-            address_b: Signal::default(),
-            value_b: Signal::default(),
-            copy: Signal::default(),
-            shift: Signal::default(),
-            drain_even_in: Signal::default(),
-            drain_odd_in: Signal::default(),
-            drain_even: Signal::default(),
-            drain_odd: Signal::default(),
-            write_enable: Signal::default(),
-            bank: Signal::default(),
-            write_bank: Signal::default(),
-            write_half: Signal::default(),
-            write_row: Signal::default(),
-            write_data: Signal::default(),
-            macc: MaccBank::new(&stage, 1, sum_bits, words),
-        };
+        let top = BankTop::from_parts(BankTopParts { macc: MaccBank::new(&stage, 1, sum_bits, words) });
         let rows = stage.weight_depth() as i64;
         agree_with_images(top, 120, &[], &images(&design, &sets), move |b, draw, last| {
             // Work, with a sum that starts anew now and then; in a cycle without work a row may be written.

@@ -2,12 +2,13 @@
 
 use super::ram::{Ram, Shape};
 use super::{Pair, Row};
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
-/// A ring of whole base vectors, written as they arrive and read as their sums are taken.
-#[derive(LogicBlock)]
+/// Base words that wait for their sums: a ring of whole vectors, written as they arrive, read as their sums are taken.
+/// It never overflows: a stage holds at most two vectors in its pair buffer and one in its multipliers and drain.
+#[derive(Circuit)]
 pub struct BaseRing {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -32,26 +33,14 @@ impl BaseRing {
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
         let depth = stage.beats_in() * timing::BASE_VECTORS;
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            write: Signal::default(),
-            words: Signal::default(),
-            read: Signal::default(),
-            front: Signal::default(),
+        Self::from_parts(BaseRingParts {
             ram: Ram::new(Shape::distributed(depth), &[]),
             last_row: Constant::new((depth as u64 - 1).into()),
-            write_row: DFF::default(),
-            read_row: DFF::default(),
-        }
+        })
     }
 }
 
 impl Logic for BaseRing {
-    described!(
-        "Base words that wait for their sums: a ring of whole vectors, written as they arrive, read as their sums are taken.\n\
-         It never overflows: a stage holds at most two vectors in its pair buffer and one in its multipliers and drain."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, write_row, read_row);

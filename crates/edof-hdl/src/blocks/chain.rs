@@ -2,13 +2,14 @@
 
 use super::Pair;
 use super::stage::Stage;
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::{Design, DesignError};
 use rust_hdl::prelude::*;
 
-/// I, each M, F: windows in, patches out.
-#[derive(LogicBlock)]
+/// The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.
+/// The outputs `between_*` show what passes between the stages, for observation; they cost nothing where they are left open.
+#[derive(Circuit)]
 pub struct Chain {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -67,35 +68,15 @@ impl Chain {
     #[must_use]
     pub fn new(design: &Design, sets: [&FixedNetwork; 2]) -> Self {
         let gaps = design.stages.len() - 1;
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            window_valid: Signal::default(),
-            window_ready: Signal::default(),
-            window_data: Signal::default(),
-            window_last: Signal::default(),
-            window_set: Signal::default(),
-            patch_valid: Signal::default(),
-            patch_ready: Signal::default(),
-            patch_data: Signal::default(),
-            patch_last: Signal::default(),
-            patch_set: Signal::default(),
-            write_valid: Signal::default(),
-            write_ready: Signal::default(),
-            write_address: Signal::default(),
-            write_data: Signal::default(),
-            status_address: Signal::default(),
-            status: Signal::default(),
+        Self::from_parts(ChainParts {
             between_transfer: (0..gaps).map(|_| Signal::default()).collect(),
             between_data: (0..gaps).map(|_| Signal::default()).collect(),
             between_base: (0..gaps).map(|_| Signal::default()).collect(),
             between_last: (0..gaps).map(|_| Signal::default()).collect(),
             between_set: (0..gaps).map(|_| Signal::default()).collect(),
             stages: design.stages().map(|stage| Stage::new(design, &stage, sets)).collect(),
-            write_free: Signal::default(),
-            shown: Signal::default(),
             _count: gaps + 1,
-        }
+        })
     }
 }
 
@@ -112,10 +93,6 @@ impl Chain {
 }
 
 impl Logic for Chain {
-    described!(
-        "The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.\n\
-         The outputs `between_*` show what passes between the stages, for observation; they cost nothing where they are left open."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         for i in 0..self._count {

@@ -1,10 +1,10 @@
 //! What the host sees of a stage.
 
-use crate::described;
+use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// Non-zero words sent, and the three kinds of saturation; each beat counts for at most two.
-#[derive(LogicBlock, Default)]
+/// What the host sees of a stage: non-zero words sent (0), saturated results (1), codes (2) and differences (3).
+#[derive(Circuit)]
 pub struct Counters {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -31,9 +31,6 @@ pub struct Counters {
 }
 
 impl Logic for Counters {
-    described!(
-        "What the host sees of a stage: non-zero words sent (0), saturated results (1), codes (2) and differences (3)."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, nonzero_q, results_q, codes_q, differences_q);

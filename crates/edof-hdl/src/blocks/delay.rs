@@ -1,10 +1,10 @@
 //! A row of registers.
 
-use crate::described;
+use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// What came in `N` cycles ago.
-#[derive(LogicBlock)]
+/// What came in as many cycles ago as there are registers.
+#[derive(Circuit)]
 pub struct Delay<const W: usize, const N: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -15,19 +15,7 @@ pub struct Delay<const W: usize, const N: usize> {
     row: [DFF<Bits<W>>; N],
 }
 
-impl<const W: usize, const N: usize> Default for Delay<W, N> {
-    fn default() -> Self {
-        Self {
-            clock: Signal::default(),
-            now: Signal::default(),
-            later: Signal::default(),
-            row: std::array::from_fn(|_| DFF::default()),
-        }
-    }
-}
-
 impl<const W: usize, const N: usize> Logic for Delay<W, N> {
-    described!("What came in as many cycles ago as there are registers.");
     #[hdl_gen]
     fn update(&mut self) {
         for i in 0..N {

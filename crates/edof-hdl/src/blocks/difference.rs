@@ -1,11 +1,11 @@
 //! The change of one element of z.
 
 use super::Word;
-use crate::described;
+use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// `saturate(now − before)`, a cycle later.
-#[derive(LogicBlock)]
+/// The change of one element of z, saturated, a cycle later.
+#[derive(Circuit)]
 pub struct Difference {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -31,25 +31,14 @@ impl Difference {
     #[must_use]
     pub fn new(bits: u32) -> Self {
         let most = (1u64 << (bits - 1)) - 1;
-        Self {
-            clock: Signal::default(),
-            now: Signal::default(),
-            before: Signal::default(),
-            result: Signal::default(),
-            saturated: Signal::default(),
+        Self::from_parts(DifferenceParts {
             most: Constant::new(most.into()),
             least: Constant::new((0x1_ffff & !most).into()),
-            result_q: DFF::default(),
-            saturated_q: DFF::default(),
-            wide_now: Signal::default(),
-            wide_before: Signal::default(),
-            change: Signal::default(),
-        }
+        })
     }
 }
 
 impl Logic for Difference {
-    described!("The change of one element of z, saturated, a cycle later.");
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, result_q, saturated_q);

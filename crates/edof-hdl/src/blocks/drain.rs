@@ -1,12 +1,15 @@
 //! When sums are copied out of the multipliers and taken from the holding registers.
 
 use super::delay::Delay;
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
-/// Follows each pass from its last step to its last sum.
-#[derive(LogicBlock)]
+/// When sums are copied out of the multipliers, and when the copies are taken, two a cycle.
+/// A pass's sums stand ready five cycles after its last step and are copied once the drain of the pass before is over.
+/// Credits bound what is on the way to the FIFO. The next pass may start unless its sums could meet those not yet copied.
+#[derive(Circuit)]
+#[circuit(default(Delay))]
 pub struct Drain {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -52,44 +55,15 @@ impl Drain {
     /// The drain of a stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            pass_issued: Signal::default(),
-            set: Signal::default(),
-            returned: Signal::default(),
-            may_start: Signal::default(),
-            copy: Signal::default(),
-            take: Signal::default(),
-            beat: Signal::default(),
-            last: Signal::default(),
-            taken_set: Signal::default(),
+        Self::from_parts(DrainParts {
             last_take: Constant::new((stage.drain_beats() as u64 - 1).into()),
             last_beat: Constant::new((stage.beats_out() as u64 - 1).into()),
             all_credits: Constant::new((timing::DRAIN_CREDITS as u64).into()),
-            on_the_way: Delay::default(),
-            sum_ready: DFF::default(),
-            sum_set: DFF::default(),
-            outstanding: DFF::default(),
-            active: DFF::default(),
-            taken: DFF::default(),
-            beat_q: DFF::default(),
-            drain_set: DFF::default(),
-            credits: DFF::default(),
-            arrives: Signal::default(),
-            copies: Signal::default(),
-            takes: Signal::default(),
-            passed: Signal::default(),
-        }
+        })
     }
 }
 
 impl Logic for Drain {
-    described!(
-        "When sums are copied out of the multipliers, and when the copies are taken, two a cycle.\n\
-         A pass's sums stand ready five cycles after its last step and are copied once the drain of the pass before is over.\n\
-         Credits bound what is on the way to the FIFO. The next pass may start unless its sums could meet those not yet copied."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, sum_ready, sum_set, outstanding, active, taken, beat_q, drain_set, credits);

@@ -1,12 +1,13 @@
 //! Leaf `edof_fifo`: finished beats that wait for their receiver.
 
 use super::Pair;
+use crate::describe::Circuit;
 use crate::leaf::Leaf;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
 /// Sixteen beats deep; a pushed beat stands on the output in the next cycle. Who pushes must know that there is room.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
 pub struct Fifo {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -42,23 +43,7 @@ impl Fifo {
     /// A FIFO with or without base words.
     #[must_use]
     pub fn new(base: bool) -> Self {
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            push: Signal::default(),
-            data: Signal::default(),
-            base: Signal::default(),
-            last: Signal::default(),
-            set: Signal::default(),
-            front_valid: Signal::default(),
-            front_ready: Signal::default(),
-            front_data: Signal::default(),
-            front_base: Signal::default(),
-            front_last: Signal::default(),
-            front_set: Signal::default(),
-            _base: base,
-            _beats: VecDeque::new(),
-        }
+        Self::from_parts(FifoParts { _base: base, _beats: VecDeque::new() })
     }
 }
 

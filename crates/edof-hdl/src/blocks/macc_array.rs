@@ -2,13 +2,13 @@
 
 use super::macc_bank::MaccBank;
 use super::{Row, Sum};
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::{StagePlan, memory};
 use rust_hdl::prelude::*;
 
-/// Every bank sees the same addresses and values; sums are handed down to bank 0.
-#[derive(LogicBlock)]
+/// All banks of a stage. Each sees the same addresses and values; copied sums are handed down the chain to bank 0.
+#[derive(Circuit)]
 pub struct MaccArray {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -50,33 +50,15 @@ impl MaccArray {
     #[must_use]
     pub fn new(stage: &StagePlan, sum_bits: u32, sets: [&FixedNetwork; 2]) -> Self {
         let words = |bank| sets.iter().flat_map(|n| memory::weight_words(n, stage, bank)).collect();
-        Self {
-            clock: Signal::default(),
-            first: Signal::default(),
-            address_a: Signal::default(),
-            value_a: Signal::default(),
-            address_b: Signal::default(),
-            value_b: Signal::default(),
-            copy: Signal::default(),
-            shift: Signal::default(),
-            drain_even: Signal::default(),
-            drain_odd: Signal::default(),
-            write_enable: Signal::default(),
-            write_bank: Signal::default(),
-            write_half: Signal::default(),
-            write_row: Signal::default(),
-            write_data: Signal::default(),
+        Self::from_parts(MaccArrayParts {
             banks: (0..stage.banks()).map(|bank| MaccBank::new(stage, bank, sum_bits, words(bank))).collect(),
             bank_ids: (0..stage.banks() as u64).map(|bank| Constant::new(bank.into())).collect(),
             _banks: stage.banks(),
-        }
+        })
     }
 }
 
 impl Logic for MaccArray {
-    described!(
-        "All banks of a stage. Each sees the same addresses and values; copied sums are handed down the chain to bank 0."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         for i in 0..self._banks {

@@ -1,12 +1,13 @@
 //! Leaf `edof_macc_bank`: four lanes of multipliers and the weight memory that they share.
 
 use super::{Row, Sum};
+use crate::describe::Circuit;
 use crate::leaf::Leaf;
 use edof_spec::design::{BANK_LANES, StagePlan, memory};
 use rust_hdl::prelude::*;
 
 /// Adds weight × value to four sums a cycle; see `rtl/edof_macc_bank.v` for the exact cycles.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
 pub struct MaccBank {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -76,28 +77,10 @@ impl MaccBank {
     #[must_use]
     pub fn new(stage: &StagePlan, bank: usize, sum_bits: u32, weights: Vec<u64>) -> Self {
         let image = memory::weight_image(stage, bank);
-        Self {
-            clock: Signal::default(),
-            first: Signal::default(),
-            address_a: Signal::default(),
-            value_a: Signal::default(),
-            address_b: Signal::default(),
-            value_b: Signal::default(),
-            copy: Signal::default(),
-            shift: Signal::default(),
-            drain_even_in: Signal::default(),
-            drain_odd_in: Signal::default(),
-            drain_even: Signal::default(),
-            drain_odd: Signal::default(),
-            write_enable: Signal::default(),
-            bank: Signal::default(),
-            write_bank: Signal::default(),
-            write_half: Signal::default(),
-            write_row: Signal::default(),
-            write_data: Signal::default(),
+        Self::from_parts(MaccBankParts {
             _sizes: Sizes { depth: stage.weight_depth(), rows: stage.rows, sum_bits, image },
             _state: State { weights, ..State::default() },
-        }
+        })
     }
 
     fn step(&mut self) {

@@ -1,11 +1,12 @@
 //! Leaf `edof_ram`: a memory with one write port and one read port.
 
 use super::Row;
+use crate::describe::Circuit;
 use crate::leaf::Leaf;
 use rust_hdl::prelude::*;
 
 /// One write port, one read port, one clock. A read takes a cycle and gives what lay there before a write in the same cycle.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
 pub struct Ram<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -53,16 +54,7 @@ impl<const W: usize> Ram<W> {
     #[must_use]
     pub fn new(shape: Shape, contents: &[u64]) -> Self {
         let word = |row: usize| contents.get(row).copied().unwrap_or(0).into();
-        Self {
-            clock: Signal::default(),
-            read_address: Signal::default(),
-            read_data: Signal::default(),
-            write_enable: Signal::default(),
-            write_address: Signal::default(),
-            write_data: Signal::default(),
-            _memory: (0..shape.depth).map(word).collect(),
-            _shape: shape,
-        }
+        Self::from_parts(RamParts { _memory: (0..shape.depth).map(word).collect(), _shape: shape })
     }
 }
 

@@ -2,11 +2,13 @@
 
 use super::delay::Delay;
 use super::{Sum, Word};
-use crate::described;
+use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// `saturate((sum + (base << base_shift) + half) >> result_shift)`, four cycles later.
-#[derive(LogicBlock)]
+/// From a sum to a rounded word: saturate((sum + (base << base_shift) + half) >> result_shift), four cycles later.
+/// half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement; `most` and `least` bound the result.
+#[derive(Circuit)]
+#[circuit(default(Delay))]
 pub struct Requantize {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -46,39 +48,18 @@ impl Requantize {
     pub fn new(bits: u32, has_base: bool) -> Self {
         let most = (1u64 << (bits - 1)) - 1;
         let ones = (1u64 << 48) - 1;
-        Self {
-            clock: Signal::default(),
-            sum: Signal::default(),
-            base: Signal::default(),
-            base_shift: Signal::default(),
-            result_shift: Signal::default(),
-            result: Signal::default(),
-            saturated: Signal::default(),
+        Self::from_parts(RequantizeParts {
             has_base: Constant::new(has_base),
             one: Constant::new(1.into()),
             ones: Constant::new(ones.into()),
             sign_bits: Constant::new((ones & !0xffff).into()),
             most: Constant::new(most.into()),
             least: Constant::new((ones & !most).into()),
-            sum_q: DFF::default(),
-            aligned_q: DFF::default(),
-            total_q: DFF::default(),
-            shifted_q: DFF::default(),
-            result_q: DFF::default(),
-            saturated_q: DFF::default(),
-            shift_later: Delay::default(),
-            extended: Signal::default(),
-            half: Signal::default(),
-            fill: Signal::default(),
-        }
+        })
     }
 }
 
 impl Logic for Requantize {
-    described!(
-        "From a sum to a rounded word: saturate((sum + (base << base_shift) + half) >> result_shift), four cycles later.\n\
-         half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement; `most` and `least` bound the result."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, sum_q, aligned_q, total_q, shifted_q, result_q, saturated_q);

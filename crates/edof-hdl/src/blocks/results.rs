@@ -7,13 +7,15 @@ use super::ram::{Ram, Shape};
 use super::requantize::Requantize;
 use super::shrink::Shrink;
 use super::{Pair, Row, Sum, Word};
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::{Design, StagePlan, memory};
 use rust_hdl::prelude::*;
 
-/// Two elements a cycle: base, rounding, threshold, difference. Parts that the stage does not need are not there.
-#[derive(LogicBlock)]
+/// From sums to the words that go on, two elements a cycle. Counted from `take`: 1 sums and base are read, 2 to 6 base, rounding,
+/// shift and saturation, 7 threshold, 8 difference or wait. Nothing in here ever stalls.
+#[derive(Circuit)]
+#[circuit(default(Delay))]
 pub struct Results {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -132,43 +134,10 @@ impl Results {
             Ram::new(shape, &words.collect::<Vec<_>>())
         };
         let shrink = || Shrink::new(shrinkage, bits);
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            take: Signal::default(),
-            beat: Signal::default(),
-            last: Signal::default(),
-            set: Signal::default(),
-            sum_even: Signal::default(),
-            sum_odd: Signal::default(),
-            shifts_0: Signal::default(),
-            shifts_1: Signal::default(),
-            base_write: Signal::default(),
-            base_words: Signal::default(),
-            write_thresholds: Signal::default(),
-            write_previous: Signal::default(),
-            write_row: Signal::default(),
-            write_data: Signal::default(),
-            push: Signal::default(),
-            data: Signal::default(),
-            base: Signal::default(),
-            done_last: Signal::default(),
-            done_set: Signal::default(),
-            nonzero: Signal::default(),
-            result_saturated: Signal::default(),
-            code_saturated: Signal::default(),
-            difference_saturated: Signal::default(),
+        Self::from_parts(ResultsParts {
             set_rows: Constant::new((stage.beats_out() as u64).into()),
-            to_1: Delay::default(),
-            to_2: Delay::default(),
-            to_5: Delay::default(),
-            to_8: Delay::default(),
-            beat_to_5: Delay::default(),
-            sum_even_q: DFF::default(),
-            sum_odd_q: DFF::default(),
             requantize_even: Requantize::new(bits, stage.has_base()),
             requantize_odd: Requantize::new(bits, stage.has_base()),
-            result_flags: Delay::default(),
             base_ring: (0..has_base).map(|_| BaseRing::new(stage)).collect(),
             thresholds: (0..shrinks).map(|_| thresholds(false)).collect(),
             shrink_even: (0..shrinks).map(|_| shrink()).collect(),
@@ -183,18 +152,6 @@ impl Results {
             difference_odd: (0..differs).map(|_| Difference::new(bits)).collect(),
             results_to_8: (0..result_is_sent + result_is_base).map(|_| Delay::default()).collect(),
             base_to_8: (0..passes_base).map(|_| Delay::default()).collect(),
-            marks: Signal::default(),
-            shifts: Signal::default(),
-            base_word: Signal::default(),
-            result: Signal::default(),
-            threshold_row: Signal::default(),
-            code_even: Signal::default(),
-            code_odd: Signal::default(),
-            code: Signal::default(),
-            change_even: Signal::default(),
-            change_odd: Signal::default(),
-            change: Signal::default(),
-            sent: Signal::default(),
             _has_base: has_base,
             _shrinks: shrinks,
             _differs: differs,
@@ -203,15 +160,11 @@ impl Results {
             _result_is_sent: result_is_sent,
             _result_is_base: result_is_base,
             _passes_base: passes_base,
-        }
+        })
     }
 }
 
 impl Logic for Results {
-    described!(
-        "From sums to the words that go on, two elements a cycle. Counted from `take`: 1 sums and base are read, 2 to 6 base, rounding,\n\
-         shift and saturation, 7 threshold, 8 difference or wait. Nothing in here ever stalls."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, sum_even_q, sum_odd_q);

@@ -1,12 +1,14 @@
 //! Addresses and values for the multipliers, pass by pass.
 
 use super::{Index, IndexedValue, Pair, Row};
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::design::StagePlan;
 use rust_hdl::prelude::*;
 
-/// Walks over the pairs of the waiting vector, then over the window (F), once a pass.
-#[derive(LogicBlock)]
+/// Addresses and values for the multipliers, pass by pass: first the pairs of the waiting vector, then the window (F).
+/// A pass begins when it may_start and then takes one step a cycle; a vector without pairs takes one idle step.
+/// A step's pair is read in the next cycle and stands at the multipliers one later, shifted left where F aligns its two sums.
+#[derive(Circuit)]
 pub struct Sequencer {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -92,73 +94,18 @@ impl Sequencer {
     /// The sequencer of a stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            available: Signal::default(),
-            count: Signal::default(),
-            set: Signal::default(),
-            may_start: Signal::default(),
-            code_shift: Signal::default(),
-            linear_shift: Signal::default(),
-            shift_set: Signal::default(),
-            read_pair: Signal::default(),
-            even_pair: Signal::default(),
-            odd_pair: Signal::default(),
-            read_pixel: Signal::default(),
-            pixels: Signal::default(),
-            pass_issued: Signal::default(),
-            finished: Signal::default(),
-            busy: Signal::default(),
-            first: Signal::default(),
-            address_a: Signal::default(),
-            value_a: Signal::default(),
-            address_b: Signal::default(),
-            value_b: Signal::default(),
+        Self::from_parts(SequencerParts {
             two_rows: Constant::new(stage.rows == 2),
             linear_steps: Constant::new((stage.linear.div_ceil(stage.rows) as u64).into()),
             codes: Constant::new((stage.inputs as u64).into()),
             pass_rows: Constant::new((stage.pass_rows() as u64).into()),
             set_rows: Constant::new((stage.weight_rows() as u64).into()),
             last_pass: Constant::new((stage.passes() as u64 - 1).into()),
-            step: DFF::default(),
-            pass: DFF::default(),
-            pass_row: DFF::default(),
-            valid_a_q: DFF::default(),
-            valid_b_q: DFF::default(),
-            first_q: DFF::default(),
-            linear_q: DFF::default(),
-            odd_q: DFF::default(),
-            set_q: DFF::default(),
-            row_q: DFF::default(),
-            linear_row_q: DFF::default(),
-            first_q2: DFF::default(),
-            busy_q2: DFF::default(),
-            address_a_q2: DFF::default(),
-            value_a_q2: DFF::default(),
-            address_b_q2: DFF::default(),
-            value_b_q2: DFF::default(),
-            wanted_steps: Signal::default(),
-            code_steps: Signal::default(),
-            linear_step: Signal::default(),
-            in_codes: Signal::default(),
-            issue: Signal::default(),
-            at_end: Signal::default(),
-            pair_a: Signal::default(),
-            pixel_a: Signal::default(),
-            extended_a: Signal::default(),
-            extended_b: Signal::default(),
-            shift: Signal::default(),
-        }
+        })
     }
 }
 
 impl Logic for Sequencer {
-    described!(
-        "Addresses and values for the multipliers, pass by pass: first the pairs of the waiting vector, then the window (F).\n\
-         A pass begins when it may_start and then takes one step a cycle; a vector without pairs takes one idle step.\n\
-         A step's pair is read in the next cycle and stands at the multipliers one later, shifted left where F aligns its two sums."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(

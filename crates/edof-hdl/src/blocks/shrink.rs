@@ -1,12 +1,12 @@
 //! The soft threshold of one element.
 
 use super::Word;
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::network::Shrinkage;
 use rust_hdl::prelude::*;
 
-/// Two-sided `sign(b)·max(|b| − θ, 0)` or one-sided `max(b − θ, 0)`, a cycle later.
-#[derive(LogicBlock)]
+/// The soft threshold of one element, a cycle later: sign(b) max(|b| - theta, 0) where two_sided, else max(b - theta, 0).
+#[derive(Circuit)]
 pub struct Shrink {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -32,28 +32,14 @@ impl Shrink {
     /// For codes of `bits` bits.
     #[must_use]
     pub fn new(shrinkage: Shrinkage, bits: u32) -> Self {
-        Self {
-            clock: Signal::default(),
-            code: Signal::default(),
-            threshold: Signal::default(),
-            result: Signal::default(),
-            saturated: Signal::default(),
+        Self::from_parts(ShrinkParts {
             two_sided: Constant::new(shrinkage == Shrinkage::TwoSided),
             most: Constant::new(((1u64 << (bits - 1)) - 1).into()),
-            result_q: DFF::default(),
-            saturated_q: DFF::default(),
-            wide_code: Signal::default(),
-            wide_threshold: Signal::default(),
-            above: Signal::default(),
-            below: Signal::default(),
-        }
+        })
     }
 }
 
 impl Logic for Shrink {
-    described!(
-        "The soft threshold of one element, a cycle later: sign(b) max(|b| - theta, 0) where two_sided, else max(b - theta, 0)."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, result_q, saturated_q);

@@ -10,14 +10,16 @@ use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::memory::Shifts;
 use edof_spec::design::{Design, StagePlan};
 use rust_hdl::prelude::*;
 
-/// Vectors in, vectors out (docs/calculator.md). I, M and F are this circuit with different parts left out.
-#[derive(LogicBlock)]
+/// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
+/// Pairs are multiplied as they come out of the pair buffer; sums are copied, drained, rounded, shrunk and sent on.
+#[derive(Circuit)]
+#[circuit(default(Counters))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -92,31 +94,7 @@ impl Stage {
     pub fn new(design: &Design, stage: &StagePlan, sets: [&FixedNetwork; 2]) -> Self {
         let linear = usize::from(stage.linear > 0);
         let sums = design.accumulator_bits;
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            valid: Signal::default(),
-            ready: Signal::default(),
-            data: Signal::default(),
-            base: Signal::default(),
-            last: Signal::default(),
-            set: Signal::default(),
-            window_valid: Signal::default(),
-            window_ready: Signal::default(),
-            window_data: Signal::default(),
-            window_last: Signal::default(),
-            out_valid: Signal::default(),
-            out_ready: Signal::default(),
-            out_data: Signal::default(),
-            out_base: Signal::default(),
-            out_last: Signal::default(),
-            out_set: Signal::default(),
-            write_valid: Signal::default(),
-            write_ready: Signal::default(),
-            write_address: Signal::default(),
-            write_data: Signal::default(),
-            status_address: Signal::default(),
-            status: Signal::default(),
+        Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
             two_rows: Constant::new(stage.rows == 2),
             pairs: PairBuffer::new(stage),
@@ -127,22 +105,12 @@ impl Stage {
             results: Results::new(design, stage, sets),
             fifo: Fifo::new(stage.feeds_m),
             registers: Registers::new(sets.map(|n| Shifts::of(n, stage)), design.skip_zeros),
-            counters: Counters::default(),
-            accept: Signal::default(),
-            leaves: Signal::default(),
-            selected: Signal::default(),
-            blocked: Signal::default(),
-            shifts: Signal::default(),
             _linear: linear,
-        }
+        })
     }
 }
 
 impl Logic for Stage {
-    described!(
-        "One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.\n\
-         Pairs are multiplied as they come out of the pair buffer; sums are copied, drained, rounded, shrunk and sent on."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         self.pairs.clock.next = self.clock.val();

@@ -2,12 +2,13 @@
 
 use super::ram::{Ram, Shape};
 use super::{Pair, Row};
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::design::{BEAT, StagePlan};
 use rust_hdl::prelude::*;
 
-/// A ring of whole windows, written a beat at a time; the oldest is read at random.
-#[derive(LogicBlock)]
+/// Windows that wait for F's linear path: a ring of whole windows in block RAM.
+/// Ready while there is room for one more. Two pixels are read a cycle after read_pair, from the oldest window.
+#[derive(Circuit)]
 pub struct WindowRing {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -45,35 +46,17 @@ impl WindowRing {
     pub fn new(stage: &StagePlan) -> Self {
         let window = (stage.linear / BEAT) as u64;
         let depth = window * stage.kept_windows as u64;
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            valid: Signal::default(),
-            ready: Signal::default(),
-            pixels: Signal::default(),
-            last: Signal::default(),
-            read_pair: Signal::default(),
-            read_pixels: Signal::default(),
-            finished: Signal::default(),
+        Self::from_parts(WindowRingParts {
             ram: Ram::new(Shape::block(depth as usize), &[]),
             window_rows: Constant::new(window.into()),
             last_row: Constant::new((depth - 1).into()),
             last_window: Constant::new((depth - window).into()),
             most: Constant::new((stage.kept_windows as u64).into()),
-            write_row: DFF::default(),
-            oldest_row: DFF::default(),
-            held: DFF::default(),
-            accept: Signal::default(),
-            arrived: Signal::default(),
-        }
+        })
     }
 }
 
 impl Logic for WindowRing {
-    described!(
-        "Windows that wait for F's linear path: a ring of whole windows in block RAM.\n\
-         Ready while there is room for one more. Two pixels are read a cycle after read_pair, from the oldest window."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, write_row, oldest_row, held);
