@@ -10,10 +10,10 @@ module edof_delay #(
     input  wire [WIDTH-1:0] now_i,
     output wire [WIDTH-1:0] later_o
 );
-    wire [WIDTH-1:0] before;
+    wire [WIDTH-1:0] tail;
     generate
         if (CYCLES == 1) begin : one
-            assign before = now_i;
+            assign tail = now_i;
         end else begin : more
             reg [WIDTH-1:0] row_q [0:CYCLES-2];
             integer i;
@@ -21,12 +21,12 @@ module edof_delay #(
                 row_q[0] <= now_i;
                 for (i = 1; i < CYCLES - 1; i = i + 1) row_q[i] <= row_q[i-1];
             end
-            assign before = row_q[CYCLES-2];
+            assign tail = row_q[CYCLES-2];
         end
     endgenerate
 
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg [WIDTH-1:0] last_q;
-    (* keep *) always @(posedge clock_i) last_q <= before;
+    (* keep *) always @(posedge clock_i) last_q <= tail;
     assign later_o = last_q;
 endmodule
 

@@ -7,6 +7,8 @@
 // likewise hands on two lanes towards drain_*_o, and takes two from drain_*_i: one holding register for each multiplier, so that
 // nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0.
 //
+// The register behind a memory is the block RAM's own output register to Vivado; Yosys has none, and `keep` on its process stops it
+// from making it a second input register of the multiplier, to which the way from the memory would be too long.
 // Control comes in registers of this bank's own, for copy and shift even of each multiplier's: `keep` and its like stop Yosys and
 // Vivado from merging them. Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
 `ifndef EDOF_DIR
@@ -75,10 +77,10 @@ module edof_macc_bank #(
                 if (write_low_q) weights[address_a_q][31:0] <= write_data_q_i;
                 if (write_high_q) weights[address_a_q][63:32] <= write_data_q_i;
                 read_a_q <= weights[address_a_q];
-                row_a_q <= read_a_q;
             end
-            always @(posedge clock_i) begin
-                read_b_q <= weights[address_b_q];
+            always @(posedge clock_i) read_b_q <= weights[address_b_q];
+            (* keep *) always @(posedge clock_i) begin
+                row_a_q <= read_a_q;
                 row_b_q <= read_b_q;
             end
             assign rows = {row_b_q, row_a_q};
@@ -104,8 +106,8 @@ module edof_macc_bank #(
                     if (write_low_q) weights[write_row_q][31:0] <= write_data_q_i;
                     if (write_high_q) weights[write_row_q][63:32] <= write_data_q_i;
                     read_q <= weights[address_q];
-                    row_q <= read_q;
                 end
+                (* keep *) always @(posedge clock_i) row_q <= read_q;
                 assign rows[64*part +: 64] = row_q;
             end
         end

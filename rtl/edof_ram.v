@@ -32,8 +32,8 @@ module edof_ram #(
             always @(posedge clock_i) begin
                 if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
                 read_q <= words[read_address_i[BITS-1:0]];
-                read_data_o <= read_q;
             end
+            always @(posedge clock_i) read_data_o <= read_q;
         end else begin : in_luts
             (* ram_style = "distributed" *) reg [WIDTH-1:0] words [0:DEPTH-1];
             initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);

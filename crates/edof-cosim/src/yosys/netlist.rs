@@ -103,30 +103,31 @@ impl Netlist {
 #[derive(Default)]
 struct Loads {
     count: usize,
-    /// Whether one of them enables, resets or writes.
-    controls: bool,
+    /// Pins among them that enable, reset or write.
+    controls: usize,
 }
 
 impl Loads {
     fn told(&self, net: u64, names: &BTreeMap<u64, (String, bool)>) -> FanOut {
+        let controls = 2 * self.controls > self.count;
         match names.get(&net) {
             Some((name, single)) => {
-                FanOut { net: name.clone(), loads: self.count, control: self.controls || *single }
+                FanOut { net: name.clone(), loads: self.count, control: controls || *single }
             }
-            None => FanOut { net: format!("net {net}"), loads: self.count, control: self.controls },
+            None => FanOut { net: format!("net {net}"), loads: self.count, control: controls },
         }
     }
 }
 
 /// Pins that only a clock drives.
 const CLOCK_PINS: [&str; 6] = ["C", "CLK", "WCLK", "CLKARDCLK", "CLKBWRCLK", "G"];
-/// Starts of the names of pins that enable, reset, write or choose an operation.
-const CONTROL_PINS: [&str; 8] = ["CE", "R", "S", "WE", "EN", "OPMODE", "INMODE", "ALUMODE"];
+/// Starts of the names of pins that enable, write or choose an operation.
+const CONTROL_PINS: [&str; 7] = ["CE", "WE", "EN", "RST", "REGCE", "OPMODE", "INMODE"];
 
+/// Whether a pin enables, resets, writes or chooses an operation. A flip-flop's R and S are not the S of a multiplexer.
 fn is_control(cell: &Cell, pin: &str) -> bool {
-    let exact = |name: &&str| pin == *name || (name.len() > 1 && pin.starts_with(*name));
-    let reset = pin.starts_with("RST") || pin.starts_with("REGCE");
-    cell.kind != "CARRY4" && (reset || CONTROL_PINS.iter().any(|name| exact(&name)))
+    let resets = cell.kind.starts_with("FD") && matches!(pin, "R" | "S" | "CLR" | "PRE");
+    resets || CONTROL_PINS.iter().any(|name| pin.starts_with(name))
 }
 
 impl Module {
@@ -146,7 +147,7 @@ impl Module {
                     }
                     let entry = loads.entry(*net).or_default();
                     entry.count += 1;
-                    entry.controls |= is_control(cell, pin);
+                    entry.controls += usize::from(is_control(cell, pin));
                 }
             }
         }
