@@ -151,11 +151,14 @@ impl Logic for PairOperands {
             self.offset_b_3.d.next = self.rows_to_2.later.val().get_bits::<12>(0) | 1;
             self.shift_3.d.next = self.shifts.val().get_bits::<4>(4);
         }
+        // Without work the row is one that there is, not what an unwritten pair says.
         if !self.flags_to_2.later.val().get_bit(1) {
             self.value_a_3.d.next = 0.into();
+            self.offset_a_3.d.next = 0.into();
         }
         if !(self.two_rows.val() && self.flags_to_2.later.val().get_bit(2)) {
             self.value_b_3.d.next = 0.into();
+            self.offset_b_3.d.next = 0.into();
         }
         self.base_3.d.next = self.rows_to_2.later.val().get_bits::<12>(12);
 
