@@ -4,12 +4,14 @@ mod support;
 
 use edof_cosim::verilator::Start;
 use edof_cosim::{Layout, Source, icarus, lint};
+use edof_hdl::describe::Circuit;
 use edof_hdl::leaf::Leaf;
-use edof_hdl::{described, verilog};
+use edof_hdl::verilog;
 use rust_hdl::prelude::*;
 use support::build;
 
-#[derive(LogicBlock, Default)]
+/// Sums what comes in.
+#[derive(Circuit)]
 struct Summer {
     pub clock: Signal<In, Clock>,
     pub reset: Signal<In, Bit>,
@@ -20,7 +22,6 @@ struct Summer {
 }
 
 impl Logic for Summer {
-    described!("Sums what comes in.");
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, total);
@@ -34,7 +35,7 @@ impl Logic for Summer {
 }
 
 /// An instance of the leaf `stone`.
-#[derive(LogicBlock, Default)]
+#[derive(Circuit)]
 struct Stone {
     pub clock: Signal<In, Clock>,
     pub data: Signal<Out, Bits<4>>,
@@ -50,7 +51,9 @@ impl Logic for Stone {
     }
 }
 
-#[derive(LogicBlock, Default)]
+/// Holds a stone.
+#[derive(Circuit)]
+#[circuit(default)]
 struct Holder {
     pub clock: Signal<In, Clock>,
     pub data: Signal<Out, Bits<4>>,
@@ -58,7 +61,6 @@ struct Holder {
 }
 
 impl Logic for Holder {
-    described!("Holds a stone.");
     #[hdl_gen]
     fn update(&mut self) {
         self.stone.clock.next = self.clock.val();

@@ -6,7 +6,7 @@ mod bench;
 use std::process::Command;
 
 use bench::{BOTH, Random, emit, run};
-use edof_hdl::described;
+use edof_hdl::describe::Circuit;
 use edof_hdl::verilog::Emitted;
 use rust_hdl::core::simulate::simulate;
 use rust_hdl::prelude::*;
@@ -66,7 +66,8 @@ struct Pixel {
     last: Bit,
 }
 
-#[derive(LogicBlock)]
+/// Everything that a kernel can compute.
+#[derive(Circuit)]
 struct Operators {
     pub a: Signal<In, Bits<8>>,
     pub b: Signal<In, Bits<8>>,
@@ -108,49 +109,14 @@ struct Operators {
 
 impl Default for Operators {
     fn default() -> Self {
-        Self {
-            a: Default::default(),
-            b: Default::default(),
-            n: Default::default(),
-            wide: Default::default(),
-            p: Default::default(),
-            q: Default::default(),
-            x: Default::default(),
-            y: Default::default(),
-            flag: Default::default(),
-            array: Default::default(),
-            mode: Default::default(),
-            sums: Default::default(),
-            logic: Default::default(),
-            shifts: Default::default(),
-            one_hot: Default::default(),
-            product: Default::default(),
-            signed_product: Default::default(),
-            signed_sums: Default::default(),
-            narrow: Default::default(),
-            compares: Default::default(),
-            truth: Default::default(),
-            reduced: Default::default(),
-            window: Default::default(),
-            fixed_window: Default::default(),
-            replaced: Default::default(),
-            field: Default::default(),
-            total: Default::default(),
-            chosen: Default::default(),
-            steps: Default::default(),
-            state: Default::default(),
-            bits: Default::default(),
-            some: Default::default(),
-            pixel: Default::default(),
-            step: Default::default(),
+        Self::from_parts(OperatorsParts {
             limit: Constant::new(100.into()),
             below: Constant::new((-300).into()),
-        }
+        })
     }
 }
 
 impl Logic for Operators {
-    described!("Everything that a kernel can compute.");
     #[hdl_gen]
     fn update(&mut self) {
         self.sums.next = self.a.val() + self.b.val() - 3 + (1 + self.a.val());
@@ -275,7 +241,8 @@ fn every_operator_agrees_with_rust_hdl_itself() {
     agree(&emitted, &rows, &want);
 }
 
-#[derive(LogicBlock, Default)]
+/// Adds, and hands back whether it may.
+#[derive(Circuit)]
 struct Adder {
     pub a: Signal<In, Bits<8>>,
     pub b: Signal<In, Bits<8>>,
@@ -285,7 +252,6 @@ struct Adder {
 }
 
 impl Logic for Adder {
-    described!("Adds, and hands back whether it may.");
     #[hdl_gen]
     fn update(&mut self) {
         self.sum.next = self.a.val() + self.b.val();
@@ -293,7 +259,11 @@ impl Logic for Adder {
     }
 }
 
-#[derive(LogicBlock, Default)]
+/// Takes data where it may.
+///
+/// Its one match drives a part by what another output of the part says.
+#[derive(Circuit)]
+#[circuit(default)]
 struct Machine {
     pub clock: Signal<In, Clock>,
     pub reset: Signal<In, Bit>,
@@ -309,9 +279,6 @@ struct Machine {
 }
 
 impl Logic for Machine {
-    described!(
-        "Takes data where it may.\n\nIts one match drives a part by what another output of the part says."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, mode, sum, peak);

@@ -3,11 +3,12 @@
 mod bench;
 
 use bench::{BOTH, Random, emit, run};
-use edof_hdl::described;
+use edof_hdl::describe::Circuit;
 use rust_hdl::core::simulate::simulate;
 use rust_hdl::prelude::*;
 
-#[derive(LogicBlock, Default)]
+/// The seven rows.
+#[derive(Circuit)]
 struct Rows {
     pub a: Signal<In, Bits<8>>,
     pub b: Signal<In, Bits<8>>,
@@ -22,7 +23,6 @@ struct Rows {
 }
 
 impl Logic for Rows {
-    described!("The seven rows.");
     #[hdl_gen]
     fn update(&mut self) {
         self.wraps_to_zero.next = self.a.val() + 1 == 0;

@@ -2,12 +2,15 @@
 //!
 //! | step | module | gives |
 //! |---|---|---|
-//! | name | [`describe`] | the name, source and header of a block |
+//! | name | [`describe`] | the name, source, header and comments of a block |
 //! | leaf | [`leaf`] | an instance of a hand-written Verilog leaf of `rtl/` |
 //! | block | [`blocks`] | the circuits |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`] | the files of a generated design |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
+
+// So that `#[derive(Circuit)]` can name this crate from within, too.
+extern crate self as edof_hdl;
 
 pub mod blocks;
 pub mod describe;

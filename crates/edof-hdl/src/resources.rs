@@ -115,7 +115,7 @@ fn stage(plan: &StagePlan, sum_bits: usize) -> Resources {
 }
 
 /// Four lanes: their holding registers take their sum, or the one from the next bank, at one LUT a bit.
-const fn bank(plan: &StagePlan, sum_bits: usize) -> Resources {
+fn bank(plan: &StagePlan, sum_bits: usize) -> Resources {
     let hold = BANK_LANES * sum_bits;
     let depth = plan.weight_depth();
     if plan.rows == 2 {

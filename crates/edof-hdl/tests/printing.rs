@@ -1,11 +1,12 @@
 //! What the backend prints, shown on small circuits.
 
+use edof_hdl::describe::Circuit;
 use edof_hdl::leaf::Leaf;
-use edof_hdl::{described, verilog};
+use edof_hdl::verilog;
 use rust_hdl::prelude::*;
 
 /// The text between the ports and `endmodule` of the last module.
-fn body(top: &mut dyn Block) -> String {
+fn body(top: &mut dyn Circuit) -> String {
     top.connect_all();
     let emitted = verilog::emit(top).unwrap_or_else(|error| panic!("{error}"));
     let text = &emitted.modules.last().unwrap().text;
@@ -20,7 +21,10 @@ enum Phase {
     Drain,
 }
 
-#[derive(LogicBlock, Default)]
+/// Fills for 16 cycles, drains for one.
+///
+/// Starts when it is told to.
+#[derive(Circuit)]
 struct Sequencer {
     pub clock: Signal<In, Clock>,
     pub start: Signal<In, Bit>,
@@ -31,7 +35,6 @@ struct Sequencer {
 }
 
 impl Logic for Sequencer {
-    described!("Fills for 16 cycles, drains for one.\n\nStarts when it is told to.");
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, phase, count);
@@ -125,7 +128,8 @@ endmodule
 `default_nettype wire
 ";
 
-#[derive(LogicBlock, Default)]
+/// Sums products.
+#[derive(Circuit)]
 struct Accumulator {
     pub clock: Signal<In, Clock>,
     pub clear: Signal<In, Bit>,
@@ -136,7 +140,6 @@ struct Accumulator {
 }
 
 impl Logic for Accumulator {
-    described!("Sums products.");
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, acc);
@@ -149,7 +152,9 @@ impl Logic for Accumulator {
     }
 }
 
-#[derive(LogicBlock, Default)]
+/// Two accumulators.
+#[derive(Circuit)]
+#[circuit(default)]
 struct Pair {
     pub clock: Signal<In, Clock>,
     pub a: Signal<In, Signed<16>>,
@@ -159,7 +164,6 @@ struct Pair {
 }
 
 impl Logic for Pair {
-    described!("Two accumulators.");
     #[hdl_gen]
     fn update(&mut self) {
         for i in 0..2 {
@@ -217,7 +221,8 @@ fn products_are_signed_and_their_extension_is_spelled_out() {
     assert!(text.contains("acc_d = acc_q + {{16{acc_d_product[31]}}, acc_d_product};"), "{text}");
 }
 
-#[derive(LogicBlock, Default)]
+/// An instance of the leaf `edof_ram`.
+#[derive(Circuit)]
 struct Memory {
     pub clock: Signal<In, Clock>,
     pub at: Signal<In, Bits<4>>,
@@ -235,7 +240,9 @@ impl Logic for Memory {
     }
 }
 
-#[derive(LogicBlock, Default)]
+/// Reads a memory in turn.
+#[derive(Circuit)]
+#[circuit(default)]
 struct Reader {
     pub clock: Signal<In, Clock>,
     pub data: Signal<Out, Bits<8>>,
@@ -244,7 +251,6 @@ struct Reader {
 }
 
 impl Logic for Reader {
-    described!("Reads a memory in turn.");
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, at);
@@ -284,7 +290,8 @@ fn leaves_are_instances() {
 }
 
 /// A constant, a register that starts with it, a name that Verilog reserves, and an output that nobody reads.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
+#[circuit(default(Sequencer))]
 struct Names {
     pub clock: Signal<In, Clock>,
     pub always: Signal<Out, Bits<8>>,
@@ -296,19 +303,14 @@ struct Names {
 
 impl Default for Names {
     fn default() -> Self {
-        Self {
-            clock: Default::default(),
-            always: Default::default(),
-            logic: Default::default(),
+        Self::from_parts(NamesParts {
             first: Constant::new(0x2a.into()),
             value: DFFWithInit::new(0x2a.into()),
-            part: Default::default(),
-        }
+        })
     }
 }
 
 impl Logic for Names {
-    described!("Names.");
     #[hdl_gen]
     fn update(&mut self) {
         clock!(self, clock, part, value);
@@ -369,14 +371,18 @@ struct StreamOut {
     pub ready: Signal<In, Bit>,
 }
 
-#[derive(LogicBlock, Default)]
+impl Circuit for StreamIn {}
+impl Circuit for StreamOut {}
+
+/// Passes a stream on, counted up.
+#[derive(Circuit)]
+#[circuit(default)]
 struct Pass {
     pub from: StreamIn,
     pub to: StreamOut,
 }
 
 impl Logic for Pass {
-    described!("Passes a stream on, counted up.");
     #[hdl_gen]
     fn update(&mut self) {
         self.to.data.next = self.from.data.val() + 1;
@@ -385,7 +391,9 @@ impl Logic for Pass {
     }
 }
 
-#[derive(LogicBlock, Default)]
+/// Two in a row.
+#[derive(Circuit)]
+#[circuit(default)]
 struct Chain {
     pub from: StreamIn,
     pub to: StreamOut,
@@ -393,7 +401,6 @@ struct Chain {
 }
 
 impl Logic for Chain {
-    described!("Two in a row.");
     #[hdl_gen]
     fn update(&mut self) {
         StreamIn::link(&mut self.from, &mut self.parts[0].from);

@@ -1,11 +1,12 @@
 //! Each thing that the backend refuses, and the words in which it does.
 
+use edof_hdl::describe::Circuit;
 use edof_hdl::leaf::Leaf;
-use edof_hdl::{described, verilog};
+use edof_hdl::verilog;
 use rust_hdl::prelude::*;
 
 /// The refusal of a circuit.
-fn refusal<B: Block + Default>() -> String {
+fn refusal<B: Circuit + Default>() -> String {
     let mut top = B::default();
     top.connect_all();
     verilog::emit(&top).unwrap_err().to_string()
@@ -14,10 +15,11 @@ fn refusal<B: Block + Default>() -> String {
 /// A block of the given ports whose kernel is the given statements.
 macro_rules! block {
     ($name:ident { $($field:ident: $ty:ty),* } $($kernel:tt)*) => {
-        #[derive(LogicBlock, Default)]
+        /// A block to refuse.
+        #[derive(Circuit)]
+        #[circuit(default)]
         struct $name { $(pub $field: $ty),* }
         impl Logic for $name {
-            described!("A block to refuse.");
             $($kernel)*
         }
     };
@@ -93,6 +95,8 @@ struct Nameless {
     pub y: Signal<Out, Bit>,
 }
 
+impl Circuit for Nameless {}
+
 impl Logic for Nameless {
     #[hdl_gen]
     fn update(&mut self) {
@@ -109,12 +113,12 @@ block!(Owner { x: Signal<In, Bit>, y: Signal<Out, Bit>, part: Nameless }
 
 macro_rules! foreign {
     ($name:ident, $hdl:expr) => {
-        #[derive(LogicBlock, Default)]
+        /// Not a kernel.
+        #[derive(Circuit)]
         struct $name {
             pub y: Signal<Out, Bit>,
         }
         impl Logic for $name {
-            described!("Not a kernel.");
             fn update(&mut self) {}
             fn hdl(&self) -> Verilog {
                 $hdl
@@ -133,13 +137,13 @@ block!(Holder { y: Signal<Out, Bit>, part: WrongLeaf }
     self.y.next = self.part.y.val();
 });
 
-#[derive(LogicBlock, Default)]
+/// A pin.
+#[derive(Circuit)]
 struct Pin {
     pub pin: Signal<InOut, Bit>,
 }
 
 impl Logic for Pin {
-    described!("A pin.");
     #[hdl_gen]
     fn update(&mut self) {}
 }
@@ -203,8 +207,8 @@ fn what_cannot_be_translated_is_refused_with_its_place() {
         "top.y: 8 does not fit Signed<4>",
         "top.y: `x.get_bit(4)` reaches outside of its operand",
         "top.r.clock: a clock must be driven once, by a plain signal",
-        "top: has no description; put described!(\"…\") into its impl Logic",
-        "top.part: has no description; put described!(\"…\") into its impl Logic",
+        "top: has no description; #[derive(Circuit)] gives it one",
+        "top.part: has no description; #[derive(Circuit)] gives it one",
         "top: its hdl() is Verilog text; only #[hdl_gen] kernels, registers and leaves are translated",
         "top: is a leaf or a register and cannot be the top",
         "top.part: the leaf `edof_thing` connects the field `why`, which the block does not have",

@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use edof_hdl::describe::Circuit;
 use edof_hdl::verilog::{Direction, Emitted, Port};
-use rust_hdl::prelude::Block;
 
 /// The simulators.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub enum Simulator {
 pub const BOTH: [Simulator; 2] = [Simulator::Icarus, Simulator::Verilator];
 
 /// Emits a circuit, and fails the test where it is refused.
-pub fn emit(top: &mut dyn Block) -> Emitted {
+pub fn emit(top: &mut dyn Circuit) -> Emitted {
     top.connect_all();
     edof_hdl::verilog::emit(top).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -5,6 +5,7 @@ use edof_cosim::chain::second::with_cleared_memories;
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Layout, Rows, Source, icarus};
 use edof_golden::sample::Draw;
+use edof_hdl::describe::Circuit;
 use edof_hdl::project::LEAVES;
 use edof_hdl::verilog::{self, Direction, Emitted};
 use rust_hdl::core::atom::Atom;
@@ -16,13 +17,13 @@ use std::collections::HashMap;
 const CYCLES: u64 = 3_000;
 
 /// A block with a clock.
-pub trait Circuit: Block {
+pub trait Clocked: Circuit {
     fn clock(&mut self) -> &mut Signal<In, Clock>;
 }
 
 /// Blocks whose clock is `clock`.
 macro_rules! ported {
-    ($($block:ty),*) => { $(impl $crate::differential::Circuit for $block {
+    ($($block:ty),*) => { $(impl $crate::differential::Clocked for $block {
         fn clock(&mut self) -> &mut Signal<In, Clock> {
             &mut self.clock
         }
@@ -110,13 +111,13 @@ fn ports(block: &dyn Block) -> HashMap<String, u64> {
     ports.values
 }
 
-fn settle(block: &mut impl Circuit) {
+fn settle(block: &mut impl Clocked) {
     assert!(simulate(block, 100), "the circuit does not settle");
 }
 
 /// Drives a block for some thousand cycles; from `compared_from` on all outputs must agree, those of `qualified` where the other
 /// port named there is high.
-pub fn agree<B: Circuit>(
+pub fn agree<B: Clocked>(
     block: B,
     compared_from: usize,
     qualified: &[(&str, &str)],
@@ -126,7 +127,7 @@ pub fn agree<B: Circuit>(
 }
 
 /// [`agree`] for a block with memory images.
-pub fn agree_with_images<B: Circuit>(
+pub fn agree_with_images<B: Clocked>(
     mut block: B,
     compared_from: usize,
     qualified: &[(&str, &str)],

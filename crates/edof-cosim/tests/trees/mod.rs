@@ -2,7 +2,7 @@
 //!
 //! The value comes from the types that the tree was drawn with, by rules written down here and nowhere else.
 
-use edof_hdl::describe::describe;
+use edof_hdl::describe::{Circuit, Description, Descriptions};
 use proptest::prelude::*;
 use rust_hdl::core::constraint::PinConstraint;
 use rust_hdl::prelude::ast::{VerilogBlock, VerilogStatement};
@@ -412,8 +412,13 @@ impl Logic for Table {
     fn hdl(&self) -> Verilog {
         Verilog::Combinatorial(self.kernel.clone())
     }
-    fn timing(&self) -> Vec<TimingInfo> {
-        describe("Table", file!(), line!(), "Random expressions.")
+}
+
+impl Circuit for Table {
+    fn describe(&self, key: &str, found: &mut Descriptions) {
+        let description =
+            Description { name: "Table", source: file!(), header: "Random expressions.", fields: &[] };
+        found.block(key, description, |_| {});
     }
 }
 

@@ -2,17 +2,18 @@
 
 use super::Pair;
 use super::stage::Stage;
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::{Design, DesignError};
 use rust_hdl::prelude::*;
 
-/// I, each M, F: windows in, patches out.
-#[derive(LogicBlock)]
+/// The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.
+/// The outputs `between_*` show what passes between the stages, for observation; they cost nothing where they are left open.
+#[derive(Circuit)]
 pub struct Chain {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets every vector; held for 16 cycles or more.
+    /// Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
     pub reset: Signal<In, Bit>,
     /// Two pixels of a window stand on the input.
     pub window_valid: Signal<In, Bit>,
@@ -36,15 +37,13 @@ pub struct Chain {
     pub patch_set: Signal<Out, Bit>,
     /// A word is to be written (`edof_spec::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
-    /// It can be, in this cycle.
-    pub write_ready: Signal<Out, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
     /// Stage (4 bits) and counter (2 bits) to show.
     pub status_address: Signal<In, Bits<6>>,
-    /// The counter.
+    /// The counter, a cycle later.
     pub status: Signal<Out, Bits<32>>,
     /// A beat passes from this stage to the next (observation only).
     pub between_transfer: Vec<Signal<Out, Bit>>,
@@ -57,7 +56,6 @@ pub struct Chain {
     /// The vector's set.
     pub between_set: Vec<Signal<Out, Bit>>,
     stages: Vec<Stage>,
-    write_free: Signal<Local, Bit>,
     shown: Signal<Local, Bits<32>>,
     _count: usize,
 }
@@ -67,35 +65,15 @@ impl Chain {
     #[must_use]
     pub fn new(design: &Design, sets: [&FixedNetwork; 2]) -> Self {
         let gaps = design.stages.len() - 1;
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            window_valid: Signal::default(),
-            window_ready: Signal::default(),
-            window_data: Signal::default(),
-            window_last: Signal::default(),
-            window_set: Signal::default(),
-            patch_valid: Signal::default(),
-            patch_ready: Signal::default(),
-            patch_data: Signal::default(),
-            patch_last: Signal::default(),
-            patch_set: Signal::default(),
-            write_valid: Signal::default(),
-            write_ready: Signal::default(),
-            write_address: Signal::default(),
-            write_data: Signal::default(),
-            status_address: Signal::default(),
-            status: Signal::default(),
+        Self::from_parts(ChainParts {
             between_transfer: (0..gaps).map(|_| Signal::default()).collect(),
             between_data: (0..gaps).map(|_| Signal::default()).collect(),
             between_base: (0..gaps).map(|_| Signal::default()).collect(),
             between_last: (0..gaps).map(|_| Signal::default()).collect(),
             between_set: (0..gaps).map(|_| Signal::default()).collect(),
             stages: design.stages().map(|stage| Stage::new(design, &stage, sets)).collect(),
-            write_free: Signal::default(),
-            shown: Signal::default(),
             _count: gaps + 1,
-        }
+        })
     }
 }
 
@@ -112,10 +90,6 @@ impl Chain {
 }
 
 impl Logic for Chain {
-    described!(
-        "The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.\n\
-         The outputs `between_*` show what passes between the stages, for observation; they cost nothing where they are left open."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         for i in 0..self._count {
@@ -170,13 +144,10 @@ impl Logic for Chain {
         }
 
         // The host.
-        self.write_free.next = true;
         self.shown.next = 0.into();
         for i in 0..self._count {
-            self.write_free.next = self.write_free.val() && self.stages[i].write_ready.val();
             self.shown.next = self.shown.val() | self.stages[i].status.val();
         }
-        self.write_ready.next = self.write_free.val();
         self.status.next = self.shown.val();
     }
 }

@@ -1,10 +1,12 @@
-//! A row of registers.
+//! Leaf `edof_delay`: a row of registers, the last of which is one of its own.
 
-use crate::described;
+use crate::describe::Circuit;
+use crate::leaf::Leaf;
 use rust_hdl::prelude::*;
+use std::collections::VecDeque;
 
 /// What came in `N` cycles ago.
-#[derive(LogicBlock)]
+#[derive(Circuit)]
 pub struct Delay<const W: usize, const N: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -12,33 +14,35 @@ pub struct Delay<const W: usize, const N: usize> {
     pub now: Signal<In, Bits<W>>,
     /// Out.
     pub later: Signal<Out, Bits<W>>,
-    row: [DFF<Bits<W>>; N],
+    _row: VecDeque<Bits<W>>,
 }
 
 impl<const W: usize, const N: usize> Default for Delay<W, N> {
     fn default() -> Self {
-        Self {
-            clock: Signal::default(),
-            now: Signal::default(),
-            later: Signal::default(),
-            row: std::array::from_fn(|_| DFF::default()),
-        }
+        Self::from_parts(DelayParts { _row: VecDeque::from(vec![Bits::default(); N]) })
     }
 }
 
 impl<const W: usize, const N: usize> Logic for Delay<W, N> {
-    described!("What came in as many cycles ago as there are registers.");
-    #[hdl_gen]
     fn update(&mut self) {
-        for i in 0..N {
-            self.row[i].clock.next = self.clock.val();
+        if self.clock.pos_edge() {
+            self._row.push_back(self.now.val());
+            self._row.pop_front();
         }
-        self.row[0].d.next = self.now.val();
-        for i in 1..N {
-            self.row[i].d.next = self.row[i - 1].q.val();
-        }
-        for i in (N - 1)..N {
-            self.later.next = self.row[i].q.val();
-        }
+        self.later.next = self._row.front().copied().unwrap_or_default();
+    }
+
+    fn connect(&mut self) {
+        self.later.connect();
+    }
+
+    fn hdl(&self) -> Verilog {
+        Leaf::new("edof_delay")
+            .parameter("WIDTH", W)
+            .parameter("CYCLES", N)
+            .port("clock_i", "clock")
+            .port("now_i", "now")
+            .port("later_o", "later")
+            .verilog()
     }
 }

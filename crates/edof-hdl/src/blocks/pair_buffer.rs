@@ -2,12 +2,14 @@
 
 use super::ram::{Ram, Shape};
 use super::{Index, IndexedValue, Row, Word};
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::design::{BEAT, StagePlan};
 use rust_hdl::prelude::*;
 
-/// Two slots of pairs: one fills while the other is read, as often as there are passes.
-#[derive(LogicBlock)]
+/// From dense vectors to (index, value) pairs: two slots, one fills while the other is read, as often as there are passes.
+/// Ready while fewer than two slots are full. With skip_zeros only non-zero elements are kept. A pair is read a cycle
+/// after read_pair; pair 2r lies at row r of the even memory, pair 2r + 1 at row r of the odd one.
+#[derive(Circuit)]
 pub struct PairBuffer {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -72,57 +74,15 @@ impl PairBuffer {
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
         let shape = Shape::distributed(stage.inputs);
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            skip_zeros: Signal::default(),
-            valid: Signal::default(),
-            ready: Signal::default(),
-            even: Signal::default(),
-            odd: Signal::default(),
-            last: Signal::default(),
-            set: Signal::default(),
-            available: Signal::default(),
-            count: Signal::default(),
-            front_set: Signal::default(),
-            read_pair: Signal::default(),
-            even_pair: Signal::default(),
-            odd_pair: Signal::default(),
-            finished: Signal::default(),
+        Self::from_parts(PairBufferParts {
             even_pairs: Ram::new(shape.clone(), &[]),
             odd_pairs: Ram::new(shape, &[]),
             slot_rows: Constant::new(((stage.inputs / BEAT) as u64).into()),
-            beat: DFF::default(),
-            stored: DFF::default(),
-            write_slot: DFF::default(),
-            read_slot: DFF::default(),
-            full: DFF::default(),
-            count_0: DFF::default(),
-            count_1: DFF::default(),
-            set_0: DFF::default(),
-            set_1: DFF::default(),
-            accept: Signal::default(),
-            arrived: Signal::default(),
-            keep_even: Signal::default(),
-            keep_odd: Signal::default(),
-            keep_one: Signal::default(),
-            keep_both: Signal::default(),
-            arrived_even: Signal::default(),
-            arrived_odd: Signal::default(),
-            arrived_first: Signal::default(),
-            stored_next: Signal::default(),
-            write_row: Signal::default(),
-            read_row: Signal::default(),
-        }
+        })
     }
 }
 
 impl Logic for PairBuffer {
-    described!(
-        "From dense vectors to (index, value) pairs: two slots, one fills while the other is read, as often as there are passes.\n\
-         Ready while fewer than two slots are full. With skip_zeros only non-zero elements are kept. A pair is read a cycle\n\
-         after read_pair; pair 2r lies at row r of the even memory, pair 2r + 1 at row r of the odd one."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, beat, stored, write_slot, read_slot, full, count_0, count_1, set_0, set_1);

@@ -1,12 +1,12 @@
 //! What the host sets in a stage.
 
 use super::Row;
-use crate::described;
+use crate::describe::Circuit;
 use edof_spec::design::memory::{CONTROL_SKIP, Shifts};
 use rust_hdl::prelude::*;
 
-/// Shifts of both sets, and control.
-#[derive(LogicBlock)]
+/// What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and control.
+#[derive(Circuit)]
 pub struct Registers {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -37,22 +37,11 @@ impl Registers {
     #[must_use]
     pub fn new(shifts: [Shifts; 2], skip_zeros: bool) -> Self {
         let start = shifts.map(|s| Constant::new(u64::from(s.word()).into()));
-        Self {
-            clock: Signal::default(),
-            reset: Signal::default(),
-            write_enable: Signal::default(),
-            write_row: Signal::default(),
-            write_data: Signal::default(),
-            shifts_0: Signal::default(),
-            shifts_1: Signal::default(),
-            skip_zeros: Signal::default(),
+        Self::from_parts(RegistersParts {
             start_0: start[0],
             start_1: start[1],
             start_skip: Constant::new(skip_zeros),
-            shifts_0_q: DFF::default(),
-            shifts_1_q: DFF::default(),
-            skip_q: DFF::default(),
-        }
+        })
     }
 
     /// Bit of the control register that leaves zeros out.
@@ -60,9 +49,6 @@ impl Registers {
 }
 
 impl Logic for Registers {
-    described!(
-        "What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and control."
-    );
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, shifts_0_q, shifts_1_q, skip_q);

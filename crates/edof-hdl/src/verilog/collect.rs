@@ -1,6 +1,6 @@
 //! Walks a circuit and writes down what the backend needs: a tree of blocks with their signals and kernels.
 
-use crate::describe::{Description, description};
+use crate::describe::{Circuit, Description, Descriptions};
 use rust_hdl::prelude::{Atom, AtomKind, Block, Probe, TypeDescriptor, TypeKind, Verilog};
 
 use super::error::rust_path;
@@ -33,10 +33,19 @@ pub(super) struct Wire {
 
 impl Tree {
     /// The tree of a circuit.
-    pub fn of(top: &dyn Block) -> Self {
+    pub fn of(top: &dyn Circuit) -> Self {
         let mut collector = Collector::default();
         top.accept("top", &mut collector);
-        collector.root.expect("rust-hdl visits the top block")
+        let mut tree = collector.root.expect("rust-hdl visits the top block");
+        tree.attach(&Descriptions::of(top, "top"), "top");
+        tree
+    }
+
+    fn attach(&mut self, descriptions: &Descriptions, path: &str) {
+        self.description = descriptions.get(path);
+        for part in &mut self.parts {
+            part.attach(descriptions, &format!("{path}.{}", part.key));
+        }
     }
 
     /// The signal of this name.
@@ -72,7 +81,7 @@ impl Probe for Collector {
         self.open.push(Tree {
             key: name.into(),
             path,
-            description: description(&timing),
+            description: None,
             hdl: node.hdl(),
             is_dff: timing.iter().any(|info| info.name == "dff"),
             wires: vec![],

@@ -18,8 +18,8 @@ pub struct EmitError {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// A block without [`described!`](crate::described).
-    #[error("has no description; put described!(\"…\") into its impl Logic")]
+    /// A block that does not derive [`Circuit`](crate::describe::Circuit).
+    #[error("has no description; #[derive(Circuit)] gives it one")]
     Undescribed,
     /// A block whose `hdl()` is not a kernel.
     #[error("its hdl() is {0}; only #[hdl_gen] kernels, registers and leaves are translated")]

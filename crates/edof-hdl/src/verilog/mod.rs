@@ -16,15 +16,16 @@
 //! | print | `print`, `module` | the text of a module |
 //!
 //! What comes out is Verilog-2001, one module for each distinct block: ports end in `_i` and `_o`, a register `x` is `x_q`
-//! fed by `x_d`, the wires of a part are `part_port`. Blocks say what they are with [`described!`](crate::described), and
-//! what rust-hdl has no word for is a [leaf](crate::leaf). Registers have no start-up value unless they are a `DFFWithInit`:
+//! fed by `x_d`, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
+//! rust-hdl has no word for is a [leaf](crate::leaf). Registers have no start-up value unless they are a `DFFWithInit`:
 //! a kernel resets what it must. What cannot be translated exactly is refused with an [`EmitError`].
 //!
 //! ```
-//! use edof_hdl::{described, verilog};
+//! use edof_hdl::{describe::Circuit, verilog};
 //! use rust_hdl::prelude::*;
 //!
-//! #[derive(LogicBlock, Default)]
+//! /// Counts enabled cycles; full in the last of 256.
+//! #[derive(Circuit)]
 //! struct Counter {
 //!     pub clock: Signal<In, Clock>,
 //!     pub enable: Signal<In, Bit>,
@@ -33,7 +34,6 @@
 //! }
 //!
 //! impl Logic for Counter {
-//!     described!("Counts enabled cycles; full in the last of 256.");
 //!     #[hdl_gen]
 //!     fn update(&mut self) {
 //!         dff_setup!(self, clock, count);
@@ -69,11 +69,10 @@ mod wiring;
 
 use std::collections::{BTreeSet, HashMap};
 
-use rust_hdl::prelude::Block;
-
 pub use error::{EmitError, Fault};
 pub use types::Type;
 
+use crate::describe::Circuit;
 use crate::leaf::Leaf;
 use collect::Tree;
 use module::Kind;
@@ -131,7 +130,7 @@ pub enum Direction {
 ///
 /// # Errors
 /// What cannot be translated exactly: see [`Fault`].
-pub fn emit(top: &dyn Block) -> Result<Emitted, EmitError> {
+pub fn emit(top: &dyn Circuit) -> Result<Emitted, EmitError> {
     let tree = Tree::of(top);
     if tree.is_register() || tree.start_value().is_some() || Leaf::of(&tree.hdl).is_some() {
         return Err(EmitError::block(&tree.path, Fault::NotATop));
@@ -155,7 +154,7 @@ struct Emitter {
     leaves: BTreeSet<String>,
     names: Names,
     /// Module of each content, by type name and text without the name.
-    known: HashMap<(String, String), usize>,
+    known: HashMap<(&'static str, String), usize>,
 }
 
 impl Emitter {
@@ -181,11 +180,11 @@ impl Emitter {
         let draft = module::draft(tree, description, &kinds)?;
         let leaves = tree.parts.iter().filter_map(|part| Leaf::of(&part.hdl));
         self.leaves.extend(leaves.map(|leaf| leaf.module));
-        let key = (description.name.clone(), draft.text);
+        let key = (description.name, draft.text);
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
-        let name = self.names.take(&snake_case(&description.name));
+        let name = self.names.take(&snake_case(description.name));
         let text = key.1.replace(module::NAME, &name);
         self.known.insert(key, self.modules.len());
         self.modules.push(Module { name, text });

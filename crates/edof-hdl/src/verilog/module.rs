@@ -368,13 +368,12 @@ impl Writer<'_> {
 }
 
 fn header(description: &Description) -> String {
-    let file = description.source.rsplit_once(':').map_or(description.source.as_str(), |(file, _)| file);
     let lines = description
         .header
         .trim()
         .lines()
         .map(|line| format!("// {}", line.trim()).trim_end().to_string() + "\n");
-    lines.collect::<String>() + &format!("//\n// From {file} ({}).\n", description.name)
+    lines.collect::<String>() + &format!("//\n// From {} ({}).\n", description.source, description.name)
 }
 
 /// The leaf's own names, in the order of the part's signals.

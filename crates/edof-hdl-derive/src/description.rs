@@ -1,0 +1,31 @@
+//! What the circuit says of itself.
+
+use crate::fields::Circuit;
+use proc_macro2::TokenStream;
+use quote::quote;
+
+pub fn tokens(circuit: &Circuit) -> TokenStream {
+    let (name, (generics, arguments, clause)) = (circuit.name, circuit.generics.split_for_impl());
+    let (text, doc) = (name.to_string(), &circuit.doc);
+    let fields: Vec<_> = circuit.hardware().map(|field| field.name).collect();
+    let keys: Vec<_> = fields.iter().map(ToString::to_string).collect();
+    let said = circuit.hardware().filter(|field| !field.doc.is_empty()).map(|field| {
+        let (key, doc) = (field.name.to_string(), field.doc.replace('\n', " "));
+        quote!((#key, #doc))
+    });
+    quote! {
+        impl #generics ::edof_hdl::describe::Circuit for #name #arguments #clause {
+            fn describe(&self, key: &str, found: &mut ::edof_hdl::describe::Descriptions) {
+                let description = ::edof_hdl::describe::Description {
+                    name: #text,
+                    source: ::core::file!(),
+                    header: #doc,
+                    fields: &[#(#said),*],
+                };
+                found.block(key, description, |found| {
+                    #(::edof_hdl::describe::Circuit::describe(&self.#fields, #keys, found);)*
+                });
+            }
+        }
+    }
+}
