@@ -5,22 +5,30 @@
 //! | one thin file a sub-command | [`commands`] |
 //! | results on standard output, progress on standard error | [`ui`] |
 //! | the one line that a failure prints | [`error`] |
+//! | no output replaces an input or another output | [`files`] |
+//! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | Ctrl-C | [`interrupt`] |
+//! | whether a job fits the machine | [`memory`] |
 //! | a network's form in words | [`form`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
 //! | windows to feed the hardware with | [`windows`] |
+//! | words at stage boundaries for NumPy | [`words`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod designs;
 mod error;
+mod files;
+mod folder;
 mod form;
 mod interrupt;
+mod memory;
 mod ui;
 mod weights;
 mod windows;
+mod words;
 
 use clap::{Parser, Subcommand};
 use error::Error;
@@ -39,7 +47,7 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
 
-    /// Write results as JSON to FILE; without FILE (or as `-`) print them in place of text
+    /// Write results as JSON to FILE, in place of an older one; without FILE (or as `-`) print them in place of text
     #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 
@@ -55,6 +63,7 @@ Examples:
   edof scene chart --out out/chart                     a built-in scene
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
+  edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
   edof estimate --design kc705 --weights edof-t4w12-outer
   edof cosim --design tiny                             the generated Verilog against the cycle model
@@ -77,6 +86,7 @@ enum Command {
     Cosim(commands::cosim::Args),
     Estimate(commands::estimate::Args),
     Generate(commands::generate::Args),
+    RandomNetwork(commands::random_network::Args),
     Timing(commands::timing::Args),
 }
 
@@ -94,7 +104,7 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<(), Error> {
     interrupt::install()?;
-    let ui = Ui::new(cli.json, cli.quiet)?;
+    let ui = Ui::new(cli.json, cli.quiet);
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),
@@ -107,6 +117,7 @@ fn run(cli: Cli) -> Result<(), Error> {
         Command::Cosim(args) => commands::cosim::run(args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Generate(args) => commands::generate::run(args, &ui),
+        Command::RandomNetwork(args) => commands::random_network::run(args, &ui),
         Command::Timing(args) => commands::timing::run(args, &ui),
     }
 }

@@ -20,20 +20,13 @@ pub struct Ui {
 
 impl Ui {
     /// `json` is the value of `--json`: a file, or `-` for standard output.
-    ///
-    /// # Errors
-    /// When `json` names an existing file that is no JSON file: most likely an argument that slipped behind `--json`.
-    pub fn new(json: Option<PathBuf>, quiet: bool) -> Result<Self, Error> {
-        if let Some(path) = &json
-            && path.is_file()
-            && path.extension().is_none_or(|e| e != "json")
-        {
-            return Err(Error::message(format!(
-                "--json {}: exists and is not a .json file; put --json last to print to standard output",
-                path.display()
-            )));
-        }
-        Ok(Self { json, quiet })
+    pub const fn new(json: Option<PathBuf>, quiet: bool) -> Self {
+        Self { json, quiet }
+    }
+
+    /// The file that results go to as data, if they go to one.
+    pub fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|_| !self.json_on_stdout())
     }
 
     /// Whether standard output belongs to JSON alone.

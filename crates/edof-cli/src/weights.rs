@@ -41,15 +41,27 @@ pub fn float_hash(name_or_path: &str) -> Result<String, Error> {
     Ok(weight_file::parse_tensor_hash(bytes, &origin)?)
 }
 
+/// The file that [`float`] reads, where the network is not inside the program.
+pub fn float_file(name_or_path: &str) -> Option<PathBuf> {
+    places(name_or_path, ".safetensors").into_iter().find(|path| path.is_file())
+}
+
+/// The file that [`fixed`] reads, where the network is not inside the program.
+pub fn fixed_file(name_or_path: &str) -> Option<PathBuf> {
+    places(name_or_path, ".fixed.safetensors").into_iter().find(|path| path.is_file())
+}
+
+/// Where a network may lie: a file of that name, or one under `weights/`.
+fn places(name_or_path: &str, suffix: &str) -> [PathBuf; 2] {
+    [name_or_path.into(), Path::new("weights").join(format!("{name_or_path}{suffix}"))]
+}
+
 fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), Error> {
-    let exact = Path::new(name_or_path);
-    let in_folder = Path::new("weights").join(format!("{name_or_path}{suffix}"));
-    for path in [exact, &in_folder] {
-        if path.is_file() {
-            let bytes = std::fs::read(path)
-                .map_err(|source| weight_file::WeightFileError::Read { path: path.to_owned(), source })?;
-            return Ok((path.to_owned(), bytes));
-        }
+    let places = places(name_or_path, suffix);
+    if let Some(path) = places.iter().find(|path| path.is_file()) {
+        let bytes = std::fs::read(path)
+            .map_err(|source| weight_file::WeightFileError::Read { path: path.clone(), source })?;
+        return Ok((path.clone(), bytes));
     }
     let file = format!("{name_or_path}{suffix}");
     if let Some((name, bytes)) = EMBEDDED.iter().find(|(name, _)| *name == file) {
@@ -57,7 +69,7 @@ fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), Error> {
     }
     Err(Error::message(format!(
         "weights '{name_or_path}': no such file, no {}, and not one of the networks that come with the program ({})",
-        in_folder.display(),
+        places[1].display(),
         names().join(", ")
     )))
 }

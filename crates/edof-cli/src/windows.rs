@@ -40,7 +40,7 @@ pub fn of<'a>(
 ) -> Result<impl Iterator<Item = Vec<i16>> + 'a, Error> {
     let geometry = Geometry::new(network.form.window, network.stride);
     let (height, width) = raw.size();
-    geometry.check_frame(height, width)?;
+    geometry.check_frame((height, width))?;
     let (rows, columns) = geometry.patches(height, width);
     Ok((0..rows)
         .flat_map(move |row| (0..columns).map(move |column| windows::window(raw, geometry, row, column))))

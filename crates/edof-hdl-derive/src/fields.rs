@@ -129,6 +129,6 @@ fn documentation(attributes: &[Attribute]) -> String {
         _ => None,
     };
     let lines: Vec<String> = attributes.iter().filter_map(line).collect();
-    let trimmed: Vec<&str> = lines.iter().flat_map(|text| text.lines()).map(str::trim).collect();
+    let trimmed: Vec<&str> = lines.iter().flat_map(|text| text.split('\n')).map(str::trim).collect();
     trimmed.join("\n").trim().to_string()
 }

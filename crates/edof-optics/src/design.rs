@@ -61,17 +61,11 @@ pub struct Found {
 
 /// A search that cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DesignError {
     /// More rings than a mask of ours has, too few cameras, …
     #[error("design: {field} is {value}, expected {expected}")]
-    Value {
-        /// Which.
-        field: &'static str,
-        /// What it was.
-        value: String,
-        /// What would have been right.
-        expected: &'static str,
-    },
+    Value { field: &'static str, value: String, expected: &'static str },
     /// Statistics that are none.
     #[error(transparent)]
     Statistics(#[from] NotPositive),

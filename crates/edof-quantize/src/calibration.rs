@@ -77,9 +77,9 @@ impl Calibration {
         geometry: Geometry,
         raw: &RawFrame,
     ) -> Result<Self, GeometryError> {
+        geometry.check_frame(raw.size())?;
         let (raw, _) = raw.to_rggb();
         let (height, width) = raw.size();
-        geometry.check_frame(height, width)?;
         let mirrored = Mirrored::new(&raw, geometry);
         let (rows, columns) = geometry.patches(height, width);
         let patches: Vec<_> = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))).collect();

@@ -79,7 +79,7 @@ mod tests {
         let scenes = capture(&pictures, &origin, |_| ()).unwrap();
         assert_eq!(scenes.len(), 18);
         assert_eq!(scenes[17].name, "grey, psi 8, noise 0.01");
-        assert!(scenes[0].raw.codes().iter().all(|c| c.abs_diff(2048) <= 1));
-        assert!(scenes[1].raw.codes().iter().any(|c| c.abs_diff(2048) > 30));
+        assert!(scenes[0].raw.values().iter().all(|c| c.abs_diff(2048) <= 1));
+        assert!(scenes[1].raw.values().iter().any(|c| c.abs_diff(2048) > 30));
     }
 }

@@ -77,7 +77,7 @@ pub fn evaluate(
             Ok(SceneLoss {
                 name: scene.name.clone(),
                 float_db: psnr(scene.sharp, &float.reconstruct(&scene.raw)?.frame),
-                fixed_db: psnr(scene.sharp, &out.colour(scene.raw.size())),
+                fixed_db: psnr(scene.sharp, &out.colour()),
             })
         })
         .collect::<Result<_, ReconstructError>>()?;

@@ -140,7 +140,7 @@ impl Factor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_golden::sample::Draw;
+    use edof_spec::draw::Draw;
 
     /// Smooth inputs: a level and a little noise.
     fn inputs(n: usize) -> Vec<Vec<f64>> {

@@ -93,8 +93,8 @@ impl Simulated {
 mod tests {
     use super::*;
     use crate::fold::Folded;
-    use edof_golden::sample::{self, Draw};
     use edof_golden::scalar;
+    use edof_spec::draw::Draw;
     use edof_spec::network::{Recurrence, Shrinkage};
     use edof_spec::{Stride, Window};
     use edof_train::parameters::Layout;
@@ -132,16 +132,16 @@ mod tests {
         seed: u64,
     ) -> Result<(), TestCaseError> {
         let form = form(layers, flags);
-        let fixed = with_exact_sums(sample::extreme(form, 8, Stride::PATCH, false, seed));
+        let fixed = with_exact_sums(edof_random::extreme(form, 8, Stride::PATCH, false, seed));
         let weights = Folded::of(&fixed).flatten();
         // Eight bits of input, so that I's sums are exact too: 64 products of 8 by 8 bits.
         let y: Vec<i16> =
-            sample::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
+            edof_random::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
         let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / 32768.0).collect();
         let mut pass = Simulated::new(form, &code_formats(&fixed), &rgb_map(&[1.0; 128]), 1);
         pass.forward(&weights, &inputs, 1);
         let trace = scalar::run(&fixed, &y);
-        for (t, codes) in trace.codes.iter().enumerate() {
+        for (t, codes) in trace.layers.iter().enumerate() {
             let unit = (-(fixed.code_fractions[t] as f32)).exp2();
             let words = |values: &[f32]| values.iter().map(|v| (v / unit) as i16).collect::<Vec<_>>();
             prop_assert_eq!(words(pass.pass.b(t)), codes.b.clone(), "b of layer {}", t);

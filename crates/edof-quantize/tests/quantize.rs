@@ -1,11 +1,12 @@
 //! Integers stand for the float network: every layer's words are its values, to the last bits.
 
-use edof_golden::{Golden, sample::Draw, scalar};
+use edof_golden::{Golden, scalar};
 use edof_optics::psf::Settings;
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
 };
+use edof_spec::draw::Draw;
 use edof_spec::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::overlap::Overlap;
@@ -88,7 +89,7 @@ fn raw(seed: u64) -> RawFrame {
     let codes = Array2::from_shape_fn((40, 56), |(r, c)| {
         (2000 + (r / 7 + c / 9) as i64 % 2 * 1500 + draw.whole(-400, 400)) as u16
     });
-    RawFrame::from_codes(codes, 12, CfaPhase::Rggb).unwrap()
+    RawFrame::from_values(codes, 12, CfaPhase::Rggb).unwrap()
 }
 
 fn options(bits: u32) -> QuantizeOptions {
@@ -120,7 +121,7 @@ fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec
         let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32).collect();
         let x: Array1<f64> = pass.forward(&weights, &inputs, 1).iter().map(|v| f64::from(*v)).collect();
         let trace = scalar::run(&fixed, &y);
-        for (t, codes) in trace.codes.iter().enumerate() {
+        for (t, codes) in trace.layers.iter().enumerate() {
             let unit = (-f64::from(fixed.code_fractions[t])).exp2();
             for ((word, b), c) in codes.b.iter().zip(pass.b(t)).zip(&scales) {
                 squares[t] +=

@@ -7,7 +7,7 @@
 //!         difference: base = b_t, v = saturate(z_t − z_{t−1}), z_0 = 0
 //! F   acc = (Σ D·z_{T−1} << shift_D) + (Σ R·y << shift_R)      out = requantize(acc, shift_F)
 //! ```
-//! All codes b_t, z_t have `code_bits` bits and their own fraction bits; outputs have 16 bits and
+//! All pre-activations b_t and sparse codes z_t have `code_bits` bits and their own fraction bits; outputs have 16 bits and
 //! [`OUTPUT_FRACTION`]. All shifts follow from the fraction bits and are computed here only.
 
 use crate::colour::OUTPUTS_422;
@@ -32,7 +32,7 @@ pub struct FixedMatrix {
 pub struct FixedNetwork {
     /// Its form.
     pub form: Form,
-    /// Bits of every weight and code, 8…16.
+    /// Bits of every weight, pre-activation and sparse code, 8…16.
     pub code_bits: u32,
     /// Stride that F's averaging window is made for.
     pub stride: Stride,
@@ -78,40 +78,24 @@ pub struct FinalShifts {
 
 /// Integers that are no network the board can run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FixedNetworkError {
     /// Matrices that do not fit the form.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// Code width out of range.
+    /// Bits of weights and sparse codes out of range.
     #[error("code_bits {0}: must be 8 to 16")]
     CodeBits(u32),
-    /// A value is wider than the codes.
+    /// A word is wider than the stated bits.
     #[error("{what}: holds {value}, which {bits} bits cannot hold")]
-    TooWide {
-        /// Which matrix or vector.
-        what: &'static str,
-        /// The value.
-        value: i16,
-        /// The width stated.
-        bits: u32,
-    },
+    TooWide { what: &'static str, value: i16, bits: u32 },
     /// Fraction bits that would need a negative shift.
     #[error("{what}: fraction bits need a shift of {shift}, it must be 0 to 47")]
-    Shift {
-        /// Which shift.
-        what: &'static str,
-        /// What it would be.
-        shift: i64,
-    },
+    Shift { what: &'static str, shift: i64 },
     /// Some input could overflow the 48-bit accumulator.
     #[error("{what}: accumulators may need {bits} bits, {ACCUMULATOR_BITS} are there")]
-    Overflow {
-        /// Which layer.
-        what: &'static str,
-        /// Worst case.
-        bits: u32,
-    },
-    /// The difference form keeps one format for all codes.
+    Overflow { what: &'static str, bits: u32 },
+    /// The difference form keeps one format for all sparse codes.
     #[error("code_fractions: differ from layer to layer, the difference form needs them equal")]
     UnequalFractions,
     /// Two-sided thresholds cannot be negative.
@@ -153,7 +137,7 @@ impl FixedNetwork {
         &self.recurrent[self.form.recurrent_index(layer)]
     }
 
-    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any codes), sign included:
+    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any sparse codes), sign included:
     /// I, then every M, then F. The bound includes rounding and every partial sum.
     #[must_use]
     pub fn accumulator_bits(&self) -> Vec<u32> {

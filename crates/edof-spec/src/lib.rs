@@ -6,6 +6,7 @@
 //! | raw frames, colour frames, 4:2:2 frames, mirrored borders | [`frame`] |
 //! | windows, strides, where patches lie | [`geometry`] |
 //! | BT.709 Y′CbCr and the 4:2:2 sites of a patch | [`colour`] |
+//! | how the board's words become 8-bit Y′CbCr codes | [`display`] |
 //! | the averaging window of overlapping patches | [`overlap`] |
 //! | lens, mask and sensor, and their files | [`camera`] |
 //! | light and its sRGB encoding | [`tone`] |
@@ -16,6 +17,7 @@
 //! | the file both kinds of network live in | [`weight_file`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
+//! | the generator of everything drawn for trials | [`draw`] |
 //! | files that appear whole or not at all | [`atomic`] |
 //!
 //! ```
@@ -30,6 +32,8 @@ pub mod camera;
 pub mod cfa;
 pub mod colour;
 pub mod design;
+pub mod display;
+pub mod draw;
 pub mod fixed_network;
 pub mod frame;
 pub mod geometry;
@@ -44,6 +48,7 @@ pub mod weight_file;
 pub use camera::Camera;
 pub use cfa::{CfaPhase, Channel};
 pub use design::Design;
+pub use display::DisplayMode;
 pub use fixed_network::FixedNetwork;
 pub use frame::{ColourFrame, Frame422, RawFrame};
 pub use geometry::{Geometry, Stride, Window};

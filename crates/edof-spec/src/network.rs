@@ -56,45 +56,23 @@ pub struct Form {
 
 /// A form that no network has, or matrices that do not fit their form.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NetworkError {
     /// T out of range.
     #[error("layers {0}: must be 2 to 10")]
     Layers(usize),
-    /// Code length out of range.
+    /// Length of the sparse code out of range.
     #[error("codes {0}: must be 1 to 1024")]
     Codes(usize),
     /// Wrong number of matrices or thresholds.
     #[error("{what}: {found} given, this form has {expected}")]
-    Count {
-        /// Which.
-        what: &'static str,
-        /// How many there are.
-        found: usize,
-        /// How many there should be.
-        expected: usize,
-    },
+    Count { what: &'static str, found: usize, expected: usize },
     /// A matrix of the wrong shape.
     #[error("{what}: {rows}x{columns}, this form needs {expected_rows}x{expected_columns}")]
-    Shape {
-        /// Which.
-        what: &'static str,
-        /// Rows found.
-        rows: usize,
-        /// Columns found.
-        columns: usize,
-        /// Rows needed.
-        expected_rows: usize,
-        /// Columns needed.
-        expected_columns: usize,
-    },
+    Shape { what: &'static str, rows: usize, columns: usize, expected_rows: usize, expected_columns: usize },
     /// NaN or infinity.
     #[error("{what}: holds {value}, every weight must be a finite number")]
-    NotFinite {
-        /// Which.
-        what: &'static str,
-        /// The first such value.
-        value: f32,
-    },
+    NotFinite { what: &'static str, value: f32 },
     /// Two-sided thresholds cannot be negative.
     #[error("thresholds: holds {0}, two-sided shrinkage needs thresholds of 0 or more")]
     NegativeThreshold(f32),
@@ -111,6 +89,15 @@ impl Form {
             return Err(NetworkError::Codes(self.codes));
         }
         Ok(())
+    }
+
+    /// Multiplications that one window takes if every weight is multiplied, for an F of `outputs` rows (128 in the board's 4:2:2,
+    /// 192 in RGB): codes·pixels + (T − 2)·codes² + outputs·codes, + outputs·pixels where R is used.
+    #[must_use]
+    pub const fn dense_multiplications(&self, outputs: usize) -> u64 {
+        let linear = if self.linear_path { outputs * self.window.pixels() } else { 0 };
+        let middle = self.middle_layers() * self.codes * self.codes;
+        (self.codes * self.window.pixels() + middle + outputs * self.codes + linear) as u64
     }
 
     /// M layers: T − 2.

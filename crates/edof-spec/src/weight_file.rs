@@ -20,70 +20,32 @@ const LAYOUT: u32 = 1;
 
 /// A weight file that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum WeightFileError {
     /// Cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// Truncated, or not safetensors at all.
     #[error("{path}: not a whole safetensors file: {reason}", path = path.display())]
-    Container {
-        /// The file.
-        path: PathBuf,
-        /// What the parser said.
-        reason: String,
-    },
+    Container { path: PathBuf, reason: String },
     /// Safetensors, but not ours.
     #[error("{path}: not an edof weight file: {reason}", path = path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What is missing or wrong.
-        reason: String,
-    },
+    Foreign { path: PathBuf, reason: String },
     /// A float file where a fixed one was expected, or the other way round.
     #[error("{path}: holds a {found} network, expected a {expected} one", path = path.display())]
-    Kind {
-        /// The file.
-        path: PathBuf,
-        /// Its kind.
-        found: &'static str,
-        /// The kind asked for.
-        expected: &'static str,
-    },
+    Kind { path: PathBuf, found: &'static str, expected: &'static str },
     /// Tensors were changed after the file was made.
     #[error("{path}: tensors have SHA-256 {found}, the file states {stated}", path = path.display())]
-    Hash {
-        /// The file.
-        path: PathBuf,
-        /// Hash of what is there.
-        found: String,
-        /// Hash in the metadata.
-        stated: String,
-    },
+    Hash { path: PathBuf, found: String, stated: String },
     /// The float network does not fit its form.
     #[error("{path}: {source}", path = path.display())]
-    Network {
-        /// The file.
-        path: PathBuf,
-        /// What does not fit.
-        source: NetworkError,
-    },
+    Network { path: PathBuf, source: NetworkError },
     /// The fixed network cannot run.
     #[error("{path}: {source}", path = path.display())]
-    FixedNetwork {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        source: FixedNetworkError,
-    },
+    FixedNetwork { path: PathBuf, source: FixedNetworkError },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -102,13 +64,13 @@ struct FixedMetadata {
     stride: Stride,
     overlap: Overlap,
     code_fractions: Vec<u32>,
-    weight_fractions: HashedFractions,
+    weight_fractions: WeightFractions,
     float_sha256: String,
 }
 
 /// Fraction bits of the matrices, in a fixed order.
 #[derive(Clone, Serialize, Deserialize)]
-struct HashedFractions {
+struct WeightFractions {
     analysis: u32,
     recurrent: Vec<u32>,
     dictionary: u32,
@@ -198,7 +160,7 @@ pub fn save_fixed(path: &Path, network: &FixedNetwork) -> Result<(), WeightFileE
         stride: network.stride,
         overlap: network.overlap,
         code_fractions: network.code_fractions.clone(),
-        weight_fractions: HashedFractions {
+        weight_fractions: WeightFractions {
             analysis: network.analysis.fraction,
             recurrent: network.recurrent.iter().map(|s| s.fraction).collect(),
             dictionary: network.dictionary.fraction,

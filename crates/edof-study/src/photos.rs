@@ -17,7 +17,7 @@ const TEST_EVERY: u32 = 3;
 pub struct Photo {
     /// File name without its ending.
     pub name: String,
-    /// Code values of 0…1, taken as linear light.
+    /// The file's values, 0…1; a [`Tone`](edof_spec::Tone) says whether they are light or sRGB.
     pub frame: ColourFrame,
 }
 
@@ -37,31 +37,20 @@ pub enum Selection {
 
 /// Photographs that cannot be had.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PhotosError {
     /// Neither a word nor a list of numbers.
     #[error("photos '{0}': must be test, train, all or numbers such as 3,6")]
     Selection(String),
     /// The folder cannot be listed.
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    Folder { folder: PathBuf, source: std::io::Error },
     /// No folder given and none found.
     #[error("no folder of photographs: looked for {0}; name one with --images or in EDOF_KODAK")]
     Nowhere(String),
     /// Nothing to work on.
     #[error("{folder}: holds no readable photograph of '{selection}'{first}", folder = folder.display())]
-    None {
-        /// The folder.
-        folder: PathBuf,
-        /// What was asked for.
-        selection: Selection,
-        /// What was wrong with the first unreadable one, if any.
-        first: String,
-    },
+    None { folder: PathBuf, selection: Selection, first: String },
 }
 
 impl std::str::FromStr for Selection {

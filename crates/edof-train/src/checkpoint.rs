@@ -12,38 +12,20 @@ const METADATA_KEY: &str = "edof-checkpoint";
 
 /// A checkpoint that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CheckpointError {
     /// Cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// Truncated, or not a checkpoint.
     #[error("{path}: not a checkpoint of a training run: {reason}", path = path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What is missing or wrong.
-        reason: String,
-    },
+    Foreign { path: PathBuf, reason: String },
     /// Of a run with other settings.
     #[error("{path}: made with {field} {found}, asked to go on with {asked}", path = path.display())]
-    OtherRun {
-        /// The file.
-        path: PathBuf,
-        /// What differs.
-        field: &'static str,
-        /// In the checkpoint.
-        found: String,
-        /// Asked for.
-        asked: String,
-    },
+    OtherRun { path: PathBuf, field: &'static str, found: String, asked: String },
 }
 
 /// What identifies a run: a checkpoint goes on only with the same.

@@ -44,22 +44,14 @@ struct Photo {
 
 /// Photos that nothing can be learned from.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PatchError {
     /// No photo at all.
     #[error("training photos: none given, at least one is needed")]
     NoPhotos,
     /// One is too small.
     #[error("training photo {index}: {width}x{height}, both sides must be at least {least} pixels")]
-    SmallPhoto {
-        /// Position in the list, from 0.
-        index: usize,
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-        /// Smallest side.
-        least: usize,
-    },
+    SmallPhoto { index: usize, width: usize, height: usize, least: usize },
     /// No defocus at all.
     #[error("psi: no value given, at least one is needed")]
     NoPsi,

@@ -2,10 +2,11 @@
 
 use crate::parameters::flatten;
 use crate::pass::Pass;
-use edof_spec::colour::{RGB_OUTPUTS, chroma_code, luma_word, patch_422_from_rgb, rgb_from_422};
+use edof_spec::colour::{RGB_OUTPUTS, chroma_word, luma_word, patch_422_from_rgb, rgb_from_422};
 use edof_spec::frame::Frame422;
 use edof_spec::geometry::{PATCH, PATCH_PIXELS, mirror};
 use edof_spec::overlap::Overlap;
+use edof_spec::reconstructor::Multiplications;
 use edof_spec::{
     ColourFrame, Geometry, Network, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride,
 };
@@ -18,7 +19,7 @@ use std::time::Instant;
 pub enum Output {
     /// RGB as the network gives it.
     Rgb,
-    /// The board's format: 4:2:2, 16-bit luma, 8-bit chroma, and back to RGB.
+    /// The board's format: 4:2:2 in words of 16 bits, and back to RGB.
     Ycc422,
 }
 
@@ -101,15 +102,11 @@ impl FloatReconstructor {
         frame
     }
 
-    fn multiply_accumulates(&self, height: usize, width: usize) -> u64 {
-        let form = &self.network.form;
+    /// No zero is skipped here.
+    fn multiplications(&self, height: usize, width: usize) -> Multiplications {
         let (rows, columns) = self.geometry.patches(height, width);
-        let layout = crate::parameters::Layout::new(form);
-        let a_window = layout.analysis.len()
-            + form.middle_layers() * form.codes * form.codes
-            + layout.dictionary.len()
-            + layout.linear_path.len();
-        (rows * columns * a_window) as u64
+        let dense = (rows * columns) as u64 * self.network.form.dense_multiplications(RGB_OUTPUTS);
+        Multiplications { dense, executed: dense }
     }
 }
 
@@ -121,9 +118,9 @@ impl Reconstructor for FloatReconstructor {
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let start = Instant::now();
         let (height, width) = raw.size();
+        self.geometry.check_frame((height, width))?;
         let (aligned, (row, column)) = raw.to_rggb();
         let (rows, columns) = aligned.size();
-        self.geometry.check_frame(rows, columns)?;
         let rgb = ColourFrame { planes: self.rgb(aligned.pixels().view()) };
         let frame = match self.output {
             Output::Rgb => rgb,
@@ -132,7 +129,8 @@ impl Reconstructor for FloatReconstructor {
         Ok(Reconstruction {
             frame: frame.crop(row, column, height, width),
             seconds: start.elapsed().as_secs_f64(),
-            multiply_accumulates: Some(self.multiply_accumulates(rows, columns)),
+            multiplications: Some(self.multiplications(rows, columns)),
+            counters: None,
         })
     }
 }
@@ -167,7 +165,7 @@ pub fn to_422(rgb: &ColourFrame) -> Frame422 {
                     let (row, column) = (top + site / 4, left / 2 + site % 4);
                     if row < height && column < width / 2 {
                         plane[(row, column)] =
-                            chroma_code(out[PATCH_PIXELS + which * PATCH_PIXELS / 2 + site]);
+                            chroma_word(out[PATCH_PIXELS + which * PATCH_PIXELS / 2 + site]);
                     }
                 }
             }
@@ -235,7 +233,7 @@ mod tests {
     fn flat_raw(phase: CfaPhase) -> RawFrame {
         let codes =
             Array2::from_shape_fn((20, 28), |(r, c)| [60000, 30000, 10000][phase.channel(r, c).plane()]);
-        RawFrame::from_codes(codes, 16, phase).unwrap()
+        RawFrame::from_values(codes, 16, phase).unwrap()
     }
 
     #[test]
@@ -260,14 +258,14 @@ mod tests {
     }
 
     #[test]
-    fn the_boards_format_costs_a_flat_colour_less_than_a_chroma_code() {
+    fn the_boards_format_costs_a_flat_colour_less_than_two_words() {
         let method =
             FloatReconstructor::new(nearest_site_network(8), Stride::PATCH, Overlap::Flat, Output::Ycc422)
                 .unwrap();
         assert_eq!(method.name(), "nearest.float422");
         let out = method.reconstruct(&flat_raw(CfaPhase::Rggb)).unwrap().frame;
         for ((plane, ..), v) in out.planes.indexed_iter() {
-            assert!((v - [60000.0, 30000.0, 10000.0][plane] / 65536.0).abs() < 1.0 / 224.0);
+            assert!((v - [60000.0, 30000.0, 10000.0][plane] / 65536.0).abs() < 2.0 / 16384.0);
         }
     }
 }

@@ -104,30 +104,17 @@ impl Recipe {
 
 /// A recipe that cannot be followed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum RecipeError {
     /// The form is none.
     #[error(transparent)]
     Form(#[from] edof_spec::network::NetworkError),
     /// A number out of range.
     #[error("{field} {value}: must be {expected}")]
-    Value {
-        /// Which.
-        field: &'static str,
-        /// What it is.
-        value: String,
-        /// What would have been right.
-        expected: &'static str,
-    },
+    Value { field: &'static str, value: String, expected: &'static str },
     /// Weights became NaN or infinite.
     #[error("training diverged at step {step}: the loss is {loss}; lower --rate (now {rate})")]
-    Diverged {
-        /// When.
-        step: u64,
-        /// The loss then.
-        loss: f64,
-        /// The rate it ran with.
-        rate: f32,
-    },
+    Diverged { step: u64, loss: f64, rate: f32 },
 }
 
 /// Everything that changes while training runs; what a checkpoint holds.

@@ -2,6 +2,7 @@
 
 use crate::commands::scene::Drawing;
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use edof_io::{photo, raw};
 use edof_optics::capture::{
@@ -11,7 +12,7 @@ use edof_optics::draw::parse_name;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, CfaPhase, Noise};
+use edof_spec::{Camera, CfaPhase, Noise, Tone};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -23,17 +24,22 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// A photograph (PNG, TIFF, PPM; code values are taken as linear light), or chart, chart-4, leaves, leaves-4
+    /// A photograph (PNG, TIFF, PPM), or chart, chart-4, leaves, leaves-4, which are drawn as light
     #[arg(value_name = "SCENE")]
     scene: String,
 
-    /// Raw frame: .png or .tif (codes at the top of 16 bits), .pgm, or .raw without a header
+    /// Raw frame: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
     /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
+
+    /// What pictures hold: srgb, encoded light, which a photograph is decoded from and --sharp and --light are encoded to; or
+    /// linear, light itself, the paper's convention
+    #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
+    tone: Tone,
 
     #[command(flatten)]
     drawing: Drawing,
@@ -84,7 +90,8 @@ pub struct Args {
 const EXAMPLES: &str = "\
 Examples:
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
-  edof capture chart-4 --noise 0.01 --out raw.pgm --sharp sharp.png
+  edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
+  edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
   edof capture leaves --psi 6 --noise sensor:gain=4 --depth 10 --phase bggr --out raw.png --exact";
 
 #[derive(Serialize)]
@@ -94,15 +101,19 @@ struct Captured {
     width: usize,
     height: usize,
     psi: Vec<f64>,
+    tone: Tone,
+    noise: Noise,
     depths: Vec<Depth>,
     seconds: f64,
     approximations: Vec<ApproximationCost>,
-    out: PathBuf,
+    out: String,
 }
 
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    files.may_write("--sharp", args.sharp.as_ref()).may_write("--light", args.light.as_ref()).check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = open(&args, camera.psi_range)?;
     let approximation = args.approximation()?;
@@ -110,10 +121,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let shot = capture(&scene, &camera, &sensor, &approximation)?;
     raw::save(&args.out, &shot.raw)?;
     if let Some(path) = &args.sharp {
-        photo::save(path, &shot.sharp, 16)?;
+        photo::save(path, &args.tone.encoded(&shot.sharp), 16)?;
     }
     if let Some(path) = &args.light {
-        photo::save(path, &shot.light, 16)?;
+        photo::save(path, &args.tone.encoded(&shot.light), 16)?;
     }
     let costs = if args.exact || args.no_measure {
         vec![]
@@ -124,8 +135,21 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, out) = (scene.name, camera.name, args.out);
-    ui.json(&Captured { scene, camera, width, height, psi, depths, seconds, approximations: costs, out })
+    let (scene, camera, tone, noise, out) =
+        (scene.name, camera.name, args.tone, args.noise, args.out.display().to_string());
+    ui.json(&Captured {
+        scene,
+        camera,
+        width,
+        height,
+        psi,
+        tone,
+        noise,
+        depths,
+        seconds,
+        approximations: costs,
+        out,
+    })
 }
 
 /// A built-in scene by its name, or a photograph at one depth.
@@ -136,8 +160,14 @@ fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
     let [psi] = args.drawing.psi[..] else {
         return Err(Error::message("--psi: one value, a photograph lies at one depth"));
     };
+    if let Some(size) = args.drawing.size {
+        return Err(Error::message(format!(
+            "--size {size}: a photograph has its own; only built-in scenes are drawn"
+        )));
+    }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Scene::flat(name, photo::load(Path::new(&args.scene))?, psi))
+    let light = args.tone.decoded(&photo::load(Path::new(&args.scene))?);
+    Ok(Scene::flat(name, light, psi))
 }
 
 impl Args {

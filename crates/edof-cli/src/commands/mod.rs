@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod generate;
 pub mod optics;
 pub mod quantize;
+pub mod random_network;
 pub mod reconstruct;
 pub mod scene;
 pub mod study;

@@ -2,6 +2,7 @@
 
 use super::train::photographs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
@@ -82,6 +83,9 @@ pub struct Args {
 /// # Errors
 /// A network, option or folder that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
+    let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
+    args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &out).check()?;
     let network = weights::float(&args.weights)?;
     let options = QuantizeOptions {
         bits: args.bits,
@@ -112,7 +116,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     layers.iter_mut().zip(fixed.accumulator_bits()).for_each(|(layer, bits)| layer.accumulator_bits = bits);
     let golden = Golden::new(fixed)?;
     let evaluation = judge(&network, &golden, &options, &scenes)?;
-    let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
     weight_file::save_fixed(&out, golden.network())?;
     tell(ui, &layers, &evaluation)?;
     ui.say(format!("{}: written", out.display()))?;
@@ -233,7 +236,7 @@ fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluati
         .collect();
     json!({
         "weights": args.weights,
-        "out": out,
+        "out": out.display().to_string(),
         "bits": args.bits,
         "stride": args.stride,
         "overlap": args.overlap,
@@ -242,7 +245,6 @@ fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluati
         "calibration_windows": windows,
         "layers": layers,
         "saturated_sums": evaluation.counts.saturated_sums,
-        "clamped_chroma": evaluation.counts.clamped_chroma,
         "mean_lost_db": evaluation.mean_lost_db(),
         "worst_lost_db": evaluation.worst().map(|w| w.lost_db()),
         "scenes": scenes,

@@ -1,31 +1,39 @@
 //! `edof reconstruct`: from a raw frame to a picture.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
-use edof_golden::GoldenReconstructor;
+use crate::words;
+use clap::ValueEnum;
+use edof_golden::{Counts, Curve, Display, Golden};
 use edof_io::raw::{Alignment, ByteOrder, RawOptions, Size};
 use edof_io::{photo, raw};
-use edof_spec::colour::srgb_encode;
+use edof_spec::display::DisplayMode;
+use edof_spec::fixed_network::layer_names;
 use edof_spec::network::Origin;
 use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, CfaPhase, ColourFrame, RawFrame, Reconstructor, Stride};
+use edof_spec::reconstructor::Multiplications;
+use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone};
 use edof_train::reconstruct::{FloatReconstructor, Output};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
+use std::time::Instant;
 
-/// Frames that use less than this share of full scale are remarked upon: their codes may lie at the bottom of the word.
+/// Frames that use less than this share of full scale are remarked upon: their values may lie at the bottom of the word.
 const DIM: u16 = u16::MAX / 16;
 
 /// Reconstruct a sharp picture from a raw Bayer frame
 ///
-/// RAW is a 16-bit grey PNG, TIFF or PGM (codes of fewer bits at the top of each word, or as a PGM's maximum says), or a
+/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or as a PGM's maximum says), or a
 /// headerless 16-bit file with --size; with the optional feature camera-raw also DNG and other camera files. The network runs in the board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof reconstruct raw.png --out sharp.png
   edof reconstruct raw.png --weights edof-t4w12 --float --stride 4 --out sharp.tif
-  edof reconstruct frame.bin --size 1920x1080 --depth 12 --phase gbrg --weights edof-t4w12 --gamma srgb --out sharp.png")]
+  edof reconstruct frame.bin --size 1920x1080 --depth 12 --phase gbrg --weights edof-t4w12 --out sharp.png
+  edof reconstruct raw.png --board --out board.png     what leaves the HDMI port (board.yuyv) and what a screen shows of it
+  edof reconstruct raw.png --words words --json counters.json --out sharp.png")]
 pub struct Args {
     /// Raw Bayer frame
     raw: PathBuf,
@@ -62,7 +70,7 @@ pub struct Args {
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     size: Option<Size>,
 
-    /// Where in a word codes of fewer than 16 bits lie [default: bottom in headerless files, else top]
+    /// Where in a word values of fewer than 16 bits lie [default: bottom in headerless files, else top]
     #[arg(long, value_parser = ["top", "bottom"])]
     align: Option<String>,
 
@@ -70,47 +78,177 @@ pub struct Args {
     #[arg(long, value_parser = ["little", "big"], default_value = "little")]
     order: String,
 
-    /// Tone curve of the picture: linear keeps the light's values, srgb is for looking at
-    #[arg(long, value_parser = ["linear", "srgb"], default_value = "linear")]
-    gamma: String,
+    /// What the picture's numbers mean: srgb is for looking at; linear writes the network's light as it is, for frames and networks
+    /// that take a photograph's codes for light
+    #[arg(long, default_value_t = Tone::Srgb)]
+    tone: Tone,
+
+    /// Curve from light to the picture's numbers, and of the board's tables [default: the tone's]
+    #[arg(long, value_name = "CURVE")]
+    gamma: Option<Gamma>,
 
     /// Bits a sample of the picture: 8 or 16
     #[arg(long, default_value_t = 8)]
     bits: u32,
+
+    /// Write what the board sends: the 8-bit Y'CbCr 4:2:2 codes of its HDMI port beside the picture, as .yuyv (bytes Y Cb Y Cr
+    /// for each two pixels), and as picture what a screen shows of them
+    #[arg(long, conflicts_with_all = ["float", "bits"])]
+    board: bool,
+
+    /// How the board makes codes: colour encodes red, green and blue; luma is the paper's and encodes luma alone
+    #[arg(long, default_value_t, conflicts_with = "float")]
+    display: DisplayMode,
+
+    /// Write the words at every stage boundary to DIR/words.npz, laid out as docs/contract.md says
+    #[arg(long, value_name = "DIR", conflicts_with = "float")]
+    words: Option<PathBuf>,
 
     /// Picture to write: .png, .tif, .tiff or .ppm
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
 
+/// Transfer curves by name.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Gamma {
+    /// Numbers proportional to light
+    Linear,
+    /// For an sRGB screen
+    Srgb,
+    /// BT.709's camera curve
+    Bt709,
+}
+
 /// # Errors
-/// A frame, network or option that cannot be used, or a picture that cannot be written.
+/// A frame, network or option that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let network =
+        if args.float { weights::float_file(&args.weights) } else { weights::fixed_file(&args.weights) };
+    let files = Files::new(ui).reads(&args.raw).reads_all(network).reads_all(&args.camera);
+    let words = args.words.as_deref().map(words::file);
+    files
+        .writes("--out", &args.out)
+        .may_write("--board", codes_file(&args))
+        .may_write("--words", words)
+        .check()?;
     let frame = raw::load(&args.raw, &raw_options(&args))?;
     remark_on_dim_frames(&frame, &args, ui);
-    let method = method(&args)?;
-    let result =
-        method.reconstruct(&frame).map_err(|e| Error::message(format!("{}: {e}", args.raw.display())))?;
-    photo::save(&args.out, &toned(result.frame, &args.gamma), args.bits)?;
+    let made = if args.float { float(&args, &frame)? } else { fixed(&args, &frame)? };
     let (height, width) = frame.size();
-    let megapixels = (height * width) as f64 / 1e6;
+    let per_megapixel = made.seconds / ((height * width) as f64 / 1e6);
     ui.say(format!(
-        "{}: {width}x{height} by {} in {:.3} s ({:.2} s a megapixel)",
+        "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s a megapixel)",
         args.out.display(),
-        method.name(),
-        result.seconds,
-        result.seconds / megapixels
+        made.name,
+        made.seconds,
     ))?;
-    ui.json(&json!({
-        "method": method.name(),
-        "raw": args.raw,
-        "picture": args.out,
+    let mut report = json!({
+        "method": made.name,
+        "raw": args.raw.display().to_string(),
+        "picture": args.out.display().to_string(),
         "width": width,
         "height": height,
-        "seconds": result.seconds,
-        "seconds_per_megapixel": result.seconds / megapixels,
-        "multiply_accumulates": result.multiply_accumulates,
-    }))
+        "tone": args.tone,
+        "seconds": made.seconds,
+        "seconds_per_megapixel": per_megapixel,
+        "multiplications": made.multiplications,
+    });
+    if let (Value::Object(report), Value::Object(more)) = (&mut report, made.more) {
+        report.extend(more);
+    }
+    ui.json(&report)
+}
+
+/// What has been made and written.
+struct Made {
+    name: String,
+    seconds: f64,
+    multiplications: Option<Multiplications>,
+    /// What else there is to report.
+    more: Value,
+}
+
+fn float(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
+    let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
+    let network = weights::float(&args.weights)?;
+    fits_camera(&network.origin, args)?;
+    let method = FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?;
+    let result = method.reconstruct(frame).map_err(|e| of_frame(args, e))?;
+    photo::save(&args.out, &encoded(result.frame, curve(args)), args.bits)?;
+    let name = method.name().to_owned();
+    Ok(Made { name, seconds: result.seconds, multiplications: result.multiplications, more: Value::Null })
+}
+
+fn fixed(args: &Args, frame: &RawFrame) -> Result<Made, Error> {
+    let network = fixed_network(args)?;
+    let name = format!("{}.fixed", network.origin.name);
+    let golden = Golden::new(network)?;
+    let start = Instant::now();
+    let out = golden.frame(frame).map_err(|e| of_frame(args, e))?;
+    let seconds = start.elapsed().as_secs_f64();
+    let (picture, shown) = out.picture(&Display::new(args.display, curve(args)));
+    let board = codes_file(args);
+    if let Some(codes) = &board {
+        photo::save(&args.out, &picture.shown_frame(), args.bits)?;
+        edof_spec::atomic::write(codes, &picture.yuyv())?;
+    } else {
+        photo::save(&args.out, &encoded(out.colour(), curve(args)), args.bits)?;
+    }
+    if let Some(folder) = &args.words {
+        words::save(folder, &golden.words(frame).map_err(|e| of_frame(args, e))?, &out.frame, &picture)?;
+    }
+    let more = json!({
+        "counters": counters(&out.counts),
+        "display": { "mode": args.display, "clamped_chroma": shown.clamped_chroma, "out_of_gamut": shown.out_of_gamut },
+        "board": board.map(|file| file.display().to_string()),
+        "words": args.words.as_deref().map(|folder| words::file(folder).display().to_string()),
+    });
+    let multiplications = Some(out.counts.multiplications(golden.network()));
+    Ok(Made { name, seconds, multiplications, more })
+}
+
+/// Where the board's codes go, if they are asked for.
+fn codes_file(args: &Args) -> Option<PathBuf> {
+    args.board.then(|| args.out.with_extension("yuyv"))
+}
+
+/// Saturations and non-zeros of every stage.
+fn counters(counts: &Counts) -> Value {
+    let stages: Vec<Value> = layer_names(counts.stages.len())
+        .zip(&counts.stages)
+        .map(|(layer, stage)| {
+            json!({
+                "layer": layer,
+                "saturated_results": stage.saturated_results,
+                "saturated_codes": stage.saturated_codes,
+                "saturated_differences": stage.saturated_differences,
+                "nonzeros": stage.nonzeros,
+            })
+        })
+        .collect();
+    json!({ "patches": counts.patches, "stages": stages, "saturated_sums": counts.saturated_sums })
+}
+
+/// An error that names the raw frame's file.
+fn of_frame(args: &Args, error: impl std::fmt::Display) -> Error {
+    Error::message(format!("{}: {error}", args.raw.display()))
+}
+
+fn curve(args: &Args) -> Curve {
+    match (args.gamma, args.tone) {
+        (Some(Gamma::Linear), _) | (None, Tone::Linear) => Curve::Linear,
+        (Some(Gamma::Srgb), _) | (None, Tone::Srgb) => Curve::Srgb,
+        (Some(Gamma::Bt709), _) => Curve::Bt709,
+    }
+}
+
+/// Light as the numbers of a picture file.
+fn encoded(mut light: ColourFrame, curve: Curve) -> ColourFrame {
+    if curve != Curve::Linear {
+        light.planes.mapv_inplace(|v| curve.encode(f64::from(v.clamp(0.0, 1.0))) as f32);
+    }
+    light
 }
 
 fn raw_options(args: &Args) -> RawOptions {
@@ -123,28 +261,19 @@ fn raw_options(args: &Args) -> RawOptions {
     }
 }
 
-fn method(args: &Args) -> Result<Box<dyn Reconstructor>, Error> {
-    if args.float {
-        let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
-        let network = weights::float(&args.weights)?;
-        fits_camera(&network.origin, args)?;
-        return Ok(Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?));
-    }
+fn fixed_network(args: &Args) -> Result<FixedNetwork, Error> {
     let network = weights::fixed(&args.weights)?;
     fits_camera(&network.origin, args)?;
-    if let Some(stride) = args.stride.map(Stride::new).transpose()?
-        && stride != network.stride
-    {
-        return Err(Error::message(format!(
+    match args.stride.map(Stride::new).transpose()? {
+        Some(stride) if stride != network.stride => Err(Error::message(format!(
             "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
             stride.pixels(),
             args.weights,
             network.stride.pixels(),
             stride.pixels()
-        )));
+        ))),
+        _ => Ok(network),
     }
-    let name = format!("{}.fixed", network.origin.name);
-    Ok(Box::new(GoldenReconstructor::new(network, name)?))
 }
 
 /// Names, sources and ranges may differ, lenses may not.
@@ -169,17 +298,15 @@ fn fits_camera(origin: &Origin, args: &Args) -> Result<(), Error> {
 fn remark_on_dim_frames(frame: &RawFrame, args: &Args, ui: &Ui) {
     let brightest = frame.pixels().iter().copied().max().unwrap_or(0);
     if args.depth.is_none() && args.align.is_none() && brightest < DIM {
+        // Headerless files have their values at the bottom already.
+        let align = if args.size.is_some() {
+            ""
+        } else {
+            ", and --align bottom where they lie at the bottom of each word"
+        };
         ui.note(format!(
-            "{}: brightest pixel is {brightest} of 65535; if its codes lie at the bottom of each word, give --depth and \
-             --align bottom",
+            "{}: brightest pixel is {brightest} of 65535; if its values have fewer than 16 bits, give --depth{align}",
             args.raw.display()
         ));
     }
-}
-
-fn toned(mut frame: ColourFrame, gamma: &str) -> ColourFrame {
-    if gamma == "srgb" {
-        frame.planes.mapv_inplace(|v| srgb_encode(f64::from(v.clamp(0.0, 1.0))) as f32);
-    }
-    frame
 }

@@ -1,8 +1,9 @@
 //! `edof train`: a float network from photographs.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
-use crate::{form, interrupt};
+use crate::{form, interrupt, memory};
 use edof_io::photo;
 use edof_optics::psf::Settings;
 use edof_spec::network::{Form, Network};
@@ -81,8 +82,8 @@ pub struct Args {
     steps: Option<u64>,
 
     /// Stop after so many minutes, wherever the schedule is
-    #[arg(long)]
-    minutes: Option<f64>,
+    #[arg(long, value_parser = minutes)]
+    minutes: Option<Duration>,
 
     /// Windows a step; a multiple of the threads
     #[arg(long)]
@@ -132,14 +133,18 @@ pub struct Args {
 /// # Errors
 /// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let file = checkpoint_file(&args.out);
+    let files = Files::new(ui).reads(&args.camera);
+    let files = args.images.iter().fold(files, Files::reads_pictures_of);
+    files.writes("--out", &args.out).writes("checkpoint", &file).check()?;
     let mut camera = Camera::resolve(&args.camera)?;
     camera.psi_range = args.psi.unwrap_or(camera.psi_range);
     let recipe = recipe(&args);
+    memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let photographs = photographs(args.images.as_deref(), args.photos.as_ref(), ui)?;
     let (names, frames): (Vec<_>, Vec<_>) = photographs.into_iter().unzip();
     let run = Run { recipe: recipe.clone(), camera: camera.to_json(), photos: names, psis: psis.clone() };
-    let file = checkpoint_file(&args.out);
     if file.exists() && !args.resume {
         return Err(Error::message(format!(
             "{}: left by an earlier run; go on with it by --resume, or delete it",
@@ -152,7 +157,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     } else {
         Trainer::new(recipe, &bank)?
     };
-    // Before hours of work: can OUT's folder be written at all?
     checkpoint::save(&file, &run, &trainer.state)?;
     let begun = Begun { time: Instant::now(), step: trainer.state.step };
     if let Err(error) = train(&mut trainer, &args, &file, &run, ui) {
@@ -168,6 +172,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     tell(&network, &trainer, &args, &begun, ui)
 }
 
+/// Memory that a step takes for each of its windows: inputs, targets, and what the gradient needs of every layer.
+fn bytes_a_window(form: &Form) -> f64 {
+    let words = form.window.pixels() + 3 * 192 + 4 * form.codes * form.layers;
+    (words * size_of::<f32>()) as f64
+}
+
 /// Where this run began; a resumed one counts its own steps only.
 struct Begun {
     time: Instant,
@@ -176,7 +186,7 @@ struct Begun {
 
 fn train(trainer: &mut Trainer<'_>, args: &Args, file: &Path, run: &Run, ui: &Ui) -> Result<(), Error> {
     let bar = ui.progress(trainer.recipe().steps, "train");
-    let limit = args.minutes.map(|m| Duration::from_secs_f64((60.0 * m).clamp(0.0, 1e9)));
+    let limit = args.minutes;
     let (start, mut saved) = (Instant::now(), Instant::now());
     let mut failed = None;
     trainer.run(|trainer, progress: &Progress| {
@@ -291,6 +301,12 @@ fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
     }
 }
 
+fn minutes(text: &str) -> Result<Duration, String> {
+    let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);
+    let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
+    time.ok_or_else(|| "expected a number of minutes above 0".to_owned())
+}
+
 fn range(text: &str) -> Result<[f64; 2], String> {
     let number = |word: &str| word.parse::<f64>().ok().filter(|v| v.is_finite());
     let ends = text.split_once(':').and_then(|(low, high)| Some([number(low)?, number(high)?]));
@@ -363,7 +379,7 @@ fn tell(network: &Network, trainer: &Trainer<'_>, args: &Args, begun: &Begun, ui
         "validation_db": network.origin.validation_db,
         "seconds": seconds,
         "windows_per_second": patches as f64 / seconds,
-        "weights": args.out,
+        "weights": args.out.display().to_string(),
     }))
 }
 

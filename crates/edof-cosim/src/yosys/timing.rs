@@ -9,7 +9,7 @@ mod report;
 use super::netlist::Netlist;
 use crate::cache;
 use crate::error::{Error, at};
-use crate::{Source, tool};
+use crate::{Source, tool, work};
 use edof_hdl::project::Project;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -84,7 +84,7 @@ pub fn stages(
     cache: Option<&Path>,
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Vec<StageTiming>, Error> {
-    let work = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    let work = work::folder()?;
     let design = elaborated(project, work.path())?;
     let text = std::fs::read_to_string(&design).map_err(at(&design))?;
     let modules = (0..count).map(|stage| module_of(&text, project, stage)).collect::<Result<Vec<_>, _>>()?;
