@@ -88,7 +88,7 @@ impl Sum for Resources {
 /// use edof_hdl::resources::{XC7K325T, stages};
 /// let design = edof_spec::Design::from_json(include_str!("../../../designs/kc705.json"))?;
 /// let all: edof_hdl::resources::Resources = stages(&design).into_iter().sum();
-/// assert_eq!(all.dsp48e1, 768);
+/// assert_eq!(all.dsp48e1, 800);
 /// assert_eq!(all.fullest(&XC7K325T).0, "dsp48e1");
 /// # Ok::<(), edof_spec::design::DesignError>(())
 /// ```
