@@ -34,7 +34,8 @@ impl Place {
 
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_edof"));
-        command.args(line.split_whitespace()).current_dir(self.dir.path()).env("EDOF_KODAK", "no-kodak-here");
+        command.args(line.split_whitespace()).current_dir(self.dir.path());
+        command.env("EDOF_KODAK", "no-kodak-here").env("EDOF_MORE", "");
         command
     }
 

@@ -6,7 +6,7 @@ use edof_spec::geometry::GeometryError;
 use edof_spec::network::{Form, Recurrence};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::{Geometry, Network, RawFrame, Stride};
-use edof_train::matmul::{Into, Mat, product};
+use edof_train::matmul::{Destination, Mat, product};
 use edof_train::parameters::flatten;
 use edof_train::pass::Pass;
 use ndarray::Array2;
@@ -108,7 +108,7 @@ impl Calibration {
         let mut sums = vec![0.0; (codes + pixels).pow(2)];
         let mut add = |moments: &mut Array2<f64>, vectors: &[f32], n: usize| {
             let v = Mat::new(vectors, windows, n);
-            product(&mut sums, Into::Replace, v.t(), v);
+            product(&mut sums, Destination::Replace, v.t(), v);
             moments.iter_mut().zip(&sums).for_each(|(m, s)| *m += f64::from(*s));
         };
         for (t, moments) in self.sent.iter_mut().enumerate() {

@@ -1,7 +1,6 @@
 //! Integers stand for the float network: every layer's words are its values, to the last bits.
 
 use edof_golden::{Golden, scalar};
-use edof_optics::psf::Settings;
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
@@ -11,10 +10,12 @@ use edof_spec::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::overlap::Overlap;
 use edof_spec::{Camera, CfaPhase, ColourFrame, Geometry, Network, RawFrame, Stride, Window};
+use edof_train::dataset::{Dataset, DatasetOptions};
+use edof_train::noise::Conditions;
 use edof_train::parameters::flatten;
 use edof_train::pass::Pass;
-use edof_train::patches::Bank;
-use edof_train::train::{Continue, Recipe, Trainer};
+use edof_train::recipe::Recipe;
+use edof_train::train::{Continue, Trainer};
 use ndarray::{Array1, Array2, Array3};
 use proptest::prelude::*;
 
@@ -236,11 +237,17 @@ fn pictures() -> Vec<ColourFrame> {
 fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
     let camera = Camera::resolve("clear").unwrap();
     let window = Window::new(8).unwrap();
-    let bank = Bank::new(&pictures(), &camera, &[0.0, 2.0], &Settings::default(), window, |_, _| true);
-    let bank = bank.unwrap().unwrap();
+    let plain = DatasetOptions::plain(&[0.0, 2.0], window);
+    let dataset = Dataset::new(&pictures(), &camera, plain, |_, _| true).unwrap().unwrap();
     let form = Form { codes: 32, ..form(4, Shrinkage::OneSided, true) };
-    let recipe = Recipe { steps: 300, batch: 128, validate_every: 100, noise: 0.01, ..Recipe::new(form) };
-    let mut trainer = Trainer::new(recipe, &bank).unwrap();
+    let recipe = Recipe {
+        steps: 300,
+        batch: 128,
+        validate_every: 100,
+        conditions: Conditions::plain(0.01),
+        ..Recipe::new(form)
+    };
+    let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();
     trainer.run(|_, _| Continue::Yes).unwrap();
     let network = trainer.best("small", &camera, "test");
     let scenes: Vec<RawFrame> = pictures().iter().map(|p| expose(p, &Sensor::default()).unwrap()).collect();
@@ -253,7 +260,7 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
             seen.push(p.validation_db);
             true
         };
-        (finetune(&fixed, &bank, &tuning, tell), seen)
+        (finetune(&fixed, &dataset, &tuning, tell), seen)
     };
     let (tuned, db) = tune();
     assert_eq!(db.len(), 3);

@@ -110,19 +110,29 @@ pub fn default_folder() -> Result<PathBuf, PhotosError> {
     if let Some(folder) = std::env::var_os("EDOF_KODAK") {
         return Ok(folder.into());
     }
-    let working = std::env::current_dir().unwrap_or_default();
-    let built = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let candidates: Vec<PathBuf> = working
-        .ancestors()
-        .skip(1)
-        .chain([built.join("..").as_path()])
-        .map(|f| f.join("shared/data/kodak"))
-        .collect();
+    let candidates = candidates("shared/data/kodak");
     let found = candidates.iter().find(|folder| folder.is_dir()).cloned();
     found.ok_or_else(|| {
         let list: Vec<String> = candidates.iter().map(|f| f.display().to_string()).collect();
         PhotosError::Nowhere(list.join(", "))
     })
+}
+
+/// The folder of further photographs to train on, where there is one: `EDOF_MORE` (none where that is empty), else
+/// `shared/data/more`, looked for as [`default_folder`] looks for its own.
+#[must_use]
+pub fn more_folder() -> Option<PathBuf> {
+    match std::env::var_os("EDOF_MORE") {
+        Some(folder) => Some(folder.into()).filter(|folder: &PathBuf| !folder.as_os_str().is_empty()),
+        None => candidates("shared/data/more").into_iter().find(|folder| folder.is_dir()),
+    }
+}
+
+/// Where a folder that comes beside the project may lie.
+fn candidates(folder: &str) -> Vec<PathBuf> {
+    let working = std::env::current_dir().unwrap_or_default();
+    let built = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    working.ancestors().skip(1).chain([built.join("..").as_path()]).map(|f| f.join(folder)).collect()
 }
 
 /// The chosen photographs of a folder in the order of their names, and one line for each that could not be read.

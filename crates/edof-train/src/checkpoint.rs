@@ -1,10 +1,13 @@
 //! A training run on disk: the recipe and everything that changes while it runs, so that it goes on bit for bit.
 
 use crate::adam::Adam;
-use crate::train::{Recipe, State};
+use crate::recipe::Recipe;
+use crate::train::{Best, State};
+use edof_spec::ColourFrame;
 use edof_spec::atomic::{self, WriteError};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -35,10 +38,32 @@ pub struct Run {
     pub recipe: Recipe,
     /// The camera, as JSON.
     pub camera: String,
-    /// Names of the photos, in order.
-    pub photos: Vec<String>,
+    /// The photographs, in order.
+    pub photos: Vec<Fingerprint>,
     /// ψ of each blur.
     pub psis: Vec<f64>,
+}
+
+/// A photograph by name and content.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its sides and values.
+    pub sha256: String,
+}
+
+/// Names of photographs with what is in them.
+#[must_use]
+pub fn fingerprints(names: Vec<String>, frames: &[ColourFrame]) -> Vec<Fingerprint> {
+    let hash = |frame: &ColourFrame| {
+        let (height, width) = frame.size();
+        let mut hash = Sha256::new();
+        [height, width].iter().for_each(|side| hash.update((*side as u64).to_le_bytes()));
+        frame.planes.iter().for_each(|value| hash.update(value.to_le_bytes()));
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    };
+    names.into_iter().zip(frames).map(|(name, frame)| Fingerprint { name, sha256: hash(frame) }).collect()
 }
 
 #[derive(Serialize, Deserialize)]
@@ -48,6 +73,7 @@ struct Metadata {
     adam_steps: u64,
     /// Bits of an f64: JSON has no −∞.
     best_db_bits: u64,
+    best_within_budget: bool,
     stale: u32,
 }
 
@@ -61,7 +87,8 @@ pub fn save(path: &Path, run: &Run, state: &State) -> Result<(), CheckpointError
         run: run.clone(),
         step: state.step,
         adam_steps: state.adam.steps,
-        best_db_bits: state.best_db.to_bits(),
+        best_db_bits: state.best.db.to_bits(),
+        best_within_budget: state.best.within_budget,
         stale: state.stale,
     };
     let text = serde_json::to_string(&metadata).map_err(|e| foreign(e.to_string()))?;
@@ -106,7 +133,8 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         adam: Adam { steps: metadata.adam_steps, mean: tensor("adam_mean")?, square: tensor("adam_square")? },
         cell_errors: tensor("cell_errors")?,
         best_weights: tensor("best_weights")?,
-        best_db: f64::from_bits(metadata.best_db_bits),
+        lambdas: tensor("lambdas")?,
+        best: Best { within_budget: metadata.best_within_budget, db: f64::from_bits(metadata.best_db_bits) },
         stale: metadata.stale,
     };
     let lengths = [&state.adam.mean, &state.adam.square, &state.best_weights].map(Vec::len);
@@ -116,12 +144,13 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
     Ok(state)
 }
 
-const fn named(state: &State) -> [(&'static str, &Vec<f32>); 5] {
+const fn named(state: &State) -> [(&'static str, &Vec<f32>); 6] {
     [
         ("weights", &state.weights),
         ("adam_mean", &state.adam.mean),
         ("adam_square", &state.adam.square),
         ("cell_errors", &state.cell_errors),
+        ("lambdas", &state.lambdas),
         ("best_weights", &state.best_weights),
     ]
 }

@@ -1,9 +1,10 @@
 //! Starting values: random analysis of whitened inputs, or ISTA's own matrices from a dictionary.
 
+use crate::dataset::Batch;
 use crate::linear_algebra::{cholesky, least_squares, solve_upper};
 use crate::parameters::Layout;
 use crate::pass::Pass;
-use crate::patches::{Batch, Random};
+use crate::random::Random;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Shrinkage};
 use serde::{Deserialize, Serialize};
@@ -77,7 +78,7 @@ const fn first_threshold(shrinkage: Shrinkage) -> f32 {
 /// D and R by least squares over what the rest of the network makes of the batch.
 fn fit_final_layer(form: &Form, layout: &Layout, batch: &Batch, weights: &mut [f32]) {
     let (codes, pixels) = (form.codes, form.window.pixels());
-    let windows = batch.cells.len();
+    let windows = batch.windows();
     let mut pass = Pass::new(*form, windows);
     pass.forward(weights, &batch.inputs, windows);
     let z = pass.z(form.middle_layers());
@@ -161,17 +162,17 @@ fn normalise_atoms(dictionary: &mut [f32], codes: usize) {
 
 /// ISTA on ½‖x − Dz‖² + μ‖z‖₁ (atom 0 unpenalised), all patches at once.
 fn sparse_codes(patches: &[f32], dictionary: &[f32], codes: usize, mu: f32, steps: usize) -> Vec<f32> {
-    use crate::matmul::{Into, Mat, product};
+    use crate::matmul::{Destination, Mat, product};
     let count = patches.len() / RGB_OUTPUTS;
     let d = Mat::new(dictionary, RGB_OUTPUTS, codes);
     let mut gram = vec![0.0; codes * codes];
-    product(&mut gram, Into::Replace, d.t(), d);
+    product(&mut gram, Destination::Replace, d.t(), d);
     let mut start = vec![0.0; count * codes];
-    product(&mut start, Into::Replace, Mat::new(patches, count, RGB_OUTPUTS), d);
+    product(&mut start, Destination::Replace, Mat::new(patches, count, RGB_OUTPUTS), d);
     let step = 1.0 / (largest_eigenvalue(&gram, codes) * 1.01);
     let (mut z, mut toward) = (vec![0.0f32; count * codes], vec![0.0; count * codes]);
     for _ in 0..steps {
-        product(&mut toward, Into::Replace, Mat::new(&z, count, codes), Mat::new(&gram, codes, codes));
+        product(&mut toward, Destination::Replace, Mat::new(&z, count, codes), Mat::new(&gram, codes, codes));
         for (i, ((z, &g), &b)) in z.iter_mut().zip(&toward).zip(&start).enumerate() {
             let moved = *z + step * (b - g);
             let theta = if i % codes == 0 { 0.0 } else { step * mu };

@@ -4,9 +4,13 @@
 //! hardly at all along what is fine. With E[y·yᵀ] = L·Lᵀ, training moves A′ = A·L and R′ = R·L instead; the network is unchanged.
 
 use crate::linear_algebra::{cholesky, solve_upper};
-use crate::matmul::{Into, Mat, product};
+use crate::matmul::{Destination, Mat, product};
 use crate::parameters::Layout;
+use rayon::prelude::*;
 use std::ops::Range;
+
+/// Rows of a matrix that one thread multiplies at a time.
+const ROWS: usize = 48;
 
 /// The change of coordinates of one run; decided by a batch of its windows.
 #[derive(Debug, Clone)]
@@ -75,8 +79,12 @@ impl Block {
 
     fn multiply(&self, from: &[f32], to: &mut [f32], by: Mat<'_>) {
         for range in self.matrices.iter().filter(|r| !r.is_empty()) {
-            let matrix = Mat::new(&from[range.clone()], range.len() / self.inputs, self.inputs);
-            product(&mut to[range.clone()], Into::Replace, matrix, by);
+            let piece = ROWS * self.inputs;
+            let pieces = to[range.clone()].par_chunks_mut(piece).zip(from[range.clone()].par_chunks(piece));
+            pieces.for_each(|(to, from)| {
+                let matrix = Mat::new(from, from.len() / self.inputs, self.inputs);
+                product(to, Destination::Replace, matrix, by);
+            });
         }
     }
 }
@@ -89,7 +97,7 @@ fn second_moment(values: &[f32], n: usize, floor: f64) -> Vec<f64> {
     let mut part = vec![0.0f32; n * n];
     for rows in values.chunks(256 * n) {
         let rows = Mat::new(rows, rows.len() / n, n);
-        product(&mut part, Into::Replace, rows.t(), rows);
+        product(&mut part, Destination::Replace, rows.t(), rows);
         sums.iter_mut().zip(&part).for_each(|(s, &p)| *s += f64::from(p));
     }
     sums.iter_mut().for_each(|s| *s /= count as f64);
@@ -100,7 +108,7 @@ fn second_moment(values: &[f32], n: usize, floor: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::patches::Random;
+    use crate::random::Random;
     use edof_spec::Window;
     use edof_spec::network::{Form, Recurrence, Shrinkage};
 

@@ -8,7 +8,6 @@ use crate::ui::Ui;
 use crate::weights;
 use edof_golden::Golden;
 use edof_optics::draw::{Builtin, draw};
-use edof_optics::psf::Settings;
 use edof_quantize::capture::depths;
 use edof_quantize::{
     Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, capture, evaluate,
@@ -18,7 +17,7 @@ use edof_spec::overlap::Overlap;
 use edof_spec::{ColourFrame, FixedNetwork, Network, Stride, weight_file};
 use edof_study::metrics;
 use edof_study::photos::Selection;
-use edof_train::patches::Bank;
+use edof_train::dataset::{Dataset, DatasetOptions};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -124,7 +123,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
     if let Some(folder) = &args.images {
-        return photographs(Some(folder), args.photos.as_ref(), ui);
+        let photographs = photographs(std::slice::from_ref(folder), args.photos.as_ref(), ui)?;
+        return Ok(photographs.into_iter().map(|p| (p.stem, p.frame)).collect());
     }
     let (height, width) = SCENE_SIZE;
     (0..SCENES)
@@ -147,12 +147,12 @@ fn tune(
     let camera = &fixed.origin.camera;
     let psis = depths(camera.psi_range);
     let go_on = |_, _| interrupt::check().is_ok();
-    let bank = Bank::new(&frames, camera, &psis, &Settings::default(), fixed.form.window, go_on)?
-        .ok_or(Error::Interrupted)?;
+    let options = DatasetOptions::plain(&psis, fixed.form.window);
+    let dataset = Dataset::new(&frames, camera, options, go_on)?.ok_or(Error::Interrupted)?;
     let bar = ui.progress(steps, "fine-tune");
     let mut first = None;
     let mut best = 0.0;
-    let tuned = finetune(fixed, &bank, &tuning, |progress| {
+    let tuned = finetune(fixed, &dataset, &tuning, |progress| {
         bar.set(progress.step);
         bar.message(format!("best {:.2} dB", progress.best_db));
         first.get_or_insert(progress.validation_db);
