@@ -6,7 +6,7 @@ use super::difference::Difference;
 use super::ram::{Ram, Shape};
 use super::requantize::Requantize;
 use super::shrink::Shrink;
-use super::{Pair, Row, Sum, Word};
+use super::{Pair, Row, Sum, Word, role};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::{Design, StagePlan, memory};
@@ -15,7 +15,7 @@ use rust_hdl::prelude::*;
 /// From sums to the words that go on, two elements a cycle. Counted from `take`: 1 sums and base are read, 2 to 6 base, rounding,
 /// shift and saturation, 7 threshold, 8 difference or wait. Nothing in here ever stalls.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), role(_role))]
 pub struct Results {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -112,6 +112,7 @@ pub struct Results {
     _result_is_sent: usize,
     _result_is_base: usize,
     _passes_base: usize,
+    _role: String,
 }
 
 impl Results {
@@ -160,6 +161,7 @@ impl Results {
             _result_is_sent: result_is_sent,
             _result_is_base: result_is_base,
             _passes_base: passes_base,
+            _role: role(stage),
         })
     }
 }

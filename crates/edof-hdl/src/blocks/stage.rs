@@ -1,6 +1,5 @@
 //! One stage of the calculator: I, M or F.
 
-use super::Pair;
 use super::counters::Counters;
 use super::drain::Drain;
 use super::fifo::Fifo;
@@ -10,6 +9,7 @@ use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
+use super::{Pair, role};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::memory::Shifts;
@@ -19,7 +19,7 @@ use rust_hdl::prelude::*;
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
 /// Pairs are multiplied as they come out of the pair buffer; sums are copied, drained, rounded, shrunk and sent on.
 #[derive(Circuit)]
-#[circuit(default(Counters))]
+#[circuit(default(Counters), role(_role))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -86,6 +86,7 @@ pub struct Stage {
     blocked: Signal<Local, Bit>,
     shifts: Signal<Local, Bits<20>>,
     _linear: usize,
+    _role: String,
 }
 
 impl Stage {
@@ -106,6 +107,7 @@ impl Stage {
             fifo: Fifo::new(stage.feeds_m),
             registers: Registers::new(sets.map(|n| Shifts::of(n, stage)), design.skip_zeros),
             _linear: linear,
+            _role: role(stage),
         })
     }
 }

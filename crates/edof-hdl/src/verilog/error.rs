@@ -35,6 +35,17 @@ pub enum Fault {
         /// The field.
         port: String,
     },
+    /// A leaf whose own text is not understood.
+    #[error("the text of its leaf cannot be read: {0}")]
+    LeafText(String),
+    /// A leaf whose text says something else than the block.
+    #[error("the leaf `{leaf}` {what}")]
+    LeafMisfit {
+        /// Module of the leaf.
+        leaf: String,
+        /// What does not fit what.
+        what: String,
+    },
     /// A bidirectional port.
     #[error("bidirectional ports are not translated")]
     InOut,

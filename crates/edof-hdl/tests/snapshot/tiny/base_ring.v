@@ -5,15 +5,15 @@
 `default_nettype none
 
 module base_ring (
-    input  wire        clock_i,
-    input  wire        reset_i,
-    input  wire        write_i,
-    input  wire [31:0] words_i,
-    input  wire        read_i,
-    output wire [31:0] front_o
+    input  wire        clock_i, // Clock.
+    input  wire        reset_i, // Empties it.
+    input  wire        write_i, // A beat arrives.
+    input  wire [31:0] words_i, // Its two base words.
+    input  wire        read_i,  // Moves on to the next two.
+    output wire [31:0] front_o  // The two that stood first a cycle ago.
 );
 
-    localparam [11:0] LAST_ROW = 12'h1f;
+    localparam [11:0] LAST_ROW = 12'd31;
 
     reg  [11:0] write_row_q;
     reg  [11:0] write_row_d;
@@ -36,13 +36,19 @@ module base_ring (
 
     always @* begin
         write_row_d = write_row_q;
-        read_row_d = read_row_q;
         if (write_i) begin
             write_row_d = write_row_q + 12'd1;
             if (write_row_q == LAST_ROW) begin
                 write_row_d = 12'd0;
             end
         end
+        if (reset_i) begin
+            write_row_d = 12'd0;
+        end
+    end
+
+    always @* begin
+        read_row_d = read_row_q;
         if (read_i) begin
             read_row_d = read_row_q + 12'd1;
             if (read_row_q == LAST_ROW) begin
@@ -50,7 +56,6 @@ module base_ring (
             end
         end
         if (reset_i) begin
-            write_row_d = 12'd0;
             read_row_d = 12'd0;
         end
     end

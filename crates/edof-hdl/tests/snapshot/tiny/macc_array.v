@@ -3,139 +3,70 @@
 // From crates/edof-hdl/src/blocks/macc_array.rs (MaccArray).
 `default_nettype none
 
-module macc_array (
-    input  wire        clock_i,
-    input  wire        first_i,
-    input  wire [11:0] address_a_i,
-    input  wire [24:0] value_a_i,
-    input  wire [11:0] address_b_i,
-    input  wire [24:0] value_b_i,
-    input  wire        copy_i,
-    input  wire        shift_i,
-    output wire [47:0] drain_even_o,
-    output wire [47:0] drain_odd_o,
-    input  wire        write_enable_i,
-    input  wire [5:0]  write_bank_i,
-    input  wire        write_half_i,
-    input  wire [11:0] write_row_i,
-    input  wire [31:0] write_data_i
+module macc_array #(
+    parameter BANKS = 4,
+    parameter DEPTH = 128,
+    parameter ROWS = 2,
+    parameter INIT = "mem/stage0_bank"
+) (
+    input  wire        clock_i,        // Clock.
+    input  wire        first_i,        // The step is the first of its pass.
+    input  wire [11:0] address_a_i,    // Row of weights.
+    input  wire [24:0] value_a_i,      // Value.
+    input  wire [11:0] address_b_i,    // Row of weights for the second DSP.
+    input  wire [24:0] value_b_i,      // Its value.
+    input  wire        copy_i,         // Copies the sums.
+    input  wire        shift_i,        // Hands two on.
+    output wire [47:0] drain_even_o,   // The two that stand first.
+    output wire [47:0] drain_odd_o,    // The odd one.
+    input  wire        write_enable_i, // Writes half a row of one bank.
+    input  wire [5:0]  write_bank_i,   // Which bank.
+    input  wire        write_half_i,   // Which half.
+    input  wire [11:0] write_row_i,    // Row.
+    input  wire [31:0] write_data_i    // Two weights.
 );
 
-    localparam [5:0] BANK_IDS_0 = 6'h0;
-    localparam [5:0] BANK_IDS_1 = 6'h1;
-    localparam [5:0] BANK_IDS_2 = 6'h2;
-    localparam [5:0] BANK_IDS_3 = 6'h3;
+    wire [47:0] banks_drain_even [0:BANKS];
+    wire [47:0] banks_drain_odd [0:BANKS];
 
-    wire [47:0] banks_1_drain_even;
-    wire [47:0] banks_1_drain_odd;
-    wire [47:0] banks_2_drain_even;
-    wire [47:0] banks_2_drain_odd;
-    wire [47:0] banks_3_drain_even;
-    wire [47:0] banks_3_drain_odd;
+    genvar bank;
+    generate
+        for (bank = 0; bank < BANKS; bank = bank + 1) begin : banks
+            localparam [5:0] NUMBER = bank;
+            localparam [15:0] DIGITS = "00" + 256 * (bank / 10) + bank % 10;
+            edof_macc_bank #(
+                .DEPTH(DEPTH),
+                .ROWS(ROWS),
+                .SUM(48),
+                .INIT({INIT, DIGITS, ".hex"})
+            ) element (
+                .clock_i(clock_i),
+                .first_i(first_i),
+                .address_a_i(address_a_i),
+                .value_a_i(value_a_i),
+                .address_b_i(address_b_i),
+                .value_b_i(value_b_i),
+                .copy_i(copy_i),
+                .shift_i(shift_i),
+                .drain_even_i(banks_drain_even[bank + 1]),
+                .drain_odd_i(banks_drain_odd[bank + 1]),
+                .drain_even_o(banks_drain_even[bank]),
+                .drain_odd_o(banks_drain_odd[bank]),
+                .write_enable_i(write_enable_i),
+                .bank_i(NUMBER),
+                .write_bank_i(write_bank_i),
+                .write_half_i(write_half_i),
+                .write_address_i(write_row_i),
+                .write_data_i(write_data_i)
+            );
+        end
+    endgenerate
 
-    edof_macc_bank #(
-        .DEPTH(128),
-        .ROWS(2),
-        .SUM(48),
-        .INIT("mem/stage0_bank00.hex")
-    ) banks_0 (
-        .clock_i(clock_i),
-        .first_i(first_i),
-        .address_a_i(address_a_i),
-        .value_a_i(value_a_i),
-        .address_b_i(address_b_i),
-        .value_b_i(value_b_i),
-        .copy_i(copy_i),
-        .shift_i(shift_i),
-        .drain_even_i(banks_1_drain_even),
-        .drain_odd_i(banks_1_drain_odd),
-        .drain_even_o(drain_even_o),
-        .drain_odd_o(drain_odd_o),
-        .write_enable_i(write_enable_i),
-        .bank_i(BANK_IDS_0),
-        .write_bank_i(write_bank_i),
-        .write_half_i(write_half_i),
-        .write_address_i(write_row_i),
-        .write_data_i(write_data_i)
-    );
+    assign drain_even_o = banks_drain_even[0];
+    assign drain_odd_o = banks_drain_odd[0];
 
-    edof_macc_bank #(
-        .DEPTH(128),
-        .ROWS(2),
-        .SUM(48),
-        .INIT("mem/stage0_bank01.hex")
-    ) banks_1 (
-        .clock_i(clock_i),
-        .first_i(first_i),
-        .address_a_i(address_a_i),
-        .value_a_i(value_a_i),
-        .address_b_i(address_b_i),
-        .value_b_i(value_b_i),
-        .copy_i(copy_i),
-        .shift_i(shift_i),
-        .drain_even_i(banks_2_drain_even),
-        .drain_odd_i(banks_2_drain_odd),
-        .drain_even_o(banks_1_drain_even),
-        .drain_odd_o(banks_1_drain_odd),
-        .write_enable_i(write_enable_i),
-        .bank_i(BANK_IDS_1),
-        .write_bank_i(write_bank_i),
-        .write_half_i(write_half_i),
-        .write_address_i(write_row_i),
-        .write_data_i(write_data_i)
-    );
-
-    edof_macc_bank #(
-        .DEPTH(128),
-        .ROWS(2),
-        .SUM(48),
-        .INIT("mem/stage0_bank02.hex")
-    ) banks_2 (
-        .clock_i(clock_i),
-        .first_i(first_i),
-        .address_a_i(address_a_i),
-        .value_a_i(value_a_i),
-        .address_b_i(address_b_i),
-        .value_b_i(value_b_i),
-        .copy_i(copy_i),
-        .shift_i(shift_i),
-        .drain_even_i(banks_3_drain_even),
-        .drain_odd_i(banks_3_drain_odd),
-        .drain_even_o(banks_2_drain_even),
-        .drain_odd_o(banks_2_drain_odd),
-        .write_enable_i(write_enable_i),
-        .bank_i(BANK_IDS_2),
-        .write_bank_i(write_bank_i),
-        .write_half_i(write_half_i),
-        .write_address_i(write_row_i),
-        .write_data_i(write_data_i)
-    );
-
-    edof_macc_bank #(
-        .DEPTH(128),
-        .ROWS(2),
-        .SUM(48),
-        .INIT("mem/stage0_bank03.hex")
-    ) banks_3 (
-        .clock_i(clock_i),
-        .first_i(first_i),
-        .address_a_i(address_a_i),
-        .value_a_i(value_a_i),
-        .address_b_i(address_b_i),
-        .value_b_i(value_b_i),
-        .copy_i(copy_i),
-        .shift_i(shift_i),
-        .drain_even_i(48'd0),
-        .drain_odd_i(48'd0),
-        .drain_even_o(banks_3_drain_even),
-        .drain_odd_o(banks_3_drain_odd),
-        .write_enable_i(write_enable_i),
-        .bank_i(BANK_IDS_3),
-        .write_bank_i(write_bank_i),
-        .write_half_i(write_half_i),
-        .write_address_i(write_row_i),
-        .write_data_i(write_data_i)
-    );
+    assign banks_drain_even[BANKS] = 48'd0;
+    assign banks_drain_odd[BANKS] = 48'd0;
 endmodule
 
 `default_nettype wire

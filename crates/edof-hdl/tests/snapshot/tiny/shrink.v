@@ -4,67 +4,52 @@
 `default_nettype none
 
 module shrink (
-    input  wire        clock_i,
-    input  wire [15:0] code_i,
-    input  wire [15:0] threshold_i,
-    output wire [15:0] result_o,
-    output wire        saturated_o
+    input  wire        clock_i,     // Clock.
+    input  wire [15:0] code_i,      // b.
+    input  wire [15:0] threshold_i, // θ.
+    output wire [15:0] result_o,    // z.
+    output wire        saturated_o  // Whether it did not fit (a negative θ).
 );
 
-    localparam TWO_SIDED = 1'h0;
+    localparam TWO_SIDED = 1'b0;
     localparam [16:0] MOST = 17'h7fff;
 
-    reg  [16:0] wide_code;
-    reg  [16:0] wide_threshold;
+    wire [16:0] wide_code;
+    wire [16:0] wide_threshold;
     wire [16:0] above;
     wire [16:0] below;
-    reg  [15:0] result_q_q;
-    reg  [15:0] result_q_d;
-    reg  saturated_q_q;
-    reg  saturated_q_d;
+    reg  [15:0] result_q;
+    reg  [15:0] result_d;
+    reg  saturated_q;
+    wire saturated_d;
 
-    // Only a part of what follows is used.
-    /* verilator lint_off UNUSED */
-    wire [16:0] result_q_d_value = MOST;
-    /* verilator lint_on UNUSED */
+    wire [16:0] result_d_value = MOST;
+    wire result_d_value_unused = ^result_d_value;
 
-    always @* begin
-        wide_code = {1'b0, code_i};
-        if (code_i[15]) begin
-            wide_code = {1'b0, code_i} | 17'h10000;
-        end
-    end
-
-    always @* begin
-        wide_threshold = {1'b0, threshold_i};
-        if (threshold_i[15]) begin
-            wide_threshold = {1'b0, threshold_i} | 17'h10000;
-        end
-    end
-
+    assign wide_code = code_i[15] ? ({1'b0, code_i} | 17'h10000) : {1'b0, code_i};
+    assign wide_threshold = threshold_i[15] ? ({1'b0, threshold_i} | 17'h10000) : {1'b0, threshold_i};
     assign above = wide_code - wide_threshold;
     assign below = wide_code + wide_threshold;
 
     always @* begin
-        result_q_d = 16'd0;
-        saturated_q_d = 1'b0;
-        if ((|above) && (!above[16])) begin
-            result_q_d = above[15:0];
+        result_d = 16'd0;
+        if ((|above) && !above[16]) begin
+            result_d = above[15:0];
             if (above > MOST) begin
-                result_q_d = result_q_d_value[15:0];
-                saturated_q_d = 1'b1;
+                result_d = result_d_value[15:0];
             end
         end else if (TWO_SIDED && below[16]) begin
-            result_q_d = below[15:0];
+            result_d = below[15:0];
         end
     end
 
-    assign result_o = result_q_q;
-    assign saturated_o = saturated_q_q;
+    assign saturated_d = ((|above) && !above[16]) ? ((above > MOST) ? 1'b1 : 1'b0) : 1'b0;
+    assign result_o = result_q;
+    assign saturated_o = saturated_q;
 
     always @(posedge clock_i) begin
-        result_q_q <= result_q_d;
-        saturated_q_q <= saturated_q_d;
+        result_q <= result_d;
+        saturated_q <= saturated_d;
     end
 endmodule
 

@@ -5,21 +5,21 @@
 `default_nettype none
 
 module window_ring (
-    input  wire        clock_i,
-    input  wire        reset_i,
-    input  wire        valid_i,
-    output wire        ready_o,
-    input  wire [31:0] pixels_i,
-    input  wire        last_i,
-    input  wire [7:0]  read_pair_i,
-    output wire [31:0] read_pixels_o,
-    input  wire        finished_i
+    input  wire        clock_i,       // Clock.
+    input  wire        reset_i,       // Empties it.
+    input  wire        valid_i,       // A beat stands on the input.
+    output wire        ready_o,       // It is taken in this cycle, if there is one.
+    input  wire [31:0] pixels_i,      // Its two pixels.
+    input  wire        last_i,        // Whether it is its window's last.
+    input  wire [7:0]  read_pair_i,   // Which two pixels of the oldest window to read.
+    output wire [31:0] read_pixels_o, // They, a cycle later.
+    input  wire        finished_i     // Frees the oldest window.
 );
 
-    localparam [11:0] WINDOW_ROWS = 12'h20;
-    localparam [11:0] LAST_ROW = 12'h13f;
-    localparam [11:0] LAST_WINDOW = 12'h120;
-    localparam [5:0] MOST = 6'ha;
+    localparam [11:0] WINDOW_ROWS = 12'd32;
+    localparam [11:0] LAST_ROW = 12'd319;
+    localparam [11:0] LAST_WINDOW = 12'd288;
+    localparam [5:0] MOST = 6'd10;
 
     wire accept;
     wire arrived;
@@ -52,28 +52,38 @@ module window_ring (
 
     always @* begin
         write_row_d = write_row_q;
-        oldest_row_d = oldest_row_q;
-        held_d = held_q;
         if (accept) begin
             write_row_d = write_row_q + 12'd1;
             if (write_row_q == LAST_ROW) begin
                 write_row_d = 12'd0;
             end
         end
+        if (reset_i) begin
+            write_row_d = 12'd0;
+        end
+    end
+
+    always @* begin
+        oldest_row_d = oldest_row_q;
         if (finished_i) begin
             oldest_row_d = oldest_row_q + WINDOW_ROWS;
             if (oldest_row_q == LAST_WINDOW) begin
                 oldest_row_d = 12'd0;
             end
         end
-        if (arrived && (!finished_i)) begin
+        if (reset_i) begin
+            oldest_row_d = 12'd0;
+        end
+    end
+
+    always @* begin
+        held_d = held_q;
+        if (arrived && !finished_i) begin
             held_d = held_q + 6'd1;
-        end else if (finished_i && (!arrived)) begin
+        end else if (finished_i && !arrived) begin
             held_d = held_q - 6'd1;
         end
         if (reset_i) begin
-            write_row_d = 12'd0;
-            oldest_row_d = 12'd0;
             held_d = 6'd0;
         end
     end

@@ -3,18 +3,20 @@
 // From crates/edof-hdl/src/blocks/delay.rs (Delay).
 `default_nettype none
 
-module delay_8 (
-    input  wire        clock_i,
-    input  wire [31:0] now_i,
-    output wire [31:0] later_o
+module delay_w6_n2 (
+    input  wire       clock_i, // Clock.
+    input  wire [5:0] now_i,   // In.
+    output wire [5:0] later_o  // Out.
 );
 
-    reg  [31:0] row_0_q;
+    reg  [5:0] row_0_q;
+    reg  [5:0] row_1_q;
 
-    assign later_o = row_0_q;
+    assign later_o = row_1_q;
 
     always @(posedge clock_i) begin
         row_0_q <= now_i;
+        row_1_q <= row_0_q;
     end
 endmodule
 

@@ -3,18 +3,18 @@
 // From crates/edof-hdl/src/blocks/delay.rs (Delay).
 `default_nettype none
 
-module delay_2 (
-    input  wire       clock_i,
-    input  wire [2:0] now_i,
-    output wire [2:0] later_o
+module delay_w32_n1 (
+    input  wire        clock_i, // Clock.
+    input  wire [31:0] now_i,   // In.
+    output wire [31:0] later_o  // Out.
 );
 
-    reg  [2:0] row_0_q;
+    reg  [31:0] row_q;
 
-    assign later_o = row_0_q;
+    assign later_o = row_q;
 
     always @(posedge clock_i) begin
-        row_0_q <= now_i;
+        row_q <= now_i;
     end
 endmodule
 

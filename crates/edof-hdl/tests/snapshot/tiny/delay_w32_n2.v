@@ -3,10 +3,10 @@
 // From crates/edof-hdl/src/blocks/delay.rs (Delay).
 `default_nettype none
 
-module delay_9 (
-    input  wire        clock_i,
-    input  wire [31:0] now_i,
-    output wire [31:0] later_o
+module delay_w32_n2 (
+    input  wire        clock_i, // Clock.
+    input  wire [31:0] now_i,   // In.
+    output wire [31:0] later_o  // Out.
 );
 
     reg  [31:0] row_0_q;

@@ -3,18 +3,18 @@
 // From crates/edof-hdl/src/blocks/delay.rs (Delay).
 `default_nettype none
 
-module delay_7 (
-    input  wire       clock_i,
-    input  wire [1:0] now_i,
-    output wire [1:0] later_o
+module delay_w2_n1 (
+    input  wire       clock_i, // Clock.
+    input  wire [1:0] now_i,   // In.
+    output wire [1:0] later_o  // Out.
 );
 
-    reg  [1:0] row_0_q;
+    reg  [1:0] row_q;
 
-    assign later_o = row_0_q;
+    assign later_o = row_q;
 
     always @(posedge clock_i) begin
-        row_0_q <= now_i;
+        row_q <= now_i;
     end
 endmodule
 

@@ -3,22 +3,20 @@
 // From crates/edof-hdl/src/blocks/delay.rs (Delay).
 `default_nettype none
 
-module delay_3 (
-    input  wire       clock_i,
-    input  wire [2:0] now_i,
-    output wire [2:0] later_o
+module delay_w2_n2 (
+    input  wire       clock_i, // Clock.
+    input  wire [1:0] now_i,   // In.
+    output wire [1:0] later_o  // Out.
 );
 
-    reg  [2:0] row_0_q;
-    reg  [2:0] row_1_q;
-    reg  [2:0] row_2_q;
+    reg  [1:0] row_0_q;
+    reg  [1:0] row_1_q;
 
-    assign later_o = row_2_q;
+    assign later_o = row_1_q;
 
     always @(posedge clock_i) begin
         row_0_q <= now_i;
         row_1_q <= row_0_q;
-        row_2_q <= row_1_q;
     end
 endmodule
 

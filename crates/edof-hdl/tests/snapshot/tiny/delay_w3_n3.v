@@ -3,20 +3,22 @@
 // From crates/edof-hdl/src/blocks/delay.rs (Delay).
 `default_nettype none
 
-module delay_5 (
-    input  wire       clock_i,
-    input  wire [5:0] now_i,
-    output wire [5:0] later_o
+module delay_w3_n3 (
+    input  wire       clock_i, // Clock.
+    input  wire [2:0] now_i,   // In.
+    output wire [2:0] later_o  // Out.
 );
 
-    reg  [5:0] row_0_q;
-    reg  [5:0] row_1_q;
+    reg  [2:0] row_0_q;
+    reg  [2:0] row_1_q;
+    reg  [2:0] row_2_q;
 
-    assign later_o = row_1_q;
+    assign later_o = row_2_q;
 
     always @(posedge clock_i) begin
         row_0_q <= now_i;
         row_1_q <= row_0_q;
+        row_2_q <= row_1_q;
     end
 endmodule
 

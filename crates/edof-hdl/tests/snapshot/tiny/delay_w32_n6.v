@@ -3,19 +3,20 @@
 // From crates/edof-hdl/src/blocks/delay.rs (Delay).
 `default_nettype none
 
-module delay_4 (
-    input  wire       clock_i,
-    input  wire [7:0] now_i,
-    output wire [7:0] later_o
+module delay_w32_n6 (
+    input  wire        clock_i, // Clock.
+    input  wire [31:0] now_i,   // In.
+    output wire [31:0] later_o  // Out.
 );
 
-    reg  [7:0] row_0_q;
-    reg  [7:0] row_1_q;
-    reg  [7:0] row_2_q;
-    reg  [7:0] row_3_q;
-    reg  [7:0] row_4_q;
+    reg  [31:0] row_0_q;
+    reg  [31:0] row_1_q;
+    reg  [31:0] row_2_q;
+    reg  [31:0] row_3_q;
+    reg  [31:0] row_4_q;
+    reg  [31:0] row_5_q;
 
-    assign later_o = row_4_q;
+    assign later_o = row_5_q;
 
     always @(posedge clock_i) begin
         row_0_q <= now_i;
@@ -23,6 +24,7 @@ module delay_4 (
         row_2_q <= row_1_q;
         row_3_q <= row_2_q;
         row_4_q <= row_3_q;
+        row_5_q <= row_4_q;
     end
 endmodule
 

@@ -4,53 +4,48 @@
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
 
-module stage (
-    input  wire        clock_i,
-    input  wire        reset_i,
-    input  wire        valid_i,
-    output wire        ready_o,
-    input  wire [31:0] data_i,
-    input  wire [31:0] base_i,
-    input  wire        last_i,
-    input  wire        set_i,
-    input  wire        window_valid_i,
-    output wire        window_ready_o,
-    input  wire [31:0] window_data_i,
-    input  wire        window_last_i,
-    output wire        out_valid_o,
-    input  wire        out_ready_i,
-    output wire [31:0] out_data_o,
-    output wire [31:0] out_base_o,
-    output wire        out_last_o,
-    output wire        out_set_o,
-    input  wire        write_valid_i,
-    output wire        write_ready_o,
-    input  wire [24:0] write_address_i,
-    input  wire [31:0] write_data_i,
-    input  wire [5:0]  status_address_i,
-    output reg  [31:0] status_o
+module stage_f (
+    input  wire        clock_i,          // Clock.
+    input  wire        reset_i,          // Forgets every vector; held for 16 cycles or more.
+    input  wire        valid_i,          // A beat stands on the input.
+    output wire        ready_o,          // It is taken in this cycle, if there is one.
+    input  wire [31:0] data_i,           // Its two words.
+    input  wire        last_i,           // Whether it is its vector's last.
+    input  wire        set_i,            // The vector's set.
+    input  wire        window_valid_i,   // Two pixels stand on the window input (F with a linear path).
+    output wire        window_ready_o,   // They are taken in this cycle, if there are any.
+    input  wire [31:0] window_data_i,    // They.
+    input  wire        window_last_i,    // Whether they are their window's last.
+    output wire        out_valid_o,      // A beat stands on the output.
+    input  wire        out_ready_i,      // The receiver takes it.
+    output wire [31:0] out_data_o,       // Its two words.
+    output wire [31:0] out_base_o,       // Their base words.
+    output wire        out_last_o,       // Whether it is its vector's last.
+    output wire        out_set_o,        // The vector's set.
+    input  wire        write_valid_i,    // A word is to be written (`edof_spec::design::memory::address`).
+    output wire        write_ready_o,    // It can be, in this cycle.
+    input  wire [24:0] write_address_i,  // Where.
+    input  wire [31:0] write_data_i,     // What.
+    input  wire [5:0]  status_address_i, // Stage and counter to show.
+    output wire [31:0] status_o          // The counter, 0 from all other stages.
 );
 
-    localparam [3:0] ID = 4'h0;
-    localparam TWO_ROWS = 1'h1;
+    localparam [3:0] ID = 4'd3;
+    localparam TWO_ROWS = 1'b1;
 
-    wire accept;
     wire leaves;
     wire selected;
     wire blocked;
-    reg  [19:0] shifts;
-    wire [15:0] pairs_even;
-    wire [15:0] pairs_odd;
+    wire [19:0] shifts;
     wire pairs_available;
     wire [8:0] pairs_count;
     wire pairs_front_set;
     wire [24:0] pairs_even_pair;
     wire [24:0] pairs_odd_pair;
-    wire [3:0] sequencer_code_shift;
-    wire [3:0] sequencer_linear_shift;
+    wire [31:0] ring_read_pixels;
     wire sequencer_shift_set;
     wire [7:0] sequencer_read_pair;
-    wire [7:0] sequencer_read_pixel_unused;
+    wire [7:0] sequencer_read_pixel;
     wire sequencer_pass_issued;
     wire sequencer_finished;
     wire sequencer_busy;
@@ -62,18 +57,12 @@ module stage (
     wire [47:0] macc_drain_even;
     wire [47:0] macc_drain_odd;
     wire macc_write_enable;
-    wire [5:0] macc_write_bank;
-    wire macc_write_half;
-    wire [11:0] macc_write_row;
     wire drain_may_start;
     wire drain_copy;
     wire drain_take;
     wire [7:0] drain_beat;
     wire drain_last;
     wire drain_taken_set;
-    wire results_write_thresholds;
-    wire results_write_previous;
-    wire [11:0] results_write_row;
     wire results_push;
     wire [31:0] results_data;
     wire [31:0] results_base;
@@ -84,21 +73,22 @@ module stage (
     wire [1:0] results_code_saturated;
     wire [1:0] results_difference_saturated;
     wire registers_write_enable;
-    wire [11:0] registers_write_row;
     wire [19:0] registers_shifts_0;
     wire [19:0] registers_shifts_1;
     wire registers_skip_zeros;
-    wire [1:0] counters_select;
     wire [31:0] counters_value;
 
-    pair_buffer pairs (
+    pair_buffer #(
+        .SLOT_ROWS(12'd8),
+        .DEPTH(16)
+    ) pairs (
         .clock_i(clock_i),
         .reset_i(reset_i),
         .skip_zeros_i(registers_skip_zeros),
         .valid_i(valid_i),
         .ready_o(ready_o),
-        .even_i(pairs_even),
-        .odd_i(pairs_odd),
+        .even_i(data_i[15:0]),
+        .odd_i(data_i[31:16]),
         .last_i(last_i),
         .set_i(set_i),
         .available_o(pairs_available),
@@ -110,21 +100,40 @@ module stage (
         .finished_i(sequencer_finished)
     );
 
-    sequencer sequencer (
+    window_ring ring (
+        .clock_i(clock_i),
+        .reset_i(reset_i),
+        .valid_i(window_valid_i),
+        .ready_o(window_ready_o),
+        .pixels_i(window_data_i),
+        .last_i(window_last_i),
+        .read_pair_i(sequencer_read_pixel),
+        .read_pixels_o(ring_read_pixels),
+        .finished_i(sequencer_finished)
+    );
+
+    sequencer #(
+        .TWO_ROWS(1'b1),
+        .LINEAR_STEPS(10'd32),
+        .CODES(12'd16),
+        .PASS_ROWS(12'd80),
+        .SET_ROWS(12'd320),
+        .LAST_PASS(6'd3)
+    ) sequencer (
         .clock_i(clock_i),
         .reset_i(reset_i),
         .available_i(pairs_available),
         .count_i(pairs_count),
         .set_i(pairs_front_set),
         .may_start_i(drain_may_start),
-        .code_shift_i(sequencer_code_shift),
-        .linear_shift_i(sequencer_linear_shift),
+        .code_shift_i(shifts[15:12]),
+        .linear_shift_i(shifts[19:16]),
         .shift_set_o(sequencer_shift_set),
         .read_pair_o(sequencer_read_pair),
         .even_pair_i(pairs_even_pair),
         .odd_pair_i(pairs_odd_pair),
-        .read_pixel_o(sequencer_read_pixel_unused),
-        .pixels_i(32'd0),
+        .read_pixel_o(sequencer_read_pixel),
+        .pixels_i(ring_read_pixels),
         .pass_issued_o(sequencer_pass_issued),
         .finished_o(sequencer_finished),
         .busy_o(sequencer_busy),
@@ -135,7 +144,12 @@ module stage (
         .value_b_o(sequencer_value_b)
     );
 
-    macc_array macc (
+    macc_array #(
+        .BANKS(8),
+        .DEPTH(640),
+        .ROWS(2),
+        .INIT("mem/stage3_bank")
+    ) macc (
         .clock_i(clock_i),
         .first_i(sequencer_first),
         .address_a_i(sequencer_address_a),
@@ -147,13 +161,16 @@ module stage (
         .drain_even_o(macc_drain_even),
         .drain_odd_o(macc_drain_odd),
         .write_enable_i(macc_write_enable),
-        .write_bank_i(macc_write_bank),
-        .write_half_i(macc_write_half),
-        .write_row_i(macc_write_row),
+        .write_bank_i(write_address_i[18:13]),
+        .write_half_i(write_address_i[0]),
+        .write_row_i(write_address_i[12:1]),
         .write_data_i(write_data_i)
     );
 
-    drain drain (
+    drain #(
+        .LAST_TAKE(8'd15),
+        .LAST_BEAT(8'd63)
+    ) drain (
         .clock_i(clock_i),
         .reset_i(reset_i),
         .pass_issued_i(sequencer_pass_issued),
@@ -167,9 +184,8 @@ module stage (
         .taken_set_o(drain_taken_set)
     );
 
-    results results (
+    results_f results (
         .clock_i(clock_i),
-        .reset_i(reset_i),
         .take_i(drain_take),
         .beat_i(drain_beat),
         .last_i(drain_last),
@@ -178,12 +194,6 @@ module stage (
         .sum_odd_i(macc_drain_odd),
         .shifts_0_i(registers_shifts_0),
         .shifts_1_i(registers_shifts_1),
-        .base_write_i(accept),
-        .base_words_i(base_i),
-        .write_thresholds_i(results_write_thresholds),
-        .write_previous_i(results_write_previous),
-        .write_row_i(results_write_row),
-        .write_data_i(write_data_i),
         .push_o(results_push),
         .data_o(results_data),
         .base_o(results_base),
@@ -196,7 +206,7 @@ module stage (
     );
 
     edof_fifo #(
-        .BASE(1)
+        .BASE(0)
     ) fifo (
         .clock_i(clock_i),
         .reset_i(reset_i),
@@ -213,11 +223,14 @@ module stage (
         .set_o(out_set_o)
     );
 
-    registers registers (
+    registers #(
+        .START_0(20'h10002),
+        .START_1(20'h10002)
+    ) registers (
         .clock_i(clock_i),
         .reset_i(reset_i),
         .write_enable_i(registers_write_enable),
-        .write_row_i(registers_write_row),
+        .write_row_i(write_address_i[12:1]),
         .write_data_i(write_data_i),
         .shifts_0_o(registers_shifts_0),
         .shifts_1_o(registers_shifts_1),
@@ -232,45 +245,18 @@ module stage (
         .results_i(results_result_saturated),
         .codes_i(results_code_saturated),
         .differences_i(results_difference_saturated),
-        .select_i(counters_select),
+        .select_i(status_address_i[1:0]),
         .value_o(counters_value)
     );
 
-    assign pairs_even = data_i[15:0];
-    assign pairs_odd = data_i[31:16];
-    assign accept = valid_i && ready_o;
-    assign window_ready_o = 1'b1;
-
-    always @* begin
-        shifts = registers_shifts_0;
-        if (sequencer_shift_set) begin
-            shifts = registers_shifts_1;
-        end
-    end
-
-    assign sequencer_code_shift = shifts[15:12];
-    assign sequencer_linear_shift = shifts[19:16];
+    assign shifts = sequencer_shift_set ? registers_shifts_1 : registers_shifts_0;
     assign leaves = out_valid_o && out_ready_i;
     assign selected = write_valid_i && (write_address_i[24:21] == ID);
-    assign blocked = (TWO_ROWS && sequencer_busy) && (write_address_i[20:19] == 2'd0);
+    assign blocked = TWO_ROWS && sequencer_busy && (write_address_i[20:19] == 2'd0);
     assign write_ready_o = !(selected && blocked);
-    assign macc_write_enable = (selected && (!blocked)) && (write_address_i[20:19] == 2'd0);
-    assign macc_write_bank = write_address_i[18:13];
-    assign macc_write_half = write_address_i[0];
-    assign macc_write_row = write_address_i[12:1];
-    assign results_write_thresholds = selected && (write_address_i[20:19] == 2'd1);
-    assign results_write_previous = selected && (write_address_i[20:19] == 2'd2);
-    assign results_write_row = write_address_i[12:1];
+    assign macc_write_enable = selected && !blocked && (write_address_i[20:19] == 2'd0);
     assign registers_write_enable = selected && (write_address_i[20:19] == 2'd3);
-    assign registers_write_row = write_address_i[12:1];
-    assign counters_select = status_address_i[1:0];
-
-    always @* begin
-        status_o = 32'd0;
-        if (status_address_i[5:2] == ID) begin
-            status_o = counters_value;
-        end
-    end
+    assign status_o = (status_address_i[5:2] == ID) ? counters_value : 32'd0;
 endmodule
 
 `default_nettype wire

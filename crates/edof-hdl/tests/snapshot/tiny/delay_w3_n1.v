@@ -1,0 +1,21 @@
+// What came in as many cycles ago as there are registers.
+//
+// From crates/edof-hdl/src/blocks/delay.rs (Delay).
+`default_nettype none
+
+module delay_w3_n1 (
+    input  wire       clock_i, // Clock.
+    input  wire [2:0] now_i,   // In.
+    output wire [2:0] later_o  // Out.
+);
+
+    reg  [2:0] row_q;
+
+    assign later_o = row_q;
+
+    always @(posedge clock_i) begin
+        row_q <= now_i;
+    end
+endmodule
+
+`default_nettype wire
