@@ -28,6 +28,11 @@ need_simulators() {
     [ "${#missing[@]}" -eq 0 ] || install_packages "${missing[@]}"
 }
 
+# Installs Python with its virtual environments, where it is missing: for whoever compares with the NumPy oracle.
+need_python() {
+    python3 -c 'import venv, ensurepip' 2>/dev/null || install_packages python3 python3-venv
+}
+
 # rustup puts cargo here; a shell that was started before does not know.
 if ! command -v cargo >/dev/null && [ -x "${CARGO_HOME:-$HOME/.cargo}/bin/cargo" ]; then
     PATH="${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"

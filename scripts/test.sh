@@ -24,6 +24,8 @@ say "tests"
 export PROPTEST_RNG_SEED=${PROPTEST_RNG_SEED:-2018}
 # Benchmarks are compiled by the lints above; running them is no test.
 cargo test --workspace --lib --bins --tests --examples --locked
+say "the contract on paper"
+./scripts/test-oracle.sh
 say "examples in the documentation"
 cargo test --workspace --doc --locked
 say "all passed"

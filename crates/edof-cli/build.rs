@@ -1,9 +1,47 @@
-//! Embeds every network under `weights/`, so that the program finds them wherever it is started.
+//! Embeds every network under `weights/`, so that the program finds them wherever it is started, and tells it the git revision that
+//! it is built from.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What the program is made of: where any of these differs from the last commit, its revision is `-dirty`.
+const SOURCES: [&str; 8] =
+    ["Cargo.toml", "Cargo.lock", "crates", "cameras", "designs", "rtl", "sim", "constraints"];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let root = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR")?).join("../..").canonicalize()?;
+    if let Some(revision) = revision(&root) {
+        println!("cargo::rustc-env=EDOF_REVISION={revision}");
+    }
+    embed()
+}
+
+/// The revision, where the sources lie in a git checkout of their own; none from a tarball or without git.
+fn revision(root: &Path) -> Option<String> {
+    if git(root, &["rev-parse", "--show-prefix"])?.is_empty() {
+        // The reflog grows with every commit and checkout; sources that change make the program anew anyway.
+        let watched =
+            ["HEAD", "logs/HEAD"].iter().filter_map(|name| git(root, &["rev-parse", "--git-path", name]));
+        for path in
+            watched.map(|path| root.join(path)).chain(SOURCES.map(|s| root.join(s))).filter(|p| p.exists())
+        {
+            println!("cargo::rerun-if-changed={}", path.display());
+        }
+        let commit = git(root, &["rev-parse", "HEAD"])?;
+        let present: Vec<&str> = SOURCES.into_iter().filter(|s| root.join(s).exists()).collect();
+        let changes = git(root, &[&["status", "--porcelain", "--"], &present[..]].concat())?;
+        return Some(if changes.is_empty() { commit } else { commit + "-dirty" });
+    }
+    None
+}
+
+fn git(root: &Path, words: &[&str]) -> Option<String> {
+    let output = Command::new("git").arg("-C").arg(root).args(words).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+fn embed() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR")?).join("../../weights");
     println!("cargo::rerun-if-changed={}", folder.display());
     let mut files: Vec<PathBuf> = match std::fs::read_dir(&folder) {

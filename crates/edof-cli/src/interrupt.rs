@@ -1,9 +1,17 @@
-//! Ctrl-C and termination: long work polls a flag and leaves its files whole; a second Ctrl-C ends at once.
+//! Ctrl-C and termination: work polls a flag and leaves its files whole. What does not come to its next look in time is ended
+//! where it is; a second Ctrl-C ends at once. Either way no unfinished file stays.
 
 use crate::error::Error;
+use crate::ui;
+use edof_cosim::tool;
+use edof_spec::atomic;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 static STOP: AtomicBool = AtomicBool::new(false);
+
+/// How long work may take to come to its next look, for instance to write a checkpoint.
+const GRACE: Duration = Duration::from_millis(500);
 
 /// Starts to listen for Ctrl-C and SIGTERM.
 ///
@@ -12,10 +20,21 @@ static STOP: AtomicBool = AtomicBool::new(false);
 pub fn install() -> Result<(), Error> {
     ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
+            end();
         }
+        std::thread::spawn(|| {
+            std::thread::sleep(GRACE);
+            end();
+        });
     })?;
     Ok(())
+}
+
+fn end() {
+    tool::stop_all();
+    atomic::abandon();
+    ui::last_line(&format!("edof: {}", Error::Interrupted));
+    std::process::exit(Error::Interrupted.exit_code().into());
 }
 
 /// The flag itself, for work in other crates that polls an `AtomicBool`.

@@ -5,24 +5,34 @@
 //! | one thin file a sub-command | [`commands`] |
 //! | results on standard output, progress on standard error | [`ui`] |
 //! | the one line that a failure prints | [`error`] |
+//! | no output replaces an input or another output | [`files`] |
+//! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | Ctrl-C | [`interrupt`] |
+//! | whether a job fits the machine | [`memory`] |
 //! | a network's form in words | [`form`] |
+//! | what is written about a run into its results | [`provenance`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
 //! | windows to feed the hardware with | [`windows`] |
+//! | words at stage boundaries for NumPy | [`words`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod designs;
 mod error;
+mod files;
+mod folder;
 mod form;
 mod interrupt;
+mod memory;
+mod provenance;
 mod ui;
 mod weights;
 mod windows;
+mod words;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -39,7 +49,7 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
 
-    /// Write results as JSON to FILE; without FILE (or as `-`) print them in place of text
+    /// Write results as JSON to FILE, in place of an older one; without FILE (or as `-`) print them in place of text
     #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 
@@ -55,6 +65,7 @@ Examples:
   edof scene chart --out out/chart                     a built-in scene
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
+  edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
   edof estimate --design kc705 --weights edof-t4w12-outer
   edof cosim --design tiny                             the generated Verilog against the cycle model
@@ -69,7 +80,8 @@ enum Command {
     Optics(commands::optics::Args),
     Scene(commands::scene::Args),
     Capture(commands::capture::Args),
-    Train(commands::train::Args),
+    Train(Box<commands::train::Args>),
+    Weights(commands::weights::Args),
     Quantize(commands::quantize::Args),
     Reconstruct(commands::reconstruct::Args),
     Study(commands::study::Args),
@@ -77,12 +89,12 @@ enum Command {
     Cosim(commands::cosim::Args),
     Estimate(commands::estimate::Args),
     Generate(commands::generate::Args),
+    RandomNetwork(commands::random_network::Args),
     Timing(commands::timing::Args),
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    match run(cli) {
+    match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
@@ -92,14 +104,18 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(cli: Cli) -> Result<(), Error> {
+fn run() -> Result<(), Error> {
+    let mut command = Cli::command();
+    let matches = command.get_matches_mut();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     interrupt::install()?;
-    let ui = Ui::new(cli.json, cli.quiet)?;
+    let ui = Ui::new(cli.json, cli.quiet, provenance::of_run(&matches, &command));
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),
         Command::Capture(args) => commands::capture::run(args, &ui),
-        Command::Train(args) => commands::train::run(args, &ui),
+        Command::Train(args) => commands::train::run(&args, &ui),
+        Command::Weights(args) => commands::weights::run(args, &ui),
         Command::Quantize(args) => commands::quantize::run(args, &ui),
         Command::Reconstruct(args) => commands::reconstruct::run(args, &ui),
         Command::Study(args) => commands::study::run(args, &ui),
@@ -107,6 +123,7 @@ fn run(cli: Cli) -> Result<(), Error> {
         Command::Cosim(args) => commands::cosim::run(args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Generate(args) => commands::generate::run(args, &ui),
+        Command::RandomNetwork(args) => commands::random_network::run(args, &ui),
         Command::Timing(args) => commands::timing::run(args, &ui),
     }
 }
@@ -114,7 +131,6 @@ fn run(cli: Cli) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_well_formed() {

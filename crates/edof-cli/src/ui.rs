@@ -1,39 +1,55 @@
 //! What the user sees: results on standard output (text, or JSON where asked), progress and remarks on standard error.
 
 use crate::error::Error;
+use edof_spec::provenance::{Input, Provenance};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// In a pipe, a plain line of progress comes this often.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
 
+/// A result and how it came to be, side by side.
+#[derive(Serialize)]
+struct Recorded<'a, T> {
+    #[serde(flatten)]
+    result: &'a T,
+    provenance: Provenance,
+}
+
 /// The way to the user's eyes.
 pub struct Ui {
     json: Option<PathBuf>,
     quiet: bool,
+    provenance: Mutex<Provenance>,
 }
 
 impl Ui {
     /// `json` is the value of `--json`: a file, or `-` for standard output.
-    ///
-    /// # Errors
-    /// When `json` names an existing file that is no JSON file: most likely an argument that slipped behind `--json`.
-    pub fn new(json: Option<PathBuf>, quiet: bool) -> Result<Self, Error> {
-        if let Some(path) = &json
-            && path.is_file()
-            && path.extension().is_none_or(|e| e != "json")
-        {
-            return Err(Error::message(format!(
-                "--json {}: exists and is not a .json file; put --json last to print to standard output",
-                path.display()
-            )));
+    pub const fn new(json: Option<PathBuf>, quiet: bool, provenance: Provenance) -> Self {
+        Self { json, quiet, provenance: Mutex::new(provenance) }
+    }
+
+    /// The file that results go to as data, if they go to one.
+    pub fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|_| !self.json_on_stdout())
+    }
+
+    /// Notes something that the results are made from.
+    pub fn used(&self, input: Input) {
+        let mut provenance = self.provenance.lock().unwrap_or_else(PoisonError::into_inner);
+        if !provenance.inputs.contains(&input) {
+            provenance.inputs.push(input);
         }
-        Ok(Self { json, quiet })
+    }
+
+    /// How the results came to be, with all inputs noted so far.
+    pub fn provenance(&self) -> Provenance {
+        self.provenance.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Whether standard output belongs to JSON alone.
@@ -59,13 +75,13 @@ impl Ui {
         last_line(&line.to_string());
     }
 
-    /// The result as data: printed or written if `--json` was given, else nothing. Call it once a command.
+    /// The result as data, with its provenance: printed or written if `--json` was given, else nothing. Call it once a command.
     ///
     /// # Errors
     /// When the file or standard output cannot be written.
     pub fn json(&self, result: &impl Serialize) -> Result<(), Error> {
         let Some(path) = &self.json else { return Ok(()) };
-        let text = serde_json::to_string_pretty(result)? + "\n";
+        let text = serde_json::to_string_pretty(&Recorded { result, provenance: self.provenance() })? + "\n";
         if self.json_on_stdout() {
             let mut out = std::io::stdout().lock();
             out.write_all(text.as_bytes())?;

@@ -8,7 +8,8 @@
 use crate::error::Error;
 use edof_spec::fixed_network::FixedNetwork;
 use edof_spec::network::Network;
-use edof_spec::weight_file;
+use edof_spec::provenance::{Input, InputKind};
+use edof_spec::{Camera, weight_file};
 use std::path::{Path, PathBuf};
 
 /// File name and bytes of the networks inside the program.
@@ -32,24 +33,55 @@ pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, Error> {
     Ok(weight_file::parse_fixed(bytes, &origin)?)
 }
 
-/// Where a float network's tensors come from, as [`FixedNetwork::float_hash`] states it.
+/// A float network's file as an input, with the hash that [`FixedNetwork::float_hash`] states.
 ///
 /// # Errors
 /// As [`float`].
-pub fn float_hash(name_or_path: &str) -> Result<String, Error> {
-    let (origin, bytes) = find(name_or_path, ".safetensors")?;
-    Ok(weight_file::parse_tensor_hash(bytes, &origin)?)
+pub fn float_input(name_or_path: &str) -> Result<Input, Error> {
+    input(name_or_path, ".safetensors")
+}
+
+/// A fixed network's file as an input.
+///
+/// # Errors
+/// As [`fixed`].
+pub fn fixed_input(name_or_path: &str) -> Result<Input, Error> {
+    input(name_or_path, ".fixed.safetensors")
+}
+
+fn input(name_or_path: &str, suffix: &str) -> Result<Input, Error> {
+    let (origin, bytes) = find(name_or_path, suffix)?;
+    let sha256 = weight_file::parse_hash(bytes, &origin)?;
+    let name = origin.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Input { kind: InputKind::Weights, name, sha256 })
+}
+
+/// A network that comes with the program and was trained for a camera's lens.
+pub fn trained_for(camera: &Camera) -> Option<&'static str> {
+    names().into_iter().find(|name| float(name).is_ok_and(|n| n.origin.camera.same_lens(camera)))
+}
+
+/// The file that [`float`] reads, where the network is not inside the program.
+pub fn float_file(name_or_path: &str) -> Option<PathBuf> {
+    places(name_or_path, ".safetensors").into_iter().find(|path| path.is_file())
+}
+
+/// The file that [`fixed`] reads, where the network is not inside the program.
+pub fn fixed_file(name_or_path: &str) -> Option<PathBuf> {
+    places(name_or_path, ".fixed.safetensors").into_iter().find(|path| path.is_file())
+}
+
+/// Where a network may lie: a file of that name, or one under `weights/`.
+fn places(name_or_path: &str, suffix: &str) -> [PathBuf; 2] {
+    [name_or_path.into(), Path::new("weights").join(format!("{name_or_path}{suffix}"))]
 }
 
 fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), Error> {
-    let exact = Path::new(name_or_path);
-    let in_folder = Path::new("weights").join(format!("{name_or_path}{suffix}"));
-    for path in [exact, &in_folder] {
-        if path.is_file() {
-            let bytes = std::fs::read(path)
-                .map_err(|source| weight_file::WeightFileError::Read { path: path.to_owned(), source })?;
-            return Ok((path.to_owned(), bytes));
-        }
+    let places = places(name_or_path, suffix);
+    if let Some(path) = places.iter().find(|path| path.is_file()) {
+        let bytes = std::fs::read(path)
+            .map_err(|source| weight_file::WeightFileError::Read { path: path.clone(), source })?;
+        return Ok((path.clone(), bytes));
     }
     let file = format!("{name_or_path}{suffix}");
     if let Some((name, bytes)) = EMBEDDED.iter().find(|(name, _)| *name == file) {
@@ -57,7 +89,7 @@ fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), Error> {
     }
     Err(Error::message(format!(
         "weights '{name_or_path}': no such file, no {}, and not one of the networks that come with the program ({})",
-        in_folder.display(),
+        places[1].display(),
         names().join(", ")
     )))
 }

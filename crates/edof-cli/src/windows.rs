@@ -7,7 +7,7 @@ use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{FixedNetwork, Geometry, Noise, RawFrame};
+use edof_spec::{FixedNetwork, Geometry, RawFrame};
 use std::path::Path;
 
 /// Size of the built-in scene: 1536 patches at stride 8.
@@ -25,7 +25,7 @@ pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64) -> Resul
         Some(path) => Scene::flat(path.display().to_string(), photo::load(path)?, psi),
         None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
     };
-    let noise = Noise::gaussian(network.origin.noise);
+    let noise = network.origin.most_noise();
     let sensor = Sensor { noise, seed, ..Sensor::default() };
     Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
 }
@@ -40,7 +40,7 @@ pub fn of<'a>(
 ) -> Result<impl Iterator<Item = Vec<i16>> + 'a, Error> {
     let geometry = Geometry::new(network.form.window, network.stride);
     let (height, width) = raw.size();
-    geometry.check_frame(height, width)?;
+    geometry.check_frame((height, width))?;
     let (rows, columns) = geometry.patches(height, width);
     Ok((0..rows)
         .flat_map(move |row| (0..columns).map(move |column| windows::window(raw, geometry, row, column))))

@@ -4,62 +4,87 @@
 //! waveforms, and driven by a loop in C++ that records all outputs: nothing is compared, so that it is as fast as it can be. The
 //! model gives every word and the cycle of every transfer.
 //!
-//! `cargo bench -p edof-cosim`; designs by name after `--`.
+//! `cargo bench -p edof-cosim`. Throughput is in cycles of the clock; the ratio of the two medians is what the model gains.
 
+use divan::{Bencher, counter::ItemsCount};
 use edof_cosim::Source;
 use edof_cosim::chain::device::{Beat, Inputs};
 use edof_cosim::chain::second::rows;
-use edof_cosim::verilator::{Library, Options, Start, Unknowns};
+use edof_cosim::verilator::{Library, Model, Options, Start, Unknowns};
 use edof_golden::cycle::{Cycle, Patch};
-use edof_golden::sample::{self, Draw};
 use edof_hdl::project;
 use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork, weight_file};
 use std::path::Path;
-use std::time::Instant;
 
-/// Patches of a round, and rounds.
+/// Patches of a round.
 const PATCHES: usize = 1000;
-const ROUNDS: usize = 5;
 /// Cycles of reset.
 const RESET: usize = 20;
+/// Designs and their networks.
+const CASES: [(&str, &str); 3] = [("paper", "paper-t4"), ("kc705", "edof-t4w12-outer"), ("tiny", "drawn")];
 
 type Failure = Box<dyn std::error::Error>;
 
-fn main() -> Result<(), Failure> {
-    let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    println!("{:8} {:12} {:>16} {:>16} {:>8}", "design", "network", "model cycles/s", "Verilator's", "ratio");
-    for (design, weights) in [("paper", "paper-t4"), ("kc705", "edof-t4w12-outer"), ("tiny", "drawn")] {
-        if named.is_empty() || named.iter().any(|name| name == design) {
-            report(design, weights)?;
-        }
-    }
-    Ok(())
+fn main() {
+    divan::main();
 }
 
-fn report(name: &str, weights: &str) -> Result<(), Failure> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let design = Design::load(&root.join(format!("designs/{name}.json")))?;
-    let network = match weights {
-        "drawn" => sample::for_design(&design, 1),
-        _ => weight_file::load_fixed(&root.join(format!("weights/{weights}.fixed.safetensors")))?,
-    };
-    let patches = patches(&design);
-    let model = Cycle::new(&design, [&network, &network])?;
-    let mut verilated = Verilated::new(&design, &network, &model, &patches)?;
-    let mut ratios = Vec::new();
-    let mut best = [0.0f64; 2];
-    for _ in 0..ROUNDS {
-        let start = Instant::now();
-        let cycles = model.run(patches.iter().cloned()).last().map_or(0, |patch| patch.times.end());
-        let ours = cycles as f64 / start.elapsed().as_secs_f64();
-        let theirs = verilated.round()?;
-        ratios.push(ours / theirs);
-        best = [best[0].max(ours), best[1].max(theirs)];
+#[divan::bench(args = CASES.map(|(design, _)| design), sample_count = 5, sample_size = 1)]
+fn cycle_model(bencher: Bencher<'_, '_>, design: &str) {
+    report(design, || {
+        let case = Case::new(design)?;
+        let model = Cycle::new(&case.design, [&case.network, &case.network])?;
+        let run = || model.run(case.patches.iter().cloned()).last().map_or(0, |patch| patch.times.end());
+        bencher.counter(ItemsCount::new(run())).bench(run);
+        Ok(())
+    });
+}
+
+#[divan::bench(args = CASES.map(|(design, _)| design), sample_count = 5, sample_size = 1)]
+fn verilator(bencher: Bencher<'_, '_>, design: &str) {
+    report(design, || {
+        let case = Case::new(design)?;
+        let model = Cycle::new(&case.design, [&case.network, &case.network])?;
+        let verilated = Verilated::new(&case.design, &case.network, &model, &case.patches)?;
+        let cycles = verilated.start()?.run(&verilated.stimulus)?.len();
+        let start = || verilated.start().map_err(|error| error.to_string());
+        let run = |model: Result<Model, String>| {
+            model.and_then(|mut model| model.run(&verilated.stimulus).map_err(|error| error.to_string()))
+        };
+        bencher.counter(ItemsCount::new(cycles)).with_inputs(start).bench_values(run);
+        Ok(())
+    });
+}
+
+/// A benchmark that could not be run says why.
+fn report(design: &str, run: impl FnOnce() -> Result<(), Failure>) {
+    if let Err(error) = run() {
+        eprintln!("{design}: {error}");
     }
-    ratios.sort_by(f64::total_cmp);
-    println!("{name:8} {weights:12} {:>16.0} {:>16.0} {:>7.0}x", best[0], best[1], ratios[ROUNDS / 2]);
-    Ok(())
+}
+
+/// What both run.
+struct Case {
+    design: Design,
+    network: FixedNetwork,
+    patches: Vec<Patch>,
+}
+
+impl Case {
+    fn new(name: &str) -> Result<Self, Failure> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let design = Design::load(&root.join(format!("designs/{name}.json")))?;
+        let network = match CASES.iter().find(|(design, _)| *design == name) {
+            Some((_, weights)) if *weights != "drawn" => {
+                weight_file::load_fixed(&root.join(format!("weights/{weights}.fixed.safetensors")))?
+            }
+            _ => edof_random::for_design(&design, 1),
+        };
+        let patches = patches(&design);
+        Ok(Self { design, network, patches })
+    }
 }
 
 /// Smooth windows with some noise: about as many zeros as photographs give.
@@ -112,12 +137,8 @@ impl Verilated {
         Ok(Self { library, stimulus, images })
     }
 
-    /// Cycles a second of one run.
-    fn round(&mut self) -> Result<f64, Failure> {
+    fn start(&self) -> Result<Model, edof_cosim::Error> {
         let memory_dir = Some(self.images.path().to_path_buf());
-        let mut model = self.library.start(&Start { seed: 1, memory_dir })?;
-        let start = Instant::now();
-        let outputs = model.run(&self.stimulus)?;
-        Ok(outputs.len() as f64 / start.elapsed().as_secs_f64())
+        self.library.start(&Start { seed: 1, memory_dir })
     }
 }

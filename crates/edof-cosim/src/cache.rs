@@ -1,10 +1,11 @@
 //! Products that take seconds to make, kept under a name that changes with everything that went into them.
 
 use crate::error::{Error, at};
+use crate::work;
+use edof_spec::atomic::WorkFolder;
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
 /// SHA-256 of the parts, in hexadecimal. Lengths go in too, so that no two lists of parts are taken for one another.
 pub fn key<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
@@ -28,10 +29,11 @@ pub fn of_user(kind: &str) -> Option<PathBuf> {
 pub struct Product {
     /// The file.
     pub path: PathBuf,
-    _work: Option<TempDir>,
+    _work: Option<WorkFolder>,
 }
 
-/// The product of that name: from the cache, or made in a fresh directory, where `make` leaves it under the same name.
+/// The product of that name: from the cache, or made in a fresh directory, where `make` leaves it under the same name. A cache that
+/// cannot be written is none.
 ///
 /// Of several threads or processes that want the same thing, one makes it and the others wait.
 pub fn obtain(
@@ -39,29 +41,29 @@ pub fn obtain(
     name: &str,
     make: impl FnOnce(&Path) -> Result<(), Error>,
 ) -> Result<Product, Error> {
-    let Some(cache) = cache else {
-        let work = work_dir()?;
-        make(work.path())?;
-        return Ok(Product { path: work.path().join(name), _work: Some(work) });
+    let kept = cache.map(|cache| cache.join(name));
+    if let Some(path) = kept.as_ref().filter(|path| path.is_file()) {
+        return Ok(Product { path: path.clone(), _work: None });
+    }
+    let Some((path, _lock)) = kept.and_then(|path| lock(&path).map(|lock| (path, lock))) else {
+        let folder = work::folder()?;
+        make(folder.path())?;
+        return Ok(Product { path: folder.path().join(name), _work: Some(folder) });
     };
-    fs::create_dir_all(cache).map_err(at(cache))?;
-    let path = cache.join(name);
     if !path.is_file() {
-        let lock = cache.join(format!("{name}.lock"));
-        let lock_file = File::create(&lock).map_err(at(&lock))?;
-        lock_file.lock().map_err(at(&lock))?;
-        if !path.is_file() {
-            let work = work_dir()?;
-            make(work.path())?;
-            install(&work.path().join(name), &path)?;
-        }
+        let folder = work::folder()?;
+        make(folder.path())?;
+        install(&folder.path().join(name), &path)?;
     }
     Ok(Product { path, _work: None })
 }
 
-/// Not in the cache itself: make refuses paths with spaces.
-fn work_dir() -> Result<TempDir, Error> {
-    tempfile::Builder::new().prefix("edof-cosim-").tempdir().map_err(at(&std::env::temp_dir()))
+/// Waits until nobody else makes this product. None where nothing can be kept, as in a home that cannot be written.
+fn lock(path: &Path) -> Option<File> {
+    fs::create_dir_all(path.parent()?).ok()?;
+    let lock = File::create(path.with_added_extension("lock")).ok()?;
+    lock.lock().ok()?;
+    Some(lock)
 }
 
 /// Copies, then renames, so that nobody ever sees half a file.
@@ -98,6 +100,13 @@ mod tests {
         });
         assert_eq!(made.into_inner(), 1);
         assert_eq!(fs::read_to_string(cache.path().join("x")).unwrap(), "product");
+    }
+
+    #[test]
+    fn a_cache_that_cannot_be_written_is_done_without() {
+        let make = |work: &Path| fs::write(work.join("x"), "product").map_err(at(work));
+        let product = obtain(Some(Path::new("/proc/no/such/place")), "x", make).unwrap();
+        assert_eq!(fs::read_to_string(&product.path).unwrap(), "product");
     }
 
     #[test]

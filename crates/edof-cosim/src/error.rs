@@ -4,34 +4,22 @@ use std::path::{Path, PathBuf};
 
 /// Why a design was not built, run, checked or mapped.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum Error {
     /// A program that we need is not installed.
     #[error(
         "{tool} not found: install it by `source scripts/prepare.sh; need_simulators` (a Debian package)"
     )]
-    ToolMissing {
-        /// Name of the program.
-        tool: String,
-    },
+    ToolMissing { tool: String },
     /// A program refused its input; the lines are its own, with file and line where it gave them.
     #[error("{tool} failed: {}", lines.join("; "))]
-    ToolFailed {
-        /// Name of the program.
-        tool: String,
-        /// The first lines that say why.
-        lines: Vec<String>,
-    },
+    ToolFailed { tool: String, lines: Vec<String> },
     /// Verilator has something to say about the text of the design.
     #[error("{0}")]
-    Lint(crate::lint::LintErrors),
+    Lint(crate::finding::Findings),
     /// The description of the design is wrong.
     #[error("design {top}: {problem}")]
-    Source {
-        /// Name of the top module.
-        top: String,
-        /// What is wrong, and what would be right.
-        problem: String,
-    },
+    Source { top: String, problem: String },
     /// A port or a row that the design does not have.
     #[error("{0}")]
     Port(String),
@@ -40,28 +28,13 @@ pub enum Error {
     Stopped(String),
     /// A compiled model could not be loaded.
     #[error("{}: {problem}", path.display())]
-    Load {
-        /// The shared library.
-        path: PathBuf,
-        /// What the loader said.
-        problem: String,
-    },
+    Load { path: PathBuf, problem: String },
     /// A file could not be read or written.
     #[error("{}: {source}", path.display())]
-    File {
-        /// The file or directory.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    File { path: PathBuf, source: std::io::Error },
     /// A simulator or a synthesizer gave something that we cannot read.
     #[error("{tool} gave something unexpected: {problem}")]
-    Output {
-        /// Name of the program.
-        tool: String,
-        /// What was found, and what was expected.
-        problem: String,
-    },
+    Output { tool: String, problem: String },
 }
 
 /// For `map_err` on operations on one file.

@@ -2,11 +2,11 @@
 
 use crate::error::{Error, at};
 use crate::rows::{Layout, Rows, Slot, mask};
-use crate::{Source, tool};
+use crate::{Source, tool, work};
+use edof_spec::atomic::WorkFolder;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
 /// What the outputs were in every cycle.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,7 +71,7 @@ pub fn run(source: &Source, stimulus: &Rows, memory_dir: Option<&Path>) -> Resul
         let (found, expected) = (stimulus.width(), inputs.words());
         return Err(Error::Port(format!("a row of {found} words, where the design has {expected}")));
     }
-    let work = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    let work = work::folder()?;
     compile(source, &bench(source, &inputs, &outputs, work.path())?, &work)?;
     let path = work.path().join("stimulus");
     fs::write(&path, stimulus_text(stimulus)).map_err(at(&path))?;
@@ -81,7 +81,7 @@ pub fn run(source: &Source, stimulus: &Rows, memory_dir: Option<&Path>) -> Resul
     observed(&text, &outputs, stimulus.len())
 }
 
-fn compile(source: &Source, bench: &str, work: &TempDir) -> Result<(), Error> {
+fn compile(source: &Source, bench: &str, work: &WorkFolder) -> Result<(), Error> {
     source.write(work.path())?;
     let path = work.path().join("edof_bench.v");
     fs::write(&path, bench).map_err(at(&path))?;
@@ -114,7 +114,7 @@ fn bench(source: &Source, inputs: &Layout, outputs: &Layout, work: &Path) -> Res
             connections.push(format!(".{}({vector}[{high}:{low}])", source.ports[slot.port].name));
         }
     }
-    let template = include_str!("icarus/bench.v");
+    let template = include_str!("../../../sim/icarus/bench.v");
     Ok(template
         .replace("@stimulus@", &quoted(&work.join("stimulus"))?)
         .replace("@outputs@", &quoted(&work.join("outputs"))?)

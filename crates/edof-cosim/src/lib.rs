@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | design | [`source`] | Verilog files and the ports of their top |
 //! | stimulus | [`rows`] | what the inputs are in every cycle, and what the outputs were |
-//! | check | [`lint`] | Verilator's opinion of the text, `-Wall` |
+//! | check | [`lint`] | Verilator's [`finding`]s in the text, `-Wall` |
 //! | run | [`verilator`] | the design compiled to a shared library and driven from Rust |
 //! | run again | [`icarus`] | the same stimulus through a second, unrelated simulator |
 //! | map | [`yosys`] | the cells of a 7-series FPGA that the design becomes |
@@ -35,13 +35,15 @@ mod cache;
 pub mod chain;
 mod emitted;
 pub mod error;
+pub mod finding;
 pub mod icarus;
 pub mod junit;
 pub mod lint;
 pub mod rows;
 pub mod source;
-mod tool;
+pub mod tool;
 pub mod verilator;
+mod work;
 pub mod yosys;
 
 pub use error::Error;

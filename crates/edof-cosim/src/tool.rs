@@ -2,8 +2,10 @@
 
 use crate::Error;
 use std::io::ErrorKind;
+use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// So many lines of a program's complaint are kept.
 const KEPT_LINES: usize = 6;
@@ -21,10 +23,41 @@ pub fn output(command: &mut Command) -> Result<Output, Error> {
     if let Some(dir) = command.get_current_dir().filter(|dir| !dir.is_dir()) {
         return Err(Error::File { path: dir.into(), source: ErrorKind::NotFound.into() });
     }
-    command.output().map_err(|error| match error.kind() {
+    to_the_end(command).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Error::ToolMissing { tool },
         _ => Error::File { path: tool.into(), source: error },
     })
+}
+
+/// Runs in a process group of its own, so that [`stop_all`] reaches what the program starts itself, too.
+fn to_the_end(command: &mut Command) -> std::io::Result<Output> {
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
+    let mut running = running();
+    let child = command.spawn()?;
+    let group = child.id();
+    running.push(group);
+    drop(running);
+    let output = child.wait_with_output();
+    self::running().retain(|other| *other != group);
+    output
+}
+
+/// Process groups that run now.
+static RUNNING: Mutex<Vec<u32>> = Mutex::new(vec![]);
+
+fn running() -> MutexGuard<'static, Vec<u32>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends all programs that run and lets nobody start another: for a process that is about to end in the middle of its work.
+pub fn stop_all() {
+    let running = running();
+    for group in running.iter() {
+        // The standard library cannot signal a group; a group that has ended already is no failure.
+        let _ =
+            Command::new("sh").args(["-c", &format!("kill -KILL -{group}")]).stderr(Stdio::null()).status();
+    }
+    std::mem::forget(running);
 }
 
 /// Runs to the end and gives standard output; an exit status other than zero is an error that tells why.

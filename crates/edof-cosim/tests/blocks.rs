@@ -6,7 +6,6 @@ mod support;
 
 use common::{committed, networks};
 use differential::{agree, agree_with_images, bit, ported, word};
-use edof_golden::sample::Draw;
 use edof_hdl::blocks::base_ring::BaseRing;
 use edof_hdl::blocks::counters::Counters;
 use edof_hdl::blocks::delay::Delay;
@@ -26,6 +25,7 @@ use edof_hdl::blocks::stage::Stage;
 use edof_hdl::blocks::window_ring::WindowRing;
 use edof_hdl::describe::Circuit;
 use edof_spec::design::memory::{self, Shifts, Space};
+use edof_spec::draw::Draw;
 use edof_spec::network::{Recurrence, Shrinkage};
 use edof_spec::{Design, FixedNetwork};
 use rust_hdl::prelude::*;

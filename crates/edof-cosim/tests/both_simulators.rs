@@ -3,7 +3,7 @@
 mod common;
 mod support;
 
-use common::{Bench, Recorded, committed, expect_clean, patches};
+use common::{Recorded, Setup, committed, expect_clean, patches};
 use edof_cosim::chain::Drive;
 use edof_cosim::chain::second::{rows, with_cleared_memories};
 use edof_cosim::chain::verilated::write_images;
@@ -25,13 +25,13 @@ fn streams(design: &Design) -> Vec<(String, Vec<String>)> {
 }
 
 fn agrees(design: Design) {
-    let bench = Bench::new(design, 1);
+    let setup = Setup::new(design, 1);
     let drive = Drive { stalls: Some(Stalls::drawn(2, 60)), ..Drive::default() };
-    let mut circuit = Recorded::new(bench.start(1));
-    let outcome = drive.run(bench.model(), patches(&bench.design, 12, 1), &mut circuit, &mut |_| ()).unwrap();
+    let mut circuit = Recorded::new(setup.start(1));
+    let outcome = drive.run(setup.model(), patches(&setup.design, 12, 1), &mut circuit, &mut |_| ()).unwrap();
     expect_clean(&outcome);
 
-    let project = project::calculator(&bench.design, [&bench.networks[0], &bench.networks[1]]).unwrap();
+    let project = project::calculator(&setup.design, [&setup.networks[0], &setup.networks[1]]).unwrap();
     let source = Source::from(&project);
     let stimulus = rows(&source, &circuit.inputs).unwrap();
     let images = tempfile::tempdir().unwrap();
@@ -46,7 +46,7 @@ fn agrees(design: Design) {
     let reset = circuit.inputs.iter().position(|inputs| !inputs.reset).unwrap();
     for cycle in reset..stimulus.len() {
         let unknown = |port: &str| layout.get(icarus.unknown.row(cycle), source.port(port).unwrap()).unwrap();
-        for (valid, rest) in streams(&bench.design) {
+        for (valid, rest) in streams(&setup.design) {
             assert_eq!(unknown(&valid), 0, "{valid} in cycle {cycle}");
             if layout.get(verilator.row(cycle), source.port(&valid).unwrap()).unwrap() == 1 {
                 rest.iter().for_each(|port| assert_eq!(unknown(port), 0, "{port} in cycle {cycle}"));

@@ -3,12 +3,12 @@
 mod common;
 mod support;
 
-use common::{Bench, Recorded, committed, expect_clean, patches};
+use common::{Recorded, Setup, committed, expect_clean, patches};
 use edof_cosim::chain::Drive;
 use edof_golden::cycle::Stalls;
-use edof_golden::sample::Draw;
 use edof_golden::{Counts, scalar};
 use edof_spec::design::{FrameSize, StageSize};
+use edof_spec::draw::Draw;
 use edof_spec::network::Recurrence::{self, Difference, Direct};
 use edof_spec::network::Shrinkage::{self, OneSided, TwoSided};
 use edof_spec::{Design, Stride, Window};
@@ -58,7 +58,7 @@ impl Small {
 
 /// 2,000 patches: without stalls, with few, with many; zeros skipped and not.
 fn agrees_in_every_word_and_cycle(design: Design) {
-    let bench = Bench::new(design, 1);
+    let setup = Setup::new(design, 1);
     for (seed, skip, stalled, count) in [
         (1, true, 0, 600),
         (2, true, 40, 400),
@@ -69,7 +69,7 @@ fn agrees_in_every_word_and_cycle(design: Design) {
     ] {
         let stalls = Some(Stalls::drawn(seed, stalled));
         let drive = Drive { skip_zeros: Some(skip), stalls, ..Drive::default() };
-        expect_clean(&bench.run(&drive, patches(&bench.design, count, seed), seed));
+        expect_clean(&setup.run(&drive, patches(&setup.design, count, seed), seed));
     }
 }
 
@@ -165,12 +165,12 @@ fn tiny_agrees_in_every_word_and_cycle() {
 
 #[test]
 fn skipping_zeros_changes_cycles_and_no_bit() {
-    let bench = Bench::new(committed("tiny"), 3);
+    let setup = Setup::new(committed("tiny"), 3);
     let run = |skip| {
         let drive = Drive { skip_zeros: Some(skip), ..Drive::default() };
-        let mut device = Recorded::new(bench.start(1));
+        let mut device = Recorded::new(setup.start(1));
         let outcome =
-            drive.run(bench.model(), patches(&bench.design, 200, 1), &mut device, &mut |_| ()).unwrap();
+            drive.run(setup.model(), patches(&setup.design, 200, 1), &mut device, &mut |_| ()).unwrap();
         expect_clean(&outcome);
         (device.words, outcome.cycles)
     };

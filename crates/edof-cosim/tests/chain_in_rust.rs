@@ -3,19 +3,19 @@
 use edof_cosim::chain::simulated::Simulated;
 use edof_cosim::chain::{Drive, Outcome};
 use edof_golden::cycle::{Cycle, Patch, Stalls};
-use edof_golden::sample::{self, Draw};
 use edof_hdl::blocks::chain::Chain;
 use edof_spec::Design;
 use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
 
 fn run(design: &Design, count: usize, drive: &Drive, seed: u64) -> Outcome {
-    let networks = [1, 2].map(|set| sample::for_design(design, seed + set));
+    let networks = [1, 2].map(|set| edof_random::for_design(design, seed + set));
     let sets = [&networks[0], &networks[1]];
     let draw = &mut Draw::new(seed);
     let pixels = design.form.window.pixels();
     let patches = (0..count).map(|_| Patch {
         set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
-        window: sample::extreme_window(draw, pixels),
+        window: edof_random::extreme_window(draw, pixels),
     });
     let patches: Vec<Patch> = patches.collect();
     let mut device = Simulated::new(Chain::checked(design, sets).unwrap());

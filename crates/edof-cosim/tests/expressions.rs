@@ -1,11 +1,11 @@
 //! Random typed expressions, computed by Rust, Icarus and Verilator.
 
-mod bench;
+mod testbench;
 mod trees;
 
-use bench::{BOTH, Random, emit, run};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
+use testbench::{BOTH, Random, emit, run};
 use trees::{Table, Tree, expressions};
 
 /// Expressions in one module, and modules.

@@ -4,14 +4,13 @@ mod common;
 mod support;
 
 use common::{committed, root};
-use edof_golden::sample;
 use edof_hdl::project::{self, Project};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 fn generated(name: &str) -> Project {
     let design = committed(name);
-    let network = sample::for_design(&design, 1);
+    let network = edof_random::for_design(&design, 1);
     project::calculator(&design, [&network, &network]).unwrap()
 }
 

@@ -24,7 +24,7 @@ fn clean_designs_are_clean() {
 fn a_wrong_width_is_found_at_its_line() {
     let Err(Error::Lint(errors)) = lint::clean(&planted(), None) else { panic!("it was not found") };
     assert_eq!(errors.0.len(), 1, "{errors}");
-    assert_eq!(errors.0[0].code, "WIDTH");
+    assert_eq!(errors.0[0].rule, "WIDTH");
     assert!(errors.to_string().starts_with("WIDTH counter.v:15:"), "{errors}");
 }
 

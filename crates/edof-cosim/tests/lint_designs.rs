@@ -5,7 +5,6 @@ mod support;
 
 use common::{committed, root};
 use edof_cosim::{Source, lint};
-use edof_golden::sample;
 use edof_hdl::project;
 use edof_spec::{Design, FixedNetwork, weight_file};
 
@@ -22,7 +21,7 @@ fn weights(name: &str) -> FixedNetwork {
 #[test]
 fn tiny() {
     let design = committed("tiny");
-    is_clean(&design, &sample::for_design(&design, 1));
+    is_clean(&design, &edof_random::for_design(&design, 1));
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! The seven expressions that rust-hdl's own printer translates wrongly, and its simulation as the judge.
 
-mod bench;
+mod testbench;
 
-use bench::{BOTH, Random, emit, run};
 use edof_hdl::describe::Circuit;
 use rust_hdl::core::simulate::simulate;
 use rust_hdl::prelude::*;
+use testbench::{BOTH, Random, emit, run};
 
 /// The seven rows.
 #[derive(Circuit)]

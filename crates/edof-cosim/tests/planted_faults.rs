@@ -3,7 +3,7 @@
 mod common;
 mod support;
 
-use common::{Bench, committed, moderate, patches};
+use common::{Setup, committed, moderate, patches};
 use edof_cosim::chain::{Difference, Drive, Fault};
 use edof_golden::cycle::Stalls;
 use edof_hdl::project::Project;
@@ -13,9 +13,9 @@ use edof_spec::design::memory::{self, Shifts};
 fn first_difference(plant: impl FnOnce(Project) -> Project) -> Option<Difference> {
     let design = committed("tiny");
     let networks = [5, 6].map(|seed| moderate(&design, seed));
-    let bench = Bench::altered(design, networks, plant);
+    let setup = Setup::altered(design, networks, plant);
     let drive = Drive { stalls: Some(Stalls::drawn(1, 40)), ..Drive::default() };
-    bench.run(&drive, patches(&bench.design, 60, 1), 1).difference
+    setup.run(&drive, patches(&setup.design, 60, 1), 1).difference
 }
 
 fn found(plant: impl FnOnce(Project) -> Project) -> Difference {

@@ -2,7 +2,6 @@
 
 use edof_cosim::Source;
 use edof_cosim::yosys::{Options, Report, synthesize};
-use edof_golden::sample;
 use edof_hdl::project;
 use edof_hdl::resources::{Resources, stages};
 use edof_spec::Design;
@@ -16,7 +15,7 @@ fn committed(name: &str) -> Design {
 
 /// Maps a chain. Without the names of their images all banks of a stage are one module, which is mapped once.
 fn mapped(design: &Design) -> Report {
-    let network = sample::for_design(design, 1);
+    let network = edof_random::for_design(design, 1);
     let mut source = Source::from(&project::calculator(design, [&network, &network]).unwrap());
     for (_, text) in &mut source.files {
         *text = without_images(text);

@@ -6,7 +6,6 @@ mod support;
 
 use common::committed;
 use edof_cosim::yosys::timing::{self, StageTiming};
-use edof_golden::sample;
 use edof_hdl::project;
 use std::path::Path;
 
@@ -20,7 +19,7 @@ struct Limits {
 
 fn stages(name: &str) -> Vec<StageTiming> {
     let design = committed(name);
-    let network = sample::for_design(&design, 1);
+    let network = edof_random::for_design(&design, 1);
     let project = project::calculator(&design, [&network, &network]).unwrap();
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("timing");
     timing::stages(&project, design.stages.len(), Some(&cache), &|_, _| ()).unwrap()

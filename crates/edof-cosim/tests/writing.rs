@@ -3,7 +3,7 @@
 mod common;
 mod support;
 
-use common::{Bench, Recorded, committed, expect_clean, for_set, moderate, patches};
+use common::{Recorded, Setup, committed, expect_clean, for_set, moderate, patches};
 use edof_cosim::chain::{Drive, Outcome};
 use edof_golden::cycle::Stalls;
 use edof_spec::Design;
@@ -14,13 +14,13 @@ use edof_spec::network::Recurrence;
 /// sets follow. Gives cycles in which writes waited.
 fn written_while_running(design: Design, drive: Drive) -> (Outcome, usize) {
     let [first, second] = [1, 2].map(|seed| moderate(&design, seed));
-    let bench = Bench::new_with(design, [first.clone(), first.clone()]);
-    let mut patches = for_set(Set::First, patches(&bench.design, 150, 1));
-    patches.extend(common::patches(&bench.design, 150, 2));
-    let writes_while_running = memory::writes(&bench.design, &second, Set::Second);
-    let mut circuit = Recorded::new(bench.start(1));
+    let setup = Setup::new_with(design, [first.clone(), first.clone()]);
+    let mut patches = for_set(Set::First, patches(&setup.design, 150, 1));
+    patches.extend(common::patches(&setup.design, 150, 2));
+    let writes_while_running = memory::writes(&setup.design, &second, Set::Second);
+    let mut circuit = Recorded::new(setup.start(1));
     let drive = Drive { writes_while_running, ..drive };
-    let outcome = drive.run(bench.model_of([&first, &second]), patches, &mut circuit, &mut |_| ()).unwrap();
+    let outcome = drive.run(setup.model_of([&first, &second]), patches, &mut circuit, &mut |_| ()).unwrap();
     assert!(circuit.last_write > 1000 && circuit.last_write < circuit.first_of_second_set().unwrap());
     (outcome, circuit.waits)
 }
@@ -67,7 +67,7 @@ fn a_circuit_that_skips_zeros_is_told_not_to() {
 fn words_lie_at_addresses_of_their_own() {
     for name in ["tiny", "paper", "kc705"] {
         let design = committed(name);
-        let network = edof_golden::sample::for_design(&design, 1);
+        let network = edof_random::for_design(&design, 1);
         let writes = [Set::First, Set::Second].map(|set| memory::writes(&design, &network, set)).concat();
         let addresses: std::collections::BTreeSet<u32> = writes.iter().map(|(address, _)| *address).collect();
         assert_eq!(addresses.len(), writes.len());

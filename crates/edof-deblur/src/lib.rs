@@ -9,7 +9,7 @@
 //! use edof_spec::{CfaPhase, RawFrame, Reconstructor};
 //! use ndarray::Array2;
 //!
-//! let grey = RawFrame::from_codes(Array2::from_elem((8, 8), 0x8000), 16, CfaPhase::Grbg)?;
+//! let grey = RawFrame::from_values(Array2::from_elem((8, 8), 0x8000), 16, CfaPhase::Grbg)?;
 //! let picture = Malvar::default().reconstruct(&grey)?;
 //! assert!(picture.frame.planes.iter().all(|&v| v == 0.5));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -80,7 +80,8 @@ impl Reconstructor for Malvar {
         }
         let start = Instant::now();
         let frame = demosaic(raw);
-        Ok(Reconstruction { frame, seconds: start.elapsed().as_secs_f64(), multiply_accumulates: None })
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Reconstruction { frame, seconds, multiplications: None, counters: None })
     }
 }
 
@@ -169,7 +170,7 @@ mod tests {
         field: impl Fn(Channel, usize, usize) -> u16,
     ) -> RawFrame {
         let codes = Array2::from_shape_fn(size, |(r, c)| field(phase.channel(r, c), r, c));
-        RawFrame::from_codes(codes, 16, phase).unwrap()
+        RawFrame::from_values(codes, 16, phase).unwrap()
     }
 
     fn demosaiced(raw: &RawFrame) -> ColourFrame {

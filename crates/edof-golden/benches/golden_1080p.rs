@@ -1,65 +1,75 @@
-//! Frames a second of the golden reconstruction at 1920×1080, for every network in `weights/` and a drawn one of the same
-//! size, and how much faster the fast pipeline is than the specification.
+//! The golden reconstruction at 1920×1080, for every network in `weights/` and drawn ones of the same size; and how long the
+//! specification takes for a smaller frame that the fast pipeline is given, too.
 //!
-//! `cargo bench -p edof-golden`; `RAYON_NUM_THREADS` sets the threads.
+//! `cargo bench -p edof-golden`; `RAYON_NUM_THREADS` sets the threads. Throughput is in pixels of the frame.
 
+use divan::{Bencher, counter::ItemsCount};
+use edof_golden::Golden;
 use edof_golden::frame::scalar_frame;
-use edof_golden::sample::{self, Draw};
-use edof_golden::{Golden, fast::Isa};
-use edof_spec::{CfaPhase, FixedNetwork, RawFrame, weight_file};
+use edof_golden::{Curve, Display};
+use edof_spec::draw::Draw;
+use edof_spec::{CfaPhase, DisplayMode, FixedNetwork, Frame422, RawFrame, weight_file};
 use ndarray::Array2;
+use std::fmt;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+
+/// Rows and columns of a frame that the specification can be waited for.
+const SMALL: (usize, usize) = (128, 192);
 
 fn main() {
-    let frame = raw_frame(1080, 1920);
-    println!("1920x1080, {} threads, {:?}", rayon::current_num_threads(), Isa::best());
-    println!(
-        "{:24} {:>6} {:>10} {:>8} {:>14} {:>11} {:>12}",
-        "network", "stride", "frames/s", "MAC/us", "nonzeros/layer", "saturations", "over scalar"
-    );
-    for (name, network) in networks() {
-        report(&name, network, &frame);
+    divan::main();
+}
+
+#[divan::bench(args = networks(), sample_count = 5, sample_size = 1)]
+fn full_hd(bencher: Bencher<'_, '_>, named: &Named) {
+    fast(bencher, named, (1080, 1920));
+}
+
+#[divan::bench(args = networks(), sample_count = 5, sample_size = 1)]
+fn small(bencher: Bencher<'_, '_>, named: &Named) {
+    fast(bencher, named, SMALL);
+}
+
+#[divan::bench(args = networks(), sample_count = 1, sample_size = 1)]
+fn small_by_the_specification(bencher: Bencher<'_, '_>, named: &Named) {
+    let frame = raw_frame(SMALL);
+    bencher.counter(ItemsCount::new(SMALL.0 * SMALL.1)).bench(|| scalar_frame(&named.network, &frame));
+}
+
+fn fast(bencher: Bencher<'_, '_>, named: &Named, size: (usize, usize)) {
+    let frame = raw_frame(size);
+    match Golden::new(named.network.clone()) {
+        Ok(golden) => bencher.counter(ItemsCount::new(size.0 * size.1)).bench(|| golden.frame(&frame)),
+        Err(error) => eprintln!("{named}: {error}"),
     }
 }
 
-fn report(name: &str, network: FixedNetwork, frame: &RawFrame) {
-    let small = raw_frame(128, 192);
-    let golden = match Golden::new(network.clone()) {
-        Ok(golden) => golden,
-        Err(error) => return eprintln!("{name}: {error}"),
-    };
-    let seconds = best_of(5, || golden.frame(frame));
-    let (slow, fast) = (best_of(1, || scalar_frame(&network, &small)), best_of(5, || golden.frame(&small)));
-    let Ok(out) = golden.frame(frame) else { return eprintln!("{name}: frame too small") };
-    let counts = out.counts;
-    let nonzeros: Vec<String> = counts.stages[..network.form.shrinkages()]
-        .iter()
-        .map(|s| format!("{:.0}", s.nonzeros as f64 / counts.patches as f64))
-        .collect();
-    println!(
-        "{name:24} {:>6} {:>10.2} {:>8.0} {:>14} {:>11} {:>11.0}x",
-        network.stride.pixels(),
-        1.0 / seconds,
-        counts.multiply_accumulates(&network) as f64 / seconds * 1e-6,
-        nonzeros.join("/"),
-        counts.saturations(),
-        slow / fast,
-    );
+/// The display step alone, over a frame of random words.
+#[divan::bench(args = DisplayMode::ALL, sample_count = 5, sample_size = 1)]
+fn display(bencher: Bencher<'_, '_>, mode: DisplayMode) {
+    let draw = &mut Draw::new(3);
+    let mut words = |columns| Array2::from_shape_fn((1080, columns), |_| draw.whole(-2_000, 18_000) as i16);
+    let frame = Frame422 { luma: words(1920), chroma: [words(960), words(960)] };
+    let display = Display::new(mode, Curve::Srgb);
+    bencher
+        .counter(ItemsCount::new(1080 * 1920usize))
+        .bench(|| display.picture(&frame, (0, 0), (1080, 1920)));
 }
 
-/// Shortest of several runs, in seconds.
-fn best_of<T>(runs: usize, mut run: impl FnMut() -> T) -> f64 {
-    let time = |_| {
-        let start = Instant::now();
-        std::hint::black_box(run());
-        start.elapsed().as_secs_f64()
-    };
-    (0..runs).map(time).fold(f64::INFINITY, f64::min)
+/// A network and what the results call it.
+struct Named {
+    name: String,
+    network: FixedNetwork,
+}
+
+impl fmt::Display for Named {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, stride {}", self.name, self.network.stride.pixels())
+    }
 }
 
 /// Committed networks, and a drawn one at two strides.
-fn networks() -> Vec<(String, FixedNetwork)> {
+fn networks() -> Vec<Named> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../weights");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
@@ -68,25 +78,27 @@ fn networks() -> Vec<(String, FixedNetwork)> {
     let mut all = Vec::new();
     for path in files {
         match weight_file::load_fixed(&path) {
-            Ok(network) => all.push((network.origin.name.clone(), network)),
+            Ok(network) => all.push(Named { name: network.origin.name.clone(), network }),
             Err(error) => eprintln!("{error}"),
         }
     }
-    all.extend(
-        [(8, 8), (12, 8), (12, 4)].map(|(w, s)| (format!("drawn, window {w}"), sample::natural(w, s, 1))),
-    );
+    let drawn = |(window, stride)| Named {
+        name: format!("drawn, window {window}"),
+        network: edof_random::natural(window, stride, 1),
+    };
+    all.extend([(8, 8), (12, 8), (12, 4)].map(drawn));
     all
 }
 
 /// Smooth shades with edges and a little noise.
-fn raw_frame(height: usize, width: usize) -> RawFrame {
+fn raw_frame(size: (usize, usize)) -> RawFrame {
     let mut draw = Draw::new(3);
-    let codes = Array2::from_shape_fn((height, width), |(r, c)| {
+    let values = Array2::from_shape_fn(size, |(r, c)| {
         let shade = 1400.0 + 1000.0 * (r as f64 / 90.0).sin() * (c as f64 / 70.0).cos();
         let edge = if (r / 50 + c / 70) % 2 == 0 { 300 } else { 0 };
         (shade as i64 + edge + draw.whole(-20, 20)) as u16
     });
-    match RawFrame::from_codes(codes, 12, CfaPhase::Rggb) {
+    match RawFrame::from_values(values, 12, CfaPhase::Rggb) {
         Ok(frame) => frame,
         Err(error) => unreachable!("{error}"),
     }

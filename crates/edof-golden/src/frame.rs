@@ -1,5 +1,6 @@
 //! Whole frames: every window through the network, patches added up, 4:2:2 out.
 
+use crate::display::{Display, DisplayCounts, Picture};
 use crate::fast::{Batch, Fast};
 use crate::overlap_add::{Band, overlap_add};
 use crate::scalar;
@@ -24,20 +25,28 @@ pub struct Golden {
 /// A reconstructed frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GoldenFrame {
-    /// The board's picture before gamma, for the frame with red first ([`RawFrame::to_rggb`]): as large as the raw frame, or
-    /// two rows or columns larger where its colour filter starts with another colour.
+    /// The board's words before the display step, for the frame with red first ([`RawFrame::to_rggb`]): as large as the raw frame,
+    /// or two rows or columns larger where its colour filter starts with another colour.
     pub frame: Frame422,
     /// Rows and columns of it that come before the raw frame's first.
     pub offset: (usize, usize),
+    /// Rows and columns of the raw frame.
+    pub size: (usize, usize),
     /// Counters of all stages.
     pub counts: Counts,
 }
 
 impl GoldenFrame {
-    /// The frame in linear red, green and blue, `height`×`width`: the raw frame's size.
+    /// The frame in linear red, green and blue, as large as the raw frame.
     #[must_use]
-    pub fn colour(&self, (height, width): (usize, usize)) -> ColourFrame {
-        rgb_from_422(&self.frame).crop(self.offset.0, self.offset.1, height, width)
+    pub fn colour(&self) -> ColourFrame {
+        rgb_from_422(&self.frame).crop(self.offset.0, self.offset.1, self.size.0, self.size.1)
+    }
+
+    /// The codes that leave the board, as large as the raw frame, and what the display step could not show.
+    #[must_use]
+    pub fn picture(&self, display: &Display) -> (Picture, DisplayCounts) {
+        display.picture(&self.frame, self.offset, self.size)
     }
 }
 
@@ -56,6 +65,12 @@ impl Golden {
         &self.fast
     }
 
+    /// Where patches and windows lie.
+    #[must_use]
+    pub const fn geometry(&self) -> Geometry {
+        self.geometry
+    }
+
     /// The network it runs.
     #[must_use]
     pub const fn network(&self) -> &FixedNetwork {
@@ -67,9 +82,9 @@ impl Golden {
     /// # Errors
     /// [`GeometryError`] for frames too small for a window.
     pub fn frame(&self, raw: &RawFrame) -> Result<GoldenFrame, GeometryError> {
+        self.geometry.check_frame(raw.size())?;
         let (aligned, offset) = raw.to_rggb();
         let (height, width) = aligned.size();
-        self.geometry.check_frame(height, width)?;
         let mirrored = Mirrored::new(&aligned, self.geometry);
         let (rows, _) = self.geometry.patches(height, width);
         let mut counts = Counts::new(self.network().form.layers);
@@ -89,7 +104,7 @@ impl Golden {
             }
         }
         let frame = sums.finish(&mut counts);
-        Ok(GoldenFrame { frame, offset, counts })
+        Ok(GoldenFrame { frame, offset, size: raw.size(), counts })
     }
 
     /// One row of patches, added up sideways.
@@ -115,9 +130,9 @@ impl Golden {
 /// [`GeometryError`] for frames too small for a window.
 pub fn scalar_frame(network: &FixedNetwork, raw: &RawFrame) -> Result<GoldenFrame, GeometryError> {
     let geometry = Geometry::new(network.form.window, network.stride);
+    geometry.check_frame(raw.size())?;
     let (aligned, offset) = raw.to_rggb();
     let (height, width) = aligned.size();
-    geometry.check_frame(height, width)?;
     let mut patches = Counts::new(network.form.layers);
     let mut sums = Counts::new(network.form.layers);
     let patch = |row, column| {
@@ -127,5 +142,25 @@ pub fn scalar_frame(network: &FixedNetwork, raw: &RawFrame) -> Result<GoldenFram
     };
     let frame = overlap_add(geometry, (height, width), patch, &mut sums);
     patches.merge(&sums);
-    Ok(GoldenFrame { frame, offset, counts: patches })
+    Ok(GoldenFrame { frame, offset, size: raw.size(), counts: patches })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_spec::CfaPhase;
+    use ndarray::Array2;
+
+    #[test]
+    fn a_frame_too_small_is_refused_alike_in_all_phases_by_the_size_that_was_given() {
+        let golden = Golden::new(edof_random::natural(8, 8, 1)).unwrap();
+        let frame = |side, phase| {
+            golden.frame(&RawFrame::from_values(Array2::zeros((side, side)), 8, phase).unwrap())
+        };
+        for phase in CfaPhase::ALL {
+            let error = frame(8, phase).unwrap_err().to_string();
+            assert_eq!(error, "frame 8x8: both sides must be at least 10 pixels for a window of 8");
+            assert_eq!(frame(10, phase).unwrap().colour().size(), (10, 10));
+        }
+    }
 }

@@ -1,136 +1,182 @@
-//! Gamma: 16-bit luma to 8 bits by a look-up table that the host can load.
+//! Light to codes by look-up tables that the host can load: one for luma, one for each colour.
 
-use edof_spec::Frame422;
 use edof_spec::colour::srgb_encode;
+use edof_spec::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
 use edof_spec::number::OUTPUT_FRACTION;
-use ndarray::Array2;
 
-/// Entries of the table: one for each luma word of 0 or more.
-pub const ENTRIES: usize = 1 << 15;
-/// Luma code of black (BT.709, studio range).
-pub const BLACK: u8 = 16;
-/// Luma code of white.
-pub const WHITE: u8 = 235;
+/// Entries of a colour's table.
+const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
+/// Largest entry of a colour's table: light of 1.
+const COLOUR_MOST: u16 = (1 << COLOUR_ENTRY_BITS) - 1;
 
-/// The look-up table, 8 bits for each non-negative luma word; negative words read entry 0.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Gamma {
-    table: Vec<u8>,
+/// A transfer curve: encoded light (0…1) for linear light (0…1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Curve {
+    /// Codes proportional to light.
+    Linear,
+    /// sRGB's curve, for people who look at an sRGB screen.
+    #[default]
+    Srgb,
+    /// BT.709's camera curve.
+    Bt709,
+}
+
+impl Curve {
+    /// Encoded light for light of 0…1.
+    #[must_use]
+    pub fn encode(self, light: f64) -> f64 {
+        match self {
+            Self::Linear => light,
+            Self::Srgb => srgb_encode(light),
+            Self::Bt709 if light < 0.018 => 4.5 * light,
+            Self::Bt709 => 1.099 * light.powf(0.45) - 0.099,
+        }
+    }
+
+    /// The curve at a word with [`OUTPUT_FRACTION`] fraction bits, times `scale`, plus `zero`; rounded, ties up. Words of 1 and above
+    /// are white.
+    fn entry(self, word: usize, scale: f64, zero: f64) -> f64 {
+        let light = (word as f64 / f64::from(1 << OUTPUT_FRACTION)).min(1.0);
+        (zero + scale * self.encode(light) + 0.5).floor()
+    }
 }
 
 /// A table that the board cannot load.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum GammaError {
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum TableError {
     /// Wrong length.
-    #[error("gamma table: {0} entries, expected {ENTRIES}")]
-    Length(usize),
-    /// A sync code.
-    #[error("gamma table: entry {index} is {code}, expected 1 to 254 (0 and 255 mark syncs)")]
-    Sync {
-        /// Which entry.
-        index: usize,
-        /// What it holds.
-        code: u8,
-    },
+    #[error("{what} table: {found} entries, expected {expected}")]
+    Length { what: &'static str, found: usize, expected: usize },
+    /// An entry that cannot be sent.
+    #[error("{what} table: entry {index} is {value}, expected {least} to {most}")]
+    Entry { what: &'static str, index: usize, value: u16, least: u16, most: u16 },
 }
 
-impl Gamma {
-    /// Codes proportional to light.
-    #[must_use]
-    pub fn linear() -> Self {
-        Self::from_curve(|light| light)
-    }
+/// An 8-bit code for each luma word of 0 or more; negative words read entry 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LumaTable(Vec<u8>);
 
-    /// sRGB's curve.
+impl LumaTable {
+    /// From black at light 0 to white at light 1 and above.
     #[must_use]
-    pub fn srgb() -> Self {
-        Self::from_curve(srgb_encode)
-    }
-
-    /// BT.709's camera curve.
-    #[must_use]
-    pub fn bt709() -> Self {
-        Self::from_curve(|l| if l < 0.018 { 4.5 * l } else { 1.099 * l.powf(0.45) - 0.099 })
+    pub fn new(curve: Curve) -> Self {
+        Self((0..LUMA_ENTRIES).map(|word| curve.entry(word, LUMA_CODES, f64::from(BLACK)) as u8).collect())
     }
 
     /// A table of one's own.
     ///
     /// # Errors
-    /// [`GammaError`] for a wrong length or a sync code.
-    pub fn from_table(table: Vec<u8>) -> Result<Self, GammaError> {
-        if table.len() != ENTRIES {
-            return Err(GammaError::Length(table.len()));
-        }
-        match table.iter().position(|code| matches!(code, 0 | 255)) {
-            Some(index) => Err(GammaError::Sync { index, code: table[index] }),
-            None => Ok(Self { table }),
-        }
+    /// [`TableError`] for a wrong length or a sync code.
+    pub fn from_entries(entries: Vec<u8>) -> Result<Self, TableError> {
+        let [least, most] = CODES.map(u16::from);
+        check("luma", entries.iter().map(|code| u16::from(*code)), LUMA_ENTRIES, least, most)?;
+        Ok(Self(entries))
     }
 
-    /// The table, entry 0 first.
+    /// The entries, that of word 0 first.
     #[must_use]
-    pub fn table(&self) -> &[u8] {
-        &self.table
+    pub fn entries(&self) -> &[u8] {
+        &self.0
     }
 
-    /// The code of a luma word; negative words are black.
+    /// The code of a luma word.
     #[must_use]
-    pub fn code(&self, luma: i16) -> u8 {
-        self.table[luma.max(0) as usize]
-    }
-
-    /// From black at light 0 to white at light 1 and above, rounded.
-    fn from_curve(curve: impl Fn(f64) -> f64) -> Self {
-        let span = f64::from(WHITE - BLACK);
-        let code = |word: usize| {
-            let light = (word as f64 / f64::from(1 << OUTPUT_FRACTION)).min(1.0);
-            (f64::from(BLACK) + span * curve(light) + 0.5).floor() as u8
-        };
-        Self { table: (0..ENTRIES).map(code).collect() }
+    pub fn code(&self, word: i16) -> u8 {
+        self.0[word.max(0) as usize]
     }
 }
 
-/// The picture on the wire: 8-bit Y′CbCr 4:2:2, studio range.
+/// A 12-bit encoded value for each light of 0…1; what lies outside reads the first or last entry.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Picture {
-    /// Luma codes, rows × columns.
-    pub luma: Array2<u8>,
-    /// Cb and Cr codes, rows × columns/2 each.
-    pub chroma: [Array2<u8>; 2],
+pub struct ColourTable(Vec<u16>);
+
+impl ColourTable {
+    /// From 0 at no light to 4095 at light 1.
+    #[must_use]
+    pub fn new(curve: Curve) -> Self {
+        Self((0..COLOUR_ENTRIES).map(|word| curve.entry(word, f64::from(COLOUR_MOST), 0.0) as u16).collect())
+    }
+
+    /// A table of one's own.
+    ///
+    /// # Errors
+    /// [`TableError`] for a wrong length or an entry of more than 12 bits.
+    pub fn from_entries(entries: Vec<u16>) -> Result<Self, TableError> {
+        check("colour", entries.iter().copied(), COLOUR_ENTRIES, 0, COLOUR_MOST)?;
+        Ok(Self(entries))
+    }
+
+    /// The entries, that of no light first.
+    #[must_use]
+    pub fn entries(&self) -> &[u16] {
+        &self.0
+    }
+
+    /// The encoded value of light with [`OUTPUT_FRACTION`] fraction bits.
+    #[must_use]
+    pub fn encoded(&self, light: i32) -> i32 {
+        i32::from(self.0[light.clamp(0, COLOUR_ENTRIES as i32 - 1) as usize])
+    }
 }
 
-/// Sends a frame's luma through the table; chroma is final already.
-#[must_use]
-pub fn display(frame: &Frame422, gamma: &Gamma) -> Picture {
-    Picture { luma: frame.luma.mapv(|word| gamma.code(word)), chroma: frame.chroma.clone() }
+fn check(
+    what: &'static str,
+    mut entries: impl ExactSizeIterator<Item = u16>,
+    expected: usize,
+    least: u16,
+    most: u16,
+) -> Result<(), TableError> {
+    let found = entries.len();
+    if found != expected {
+        return Err(TableError::Length { what, found, expected });
+    }
+    let wrong = |(index, value)| TableError::Entry { what, index, value, least, most };
+    let outside = |(_, value): &(usize, u16)| !(least..=most).contains(value);
+    match entries.by_ref().enumerate().find(outside) {
+        Some(entry) => Err(wrong(entry)),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_spec::display::WHITE;
+
+    const CURVES: [Curve; 3] = [Curve::Linear, Curve::Srgb, Curve::Bt709];
 
     #[test]
     fn black_white_and_what_lies_beyond() {
-        for gamma in [Gamma::linear(), Gamma::srgb(), Gamma::bt709()] {
-            assert_eq!([i16::MIN, -1, 0].map(|w| gamma.code(w)), [BLACK; 3]);
-            assert_eq!([1 << 14, i16::MAX].map(|w| gamma.code(w)), [WHITE; 2]);
-            assert!(gamma.table().is_sorted());
+        for curve in CURVES {
+            let luma = LumaTable::new(curve);
+            assert_eq!([i16::MIN, -1, 0].map(|w| luma.code(w)), [BLACK; 3]);
+            assert_eq!([1 << 14, i16::MAX].map(|w| luma.code(w)), [WHITE; 2]);
+            assert!(luma.entries().is_sorted());
+            let colour = ColourTable::new(curve);
+            assert_eq!([-40_000, -1, 0].map(|light| colour.encoded(light)), [0; 3]);
+            assert_eq!([(1 << 14) - 1, 1 << 14, 80_000].map(|light| colour.encoded(light)), [4095; 3]);
+            assert!(colour.entries().is_sorted());
         }
-        assert_eq!(Gamma::linear().code(1 << 13), 126);
-        assert_eq!(Gamma::srgb().code(3506), 126 - 1);
+        assert_eq!(LumaTable::new(Curve::Linear).code(1 << 13), 126);
+        assert_eq!(LumaTable::new(Curve::Srgb).code(3506), 125);
+        assert_eq!(ColourTable::new(Curve::Linear).encoded(1 << 13), 2048);
     }
 
     #[test]
     fn a_table_comes_back_and_wrong_ones_are_refused() {
-        let table = Gamma::srgb().table().to_vec();
-        assert_eq!(Gamma::from_table(table.clone()), Ok(Gamma::srgb()));
-        assert_eq!(Gamma::from_table(vec![16; 256]), Err(GammaError::Length(256)));
+        let table = LumaTable::new(Curve::Srgb).entries().to_vec();
+        assert_eq!(LumaTable::from_entries(table.clone()), Ok(LumaTable::new(Curve::Srgb)));
+        let error = LumaTable::from_entries(vec![16; 256]).unwrap_err();
+        assert_eq!(error.to_string(), "luma table: 256 entries, expected 32768");
         let mut sync = table;
         sync[7] = 255;
-        let error = Gamma::from_table(sync).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "gamma table: entry 7 is 255, expected 1 to 254 (0 and 255 mark syncs)"
-        );
+        let error = LumaTable::from_entries(sync).unwrap_err();
+        assert_eq!(error.to_string(), "luma table: entry 7 is 255, expected 1 to 254");
+        let mut table = ColourTable::new(Curve::Bt709).entries().to_vec();
+        assert_eq!(ColourTable::from_entries(table.clone()), Ok(ColourTable::new(Curve::Bt709)));
+        table[9] = 4096;
+        let error = ColourTable::from_entries(table).unwrap_err();
+        assert_eq!(error.to_string(), "colour table: entry 9 is 4096, expected 0 to 4095");
     }
 }

@@ -7,39 +7,42 @@
 //! | network | [`scalar`] | the specification: one window through I, M…, F, with every boundary in a [`Trace`] |
 //! | | [`fast`] | the same words and counts from SIMD kernels, batch by batch |
 //! | counters | [`trace`] | saturations and non-zeros of each stage |
-//! | overlap | [`overlap_add`] | the sum of overlapping patches, rounded to the 4:2:2 frame |
+//! | overlap | [`overlap_add`] | the sum of overlapping patches: the 4:2:2 frame in words |
 //! | frame | [`frame`] | a whole frame on all threads ([`Golden`]), and its slow twin |
+//! | words | [`words`] | every boundary of a whole frame, for whoever wants to check |
 //! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
-//! | gamma | [`gamma`] | 8-bit luma through a loadable table: the picture on the wire |
+//! | tables | [`gamma`] | light to codes: loadable tables for luma and for each colour |
+//! | display | [`display`] | the 8-bit Y′CbCr 4:2:2 codes on the wire, and what a sink shows of them |
 //! | study | [`reconstructor`] | [`GoldenReconstructor`], the method that experiments compare |
-//! | trials | [`sample`] | drawn networks and windows for tests, examples and benchmarks |
 //!
 //! ```
-//! use edof_golden::{Gamma, Golden, display};
+//! use edof_golden::{Display, Golden};
 //! use edof_spec::{CfaPhase, RawFrame};
-//! # let network = edof_golden::sample::natural(8, 8, 7);
+//! # let network = edof_random::natural(8, 8, 7);
 //! // `network` came out of edof_spec::weight_file::load_fixed.
-//! let raw = RawFrame::from_codes(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
+//! let raw = RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
 //! let out = Golden::new(network)?.frame(&raw)?;
 //! assert_eq!(out.counts.patches, 4 * 6);
-//! let picture = display(&out.frame, &Gamma::srgb());
-//! assert_eq!(picture.luma.dim(), (32, 48));
+//! let (picture, counts) = out.picture(&Display::default());
+//! assert_eq!(picture.yuyv().len(), 2 * 32 * 48);
+//! assert_eq!(counts.out_of_gamut, 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod cycle;
+pub mod display;
 pub mod fast;
 pub mod frame;
 pub mod gamma;
 pub mod overlap_add;
 pub mod reconstructor;
-pub mod sample;
 pub mod scalar;
-
 pub mod trace;
 pub mod windows;
+pub mod words;
 
+pub use display::{Display, DisplayCounts, Picture};
 pub use frame::{Golden, GoldenFrame};
-pub use gamma::{Gamma, Picture, display};
+pub use gamma::{ColourTable, Curve, LumaTable};
 pub use reconstructor::GoldenReconstructor;
-pub use trace::{Codes, Counts, StageCounts, Trace};
+pub use trace::{Counts, LayerWords, StageCounts, Trace};

@@ -1,13 +1,11 @@
-//! The sum of overlapping patches, and its rounding to the board's 4:2:2 frame.
+//! The sum of overlapping patches: the board's 4:2:2 frame in words.
 //!
 //! F's weights carry the averaging window, so here is only addition: words of all patches over a pixel are summed in 32 bits
-//! (at most 16 words of 16 bits), saturated to 16 bits once a pixel. Chroma then loses its fraction:
-//! code = 128 + round(word / 2^[`CHROMA_SHIFT`]), clamped to 1…254.
+//! (at most 16 words of 16 bits), saturated to 16 bits once a pixel.
 
 use crate::trace::Counts;
-use edof_spec::colour::CHROMA_ZERO;
 use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::number::{CHROMA_SHIFT, requantize, saturate};
+use edof_spec::number::saturate;
 use edof_spec::{Frame422, Geometry};
 use ndarray::Array2;
 
@@ -53,32 +51,19 @@ impl Band {
         }
     }
 
-    /// Rounds the sums to the 4:2:2 frame and counts what did not fit.
+    /// Saturates the sums to the 4:2:2 frame and counts what did not fit.
     #[must_use]
     pub fn finish(&self, counts: &mut Counts) -> Frame422 {
         let mut words = |sums: &Array2<i32>| {
             counts.saturated_sums += sums.iter().filter(|s| i32::from(**s as i16) != **s).count() as u64;
             sums.mapv(|s| saturate(s.into(), 16).0)
         };
-        let (luma, chroma) = (words(&self.luma), self.chroma.each_ref().map(words));
-        let chroma = chroma.map(|words| {
-            counts.clamped_chroma += words.iter().filter(|w| chroma_code(**w).1).count() as u64;
-            words.mapv(|w| chroma_code(w).0)
-        });
-        Frame422 { luma, chroma }
+        Frame422 { luma: words(&self.luma), chroma: self.chroma.each_ref().map(words) }
     }
 
     fn planes_mut(&mut self) -> impl Iterator<Item = &mut Array2<i32>> {
         std::iter::once(&mut self.luma).chain(&mut self.chroma)
     }
-}
-
-/// The 8-bit code of a chroma word, and whether it was clamped: codes 0 and 255 mark syncs on the wire.
-#[must_use]
-pub fn chroma_code(word: i16) -> (u8, bool) {
-    let code = i32::from(requantize(word.into(), CHROMA_SHIFT, 16).0) + CHROMA_ZERO;
-    let clamped = code.clamp(1, 254);
-    (clamped as u8, clamped != code)
 }
 
 /// Adds patches and finishes the frame the slow way, patch by patch: `words(row, column)` are F's words of that patch.
@@ -124,7 +109,7 @@ mod tests {
             let mut counts = Counts::new(2);
             let frame = overlap_add(g, (18, 22), |_, _| patch.clone(), &mut counts);
             assert!(frame.luma.iter().all(|v| *v == 8192), "stride {step}");
-            assert!(frame.chroma.iter().flatten().all(|v| *v == 128 + 64), "stride {step}");
+            assert!(frame.chroma.iter().flatten().all(|v| *v == 8192), "stride {step}");
             assert_eq!(counts, Counts::new(2));
         }
     }
@@ -149,12 +134,5 @@ mod tests {
         let frame = overlap_add(g, (16, 16), |_, _| vec![-30000; 128], &mut counts);
         assert!(frame.luma.iter().all(|v| *v == i16::MIN));
         assert_eq!(counts.saturated_sums, 2 * 256);
-        assert_eq!(counts.clamped_chroma, 256);
-    }
-
-    #[test]
-    fn chroma_rounds_ties_up_and_keeps_off_the_sync_codes() {
-        assert_eq!([63, 64, -64, -65].map(|w| chroma_code(w).0), [128, 129, 128, 127]);
-        assert_eq!([i16::MAX, i16::MIN].map(chroma_code), [(254, true), (1, true)]);
     }
 }

@@ -39,9 +39,10 @@ impl Reconstructor for GoldenReconstructor {
         let out = self.golden.frame(raw)?;
         let seconds = start.elapsed().as_secs_f64();
         Ok(Reconstruction {
-            frame: out.colour(raw.size()),
+            frame: out.colour(),
             seconds,
-            multiply_accumulates: Some(out.counts.multiply_accumulates(self.golden.network())),
+            multiplications: Some(out.counts.multiplications(self.golden.network())),
+            counters: Some(out.counts.counters()),
         })
     }
 }

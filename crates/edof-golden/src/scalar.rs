@@ -1,7 +1,7 @@
 //! The specification: one window through the integer network, one line of code for one line of
 //! [`edof_spec::fixed_network`]. Slow and plain on purpose; [`crate::fast`] must give the same [`Trace`].
 
-use crate::trace::{Codes, StageCounts, Trace};
+use crate::trace::{LayerWords, StageCounts, Trace};
 use edof_spec::FixedNetwork;
 use edof_spec::fixed_network::FixedMatrix;
 use edof_spec::network::{Recurrence, Shrinkage};
@@ -15,7 +15,7 @@ const OUTPUT_BITS: u32 = 16;
 pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
     let bits = network.code_bits;
     let shift = network.analysis_shift();
-    let mut codes: Vec<Codes> = Vec::with_capacity(network.form.shrinkages());
+    let mut layers: Vec<LayerWords> = Vec::with_capacity(network.form.shrinkages());
     let mut stages = vec![StageCounts::default(); network.form.layers];
 
     for t in 0..network.form.shrinkages() {
@@ -25,9 +25,9 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
                 let (word, saturated) = if t == 0 {
                     requantize(product(&network.analysis, row, y), shift, bits)
                 } else {
-                    let (before, shifts) = (&codes[t - 1], network.middle_shifts(t - 1));
+                    let (before, shifts) = (&layers[t - 1], network.middle_shifts(t - 1));
                     let base = match network.form.recurrence {
-                        Recurrence::Direct => codes[0].b[row],
+                        Recurrence::Direct => layers[0].b[row],
                         Recurrence::Difference => before.b[row],
                     };
                     let sum = product(network.recurrent_matrix(t - 1), row, &before.sent);
@@ -49,7 +49,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
         let sent: Vec<i16> = if sends_difference(network, t) {
             (0..z.len())
                 .map(|i| {
-                    let before = if t == 0 { 0 } else { codes[t - 1].z[i] };
+                    let before = if t == 0 { 0 } else { layers[t - 1].z[i] };
                     let (word, saturated) = saturate(i64::from(z[i]) - i64::from(before), bits);
                     counts.saturated_differences += u64::from(saturated);
                     word
@@ -59,11 +59,11 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             z.clone()
         };
         counts.nonzeros = sent.iter().filter(|v| **v != 0).count() as u64;
-        codes.push(Codes { b, z, sent });
+        layers.push(LayerWords { b, z, sent });
     }
 
     let shifts = network.final_shifts();
-    let z = &codes[codes.len() - 1].sent;
+    let z = &layers[layers.len() - 1].sent;
     let counts = &mut stages[network.form.layers - 1];
     let output = (0..network.dictionary.weights.nrows())
         .map(|row| {
@@ -74,7 +74,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             word
         })
         .collect();
-    Trace { input: y.to_vec(), codes, output, stages }
+    Trace { input: y.to_vec(), layers, output, stages }
 }
 
 /// Whether stage `t` (0 = I) sends z_t − z_{t−1}: in the difference form, where the next stage is an M.
@@ -83,7 +83,7 @@ pub fn sends_difference(network: &FixedNetwork, t: usize) -> bool {
     network.form.recurrence == Recurrence::Difference && t + 1 < network.form.shrinkages()
 }
 
-/// The soft threshold on a code of `bits` bits. The second value tells whether it saturated.
+/// The soft threshold on a pre-activation of `bits` bits. The second value tells whether it saturated.
 #[must_use]
 pub fn shrink(shrinkage: Shrinkage, b: i16, theta: i16, bits: u32) -> (i16, bool) {
     let (b, theta) = (i64::from(b), i64::from(theta));

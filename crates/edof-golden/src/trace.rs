@@ -1,6 +1,8 @@
 //! What a stage hands to the next, and what its counters say.
 
 use edof_spec::FixedNetwork;
+use edof_spec::colour::OUTPUTS_422;
+use edof_spec::reconstructor::{Counters, Multiplications};
 
 /// One patch on its way through the network: the words at every stage boundary.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -8,7 +10,7 @@ pub struct Trace {
     /// y: the window's input words, row by row.
     pub input: Vec<i16>,
     /// What I and each M stage made, t = 1…T−1.
-    pub codes: Vec<Codes>,
+    pub layers: Vec<LayerWords>,
     /// F's 128 words: luma, Cb, Cr.
     pub output: Vec<i16>,
     /// Counters of I, each M, F for this patch alone.
@@ -17,10 +19,10 @@ pub struct Trace {
 
 /// The words that I or an M stage makes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Codes {
-    /// b_t, rounded.
+pub struct LayerWords {
+    /// Pre-activations b_t, rounded.
     pub b: Vec<i16>,
-    /// z_t = shrink(b_t).
+    /// Sparse codes z_t = shrink(b_t).
     pub z: Vec<i16>,
     /// What the next stage multiplies: z_t, or z_t − z_{t−1} where the difference form's next stage is an M.
     pub sent: Vec<i16>,
@@ -31,7 +33,7 @@ pub struct Codes {
 pub struct StageCounts {
     /// Accumulators that did not fit when rounded to b or to the output.
     pub saturated_results: u64,
-    /// Thresholded codes that did not fit (b − θ with a negative θ).
+    /// Sparse codes that did not fit (b − θ with a negative θ).
     pub saturated_codes: u64,
     /// Differences z_t − z_{t−1} that did not fit.
     pub saturated_differences: u64,
@@ -65,8 +67,6 @@ pub struct Counts {
     pub stages: Vec<StageCounts>,
     /// Luma and chroma words whose overlap sum did not fit 16 bits.
     pub saturated_sums: u64,
-    /// Chroma codes that were clamped to 1…254.
-    pub clamped_chroma: u64,
 }
 
 impl Counts {
@@ -88,7 +88,6 @@ impl Counts {
     pub fn merge(&mut self, other: &Self) {
         self.patches += other.patches;
         self.saturated_sums += other.saturated_sums;
-        self.clamped_chroma += other.clamped_chroma;
         for (sum, stage) in self.stages.iter_mut().zip(&other.stages) {
             *sum += *stage;
         }
@@ -100,16 +99,28 @@ impl Counts {
         self.stages.iter().map(StageCounts::saturations).sum::<u64>() + self.saturated_sums
     }
 
-    /// Multiply-accumulates that a machine which skips zero codes needs for these patches.
+    /// What every method may count, of these counts.
     #[must_use]
-    pub fn multiply_accumulates(&self, network: &FixedNetwork) -> u64 {
+    pub fn counters(&self) -> Counters {
+        let shrinkages = self.stages.len().saturating_sub(1);
+        let nonzeros = self.stages.iter().take(shrinkages).map(|s| s.nonzeros).collect();
+        Counters { patches: self.patches, nonzeros, saturations: self.saturations() }
+    }
+
+    /// Multiplications for these patches; executed are those of a machine that skips zero sparse codes (of M and F: every word
+    /// that is sent and not zero, times the rows of the matrix), as [`crate::fast`] and the board do.
+    #[must_use]
+    pub fn multiplications(&self, network: &FixedNetwork) -> Multiplications {
         let (codes, pixels) = (network.form.codes as u64, network.form.window.pixels() as u64);
-        let outputs = network.dictionary.weights.nrows() as u64;
+        let outputs = OUTPUTS_422 as u64;
         let (last, middle) = match self.stages.get(..network.form.shrinkages()) {
             Some([middle @ .., last]) => (last.nonzeros, middle.iter().map(|s| s.nonzeros).sum::<u64>()),
             _ => (0, 0),
         };
         let linear = if network.linear_path.is_some() { pixels * outputs } else { 0 };
-        self.patches * (pixels * codes + linear) + middle * codes + last * outputs
+        Multiplications {
+            dense: self.patches * network.form.dense_multiplications(OUTPUTS_422),
+            executed: self.patches * (pixels * codes + linear) + middle * codes + last * outputs,
+        }
     }
 }

@@ -13,7 +13,7 @@ pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> 
     let side = geometry.window.side() as isize;
     (top..top + side)
         .flat_map(|r| (left..left + side).map(move |c| (r, c)))
-        .map(|(r, c)| input_word(raw.pixels()[(mirror(r, height), mirror(c, width))]).to_bits())
+        .map(|(r, c)| input_word(raw.pixels()[(mirror(r, height), mirror(c, width))]))
         .collect()
 }
 
@@ -36,7 +36,7 @@ impl Mirrored {
         let mut words = Vec::with_capacity((height + 2 * reach) * columns.len());
         for r in 0..height + 2 * reach {
             let line = raw.pixels().row(inside(r, height));
-            words.extend(columns.iter().map(|&c| input_word(line[c]).to_bits()));
+            words.extend(columns.iter().map(|&c| input_word(line[c])));
         }
         Self { words, width: columns.len(), geometry }
     }
@@ -60,8 +60,8 @@ mod tests {
     #[test]
     fn blocks_of_the_mirrored_frame_are_the_windows() {
         let (height, width) = (22, 26);
-        let codes = Array2::from_shape_fn((height, width), |(r, c)| (r * 997 + c * 31) as u16);
-        let raw = RawFrame::from_codes(codes, 16, CfaPhase::Rggb).unwrap();
+        let values = Array2::from_shape_fn((height, width), |(r, c)| (r * 997 + c * 31) as u16);
+        let raw = RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap();
         for (side, step) in [(8, 8), (8, 2), (12, 4), (16, 8), (16, 2)] {
             let g = Geometry::new(Window::new(side).unwrap(), Stride::new(step).unwrap());
             let mirrored = Mirrored::new(&raw, g);
@@ -76,11 +76,11 @@ mod tests {
 
     #[test]
     fn a_window_of_a_frame_mirrors_about_the_edge_pixel_and_halves_the_words() {
-        let codes = Array2::from_shape_fn((20, 20), |(r, c)| (r * 20 + c) as u16);
-        let raw = RawFrame::from_codes(codes, 8 + 1, CfaPhase::Rggb).unwrap();
+        let values = Array2::from_shape_fn((20, 20), |(r, c)| (r * 20 + c) as u16);
+        let raw = RawFrame::from_values(values, 8 + 1, CfaPhase::Rggb).unwrap();
         let g = Geometry::new(Window::new(12).unwrap(), Stride::PATCH);
         let first = window(&raw, g, 0, 0);
-        // Window row 0, column 0 is frame row −2, column −2: pixel (2, 2), code 42 of 9 bits.
+        // Window row 0, column 0 is frame row −2, column −2: pixel (2, 2), sensor value 42 of 9 bits.
         assert_eq!(first[0], 42 << 6);
         assert_eq!(first[2 * 12 + 2], 0);
     }

@@ -4,10 +4,11 @@
 use edof_golden::fast::Fast;
 use edof_golden::overlap_add::overlap_add;
 use edof_golden::windows::window;
-use edof_golden::{Counts, Golden, sample, scalar};
+use edof_golden::{Counts, Golden, scalar};
 use edof_spec::{CfaPhase, FixedNetwork, Geometry, RawFrame, weight_file};
 use ndarray::Array2;
 use rayon::prelude::*;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 fn project() -> PathBuf {
@@ -31,25 +32,22 @@ fn photos() -> Vec<PathBuf> {
 fn mosaic(path: &Path) -> RawFrame {
     let photo = image::open(path).unwrap().to_rgb8();
     let (width, height) = photo.dimensions();
-    let codes = Array2::from_shape_fn((height as usize & !1, width as usize & !1), |(r, c)| {
+    let values = Array2::from_shape_fn((height as usize & !1, width as usize & !1), |(r, c)| {
         let channel = CfaPhase::Rggb.channel(r, c);
         u16::from(photo.get_pixel(c as u32, r as u32)[channel.plane()]) * 257
     });
-    RawFrame::from_codes(codes, 16, CfaPhase::Rggb).unwrap()
+    RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap()
 }
 
 fn networks() -> Vec<FixedNetwork> {
     let committed = files(&project().join("weights"), ".fixed.safetensors");
-    let mut all: Vec<_> = committed.iter().map(|path| weight_file::load_fixed(path).unwrap()).collect();
-    if all.is_empty() {
-        eprintln!("no fixed networks in weights/: a drawn one stands in");
-        all.push(sample::natural(12, 8, 1));
-    }
+    let all: Vec<_> = committed.iter().map(|path| weight_file::load_fixed(path).unwrap()).collect();
+    assert!(!all.is_empty(), "no fixed networks in weights/: nothing would be compared");
     all
 }
 
-/// Compares one photograph; gives the saturations.
-fn compare(network: &FixedNetwork, path: &Path) -> u64 {
+/// Compares one photograph.
+fn compare(network: &FixedNetwork, path: &Path) {
     let raw = mosaic(path);
     let geometry = Geometry::new(network.form.window, network.stride);
     let size = raw.size();
@@ -76,19 +74,17 @@ fn compare(network: &FixedNetwork, path: &Path) -> u64 {
     patches.merge(&sums);
     let out = Golden::new(network.clone()).unwrap().frame(&raw).unwrap();
     assert_eq!((out.frame, &out.counts), (frame, &patches), "{}", path.display());
-    patches.saturations()
 }
 
 #[test]
 fn every_boundary_of_every_photo_is_the_same() {
     let photos = photos();
     if photos.is_empty() {
-        return eprintln!(
-            "SKIPPED: no photographs; set EDOF_KODAK to a folder with kodim01.png … kodim24.png"
-        );
+        // Straight to the terminal: the harness would keep what a passing test prints.
+        let loud = "\nSKIPPED all_photos: NO PHOTOGRAPHS. Set EDOF_KODAK to a folder with kodim01.png ... kodim24.png.\n";
+        return std::io::stderr().write_all(loud.as_bytes()).unwrap();
     }
     for network in networks() {
-        let saturations: u64 = photos.par_iter().map(|path| compare(&network, path)).sum();
-        eprintln!("{}: {} photos, {saturations} saturations", network.origin.name, photos.len());
+        photos.par_iter().for_each(|path| compare(&network, path));
     }
 }

@@ -2,10 +2,10 @@
 //! what the committed designs take.
 
 use edof_golden::cycle::{Cycle, Patch, PatchRun, StallPattern, Stalls, Summary, estimate, stepped};
-use edof_golden::sample::{self, Draw};
 use edof_golden::{Trace, scalar};
 use edof_spec::design::memory::Set;
 use edof_spec::design::{FrameSize, StageSize};
+use edof_spec::draw::Draw;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
 use edof_spec::{Design, FixedNetwork, Stride, Window, weight_file};
 use proptest::prelude::*;
@@ -78,7 +78,7 @@ fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
     (0..count)
         .map(|_| {
             let dark = draw.whole(0, 4) == 0;
-            let window = if dark { vec![0; pixels] } else { sample::extreme_window(draw, pixels) };
+            let window = if dark { vec![0; pixels] } else { edof_random::extreme_window(draw, pixels) };
             Patch { window, set: if draw.bits().is_multiple_of(2) { Set::First } else { Set::Second } }
         })
         .collect()
@@ -86,7 +86,7 @@ fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
 
 /// A network that fits the design; half of them have thresholds that leave few codes.
 fn network(design: &Design, seed: u64) -> FixedNetwork {
-    let mut network = sample::for_design(design, seed);
+    let mut network = edof_random::for_design(design, seed);
     if seed.is_multiple_of(2) {
         let most = ((1 << (design.code_bits - 1)) - 1) as i16;
         network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|t| t.max(most - most / 8)));
@@ -139,11 +139,11 @@ fn beats_carry_what_the_receiver_needs() {
     for recurrence in [Recurrence::Direct, Recurrence::Difference] {
         let mut design = committed("tiny");
         design.form.recurrence = recurrence;
-        let network = sample::for_design(&design, 3);
+        let network = edof_random::for_design(&design, 3);
         let model = Cycle::new(&design, [&network, &network]).unwrap();
         let run = model.run(patches(&design, 1, 1)).next().unwrap();
         let beat = |boundary: usize, i: usize| run.transfers(boundary).nth(i).unwrap();
-        let codes = &run.trace.codes;
+        let codes = &run.trace.layers;
         let base = if recurrence == Recurrence::Direct { &codes[0].b } else { &codes[1].b };
         assert_eq!(beat(1, 2).base, Some([codes[0].b[4], codes[0].b[5]]));
         assert_eq!(beat(2, 2).base, Some([base[4], base[5]]));
@@ -208,7 +208,7 @@ fn counters_are_those_of_the_specification() {
 #[test]
 fn a_network_of_another_form_is_refused() {
     let (tiny, paper) = (committed("tiny"), committed("paper"));
-    let network = sample::for_design(&paper, 1);
+    let network = edof_random::for_design(&paper, 1);
     let error = Cycle::new(&tiny, [&network, &network]).unwrap_err().to_string();
     assert!(error.contains("does not fit design tiny: form"), "{error}");
 }

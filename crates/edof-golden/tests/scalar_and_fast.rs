@@ -1,9 +1,9 @@
 //! The fast pipeline equals the specification at every stage boundary, word for word and count for count.
 
-use edof_golden::fast::{Fast, Isa};
+use edof_golden::fast::{Fast, isa::Isa};
 use edof_golden::frame::scalar_frame;
-use edof_golden::sample::{self, Draw};
 use edof_golden::{Golden, scalar};
+use edof_spec::draw::Draw;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
 use edof_spec::{CfaPhase, FixedNetwork, RawFrame, Stride, Window};
 use ndarray::Array2;
@@ -30,7 +30,7 @@ fn networks() -> impl Strategy<Value = FixedNetwork> {
     let stride = prop::sample::select(vec![2, 4, 8]);
     (forms(), 8u32..=16, stride, prop::bool::weighted(0.2), any::<u64>()).prop_map(
         |(form, bits, stride, tight, seed)| {
-            let network = sample::extreme(form, bits, Stride::new(stride).unwrap(), tight, seed);
+            let network = edof_random::extreme(form, bits, Stride::new(stride).unwrap(), tight, seed);
             network.check().unwrap();
             network
         },
@@ -57,7 +57,7 @@ proptest! {
     fn every_boundary_of_extreme_windows_is_the_same(network in networks(), seed: u64) {
         let draw = &mut Draw::new(seed);
         let pixels = network.form.window.pixels();
-        let windows: Vec<i16> = (0..65).flat_map(|_| sample::extreme_window(draw, pixels)).collect();
+        let windows: Vec<i16> = (0..65).flat_map(|_| edof_random::extreme_window(draw, pixels)).collect();
         assert_same_traces(&network, &windows);
     }
 
@@ -68,8 +68,8 @@ proptest! {
         rows in 9usize..16, columns in 9usize..26, phase in 0usize..4, seed: u64,
     ) {
         let draw = &mut Draw::new(seed);
-        let codes = Array2::from_shape_fn((2 * rows, 2 * columns), |_| draw.extreme(16) as u16);
-        let raw = RawFrame::from_codes(codes, 16, CfaPhase::ALL[phase]).unwrap();
+        let values = Array2::from_shape_fn((2 * rows, 2 * columns), |_| draw.extreme(16) as u16);
+        let raw = RawFrame::from_values(values, 16, CfaPhase::ALL[phase]).unwrap();
         let specified = scalar_frame(&network, &raw).unwrap();
         prop_assert_eq!(Golden::new(network).unwrap().frame(&raw).unwrap(), specified);
     }
@@ -87,7 +87,7 @@ fn words_that_are_all_at_one_end_are_the_same() {
             linear_path: true,
             tied: false,
         };
-        let mut network = sample::extreme(form, bits, Stride::PATCH, false, 1);
+        let mut network = edof_random::extreme(form, bits, Stride::PATCH, false, 1);
         let least = -1i16 << (bits - 1);
         network.recurrent.iter_mut().for_each(|s| s.weights.fill(least));
         network.analysis.weights.fill(least);
@@ -101,7 +101,7 @@ fn words_that_are_all_at_one_end_are_the_same() {
 
 #[test]
 fn a_network_like_a_trained_one_is_the_same_and_sparse() {
-    let network = sample::natural(12, 8, 5);
+    let network = edof_random::natural(12, 8, 5);
     let draw = &mut Draw::new(9);
     let windows: Vec<i16> = (0..200)
         .flat_map(|_| {

@@ -12,29 +12,17 @@ const ENDINGS: [&str; 12] =
 
 /// A camera raw file that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CameraRawError {
     /// The program was built without the feature.
     #[error("{path}: camera raw needs a build with --features camera-raw; or convert it to a 16-bit PNG, TIFF or PGM", path = path.display())]
-    NotBuiltIn {
-        /// The file.
-        path: PathBuf,
-    },
+    NotBuiltIn { path: PathBuf },
     /// Damaged, or of a camera that is not known.
     #[error("{path}: cannot read camera raw: {reason}", path = path.display())]
-    Decode {
-        /// The file.
-        path: PathBuf,
-        /// What the decoder said.
-        reason: String,
-    },
+    Decode { path: PathBuf, reason: String },
     /// Some other mosaic, or none.
     #[error("{path}: sensor has {found}, expected a 2x2 Bayer mosaic of red, green and blue", path = path.display())]
-    Mosaic {
-        /// The file.
-        path: PathBuf,
-        /// What it has.
-        found: String,
-    },
+    Mosaic { path: PathBuf, found: String },
 }
 
 /// Whether the ending of a name stands for camera raw.
@@ -77,9 +65,9 @@ mod decoder {
         let area = active_area(&image);
         let phase =
             phase(&image, &area).map_err(|found| CameraRawError::Mosaic { path: path.to_owned(), found })?;
-        let codes =
+        let values =
             linear_light(&image, &area).ok_or_else(|| failed("its size is not its pixels'".to_owned()))?;
-        RawFrame::from_codes(codes, 16, phase).map_err(|e| failed(e.to_string()))
+        RawFrame::from_values(values, 16, phase).map_err(|e| failed(e.to_string()))
     }
 
     /// The part that light falls on, whole Bayer cells.
@@ -111,7 +99,7 @@ mod decoder {
         CfaPhase::ALL.into_iter().find(fits).ok_or_else(|| format!("the mosaic {}", cfa.name))
     }
 
-    /// (value − black) / (white − black) as 16-bit codes.
+    /// (value − black) / (white − black) as 16-bit sensor values.
     fn linear_light(image: &RawImage, area: &Rect) -> Option<Array2<u16>> {
         let black = image.blacklevel.as_bayer_array();
         let white = image.whitelevel.as_bayer_array();
@@ -119,14 +107,14 @@ mod decoder {
             RawImageData::Integer(values) => values.get(at).map(|&v| f32::from(v)),
             RawImageData::Float(values) => values.get(at).copied(),
         };
-        let mut codes = Array2::zeros((area.d.h, area.d.w));
-        for ((r, c), code) in codes.indexed_iter_mut() {
+        let mut values = Array2::zeros((area.d.h, area.d.w));
+        for ((r, c), value) in values.indexed_iter_mut() {
             let (row, column) = (area.p.y + r, area.p.x + c);
             let cell = 2 * (row % 2) + column % 2;
             let light = (value(row * image.width + column)? - black[cell]) / (white[cell] - black[cell]);
-            *code = (light.clamp(0.0, 1.0) * 65535.0).round() as u16;
+            *value = (light.clamp(0.0, 1.0) * 65535.0).round() as u16;
         }
-        Some(codes)
+        Some(values)
     }
 }
 

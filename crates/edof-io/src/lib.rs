@@ -4,8 +4,9 @@
 //! |---|---|
 //! | photographs: PNG, TIFF, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
 //! | raw frames: PNG, TIFF, PGM, and headerless 16-bit files | [`raw`] |
+//! | what a raw frame knows of itself: phase, sensor, camera, depth | [`record`] |
 //! | camera raw (DNG and friends), with the feature `camera-raw` | [`camera_raw`] |
-//! | pixels as files hold them, before either meaning is given to them | [`samples`] |
+//! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
 //! Everything is written through [`edof_spec::atomic`]: a file appears whole or not at all.
@@ -19,7 +20,7 @@
 //! photo::save(&at("grey.png"), &ColourFrame::zeros(4, 6), 16)?;
 //! assert_eq!(photo::load(&at("grey.png"))?.size(), (4, 6));
 //!
-//! let frame = RawFrame::from_codes(ndarray::Array2::from_elem((4, 6), 1000), 12, CfaPhase::Rggb)?;
+//! let frame = RawFrame::from_values(ndarray::Array2::from_elem((4, 6), 1000), 12, CfaPhase::Rggb)?;
 //! raw::save(&at("frame.pgm"), &frame)?;
 //! assert_eq!(raw::load(&at("frame.pgm"), &raw::RawOptions::default())?, frame);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -27,6 +28,8 @@
 
 pub mod camera_raw;
 pub mod photo;
+pub mod picture;
 pub mod pnm;
 pub mod raw;
+pub mod record;
 pub mod samples;

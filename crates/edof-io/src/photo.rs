@@ -1,53 +1,36 @@
-//! Photographs: files to linear light and back. Code values are taken as linear light, as the study does.
+//! Photographs: files to linear light and back. Sample values are taken as linear light, as the study does.
 
-use crate::samples::{self, Samples, SamplesError};
+use crate::picture::{self, Format, PictureError};
+use crate::samples::Samples;
 use edof_spec::ColourFrame;
 use ndarray::Array3;
 use std::path::{Path, PathBuf};
 
 /// A photograph that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PhotoError {
     /// The file itself.
     #[error(transparent)]
-    Samples(#[from] SamplesError),
+    Picture(#[from] PictureError),
     /// Neither 8 nor 16 bits.
     #[error("{path}: {bits} bits a sample: must be 8 or 16", path = path.display())]
-    Bits {
-        /// The file that was asked for.
-        path: PathBuf,
-        /// Bits that were asked for.
-        bits: u32,
-    },
+    Bits { path: PathBuf, bits: u32 },
 }
 
 /// A folder without a single photograph that can be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FolderError {
     /// The folder cannot be listed.
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
-    List {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    List { folder: PathBuf, source: std::io::Error },
     /// No file with the ending of a photograph.
     #[error("{folder}: holds no photographs, expected .png, .tif, .tiff, .ppm or .pgm files", folder = folder.display())]
-    Empty {
-        /// The folder.
-        folder: PathBuf,
-    },
+    Empty { folder: PathBuf },
     /// Photographs, none of which can be read.
     #[error("{folder}: none of its {count} photographs can be read; the first: {first}", folder = folder.display())]
-    NoneReadable {
-        /// The folder.
-        folder: PathBuf,
-        /// How many there are.
-        count: usize,
-        /// What is wrong with the first.
-        first: PhotoError,
-    },
+    NoneReadable { folder: PathBuf, count: usize, first: PhotoError },
 }
 
 /// A photograph and the name of its file without the ending.
@@ -56,16 +39,16 @@ pub type Named = (String, ColourFrame);
 /// Reads a PNG, TIFF, PPM or PGM of 8 or 16 bits. Grey gives three equal planes, alpha is dropped, full scale becomes 1.
 ///
 /// # Errors
-/// [`PhotoError::Samples`] naming the file.
+/// [`PhotoError::Picture`] naming the file.
 pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
-    let Samples { planes, full_scale } = samples::decode(&samples::read(path)?, path)?;
+    let Samples { planes, full_scale } = picture::decode(&picture::read(path)?, path)?;
     let (channels, height, width) = planes.dim();
     let scale = f32::from(full_scale);
     let light = |(p, r, c): (usize, usize, usize)| f32::from(planes[(p.min(channels - 1), r, c)]) / scale;
     Ok(ColourFrame { planes: Array3::from_shape_fn((3, height, width), light) })
 }
 
-/// Writes linear light as code values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are
+/// Writes linear light as sample values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are
 /// rounded and clipped to 0…1.
 ///
 /// # Errors
@@ -77,7 +60,7 @@ pub fn save(path: &Path, frame: &ColourFrame, bits: u32) -> Result<(), PhotoErro
         _ => return Err(PhotoError::Bits { path: path.to_owned(), bits }),
     };
     let planes = frame.planes.mapv(|v| (v.clamp(0.0, 1.0) * f32::from(full_scale)).round() as u16);
-    Ok(samples::save(path, &Samples { planes, full_scale })?)
+    Ok(picture::save(path, &Samples { planes, full_scale })?)
 }
 
 /// All photographs of a folder by name, in alphabetical order, and what was wrong with those that had to be skipped.
@@ -89,7 +72,7 @@ pub fn load_folder(folder: &Path) -> Result<(Vec<Named>, Vec<PhotoError>), Folde
     let entries =
         std::fs::read_dir(folder).map_err(cannot)?.collect::<Result<Vec<_>, _>>().map_err(cannot)?;
     let mut files: Vec<PathBuf> = entries.into_iter().map(|e| e.path()).collect();
-    files.retain(|file| samples::Format::of_ending(file).is_some());
+    files.retain(|file| Format::of_ending(file).is_some());
     files.sort();
     let count = files.len();
     let (mut photos, mut skipped) = (vec![], vec![]);

@@ -1,4 +1,4 @@
-//! PGM and PPM (P2, P3, P5, P6) with any maximum value, so that raw frames keep their codes: sensors of 10 to 14 bits state
+//! PGM and PPM (P2, P3, P5, P6) with any maximum value, so that raw frames keep their values: sensors of 10 to 14 bits state
 //! 1023 to 16383 there.
 
 use crate::samples::Samples;
@@ -6,37 +6,20 @@ use ndarray::{Array3, ArrayView3};
 
 /// Bytes that are no PGM or PPM.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PnmError {
     /// The header ends early or holds no number where one belongs.
     #[error("{field} in the header is missing or no number")]
-    Header {
-        /// Which number.
-        field: &'static str,
-    },
+    Header { field: &'static str },
     /// Width, height or maximum value out of range.
     #[error("{field} is {value}, expected 1 to 65535")]
-    Range {
-        /// Which number.
-        field: &'static str,
-        /// What the file says.
-        value: usize,
-    },
+    Range { field: &'static str, value: usize },
     /// Fewer samples than the header promises.
     #[error("{found} samples, {expected} expected")]
-    Truncated {
-        /// Samples that are there.
-        found: usize,
-        /// Samples that should be.
-        expected: usize,
-    },
+    Truncated { found: usize, expected: usize },
     /// A sample above the maximum value.
     #[error("a sample is {value}, more than the stated maximum of {full_scale}")]
-    Sample {
-        /// The sample.
-        value: u32,
-        /// The stated maximum.
-        full_scale: u16,
-    },
+    Sample { value: u32, full_scale: u16 },
 }
 
 /// Samples of a PGM or PPM file.

@@ -1,9 +1,9 @@
-//! Raw Bayer frames: files to codes and back.
+//! Raw Bayer frames: files to sensor values and back.
 //!
-//! | file | full scale | codes of fewer than 16 bits |
+//! | file | full scale | values of fewer than 16 bits |
 //! |---|---|---|
 //! | PNG, TIFF (16-bit grey) | 65535 | at the top of each word, as PNG has it, unless stated otherwise |
-//! | PNG, TIFF (8-bit grey) | 255 | only where a depth of 8 is stated |
+//! | PNG, TIFF (8-bit grey) | 255 | only where a depth of 8 is stated; a PGM needs no such word |
 //! | PGM | what the file states | at the bottom, for a maximum of 2^depth − 1; else as in PNG |
 //! | headerless 16-bit words | 65535 | at the bottom, unless stated otherwise |
 //! | camera raw ([`crate::camera_raw`]) | what the file states | the file states its phase, too |
@@ -11,10 +11,13 @@
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
 use crate::camera_raw::{self, CameraRawError};
-use crate::samples::{self, Format, Samples, SamplesError};
+use crate::picture::{self, Format, PictureError};
+use crate::samples::Samples;
 use edof_spec::frame::FrameError;
 use edof_spec::{CfaPhase, RawFrame};
 use ndarray::{Array2, Axis};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// What a file cannot say about itself.
@@ -26,7 +29,7 @@ pub struct RawOptions {
     pub depth: Option<u32>,
     /// Size of a headerless file; other files must agree with it.
     pub size: Option<Size>,
-    /// Where in a word codes of fewer than 16 bits lie; where absent, as in the table above.
+    /// Where in a word values of fewer than 16 bits lie; where absent, as in the table above.
     pub alignment: Option<Alignment>,
     /// Order of the two bytes of a headerless file's words.
     pub order: ByteOrder,
@@ -41,13 +44,23 @@ pub struct Size {
     pub height: usize,
 }
 
-/// Where in a 16-bit word a code of fewer bits lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Where in a 16-bit word a value of fewer bits lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Alignment {
     /// At the top, zeros below.
     Top,
     /// At the bottom, zeros above.
     Bottom,
+}
+
+impl std::fmt::Display for Alignment {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Top => "top",
+            Self::Bottom => "bottom",
+        })
+    }
 }
 
 /// Which byte of a word comes first.
@@ -62,10 +75,11 @@ pub enum ByteOrder {
 
 /// A raw frame that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum RawError {
     /// The file itself.
     #[error(transparent)]
-    Samples(#[from] SamplesError),
+    Picture(#[from] PictureError),
     /// Camera raw that cannot be used.
     #[error(transparent)]
     CameraRaw(#[from] CameraRawError),
@@ -74,68 +88,46 @@ pub enum RawError {
         "{path}: not a PNG, TIFF or PGM file; for a headerless 16-bit file state its size as WIDTHxHEIGHT",
         path = path.display()
     )]
-    NoSize {
-        /// The file.
-        path: PathBuf,
-    },
+    NoSize { path: PathBuf },
     /// A colour picture.
     #[error("{path}: holds a colour picture, expected one raw value a pixel", path = path.display())]
-    Colour {
-        /// The file.
-        path: PathBuf,
-    },
+    Colour { path: PathBuf },
     /// Fewer bits than stated.
     #[error("{path}: holds {found}-bit samples, expected {expected}", path = path.display())]
-    Depth {
-        /// The file.
-        path: PathBuf,
-        /// What it holds.
-        found: u32,
-        /// What would have been right.
-        expected: String,
-    },
+    Depth { path: PathBuf, found: u32, expected: String },
     /// Another size than stated.
     #[error("{path}: {found}, expected {expected} for {size}", path = path.display())]
-    Size {
-        /// The file.
-        path: PathBuf,
-        /// What it holds.
-        found: String,
-        /// What it should hold.
-        expected: String,
-        /// Size stated.
-        size: Size,
-    },
-    /// Bits where a top-aligned code has none.
+    Size { path: PathBuf, found: String, expected: String, size: Size },
+    /// Bits where a top-aligned value has none.
     #[error(
         "{path}: pixel at row {row}, column {column} is {value}, no {depth}-bit code aligned to the top of 16 bits",
         path = path.display()
     )]
-    Alignment {
-        /// The file.
-        path: PathBuf,
-        /// Row of the first such pixel.
-        row: usize,
-        /// Its column.
-        column: usize,
-        /// Its value.
-        value: u16,
-        /// Depth stated.
-        depth: u32,
-    },
-    /// Odd sides, a depth outside 8…16, a code too large.
+    Alignment { path: PathBuf, row: usize, column: usize, value: u16, depth: u32 },
+    /// Odd sides, a depth outside 8…16, a value too large.
     #[error("{path}: {source}", path = path.display())]
-    Frame {
-        /// The file.
-        path: PathBuf,
-        /// What does not fit.
-        source: FrameError,
-    },
+    Frame { path: PathBuf, source: FrameError },
 }
 
 impl std::fmt::Display for Size {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl Size {
+    /// Bytes of a headerless file.
+    const fn bytes(self) -> usize {
+        2 * self.width * self.height
+    }
+
+    fn wrong_length(self, found: &str, path: &Path) -> RawError {
+        RawError::Size {
+            path: path.to_owned(),
+            found: found.to_owned(),
+            expected: self.bytes().to_string(),
+            size: self,
+        }
     }
 }
 
@@ -163,37 +155,46 @@ pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
     if camera_raw::is_camera_raw(path) {
         return Ok(camera_raw::load(path)?);
     }
-    let bytes = samples::read(path)?;
+    let (mut file, mut bytes) = picture::open(path)?;
     if let Some(depth) = options.depth.filter(|d| !(8..=16).contains(d)) {
         return Err(RawError::Frame { path: path.to_owned(), source: FrameError::Depth(depth) });
     }
     let (words, depth, alignment) = match (Format::of(&bytes), options.size) {
         (None, None) => return Err(RawError::NoSize { path: path.to_owned() }),
         (None, Some(size)) => {
+            read_exactly(&mut file, &mut bytes, size, path)?;
             let words = headerless(&bytes, size, options.order, path)?;
             (words, options.depth.unwrap_or(16), Alignment::Bottom)
         }
-        (Some(_), size) => {
-            let samples = samples::decode(&bytes, path)?;
-            let (depth, alignment) = meaning(&samples, options.depth, path)?;
+        (Some(format), size) => {
+            file.read_to_end(&mut bytes).map_err(cannot_read(path))?;
+            let samples = picture::decode(&bytes, path)?;
+            let (depth, alignment) = meaning(format, &samples, options.depth, path)?;
             (single_plane(samples, size, path)?, depth, alignment)
         }
     };
-    let codes = match options.alignment.unwrap_or(alignment) {
+    let values = match options.alignment.unwrap_or(alignment) {
         Alignment::Bottom => words,
         Alignment::Top => lower(words, depth, path)?,
     };
-    RawFrame::from_codes(codes, depth, options.phase)
+    RawFrame::from_values(values, depth, options.phase)
         .map_err(|source| RawError::Frame { path: path.to_owned(), source })
 }
 
 /// Depth and alignment of a picture file's samples.
-fn meaning(samples: &Samples, stated: Option<u32>, path: &Path) -> Result<(u32, Alignment), RawError> {
+fn meaning(
+    format: Format,
+    samples: &Samples,
+    stated: Option<u32>,
+    path: &Path,
+) -> Result<(u32, Alignment), RawError> {
     let found = 16 - samples.full_scale.leading_zeros();
     let wrong = |expected: String| Err(RawError::Depth { path: path.to_owned(), found, expected });
     match (samples.full_scale, stated) {
         (u16::MAX, depth) => Ok((depth.unwrap_or(16), Alignment::Top)),
         (255, Some(8)) => Ok((8, Alignment::Bottom)),
+        // As 8-bit sensors' frames are saved; a PNG of 8 bits is more likely a picture.
+        (255, None) if format == Format::Pnm => Ok((8, Alignment::Bottom)),
         (..=255, None) => wrong("16-bit ones (or a stated depth of 8)".to_owned()),
         (_, Some(depth)) if depth != found => wrong(format!("{depth} bits as stated")),
         _ => Ok((found, Alignment::Bottom)),
@@ -217,26 +218,39 @@ fn single_plane(samples: Samples, size: Option<Size>, path: &Path) -> Result<Arr
     }
 }
 
+/// Reads the rest of a headerless file: no more than it must hold, and nothing of one that is known to be of another size.
+fn read_exactly(file: &mut File, bytes: &mut Vec<u8>, size: Size, path: &Path) -> Result<(), RawError> {
+    let expected = size.bytes() as u64;
+    let found = file.metadata().ok().filter(std::fs::Metadata::is_file).map(|what| what.len());
+    if let Some(found) = found.filter(|found| *found != expected) {
+        return Err(size.wrong_length(&format!("{found} bytes"), path));
+    }
+    let rest = (expected + 1).saturating_sub(bytes.len() as u64);
+    file.take(rest).read_to_end(bytes).map_err(cannot_read(path))?;
+    if bytes.len() as u64 > expected {
+        return Err(size.wrong_length("more bytes", path));
+    }
+    Ok(())
+}
+
+fn cannot_read(path: &Path) -> impl Fn(std::io::Error) -> PictureError + '_ {
+    move |source| PictureError::Read { path: path.to_owned(), source }
+}
+
 fn headerless(bytes: &[u8], size: Size, order: ByteOrder, path: &Path) -> Result<Array2<u16>, RawError> {
     let word = |pair: &[u8]| match order {
         ByteOrder::Little => u16::from_le_bytes([pair[0], pair[1]]),
         ByteOrder::Big => u16::from_be_bytes([pair[0], pair[1]]),
     };
-    let expected = 2 * size.width * size.height;
-    let wrong_length = || RawError::Size {
-        path: path.to_owned(),
-        found: format!("{} bytes", bytes.len()),
-        expected: expected.to_string(),
-        size,
-    };
-    if bytes.len() != expected {
+    let wrong_length = || size.wrong_length(&format!("{} bytes", bytes.len()), path);
+    if bytes.len() != size.bytes() {
         return Err(wrong_length());
     }
     Array2::from_shape_vec((size.height, size.width), bytes.chunks_exact(2).map(word).collect())
         .map_err(|_| wrong_length())
 }
 
-/// Codes of top-aligned words.
+/// Values of top-aligned words.
 fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, RawError> {
     let shift = 16 - depth;
     let below = ((1u32 << shift) - 1) as u16;
@@ -246,27 +260,53 @@ fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, Raw
     Ok(words.mapv_into(|v| v >> shift))
 }
 
-/// Writes a raw frame: 16-bit PNG or TIFF (codes at the top of each word), PGM (codes and their maximum), or for `.raw`
-/// and `.bin` headerless little-endian words (codes at the bottom).
-///
-/// # Errors
-/// [`RawError::Samples`] naming the file; none is left half written.
-pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
+/// Kinds of files for raw frames.
+enum Kind {
+    /// Words alone.
+    Headerless,
+    /// Pictures whose full scale is that of 16 bits.
+    FullScale,
+    /// Pictures that state their full scale.
+    StatedScale,
+}
+
+fn kind(path: &Path) -> Result<Kind, RawError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    let (words, full_scale) = match ending.as_str() {
-        "raw" | "bin" => {
-            let bytes: Vec<u8> = frame.codes().iter().flat_map(|v| v.to_le_bytes()).collect();
-            edof_spec::atomic::write(path, &bytes).map_err(SamplesError::from)?;
-            return Ok(());
-        }
-        "png" | "tif" | "tiff" => (frame.pixels().clone(), u16::MAX),
-        "pgm" => (frame.codes(), u16::MAX >> (16 - frame.depth())),
+    match ending.as_str() {
+        "raw" | "bin" => Ok(Kind::Headerless),
+        "png" | "tif" | "tiff" => Ok(Kind::FullScale),
+        "pgm" => Ok(Kind::StatedScale),
         _ => {
             let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
-            return Err(SamplesError::Ending { path: path.to_owned(), expected }.into());
+            Err(PictureError::Ending { path: path.to_owned(), expected }.into())
         }
+    }
+}
+
+/// Whether [`save`] knows how to write a file of that name; for whoever has long work to do first.
+///
+/// # Errors
+/// [`RawError::Picture`] with the endings that it knows.
+pub fn check_ending(path: &Path) -> Result<(), RawError> {
+    kind(path).map(drop)
+}
+
+/// Writes a raw frame: 16-bit PNG or TIFF (values at the top of each word), PGM (values and their maximum), or for `.raw`
+/// and `.bin` headerless little-endian words (values at the bottom).
+///
+/// # Errors
+/// [`RawError::Picture`] naming the file; none is left half written.
+pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
+    let (words, full_scale) = match kind(path)? {
+        Kind::Headerless => {
+            let bytes: Vec<u8> = frame.values().iter().flat_map(|v| v.to_le_bytes()).collect();
+            edof_spec::atomic::write(path, &bytes).map_err(PictureError::from)?;
+            return Ok(());
+        }
+        Kind::FullScale => (frame.pixels().clone(), u16::MAX),
+        Kind::StatedScale => (frame.values(), u16::MAX >> (16 - frame.depth())),
     };
-    Ok(samples::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
+    Ok(picture::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
 }
 
 #[cfg(test)]
@@ -275,8 +315,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn frame(depth: u32, phase: CfaPhase) -> RawFrame {
-        let codes = Array2::from_shape_fn((4, 6), |(r, c)| ((r * 6 + c) * ((1 << depth) - 1) / 23) as u16);
-        RawFrame::from_codes(codes, depth, phase).unwrap()
+        let values = Array2::from_shape_fn((4, 6), |(r, c)| ((r * 6 + c) * ((1 << depth) - 1) / 23) as u16);
+        RawFrame::from_values(values, depth, phase).unwrap()
     }
 
     /// A file in a folder of its own, and what loading it gives.
@@ -292,12 +332,12 @@ mod tests {
     #[test]
     fn a_saved_frame_needs_no_option_but_its_phase() {
         let dir = tempfile::tempdir().unwrap();
-        for phase in CfaPhase::ALL {
+        for (phase, depth) in CfaPhase::ALL.into_iter().zip([8, 10, 12, 16]) {
             for ending in ["png", "tif", "tiff", "pgm"] {
                 let path = dir.path().join(format!("frame.{ending}"));
-                save(&path, &frame(12, phase)).unwrap();
+                save(&path, &frame(depth, phase)).unwrap();
                 let back = load(&path, &RawOptions { phase, ..RawOptions::default() }).unwrap();
-                assert_eq!((back.pixels(), back.phase()), (frame(12, phase).pixels(), phase), "{ending}");
+                assert_eq!((back.pixels(), back.phase()), (frame(depth, phase).pixels(), phase), "{ending}");
             }
         }
     }
@@ -309,17 +349,17 @@ mod tests {
         let little = loaded("x.raw", &[1, 2, 3, 4, 5, 6, 7, 8], options).unwrap();
         let big = loaded("x.raw", &[2, 1, 4, 3, 6, 5, 8, 7], RawOptions { order: ByteOrder::Big, ..options })
             .unwrap();
-        assert_eq!(little.codes()[(0, 1)], 0x0403);
+        assert_eq!(little.values()[(0, 1)], 0x0403);
         assert_eq!(little, big);
     }
 
     #[test]
-    fn codes_at_the_bottom_of_a_png_are_read_where_stated() {
+    fn values_at_the_bottom_of_a_png_are_read_where_stated() {
         let options = RawOptions { depth: Some(12), ..RawOptions::default() };
         let at_top = loaded("x", GREY, options).unwrap();
         let at_bottom =
             loaded("x", GREY, RawOptions { alignment: Some(Alignment::Bottom), ..options }).unwrap();
-        assert_eq!((at_top.codes()[(0, 1)], at_bottom.codes()[(0, 1)]), (2, 32));
+        assert_eq!((at_top.values()[(0, 1)], at_bottom.values()[(0, 1)]), (2, 32));
     }
 
     #[test]
@@ -330,10 +370,16 @@ mod tests {
 
     #[test]
     fn eight_bit_samples_are_refused_unless_stated() {
-        let file = b"P2 2 2 255 1 2 3 255";
-        let error = loaded("x.pgm", file, RawOptions::default()).unwrap_err();
-        assert_eq!(error, "x.pgm: holds 8-bit samples, expected 16-bit ones (or a stated depth of 8)");
-        assert!(loaded("x.pgm", file, RawOptions { depth: Some(8), ..RawOptions::default() }).is_ok());
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("x.png");
+        let planes = ndarray::Array3::from_elem((1, 2, 2), 7);
+        picture::save(&path, &Samples { planes, full_scale: 255 }).unwrap();
+        let error = load(&path, &RawOptions::default()).unwrap_err().to_string();
+        assert!(
+            error.ends_with("x.png: holds 8-bit samples, expected 16-bit ones (or a stated depth of 8)"),
+            "{error}"
+        );
+        assert!(load(&path, &RawOptions { depth: Some(8), ..RawOptions::default() }).is_ok());
     }
 
     #[test]
@@ -356,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn a_code_wider_than_the_depth_is_refused() {
+    fn a_value_wider_than_the_depth_is_refused() {
         let size = Some(Size { width: 2, height: 2 });
         let options = RawOptions { depth: Some(10), size, ..RawOptions::default() };
         assert_eq!(
@@ -372,6 +418,15 @@ mod tests {
             error,
             "x.pgm: frame 3x2: both sides must be even, so that it holds whole 2x2 Bayer cells"
         );
+    }
+
+    #[test]
+    fn a_headerless_device_is_read_no_farther_than_its_size() {
+        let size = Some("4x2".parse().unwrap());
+        let error = load(Path::new("/dev/zero"), &RawOptions { size, ..RawOptions::default() }).unwrap_err();
+        assert_eq!(error.to_string(), "/dev/zero: more bytes, expected 16 for 4x2");
+        let error = load(Path::new("/dev/zero"), &RawOptions::default()).unwrap_err();
+        assert!(error.to_string().contains("state its size"), "{error}");
     }
 
     #[test]

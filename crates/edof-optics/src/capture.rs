@@ -84,6 +84,7 @@ pub struct ApproximationCost {
 
 /// A scene that cannot be captured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CaptureError {
     /// The layers make no scene.
     #[error(transparent)]
@@ -93,12 +94,7 @@ pub enum CaptureError {
     Sensor(#[from] SensorError),
     /// Blur larger than any support.
     #[error("psi {psi}: must lie within {MOST_DEFOCUS} of the camera's focus at {focus}")]
-    Psi {
-        /// The scene's.
-        psi: f64,
-        /// The camera's.
-        focus: f64,
-    },
+    Psi { psi: f64, focus: f64 },
 }
 
 /// Captures a scene.
@@ -121,6 +117,7 @@ pub fn capture(
     approximation: &Approximation,
 ) -> Result<Capture, CaptureError> {
     check(scene, camera)?;
+    sensor.check()?;
     let start = Instant::now();
     let (light, depths) = light_on_sensor(scene, camera, approximation);
     let seconds = start.elapsed().as_secs_f64();

@@ -3,8 +3,9 @@
 //! The first population is drawn at random within the bounds; no preset is among it.
 
 use crate::estimator::{Task, Verdict, judge};
-use crate::linear::NotPositive;
+use crate::psf::MOST_DEFOCUS;
 use crate::statistics::Statistics;
+use edof_numerics::NotPositive;
 use edof_spec::camera::{Delay, Ring, Sign};
 use edof_spec::{Camera, geometry::Window};
 use rand::{RngExt, SeedableRng};
@@ -61,17 +62,11 @@ pub struct Found {
 
 /// A search that cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DesignError {
     /// More rings than a mask of ours has, too few cameras, …
     #[error("design: {field} is {value}, expected {expected}")]
-    Value {
-        /// Which.
-        field: &'static str,
-        /// What it was.
-        value: String,
-        /// What would have been right.
-        expected: &'static str,
-    },
+    Value { field: &'static str, value: String, expected: &'static str },
     /// Statistics that are none.
     #[error(transparent)]
     Statistics(#[from] NotPositive),
@@ -92,7 +87,7 @@ pub fn search(
     search: &Search,
     mut tell: impl FnMut(usize, f64) -> bool,
 ) -> Result<Found, DesignError> {
-    check(task, search)?;
+    check(base, task, search)?;
     let score = |genes: &Vec<f64>| judge(&camera(base, search, genes), statistics, task).map(|v| v.score_db);
     let bounds = bounds(base, search);
     let mut generator = Pcg64::seed_from_u64(search.seed);
@@ -122,13 +117,21 @@ pub fn search(
     Ok(Found { verdict: judge(&camera, statistics, task)?, camera, judged })
 }
 
-fn check(task: &Task, search: &Search) -> Result<(), DesignError> {
+/// Most cameras of a generation.
+const MOST_CAMERAS: usize = 10_000;
+
+fn check(base: &Camera, task: &Task, search: &Search) -> Result<(), DesignError> {
     let refuse = |field, value: String, expected| Err(DesignError::Value { field, value, expected });
     if search.rings > 2 {
         return refuse("rings", search.rings.to_string(), "0, 1 or 2");
     }
-    if search.population < 4 {
-        return refuse("population", search.population.to_string(), "4 cameras at least");
+    if !(4..=MOST_CAMERAS).contains(&search.population) {
+        return refuse("population", search.population.to_string(), "4 to 10000 cameras");
+    }
+    let mut foci = base.psi_range.into_iter().chain(search.focus);
+    if foci.any(|focus| !task.psis.iter().all(|psi| (psi - focus).abs() <= MOST_DEFOCUS)) {
+        let found = format!("{:?} to {:?}, focus {:?}", base.psi_range[0], base.psi_range[1], search.focus);
+        return refuse("psi", found, "depths within 200 of each other and of the focus");
     }
     if !(search.most_phase.is_finite() && search.most_phase > 0.0) {
         return refuse("largest phase", search.most_phase.to_string(), "a positive number of radians");

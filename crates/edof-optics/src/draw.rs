@@ -25,18 +25,14 @@ pub enum Builtin {
 
 /// A scene that cannot be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DrawError {
     /// Not a scene of ours.
     #[error("scene '{0}': must be chart, chart-4, leaves or leaves-4")]
     Unknown(String),
     /// Too small to hold its parts, or odd.
     #[error("scene {width}x{height}: both sides must be even and at least {LEAST_SIDE} pixels")]
-    Size {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-    },
+    Size { height: usize, width: usize },
     /// Neither one depth nor four.
     #[error("scene with {0} depths: must be one or four values of psi")]
     Depths(usize),

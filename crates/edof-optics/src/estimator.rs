@@ -6,9 +6,9 @@
 //! pictures: a camera is judged in tens of milliseconds.
 
 use crate::cosine::{EvenTransform, period};
-use crate::linear::{Cholesky, NotPositive};
 use crate::psf::{pixel_transfer, wavelengths};
 use crate::statistics::{SIDE, Statistics, pair};
+use edof_numerics::{Cholesky, NotPositive};
 use edof_spec::geometry::{PATCH, Window};
 use edof_spec::{Camera, CfaPhase, Channel};
 use ndarray::Array2;
@@ -62,7 +62,7 @@ pub fn judge(camera: &Camera, statistics: &Statistics, task: &Task) -> Result<Ve
         let variance = noise * noise + ROUNDING * ROUNDING;
         let mut noisy = mean_yy.clone();
         noisy.diag_mut().iter_mut().for_each(|v| *v += variance);
-        let map = Cholesky::new(noisy)?.solve(mean_yx.clone());
+        let map = Cholesky::new(noisy.view())?.solve(mean_yx.view());
         let gram = map.dot(&map.t());
         let noise_error = variance * gram.diag().sum();
         let error =

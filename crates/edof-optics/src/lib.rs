@@ -20,7 +20,6 @@
 //! | world | [`statistics`] | how photographs vary, measured or as a model |
 //! | judge | [`estimator`] | what a linear estimator reaches behind a camera, in closed form |
 //! | search | [`design`] | mask and focus by differential evolution |
-//! | | [`linear`] | solving with covariances |
 
 pub mod blur;
 pub mod capture;
@@ -29,7 +28,6 @@ pub mod depth;
 pub mod design;
 pub mod draw;
 pub mod estimator;
-pub mod linear;
 pub mod mtf;
 pub mod psf;
 pub mod pupil;

@@ -71,25 +71,16 @@ pub struct Psf {
 
 /// A kernel that is no PSF.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PsfError {
     /// No centre pixel.
     #[error("kernel {height}x{width}: must be square with an odd side")]
-    Shape {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-    },
+    Shape { height: usize, width: usize },
     /// Not even.
     #[error(
         "kernel: row {row}, column {column} differs from its mirror image, must be even about the centre along both axes"
     )]
-    Uneven {
-        /// Row of the first such pixel.
-        row: usize,
-        /// Its column.
-        column: usize,
-    },
+    Uneven { row: usize, column: usize },
     /// Creates or loses light.
     #[error("kernel: sums to {0}, must sum to 1")]
     Sum(f32),

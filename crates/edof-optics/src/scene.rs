@@ -28,6 +28,7 @@ pub struct Scene {
 
 /// Layers that make no scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum SceneError {
     /// Nothing to see.
     #[error("scene {0}: has no layers, expected one at least")]
@@ -37,17 +38,11 @@ pub enum SceneError {
         "scene {scene}: layer {layer} is {width}x{height}, expected {expected_width}x{expected_height} as layer 0"
     )]
     Size {
-        /// Its name.
         scene: String,
-        /// Index from the back.
         layer: usize,
-        /// Rows.
         height: usize,
-        /// Columns.
         width: usize,
-        /// Rows of the first layer.
         expected_height: usize,
-        /// Columns of the first layer.
         expected_width: usize,
     },
     /// Light would fall through.
@@ -55,14 +50,7 @@ pub enum SceneError {
     Background(String),
     /// No depth.
     #[error("scene {scene}: psi of layer {layer} is {psi}, expected a finite number")]
-    Psi {
-        /// Its name.
-        scene: String,
-        /// Index from the back.
-        layer: usize,
-        /// What it was.
-        psi: f64,
-    },
+    Psi { scene: String, layer: usize, psi: f64 },
 }
 
 impl Scene {

@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use rand_pcg::Pcg64;
 
-/// How a sensor turns light into codes.
+/// How a sensor turns light into values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
     /// Bits a pixel, 8…16.
@@ -36,6 +36,15 @@ pub enum SensorError {
     /// A noise parameter out of range.
     #[error(transparent)]
     Noise(#[from] NoiseError),
+}
+
+impl Sensor {
+    /// # Errors
+    /// [`SensorError`] for noise or a depth that no sensor has.
+    pub fn check(&self) -> Result<(), SensorError> {
+        self.noise.check()?;
+        if (8..=16).contains(&self.depth) { Ok(()) } else { Err(FrameError::Depth(self.depth).into()) }
+    }
 }
 
 /// Linear light behind the colour filters, noise added: rows × columns, not yet saturated.
@@ -87,8 +96,8 @@ pub fn expose(frame: &ColourFrame, sensor: &Sensor) -> Result<RawFrame, SensorEr
     }
     let full_scale = (1u32 << sensor.depth) as f32;
     let light = mosaic_with_noise(frame, sensor)?;
-    let codes = light.mapv(|v| (v * full_scale).round().clamp(0.0, full_scale - 1.0) as u16);
-    Ok(RawFrame::from_codes(codes, sensor.depth, sensor.phase)?)
+    let values = light.mapv(|v| (v * full_scale).round().clamp(0.0, full_scale - 1.0) as u16);
+    Ok(RawFrame::from_values(values, sensor.depth, sensor.phase)?)
 }
 
 #[cfg(test)]
@@ -116,7 +125,7 @@ mod tests {
         }
         for phase in CfaPhase::ALL {
             let raw = expose(&frame, &Sensor { phase, depth: 8, ..Sensor::default() }).unwrap();
-            for ((r, c), &code) in raw.codes().indexed_iter() {
+            for ((r, c), &code) in raw.values().indexed_iter() {
                 assert_eq!(code, [64, 128, 192][phase.channel(r, c).plane()]);
             }
         }
@@ -127,8 +136,8 @@ mod tests {
         for depth in 8..=16 {
             let sensor = Sensor { depth, ..Sensor::default() };
             let most = ((1u32 << depth) - 1) as u16;
-            assert!(expose(&flat(1.5), &sensor).unwrap().codes().iter().all(|&c| c == most));
-            assert!(expose(&flat(-0.5), &sensor).unwrap().codes().iter().all(|&c| c == 0));
+            assert!(expose(&flat(1.5), &sensor).unwrap().values().iter().all(|&c| c == most));
+            assert!(expose(&flat(-0.5), &sensor).unwrap().values().iter().all(|&c| c == 0));
         }
     }
 
@@ -171,7 +180,7 @@ mod tests {
         let noise = Noise::Sensor(SensorNoise { full_well_e: 1e9, read_noise_e: 0.0, gain: 1.0 });
         for level in [1.0, 1e12, f32::MAX] {
             let raw = expose(&flat(level), &Sensor { noise, ..Sensor::default() }).unwrap();
-            assert!(raw.codes().iter().all(|&c| c >= 4094), "{level}");
+            assert!(raw.values().iter().all(|&c| c >= 4094), "{level}");
         }
     }
 

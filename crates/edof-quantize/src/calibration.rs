@@ -6,7 +6,7 @@ use edof_spec::geometry::GeometryError;
 use edof_spec::network::{Form, Recurrence};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::{Geometry, Network, RawFrame, Stride};
-use edof_train::matmul::{Into, Mat, product};
+use edof_train::matmul::{Destination, Mat, product};
 use edof_train::parameters::flatten;
 use edof_train::pass::Pass;
 use ndarray::Array2;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// Windows that go through the float network at once.
 const BATCH: usize = 256;
 /// One batch in so many is asked how its inputs go together.
-const MOMENTS_EVERY: usize = 4;
+const MOMENTS_EVERY: usize = 64;
 /// Frames that are measured side by side.
 const FRAMES_AT_ONCE: usize = 16;
 
@@ -50,7 +50,8 @@ impl Calibration {
         }
     }
 
-    /// Measures a network on all windows of raw frames of any CFA phase, patch by patch without overlap.
+    /// Measures a network on all windows of raw frames of any CFA phase at the finest stride. Those of larger strides are among
+    /// them, so nothing seen here saturates at any stride.
     ///
     /// # Errors
     /// [`GeometryError`] for a frame too small for the network's window.
@@ -59,7 +60,7 @@ impl Calibration {
         frames: impl IntoIterator<Item = &'a RawFrame>,
     ) -> Result<Self, GeometryError> {
         let weights = flatten(network);
-        let geometry = Geometry::new(network.form.window, Stride::PATCH);
+        let geometry = Geometry::new(network.form.window, Stride::FINEST);
         let frames: Vec<&RawFrame> = frames.into_iter().collect();
         // In order, a few at a time: the same frames give the same sums.
         let mut all = Self::new(&network.form);
@@ -77,9 +78,9 @@ impl Calibration {
         geometry: Geometry,
         raw: &RawFrame,
     ) -> Result<Self, GeometryError> {
+        geometry.check_frame(raw.size())?;
         let (raw, _) = raw.to_rggb();
         let (height, width) = raw.size();
-        geometry.check_frame(height, width)?;
         let mirrored = Mirrored::new(&raw, geometry);
         let (rows, columns) = geometry.patches(height, width);
         let patches: Vec<_> = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))).collect();
@@ -108,7 +109,7 @@ impl Calibration {
         let mut sums = vec![0.0; (codes + pixels).pow(2)];
         let mut add = |moments: &mut Array2<f64>, vectors: &[f32], n: usize| {
             let v = Mat::new(vectors, windows, n);
-            product(&mut sums, Into::Replace, v.t(), v);
+            product(&mut sums, Destination::Replace, v.t(), v);
             moments.iter_mut().zip(&sums).for_each(|(m, s)| *m += f64::from(*s));
         };
         for (t, moments) in self.sent.iter_mut().enumerate() {
@@ -174,10 +175,13 @@ impl Calibration {
         };
         let n = form.codes + form.window.pixels();
         let moments_fit = self.outputs.dim() == (n, n) && self.sent.len() == form.middle_layers();
-        if fits(&self.codes) && fits(&self.changes) && moments_fit {
-            Ok(())
-        } else {
-            Err(QuantizeError::Calibration("measured on a network of another form"))
+        if !(fits(&self.codes) && fits(&self.changes) && moments_fit) {
+            return Err(QuantizeError::Calibration("measured on a network of another form"));
         }
+        let mut moments = self.sent.iter().chain([&self.outputs]).flatten();
+        if !moments.all(|m| m.is_finite()) {
+            return Err(QuantizeError::Calibration("the network's codes are too large to be squared"));
+        }
+        Ok(())
     }
 }

@@ -4,17 +4,18 @@ use crate::Scene;
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
-use edof_spec::network::Origin;
+use edof_spec::network::{Condition, Origin};
 use edof_spec::{CfaPhase, ColourFrame, Noise};
 use rayon::prelude::*;
 
 /// Depths that scenes are captured at, evenly over the camera's range.
 const DEPTHS: usize = 9;
 /// Bits of the sensor.
-const DEPTH: u32 = 12;
+pub const DEPTH: u32 = 12;
 
-/// Captures every picture at nine depths of the range that the network's camera is meant for, without noise and with the most
-/// it was trained for. `tell` hears how many pictures are done. The same pictures give the same scenes.
+/// Captures every picture at nine depths of the range that the network's camera is meant for and under every condition that it was
+/// trained for: each tone, without noise and with the most. `tell` hears how many pictures are done. The same pictures give the
+/// same scenes.
 ///
 /// # Errors
 /// [`SensorError`] for pictures of odd sides.
@@ -27,27 +28,37 @@ pub fn capture<'a>(
     let settings = Settings::default();
     let psfs: Vec<(f64, [Psf; 3])> =
         psis.into_iter().map(|psi| (psi, channel_psfs(&origin.camera, psi, &settings))).collect();
-    let noises = if origin.noise > 0.0 { vec![0.0, origin.noise] } else { vec![0.0] };
-    let mut scenes = Vec::with_capacity(pictures.len() * psfs.len() * noises.len());
+    let mut scenes = vec![];
     for (index, (name, sharp)) in pictures.iter().enumerate() {
-        let captured: Vec<Vec<Scene<'a>>> = psfs
-            .par_iter()
-            .map(|(psi, psfs)| {
-                let blurred = blur_frame(sharp, psfs);
-                let shot = |(i, &gaussian): (usize, &f64)| {
-                    let seed = 1 + i as u64;
-                    let noise = Noise::gaussian(gaussian);
-                    let sensor = Sensor { depth: DEPTH, phase: CfaPhase::Rggb, noise, seed };
-                    let raw = expose(&blurred, &sensor)?;
-                    Ok(Scene { name: format!("{name}, psi {psi}, noise {gaussian}"), raw, sharp })
-                };
-                noises.iter().enumerate().map(shot).collect::<Result<_, SensorError>>()
-            })
-            .collect::<Result<_, _>>()?;
-        scenes.extend(captured.into_iter().flatten());
+        for condition in &origin.conditions {
+            let light = condition.tone.decoded(sharp);
+            let captured: Vec<Vec<Scene<'a>>> = psfs
+                .par_iter()
+                .map(|(psi, psfs)| shots(name, sharp, &blur_frame(&light, psfs), *psi, condition))
+                .collect::<Result<_, _>>()?;
+            scenes.extend(captured.into_iter().flatten());
+        }
         tell(index + 1);
     }
     Ok(scenes)
+}
+
+/// A blurred picture without noise and, where there is any, with the most of a condition.
+fn shots<'a>(
+    name: &str,
+    sharp: &'a ColourFrame,
+    blurred: &ColourFrame,
+    psi: f64,
+    condition: &Condition,
+) -> Result<Vec<Scene<'a>>, SensorError> {
+    let tone = condition.tone;
+    let noisy = Some(condition.noise).filter(|noise| *noise != Noise::None);
+    let shot = |(seed, noise): (u64, Noise)| {
+        let sensor = Sensor { depth: DEPTH, phase: CfaPhase::Rggb, noise, seed };
+        let raw = expose(blurred, &sensor)?;
+        Ok(Scene { name: format!("{name}, {tone}, psi {psi}, noise {noise}"), raw, sharp, tone })
+    };
+    (1..).zip(std::iter::once(Noise::None).chain(noisy)).map(shot).collect()
 }
 
 /// Values of ψ that scenes are captured at, the ends of the range among them.
@@ -62,24 +73,23 @@ pub fn depths([low, high]: [f64; 2]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::Camera;
+    use edof_spec::{Camera, Tone};
 
     #[test]
-    fn a_picture_is_captured_at_nine_depths_with_and_without_noise() {
+    fn a_picture_is_captured_at_nine_depths_under_every_condition() {
         let sharp = ColourFrame { planes: ndarray::Array3::from_elem((3, 32, 48), 0.5) };
         let pictures = [("grey".to_owned(), sharp)];
-        let origin = Origin {
-            name: "n".into(),
-            camera: Camera::resolve("ring-2018").unwrap(),
-            noise: 0.01,
-            command: String::new(),
-            patches: 0,
-            validation_db: 0.0,
-        };
+        let camera = Camera::resolve("ring-2018").unwrap();
+        let conditions = [(Tone::Linear, Noise::gaussian(0.01)), (Tone::Srgb, Noise::None)];
+        let conditions = conditions.map(|(tone, noise)| Condition { tone, noise }).to_vec();
+        let origin = Origin { conditions, ..Origin::untrained("n", camera) };
         let scenes = capture(&pictures, &origin, |_| ()).unwrap();
-        assert_eq!(scenes.len(), 18);
-        assert_eq!(scenes[17].name, "grey, psi 8, noise 0.01");
-        assert!(scenes[0].raw.codes().iter().all(|c| c.abs_diff(2048) <= 1));
-        assert!(scenes[1].raw.codes().iter().any(|c| c.abs_diff(2048) > 30));
+        assert_eq!(scenes.len(), 27);
+        assert_eq!(scenes[17].name, "grey, linear, psi 8, noise 0.01");
+        assert_eq!(scenes[26].name, "grey, srgb, psi 8, noise none");
+        // Half of the codes is a fifth of the light.
+        assert!(scenes[26].raw.values().iter().all(|c| c.abs_diff(877) <= 1));
+        assert!(scenes[0].raw.values().iter().all(|c| c.abs_diff(2048) <= 1));
+        assert!(scenes[1].raw.values().iter().any(|c| c.abs_diff(2048) > 30));
     }
 }

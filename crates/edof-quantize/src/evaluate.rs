@@ -2,7 +2,7 @@
 //! pipeline.
 
 use edof_golden::{Counts, Golden};
-use edof_spec::{ColourFrame, RawFrame, ReconstructError, Reconstructor};
+use edof_spec::{ColourFrame, RawFrame, ReconstructError, Reconstructor, Tone};
 
 /// A raw frame and what a perfect lens would have shown.
 #[derive(Debug, Clone)]
@@ -13,6 +13,8 @@ pub struct Scene<'a> {
     pub raw: RawFrame,
     /// The sharp picture.
     pub sharp: &'a ColourFrame,
+    /// What the picture's numbers mean; what is reconstructed is light.
+    pub tone: Tone,
 }
 
 /// One scene's two results.
@@ -58,7 +60,7 @@ impl Evaluation {
 }
 
 /// Runs both on every scene. `float` must give the board's format: 4:2:2, 16-bit luma, 8-bit chroma. `psnr(sharp, estimate)`
-/// is the metric, in dB.
+/// is the metric, in dB; it compares pictures in the tone of the sharp one.
 ///
 /// # Errors
 /// [`ReconstructError`] for a scene that is too small.
@@ -74,10 +76,11 @@ pub fn evaluate(
         .map(|scene| {
             let out = fixed.frame(&scene.raw)?;
             counts.merge(&out.counts);
+            let psnr = |light: &ColourFrame| psnr(scene.sharp, &scene.tone.encoded(light));
             Ok(SceneLoss {
                 name: scene.name.clone(),
-                float_db: psnr(scene.sharp, &float.reconstruct(&scene.raw)?.frame),
-                fixed_db: psnr(scene.sharp, &out.colour(scene.raw.size())),
+                float_db: psnr(&float.reconstruct(&scene.raw)?.frame),
+                fixed_db: psnr(&out.colour()),
             })
         })
         .collect::<Result<_, ReconstructError>>()?;

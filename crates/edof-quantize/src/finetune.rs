@@ -12,13 +12,17 @@
 use crate::fold::{self, Folded};
 use crate::simulated::{Simulated, code_formats, rgb_map};
 use crate::{Calibration, formats, rounding::Rounding};
-use edof_spec::FixedNetwork;
 use edof_spec::colour::{OUTPUTS_422, RGB_OUTPUTS};
 use edof_spec::network::{Form, Shrinkage};
+use edof_spec::{FixedNetwork, Noise};
 use edof_train::adam::Adam;
+use edof_train::dataset::{Batch, Dataset, Place};
+use edof_train::noise::Conditions;
 use edof_train::parameters::Layout;
-use edof_train::patches::{Bank, Batch, Random};
 use edof_train::precondition::Precondition;
+use edof_train::random::Random;
+use edof_train::validation::psnr_db;
+use edof_train::weighting::remember;
 use rayon::prelude::*;
 
 /// Parts of a batch that are computed side by side and added in order: the result does not depend on the threads.
@@ -27,8 +31,6 @@ const PARTS: usize = 4;
 const VALIDATION_WINDOWS: usize = 64;
 /// Steps between validations.
 const VALIDATE_EVERY: u64 = 100;
-/// How much of a cell's running error one window replaces.
-const CELL_RATE: f32 = 0.02;
 /// Batches of a step's size from which the moments of what is multiplied are taken.
 const MOMENT_BATCHES: u64 = 16;
 
@@ -62,17 +64,17 @@ pub struct FinetuneProgress {
     pub best_db: f64,
 }
 
-/// Fine-tunes the weights and thresholds of `fixed` on the bank's windows. `tell`
+/// Fine-tunes the weights and thresholds of `fixed` on the dataset's windows. `tell`
 /// hears every validation, the first before any step, and stops the work by returning false. The best validated words come
 /// out, so the result is never worse than the start on the validation windows.
 #[must_use]
 pub fn finetune(
     fixed: &FixedNetwork,
-    bank: &Bank,
+    dataset: &Dataset,
     tuning: &FinetuneOptions,
     mut tell: impl FnMut(&FinetuneProgress) -> bool,
 ) -> FixedNetwork {
-    let mut tuner = Tuner::new(fixed, bank, tuning);
+    let mut tuner = Tuner::new(fixed, dataset, tuning);
     let mut best = (tuner.validate(), fixed.clone());
     let mut go_on = tell(&FinetuneProgress { step: 0, validation_db: best.0, best_db: best.0 });
     for step in 1..=tuning.steps {
@@ -93,9 +95,9 @@ pub fn finetune(
 }
 
 struct Tuner<'a> {
-    bank: &'a Bank,
+    dataset: &'a Dataset,
     tuning: &'a FinetuneOptions,
-    noise: f32,
+    conditions: Conditions,
     layout: Layout,
     rounding: Rounding,
     condition: Precondition,
@@ -122,7 +124,7 @@ struct Part {
 }
 
 impl<'a> Tuner<'a> {
-    fn new(fixed: &FixedNetwork, bank: &'a Bank, tuning: &'a FinetuneOptions) -> Self {
+    fn new(fixed: &FixedNetwork, dataset: &'a Dataset, tuning: &'a FinetuneOptions) -> Self {
         let form = fixed.form;
         let layout = Layout::giving(&form, OUTPUTS_422);
         let values = Folded::of(fixed).flatten();
@@ -135,20 +137,20 @@ impl<'a> Tuner<'a> {
             errors: vec![0.0; share],
             gradient: vec![0.0; values.len()],
         };
-        let noise = fixed.origin.noise as f32;
+        let conditions = Conditions::plain(fixed.origin.most_sigma() as f32);
         let mut parts: Vec<Part> = (0..PARTS).map(part).collect();
-        let rounding = parts[0].moments(&form, &values, bank, noise, tuning.seed);
+        let rounding = parts[0].moments(&form, &values, dataset, &conditions, tuning.seed);
         let condition = Precondition::of(rounding.factors(&layout));
         let mut weights = values.clone();
         condition.to_trained(&values, &mut weights);
         Self {
-            bank,
+            dataset,
             tuning,
-            noise,
+            conditions,
             rates: vec![(1.0 - fixed.code_bits as f32).exp2(); values.len()],
             adam: Adam::new(values.len()),
-            cell_errors: vec![0.0; bank.cells()],
-            validation: validation(bank, noise),
+            cell_errors: vec![0.0; dataset.cells()],
+            validation: validation(dataset, &conditions),
             words: fixed.clone(),
             scratch: values.clone(),
             layout,
@@ -162,26 +164,20 @@ impl<'a> Tuner<'a> {
 
     /// One batch and one step of Adam; in each share of the steps the rate falls along a cosine.
     fn step(&mut self, step: u64) {
-        let (bank, noise, seed, cells) = (self.bank, self.noise, self.tuning.seed, &self.cell_errors);
+        let (dataset, conditions, cells) = (self.dataset, self.conditions, &self.cell_errors);
+        let seed = self.tuning.seed;
         let values = &self.values;
         self.parts.par_iter_mut().enumerate().for_each(|(index, part)| {
             let mut random = Random::new(seed, step, index as u64);
-            bank.draw(&mut random, noise, 8, &mut part.batch);
+            dataset.draw(&mut random, &conditions, &mut part.batch);
             for (importance, &cell) in part.importance.iter_mut().zip(&part.batch.cells) {
                 // A cell not seen yet counts as much as an error of 30 dB.
                 let error = cells[cell as usize];
                 *importance = 1.0 / if error > 0.0 { error } else { RGB_OUTPUTS as f32 * 1e-3 };
             }
             part.gradient.fill(0.0);
-            let Batch { inputs, targets, .. } = &part.batch;
-            part.pass.gradient(
-                values,
-                inputs,
-                targets,
-                &part.importance,
-                &mut part.errors,
-                &mut part.gradient,
-            );
+            let examples = part.batch.examples(&part.importance);
+            part.pass.gradient(values, &examples, &mut part.errors, &mut part.gradient);
         });
         let (first, others) = self.parts.split_at_mut(1);
         let gradient = &mut first[0].gradient;
@@ -196,10 +192,7 @@ impl<'a> Tuner<'a> {
         self.adam.step(&mut self.weights, gradient, rate, &self.rates);
         self.round(progress as usize);
         for part in &self.parts {
-            for (&cell, &error) in part.batch.cells.iter().zip(&part.errors) {
-                let mean = &mut self.cell_errors[cell as usize];
-                *mean = if *mean == 0.0 { error } else { *mean + CELL_RATE * (error - *mean) };
-            }
+            remember(&mut self.cell_errors, &part.batch.cells, &part.errors);
         }
     }
 
@@ -225,13 +218,9 @@ impl<'a> Tuner<'a> {
             .par_iter_mut()
             .zip(self.validation.par_chunks(parts))
             .map(|(part, sets)| {
-                let db = |set: &Batch| {
-                    let rgb = part.pass.forward(values, &set.inputs, VALIDATION_WINDOWS);
-                    let squares: f64 =
-                        rgb.iter().zip(&set.targets).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-                    -10.0 * (squares / set.targets.len() as f64).log10()
-                };
-                sets.iter().map(db).sum()
+                sets.iter()
+                    .map(|set| psnr_db(part.pass.forward(values, &set.inputs, VALIDATION_WINDOWS), set))
+                    .sum()
             })
             .collect();
         sums.iter().sum::<f64>() / self.validation.len() as f64
@@ -240,10 +229,17 @@ impl<'a> Tuner<'a> {
 
 impl Part {
     /// How what the matrices multiply goes together, on windows that no step draws.
-    fn moments(&mut self, form: &Form, values: &[f32], bank: &Bank, noise: f32, seed: u64) -> Rounding {
+    fn moments(
+        &mut self,
+        form: &Form,
+        values: &[f32],
+        dataset: &Dataset,
+        conditions: &Conditions,
+        seed: u64,
+    ) -> Rounding {
         let mut seen = Calibration::new(form);
         for index in 0..MOMENT_BATCHES {
-            bank.draw(&mut Random::new(seed, u64::MAX, index), noise, 8, &mut self.batch);
+            dataset.draw(&mut Random::new(seed, u64::MAX, index), conditions, &mut self.batch);
             self.pass.forward(values, &self.batch.inputs, self.batch.cells.len());
             seen.observe_moments(&self.pass.pass, &self.batch.inputs, *form);
         }
@@ -251,18 +247,21 @@ impl Part {
     }
 }
 
-/// One set for each photo, ψ, and noise of none and two thirds of the most.
-fn validation(bank: &Bank, noise: f32) -> Vec<Batch> {
-    let cells = (0..bank.photos()).flat_map(|photo| (0..bank.psis().len()).map(move |psi| (photo, psi)));
-    cells
-        .flat_map(|(photo, psi)| [0.0, noise * 2.0 / 3.0].map(|sigma| (photo, psi, sigma)))
-        .enumerate()
-        .map(|(index, (photo, psi, sigma))| {
-            let mut batch = Batch::new(bank.window(), VALIDATION_WINDOWS);
-            // Validation windows have a stream that no training step has.
-            let mut random = Random::new(0, u64::MAX, index as u64);
-            bank.draw_validation(&mut random, photo, psi, sigma, &mut batch);
-            batch
-        })
-        .collect()
+/// One set for each photo, tone, ψ, without noise and with the noise where networks are judged.
+fn validation(dataset: &Dataset, conditions: &Conditions) -> Vec<Batch> {
+    let mut sets = Vec::new();
+    for photo in 0..dataset.photos() {
+        for (tone, &kind) in dataset.tones().iter().enumerate() {
+            for psi in 0..dataset.psis().len() {
+                for noise in [Noise::None, conditions.at(kind, Conditions::judged(kind))] {
+                    let mut batch = Batch::new(dataset.window(), VALIDATION_WINDOWS);
+                    // Validation windows have a stream that no training step has.
+                    let mut random = Random::new(0, u64::MAX, sets.len() as u64);
+                    dataset.draw_validation(&mut random, Place { photo, tone, psi }, noise, &mut batch);
+                    sets.push(batch);
+                }
+            }
+        }
+    }
+    sets
 }

@@ -7,10 +7,11 @@ use crate::fold::Folded;
 use crate::rounding::Rounding;
 use crate::{Calibration, QuantizeError, QuantizeOptions};
 use edof_spec::fixed_network::{FixedMatrix, FixedNetworkError};
-use edof_spec::network::{Recurrence, Shrinkage};
+use edof_spec::network::{Form, Recurrence, Shrinkage};
 use edof_spec::number::{ACCUMULATOR_BITS, INPUT_FRACTION};
 use edof_spec::{FixedNetwork, Network};
 use ndarray::{Array1, Array2};
+use std::collections::BTreeSet;
 
 /// More fraction bits than these help nobody: they only make accumulators wide.
 const MOST_FRACTION: u32 = 24;
@@ -35,70 +36,119 @@ pub fn integers(
     float_hash: &str,
 ) -> Result<FixedNetwork, QuantizeError> {
     let bits = options.bits;
-    let refused = |source| QuantizeError::Fixed { bits, source };
-    let mut fractions = code_fractions(folded, used, options, network.form.recurrence);
-    let analysis = weight_fraction("analysis", &folded.analysis, bits)?;
-    let mut recurrent = folded
-        .recurrent
-        .iter()
-        .map(|s| weight_fraction("recurrent", s, bits))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut dictionary = weight_fraction("dictionary", &folded.dictionary, bits)?;
-    let mut linear =
-        folded.linear_path.as_ref().map(|r| weight_fraction("linear_path", r, bits)).transpose()?;
-    make_shifts_legal(&mut fractions, analysis, &recurrent, network);
-    let a = rounding.analysis(&folded.analysis, analysis, bits);
+    let mut fractions = Fractions::finest(folded, used, options, network)?;
+    // A's are never taken back: its sums are the smallest.
+    let analysis = rounding.analysis(&folded.analysis, fractions.analysis, bits);
     loop {
-        let (d, r) =
-            rounding.outputs((&folded.dictionary, dictionary), folded.linear_path.as_ref().zip(linear), bits);
-        let fixed = FixedNetwork {
+        let mut fixed = fractions.words(folded, analysis.clone(), rounding, network, options);
+        float_hash.clone_into(&mut fixed.float_hash);
+        match fixed.check() {
+            Ok(()) => return Ok(fixed),
+            Err(source) => {
+                fractions.mend(&fixed, source).map_err(|source| QuantizeError::Fixed { bits, source })?;
+            }
+        }
+    }
+}
+
+/// Fraction bits of everything that has some.
+struct Fractions {
+    codes: Vec<u32>,
+    analysis: u32,
+    recurrent: Vec<u32>,
+    dictionary: u32,
+    linear: Option<u32>,
+}
+
+impl Fractions {
+    /// As many as the largest values allow.
+    fn finest(
+        folded: &Folded,
+        used: &[f64],
+        options: &QuantizeOptions,
+        network: &Network,
+    ) -> Result<Self, QuantizeError> {
+        let bits = options.bits;
+        let recurrent = folded.recurrent.iter().map(|s| weight_fraction("recurrent", s, bits));
+        let linear = folded.linear_path.as_ref().map(|r| weight_fraction("linear_path", r, bits));
+        let mut all = Self {
+            codes: code_fractions(folded, used, options, network.form.recurrence),
+            analysis: weight_fraction("analysis", &folded.analysis, bits)?,
+            recurrent: recurrent.collect::<Result<_, _>>()?,
+            dictionary: weight_fraction("dictionary", &folded.dictionary, bits)?,
+            linear: linear.transpose()?,
+        };
+        make_shifts_legal(&mut all.codes, all.analysis, &all.recurrent, network.form);
+        Ok(all)
+    }
+
+    /// Everything rounded to them, A's words being given.
+    fn words(
+        &self,
+        folded: &Folded,
+        analysis: Array2<i16>,
+        rounding: &Rounding,
+        network: &Network,
+        options: &QuantizeOptions,
+    ) -> FixedNetwork {
+        let bits = options.bits;
+        let recurrent = folded.recurrent.iter().zip(&self.recurrent).enumerate();
+        let (d, r) = rounding.outputs(
+            (&folded.dictionary, self.dictionary),
+            folded.linear_path.as_ref().zip(self.linear),
+            bits,
+        );
+        FixedNetwork {
             form: network.form,
             code_bits: bits,
             stride: options.stride,
             overlap: options.overlap,
-            analysis: FixedMatrix { weights: a.clone(), fraction: analysis },
-            thresholds: folded
-                .thresholds
-                .iter()
-                .zip(&fractions)
-                .map(|(theta, &fraction)| thresholds(theta, fraction, bits, network.form.shrinkage))
-                .collect(),
-            recurrent: folded
-                .recurrent
-                .iter()
-                .zip(&recurrent)
-                .enumerate()
+            analysis: FixedMatrix { weights: analysis, fraction: self.analysis },
+            thresholds: all_thresholds(folded, &self.codes, bits, network.form.shrinkage),
+            recurrent: recurrent
                 .map(|(i, (s, &fraction))| FixedMatrix {
                     weights: rounding.recurrent(i, s, fraction, bits),
                     fraction,
                 })
                 .collect(),
-            dictionary: FixedMatrix { weights: d, fraction: dictionary },
-            linear_path: r.zip(linear).map(|(weights, fraction)| FixedMatrix { weights, fraction }),
-            code_fractions: fractions.clone(),
+            dictionary: FixedMatrix { weights: d, fraction: self.dictionary },
+            linear_path: r.zip(self.linear).map(|(weights, fraction)| FixedMatrix { weights, fraction }),
+            code_fractions: self.codes.clone(),
             origin: network.origin.clone(),
-            float_hash: float_hash.to_owned(),
-        };
-        match fixed.check() {
-            Ok(()) => return Ok(fixed),
-            Err(FixedNetworkError::Overflow { what: "M", .. }) if recurrent.iter().any(|f| *f > 0) => {
-                let wide: Vec<usize> = (0..network.form.middle_layers())
-                    .filter(|layer| fixed.accumulator_bits()[layer + 1] > ACCUMULATOR_BITS)
-                    .map(|layer| network.form.recurrent_index(layer))
-                    .collect();
-                wide.iter().for_each(|&s| recurrent[s] = recurrent[s].saturating_sub(1));
-                make_shifts_legal(&mut fractions, analysis, &recurrent, network);
+            float_hash: String::new(),
+            quantized: None,
+        }
+    }
+
+    /// Takes bits from what overflowed.
+    ///
+    /// # Errors
+    /// The error itself, where that would not help.
+    fn mend(&mut self, fixed: &FixedNetwork, error: FixedNetworkError) -> Result<(), FixedNetworkError> {
+        let form = fixed.form;
+        match error {
+            FixedNetworkError::Overflow { what: "M", .. } => {
+                let bits = fixed.accumulator_bits();
+                let wide = (0..form.middle_layers()).filter(|layer| bits[layer + 1] > ACCUMULATOR_BITS);
+                let wide: BTreeSet<usize> = wide.map(|layer| form.recurrent_index(layer)).collect();
+                if wide.iter().all(|&s| self.recurrent[s] == 0) {
+                    return Err(error);
+                }
+                wide.iter().for_each(|&s| self.recurrent[s] = self.recurrent[s].saturating_sub(1));
+                make_shifts_legal(&mut self.codes, self.analysis, &self.recurrent, form);
+                Ok(())
             }
             // The finer of the two products is what forces the other to be shifted up.
-            Err(FixedNetworkError::Overflow { what: "F", .. }) => {
-                let last = fractions[fractions.len() - 1];
-                match &mut linear {
-                    Some(r) if *r + INPUT_FRACTION > dictionary + last && *r > 0 => *r -= 1,
-                    _ if dictionary > 0 => dictionary -= 1,
-                    _ => return Err(refused(FixedNetworkError::Overflow { what: "F", bits: 64 })),
+            FixedNetworkError::Overflow { what: "F", .. } => {
+                let last = self.codes.last().copied().unwrap_or(0);
+                match &mut self.linear {
+                    Some(r) if *r + INPUT_FRACTION > self.dictionary + last && *r > 0 => *r -= 1,
+                    _ if self.dictionary > 0 => self.dictionary -= 1,
+                    _ => return Err(error),
                 }
+                Ok(())
             }
-            Err(source) => return Err(refused(source)),
+            _ => Err(error),
         }
     }
 }
@@ -126,10 +176,9 @@ pub fn rounded_to(folded: &Folded, like: &FixedNetwork, rounding: &Rounding, set
         bits,
     );
     let again = |weights, like: &FixedMatrix| FixedMatrix { weights, fraction: like.fraction };
-    let thetas = folded.thresholds.iter().zip(&like.code_fractions);
     FixedNetwork {
         analysis: again(analysis, &like.analysis),
-        thresholds: thetas.map(|(t, f)| thresholds(t, *f, bits, like.form.shrinkage)).collect(),
+        thresholds: all_thresholds(folded, &like.code_fractions, bits, like.form.shrinkage),
         recurrent: folded.recurrent.iter().zip(&like.recurrent).enumerate().map(recurrent).collect(),
         dictionary: again(dictionary, &like.dictionary),
         linear_path: linear_path.zip(like.linear_path.as_ref()).map(|(r, like)| again(r, like)),
@@ -163,16 +212,16 @@ fn code_fractions(
 }
 
 /// Takes fraction bits from codes whose shifts would be negative. The difference form's never are: its codes share a format.
-fn make_shifts_legal(fractions: &mut [u32], analysis: u32, recurrent: &[u32], network: &Network) {
+fn make_shifts_legal(fractions: &mut [u32], analysis: u32, recurrent: &[u32], form: Form) {
     fractions[0] = fractions[0].min(INPUT_FRACTION + analysis);
-    if network.form.recurrence == Recurrence::Difference {
+    if form.recurrence == Recurrence::Difference {
         let first = fractions[0];
         return fractions.iter_mut().for_each(|f| *f = (*f).min(first));
     }
     loop {
         let before = fractions.to_vec();
-        for layer in 0..network.form.middle_layers() {
-            let sum = fractions[layer] + recurrent[network.form.recurrent_index(layer)];
+        for layer in 0..form.middle_layers() {
+            let sum = fractions[layer] + recurrent[form.recurrent_index(layer)];
             fractions[0] = fractions[0].min(sum);
             fractions[layer + 1] = fractions[layer + 1].min(sum);
         }
@@ -187,6 +236,11 @@ fn weight_fraction(what: &'static str, matrix: &Array2<f64>, bits: u32) -> Resul
     let value = matrix.iter().fold(0.0, |a: f64, w| a.max(w.abs()));
     let fits = |fraction: &u32| (value * f64::from(*fraction).exp2()).round() <= most(bits);
     (0..=MOST_FRACTION).rev().find(fits).ok_or(QuantizeError::Large { what, value, bits })
+}
+
+fn all_thresholds(folded: &Folded, fractions: &[u32], bits: u32, shrinkage: Shrinkage) -> Vec<Array1<i16>> {
+    let each = folded.thresholds.iter().zip(fractions);
+    each.map(|(theta, &fraction)| thresholds(theta, fraction, bits, shrinkage)).collect()
 }
 
 fn thresholds(theta: &Array1<f64>, fraction: u32, bits: u32, shrinkage: Shrinkage) -> Array1<i16> {

@@ -79,28 +79,17 @@ impl QuantizeOptions {
 
 /// A network that cannot be quantized so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum QuantizeError {
     /// The float network does not fit its form.
     #[error(transparent)]
     Network(#[from] NetworkError),
     /// No integers of this width run exactly.
     #[error("{bits} bits: {source}")]
-    Fixed {
-        /// The width asked for.
-        bits: u32,
-        /// What could not be met.
-        source: FixedNetworkError,
-    },
+    Fixed { bits: u32, source: FixedNetworkError },
     /// A weight is too large for the width, even without fraction bits.
     #[error("{what}: holds {value}, which {bits} bits cannot hold once ranges are equal")]
-    Large {
-        /// Which matrix.
-        what: &'static str,
-        /// Its largest weight after equalization.
-        value: f64,
-        /// The width asked for.
-        bits: u32,
-    },
+    Large { what: &'static str, value: f64, bits: u32 },
     /// Headroom below one.
     #[error("headroom {0}: must be 1 or more")]
     Headroom(f64),

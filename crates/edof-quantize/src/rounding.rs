@@ -6,10 +6,10 @@
 //! nearest plane; the same as GPTQ, Frantar et al. 2023).
 
 use crate::Calibration;
+use edof_numerics::Cholesky;
 use edof_spec::network::Form;
-use edof_train::linear_algebra::cholesky;
 use edof_train::parameters::Layout;
-use ndarray::{Array2, concatenate, s};
+use ndarray::{Array1, Array2, concatenate, s};
 use std::ops::Range;
 
 /// Share of the mean square of an input that is added to every input's: rare inputs must not bend the weights of others.
@@ -18,17 +18,11 @@ const RIDGE: f64 = 1e-4;
 /// How inputs go together: the factors L of their moments.
 #[derive(Debug, Clone)]
 pub struct Rounding {
-    analysis: Factor,
-    recurrent: Vec<Factor>,
+    analysis: Cholesky,
+    recurrent: Vec<Cholesky>,
     /// Of the last codes alone.
-    last: Factor,
-    outputs: Factor,
-}
-
-#[derive(Debug, Clone)]
-struct Factor {
-    n: usize,
-    l: Vec<f64>,
+    last: Cholesky,
+    outputs: Cholesky,
 }
 
 impl Rounding {
@@ -45,38 +39,38 @@ impl Rounding {
                 let layers = calibration.sent.iter().enumerate();
                 let uses = layers.filter(|(layer, _)| form.recurrent_index(*layer) == matrix);
                 let sum = uses.fold(Array2::zeros((codes, codes)), |sum, (_, moments)| sum + moments);
-                Factor::new(&scaled(&sum))
+                factor(scaled(&sum))
             })
             .collect();
-        let outputs = Factor::new(&scaled(&calibration.outputs));
+        let outputs = factor(scaled(&calibration.outputs));
         Self {
-            analysis: Factor::new(&calibration.outputs.slice(s![codes..n, codes..n]).to_owned()),
+            analysis: factor(calibration.outputs.slice(s![codes..n, codes..n]).to_owned()),
             recurrent,
             last: outputs.leading(codes),
             outputs,
         }
     }
 
-    /// Each matrix of `layout` with the factor of what it multiplies, and its inputs' number. D and R come alone.
-    pub fn factors<'a>(&'a self, layout: &Layout) -> Vec<(Range<usize>, &'a [f64], usize)> {
-        let of = |range: &Range<usize>, factor: &'a Factor| (range.clone(), &factor.l[..], factor.n);
-        let recurrent = layout.recurrent.iter().zip(&self.recurrent).map(|(s, factor)| of(s, factor));
-        std::iter::once(of(&layout.analysis, &self.analysis))
-            .chain(recurrent)
-            .chain([of(&layout.dictionary, &self.last), of(&layout.linear_path, &self.analysis)])
+    /// Each matrix of `layout` with the factor of what it multiplies. D and R come alone.
+    pub fn factors<'a>(&'a self, layout: &Layout) -> Vec<(Range<usize>, &'a Cholesky)> {
+        let outputs = [(&layout.dictionary, &self.last), (&layout.linear_path, &self.analysis)];
+        std::iter::once((&layout.analysis, &self.analysis))
+            .chain(layout.recurrent.iter().zip(&self.recurrent))
+            .chain(outputs)
+            .map(|(range, factor)| (range.clone(), factor))
             .collect()
     }
 
     /// A's words.
     #[must_use]
     pub fn analysis(&self, a: &Array2<f64>, fraction: u32, bits: u32) -> Array2<i16> {
-        self.analysis.round(a, &vec![fraction; a.ncols()], bits)
+        round(&self.analysis, a, &vec![fraction; a.ncols()], bits)
     }
 
     /// Words of the `matrix`-th S.
     #[must_use]
     pub fn recurrent(&self, matrix: usize, s: &Array2<f64>, fraction: u32, bits: u32) -> Array2<i16> {
-        self.recurrent[matrix].round(s, &vec![fraction; s.ncols()], bits)
+        round(&self.recurrent[matrix], s, &vec![fraction; s.ncols()], bits)
     }
 
     /// Words of D and, where there is one, R: their errors are hidden together. Each comes with its fraction bits.
@@ -89,58 +83,49 @@ impl Rounding {
     ) -> (Array2<i16>, Option<Array2<i16>>) {
         let codes = d.ncols();
         let Some((r, r_fraction)) = r else {
-            return (self.last.round(d, &vec![d_fraction; codes], bits), None);
+            return (round(&self.last, d, &vec![d_fraction; codes], bits), None);
         };
         let fractions = [vec![d_fraction; codes], vec![r_fraction; r.ncols()]].concat();
         let Ok(both) = concatenate(ndarray::Axis(1), &[d.view(), r.view()]) else {
             unreachable!("D and R have 128 rows each");
         };
-        let words = self.outputs.round(&both, &fractions, bits);
+        let words = round(&self.outputs, &both, &fractions, bits);
         (words.slice(s![.., ..codes]).to_owned(), Some(words.slice(s![.., codes..]).to_owned()))
     }
 }
 
-impl Factor {
-    fn new(moments: &Array2<f64>) -> Self {
-        let n = moments.nrows();
-        let mean = moments.diag().sum() / n.max(1) as f64;
-        let ridge = if mean > 0.0 { RIDGE * mean } else { 1.0 };
-        let mut lifted: Vec<f64> = moments.iter().copied().collect();
-        (0..n).for_each(|i| lifted[i * n + i] += ridge);
-        Self { n, l: cholesky(&lifted, n) }
-    }
+/// The factor of moments, lifted by [`RIDGE`].
+fn factor(mut moments: Array2<f64>) -> Cholesky {
+    let mean = moments.diag().mean().unwrap_or(0.0);
+    let ridge = if mean > 0.0 { RIDGE * mean } else { 1.0 };
+    moments.diag_mut().mapv_inplace(|v| v + ridge);
+    Cholesky::of_moments(moments.view())
+}
 
-    /// The factor of the first `n` inputs alone.
-    fn leading(&self, n: usize) -> Self {
-        let l = self.l.chunks_exact(self.n).take(n).flat_map(|row| row[..n].to_vec()).collect();
-        Self { n, l }
-    }
-
-    /// Words of each row; `fractions` are the columns' fraction bits.
-    fn round(&self, matrix: &Array2<f64>, fractions: &[u32], bits: u32) -> Array2<i16> {
-        let most = f64::from((1u32 << (bits - 1)) - 1);
-        let mut words = Array2::zeros(matrix.dim());
-        for (row, mut out) in matrix.outer_iter().zip(words.outer_iter_mut()) {
-            // pull[j] = Σ over columns k > j of L_kj·(w_k − q_k).
-            let mut pull = vec![0.0; self.n];
-            for j in (0..self.n).rev() {
-                let line = &self.l[j * self.n..j * self.n + j + 1];
-                let unit = f64::from(fractions[j]).exp2();
-                let wanted = row[j] + pull[j] / line[j];
-                let word = (wanted * unit + 0.5).floor().clamp(-most - 1.0, most);
-                out[j] = word as i16;
-                let error = row[j] - word / unit;
-                pull.iter_mut().zip(&line[..j]).for_each(|(p, l)| *p += l * error);
-            }
+/// Words of each row of `matrix`, whose inputs have the moments of `factor`; `fractions` are the columns' fraction bits.
+fn round(factor: &Cholesky, matrix: &Array2<f64>, fractions: &[u32], bits: u32) -> Array2<i16> {
+    let most = f64::from((1u32 << (bits - 1)) - 1);
+    let l = factor.lower();
+    let mut words = Array2::zeros(matrix.dim());
+    for (row, mut out) in matrix.outer_iter().zip(words.outer_iter_mut()) {
+        // pull[j] = Σ over columns k > j of L_kj·(w_k − q_k).
+        let mut pull = Array1::<f64>::zeros(row.len());
+        for j in (0..row.len()).rev() {
+            let unit = f64::from(fractions[j]).exp2();
+            let wanted = row[j] + pull[j] / l[(j, j)];
+            let word = (wanted * unit + 0.5).floor().clamp(-most - 1.0, most);
+            out[j] = word as i16;
+            let error = row[j] - word / unit;
+            pull.slice_mut(s![..j]).scaled_add(error, &l.slice(s![j, ..j]));
         }
-        words
     }
+    words
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_golden::sample::Draw;
+    use edof_spec::draw::Draw;
 
     /// Smooth inputs: a level and a little noise.
     fn inputs(n: usize) -> Vec<Vec<f64>> {
@@ -163,7 +148,7 @@ mod tests {
         for v in &inputs {
             moments += &Array2::from_shape_fn((n, n), |(i, j)| v[i] * v[j]);
         }
-        let words = Factor::new(&moments).round(&matrix, &vec![6; n], 8);
+        let words = round(&factor(moments), &matrix, &vec![6; n], 8);
         let nearest = matrix.mapv(|w| (w * 64.0).round() as i16);
         let error = |words: &Array2<i16>| {
             let off = &matrix - &words.mapv(|w| f64::from(w) / 64.0);
@@ -176,7 +161,7 @@ mod tests {
     fn inputs_that_go_their_own_ways_are_rounded_to_nearest() {
         let mut draw = Draw::new(5);
         let matrix = Array2::from_shape_fn((8, 16), |_| draw.whole(-1000, 1000) as f64 * 1e-3);
-        let words = Factor::new(&Array2::eye(16)).round(&matrix, &[6; 16], 8);
+        let words = round(&factor(Array2::eye(16)), &matrix, &[6; 16], 8);
         assert_eq!(words, matrix.mapv(|w| (w * 64.0 + 0.5).floor() as i16));
     }
 }

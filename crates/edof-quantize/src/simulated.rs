@@ -6,8 +6,8 @@ use edof_spec::colour::{OUTPUTS_422, RGB_OUTPUTS, rgb_from_ycbcr};
 use edof_spec::geometry::{PATCH, PATCH_PIXELS};
 use edof_spec::network::Form;
 use edof_train::format::Format;
-use edof_train::matmul::{Into, Mat, product};
-use edof_train::pass::{Pass, weighted_errors};
+use edof_train::matmul::{Destination, Mat, product};
+use edof_train::pass::{Examples, Pass, weighted_errors};
 
 /// Formats of a fixed network's b_t and z_t.
 #[must_use]
@@ -64,28 +64,26 @@ impl Simulated {
     pub fn forward(&mut self, weights: &[f32], inputs: &[f32], windows: usize) -> &[f32] {
         let outputs = Mat::new(self.pass.forward(weights, inputs, windows), windows, OUTPUTS_422);
         let to_rgb = Mat::new(&self.to_rgb, RGB_OUTPUTS, OUTPUTS_422);
-        product(&mut self.rgb, Into::Replace, outputs, to_rgb.t());
+        product(&mut self.rgb, Destination::Replace, outputs, to_rgb.t());
         &self.rgb[..windows * RGB_OUTPUTS]
     }
 
-    /// [`Simulated::forward`], then adds the gradient of Σ_p ½·`importance[p]`·‖x̂_p − x_p‖² to `gradient`;
-    /// `squared_errors[p]` becomes ‖x̂_p − x_p‖².
+    /// [`Simulated::forward`], then adds the gradient of Σ_p ½·`importance[p]`·‖e_p‖² to `gradient`, e_p the window's error as
+    /// [`weighted_errors`] has it; `squared_errors[p]` becomes ‖e_p‖².
     pub fn gradient(
         &mut self,
         weights: &[f32],
-        inputs: &[f32],
-        targets: &[f32],
-        importance: &[f32],
+        examples: &Examples<'_>,
         squared_errors: &mut [f32],
         gradient: &mut [f32],
     ) {
-        let windows = importance.len();
-        self.forward(weights, inputs, windows);
-        weighted_errors(&mut self.rgb, targets, importance, squared_errors);
+        let windows = examples.importance.len();
+        self.forward(weights, examples.inputs, windows);
+        weighted_errors(&mut self.rgb, examples, squared_errors);
         let to_rgb = Mat::new(&self.to_rgb, RGB_OUTPUTS, OUTPUTS_422);
         let errors = Mat::new(&self.rgb, windows, RGB_OUTPUTS);
-        product(self.pass.outputs_mut(), Into::Replace, errors, to_rgb);
-        self.pass.backward(weights, inputs, windows, 0.0, gradient);
+        product(self.pass.outputs_mut(), Destination::Replace, errors, to_rgb);
+        self.pass.backward(weights, examples.inputs, windows, &[], gradient);
     }
 }
 
@@ -93,10 +91,10 @@ impl Simulated {
 mod tests {
     use super::*;
     use crate::fold::Folded;
-    use edof_golden::sample::{self, Draw};
     use edof_golden::scalar;
+    use edof_spec::draw::Draw;
     use edof_spec::network::{Recurrence, Shrinkage};
-    use edof_spec::{Stride, Window};
+    use edof_spec::{Stride, Tone, Window};
     use edof_train::parameters::Layout;
     use proptest::prelude::*;
 
@@ -132,16 +130,16 @@ mod tests {
         seed: u64,
     ) -> Result<(), TestCaseError> {
         let form = form(layers, flags);
-        let fixed = with_exact_sums(sample::extreme(form, 8, Stride::PATCH, false, seed));
+        let fixed = with_exact_sums(edof_random::extreme(form, 8, Stride::PATCH, false, seed));
         let weights = Folded::of(&fixed).flatten();
         // Eight bits of input, so that I's sums are exact too: 64 products of 8 by 8 bits.
         let y: Vec<i16> =
-            sample::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
+            edof_random::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
         let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / 32768.0).collect();
         let mut pass = Simulated::new(form, &code_formats(&fixed), &rgb_map(&[1.0; 128]), 1);
         pass.forward(&weights, &inputs, 1);
         let trace = scalar::run(&fixed, &y);
-        for (t, codes) in trace.codes.iter().enumerate() {
+        for (t, codes) in trace.layers.iter().enumerate() {
             let unit = (-(fixed.code_fractions[t] as f32)).exp2();
             let words = |values: &[f32]| values.iter().map(|v| (v / unit) as i16).collect::<Vec<_>>();
             prop_assert_eq!(words(pass.pass.b(t)), codes.b.clone(), "b of layer {}", t);
@@ -183,10 +181,11 @@ mod tests {
             let to_rgb = rgb_map(&[1.0; 128]);
             let mut pass = Simulated::new(form, &vec![Format::EXACT; form.shrinkages()], &to_rgb, 3);
             let (mut errors, mut gradient) = ([0.0; 3], vec![0.0; weights.len()]);
-            pass.gradient(&weights, &y, &x, &importance, &mut errors, &mut gradient);
+            let examples = Examples { inputs: &y, targets: &x, tones: &[Tone::Linear; 3], importance: &importance };
+            pass.gradient(&weights, &examples, &mut errors, &mut gradient);
             let mut loss = |weights: &[f32]| {
                 let (mut errors, mut unused) = ([0.0; 3], vec![0.0; weights.len()]);
-                pass.gradient(weights, &y, &x, &importance, &mut errors, &mut unused);
+                pass.gradient(weights, &examples, &mut errors, &mut unused);
                 let open: Vec<i8> = (0..form.shrinkages()).flat_map(|t| pass.pass.z(t)).map(|z| i8::from(*z > 0.0) - i8::from(*z < 0.0)).collect();
                 (errors.iter().zip(importance).map(|(e, i)| 0.5 * f64::from(e * i)).sum::<f64>(), open)
             };

@@ -1,19 +1,23 @@
 //! Integers stand for the float network: every layer's words are its values, to the last bits.
 
-use edof_golden::{Golden, sample::Draw, scalar};
-use edof_optics::psf::Settings;
+use edof_golden::{Golden, GoldenReconstructor, scalar};
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
 };
+use edof_spec::draw::Draw;
 use edof_spec::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_spec::number::INPUT_FRACTION;
 use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, CfaPhase, ColourFrame, Geometry, Network, RawFrame, Stride, Window};
+use edof_spec::provenance::Provenance;
+use edof_spec::{Camera, CfaPhase, ColourFrame, Geometry, Network, RawFrame, Reconstructor, Stride, Window};
+use edof_train::dataset::{Dataset, DatasetOptions};
+use edof_train::noise::Conditions;
 use edof_train::parameters::flatten;
 use edof_train::pass::Pass;
-use edof_train::patches::Bank;
-use edof_train::train::{Continue, Recipe, Trainer};
+use edof_train::recipe::Recipe;
+use edof_train::reconstruct::{FloatReconstructor, Output};
+use edof_train::train::{Continue, Trainer};
 use ndarray::{Array1, Array2, Array3};
 use proptest::prelude::*;
 
@@ -72,14 +76,7 @@ fn network(form: Form, seed: u64) -> Network {
         .collect();
     let dictionary = Array2::from_shape_fn((192, form.codes), |(_, c)| unit() * 0.1 / sizes[c]);
     let linear_path = form.linear_path.then(|| Array2::from_elem((192, pixels), 0.5 / pixels as f32));
-    let origin = Origin {
-        name: "drawn".into(),
-        camera: Camera::resolve("clear").unwrap(),
-        noise: 0.0,
-        command: "drawn".into(),
-        patches: 0,
-        validation_db: 0.0,
-    };
+    let origin = Origin::untrained("drawn", Camera::resolve("clear").unwrap());
     Network { form, analysis, thresholds, recurrent, dictionary, linear_path, origin }
 }
 
@@ -88,7 +85,7 @@ fn raw(seed: u64) -> RawFrame {
     let codes = Array2::from_shape_fn((40, 56), |(r, c)| {
         (2000 + (r / 7 + c / 9) as i64 % 2 * 1500 + draw.whole(-400, 400)) as u16
     });
-    RawFrame::from_codes(codes, 12, CfaPhase::Rggb).unwrap()
+    RawFrame::from_values(codes, 12, CfaPhase::Rggb).unwrap()
 }
 
 fn options(bits: u32) -> QuantizeOptions {
@@ -120,7 +117,7 @@ fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec
         let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32).collect();
         let x: Array1<f64> = pass.forward(&weights, &inputs, 1).iter().map(|v| f64::from(*v)).collect();
         let trace = scalar::run(&fixed, &y);
-        for (t, codes) in trace.codes.iter().enumerate() {
+        for (t, codes) in trace.layers.iter().enumerate() {
             let unit = (-f64::from(fixed.code_fractions[t])).exp2();
             for ((word, b), c) in codes.b.iter().zip(pass.b(t)).zip(&scales) {
                 squares[t] +=
@@ -151,7 +148,36 @@ proptest! {
     }
 
     #[test]
-    fn nothing_saturates_where_it_was_calibrated(form in forms(), seed: u64, bits in 10u32..=16) {
+    fn nothing_saturates_where_it_was_calibrated_at_any_stride(
+        form in forms(), seed: u64, bits in 12u32..=16, step in prop::sample::select(vec![2, 4, 8])
+    ) {
+        let (network, frame) = (network(form, seed), raw(seed));
+        // Hardly any headroom: what stride 8 alone has seen would not do for stride 2.
+        let stride = Stride::new(step).unwrap();
+        let tight = QuantizeOptions { headroom: 1.05, stride, ..options(bits) };
+        let calibration = Calibration::measure(&network, [&frame]).unwrap();
+        let (fixed, _) = quantize(&network, &tight, &calibration, "hash").unwrap();
+        prop_assert_eq!(Golden::new(fixed).unwrap().frame(&frame).unwrap().counts.saturations(), 0);
+    }
+
+    #[test]
+    fn integers_show_what_their_float_twin_shows_at_every_stride(
+        form in forms(), seed: u64, step in prop::sample::select(vec![2, 4, 8])
+    ) {
+        let (network, frame) = (network(form, seed), raw(seed));
+        let stride = Stride::new(step).unwrap();
+        let wanted = QuantizeOptions { stride, ..options(16) };
+        let calibration = Calibration::measure(&network, [&frame]).unwrap();
+        let (fixed, _) = quantize(&network, &wanted, &calibration, "hash").unwrap();
+        let float = FloatReconstructor::new(network, stride, wanted.overlap, Output::Ycc422).unwrap();
+        let float = float.reconstruct(&frame).unwrap().frame.planes;
+        let fixed = GoldenReconstructor::new(fixed, "fixed").unwrap().reconstruct(&frame).unwrap().frame.planes;
+        let mean_square = (float - fixed).mapv(|e| e * e).mean().unwrap();
+        prop_assert!(mean_square.sqrt() < 4e-3, "{}", mean_square.sqrt());
+    }
+
+    #[test]
+    fn ranges_are_used_and_accumulators_fit(form in forms(), seed: u64, bits in 10u32..=16) {
         let (network, frame) = (network(form, seed), raw(seed));
         let calibration = Calibration::measure(&network, [&frame]).unwrap();
         let (fixed, report) = quantize(&network, &options(bits), &calibration, "hash").unwrap();
@@ -235,13 +261,19 @@ fn pictures() -> Vec<ColourFrame> {
 fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
     let camera = Camera::resolve("clear").unwrap();
     let window = Window::new(8).unwrap();
-    let bank = Bank::new(&pictures(), &camera, &[0.0, 2.0], &Settings::default(), window, |_, _| true);
-    let bank = bank.unwrap().unwrap();
+    let plain = DatasetOptions::plain(&[0.0, 2.0], window);
+    let dataset = Dataset::new(&pictures(), &camera, plain, |_, _| true).unwrap().unwrap();
     let form = Form { codes: 32, ..form(4, Shrinkage::OneSided, true) };
-    let recipe = Recipe { steps: 300, batch: 128, validate_every: 100, noise: 0.01, ..Recipe::new(form) };
-    let mut trainer = Trainer::new(recipe, &bank).unwrap();
+    let recipe = Recipe {
+        steps: 300,
+        batch: 128,
+        validate_every: 100,
+        conditions: Conditions::plain(0.01),
+        ..Recipe::new(form)
+    };
+    let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();
     trainer.run(|_, _| Continue::Yes).unwrap();
-    let network = trainer.best("small", &camera, "test");
+    let network = trainer.best("small", &camera, Provenance::default());
     let scenes: Vec<RawFrame> = pictures().iter().map(|p| expose(p, &Sensor::default()).unwrap()).collect();
     let calibration = Calibration::measure(&network, &scenes).unwrap();
     let (fixed, _) = quantize(&network, &options(8), &calibration, "").unwrap();
@@ -252,7 +284,7 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
             seen.push(p.validation_db);
             true
         };
-        (finetune(&fixed, &bank, &tuning, tell), seen)
+        (finetune(&fixed, &dataset, &tuning, tell), seen)
     };
     let (tuned, db) = tune();
     assert_eq!(db.len(), 3);

@@ -1,8 +1,9 @@
-//! Files that appear whole or not at all: written beside their target, flushed, then renamed over it. Devices and pipes
-//! (`/dev/stdout`) stay what they are and are written straight.
+//! Files that appear whole or not at all: written beside their target, flushed, then renamed over it. Folders that are missing
+//! are made. Devices and pipes (`/dev/stdout`) stay what they are and are written straight.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -23,16 +24,18 @@ pub fn write_with(
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), WriteError> {
     let attempt = || -> std::io::Result<()> {
-        if std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir()) {
+        if is_device(path) {
             let mut device = std::io::BufWriter::new(std::fs::OpenOptions::new().write(true).open(path)?);
             fill(&mut device)?;
             return device.flush();
         }
-        let folder = match path.parent() {
-            Some(p) if !p.as_os_str().is_empty() => p,
-            _ => Path::new("."),
-        };
-        let temporary = tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempfile_in(folder)?;
+        std::fs::create_dir_all(folder(path))?;
+        let (temporary, _unfinished) = begin(|| {
+            let file =
+                tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempfile_in(folder(path))?;
+            let name = file.path().to_owned();
+            Ok((file, name))
+        })?;
         let mut buffered = std::io::BufWriter::new(temporary);
         fill(&mut buffered)?;
         let temporary = buffered.into_inner().map_err(std::io::IntoInnerError::into_error)?;
@@ -41,7 +44,108 @@ pub fn write_with(
         temporary.persist(path).map_err(|e| e.error)?;
         Ok(())
     };
-    attempt().map_err(|source| WriteError { path: path.to_owned(), source })
+    attempt().map_err(|error| WriteError { path: path.to_owned(), source: without_name(error) })
+}
+
+/// A folder for files that are to be renamed into `parent` or below it. It goes away with the value, and when [`abandon`] is
+/// called.
+///
+/// # Errors
+/// What the system says of a folder that cannot be made there.
+pub fn work_folder(parent: &Path) -> std::io::Result<WorkFolder> {
+    let made = begin(|| {
+        let folder = tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempdir_in(parent)?;
+        let name = folder.path().to_owned();
+        Ok((folder, name))
+    });
+    made.map(|(folder, _unfinished)| WorkFolder { folder, _unfinished }).map_err(without_name)
+}
+
+/// See [`work_folder`].
+#[derive(Debug)]
+pub struct WorkFolder {
+    folder: tempfile::TempDir,
+    _unfinished: Unfinished,
+}
+
+impl WorkFolder {
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Removes what is being written, and lets nobody begin anew: for a program that is about to be ended in the middle of its work.
+pub fn abandon() {
+    let unfinished = unfinished();
+    for path in unfinished.iter() {
+        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    }
+    // Whoever waits for the list waits until the end.
+    std::mem::forget(unfinished);
+}
+
+/// Temporary files and folders that exist now.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Takes a path off the list when it is dropped.
+#[derive(Debug)]
+struct Unfinished(PathBuf);
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        unfinished().retain(|path| *path != self.0);
+    }
+}
+
+/// Makes something temporary and puts it on the list, without a moment in which it is there and not on it.
+fn begin<T>(make: impl FnOnce() -> std::io::Result<(T, PathBuf)>) -> std::io::Result<(T, Unfinished)> {
+    let mut list = unfinished();
+    let (made, path) = make()?;
+    list.push(path.clone());
+    Ok((made, Unfinished(path)))
+}
+
+/// Whether a file could be written now, for whoever has long work to do first. Nothing is made yet, no folder either.
+///
+/// # Errors
+/// [`WriteError`] naming `path`, as writing it would give.
+pub fn check(path: &Path) -> Result<(), WriteError> {
+    let attempt = || -> std::io::Result<()> {
+        if is_device(path) {
+            return Ok(());
+        }
+        if path.is_dir() {
+            return Err(std::io::ErrorKind::IsADirectory.into());
+        }
+        let there = folder(path).ancestors().map(or_here).find(|folder| folder.exists());
+        tempfile::tempfile_in(there.unwrap_or(Path::new("/"))).map(drop)
+    };
+    attempt().map_err(|error| WriteError { path: path.to_owned(), source: without_name(error) })
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().map_or(Path::new("."), or_here)
+}
+
+fn or_here(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+}
+
+fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir())
+}
+
+/// What the system said, without the temporary file's name that is wrapped around it.
+fn without_name(error: std::io::Error) -> std::io::Error {
+    let inner = error.get_ref().and_then(|wrapped| wrapped.source());
+    let code = inner.and_then(|e| e.downcast_ref::<std::io::Error>()).and_then(std::io::Error::raw_os_error);
+    code.map_or(error, std::io::Error::from_raw_os_error)
 }
 
 /// [`write_with`] for bytes at hand.
@@ -95,8 +199,28 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_folder_is_named() {
-        let error = write(Path::new("/nonexistent/folder/x"), b"").unwrap_err();
-        assert!(error.to_string().starts_with("/nonexistent/folder/x: cannot write"));
+    fn missing_folders_are_made_but_not_by_asking() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("some/folder/x");
+        check(&path).unwrap();
+        assert!(!dir.path().join("some").exists());
+        write(&path, b"there").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"there");
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_named_beforehand_in_the_same_words() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("file"), "").unwrap();
+        let below = dir.path().join("file/x");
+        let said = format!("{}: cannot write: Not a directory (os error 20)", below.display());
+        assert_eq!(check(&below).unwrap_err().to_string(), said);
+        assert!(
+            write(&below, b"")
+                .unwrap_err()
+                .to_string()
+                .starts_with(&format!("{}: cannot write: ", below.display()))
+        );
+        assert!(check(dir.path()).unwrap_err().to_string().contains("is a directory"));
     }
 }

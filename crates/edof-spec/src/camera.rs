@@ -2,7 +2,17 @@
 
 use crate::cfa::Channel;
 use serde::{Deserialize, Serialize};
+use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Most rings of a mask.
+const MOST_RINGS: usize = 64;
+/// Smallest F-number that there is in air.
+const FASTEST: f64 = 0.5;
+/// Least and most pixels that a wavelength times the F-number may be.
+const CUT_OFF_PIXELS: [f64; 2] = [0.125, 64.0];
+/// Most bytes of a camera file.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// Everything that decides how a point at a given depth falls on the sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,6 +50,25 @@ pub enum Spectrum {
     Line(f64),
     /// Pairs of wavelength and weight, wavelengths ascending; linear between them.
     Sampled(Vec<[f64; 2]>),
+}
+
+impl Spectrum {
+    /// Shortest and longest wavelength, nanometres.
+    fn ends(&self) -> Vec<f64> {
+        match self {
+            Self::Line(nm) => vec![*nm],
+            Self::Sampled(pairs) => {
+                [pairs.first(), pairs.last()].into_iter().flatten().map(|p| p[0]).collect()
+            }
+        }
+    }
+}
+
+/// The text of a file that is no camera if it is long, such as a device that never ends.
+fn read(path: &Path) -> std::io::Result<String> {
+    let mut text = String::new();
+    std::fs::File::open(path)?.take(MOST_BYTES).read_to_string(&mut text)?;
+    Ok(text)
 }
 
 /// Sign of the defocus phase in the pupil.
@@ -129,43 +158,20 @@ impl Delay {
 
 /// A camera that cannot be read, or could not be built.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CameraError {
     /// The file cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// The text is no camera.
     #[error("{origin}: not a camera: {source}")]
-    Parse {
-        /// File or preset.
-        origin: String,
-        /// What is wrong, with line and column.
-        source: serde_json::Error,
-    },
+    Parse { origin: String, source: serde_json::Error },
     /// A number is out of range.
     #[error("camera {camera}: {field} is {value}, expected {expected}")]
-    Value {
-        /// Its name.
-        camera: String,
-        /// The field.
-        field: &'static str,
-        /// What it says.
-        value: String,
-        /// What would have been right.
-        expected: &'static str,
-    },
+    Value { camera: String, field: &'static str, value: String, expected: &'static str },
     /// Neither a preset nor a file.
     #[error("camera '{name}': no such file, and not one of the presets {presets}")]
-    Unknown {
-        /// What was asked for.
-        name: String,
-        /// What there is.
-        presets: String,
-    },
+    Unknown { name: String, presets: String },
 }
 
 macro_rules! presets {
@@ -200,8 +206,7 @@ impl Camera {
                 presets: PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
             });
         }
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
+        let text = read(path).map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
         Self::from_json(&text, name_or_path)
     }
 
@@ -220,6 +225,18 @@ impl Camera {
     #[must_use]
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// Whether a network for one serves the other, too: names, sources and ranges may differ, lens, mask and sensor may not.
+    #[must_use]
+    pub fn same_lens(&self, other: &Self) -> bool {
+        let renamed = Self {
+            name: other.name.clone(),
+            source: other.source.clone(),
+            psi_range: other.psi_range,
+            ..self.clone()
+        };
+        renamed == *other
     }
 
     /// Focal length over aperture diameter.
@@ -272,6 +289,10 @@ impl Camera {
                 return refuse("spectra", format!("{spectrum:?}"), expected);
             }
         }
+        self.check_sampling()?;
+        if self.rings.len() > MOST_RINGS {
+            return refuse("rings", format!("{} of them", self.rings.len()), "64 at most");
+        }
         for ring in &self.rings {
             if !(0.0 <= ring.inner && ring.inner < ring.outer && ring.outer <= 1.0) {
                 return refuse("rings", format!("{}..{}", ring.inner, ring.outer), "0 <= inner < outer <= 1");
@@ -285,6 +306,32 @@ impl Camera {
             if !finite {
                 return refuse("rings", format!("{:?}", ring.delay), "finite numbers, a positive wavelength");
             }
+        }
+        Ok(())
+    }
+
+    /// Whether pixels and the lens's cut-off suit each other: a grid that holds both must be neither endless nor too coarse for
+    /// the pupil.
+    fn check_sampling(&self) -> Result<(), CameraError> {
+        let refuse = |field, value: f64, expected| {
+            let value = value.to_string();
+            Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
+        };
+        if self.f_number() < FASTEST {
+            return refuse("aperture_radius_mm", self.aperture_radius_mm, "at most the focal length (F/0.5)");
+        }
+        // λF# in pixels, the reciprocal of the cut-off in cycles a pixel.
+        let pixels = |nm: f64| nm * 1e-3 * self.f_number() / self.pixel_pitch_um;
+        let ends = self.spectra.iter().flat_map(Spectrum::ends).map(pixels);
+        let (least, most) = ends.fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p), b.max(p)));
+        let [finest, coarsest] = CUT_OFF_PIXELS;
+        if least < finest {
+            let expected = "at most 8 wavelengths times the F-number, or the lens's cut-off is far above what pixels see";
+            return refuse("pixel_pitch_um", self.pixel_pitch_um, expected);
+        }
+        if most > coarsest {
+            let expected = "at least 1/64 of a wavelength times the F-number, or a point is a blur of hundreds of pixels";
+            return refuse("pixel_pitch_um", self.pixel_pitch_um, expected);
         }
         Ok(())
     }
@@ -315,6 +362,20 @@ mod tests {
         camera.rings[0].outer = 1.2;
         let error = Camera::from_json(&camera.to_json(), "file").unwrap_err().to_string();
         assert_eq!(error, "camera ring-2018: rings is 0.68..1.2, expected 0 <= inner < outer <= 1");
+    }
+
+    #[test]
+    fn a_lens_and_pixels_that_no_grid_holds_are_refused() {
+        let refused = |change: fn(&mut Camera)| {
+            let mut camera = Camera::resolve("ring-2018").unwrap();
+            change(&mut camera);
+            camera.check().unwrap_err().to_string()
+        };
+        assert!(refused(|c| c.aperture_radius_mm = 1e9).contains("aperture_radius_mm is 1000000000"));
+        assert!(refused(|c| c.aperture_radius_mm = 1e-9).contains("at least 1/64 of a wavelength"));
+        assert!(refused(|c| c.pixel_pitch_um = 1e9).contains("at most 8 wavelengths"));
+        assert!(refused(|c| c.pixel_pitch_um = 1e-9).contains("at least 1/64 of a wavelength"));
+        assert!(refused(|c| c.rings = vec![c.rings[0]; 65]).contains("65 of them, expected 64 at most"));
     }
 
     #[test]

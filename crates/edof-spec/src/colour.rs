@@ -5,7 +5,7 @@
 
 use crate::frame::{ColourFrame, Frame422};
 use crate::geometry::{PATCH, PATCH_PIXELS};
-use crate::number::{OUTPUT_FRACTION, saturate};
+use crate::number::{CHROMA_GAIN, OUTPUT_FRACTION, saturate};
 use ndarray::{Array1, Array2, Array3};
 
 /// Numbers in an RGB patch.
@@ -14,10 +14,6 @@ pub const RGB_OUTPUTS: usize = 3 * PATCH_PIXELS;
 pub const OUTPUTS_422: usize = 2 * PATCH_PIXELS;
 /// BT.709 luma weights of red, green and blue.
 pub const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
-/// Chroma codes for a colour difference of 1 (BT.709, studio range).
-pub const CHROMA_CODES: f64 = 224.0;
-/// Chroma code of grey.
-pub const CHROMA_ZERO: i32 = 128;
 
 /// Rows: luma, Cb, Cr (each −0.5…0.5); columns: red, green, blue.
 #[must_use]
@@ -69,7 +65,7 @@ pub fn rgb_from_422(frame: &Frame422) -> ColourFrame {
     let (height, width) = frame.luma.dim();
     let mut planes = Array3::zeros((3, height, width));
     let chroma = |plane: usize, row: usize, site: usize| {
-        f64::from(i32::from(frame.chroma[plane][(row, site)]) - CHROMA_ZERO) / CHROMA_CODES
+        f64::from(frame.chroma[plane][(row, site)]) / (CHROMA_GAIN * f64::from(1 << OUTPUT_FRACTION))
     };
     for row in 0..height {
         for column in 0..width {
@@ -91,13 +87,13 @@ pub fn luma_word(luma: f64) -> i16 {
     saturate((luma * f64::from(1 << OUTPUT_FRACTION) + 0.5).floor() as i64, 16).0
 }
 
-/// The 8-bit chroma code for a colour difference of −0.5…0.5; codes 0 and 255 mark syncs and are never used.
+/// The chroma word for a colour difference of −0.5…0.5.
 #[must_use]
-pub fn chroma_code(difference: f64) -> u8 {
-    ((difference * CHROMA_CODES + 0.5).floor() as i32 + CHROMA_ZERO).clamp(1, 254) as u8
+pub fn chroma_word(difference: f64) -> i16 {
+    luma_word(CHROMA_GAIN * difference)
 }
 
-/// sRGB's transfer curve: display code (0…1) for linear light (0…1).
+/// sRGB's transfer curve: encoded light (0…1) for linear light (0…1).
 #[must_use]
 pub fn srgb_encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
@@ -128,15 +124,17 @@ mod tests {
     }
 
     #[test]
-    fn an_even_colour_survives_a_422_frame_to_half_a_code() {
+    fn an_even_colour_survives_a_422_frame_to_a_word() {
         let (y, cb, cr) = (0.4, 0.11, -0.07);
         let frame = Frame422 {
             luma: Array2::from_elem((8, 8), luma_word(y)),
-            chroma: [cb, cr].map(|c| Array2::from_elem((8, 4), chroma_code(c))),
+            chroma: [cb, cr].map(|c| Array2::from_elem((8, 4), chroma_word(c))),
         };
         let rgb = rgb_from_422(&frame);
         for (plane, exact) in rgb_from_ycbcr(y, cb, cr).into_iter().enumerate() {
-            assert!((f64::from(rgb.planes[(plane, 3, 5)]) - exact).abs() < 2.0 / CHROMA_CODES);
+            assert!(
+                (f64::from(rgb.planes[(plane, 3, 5)]) - exact).abs() < 2.0 / f64::from(1 << OUTPUT_FRACTION)
+            );
         }
     }
 

@@ -7,16 +7,22 @@
 //!         difference: base = b_t, v = saturate(z_t − z_{t−1}), z_0 = 0
 //! F   acc = (Σ D·z_{T−1} << shift_D) + (Σ R·y << shift_R)      out = requantize(acc, shift_F)
 //! ```
-//! All codes b_t, z_t have `code_bits` bits and their own fraction bits; outputs have 16 bits and
+//! All pre-activations b_t and sparse codes z_t have `code_bits` bits and their own fraction bits; outputs have 16 bits and
 //! [`OUTPUT_FRACTION`]. All shifts follow from the fraction bits and are computed here only.
 
 use crate::colour::OUTPUTS_422;
 use crate::geometry::Stride;
-use crate::network::{Form, NetworkError, Origin, Recurrence, Shrinkage, check_count, check_shape};
+use crate::network::{
+    Condition, Form, NetworkError, Origin, Recurrence, Shrinkage, check_count, check_shape,
+};
 use crate::number::{ACCUMULATOR_BITS, INPUT_FRACTION, OUTPUT_FRACTION};
 use crate::overlap::Overlap;
+use crate::provenance::Provenance;
 use ndarray::{Array1, Array2};
 use serde::{Deserialize, Serialize};
+
+/// Most fraction bits of a weight or code: more than any accumulator could shift away.
+pub const MOST_FRACTION: u32 = 48;
 
 /// Integer weights and their count of fraction bits.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,7 +38,7 @@ pub struct FixedMatrix {
 pub struct FixedNetwork {
     /// Its form.
     pub form: Form,
-    /// Bits of every weight and code, 8…16.
+    /// Bits of every weight, pre-activation and sparse code, 8…16.
     pub code_bits: u32,
     /// Stride that F's averaging window is made for.
     pub stride: Stride,
@@ -52,8 +58,40 @@ pub struct FixedNetwork {
     pub code_fractions: Vec<u32>,
     /// How the float network came to be.
     pub origin: Origin,
-    /// SHA-256 of the float network's weight file, as hexadecimal digits.
+    /// Hash that the float network's weight file states, as hexadecimal digits.
     pub float_hash: String,
+    /// How its formats were chosen; none for networks that were drawn.
+    pub quantized: Option<Quantized>,
+}
+
+/// How the formats of a fixed network were chosen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Quantized {
+    /// Codes hold so many times what calibration saw.
+    pub headroom: f64,
+    /// What calibration saw.
+    pub calibration: CalibratedOn,
+    /// Steps of fine-tuning with the rounded words.
+    pub finetune_steps: u64,
+    /// The program, command and inputs (the float weights, every picture by content) that made the integers.
+    pub provenance: Provenance,
+}
+
+/// The raw windows that ranges were measured on: those of every picture at every ψ and condition.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedOn {
+    /// Pixels from one window to the next; windows of larger strides are among these.
+    pub stride: Stride,
+    /// Windows seen.
+    pub windows: u64,
+    /// Defocus.
+    pub psis: Vec<f64>,
+    /// Tones and noises.
+    pub conditions: Vec<Condition>,
+    /// Bits of the sensor.
+    pub depth: u32,
 }
 
 /// Shifts of an M layer.
@@ -78,40 +116,27 @@ pub struct FinalShifts {
 
 /// Integers that are no network the board can run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FixedNetworkError {
     /// Matrices that do not fit the form.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// Code width out of range.
+    /// Bits of weights and sparse codes out of range.
     #[error("code_bits {0}: must be 8 to 16")]
     CodeBits(u32),
-    /// A value is wider than the codes.
+    /// A word is wider than the stated bits.
     #[error("{what}: holds {value}, which {bits} bits cannot hold")]
-    TooWide {
-        /// Which matrix or vector.
-        what: &'static str,
-        /// The value.
-        value: i16,
-        /// The width stated.
-        bits: u32,
-    },
+    TooWide { what: &'static str, value: i16, bits: u32 },
+    /// Fraction bits that no format of this program has.
+    #[error("{what}: {fraction} fraction bits, must be 0 to {MOST_FRACTION}")]
+    Fraction { what: &'static str, fraction: u32 },
     /// Fraction bits that would need a negative shift.
     #[error("{what}: fraction bits need a shift of {shift}, it must be 0 to 47")]
-    Shift {
-        /// Which shift.
-        what: &'static str,
-        /// What it would be.
-        shift: i64,
-    },
+    Shift { what: &'static str, shift: i64 },
     /// Some input could overflow the 48-bit accumulator.
     #[error("{what}: accumulators may need {bits} bits, {ACCUMULATOR_BITS} are there")]
-    Overflow {
-        /// Which layer.
-        what: &'static str,
-        /// Worst case.
-        bits: u32,
-    },
-    /// The difference form keeps one format for all codes.
+    Overflow { what: &'static str, bits: u32 },
+    /// The difference form keeps one format for all sparse codes.
     #[error("code_fractions: differ from layer to layer, the difference form needs them equal")]
     UnequalFractions,
     /// Two-sided thresholds cannot be negative.
@@ -153,7 +178,7 @@ impl FixedNetwork {
         &self.recurrent[self.form.recurrent_index(layer)]
     }
 
-    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any codes), sign included:
+    /// Bits that the accumulators of each layer need for the worst input there is (any raw window, any sparse codes), sign included:
     /// I, then every M, then F. The bound includes rounding and every partial sum.
     #[must_use]
     pub fn accumulator_bits(&self) -> Vec<u32> {
@@ -189,6 +214,7 @@ impl FixedNetwork {
             return Err(FixedNetworkError::CodeBits(self.code_bits));
         }
         self.check_shapes()?;
+        self.check_fractions()?;
         self.check_widths()?;
         if form.recurrence == Recurrence::Difference
             && self.code_fractions.windows(2).any(|pair| pair[0] != pair[1])
@@ -222,6 +248,19 @@ impl FixedNetwork {
         self.linear_path
             .as_ref()
             .map_or(Ok(()), |r| check_shape("linear_path", r.weights.dim(), (OUTPUTS_422, pixels)))
+    }
+
+    /// Sums of fraction bits, and so shifts, are in range of their type only once this holds.
+    fn check_fractions(&self) -> Result<(), FixedNetworkError> {
+        let legal = |what, fraction: u32| match fraction {
+            0..=MOST_FRACTION => Ok(()),
+            _ => Err(FixedNetworkError::Fraction { what, fraction }),
+        };
+        legal("analysis", self.analysis.fraction)?;
+        self.recurrent.iter().try_for_each(|s| legal("recurrent", s.fraction))?;
+        legal("dictionary", self.dictionary.fraction)?;
+        self.linear_path.iter().try_for_each(|r| legal("linear_path", r.fraction))?;
+        self.code_fractions.iter().try_for_each(|f| legal("code_fractions", *f))
     }
 
     fn check_widths(&self) -> Result<(), FixedNetworkError> {

@@ -14,6 +14,7 @@ pub struct RawFrame {
 
 /// A frame that is no raw frame.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FrameError {
     /// Sides that hold no whole Bayer cells.
     #[error(transparent)]
@@ -23,37 +24,28 @@ pub enum FrameError {
     Depth(u32),
     /// A word is larger than its depth allows.
     #[error("pixel at row {row}, column {column} is {value}, more than {depth} bits can hold")]
-    Value {
-        /// Row of the first such pixel.
-        row: usize,
-        /// Its column.
-        column: usize,
-        /// Its value.
-        value: u16,
-        /// The depth that was stated.
-        depth: u32,
-    },
+    Value { row: usize, column: usize, value: u16, depth: u32 },
 }
 
 impl RawFrame {
-    /// A frame of codes 0…2^depth − 1, as sensors and files give them.
+    /// A frame of sensor values 0…2^depth − 1, as sensors and files give them.
     ///
     /// # Errors
-    /// [`FrameError`] for odd sides, a depth outside 8…16 or a code that does not fit the depth.
-    pub fn from_codes(codes: Array2<u16>, depth: u32, phase: CfaPhase) -> Result<Self, FrameError> {
+    /// [`FrameError`] for odd sides, a depth outside 8…16 or a value that does not fit the depth.
+    pub fn from_values(values: Array2<u16>, depth: u32, phase: CfaPhase) -> Result<Self, FrameError> {
         if !(8..=16).contains(&depth) {
             return Err(FrameError::Depth(depth));
         }
-        let (height, width) = codes.dim();
+        let (height, width) = values.dim();
         if height % 2 != 0 || width % 2 != 0 || height == 0 || width == 0 {
             return Err(GeometryError::OddFrame { height, width }.into());
         }
         if let Some(((row, column), &value)) =
-            codes.indexed_iter().find(|(_, v)| u32::from(**v) >> depth != 0)
+            values.indexed_iter().find(|(_, v)| u32::from(**v) >> depth != 0)
         {
             return Err(FrameError::Value { row, column, value, depth });
         }
-        Ok(Self { pixels: codes.mapv_into(|v| v << (16 - depth)), depth, phase })
+        Ok(Self { pixels: values.mapv_into(|v| v << (16 - depth)), depth, phase })
     }
 
     /// Words aligned to the top of 16 bits, rows × columns.
@@ -62,9 +54,9 @@ impl RawFrame {
         &self.pixels
     }
 
-    /// Codes 0…2^depth − 1, as [`RawFrame::from_codes`] takes them.
+    /// Sensor values 0…2^depth − 1, as [`RawFrame::from_values`] takes them.
     #[must_use]
-    pub fn codes(&self) -> Array2<u16> {
+    pub fn values(&self) -> Array2<u16> {
         self.pixels.mapv(|v| v >> (16 - self.depth))
     }
 
@@ -129,13 +121,13 @@ impl ColourFrame {
     }
 }
 
-/// The board's picture before gamma: 16-bit linear luma and 8-bit chroma at half the columns, co-sited with the even ones.
+/// The board's picture before the display step: 16-bit linear luma, and 16-bit chroma at half the columns, co-sited with the even ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame422 {
     /// Luma, signed with [`crate::number::OUTPUT_FRACTION`] fraction bits; rows × columns.
     pub luma: Array2<i16>,
-    /// Cb and Cr codes, 128 = none, 224 codes for the full range; rows × columns/2 each.
-    pub chroma: [Array2<u8>; 2],
+    /// Cb and Cr words, 0 = none, as many fraction bits and the gain [`crate::number::CHROMA_GAIN`]; rows × columns/2 each.
+    pub chroma: [Array2<i16>; 2],
 }
 
 #[cfg(test)]
@@ -147,16 +139,16 @@ mod tests {
     }
 
     #[test]
-    fn codes_are_aligned_to_the_top_and_come_back() {
-        let frame = RawFrame::from_codes(ramp(4, 6), 12, CfaPhase::Rggb).unwrap();
+    fn values_are_aligned_to_the_top_and_come_back() {
+        let frame = RawFrame::from_values(ramp(4, 6), 12, CfaPhase::Rggb).unwrap();
         assert_eq!(frame.pixels()[(0, 1)], 16);
-        assert_eq!(frame.codes(), ramp(4, 6));
+        assert_eq!(frame.values(), ramp(4, 6));
     }
 
     #[test]
     fn every_phase_becomes_red_first_and_keeps_its_colours() {
         for phase in CfaPhase::ALL {
-            let frame = RawFrame::from_codes(ramp(4, 6), 16, phase).unwrap();
+            let frame = RawFrame::from_values(ramp(4, 6), 16, phase).unwrap();
             let (aligned, (dr, dc)) = frame.to_rggb();
             assert_eq!(aligned.size(), (4 + 2 * dr, 6 + 2 * dc));
             for ((r, c), &v) in frame.pixels().indexed_iter() {
@@ -172,7 +164,7 @@ mod tests {
 
     #[test]
     fn wrong_depths_sides_and_values_are_refused() {
-        let refused = |h, w, depth| RawFrame::from_codes(ramp(h, w), depth, CfaPhase::Rggb).unwrap_err();
+        let refused = |h, w, depth| RawFrame::from_values(ramp(h, w), depth, CfaPhase::Rggb).unwrap_err();
         assert_eq!(refused(4, 4, 7).to_string(), "bit depth 7: must be 8 to 16");
         assert!(refused(3, 4, 8).to_string().contains("4x3"));
         assert_eq!(

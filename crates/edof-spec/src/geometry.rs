@@ -13,6 +13,7 @@ pub const PATCH_PIXELS: usize = PATCH * PATCH;
 
 /// A window, stride or frame that the system cannot work with.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum GeometryError {
     /// Not one of the supported windows.
     #[error("window {0}: must be 8, 12 or 16")]
@@ -22,24 +23,10 @@ pub enum GeometryError {
     Stride(usize),
     /// A Bayer frame has whole 2×2 cells.
     #[error("frame {width}x{height}: both sides must be even, so that it holds whole 2x2 Bayer cells")]
-    OddFrame {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-    },
+    OddFrame { height: usize, width: usize },
     /// Mirroring needs at least one window of pixels.
     #[error("frame {width}x{height}: both sides must be at least {least} pixels for a window of {window}")]
-    SmallFrame {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-        /// The smallest side allowed.
-        least: usize,
-        /// The window asked for.
-        window: usize,
-    },
+    SmallFrame { height: usize, width: usize, least: usize, window: usize },
 }
 
 /// Side w of the raw window that a network sees: 8, 12 or 16 pixels.
@@ -98,6 +85,8 @@ pub struct Stride(usize);
 impl Stride {
     /// Patches side by side, no overlap.
     pub const PATCH: Self = Self(PATCH);
+    /// The smallest: the windows and patches of every other stride are among its own.
+    pub const FINEST: Self = Self(2);
 
     /// # Errors
     /// [`GeometryError::Stride`] for any step but 2, 4 and 8.
@@ -170,9 +159,13 @@ impl Geometry {
         PATCH + self.window.margin()
     }
 
+    /// Whether a raw frame of these rows and columns can be reconstructed. Asked of the frame as the sensor gives it, before it is
+    /// made red-first ([`crate::RawFrame::to_rggb`]), so that the answer is the same for all CFA phases and names a size that the
+    /// user knows.
+    ///
     /// # Errors
     /// [`GeometryError::OddFrame`] or [`GeometryError::SmallFrame`].
-    pub const fn check_frame(self, height: usize, width: usize) -> Result<(), GeometryError> {
+    pub const fn check_frame(self, (height, width): (usize, usize)) -> Result<(), GeometryError> {
         if !height.is_multiple_of(2) || !width.is_multiple_of(2) {
             return Err(GeometryError::OddFrame { height, width });
         }
@@ -218,9 +211,9 @@ mod tests {
     #[test]
     fn an_odd_or_small_frame_is_refused() {
         let g = Geometry::new(Window(12), Stride(8));
-        assert!(matches!(g.check_frame(31, 40), Err(GeometryError::OddFrame { .. })));
-        assert!(matches!(g.check_frame(8, 40), Err(GeometryError::SmallFrame { .. })));
-        assert_eq!(g.check_frame(1080, 1920), Ok(()));
+        assert!(matches!(g.check_frame((31, 40)), Err(GeometryError::OddFrame { .. })));
+        assert!(matches!(g.check_frame((8, 40)), Err(GeometryError::SmallFrame { .. })));
+        assert_eq!(g.check_frame((1080, 1920)), Ok(()));
     }
 
     proptest! {
@@ -244,7 +237,7 @@ mod tests {
         ) {
             let length = 2 * half;
             let g = Geometry::new(Window(side), Stride(step));
-            prop_assume!(g.check_frame(length, length).is_ok());
+            prop_assume!(g.check_frame((length, length)).is_ok());
             for i in 0..g.patches(length, length).0 {
                 for offset in 0..side as isize {
                     let at = g.window_start(i) + offset;

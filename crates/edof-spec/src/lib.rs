@@ -6,6 +6,7 @@
 //! | raw frames, colour frames, 4:2:2 frames, mirrored borders | [`frame`] |
 //! | windows, strides, where patches lie | [`geometry`] |
 //! | BT.709 Y′CbCr and the 4:2:2 sites of a patch | [`colour`] |
+//! | how the board's words become 8-bit Y′CbCr codes | [`display`] |
 //! | the averaging window of overlapping patches | [`overlap`] |
 //! | lens, mask and sensor, and their files | [`camera`] |
 //! | light and its sRGB encoding | [`tone`] |
@@ -15,7 +16,9 @@
 //! | the integer network, its shifts and thresholds | [`fixed_network`] |
 //! | the file both kinds of network live in | [`weight_file`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
+//! | how a result came to be | [`provenance`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
+//! | the generator of everything drawn for trials | [`draw`] |
 //! | files that appear whole or not at all | [`atomic`] |
 //!
 //! ```
@@ -30,6 +33,8 @@ pub mod camera;
 pub mod cfa;
 pub mod colour;
 pub mod design;
+pub mod display;
+pub mod draw;
 pub mod fixed_network;
 pub mod frame;
 pub mod geometry;
@@ -37,6 +42,7 @@ pub mod network;
 pub mod noise;
 pub mod number;
 pub mod overlap;
+pub mod provenance;
 pub mod reconstructor;
 pub mod tone;
 pub mod weight_file;
@@ -44,6 +50,7 @@ pub mod weight_file;
 pub use camera::Camera;
 pub use cfa::{CfaPhase, Channel};
 pub use design::Design;
+pub use display::DisplayMode;
 pub use fixed_network::FixedNetwork;
 pub use frame::{ColourFrame, Frame422, RawFrame};
 pub use geometry::{Geometry, Stride, Window};

@@ -11,6 +11,9 @@
 use crate::camera::Camera;
 use crate::colour::RGB_OUTPUTS;
 use crate::geometry::Window;
+use crate::noise::Noise;
+use crate::provenance::Provenance;
+use crate::tone::Tone;
 use ndarray::{Array1, Array2};
 use serde::{Deserialize, Serialize};
 
@@ -56,45 +59,23 @@ pub struct Form {
 
 /// A form that no network has, or matrices that do not fit their form.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NetworkError {
     /// T out of range.
     #[error("layers {0}: must be 2 to 10")]
     Layers(usize),
-    /// Code length out of range.
+    /// Length of the sparse code out of range.
     #[error("codes {0}: must be 1 to 1024")]
     Codes(usize),
     /// Wrong number of matrices or thresholds.
     #[error("{what}: {found} given, this form has {expected}")]
-    Count {
-        /// Which.
-        what: &'static str,
-        /// How many there are.
-        found: usize,
-        /// How many there should be.
-        expected: usize,
-    },
+    Count { what: &'static str, found: usize, expected: usize },
     /// A matrix of the wrong shape.
     #[error("{what}: {rows}x{columns}, this form needs {expected_rows}x{expected_columns}")]
-    Shape {
-        /// Which.
-        what: &'static str,
-        /// Rows found.
-        rows: usize,
-        /// Columns found.
-        columns: usize,
-        /// Rows needed.
-        expected_rows: usize,
-        /// Columns needed.
-        expected_columns: usize,
-    },
+    Shape { what: &'static str, rows: usize, columns: usize, expected_rows: usize, expected_columns: usize },
     /// NaN or infinity.
     #[error("{what}: holds {value}, every weight must be a finite number")]
-    NotFinite {
-        /// Which.
-        what: &'static str,
-        /// The first such value.
-        value: f32,
-    },
+    NotFinite { what: &'static str, value: f32 },
     /// Two-sided thresholds cannot be negative.
     #[error("thresholds: holds {0}, two-sided shrinkage needs thresholds of 0 or more")]
     NegativeThreshold(f32),
@@ -111,6 +92,15 @@ impl Form {
             return Err(NetworkError::Codes(self.codes));
         }
         Ok(())
+    }
+
+    /// Multiplications that one window takes if every weight is multiplied, for an F of `outputs` rows (128 in the board's 4:2:2,
+    /// 192 in RGB): codes·pixels + (T − 2)·codes² + outputs·codes, + outputs·pixels where R is used.
+    #[must_use]
+    pub const fn dense_multiplications(&self, outputs: usize) -> u64 {
+        let linear = if self.linear_path { outputs * self.window.pixels() } else { 0 };
+        let middle = self.middle_layers() * self.codes * self.codes;
+        (self.codes * self.window.pixels() + middle + outputs * self.codes + linear) as u64
     }
 
     /// M layers: T − 2.
@@ -163,16 +153,58 @@ pub struct Network {
 pub struct Origin {
     /// Name, as in `edof-t4w12`.
     pub name: String,
-    /// Camera it was trained for.
+    /// Camera it was trained for; its `psi_range` is the range of depths.
     pub camera: Camera,
-    /// Noise it was trained for: largest σ, in units of full scale.
-    pub noise: f64,
-    /// The command that made it.
-    pub command: String,
+    /// Light and noise it was trained for: each tone convention, with the most noise of it.
+    pub conditions: Vec<Condition>,
     /// Patches seen.
     pub patches: u64,
     /// Mean PSNR in dB on validation patches held out of the training photos.
     pub validation_db: f64,
+    /// Mean count of non-zeros after each shrinkage, on validation patches; empty where it was not measured.
+    #[serde(default)]
+    pub non_zeros: Vec<f64>,
+    /// The program, command and inputs that made it.
+    pub provenance: Provenance,
+}
+
+/// One kind of light that a network was trained for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// What a photograph's numbers were taken for.
+    pub tone: Tone,
+    /// The most noise.
+    pub noise: Noise,
+}
+
+impl Origin {
+    /// The most noise of its first condition; none if it has no condition.
+    #[must_use]
+    pub fn most_noise(&self) -> Noise {
+        self.conditions.first().map_or(Noise::None, |condition| condition.noise)
+    }
+
+    /// The most Gaussian noise of its conditions: σ in units of full scale, 0 where none has any.
+    #[must_use]
+    pub fn most_sigma(&self) -> f64 {
+        let sigma = |c: &Condition| if let Noise::Gaussian { sigma } = c.noise { sigma } else { 0.0 };
+        self.conditions.iter().map(sigma).fold(0.0, f64::max)
+    }
+
+    /// Of a network that nobody trained: drawn or written by hand, for linear light without noise.
+    #[must_use]
+    pub fn untrained(name: &str, camera: Camera) -> Self {
+        Self {
+            name: name.to_owned(),
+            camera,
+            conditions: vec![Condition { tone: Tone::Linear, noise: Noise::None }],
+            patches: 0,
+            validation_db: 0.0,
+            non_zeros: vec![],
+            provenance: Provenance::default(),
+        }
+    }
 }
 
 impl Network {

@@ -46,6 +46,7 @@ impl Default for SensorNoise {
 
 /// Noise that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NoiseError {
     /// A text of another form.
     #[error(
@@ -55,14 +56,7 @@ pub enum NoiseError {
     Text(String),
     /// A number out of range.
     #[error("noise: {field} is {value}, expected {expected}")]
-    Value {
-        /// Which.
-        field: &'static str,
-        /// What it was.
-        value: f64,
-        /// What would have been right.
-        expected: &'static str,
-    },
+    Value { field: &'static str, value: f64, expected: &'static str },
 }
 
 /// Most electrons that a full well or a read-out may have: far beyond any pixel.

@@ -1,15 +1,14 @@
 //! Fixed-point words: the board's number formats and the one way they are rounded.
 //!
 //! All vectors and weights are `i16` with a count of fraction bits that their layer states; sums are `i48` (kept in `i64`).
-
-use fixed::types::I1F15;
+//! The counts are data, chosen for each layer when a network is quantized and read from its file, so no type can carry them.
 
 /// Fraction bits of a raw pixel once it is a network input (Q0.15).
 pub const INPUT_FRACTION: u32 = 15;
 /// Fraction bits of F's outputs: luma in units of 2^−14, chroma in units of 2^−14/[`CHROMA_GAIN`].
 pub const OUTPUT_FRACTION: u32 = 14;
 /// Chroma rows of F carry this factor, so that 7 fraction bits of an output word stand below one 8-bit chroma code
-/// (224 codes for the full range: 224·2^7 = 1.75·2^14).
+/// (224 chroma codes for the full range: 224·2^7 = 1.75·2^14).
 pub const CHROMA_GAIN: f64 = 1.75;
 /// Bits of a chroma output word below its 8-bit code.
 pub const CHROMA_SHIFT: u32 = 7;
@@ -19,11 +18,12 @@ pub const ACCUMULATOR_BITS: u32 = 48;
 /// The network's input for a raw pixel: `pixel >> 1` as Q0.15 (network.md, "Numbers").
 ///
 /// ```
-/// assert_eq!(edof_spec::number::input_word(0x8000).to_num::<f32>(), 0.5);
+/// use edof_spec::number::{INPUT_FRACTION, input_word};
+/// assert_eq!(f64::from(input_word(0x8000)) / f64::from(1 << INPUT_FRACTION), 0.5);
 /// ```
 #[must_use]
-pub const fn input_word(pixel: u16) -> I1F15 {
-    I1F15::from_bits((pixel >> 1) as i16)
+pub const fn input_word(pixel: u16) -> i16 {
+    (pixel >> 1) as i16
 }
 
 /// `(acc + 2^(shift−1)) >> shift`, ties toward +∞, saturated to `bits` bits. The rounding of every stage. The second value

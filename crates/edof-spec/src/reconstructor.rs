@@ -2,6 +2,7 @@
 
 use crate::frame::{ColourFrame, RawFrame};
 use crate::geometry::GeometryError;
+use serde::Serialize;
 
 /// What a method made of a raw frame, and what it cost.
 #[derive(Debug, Clone)]
@@ -10,24 +11,42 @@ pub struct Reconstruction {
     pub frame: ColourFrame,
     /// Wall-clock seconds, without reading and writing files.
     pub seconds: f64,
-    /// Multiply-accumulates that were carried out, where the method counts them.
-    pub multiply_accumulates: Option<u64>,
+    /// Multiplications that it took, where the method counts them.
+    pub multiplications: Option<Multiplications>,
+    /// What the method's counters say, where it has some.
+    pub counters: Option<Counters>,
+}
+
+/// Counters of a fixed-point network for a whole frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Counters {
+    /// Patches reconstructed.
+    pub patches: u64,
+    /// Words that were not zero after each shrinkage, all patches together.
+    pub nonzeros: Vec<u64>,
+    /// Words of all stages and overlap sums that did not fit.
+    pub saturations: u64,
+}
+
+/// Multiplications of a weight by a word or number, for a whole frame; each is added to a sum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Multiplications {
+    /// Those of a machine that multiplies every weight: patches × [`crate::network::Form::dense_multiplications`].
+    pub dense: u64,
+    /// Those that were carried out; fewer where zero sparse codes are skipped.
+    pub executed: u64,
 }
 
 /// A frame that a method cannot reconstruct.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum ReconstructError {
     /// Odd or too small.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
     /// Anything else, in one line.
     #[error("{method}: {reason}")]
-    Method {
-        /// Name of the method.
-        method: String,
-        /// What was wrong and what would have been right.
-        reason: String,
-    },
+    Method { method: String, reason: String },
 }
 
 /// A method that turns raw frames into colour frames.

@@ -1,11 +1,16 @@
-//! The file both kinds of network live in: safetensors, with one metadata entry `edof` that holds the form, the number
-//! formats, the origin and a SHA-256 of the tensors. The same network gives the same bytes.
+//! The file both kinds of network live in: safetensors, with one metadata entry `edof`, JSON that holds the form, the number
+//! formats, the origin and a SHA-256. The same network gives the same bytes.
+//!
+//! The hash covers all of it: the text of the entry `edof` with the 64 digits of `sha256` written as zeros, then of each tensor, by
+//! name, its name, type, shape and bytes (the first three as in `analysis F32 [192, 144]`).
 
 use crate::atomic::{self, WriteError};
-use crate::fixed_network::{FixedMatrix, FixedNetwork, FixedNetworkError};
+use crate::fixed_network::{FixedMatrix, FixedNetwork, FixedNetworkError, Quantized};
 use crate::geometry::Stride;
 use crate::network::{Form, Network, NetworkError, Origin};
+use crate::number::{CHROMA_GAIN, OUTPUT_FRACTION};
 use crate::overlap::Overlap;
+use crate::provenance::hexadecimal;
 use ndarray::{Array1, Array2};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
@@ -16,74 +21,38 @@ use std::path::{Path, PathBuf};
 /// Key of the metadata entry.
 const METADATA_KEY: &str = "edof";
 /// Version of the metadata's layout.
-const LAYOUT: u32 = 1;
+const LAYOUT: u32 = 2;
+/// What stands for the hash while it is taken.
+const NO_HASH: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// A weight file that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum WeightFileError {
     /// Cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// Truncated, or not safetensors at all.
     #[error("{path}: not a whole safetensors file: {reason}", path = path.display())]
-    Container {
-        /// The file.
-        path: PathBuf,
-        /// What the parser said.
-        reason: String,
-    },
+    Container { path: PathBuf, reason: String },
     /// Safetensors, but not ours.
     #[error("{path}: not an edof weight file: {reason}", path = path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What is missing or wrong.
-        reason: String,
-    },
+    Foreign { path: PathBuf, reason: String },
     /// A float file where a fixed one was expected, or the other way round.
     #[error("{path}: holds a {found} network, expected a {expected} one", path = path.display())]
-    Kind {
-        /// The file.
-        path: PathBuf,
-        /// Its kind.
-        found: &'static str,
-        /// The kind asked for.
-        expected: &'static str,
-    },
-    /// Tensors were changed after the file was made.
-    #[error("{path}: tensors have SHA-256 {found}, the file states {stated}", path = path.display())]
-    Hash {
-        /// The file.
-        path: PathBuf,
-        /// Hash of what is there.
-        found: String,
-        /// Hash in the metadata.
-        stated: String,
-    },
+    Kind { path: PathBuf, found: &'static str, expected: &'static str },
+    /// Changed after the file was made: a tensor, a format, or what it tells of its origin.
+    #[error("{path}: has SHA-256 {found}, it states {stated}: it was changed after it was made", path = path.display())]
+    Hash { path: PathBuf, found: String, stated: String },
     /// The float network does not fit its form.
     #[error("{path}: {source}", path = path.display())]
-    Network {
-        /// The file.
-        path: PathBuf,
-        /// What does not fit.
-        source: NetworkError,
-    },
+    Network { path: PathBuf, source: NetworkError },
     /// The fixed network cannot run.
     #[error("{path}: {source}", path = path.display())]
-    FixedNetwork {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        source: FixedNetworkError,
-    },
+    FixedNetwork { path: PathBuf, source: FixedNetworkError },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -101,14 +70,20 @@ struct FixedMetadata {
     code_bits: u32,
     stride: Stride,
     overlap: Overlap,
+    /// Fraction bits of b_t and z_t, t = 1…T−1.
     code_fractions: Vec<u32>,
-    weight_fractions: HashedFractions,
+    weight_fractions: WeightFractions,
+    /// Fraction bits of F's outputs, and what its chroma is multiplied by; the same for all networks.
+    output_fraction: u32,
+    chroma_gain: f64,
     float_sha256: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    quantized: Option<Quantized>,
 }
 
 /// Fraction bits of the matrices, in a fixed order.
 #[derive(Clone, Serialize, Deserialize)]
-struct HashedFractions {
+struct WeightFractions {
     analysis: u32,
     recurrent: Vec<u32>,
     dictionary: u32,
@@ -164,19 +139,12 @@ pub fn parse_network(bytes: Vec<u8>, path: &Path) -> Result<Network, WeightFileE
     Ok(network)
 }
 
-/// SHA-256 of a weight file's tensors, as hexadecimal digits; what [`FixedNetwork::float_hash`] holds.
+/// SHA-256 that a weight file at hand states (and has), as hexadecimal digits; what [`FixedNetwork::float_hash`] holds. `path` names
+/// it in errors.
 ///
 /// # Errors
 /// As [`load_network`].
-pub fn tensor_hash(path: &Path) -> Result<String, WeightFileError> {
-    parse_tensor_hash(read(path)?, path)
-}
-
-/// [`tensor_hash`] for bytes at hand; `path` names them in errors.
-///
-/// # Errors
-/// As [`load_network`].
-pub fn parse_tensor_hash(bytes: Vec<u8>, path: &Path) -> Result<String, WeightFileError> {
+pub fn parse_hash(bytes: Vec<u8>, path: &Path) -> Result<String, WeightFileError> {
     Ok(Loaded::parse(bytes, path)?.metadata.sha256)
 }
 
@@ -198,13 +166,16 @@ pub fn save_fixed(path: &Path, network: &FixedNetwork) -> Result<(), WeightFileE
         stride: network.stride,
         overlap: network.overlap,
         code_fractions: network.code_fractions.clone(),
-        weight_fractions: HashedFractions {
+        weight_fractions: WeightFractions {
             analysis: network.analysis.fraction,
             recurrent: network.recurrent.iter().map(|s| s.fraction).collect(),
             dictionary: network.dictionary.fraction,
             linear_path: network.linear_path.as_ref().map(|r| r.fraction),
         },
+        output_fraction: OUTPUT_FRACTION,
+        chroma_gain: CHROMA_GAIN,
         float_sha256: network.float_hash.clone(),
+        quantized: network.quantized.clone(),
     };
     save(path, tensors, network.form, network.origin.clone(), Some(fixed))
 }
@@ -226,6 +197,13 @@ pub fn parse_fixed(bytes: Vec<u8>, path: &Path) -> Result<FixedNetwork, WeightFi
     let Some(fixed) = file.metadata.fixed.clone() else {
         return Err(WeightFileError::Kind { path: path.to_owned(), found: "float", expected: "fixed" });
     };
+    if (fixed.output_fraction, fixed.chroma_gain) != (OUTPUT_FRACTION, CHROMA_GAIN) {
+        let reason = format!(
+            "its outputs have {} fraction bits and a chroma gain of {}, the board's {OUTPUT_FRACTION} and {CHROMA_GAIN}",
+            fixed.output_fraction, fixed.chroma_gain
+        );
+        return Err(WeightFileError::Foreign { path: path.to_owned(), reason });
+    }
     let form = file.metadata.form;
     form.check().map_err(|source| WeightFileError::Network { path: path.to_owned(), source })?;
     let fractions = fixed.weight_fractions;
@@ -249,6 +227,7 @@ pub fn parse_fixed(bytes: Vec<u8>, path: &Path) -> Result<FixedNetwork, WeightFi
         code_fractions: fixed.code_fractions,
         origin: file.metadata.origin.clone(),
         float_hash: fixed.float_sha256,
+        quantized: fixed.quantized,
     };
     network.check().map_err(|source| WeightFileError::FixedNetwork { path: path.to_owned(), source })?;
     Ok(network)
@@ -316,15 +295,17 @@ fn numbered<'a, V>(
     values.iter().enumerate().map(move |(i, v)| tensor(format!("{what}.{i}"), v))
 }
 
-fn hash<'a>(tensors: impl Iterator<Item = (&'a str, &'a [usize], &'a [u8])>) -> String {
+/// The hash of a file whose metadata entry is `text`, in which the hash itself is [`NO_HASH`].
+fn hash<'a>(text: &str, tensors: impl Iterator<Item = (&'a str, Dtype, &'a [usize], &'a [u8])>) -> String {
     let mut sorted: Vec<_> = tensors.collect();
     sorted.sort_unstable_by_key(|(name, ..)| *name);
     let mut digest = Sha256::new();
-    for (name, shape, bytes) in sorted {
-        digest.update(format!("{name}{shape:?}"));
+    digest.update(text);
+    for (name, dtype, shape, bytes) in sorted {
+        digest.update(format!("{name} {dtype:?} {shape:?}"));
         digest.update(bytes);
     }
-    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(digest.finalize().as_slice())
 }
 
 fn save(
@@ -335,9 +316,10 @@ fn save(
     fixed: Option<FixedMetadata>,
 ) -> Result<(), WeightFileError> {
     let container = |reason: String| WeightFileError::Container { path: path.to_owned(), reason };
-    let sha256 = hash(tensors.iter().map(|t| (t.name.as_str(), t.shape.as_slice(), t.bytes.as_slice())));
-    let metadata = Metadata { layout: LAYOUT, form, origin, fixed, sha256 };
-    let text = serde_json::to_string(&metadata).map_err(|e| container(e.to_string()))?;
+    let metadata = Metadata { layout: LAYOUT, form, origin, fixed, sha256: NO_HASH.to_owned() };
+    let blank = serde_json::to_string(&metadata).map_err(|e| container(e.to_string()))?;
+    let parts = tensors.iter().map(|t| (t.name.as_str(), t.dtype, t.shape.as_slice(), t.bytes.as_slice()));
+    let text = with_hash(&blank, NO_HASH, &hash(&blank, parts));
     let views = tensors
         .iter()
         .map(|t| Ok((t.name.as_str(), TensorView::new(t.dtype, t.shape.clone(), &t.bytes)?)))
@@ -346,6 +328,14 @@ fn save(
     let bytes = safetensors::serialize(views, Some(HashMap::from([(METADATA_KEY.to_owned(), text)])))
         .map_err(|e| container(e.to_string()))?;
     Ok(atomic::write(path, &bytes)?)
+}
+
+/// The metadata's text with another hash. It is the last field, so its digits' last occurrence is meant.
+fn with_hash(text: &str, old: &str, new: &str) -> String {
+    match text.rsplit_once(old) {
+        Some((before, after)) => [before, new, after].concat(),
+        None => text.to_owned(),
+    }
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, WeightFileError> {
@@ -379,7 +369,8 @@ impl Loaded {
         let found = {
             let tensors = SafeTensors::deserialize(&bytes).map_err(container)?;
             let views = tensors.tensors();
-            hash(views.iter().map(|(name, view)| (name.as_str(), view.shape(), view.data())))
+            let parts = views.iter().map(|(name, v)| (name.as_str(), v.dtype(), v.shape(), v.data()));
+            hash(&with_hash(text, &metadata.sha256, NO_HASH), parts)
         };
         if found != metadata.sha256 {
             return Err(WeightFileError::Hash { path: path.to_owned(), found, stated: metadata.sha256 });
@@ -430,8 +421,12 @@ impl Loaded {
 mod tests {
     use super::*;
     use crate::camera::Camera;
+    use crate::fixed_network::CalibratedOn;
     use crate::geometry::Window;
-    use crate::network::{Recurrence, Shrinkage};
+    use crate::network::{Condition, Recurrence, Shrinkage};
+    use crate::noise::Noise;
+    use crate::provenance::Provenance;
+    use crate::tone::Tone;
 
     fn small_network() -> Network {
         let form = Form {
@@ -451,14 +446,7 @@ mod tests {
             recurrent: vec![ramp(4, 4), ramp(4, 4)],
             dictionary: ramp(192, 4),
             linear_path: Some(ramp(192, 64)),
-            origin: Origin {
-                name: "small".into(),
-                camera: Camera::resolve("clear").unwrap(),
-                noise: 0.0,
-                command: "none".into(),
-                patches: 0,
-                validation_db: 0.0,
-            },
+            origin: Origin::untrained("small", Camera::resolve("clear").unwrap()),
         }
     }
 
@@ -480,13 +468,10 @@ mod tests {
         assert_eq!(std::fs::read(path).unwrap(), std::fs::read(again).unwrap());
     }
 
-    #[test]
-    fn a_fixed_network_comes_back() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("net.fixed.safetensors");
+    fn small_fixed() -> FixedNetwork {
         let float = small_network();
         let whole = |m: &Array2<f32>| FixedMatrix { weights: m.mapv(|v| v as i16), fraction: 12 };
-        let fixed = FixedNetwork {
+        FixedNetwork {
             form: float.form,
             code_bits: 16,
             stride: Stride::PATCH,
@@ -499,10 +484,91 @@ mod tests {
             code_fractions: vec![12, 11, 13],
             origin: float.origin,
             float_hash: "0".into(),
-        };
+            quantized: Some(Quantized {
+                headroom: 2.0,
+                calibration: CalibratedOn {
+                    stride: Stride::new(2).unwrap(),
+                    windows: 5,
+                    psis: vec![0.0, 0.1],
+                    conditions: vec![Condition { tone: Tone::Srgb, noise: Noise::sensor(2.0) }],
+                    depth: 12,
+                },
+                finetune_steps: 0,
+                provenance: Provenance { command: "edof quantize small".into(), ..Provenance::default() },
+            }),
+        }
+    }
+
+    #[test]
+    fn a_fixed_network_comes_back() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("net.fixed.safetensors");
+        let fixed = small_fixed();
         save_fixed(&path, &fixed).unwrap();
         assert_eq!(load_fixed(&path).unwrap(), fixed);
         assert!(matches!(load_network(&path), Err(WeightFileError::Kind { found: "fixed", .. })));
+    }
+
+    /// The metadata's text of a saved file, changed and put back at the same length.
+    fn with_metadata(path: &Path, change: impl Fn(&str) -> String) {
+        let bytes = std::fs::read(path).unwrap();
+        let header = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+        let text = String::from_utf8(bytes[8..8 + header].to_vec()).unwrap();
+        let changed = change(&text);
+        assert_ne!(changed, text);
+        let header = (changed.len() as u64).to_le_bytes();
+        std::fs::write(path, [&header[..], changed.as_bytes(), &bytes[8 + text.len()..]].concat()).unwrap();
+    }
+
+    #[test]
+    fn a_changed_word_of_the_metadata_is_noticed() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("net.fixed.safetensors");
+        let texts = [
+            ("edof quantize small", "edof quantize large"),
+            (r#"\"headroom\":2.0"#, r#"\"headroom\":3.0"#),
+            (r#"\"code_fractions\":[12,11,13]"#, r#"\"code_fractions\":[12,11,12]"#),
+            (r#"\"name\":\"small\""#, r#"\"name\":\"other\""#),
+            (r#"\"float_sha256\":\"0\""#, r#"\"float_sha256\":\"1\""#),
+        ];
+        for (old, new) in texts {
+            save_fixed(&path, &small_fixed()).unwrap();
+            with_metadata(&path, |text| text.replacen(old, new, 1));
+            assert!(matches!(load_fixed(&path), Err(WeightFileError::Hash { .. })), "{old}");
+        }
+    }
+
+    #[test]
+    fn outputs_in_another_format_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("net.fixed.safetensors");
+        let fixed = small_fixed();
+        save_fixed(&path, &fixed).unwrap();
+        let (hash, digits) = (parse_hash(std::fs::read(&path).unwrap(), &path).unwrap(), 64);
+        assert_eq!(hash.len(), digits);
+        // A file of another maker, whose hash is right.
+        with_metadata(&path, |text| {
+            text.replacen(r#"\"output_fraction\":14"#, r#"\"output_fraction\":13"#, 1)
+        });
+        let Err(WeightFileError::Hash { found, .. }) = load_fixed(&path) else { panic!("hash") };
+        with_metadata(&path, |text| text.replacen(&hash, &found, 1));
+        let error = load_fixed(&path).unwrap_err().to_string();
+        assert!(error.contains("its outputs have 13 fraction bits"), "{error}");
+    }
+
+    #[test]
+    fn fraction_bits_beyond_every_format_are_refused() {
+        for change in [
+            |n: &mut FixedNetwork| n.analysis.fraction = u32::MAX,
+            |n: &mut FixedNetwork| n.recurrent[1].fraction = u32::MAX - 3,
+            |n: &mut FixedNetwork| n.dictionary.fraction = 1 << 31,
+            |n: &mut FixedNetwork| n.code_fractions[2] = u32::MAX,
+            |n: &mut FixedNetwork| n.linear_path.as_mut().unwrap().fraction = 49,
+        ] {
+            let mut fixed = small_fixed();
+            change(&mut fixed);
+            assert!(matches!(fixed.check(), Err(FixedNetworkError::Fraction { .. })));
+        }
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! The paper's 2.5D experiment: one scene at four depths, through several lenses, before and after reconstruction.
+//!
+//! Drawn scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
-use crate::metrics::{BORDER, MetricError, Quality, decibel};
-use crate::picture::{Tone, png, sheet};
+use crate::metrics::{BORDER, MetricError, Quality, decibel, shown};
+use crate::picture::{png, sheet};
 use crate::report::{Figure, Report};
+use crate::tables::Table;
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, ColourFrame, Noise, ReconstructError, Reconstructor};
+use edof_spec::{Camera, ColourFrame, Noise, ReconstructError, Reconstruction, Reconstructor, Tone};
 use ndarray::Array2;
 use serde::Serialize;
 
@@ -31,15 +34,16 @@ pub struct Picture {
     pub treatment: String,
     /// Name of the method.
     pub method: String,
-    /// PSNR over the three colours, peak 1, border cropped.
-    pub psnr_db: f64,
-    /// Mean SSIM of the three colours.
-    pub ssim: f64,
-    /// PSNR where each depth is seen: pairs of ψ and dB.
+    /// Quality of the picture as it is looked at.
+    #[serde(flatten)]
+    pub picture: Quality,
+    /// Quality of the light; the same where light is what is measured.
+    pub light: Quality,
+    /// PSNR of the picture where each depth is seen: pairs of ψ and dB.
     pub psi_db: Vec<[f64; 2]>,
     /// Seconds that the method took.
     pub seconds: f64,
-    /// The picture.
+    /// The light that the method saw.
     #[serde(skip)]
     pub frame: ColourFrame,
 }
@@ -55,6 +59,8 @@ pub struct Demo {
     pub width: usize,
     /// Noise of the sensor.
     pub noise: Noise,
+    /// What is measured: light, or its encoding.
+    pub tone: Tone,
     /// Bits of the sensor.
     pub depth: u32,
     /// All pictures, lens by lens.
@@ -85,31 +91,54 @@ pub enum DemoError {
 ///
 /// # Errors
 /// [`DemoError`].
-pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>]) -> Result<Demo, DemoError> {
-    let truth = scene.sharp();
-    let depths = scene.psi_map();
+pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>], tone: Tone) -> Result<Demo, DemoError> {
+    let truth = Truth::of(scene, tone);
     let mut pictures = vec![];
     for lens in lenses {
         let raw = capture(scene, &lens.camera, sensor, &Approximation::default())?.raw;
         for (treatment, method) in &lens.methods {
-            let result = method.reconstruct(&raw)?;
-            let quality = Quality::of(&truth, &result.frame, BORDER)?;
-            pictures.push(Picture {
-                lens: lens.title.clone(),
-                camera: lens.camera.name.clone(),
-                treatment: treatment.clone(),
-                method: method.name().to_owned(),
-                psnr_db: quality.psnr_db,
-                ssim: quality.ssim,
-                psi_db: psnr_by_depth(&truth, &result.frame, &depths),
-                seconds: result.seconds,
-                frame: result.frame,
-            });
+            pictures.push(truth.judge(lens, treatment, method.name(), method.reconstruct(&raw)?)?);
         }
     }
-    let (height, width) = truth.size();
+    let ((height, width), scene) = (truth.light.size(), scene.name.clone());
     let (noise, depth) = (sensor.noise, sensor.depth);
-    Ok(Demo { scene: scene.name.clone(), height, width, noise, depth, pictures, truth })
+    Ok(Demo { scene, height, width, noise, tone, depth, pictures, truth: truth.light })
+}
+
+/// The scene without blur, as light and as it is looked at, and where each depth is seen.
+struct Truth {
+    light: ColourFrame,
+    shown: ColourFrame,
+    depths: Array2<f32>,
+    tone: Tone,
+}
+
+impl Truth {
+    fn of(scene: &Scene, tone: Tone) -> Self {
+        let light = scene.sharp();
+        Self { shown: shown(&light, tone), light, depths: scene.psi_map(), tone }
+    }
+
+    fn judge(
+        &self,
+        lens: &Lens<'_>,
+        treatment: &str,
+        method: &str,
+        result: Reconstruction,
+    ) -> Result<Picture, MetricError> {
+        let picture = shown(&result.frame, self.tone);
+        Ok(Picture {
+            lens: lens.title.clone(),
+            camera: lens.camera.name.clone(),
+            treatment: treatment.to_owned(),
+            method: method.to_owned(),
+            picture: Quality::of(&self.shown, &picture, BORDER)?,
+            light: Quality::of(&self.light, &result.frame, BORDER)?,
+            psi_db: psnr_by_depth(&self.shown, &picture, &self.depths),
+            seconds: result.seconds,
+            frame: result.frame,
+        })
+    }
 }
 
 /// PSNR over the pixels of each depth inside the border, ψ ascending.
@@ -138,29 +167,13 @@ fn psnr_by_depth(truth: &ColourFrame, estimate: &ColourFrame, depths: &Array2<f3
 }
 
 impl Demo {
-    /// PSNRs for a terminal.
+    /// PSNRs for a terminal: of the picture, and of its light where that is measured beside it.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let mut lines = vec![];
-        let name = |p: &Picture| format!("{}, {}", p.lens, p.treatment);
-        let width = self.pictures.iter().map(|p| name(p).chars().count()).max().unwrap_or(0);
-        let header: String =
-            self.psis().iter().map(|psi| format!("  {:>8}", format!("psi {psi:.1}"))).collect();
-        lines.push(format!("{:width$}  {:>8}{header}  {:>6}  {:>8}", "PSNR in dB", "all", "SSIM", "seconds"));
-        for p in &self.pictures {
-            let depths: String = p.psi_db.iter().map(|d| format!("  {:>8.2}", d[1])).collect();
-            lines.push(format!(
-                "{:width$}  {:>8.2}{depths}  {:>6.4}  {:>8.3}",
-                name(p),
-                p.psnr_db,
-                p.ssim,
-                p.seconds
-            ));
-        }
-        lines.join("\n")
+        self.table().to_text().trim_end().to_owned()
     }
 
-    /// The scene and all pictures in one, three in a row, in the order of [`Demo::pictures`].
+    /// The scene's light and that of all pictures in one, three in a row, in the order of [`Demo::pictures`].
     #[must_use]
     pub fn overview(&self) -> ColourFrame {
         let all: Vec<&ColourFrame> =
@@ -174,26 +187,29 @@ impl Demo {
     ///
     /// # Errors
     /// [`DemoError::Picture`].
-    pub fn report(&self, tone: Tone, command: &str) -> Result<Report, DemoError> {
+    pub fn report(&self, command: &str) -> Result<Report, DemoError> {
         let mut report = Report::new("Extended depth of field: one scene, four depths");
         report.paragraph(&format!(
             "The scene “{}” ({}×{} pixels) has four parts, each at its own depth. Every lens sees it once; a {}-bit sensor \
-             with Bayer filters and noise {} (a number: Gaussian, full scale 1) gives one raw frame. “Demosaiced” shows that frame \
-             as a plain camera would; “reconstructed” is the network in fixed point, in the integers that the board \
-             computes with. Made by `{command}`.",
+             with Bayer filters and noise “{}” gives one raw frame. “Demosaiced” shows that frame as a plain camera would; \
+             “reconstructed” is the network in fixed point, in the integers that the board computes with. Pictures are \
+             encoded as sRGB. Made by `{command}`.",
             self.scene, self.width, self.height, self.depth, self.noise
         ));
         report.heading("Pictures");
         let truth = Figure {
             title: "The scene itself".into(),
             note: "no blur, no noise".into(),
-            png: png(&self.truth, tone)?,
+            png: png(&self.truth, Tone::Srgb)?,
         };
         let shown = |p: &Picture| -> Result<Figure, DemoError> {
             Ok(Figure {
                 title: format!("{}, {}", p.lens, p.treatment),
-                note: format!("{:.2} dB, SSIM {:.3}; camera {}, {}", p.psnr_db, p.ssim, p.camera, p.method),
-                png: png(&p.frame, tone)?,
+                note: format!(
+                    "{:.2} dB, SSIM {:.3}; camera {}, {}",
+                    p.picture.psnr_db, p.picture.ssim, p.camera, p.method
+                ),
+                png: png(&p.frame, Tone::Srgb)?,
             })
         };
         let mut figures = vec![truth];
@@ -202,19 +218,33 @@ impl Demo {
         }
         report.figures(&figures);
         report.heading("Numbers");
-        report.paragraph("PSNR in dB over red, green and blue, peak 1, 8 pixels of border cropped; by depth where it is seen.");
-        let mut header = vec!["lens".to_owned(), "picture".into(), "all".into()];
+        let measured = match self.tone {
+            Tone::Linear => "light",
+            Tone::Srgb => "the encoded picture, clipped to 0…1, and of its light beside it",
+        };
+        report.paragraph(&format!(
+            "PSNR in dB of {measured}, over red, green and blue, peak 1, {BORDER} pixels of border cropped; by depth where it is \
+             seen."
+        ));
+        self.table().add_to(&mut report);
+        Ok(report)
+    }
+
+    fn table(&self) -> Table {
+        let mut header = vec!["PSNR in dB".to_owned(), "all".into()];
         header.extend(self.psis().iter().map(|psi| format!("ψ = {psi:.1}")));
-        header.extend(["SSIM".to_owned(), "seconds".into()]);
+        header.extend(["SSIM".to_owned(), "light".into(), "seconds".into()]);
         let row = |p: &Picture| {
-            let mut cells = vec![p.lens.clone(), p.treatment.clone(), format!("{:.2}", p.psnr_db)];
+            let mut cells = vec![format!("{}, {}", p.lens, p.treatment), format!("{:.2}", p.picture.psnr_db)];
             cells.extend(p.psi_db.iter().map(|d| format!("{:.2}", d[1])));
-            cells.extend([format!("{:.4}", p.ssim), format!("{:.3}", p.seconds)]);
+            cells.extend([
+                format!("{:.4}", p.picture.ssim),
+                format!("{:.2}", p.light.psnr_db),
+                format!("{:.3}", p.seconds),
+            ]);
             cells
         };
-        let rows: Vec<Vec<String>> = self.pictures.iter().map(row).collect();
-        report.table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
-        Ok(report)
+        Table { header, rows: self.pictures.iter().map(row).collect() }
     }
 
     fn psis(&self) -> Vec<f64> {
@@ -236,7 +266,7 @@ mod tests {
             camera: Camera::resolve(name).unwrap(),
             methods: vec![("demosaiced".into(), &malvar as &dyn Reconstructor)],
         };
-        run(&scene, &Sensor::default(), &[lens("clear"), lens("ring-outer")]).unwrap()
+        run(&scene, &Sensor::default(), &[lens("clear"), lens("ring-outer")], Tone::Srgb).unwrap()
     }
 
     #[test]
@@ -247,7 +277,8 @@ mod tests {
             assert_eq!(p.psi_db.iter().map(|d| d[0]).collect::<Vec<_>>(), [0.0, 3.0, 5.0, 8.0]);
             let (low, high) =
                 p.psi_db.iter().fold((f64::MAX, f64::MIN), |(l, h), d| (l.min(d[1]), h.max(d[1])));
-            assert!(low <= p.psnr_db && p.psnr_db <= high, "{p:?}");
+            assert!(low <= p.picture.psnr_db && p.picture.psnr_db <= high, "{p:?}");
+            assert_ne!(p.picture.psnr_db, p.light.psnr_db);
         }
     }
 
@@ -267,7 +298,7 @@ mod tests {
 
     #[test]
     fn the_report_shows_every_picture_and_how_to_make_it() {
-        let html = demo().report(Tone::Code, "edof demo").unwrap().to_html();
+        let html = demo().report("edof demo").unwrap().to_html();
         assert_eq!(html.matches("<figure>").count(), 3);
         assert!(html.contains("edof demo") && html.contains("ring-outer"));
     }

@@ -3,9 +3,11 @@
 //! | what | module | gives |
 //! |---|---|---|
 //! | input | [`photos`] | the test or training photographs of a folder |
+//! | | [`method`] | what a method is, as data |
 //! | | [`nets`] | trained nets as methods behind their cameras |
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
+//! | | [`tables`] | the same for a terminal, as Markdown and as a report |
 //! | | [`demo`] | one scene at four depths through several lenses, with a report |
 //! | compare | [`metrics`] | PSNR and SSIM with the conventions of every number of this project |
 //! | sharpness | [`mtf50`] | MTF and MTF50 of a slanted edge |
@@ -29,6 +31,7 @@
 pub mod demo;
 pub mod kodak;
 pub mod lens;
+pub mod method;
 pub mod metrics;
 pub mod mtf50;
 pub mod nets;
@@ -37,3 +40,4 @@ pub mod picture;
 pub mod plot;
 pub mod report;
 pub mod summary;
+pub mod tables;

@@ -1,11 +1,12 @@
 //! PSNR and SSIM, with the conventions that every number of this project follows (docs/decisions/0003-metrics.md).
 //!
 //! Peak 1. A border of [`BORDER`] pixels is cropped first. Estimates are *not* clipped to 0…1 unless a name says so. Sums
-//! run in f64 in a fixed order.
+//! run in f64 in a fixed order. What is compared is the picture ([`shown`]), under sRGB the light beside it.
 
-use edof_spec::ColourFrame;
 use edof_spec::colour::LUMA;
+use edof_spec::{ColourFrame, Tone};
 use ndarray::{Array2, ArrayView2, Axis, s};
+use serde::{Deserialize, Serialize};
 
 /// Pixels that studies crop on each side before they measure.
 pub const BORDER: usize = 8;
@@ -18,7 +19,7 @@ const SSIM_C1: f64 = 0.01 * 0.01;
 const SSIM_C2: f64 = 0.03 * 0.03;
 
 /// What a reconstruction is worth, in every way this project states.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// PSNR in dB over all three colours.
     pub psnr_db: f64,
@@ -36,6 +37,7 @@ pub struct Quality {
 
 /// Frames that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum MetricError {
     /// Different sizes.
     #[error("frames of {}x{} and {}x{} pixels: must be equally large", .0.1, .0.0, .1.1, .1.0)]
@@ -44,16 +46,7 @@ pub enum MetricError {
     #[error(
         "frame of {width}x{height} pixels: must be at least {least}x{least} to crop {border} pixels and compare"
     )]
-    Small {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-        /// The smallest side.
-        least: usize,
-        /// Pixels cropped on each side.
-        border: usize,
-    },
+    Small { height: usize, width: usize, least: usize, border: usize },
 }
 
 impl Quality {
@@ -84,6 +77,16 @@ impl Quality {
             ssim: [0, 1, 2].map(|p| ssim(t[p].view(), e[p].view())).iter().sum::<f64>() / 3.0,
             luma_ssim: ssim(t_luma.view(), e_luma.view()),
         })
+    }
+}
+
+/// The picture that is looked at, of a frame of light: sRGB's encoding, held to the 0…1 that its codes can say. Under the
+/// paper's convention light and picture are the same numbers, and stay as they are.
+#[must_use]
+pub fn shown(light: &ColourFrame, tone: Tone) -> ColourFrame {
+    match tone {
+        Tone::Linear => light.clone(),
+        Tone::Srgb => ColourFrame { planes: light.planes.mapv(|v| tone.encode(v.clamp(0.0, 1.0))) },
     }
 }
 
@@ -205,6 +208,17 @@ mod tests {
         for value in [q.psnr_db, q.luma_psnr_db, q.channel_psnr_db[0], q.channel_psnr_db[2]] {
             assert!((value - 40.0).abs() < 1e-3, "{q:?}");
         }
+    }
+
+    #[test]
+    fn what_a_screen_cannot_show_counts_on_light_alone() {
+        let black = ColourFrame::zeros(40, 40);
+        let mut light = black.clone();
+        light.planes.fill(-0.1);
+        assert_eq!(shown(&light, Tone::Srgb), black);
+        assert_eq!(shown(&light, Tone::Linear), light);
+        light.planes.fill(0.214_041);
+        assert!(shown(&light, Tone::Srgb).planes.iter().all(|v| (v - 0.5).abs() < 1e-5));
     }
 
     #[test]

@@ -23,15 +23,11 @@ pub struct EdgeResponse {
 
 /// A region in which no edge can be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum EdgeError {
     /// Too few pixels.
     #[error("edge region of {width}x{height} pixels: must be at least 16x16")]
-    Small {
-        /// Rows.
-        height: usize,
-        /// Columns.
-        width: usize,
-    },
+    Small { height: usize, width: usize },
     /// No contrast, or an edge that leaves the region.
     #[error("edge region: holds no single straight edge from one side to the other")]
     NoEdge,

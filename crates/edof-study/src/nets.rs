@@ -1,12 +1,13 @@
 //! Trained nets as methods, each behind the camera it was trained for.
 
-use crate::kodak::Bench;
+use crate::kodak::Setup;
+use crate::method::{Entry, Format, Method};
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_spec::fixed_network::FixedNetworkError;
 use edof_spec::network::NetworkError;
 use edof_spec::overlap::Overlap;
-use edof_spec::{FixedNetwork, Network, Reconstructor, Stride};
+use edof_spec::{FixedNetwork, Network, Stride};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 
 /// A net in both its forms.
@@ -22,23 +23,14 @@ pub struct Net {
 
 /// A net that cannot enter an experiment.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NetError {
     /// A float net whose weights do not fit its form.
     #[error("net '{net}': {source}")]
-    Float {
-        /// Its name.
-        net: String,
-        /// Why not.
-        source: NetworkError,
-    },
+    Float { net: String, source: NetworkError },
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
-    Fixed {
-        /// Its name.
-        net: String,
-        /// Why not.
-        source: FixedNetworkError,
-    },
+    Fixed { net: String, source: FixedNetworkError },
     /// Two nets would share their rows.
     #[error("net '{0}': given twice, every net needs a name of its own")]
     Twice(String),
@@ -72,52 +64,50 @@ impl Net {
         (Self { name, float, fixed: fixed.filter(|_| obstacle.is_none()) }, note)
     }
 
-    /// `NAME.float`, `NAME.float422` and, where there is one, `NAME.fixed`. All average overlapping patches alike.
-    fn methods(self, stride: Stride) -> Result<Vec<Box<dyn Reconstructor>>, NetError> {
+    /// The net in every format that there is. All average overlapping patches alike.
+    fn entries(self, stride: Stride) -> Result<Vec<Entry>, NetError> {
         let Self { name, mut float, fixed } = self;
         float.origin.name.clone_from(&name);
         let overlap = fixed.as_ref().map_or_else(Overlap::default, |f| f.overlap);
-        let mut methods: Vec<Box<dyn Reconstructor>> = vec![];
-        for output in [Output::Rgb, Output::Ycc422] {
-            let method = FloatReconstructor::new(float.clone(), stride, overlap, output)
+        let layers = float.form.layers;
+        let method = |format| Method::network(&name, format, stride.pixels(), layers);
+        let mut entries = vec![];
+        for (format, output) in [(Format::Float, Output::Rgb), (Format::Float422, Output::Ycc422)] {
+            let reconstructor = FloatReconstructor::new(float.clone(), stride, overlap, output)
                 .map_err(|source| NetError::Float { net: name.clone(), source })?;
-            methods.push(Box::new(method));
+            entries.push(Entry { method: method(format), reconstructor: Box::new(reconstructor) });
         }
         if let Some(fixed) = fixed {
-            let golden = GoldenReconstructor::new(fixed, format!("{name}.fixed"))
+            let method = method(Format::Fixed);
+            let golden = GoldenReconstructor::new(fixed, method.to_string())
                 .map_err(|source| NetError::Fixed { net: name.clone(), source })?;
-            methods.push(Box::new(golden));
+            entries.push(Entry { method, reconstructor: Box::new(golden) });
         }
-        Ok(methods)
+        Ok(entries)
     }
 }
 
-/// One bench for each camera, in the nets' order, with demosaicing as its first method: `demosaic-malvar` on the first
-/// camera, `demosaic-malvar@CAMERA` on the others.
+/// One setup for each camera, in the nets' order, with demosaicing as its first method.
 ///
 /// # Errors
 /// [`NetError`]: a net given twice, or one that cannot run.
-pub fn benches(nets: Vec<Net>, stride: Stride) -> Result<Vec<Bench>, NetError> {
+pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetError> {
     let mut names: Vec<String> = vec![];
-    let mut benches: Vec<Bench> = vec![];
+    let mut setups: Vec<Setup> = vec![];
     for net in nets {
         if names.contains(&net.name) {
             return Err(NetError::Twice(net.name));
         }
         names.push(net.name.clone());
         let camera = net.float.origin.camera.clone();
-        let index = benches.iter().position(|b| b.camera == camera).unwrap_or_else(|| {
-            let baseline = if benches.is_empty() {
-                Malvar::default()
-            } else {
-                Malvar::named(format!("demosaic-malvar@{}", camera.name))
-            };
-            benches.push(Bench { camera, methods: vec![Box::new(baseline)] });
-            benches.len() - 1
+        let index = setups.iter().position(|s| s.camera == camera).unwrap_or_else(|| {
+            let demosaic = Entry { method: Method::demosaic(), reconstructor: Box::new(Malvar::default()) };
+            setups.push(Setup { camera, entries: vec![demosaic] });
+            setups.len() - 1
         });
-        benches[index].methods.extend(net.methods(stride)?);
+        setups[index].entries.extend(net.entries(stride)?);
     }
-    Ok(benches)
+    Ok(setups)
 }
 
 #[cfg(test)]
@@ -143,20 +133,13 @@ mod tests {
             recurrent: vec![],
             dictionary: Array2::zeros((192, 2)),
             linear_path: None,
-            origin: Origin {
-                name: "n".into(),
-                camera: Camera::resolve(camera).unwrap(),
-                noise: 0.0,
-                command: String::new(),
-                patches: 0,
-                validation_db: 0.0,
-            },
+            origin: Origin::untrained("n", Camera::resolve(camera).unwrap()),
         }
     }
 
     /// Fixed weights for stride 8 made from the float weights of hash `h`.
     fn fixed() -> FixedNetwork {
-        let mut network = edof_golden::sample::natural(8, 8, 7);
+        let mut network = edof_random::natural(8, 8, 7);
         network.stride = Stride::PATCH;
         network.float_hash = "h".into();
         network
@@ -173,28 +156,28 @@ mod tests {
     }
 
     #[test]
-    fn each_camera_has_one_bench_and_one_baseline() {
+    fn each_camera_has_one_setup_and_one_demosaicing() {
         let net = |name: &str, camera, fixed| Net::new(name, float(camera), "h", fixed, Stride::PATCH).0;
         let nets = vec![
             net("a", "ring-2018", Some(fixed())),
             net("b", "ring-2018", None),
             net("c", "ring-outer", None),
         ];
-        let benches = benches(nets, Stride::PATCH).unwrap();
+        let setups = setups(nets, Stride::PATCH).unwrap();
         // Reports use the name asked for, whatever the files say.
-        let names: Vec<Vec<&str>> =
-            benches.iter().map(|b| b.methods.iter().map(|m| m.name()).collect()).collect();
+        let names: Vec<Vec<String>> =
+            setups.iter().map(|s| s.entries.iter().map(|e| e.method.to_string()).collect()).collect();
         assert_eq!(
             names[0],
             ["demosaic-malvar", "a.float", "a.float422", "a.fixed", "b.float", "b.float422"]
         );
-        assert_eq!(names[1], ["demosaic-malvar@ring-outer", "c.float", "c.float422"]);
+        assert_eq!(names[1], ["demosaic-malvar", "c.float", "c.float422"]);
     }
 
     #[test]
     fn a_net_given_twice_is_refused() {
         let net = || Net::new("a", float("clear"), "h", None, Stride::PATCH).0;
-        let error = benches(vec![net(), net()], Stride::PATCH).err().unwrap().to_string();
+        let error = setups(vec![net(), net()], Stride::PATCH).err().unwrap().to_string();
         assert_eq!(error, "net 'a': given twice, every net needs a name of its own");
     }
 }

@@ -17,7 +17,7 @@ const TEST_EVERY: u32 = 3;
 pub struct Photo {
     /// File name without its ending.
     pub name: String,
-    /// Code values of 0…1, taken as linear light.
+    /// The file's values, 0…1; a [`Tone`](edof_spec::Tone) says whether they are light or sRGB.
     pub frame: ColourFrame,
 }
 
@@ -37,31 +37,20 @@ pub enum Selection {
 
 /// Photographs that cannot be had.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PhotosError {
     /// Neither a word nor a list of numbers.
     #[error("photos '{0}': must be test, train, all or numbers such as 3,6")]
     Selection(String),
     /// The folder cannot be listed.
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    Folder { folder: PathBuf, source: std::io::Error },
     /// No folder given and none found.
     #[error("no folder of photographs: looked for {0}; name one with --images or in EDOF_KODAK")]
     Nowhere(String),
     /// Nothing to work on.
     #[error("{folder}: holds no readable photograph of '{selection}'{first}", folder = folder.display())]
-    None {
-        /// The folder.
-        folder: PathBuf,
-        /// What was asked for.
-        selection: Selection,
-        /// What was wrong with the first unreadable one, if any.
-        first: String,
-    },
+    None { folder: PathBuf, selection: Selection, first: String },
 }
 
 impl std::str::FromStr for Selection {
@@ -121,19 +110,29 @@ pub fn default_folder() -> Result<PathBuf, PhotosError> {
     if let Some(folder) = std::env::var_os("EDOF_KODAK") {
         return Ok(folder.into());
     }
-    let working = std::env::current_dir().unwrap_or_default();
-    let built = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let candidates: Vec<PathBuf> = working
-        .ancestors()
-        .skip(1)
-        .chain([built.join("..").as_path()])
-        .map(|f| f.join("shared/data/kodak"))
-        .collect();
+    let candidates = candidates("shared/data/kodak");
     let found = candidates.iter().find(|folder| folder.is_dir()).cloned();
     found.ok_or_else(|| {
         let list: Vec<String> = candidates.iter().map(|f| f.display().to_string()).collect();
         PhotosError::Nowhere(list.join(", "))
     })
+}
+
+/// The folder of further photographs to train on, where there is one: `EDOF_MORE` (none where that is empty), else
+/// `shared/data/more`, looked for as [`default_folder`] looks for its own.
+#[must_use]
+pub fn more_folder() -> Option<PathBuf> {
+    match std::env::var_os("EDOF_MORE") {
+        Some(folder) => Some(folder.into()).filter(|folder: &PathBuf| !folder.as_os_str().is_empty()),
+        None => candidates("shared/data/more").into_iter().find(|folder| folder.is_dir()),
+    }
+}
+
+/// Where a folder that comes beside the project may lie.
+fn candidates(folder: &str) -> Vec<PathBuf> {
+    let working = std::env::current_dir().unwrap_or_default();
+    let built = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    working.ancestors().skip(1).chain([built.join("..").as_path()]).map(|f| f.join(folder)).collect()
 }
 
 /// The chosen photographs of a folder in the order of their names, and one line for each that could not be read.

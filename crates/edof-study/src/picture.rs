@@ -1,34 +1,22 @@
 //! Frames as PNG bytes for reports, and sheets of small pictures.
 //!
-//! Studies take a photograph's code values as linear light, so a frame's values are written as codes again; light that was
-//! linear from the start (drawn scenes, camera raw) goes through the sRGB curve.
+//! A frame that holds light is encoded ([`Tone::Srgb`]); one whose values are shown as they are, such as kernels or a photograph
+//! whose sRGB codes were taken for light, is not ([`Tone::Linear`]).
 
-use edof_spec::ColourFrame;
-use edof_spec::colour::srgb_encode;
+use edof_spec::{ColourFrame, Tone};
 use image::{DynamicImage, ImageFormat, RgbImage};
 use ndarray::{Array2, s};
 use std::io::Cursor;
 
-/// How a value becomes a code.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Tone {
-    /// Value = code: what came from a photograph's codes.
-    #[default]
-    Code,
-    /// The sRGB curve: what is linear light.
-    Srgb,
-}
-
-/// An 8-bit PNG of a frame; values outside 0…1 are clipped.
+/// An 8-bit PNG of a frame, its values encoded by `tone`; what lies outside 0…1 is clipped.
 ///
 /// # Errors
 /// What the encoder says.
 pub fn png(frame: &ColourFrame, tone: Tone) -> image::ImageResult<Vec<u8>> {
     let (height, width) = frame.size();
     let code = |plane: usize, x: u32, y: u32| {
-        let value = f64::from(frame.planes[(plane, y as usize, x as usize)]).clamp(0.0, 1.0);
-        let shown = if tone == Tone::Srgb { srgb_encode(value) } else { value };
-        (shown * 255.0).round() as u8
+        let value = tone.encode(frame.planes[(plane, y as usize, x as usize)]).clamp(0.0, 1.0);
+        (value * 255.0).round() as u8
     };
     let pixels = RgbImage::from_fn(width as u32, height as u32, |x, y| {
         image::Rgb([code(0, x, y), code(1, x, y), code(2, x, y)])
@@ -92,12 +80,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_png_holds_the_codes_and_clips_the_rest() {
+    fn a_png_holds_the_values_and_clips_the_rest() {
         let mut frame = ColourFrame::zeros(2, 3);
         frame.planes[(0, 0, 0)] = 100.0 / 255.0;
         frame.planes[(1, 1, 2)] = 1.7;
         frame.planes[(2, 1, 0)] = -0.2;
-        let decoded = image::load_from_memory(&png(&frame, Tone::Code).unwrap()).unwrap().to_rgb8();
+        let decoded = image::load_from_memory(&png(&frame, Tone::Linear).unwrap()).unwrap().to_rgb8();
         assert_eq!(decoded.dimensions(), (3, 2));
         assert_eq!(decoded.get_pixel(0, 0).0, [100, 0, 0]);
         assert_eq!(decoded.get_pixel(2, 1).0, [0, 255, 0]);

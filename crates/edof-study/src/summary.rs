@@ -1,47 +1,74 @@
 //! What an experiment's rows say together: averages, worst depths, what fixed point and 4:2:2 cost.
 
-use crate::kodak::Row;
-use crate::plot::{Axis, Mark, Plot, Series, side_by_side};
-use crate::report::Report;
+use crate::kodak::{Row, Work};
+use crate::method::{Format, Method};
+use crate::metrics::{BORDER, Quality};
+use edof_spec::{Noise, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt::Write;
-
-/// Endings of a net's three methods.
-const FLOAT: &str = ".float";
-const FLOAT_422: &str = ".float422";
-const FIXED: &str = ".fixed";
 
 /// The whole result of an experiment, as its JSON file holds it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Study {
+    /// How its quality is measured.
+    pub measure: Measure,
     /// One for each method, photograph and setting.
     pub rows: Vec<Row>,
     /// What they say together.
     pub summary: Summary,
 }
 
+/// How quality is measured (docs/decisions/0003-metrics.md, 0010-tone-and-noise.md).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Measure {
+    /// Linear: photographs' numbers are light, nothing is clipped. Srgb: they are decoded to light, and the picture is encoded
+    /// and clipped to 0…1 before it is compared.
+    pub tone: Tone,
+    /// Peak of PSNR and range of SSIM.
+    pub peak: f64,
+    /// Pixels cropped on each side.
+    pub border: usize,
+}
+
 /// Averages over photographs and depths.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Summary {
-    /// One for each method and noise level, in the rows' order.
+    /// One for each method, camera and noise level, in the rows' order.
     pub methods: Vec<MethodSummary>,
-    /// One for each net and noise level.
+    /// One for each network, camera and noise level.
     pub nets: Vec<NetSummary>,
     /// What was left out or looks wrong, one line each.
     pub notes: Vec<String>,
 }
 
-/// One method at one noise level.
+/// One method behind one camera at one noise level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MethodSummary {
-    /// Its name.
+    /// Short name of the method.
     pub method: String,
+    /// The method.
+    #[serde(flatten)]
+    pub identity: Method,
     /// Its camera.
     pub camera: String,
-    /// σ of the noise.
-    pub noise: f64,
-    /// Mean PSNR over photographs at each depth: pairs of ψ and dB.
+    /// Noise of the sensor.
+    pub noise: Noise,
+    /// The picture over depths.
+    #[serde(flatten)]
+    pub picture: Course,
+    /// The light over depths.
+    pub light: Course,
+    /// Mean seconds a megapixel.
+    pub seconds_per_megapixel: f64,
+    /// Mean work; saturations are added up.
+    #[serde(flatten)]
+    pub work: Work,
+}
+
+/// Quality over depths, averaged over photographs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Course {
+    /// Mean PSNR at each depth: pairs of ψ and dB, ψ ascending.
     pub psi_db: Vec<[f64; 2]>,
     /// Mean over depths.
     pub average_db: f64,
@@ -51,231 +78,192 @@ pub struct MethodSummary {
     pub worst_psi: f64,
     /// Mean SSIM.
     pub ssim: f64,
-    /// Mean seconds a megapixel.
-    pub seconds_per_megapixel: f64,
 }
 
-/// What fixed point and 4:2:2 cost a net.
+/// What fixed point and 4:2:2 cost a network, measured on the picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NetSummary {
-    /// Its name.
-    pub net: String,
-    /// σ of the noise.
-    pub noise: f64,
+    /// The network in floating point.
+    #[serde(flatten)]
+    pub float: Method,
+    /// Its camera.
+    pub camera: String,
+    /// Noise of the sensor.
+    pub noise: Noise,
     /// Mean of float − float422.
     pub mean_cost_of_422_db: f64,
     /// Largest float − float422 on any row.
     pub largest_cost_of_422_db: f64,
-    /// Mean of float422 − fixed; nothing where the net has no fixed rows.
-    pub mean_fixed_loss_db: Option<f64>,
+    /// What fixed point costs, where the network has fixed rows.
+    pub fixed: Option<FixedCost>,
+}
+
+/// What fixed point costs a network, and what it counted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FixedCost {
+    /// Mean of float422 − fixed.
+    pub mean_loss_db: f64,
     /// Largest float422 − fixed on any row.
-    pub largest_fixed_loss_db: Option<f64>,
-    /// Photograph and ψ of that row.
-    pub largest_fixed_loss_at: Option<(String, f64)>,
+    pub largest_loss_db: f64,
+    /// Photograph of that row.
+    pub largest_loss_image: String,
+    /// ψ of that row.
+    pub largest_loss_psi: f64,
+    /// Mean work; saturations are added up.
+    #[serde(flatten)]
+    pub work: Work,
 }
 
 impl Study {
     /// Rows with their summary.
     #[must_use]
-    pub fn new(rows: Vec<Row>, notes: Vec<String>) -> Self {
+    pub fn new(tone: Tone, rows: Vec<Row>, notes: Vec<String>) -> Self {
+        let measure = Measure { tone, peak: 1.0, border: BORDER };
         let summary = Summary { methods: methods(&rows), nets: nets(&rows), notes };
-        Self { rows, summary }
-    }
-
-    /// JSON text.
-    #[must_use]
-    pub fn to_json(&self) -> String {
-        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
-    }
-}
-
-impl Study {
-    /// The report: PSNR against depth for each noise level, and the tables; `command` tells how to make it again.
-    #[must_use]
-    pub fn report(&self, command: &str) -> Report {
-        let mut report = Report::new("Photographs through each net's camera");
-        report.paragraph(&format!("Made by `{command}`."));
-        self.summary.notes.iter().for_each(|note| {
-            report.paragraph(note);
-        });
-        report.heading("PSNR at each depth");
-        report.plot(&side_by_side(&self.summary.plots()));
-        report.heading("Averages over photographs and depths");
-        let header = ["method", "camera", "noise", "average dB", "worst dB", "at ψ", "SSIM", "s/megapixel"];
-        let rows: Vec<Vec<String>> = self
-            .summary
-            .methods
-            .iter()
-            .map(|m| {
-                let numbers =
-                    [m.noise.to_string(), format!("{:.2}", m.average_db), format!("{:.2}", m.worst_db)];
-                let rest = [
-                    m.worst_psi.to_string(),
-                    format!("{:.4}", m.ssim),
-                    format!("{:.4}", m.seconds_per_megapixel),
-                ];
-                [m.method.clone(), m.camera.clone()].into_iter().chain(numbers).chain(rest).collect()
-            })
-            .collect();
-        report.table(&header, &rows);
-        report
+        Self { measure, rows, summary }
     }
 }
 
 impl Summary {
-    /// PSNR against ψ, one diagram for each noise level; solid lines are float, dotted ones fixed point, dashed ones the rest.
-    /// `float422` is left out: it lies on the fixed line.
+    /// Noise levels in the rows' order.
     #[must_use]
-    pub fn plots(&self) -> Vec<Plot> {
-        let noises = sorted(self.methods.iter().map(|m| m.noise));
-        let lines = |noise: f64| {
-            let own = self.methods.iter().filter(move |m| m.noise == noise && !m.method.ends_with(FLOAT_422));
-            own.map(|m| {
-                let mark = if m.method.ends_with(FLOAT) {
-                    Mark::LineAndPoints
-                } else if m.method.ends_with(FIXED) {
-                    Mark::Dotted
-                } else {
-                    Mark::Dashed
-                };
-                Series::new(&m.method, mark, m.psi_db.iter().copied())
-            })
-        };
-        noises
-            .into_iter()
-            .map(|noise| Plot {
-                title: format!("noise {noise}"),
-                x: Axis::linear("ψ (rad)"),
-                y: Axis::linear("PSNR (dB)"),
-                series: lines(noise).collect(),
-            })
-            .collect()
+    pub fn noises(&self) -> Vec<Noise> {
+        distinct(self.methods.iter().map(|m| m.noise))
     }
 
-    /// Tables for a terminal.
+    /// Methods with their cameras in the rows' order.
     #[must_use]
-    pub fn to_text(&self) -> String {
-        let width = self.methods.iter().map(|m| m.method.len()).max().unwrap_or(0).max("method".len());
-        let farthest =
-            self.methods.iter().flat_map(|m| &m.psi_db).map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
-        let mut text = format!(
-            "{:width$}  {:>6}  {:>8}  {:>8}  {:>8}  {:>4}  {:>6}  {:>7}\n",
-            "method",
-            "noise",
-            "average",
-            format!("psi {farthest}"),
-            "worst",
-            "at",
-            "SSIM",
-            "s/MP"
-        );
-        for m in &self.methods {
-            let far = m.psi_db.iter().find(|p| p[0] == farthest).map_or(f64::NAN, |p| p[1]);
-            let _ = writeln!(
-                text,
-                "{:width$}  {:>6}  {:>8.3}  {far:>8.3}  {:>8.3}  {:>4}  {:>6.4}  {:>7.4}",
-                m.method, m.noise, m.average_db, m.worst_db, m.worst_psi, m.ssim, m.seconds_per_megapixel
-            );
-        }
-        if !self.nets.is_empty() {
-            text.push('\n');
-        }
-        for n in &self.nets {
-            let _ = write!(
-                text,
-                "{}, noise {}: 4:2:2 costs {:.3} dB (at most {:.3})",
-                n.net, n.noise, n.mean_cost_of_422_db, n.largest_cost_of_422_db
-            );
-            if let (Some(mean), Some(largest), Some((image, psi))) =
-                (n.mean_fixed_loss_db, n.largest_fixed_loss_db, &n.largest_fixed_loss_at)
-            {
-                let _ = write!(
-                    text,
-                    "; fixed point loses {mean:.4} dB in that format, at most {largest:.4} ({image}, psi {psi})"
-                );
-            }
-            text.push('\n');
-        }
-        text
+    pub fn subjects(&self) -> Vec<(&Method, &str)> {
+        distinct(self.methods.iter().map(|m| (&m.identity, m.camera.as_str())))
+    }
+
+    /// One method behind one camera at one noise level, if it was measured.
+    #[must_use]
+    pub fn find(&self, (method, camera): (&Method, &str), noise: Noise) -> Option<&MethodSummary> {
+        self.methods.iter().find(|m| m.identity == *method && m.camera == camera && m.noise == noise)
     }
 }
 
-/// Summaries in the order in which methods first appear, noise levels ascending.
-fn methods(rows: &[Row]) -> Vec<MethodSummary> {
-    let mut order: Vec<&str> = vec![];
-    for row in rows {
-        if !order.contains(&row.method.as_str()) {
-            order.push(&row.method);
+impl Course {
+    /// The farthest depth: ψ and dB.
+    #[must_use]
+    pub fn farthest(&self) -> [f64; 2] {
+        self.psi_db.last().copied().unwrap_or([f64::NAN; 2])
+    }
+
+    fn of(rows: &[&Row], quality: impl Fn(&Row) -> Quality) -> Self {
+        let psi_db: Vec<[f64; 2]> = ascending(rows.iter().map(|r| r.psi))
+            .into_iter()
+            .map(|psi| [psi, mean(rows.iter().filter(|r| r.psi == psi).map(|r| quality(r).psnr_db))])
+            .collect();
+        let worst = psi_db.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or([f64::NAN; 2]);
+        Self {
+            average_db: mean(psi_db.iter().map(|p| p[1])),
+            worst_db: worst[1],
+            worst_psi: worst[0],
+            ssim: mean(rows.iter().map(|r| quality(r).ssim)),
+            psi_db,
         }
     }
+}
+
+impl Work {
+    fn mean_of(rows: &[&Row]) -> Self {
+        let average = |value: fn(&Self) -> Option<f64>| {
+            rows.iter().map(|r| value(&r.work)).collect::<Option<Vec<f64>>>().map(|v| mean(v.into_iter()))
+        };
+        let nonzeros: Option<Vec<&Vec<f64>>> =
+            rows.iter().map(|r| r.work.nonzeros_a_patch.as_ref()).collect();
+        Self {
+            dense_multiplications_a_pixel: average(|w| w.dense_multiplications_a_pixel),
+            executed_multiplications_a_pixel: average(|w| w.executed_multiplications_a_pixel),
+            nonzeros_a_patch: nonzeros.map(|all| {
+                let layers = all.first().map_or(0, |first| first.len());
+                (0..layers).map(|t| mean(all.iter().filter_map(|n| n.get(t).copied()))).collect()
+            }),
+            saturations: rows.iter().map(|r| r.work.saturations).sum(),
+        }
+    }
+}
+
+fn methods(rows: &[Row]) -> Vec<MethodSummary> {
     let mut summaries = vec![];
-    for method in order {
-        for noise in sorted(rows.iter().filter(|r| r.method == method).map(|r| r.noise)) {
-            let own: Vec<&Row> = rows.iter().filter(|r| r.method == method && r.noise == noise).collect();
-            let psi_db: Vec<[f64; 2]> = sorted(own.iter().map(|r| r.psi))
-                .into_iter()
-                .map(|psi| [psi, mean(own.iter().filter(|r| r.psi == psi).map(|r| r.psnr_db))])
-                .collect();
-            let worst = psi_db.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or([f64::NAN; 2]);
+    for (identity, camera) in distinct(rows.iter().map(|r| (&r.identity, &r.camera))) {
+        let subject = || rows.iter().filter(|r| r.identity == *identity && r.camera == *camera);
+        for noise in distinct(subject().map(|r| r.noise)) {
+            let own: Vec<&Row> = subject().filter(|r| r.noise == noise).collect();
             summaries.push(MethodSummary {
-                method: method.to_owned(),
-                camera: own[0].camera.clone(),
+                method: identity.to_string(),
+                identity: identity.clone(),
+                camera: camera.clone(),
                 noise,
-                average_db: mean(psi_db.iter().map(|p| p[1])),
-                worst_db: worst[1],
-                worst_psi: worst[0],
-                psi_db,
-                ssim: mean(own.iter().map(|r| r.ssim)),
+                picture: Course::of(&own, |r| r.picture),
+                light: Course::of(&own, |r| r.light),
                 seconds_per_megapixel: mean(own.iter().map(|r| r.seconds_per_megapixel)),
+                work: Work::mean_of(&own),
             });
         }
     }
     summaries
+}
+
+/// What tells a row from others of its method.
+type Setting = (String, String, u64, String);
+
+fn setting(row: &Row) -> Setting {
+    (row.camera.clone(), row.image.clone(), row.psi.to_bits(), row.noise.to_string())
 }
 
 fn nets(rows: &[Row]) -> Vec<NetSummary> {
-    type Key<'a> = (&'a str, &'a str, u64, u64);
-    let key = |r: &'_ Row| -> (u64, u64) { (r.psi.to_bits(), r.noise.to_bits()) };
-    let found: BTreeMap<Key<'_>, &Row> =
-        rows.iter().map(|r| ((r.method.as_str(), r.image.as_str(), key(r).0, key(r).1), r)).collect();
-    let mut names: Vec<&str> = vec![];
-    for net in rows.iter().filter_map(|r| r.method.strip_suffix(FLOAT)) {
-        if !names.contains(&net) {
-            names.push(net);
-        }
-    }
+    let found: BTreeMap<(&Method, Setting), &Row> =
+        rows.iter().map(|r| ((&r.identity, setting(r)), r)).collect();
+    let floats = || rows.iter().filter(|r| r.identity.format == Some(Format::Float));
     let mut summaries = vec![];
-    for net in names {
-        let (float, float422, fixed) =
-            (format!("{net}{FLOAT}"), format!("{net}{FLOAT_422}"), format!("{net}{FIXED}"));
-        for noise in sorted(rows.iter().filter(|r| r.method == float).map(|r| r.noise)) {
-            let own = rows.iter().filter(|r| r.method == float && r.noise == noise);
-            let pairs: Vec<(&Row, &Row, Option<&Row>)> = own
+    for (float, camera) in distinct(floats().map(|r| (&r.identity, &r.camera))) {
+        let (rounded, fixed) = (float.in_format(Format::Float422), float.in_format(Format::Fixed));
+        let own = || floats().filter(|r| r.identity == *float && r.camera == *camera);
+        for noise in distinct(own().map(|r| r.noise)) {
+            let twins: Vec<(&Row, &Row, Option<&Row>)> = own()
+                .filter(|r| r.noise == noise)
                 .filter_map(|r| {
-                    let twin =
-                        |method: &str| found.get(&(method, r.image.as_str(), key(r).0, key(r).1)).copied();
-                    Some((r, twin(&float422)?, twin(&fixed)))
+                    let twin = |method| found.get(&(method, setting(r))).copied();
+                    Some((r, twin(&rounded)?, twin(&fixed)))
                 })
                 .collect();
-            if pairs.is_empty() {
+            if twins.is_empty() {
                 continue;
             }
-            let cost: Vec<f64> = pairs.iter().map(|(f, g, _)| f.psnr_db - g.psnr_db).collect();
-            let losses: Vec<(f64, &Row)> =
-                pairs.iter().filter_map(|(_, g, x)| x.map(|x| (g.psnr_db - x.psnr_db, x))).collect();
-            let largest = losses.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            let cost: Vec<f64> =
+                twins.iter().map(|(f, g, _)| f.picture.psnr_db - g.picture.psnr_db).collect();
             summaries.push(NetSummary {
-                net: net.to_owned(),
+                float: float.clone(),
+                camera: camera.clone(),
                 noise,
                 mean_cost_of_422_db: mean(cost.iter().copied()),
                 largest_cost_of_422_db: cost.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                mean_fixed_loss_db: (!losses.is_empty()).then(|| mean(losses.iter().map(|l| l.0))),
-                largest_fixed_loss_db: largest.map(|l| l.0),
-                largest_fixed_loss_at: largest.map(|l| (l.1.image.clone(), l.1.psi)),
+                fixed: FixedCost::of(&twins),
             });
         }
     }
     summaries
+}
+
+impl FixedCost {
+    fn of(twins: &[(&Row, &Row, Option<&Row>)]) -> Option<Self> {
+        let losses: Vec<(f64, &Row)> = twins
+            .iter()
+            .filter_map(|(_, rounded, fixed)| fixed.map(|x| (rounded.picture.psnr_db - x.picture.psnr_db, x)))
+            .collect();
+        let (largest_loss_db, row) = losses.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let rows: Vec<&Row> = losses.iter().map(|l| l.1).collect();
+        Some(Self {
+            mean_loss_db: mean(losses.iter().map(|l| l.0)),
+            largest_loss_db: *largest_loss_db,
+            largest_loss_image: row.image.clone(),
+            largest_loss_psi: row.psi,
+            work: Work::mean_of(&rows),
+        })
+    }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -283,97 +271,140 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut all: Vec<f64> = values.collect();
     all.sort_by(f64::total_cmp);
     all.dedup();
     all
 }
 
+/// Each value once, in the order of first appearance.
+fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut all = vec![];
+    for value in values {
+        if !all.contains(&value) {
+            all.push(value);
+        }
+    }
+    all
+}
+
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn row(method: &str, image: &str, psi: f64, noise: f64, psnr_db: f64) -> Row {
+    /// A row that says little but its PSNR.
+    pub(crate) fn row(method: &Method, image: &str, psi: f64, noise: Noise, psnr_db: f64) -> Row {
+        let quality = Quality {
+            psnr_db,
+            psnr_clipped_db: psnr_db,
+            channel_psnr_db: [psnr_db; 3],
+            luma_psnr_db: psnr_db,
+            ssim: 0.9,
+            luma_ssim: 0.9,
+        };
         Row {
-            method: method.into(),
+            method: method.to_string(),
+            identity: method.clone(),
             camera: "clear".into(),
             image: image.into(),
             psi,
             noise,
-            stride: 8,
-            psnr_db,
-            ssim: 0.9,
+            tone: Tone::Srgb,
+            picture: quality,
+            light: Quality { psnr_db: psnr_db + 2.0, ..quality },
             seconds_per_megapixel: 1.0,
-            psnr_clipped_db: psnr_db,
-            channel_psnr_db: [psnr_db; 3],
-            luma_psnr_db: psnr_db,
-            luma_ssim: 0.9,
+            work: Work::default(),
         }
+    }
+
+    pub(crate) fn net(format: Format) -> Method {
+        Method::network("n", format, 8, 4)
     }
 
     #[test]
     fn averages_run_over_photos_then_depths() {
-        let study = Study::new(
-            vec![
-                row("a", "p1", 0.0, 0.0, 30.0),
-                row("a", "p2", 0.0, 0.0, 34.0),
-                row("a", "p1", 8.0, 0.0, 28.0),
-                row("a", "p2", 8.0, 0.0, 30.0),
-            ],
-            vec![],
-        );
+        let method = Method::demosaic();
+        let at = |image, psi, db| row(&method, image, psi, Noise::None, db);
+        let rows = vec![at("p1", 0.0, 30.0), at("p2", 0.0, 34.0), at("p1", 8.0, 28.0), at("p2", 8.0, 30.0)];
+        let study = Study::new(Tone::Srgb, rows, vec![]);
         let m = &study.summary.methods[0];
-        assert_eq!(m.psi_db, [[0.0, 32.0], [8.0, 29.0]]);
-        assert_eq!((m.average_db, m.worst_db, m.worst_psi), (30.5, 29.0, 8.0));
+        assert_eq!(m.picture.psi_db, [[0.0, 32.0], [8.0, 29.0]]);
+        assert_eq!((m.picture.average_db, m.picture.worst_db, m.picture.worst_psi), (30.5, 29.0, 8.0));
+        assert_eq!((m.light.average_db, m.light.farthest()), (32.5, [8.0, 31.0]));
+    }
+
+    #[test]
+    fn one_method_behind_two_cameras_has_two_summaries() {
+        let mut rows = vec![row(&Method::demosaic(), "p", 0.0, Noise::None, 30.0); 2];
+        rows[1].camera = "ring-outer".into();
+        let study = Study::new(Tone::Linear, rows, vec![]);
+        assert_eq!(study.summary.methods.len(), 2);
+        assert_eq!(study.summary.subjects()[1].1, "ring-outer");
     }
 
     #[test]
     fn the_largest_loss_of_fixed_point_is_that_of_a_single_row() {
+        let noise = Noise::gaussian(0.01);
         let mut rows = vec![];
         for (image, loss) in [("p1", 0.001), ("p2", 0.015), ("p3", -0.002)] {
-            rows.push(row("n.float", image, 8.0, 0.01, 34.0));
-            rows.push(row("n.float422", image, 8.0, 0.01, 33.5));
-            rows.push(row("n.fixed", image, 8.0, 0.01, 33.5 - loss));
+            rows.push(row(&net(Format::Float), image, 8.0, noise, 34.0));
+            rows.push(row(&net(Format::Float422), image, 8.0, noise, 33.5));
+            let work = Work {
+                nonzeros_a_patch: Some(vec![60.0, 50.0 + 300.0 * loss]),
+                saturations: Some(2),
+                ..Work::default()
+            };
+            rows.push(Row { work, ..row(&net(Format::Fixed), image, 8.0, noise, 33.5 - loss) });
         }
-        let n = &Study::new(rows, vec![]).summary.nets[0];
-        assert!((n.largest_fixed_loss_db.unwrap() - 0.015).abs() < 1e-9);
-        assert_eq!(n.largest_fixed_loss_at, Some(("p2".into(), 8.0)));
+        let n = &Study::new(Tone::Linear, rows, vec![]).summary.nets[0];
+        let fixed = n.fixed.as_ref().unwrap();
+        assert!((fixed.largest_loss_db - 0.015).abs() < 1e-9);
+        assert_eq!((fixed.largest_loss_image.as_str(), fixed.largest_loss_psi), ("p2", 8.0));
         assert!((n.mean_cost_of_422_db - 0.5).abs() < 1e-9);
+        assert_eq!(fixed.work.saturations, Some(6));
+        let nonzeros = fixed.work.nonzeros_a_patch.as_ref().unwrap();
+        assert!((nonzeros[0] - 60.0).abs() < 1e-9 && (nonzeros[1] - 51.4).abs() < 1e-9, "{nonzeros:?}");
     }
 
     #[test]
-    fn a_net_without_fixed_rows_says_so() {
-        let rows = vec![row("n.float", "p", 0.0, 0.0, 34.0), row("n.float422", "p", 0.0, 0.0, 33.9)];
-        let study = Study::new(rows, vec!["n: no fixed file".into()]);
-        assert_eq!(study.summary.nets[0].largest_fixed_loss_db, None);
-        assert!(!study.summary.to_text().contains("fixed point"));
-    }
-
-    #[test]
-    fn the_report_draws_one_line_a_method_and_noise() {
-        let rows = vec![
-            row("n.float", "p", 0.0, 0.0, 34.0),
-            row("n.float422", "p", 0.0, 0.0, 34.0),
-            row("n.fixed", "p", 0.0, 0.0, 34.0),
-            row("n.float", "p", 0.0, 0.01, 34.0),
-        ];
-        let study = Study::new(rows, vec!["a note".into()]);
-        let drawn: Vec<usize> = study.summary.plots().iter().map(|p| p.series.len()).collect();
-        assert_eq!(drawn, [2, 1]);
-        let html = study.report("edof study").to_html();
-        assert!(html.contains("a note") && html.contains("edof study") && html.matches("<tr>").count() == 5);
+    fn a_net_without_fixed_rows_has_no_cost_of_fixed_point() {
+        let rows = [Format::Float, Format::Float422].map(|f| row(&net(f), "p", 0.0, Noise::None, 34.0));
+        let study = Study::new(Tone::Linear, rows.to_vec(), vec![]);
+        assert_eq!(study.summary.nets[0].fixed, None);
     }
 
     #[test]
     fn the_json_is_an_object_with_rows_that_reads_back() {
-        let study = Study::new(vec![row("a", "p", 0.0, 0.0, 30.0)], vec![]);
-        let value: serde_json::Value = serde_json::from_str(&study.to_json()).unwrap();
-        for field in ["method", "image", "psi", "noise", "stride", "psnr_db", "ssim", "seconds_per_megapixel"]
-        {
+        let study = Study::new(
+            Tone::Srgb,
+            vec![row(&net(Format::Fixed), "p", 0.0, Noise::sensor(8.0), 30.0)],
+            vec![],
+        );
+        let text = serde_json::to_string(&study).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let fields = [
+            "method",
+            "family",
+            "network",
+            "format",
+            "stride",
+            "layers",
+            "camera",
+            "image",
+            "psi",
+            "noise",
+            "tone",
+            "psnr_db",
+            "ssim",
+            "light",
+            "seconds_per_megapixel",
+        ];
+        for field in fields {
             assert!(value["rows"][0].get(field).is_some(), "{field}");
         }
-        let back: Study = serde_json::from_str(&study.to_json()).unwrap();
-        assert_eq!(back.rows, study.rows);
+        assert_eq!(value["rows"][0]["noise"], "sensor:gain=8");
+        let back: Study = serde_json::from_str(&text).unwrap();
+        assert_eq!((back.rows, back.measure), (study.rows, study.measure));
     }
 }

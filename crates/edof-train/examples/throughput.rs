@@ -4,11 +4,12 @@
 //! the starting weights to DATA, then trains for 10 seconds and prints one JSON line. `benches/peers/train_pytorch.sh` runs both.
 
 use edof_optics::draw::leaves;
-use edof_optics::psf::Settings;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
 use edof_spec::{Camera, Window};
-use edof_train::patches::{Bank, Batch, Random};
-use edof_train::train::{Recipe, Trainer};
+use edof_train::dataset::{Batch, Dataset};
+use edof_train::random::Random;
+use edof_train::recipe::Recipe;
+use edof_train::train::Trainer;
 use safetensors::tensor::{Dtype, TensorView};
 use std::error::Error;
 use std::path::Path;
@@ -30,14 +31,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         linear_path: true,
         tied: false,
     };
-    let recipe = Recipe { threads, ..Recipe::new(form) };
+    let recipe = Recipe::new(form);
     let camera = Camera::resolve("ring-2018")?;
     let photo = leaves::layers(512, 768, 1)[0].light.clone();
-    let bank =
-        Bank::new(&[photo], &camera, &[0.0, 4.0, 8.0], &Settings::default(), form.window, |_, _| true)?
-            .ok_or("interrupted")?;
-    export(Path::new(&path), &form, &bank, &recipe)?;
-    let mut trainer = Trainer::new(recipe, &bank)?;
+    let options = recipe.dataset(&[0.0, 4.0, 8.0]);
+    let dataset = Dataset::new(&[photo], &camera, options, |_, _| true)?.ok_or("interrupted")?;
+    export(Path::new(&path), &form, &dataset, &recipe, threads)?;
+    let mut trainer = Trainer::new(recipe, &dataset, threads)?;
     for _ in 0..50 {
         trainer.step();
     }
@@ -57,11 +57,17 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Windows, patches and starting weights as safetensors.
-fn export(path: &Path, form: &Form, bank: &Bank, recipe: &Recipe) -> Result<(), Box<dyn Error>> {
+fn export(
+    path: &Path,
+    form: &Form,
+    dataset: &Dataset,
+    recipe: &Recipe,
+    threads: usize,
+) -> Result<(), Box<dyn Error>> {
     let mut batch = Batch::new(form.window, WINDOWS);
-    bank.draw(&mut Random::new(recipe.seed, 0, 0), recipe.noise, recipe.noiseless, &mut batch);
+    dataset.draw(&mut Random::new(recipe.seed, 0, 0), &recipe.conditions, &mut batch);
     // Before the first validation, the best weights are those that training starts from.
-    let weights = Trainer::new(recipe.clone(), bank)?.state.best_weights;
+    let weights = Trainer::new(recipe.clone(), dataset, threads)?.state.best_weights;
     let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let tensors = [
         ("inputs", vec![WINDOWS, form.window.pixels()], bytes(&batch.inputs)),

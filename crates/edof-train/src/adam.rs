@@ -1,10 +1,13 @@
 //! Adam (Kingma and Ba, 2015) on a flat vector of weights.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 const BETA1: f32 = 0.9;
 const BETA2: f32 = 0.999;
 const EPSILON: f32 = 1e-8;
+/// Weights that one thread moves at a time.
+const PIECE: usize = 8192;
 
 /// The running moments; part of every checkpoint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,12 +33,15 @@ impl Adam {
         let correction = |beta: f32| (1.0 - f64::from(beta).powf(self.steps as f64)) as f32;
         let rate = rate / correction(BETA1);
         let root = 1.0 / correction(BETA2).sqrt();
-        let moments = self.mean.iter_mut().zip(&mut self.square);
-        for ((((m, v), w), &g), &s) in moments.zip(weights).zip(gradient).zip(scale) {
-            *m += (1.0 - BETA1) * (g - *m);
-            *v += (1.0 - BETA2) * (g * g - *v);
-            *w -= rate * s * *m / ((*v).sqrt() * root + EPSILON);
-        }
+        let moments = self.mean.par_chunks_mut(PIECE).zip(self.square.par_chunks_mut(PIECE));
+        let given = gradient.par_chunks(PIECE).zip(scale.par_chunks(PIECE));
+        moments.zip(weights.par_chunks_mut(PIECE)).zip(given).for_each(|(((m, v), w), (g, s))| {
+            for ((((m, v), w), &g), &s) in m.iter_mut().zip(v).zip(w).zip(g).zip(s) {
+                *m += (1.0 - BETA1) * (g - *m);
+                *v += (1.0 - BETA2) * (g * g - *v);
+                *w -= rate * s * *m / ((*v).sqrt() * root + EPSILON);
+            }
+        });
     }
 }
 

@@ -1,8 +1,10 @@
 //! A training run on disk: the recipe and everything that changes while it runs, so that it goes on bit for bit.
 
 use crate::adam::Adam;
-use crate::train::{Recipe, State};
+use crate::recipe::Recipe;
+use crate::train::{Best, State};
 use edof_spec::atomic::{self, WriteError};
+use edof_spec::provenance::Input;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -12,38 +14,20 @@ const METADATA_KEY: &str = "edof-checkpoint";
 
 /// A checkpoint that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CheckpointError {
     /// Cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// Truncated, or not a checkpoint.
     #[error("{path}: not a checkpoint of a training run: {reason}", path = path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What is missing or wrong.
-        reason: String,
-    },
+    Foreign { path: PathBuf, reason: String },
     /// Of a run with other settings.
     #[error("{path}: made with {field} {found}, asked to go on with {asked}", path = path.display())]
-    OtherRun {
-        /// The file.
-        path: PathBuf,
-        /// What differs.
-        field: &'static str,
-        /// In the checkpoint.
-        found: String,
-        /// Asked for.
-        asked: String,
-    },
+    OtherRun { path: PathBuf, field: &'static str, found: String, asked: String },
 }
 
 /// What identifies a run: a checkpoint goes on only with the same.
@@ -53,8 +37,8 @@ pub struct Run {
     pub recipe: Recipe,
     /// The camera, as JSON.
     pub camera: String,
-    /// Names of the photos, in order.
-    pub photos: Vec<String>,
+    /// The photographs, in order: by name and content.
+    pub photos: Vec<Input>,
     /// ψ of each blur.
     pub psis: Vec<f64>,
 }
@@ -66,6 +50,7 @@ struct Metadata {
     adam_steps: u64,
     /// Bits of an f64: JSON has no −∞.
     best_db_bits: u64,
+    best_within_budget: bool,
     stale: u32,
 }
 
@@ -79,7 +64,8 @@ pub fn save(path: &Path, run: &Run, state: &State) -> Result<(), CheckpointError
         run: run.clone(),
         step: state.step,
         adam_steps: state.adam.steps,
-        best_db_bits: state.best_db.to_bits(),
+        best_db_bits: state.best.db.to_bits(),
+        best_within_budget: state.best.within_budget,
         stale: state.stale,
     };
     let text = serde_json::to_string(&metadata).map_err(|e| foreign(e.to_string()))?;
@@ -124,7 +110,8 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         adam: Adam { steps: metadata.adam_steps, mean: tensor("adam_mean")?, square: tensor("adam_square")? },
         cell_errors: tensor("cell_errors")?,
         best_weights: tensor("best_weights")?,
-        best_db: f64::from_bits(metadata.best_db_bits),
+        lambdas: tensor("lambdas")?,
+        best: Best { within_budget: metadata.best_within_budget, db: f64::from_bits(metadata.best_db_bits) },
         stale: metadata.stale,
     };
     let lengths = [&state.adam.mean, &state.adam.square, &state.best_weights].map(Vec::len);
@@ -134,12 +121,13 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
     Ok(state)
 }
 
-const fn named(state: &State) -> [(&'static str, &Vec<f32>); 5] {
+const fn named(state: &State) -> [(&'static str, &Vec<f32>); 6] {
     [
         ("weights", &state.weights),
         ("adam_mean", &state.adam.mean),
         ("adam_square", &state.adam.square),
         ("cell_errors", &state.cell_errors),
+        ("lambdas", &state.lambdas),
         ("best_weights", &state.best_weights),
     ]
 }

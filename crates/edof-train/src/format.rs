@@ -1,5 +1,7 @@
 //! Number formats of the board's words, in floating point.
 
+use crate::real::Real;
+
 /// A number format: multiples of `step` from −(`most` + 1)·`step` to `most`·`step`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Format {
@@ -21,24 +23,25 @@ impl Format {
 
     /// The nearest word, ties toward +∞, as the board rounds.
     #[must_use]
-    pub fn round(self, value: f32) -> f32 {
-        (value / self.step + 0.5).floor().clamp(-self.most - 1.0, self.most) * self.step
+    pub fn round<T: Real>(self, value: T) -> T {
+        let (step, most) = (T::of(self.step.into()), T::of(self.most.into()));
+        (value / step + T::of(0.5)).floor().max(-most - T::one()).min(most) * step
     }
 
     /// Rounds all values.
-    pub fn round_all(self, values: &mut [f32]) {
+    pub fn round_all<T: Real>(self, values: &mut [T]) {
         if self != Self::EXACT {
             values.iter_mut().for_each(|v| *v = self.round(*v));
         }
     }
 
     /// Sets to zero what would pass back through a rounded value at the end of its range: no gradient does.
-    pub fn stop_clipped(self, gradient: &mut [f32], rounded: &[f32]) {
+    pub fn stop_clipped<T: Real>(self, gradient: &mut [T], rounded: &[T]) {
         if self == Self::EXACT {
             return;
         }
-        let within = -self.most * self.step..self.most * self.step;
-        let clipped = gradient.iter_mut().zip(rounded).filter(|(_, value)| !within.contains(*value));
-        clipped.for_each(|(g, _)| *g = 0.0);
+        let end = T::of((self.most * self.step).into());
+        let clipped = gradient.iter_mut().zip(rounded).filter(|(_, value)| !(-end..end).contains(*value));
+        clipped.for_each(|(g, _)| *g = T::zero());
     }
 }

@@ -1,17 +1,29 @@
 //! Starting values: random analysis of whitened inputs, or ISTA's own matrices from a dictionary.
 
-use crate::linear_algebra::{cholesky, least_squares, solve_upper};
+use crate::dataset::Batch;
 use crate::parameters::Layout;
 use crate::pass::Pass;
-use crate::patches::{Batch, Random};
+use crate::random::Random;
+use edof_numerics::{Cholesky, least_squares};
+use edof_sparse::dictionary::{Effort, Learned, optimal_directions};
+use edof_sparse::pursuit::step_bound;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Shrinkage};
+use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate, s};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Windows that starting values are computed from.
 pub const SAMPLES: usize = 16_384;
 /// Codes that take the mean of one CFA colour each and keep a threshold of 0: thresholding them costs 8 dB.
 const DC_CODES: usize = 4;
+/// Mean square that is added to every pixel's before windows are whitened.
+const FLOOR: f64 = 1e-4;
+/// μ of the dictionary that training may start from, and of the thresholds that go with it, in units of full scale.
+const DICTIONARY_PENALTY: f32 = 0.02;
+const FIRST_PENALTY: f32 = 0.002;
+/// How long that dictionary is learned.
+const DICTIONARY_EFFORT: Effort = Effort { rounds: 6, steps: 40 };
 
 /// Where training starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,25 +48,17 @@ pub fn initial(form: &Form, start: Start, batch: &Batch, random: &mut Random) ->
 
 fn whitened(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {
     let layout = Layout::new(form);
-    let (codes, pixels, side) = (form.codes, form.window.pixels(), form.window.side());
+    let (codes, pixels) = (form.codes, form.window.pixels());
     let mut weights = vec![0.0; layout.len()];
-    // With C = L·Lᵀ, rows g·L⁻¹ of random g see whitened inputs; no eigenvectors are needed for random directions.
-    let factor = cholesky(&covariance(&batch.inputs, pixels, 1e-4), pixels);
     let direct = DC_CODES.min(codes);
-    for (code, row) in weights[layout.analysis.clone()].chunks_exact_mut(pixels).enumerate() {
-        if code < direct {
-            let (r, c) = (code / 2, code % 2);
-            let sees = |i: usize| (i / side % 2, i % side % 2) == (r, c);
-            row.iter_mut()
-                .enumerate()
-                .for_each(|(i, w)| *w = if sees(i) { 8.0 / pixels as f32 } else { 0.0 });
-            continue;
-        }
-        let mut direction: Vec<f64> = (0..pixels).map(|_| f64::from(random.normal())).collect();
-        let norm = direction.iter().map(|v| v * v).sum::<f64>().sqrt();
-        solve_upper(&factor, pixels, &mut direction);
-        row.iter_mut().zip(&direction).for_each(|(w, v)| *w = (v / norm) as f32);
-    }
+    // With C = L·Lᵀ, rows g·L⁻¹ of random g see whitened inputs; no eigenvectors are needed for random directions.
+    let mut directions =
+        Array2::from_shape_simple_fn((codes - direct, pixels), || f64::from(random.normal()));
+    directions.outer_iter_mut().for_each(|mut g| g /= g.dot(&g).sqrt());
+    let inputs = rows(&batch.inputs, pixels);
+    let seen = directions.dot(&Cholesky::of_moments(covariance(inputs).view()).whitening());
+    let analysis = concatenate![Axis(0), colour_means(form, direct), seen.mapv(|w| w as f32)];
+    put(&mut weights, &layout.analysis, &analysis);
     for theta in &layout.thresholds {
         weights[theta.clone()][direct..].fill(first_threshold(form.shrinkage));
     }
@@ -63,6 +67,15 @@ fn whitened(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {
     }
     fit_final_layer(form, &layout, batch, &mut weights);
     weights
+}
+
+/// Rows that take the mean of one CFA colour of the window each, `count` of the four.
+fn colour_means(form: &Form, count: usize) -> Array2<f32> {
+    let (pixels, side) = (form.window.pixels(), form.window.side());
+    Array2::from_shape_fn((count, pixels), |(code, i)| {
+        let site = i / side % 2 * 2 + i % side % 2;
+        if site == code { 8.0 / pixels as f32 } else { 0.0 }
+    })
 }
 
 /// Thresholds that training starts from, in units of a whitened code. One-sided codes that start nearly silent never
@@ -77,137 +90,73 @@ const fn first_threshold(shrinkage: Shrinkage) -> f32 {
 /// D and R by least squares over what the rest of the network makes of the batch.
 fn fit_final_layer(form: &Form, layout: &Layout, batch: &Batch, weights: &mut [f32]) {
     let (codes, pixels) = (form.codes, form.window.pixels());
-    let windows = batch.cells.len();
+    let windows = batch.windows();
     let mut pass = Pass::new(*form, windows);
     pass.forward(weights, &batch.inputs, windows);
-    let z = pass.z(form.middle_layers());
-    let linear = if form.linear_path { pixels } else { 0 };
-    let mut seen = Vec::with_capacity(windows * (codes + linear));
-    for (z, y) in z.chunks_exact(codes).zip(batch.inputs.chunks_exact(pixels)) {
-        seen.extend_from_slice(z);
-        seen.extend_from_slice(&y[..linear]);
-    }
-    let map = least_squares(&seen, codes + linear, &batch.targets, RGB_OUTPUTS, 1e-4);
-    for (output, row) in map.chunks_exact(codes + linear).enumerate() {
-        weights[layout.dictionary.clone()][output * codes..][..codes].copy_from_slice(&row[..codes]);
-        if form.linear_path {
-            weights[layout.linear_path.clone()][output * pixels..][..pixels].copy_from_slice(&row[codes..]);
-        }
-    }
+    let z = rows(pass.z(form.middle_layers()), codes);
+    let linear = rows(&batch.inputs, pixels);
+    let linear = if form.linear_path { linear } else { linear.slice_move(s![.., ..0]) };
+    let seen = concatenate![Axis(1), z, linear];
+    let map = least_squares(seen.view(), rows(&batch.targets, RGB_OUTPUTS), 1e-4);
+    put(weights, &layout.dictionary, map.slice(s![.., ..codes]));
+    put(weights, &layout.linear_path, map.slice(s![.., codes..]));
 }
 
 fn from_dictionary(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {
     let layout = Layout::new(form);
     let (codes, pixels) = (form.codes, form.window.pixels());
-    let (dictionary, z) = learn_dictionary(&batch.targets, codes, random);
+    // Atom 0 is the mean, and free.
+    let mut penalties = Array1::from_elem(codes, 1.0);
+    penalties[0] = 0.0;
+    let sharp = rows(&batch.targets, RGB_OUTPUTS);
+    let Learned { dictionary, codes: z } = optimal_directions(
+        sharp,
+        first_atoms(sharp, codes, random),
+        (&penalties * DICTIONARY_PENALTY).view(),
+        DICTIONARY_EFFORT,
+    );
     // The mean of all blurred dictionaries, seen through the mosaic: the map from codes to raw windows.
-    let blurred = least_squares(&z, codes, &batch.inputs, pixels, 1e-3);
-    let gram = |i: usize, j: usize| {
-        (0..pixels).map(|p| blurred[p * codes + i] * blurred[p * codes + j]).sum::<f32>()
-    };
-    let gram: Vec<f32> = (0..codes * codes).map(|at| gram(at / codes, at % codes)).collect();
-    let bound = largest_eigenvalue(&gram, codes) * 1.01;
+    let blurred = least_squares(z.view(), rows(&batch.inputs, pixels), 1e-3);
+    let gram = blurred.t().dot(&blurred);
+    let bound = step_bound(gram.view());
     let mut weights = vec![0.0; layout.len()];
-    for (at, w) in weights[layout.analysis.clone()].iter_mut().enumerate() {
-        *w = blurred[at % pixels * codes + at / pixels] / bound;
-    }
+    put(&mut weights, &layout.analysis, &(&blurred.t() / bound));
     for theta in &layout.thresholds {
-        weights[theta.clone()]
-            .iter_mut()
-            .enumerate()
-            .for_each(|(i, t)| *t = if i == 0 { 0.0 } else { 0.002 / bound });
+        put(&mut weights, theta, &(&penalties * (FIRST_PENALTY / bound)));
     }
     for s in &layout.recurrent {
-        for (at, w) in weights[s.clone()].iter_mut().enumerate() {
-            *w = f32::from(u8::from(at / codes == at % codes)) - gram[at] / bound;
-        }
+        put(&mut weights, s, &(Array2::eye(codes) - &gram / bound));
     }
-    weights[layout.dictionary.clone()].copy_from_slice(&dictionary);
-    if form.linear_path {
-        weights[layout.linear_path.clone()].fill(0.0);
-    }
+    put(&mut weights, &layout.dictionary, &dictionary);
     weights
 }
 
-/// A dictionary (192 × codes) for sharp patches and its codes (patches × codes) by the method of optimal directions: sparse
-/// codes by ISTA, then the dictionary by least squares, in turn. Atom 0 is the mean.
-fn learn_dictionary(patches: &[f32], codes: usize, random: &mut Random) -> (Vec<f32>, Vec<f32>) {
-    let count = patches.len() / RGB_OUTPUTS;
-    let mut dictionary = vec![0.0; RGB_OUTPUTS * codes];
-    for code in 0..codes {
-        let patch = &patches[random.below(count) * RGB_OUTPUTS..][..RGB_OUTPUTS];
-        let mean = patch.iter().sum::<f32>() / RGB_OUTPUTS as f32;
-        for (row, &value) in patch.iter().enumerate() {
-            dictionary[row * codes + code] =
-                if code == 0 { 1.0 } else { value - mean + 0.01 * random.normal() };
-        }
+/// Atoms to learn from (192 × atoms): the mean, and random patches without theirs.
+fn first_atoms(patches: ArrayView2<'_, f32>, atoms: usize, random: &mut Random) -> Array2<f32> {
+    let mut dictionary = Array2::ones((patches.ncols(), atoms));
+    for mut atom in dictionary.axis_iter_mut(Axis(1)).skip(1) {
+        let patch = patches.row(random.below(patches.nrows()));
+        let mean = patch.sum() / patch.len() as f32;
+        atom.zip_mut_with(&patch, |a, value| *a = value - mean + 0.01 * random.normal());
     }
-    let mut z = Vec::new();
-    for _ in 0..6 {
-        normalise_atoms(&mut dictionary, codes);
-        z = sparse_codes(patches, &dictionary, codes, 0.02, 40);
-        dictionary = least_squares(&z, codes, patches, RGB_OUTPUTS, 1e-4);
-    }
-    (dictionary, z)
+    dictionary
 }
 
-fn normalise_atoms(dictionary: &mut [f32], codes: usize) {
-    for code in 0..codes {
-        let norm =
-            (0..RGB_OUTPUTS).map(|r| dictionary[r * codes + code].powi(2)).sum::<f32>().sqrt().max(1e-6);
-        (0..RGB_OUTPUTS).for_each(|r| dictionary[r * codes + code] /= norm);
-    }
+/// Covariance of rows of `values`, with [`FLOOR`] added to its diagonal.
+fn covariance(values: ArrayView2<'_, f32>) -> Array2<f64> {
+    let values = values.mapv(f64::from);
+    let count = values.nrows() as f64;
+    let centred = &values - &(values.sum_axis(Axis(0)) / count);
+    centred.t().dot(&centred) / count + Array2::<f64>::eye(values.ncols()) * FLOOR
 }
 
-/// ISTA on ½‖x − Dz‖² + μ‖z‖₁ (atom 0 unpenalised), all patches at once.
-fn sparse_codes(patches: &[f32], dictionary: &[f32], codes: usize, mu: f32, steps: usize) -> Vec<f32> {
-    use crate::matmul::{Into, Mat, product};
-    let count = patches.len() / RGB_OUTPUTS;
-    let d = Mat::new(dictionary, RGB_OUTPUTS, codes);
-    let mut gram = vec![0.0; codes * codes];
-    product(&mut gram, Into::Replace, d.t(), d);
-    let mut start = vec![0.0; count * codes];
-    product(&mut start, Into::Replace, Mat::new(patches, count, RGB_OUTPUTS), d);
-    let step = 1.0 / (largest_eigenvalue(&gram, codes) * 1.01);
-    let (mut z, mut toward) = (vec![0.0f32; count * codes], vec![0.0; count * codes]);
-    for _ in 0..steps {
-        product(&mut toward, Into::Replace, Mat::new(&z, count, codes), Mat::new(&gram, codes, codes));
-        for (i, ((z, &g), &b)) in z.iter_mut().zip(&toward).zip(&start).enumerate() {
-            let moved = *z + step * (b - g);
-            let theta = if i % codes == 0 { 0.0 } else { step * mu };
-            *z = (moved - theta).max(0.0) + (moved + theta).min(0.0);
-        }
-    }
-    z
+/// The matrix whose rows lie one after the other in `values`.
+fn rows(values: &[f32], columns: usize) -> ArrayView2<'_, f32> {
+    let shape = (values.len() / columns, columns);
+    ArrayView2::from_shape(shape, values).unwrap_or_else(|e| unreachable!("rows of a batch are whole: {e}"))
 }
 
-fn largest_eigenvalue(matrix: &[f32], n: usize) -> f32 {
-    let mut vector = vec![1.0f32; n];
-    let mut value = 0.0;
-    for _ in 0..100 {
-        let next: Vec<f32> =
-            matrix.chunks_exact(n).map(|row| row.iter().zip(&vector).map(|(a, b)| a * b).sum()).collect();
-        value = next.iter().map(|v| v * v).sum::<f32>().sqrt();
-        vector = next.into_iter().map(|v| v / value.max(1e-20)).collect();
-    }
-    value
-}
-
-/// Row-major covariance of rows of `values`, with `floor` added to its diagonal.
-fn covariance(values: &[f32], n: usize, floor: f64) -> Vec<f64> {
-    let count = values.len() / n;
-    let mut mean = vec![0.0f64; n];
-    values.chunks_exact(n).for_each(|row| mean.iter_mut().zip(row).for_each(|(m, &v)| *m += f64::from(v)));
-    mean.iter_mut().for_each(|m| *m /= count as f64);
-    let mut matrix = vec![0.0; n * n];
-    let mut centred = vec![0.0; n];
-    for row in values.chunks_exact(n) {
-        centred.iter_mut().zip(row).zip(&mean).for_each(|((c, &v), m)| *c = f64::from(v) - m);
-        for (line, &a) in matrix.chunks_exact_mut(n).zip(&centred) {
-            line.iter_mut().zip(&centred).for_each(|(m, b)| *m += a * b);
-        }
-    }
-    matrix.iter_mut().for_each(|m| *m /= count as f64);
-    (0..n).for_each(|i| matrix[i * n + i] += floor);
-    matrix
+/// Writes values in reading order.
+fn put<'a>(weights: &mut [f32], at: &Range<usize>, values: impl IntoIterator<Item = &'a f32>) {
+    weights[at.clone()].iter_mut().zip(values).for_each(|(w, v)| *w = *v);
 }

@@ -2,12 +2,15 @@
 //!
 //! | step | module | gives |
 //! |---|---|---|
-//! | photos | [`patches`] | blurred photos, and random windows with their sharp patches |
+//! | photos | [`dataset`] | blurred photographs in several looks ([`augment`]), and random windows with their sharp patches |
+//! | | [`noise`] | light and noise of each window, from [`random`] numbers |
+//! | | [`holdout`] | the part of each photograph that training keeps away from |
 //! | start | [`initial`] | a first network: random analysis, or ISTA's matrices from a dictionary |
 //! | coordinates | [`precondition`] | whitened windows, so that training is well conditioned |
-//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`], [`parameters`] and, where words are to be rounded, [`mod@format`] |
+//! | batch | [`pass`] | forward and the hand-written gradient, on [`matmul`], [`parameters`], [`encoding`] and, where words are to be rounded, [`mod@format`]; in either precision ([`real`]) |
+//! | weights | [`weighting`], [`budget`] | what a window's error counts, and what a non-zero costs |
 //! | step | [`adam`] | new weights |
-//! | run | [`train`] | the recipe: schedule, validation, checkpoints ([`checkpoint`]), resume |
+//! | run | [`recipe`], [`train`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
 //! | use | [`reconstruct`] | a whole frame through the float network |
 //!
 //! ```
@@ -25,14 +28,23 @@
 //! ```
 
 pub mod adam;
+pub mod augment;
+pub mod budget;
 pub mod checkpoint;
+pub mod dataset;
+pub mod encoding;
 pub mod format;
+pub mod holdout;
 pub mod initial;
-pub mod linear_algebra;
 pub mod matmul;
+pub mod noise;
 pub mod parameters;
 pub mod pass;
-pub mod patches;
 pub mod precondition;
+pub mod random;
+pub mod real;
+pub mod recipe;
 pub mod reconstruct;
 pub mod train;
+pub mod validation;
+pub mod weighting;

@@ -1,20 +1,28 @@
 //! Matrix products on row-major slices: a safe face for the `gemm` crate.
 
+use crate::real::Real;
+
 /// A row-major matrix that may be read transposed.
 #[derive(Debug, Clone, Copy)]
-pub struct Mat<'a> {
-    values: &'a [f32],
+pub struct Mat<'a, T = f32> {
+    values: &'a [T],
     rows: usize,
     columns: usize,
     row_stride: usize,
     column_stride: usize,
 }
 
-impl<'a> Mat<'a> {
+impl<'a, T> Mat<'a, T> {
     /// A `rows`×`columns` matrix over the first rows·columns numbers of `values`.
     #[must_use]
-    pub fn new(values: &'a [f32], rows: usize, columns: usize) -> Self {
+    pub fn new(values: &'a [T], rows: usize, columns: usize) -> Self {
         Self { values: &values[..rows * columns], rows, columns, row_stride: columns, column_stride: 1 }
+    }
+
+    /// Its rows.
+    #[must_use]
+    pub const fn rows(&self) -> usize {
+        self.rows
     }
 
     /// The transposed matrix over the same numbers.
@@ -30,23 +38,23 @@ impl<'a> Mat<'a> {
     }
 }
 
-/// Whether a product replaces what its destination holds or is added to it.
+/// What becomes of the numbers that a product's destination holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Into {
+pub enum Destination {
     /// `out = a·b`.
     Replace,
     /// `out += a·b`.
-    Add,
+    Accumulate,
 }
 
 /// `out` (row-major, a.rows × b.columns) becomes, or grows by, a·b.
 ///
 /// # Panics
 /// If the inner sides differ or `out` is too short: a mistake of the caller, never of its input.
-pub fn product(out: &mut [f32], into: Into, a: Mat<'_>, b: Mat<'_>) {
+pub fn product<T: Real>(out: &mut [T], destination: Destination, a: Mat<'_, T>, b: Mat<'_, T>) {
     assert_eq!(a.columns, b.rows, "inner sides differ");
     let out = &mut out[..a.rows * b.columns];
-    let add = into == Into::Add;
+    let add = destination == Destination::Accumulate;
     // SAFETY: `Mat` holds exactly rows·columns numbers and its strides address each of them once; `out` was just cut to
     // a.rows·b.columns numbers and is not shared.
     unsafe {
@@ -64,8 +72,8 @@ pub fn product(out: &mut [f32], into: Into, a: Mat<'_>, b: Mat<'_>) {
             b.values.as_ptr(),
             b.column_stride as isize,
             b.row_stride as isize,
-            1.0,
-            1.0,
+            T::one(),
+            T::one(),
             false,
             false,
             false,
@@ -102,9 +110,9 @@ mod tests {
             let b = if tb { Mat::new(&vb, n, k).t() } else { Mat::new(&vb, k, n) };
             let expected = plain(a, b);
             let mut out = vec![1.0; m * n];
-            product(&mut out, Into::Add, a, b);
+            product(&mut out, Destination::Accumulate, a, b);
             for (x, y) in out.iter().zip(&expected) { prop_assert!((x - 1.0 - y).abs() < 1e-4); }
-            product(&mut out, Into::Replace, a, b);
+            product(&mut out, Destination::Replace, a, b);
             for (x, y) in out.iter().zip(&expected) { prop_assert!((x - y).abs() < 1e-4); }
         }
     }

@@ -1,40 +1,57 @@
-//! A batch through the network and back: forward, and the hand-written gradient (network.md, "Function").
+//! A batch through the network and back: forward, and the hand-written gradient (network.md, "Function"), in either precision.
 
+use crate::encoding::encode_with_slope;
 use crate::format::Format;
-use crate::matmul::{Into, Mat, product};
+use crate::matmul::{Destination, Mat, product};
 use crate::parameters::Layout;
+use crate::real::Real;
+use edof_spec::Tone;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
+use std::ops::Range;
 
 /// What a batch's loss is made of.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Loss {
     /// Weighted sum of squared errors over 192 outputs, halved.
     pub squared: f64,
-    /// λ times the sum of |z|, each weighted by the norm of the next layer's column.
+    /// Sum over layers of λ_t times the sum of |z_t|, each weighted by the norm of the next layer's column.
     pub sparsity: f64,
+}
+
+/// Windows and what the network should make of them.
+#[derive(Debug, Clone, Copy)]
+pub struct Examples<'a, T = f32> {
+    /// Windows × pixels.
+    pub inputs: &'a [T],
+    /// Windows × 192, light.
+    pub targets: &'a [T],
+    /// The tone in which each window's error is measured.
+    pub tones: &'a [Tone],
+    /// What each window's squared error weighs.
+    pub importance: &'a [T],
 }
 
 /// Buffers for batches of up to `capacity` windows: every b_t, z_t and the outputs. Row-major, one window a row.
 #[derive(Debug)]
-pub struct Pass {
+pub struct Pass<T = f32> {
     form: Form,
     layout: Layout,
     /// What b_t and z_t are rounded to, t = 1…T−1.
     formats: Vec<Format>,
     /// b_t, t = 1…T−1.
-    b: Vec<Vec<f32>>,
+    b: Vec<Vec<T>>,
     /// z_t, t = 1…T−1.
-    z: Vec<Vec<f32>>,
+    z: Vec<Vec<T>>,
     /// Difference form: z_t − z_{t−1} for each M layer.
-    change: Vec<Vec<f32>>,
-    outputs: Vec<f32>,
-    gradient_z: Vec<Vec<f32>>,
-    gradient_b: Vec<f32>,
-    gradient_b1: Vec<f32>,
+    change: Vec<Vec<T>>,
+    outputs: Vec<T>,
+    gradient_z: Vec<Vec<T>>,
+    gradient_b: Vec<T>,
+    gradient_b1: Vec<T>,
 }
 
-impl Pass {
+impl<T: Real> Pass<T> {
     /// Buffers for `capacity` windows through a network that gives RGB.
     #[must_use]
     pub fn new(form: Form, capacity: usize) -> Self {
@@ -49,14 +66,14 @@ impl Pass {
     }
 
     fn with(form: Form, layout: Layout, formats: Vec<Format>, capacity: usize) -> Self {
-        let codes = || vec![0.0; capacity * form.codes];
+        let codes = || vec![T::zero(); capacity * form.codes];
         Self {
             form,
             formats,
             b: (0..form.shrinkages()).map(|_| codes()).collect(),
             z: (0..form.shrinkages()).map(|_| codes()).collect(),
             change: (0..form.middle_layers()).map(|_| codes()).collect(),
-            outputs: vec![0.0; capacity * layout.outputs],
+            outputs: vec![T::zero(); capacity * layout.outputs],
             layout,
             gradient_z: (0..form.shrinkages()).map(|_| codes()).collect(),
             gradient_b: codes(),
@@ -66,215 +83,246 @@ impl Pass {
 
     /// b_t (0 first), `windows` × codes, as the last [`Pass::forward`] left it.
     #[must_use]
-    pub fn b(&self, t: usize) -> &[f32] {
+    pub fn b(&self, t: usize) -> &[T] {
         &self.b[t]
     }
 
     /// z_t (0 first), `windows` × codes.
     #[must_use]
-    pub fn z(&self, t: usize) -> &[f32] {
+    pub fn z(&self, t: usize) -> &[T] {
         &self.z[t]
     }
 
     /// The outputs; before [`Pass::backward`], the loss's gradient for them.
-    pub fn outputs_mut(&mut self) -> &mut [f32] {
+    pub fn outputs_mut(&mut self) -> &mut [T] {
         &mut self.outputs
     }
 
     /// Runs `windows` windows of `inputs` (windows × pixels, row-major) and returns the outputs (windows × outputs).
-    pub fn forward(&mut self, weights: &[f32], inputs: &[f32], windows: usize) -> &[f32] {
-        let (form, layout) = (self.form, &self.layout);
+    pub fn forward(&mut self, weights: &[T], inputs: &[T], windows: usize) -> &[T] {
+        let (form, outputs) = (self.form, self.layout.outputs);
         let (codes, pixels) = (form.codes, form.window.pixels());
         let y = Mat::new(inputs, windows, pixels);
-        let used = windows * codes;
-        product(
-            &mut self.b[0],
-            Into::Replace,
-            y,
-            Mat::new(&weights[layout.analysis.clone()], codes, pixels).t(),
-        );
+        let analysis = Mat::new(&weights[self.layout.analysis.clone()], codes, pixels);
+        product(&mut self.b[0], Destination::Replace, y, analysis.t());
         for t in 0..form.shrinkages() {
-            let theta = &weights[layout.thresholds[t].clone()];
-            let format = self.formats[t];
-            format.round_all(&mut self.b[t][..used]);
-            shrink(form.shrinkage, &self.b[t][..used], theta, &mut self.z[t]);
-            format.round_all(&mut self.z[t][..used]);
-            if t == form.middle_layers() {
-                break;
-            }
-            let s = Mat::new(&weights[layout.recurrent[form.recurrent_index(t)].clone()], codes, codes);
-            let (before, after) = self.b.split_at_mut(t + 1);
-            let next = &mut after[0][..used];
-            match form.recurrence {
-                Recurrence::Direct => {
-                    next.copy_from_slice(&before[0][..used]);
-                    product(next, Into::Add, Mat::new(&self.z[t], windows, codes), s.t());
-                }
-                Recurrence::Difference => {
-                    next.copy_from_slice(&before[t][..used]);
-                    subtract_previous(&self.z, t, &mut self.change[t][..used]);
-                    format.round_all(&mut self.change[t][..used]);
-                    product(next, Into::Add, Mat::new(&self.change[t], windows, codes), s.t());
-                }
+            self.shrink(weights, t, windows * codes);
+            if t < form.middle_layers() {
+                self.middle_layer(weights, t, windows);
             }
         }
-        let outputs = layout.outputs;
-        let d = Mat::new(&weights[layout.dictionary.clone()], outputs, codes);
+        let dictionary = Mat::new(&weights[self.layout.dictionary.clone()], outputs, codes);
         let last = Mat::new(&self.z[form.middle_layers()], windows, codes);
-        product(&mut self.outputs, Into::Replace, last, d.t());
+        product(&mut self.outputs, Destination::Replace, last, dictionary.t());
         if form.linear_path {
-            let r = Mat::new(&weights[layout.linear_path.clone()], outputs, pixels);
-            product(&mut self.outputs, Into::Add, y, r.t());
+            let linear = Mat::new(&weights[self.layout.linear_path.clone()], outputs, pixels);
+            product(&mut self.outputs, Destination::Accumulate, y, linear.t());
         }
         &self.outputs[..windows * outputs]
     }
 
+    /// z_t from b_t; the first `used` numbers of each.
+    fn shrink(&mut self, weights: &[T], t: usize, used: usize) {
+        let (b, z) = (&mut self.b[t][..used], &mut self.z[t][..used]);
+        self.formats[t].round_all(b);
+        shrink(self.form.shrinkage, b, &weights[self.layout.thresholds[t].clone()], z);
+        self.formats[t].round_all(z);
+    }
+
+    /// M layer `t`: b_{t+1} from z_t and what the recurrence adds its product to.
+    fn middle_layer(&mut self, weights: &[T], t: usize, windows: usize) {
+        let codes = self.form.codes;
+        let used = windows * codes;
+        let s = Mat::new(&weights[self.recurrent(t)], codes, codes);
+        let (before, after) = self.b.split_at_mut(t + 1);
+        let next = &mut after[0][..used];
+        let source = match self.form.recurrence {
+            Recurrence::Direct => {
+                next.copy_from_slice(&before[0][..used]);
+                &self.z[t]
+            }
+            Recurrence::Difference => {
+                next.copy_from_slice(&before[t][..used]);
+                let change = &mut self.change[t][..used];
+                subtract_previous(&self.z, t, change);
+                self.formats[t].round_all(change);
+                &self.change[t]
+            }
+        };
+        product(next, Destination::Accumulate, Mat::new(source, windows, codes), s.t());
+    }
+
+    /// Where the S of M layer `t` lies.
+    fn recurrent(&self, t: usize) -> Range<usize> {
+        self.layout.recurrent[self.form.recurrent_index(t)].clone()
+    }
+
     /// [`Pass::forward`], then adds the loss's gradient to `gradient`.
     ///
-    /// The loss is Σ_p ½·`importance[p]`·‖x̂_p − x_p‖² + `lambda`·Σ_p Σ_t Σ_i |z_t,i|·‖column i of the next layer‖; `targets` is
-    /// windows × 192. `squared_errors[p]` becomes ‖x̂_p − x_p‖².
-    #[expect(clippy::too_many_arguments, reason = "slices of one batch, each named at the call")]
+    /// The loss is Σ_p ½·`importance[p]`·‖e_p‖² + Σ_t `lambdas[t]`·Σ_p Σ_i |z_t,i|·‖column i of the next layer‖, e_p the window's
+    /// error as [`weighted_errors`] has it; `squared_errors[p]` becomes ‖e_p‖². `lambdas` holds one for each shrinkage, or
+    /// nothing where sparsity is free.
     pub fn gradient(
         &mut self,
-        weights: &[f32],
-        inputs: &[f32],
-        targets: &[f32],
-        importance: &[f32],
-        lambda: f32,
-        squared_errors: &mut [f32],
-        gradient: &mut [f32],
+        weights: &[T],
+        examples: &Examples<'_, T>,
+        lambdas: &[T],
+        squared_errors: &mut [T],
+        gradient: &mut [T],
     ) -> Loss {
-        let windows = importance.len();
-        self.forward(weights, inputs, windows);
-        let squared = weighted_errors(&mut self.outputs, targets, importance, squared_errors);
-        Loss { squared, sparsity: self.backward(weights, inputs, windows, lambda, gradient) }
+        let windows = examples.importance.len();
+        self.forward(weights, examples.inputs, windows);
+        let squared = weighted_errors(&mut self.outputs, examples, squared_errors);
+        Loss { squared, sparsity: self.backward(weights, examples.inputs, windows, lambdas, gradient) }
     }
 
     /// Adds to `gradient` what [`Pass::outputs_mut`], now the loss's gradient for the outputs of the last [`Pass::forward`],
-    /// and λ give; returns λ's part of the loss.
+    /// and `lambdas` (as in [`Pass::gradient`]) give; returns their part of the loss.
     pub fn backward(
         &mut self,
-        weights: &[f32],
-        inputs: &[f32],
+        weights: &[T],
+        inputs: &[T],
         windows: usize,
-        lambda: f32,
-        gradient: &mut [f32],
+        lambdas: &[T],
+        gradient: &mut [T],
     ) -> f64 {
-        let form = self.form;
-        let (codes, pixels) = (form.codes, form.window.pixels());
+        let (codes, pixels) = (self.form.codes, self.form.window.pixels());
         let used = windows * codes;
+        self.gradient_z.iter_mut().for_each(|g| g[..used].fill(T::zero()));
+        self.gradient_b1[..used].fill(T::zero());
         let y = Mat::new(inputs, windows, pixels);
-        let outputs = self.layout.outputs;
-        let errors = Mat::new(&self.outputs, windows, outputs);
-        let last = form.middle_layers();
-        let layout = &self.layout;
-        let dictionary = &weights[layout.dictionary.clone()];
+        self.final_layer_back(weights, y, gradient);
+        let mut loss = 0.0;
+        for t in (0..self.form.shrinkages()).rev() {
+            let lambda = lambdas.get(t).copied().unwrap_or(T::zero());
+            loss += self.sparsity_back(weights, lambda, t, used, gradient);
+            self.shrink_back(t, used, gradient);
+            if t > 0 {
+                self.middle_layer_back(weights, t - 1, windows, gradient);
+            }
+        }
+        let into_b1 = Mat::new(&self.gradient_b1, windows, codes);
+        product(&mut gradient[self.layout.analysis.clone()], Destination::Accumulate, into_b1.t(), y);
+        loss
+    }
+
+    /// Back through D and R.
+    fn final_layer_back(&mut self, weights: &[T], y: Mat<'_, T>, gradient: &mut [T]) {
+        let (layout, last) = (&self.layout, self.form.middle_layers());
+        let (windows, codes) = (y.rows(), self.form.codes);
+        let errors = Mat::new(&self.outputs, windows, layout.outputs);
+        let into_dictionary = &mut gradient[layout.dictionary.clone()];
         product(
-            &mut gradient[layout.dictionary.clone()],
-            Into::Add,
+            into_dictionary,
+            Destination::Accumulate,
             errors.t(),
             Mat::new(&self.z[last], windows, codes),
         );
-        if form.linear_path {
-            product(&mut gradient[layout.linear_path.clone()], Into::Add, errors.t(), y);
+        if self.form.linear_path {
+            product(&mut gradient[layout.linear_path.clone()], Destination::Accumulate, errors.t(), y);
         }
-        self.gradient_z.iter_mut().for_each(|g| g[..used].fill(0.0));
-        product(&mut self.gradient_z[last], Into::Replace, errors, Mat::new(dictionary, outputs, codes));
-        let mut loss = sparsity(
-            lambda,
-            codes,
-            &self.z[last][..used],
-            dictionary,
-            &mut self.gradient_z[last],
-            &mut gradient[layout.dictionary.clone()],
-        );
-        self.gradient_b1[..used].fill(0.0);
-        for t in (0..form.shrinkages()).rev() {
-            let theta = &mut gradient[layout.thresholds[t].clone()];
-            let carried = form.recurrence == Recurrence::Difference && t < last;
-            if !carried {
-                self.gradient_b[..used].fill(0.0);
-            }
-            unshrink(form.shrinkage, &self.z[t][..used], &self.gradient_z[t], &mut self.gradient_b, theta);
-            self.formats[t].stop_clipped(&mut self.gradient_b[..used], &self.b[t][..used]);
-            if form.recurrence == Recurrence::Direct || t == 0 {
-                add(&mut self.gradient_b1[..used], &self.gradient_b);
-            }
-            if t == 0 {
-                break;
-            }
-            let range = layout.recurrent[form.recurrent_index(t - 1)].clone();
-            let s = Mat::new(&weights[range.clone()], codes, codes);
-            let into_b = Mat::new(&self.gradient_b, windows, codes);
-            let source = match form.recurrence {
-                Recurrence::Direct => &self.z[t - 1],
-                Recurrence::Difference => &self.change[t - 1],
-            };
-            product(&mut gradient[range.clone()], Into::Add, into_b.t(), Mat::new(source, windows, codes));
-            let (earlier, later) = self.gradient_z.split_at_mut(t);
-            let g = &mut earlier[t - 1];
-            if form.recurrence == Recurrence::Difference && t >= 2 {
-                // later[0] is free from here on: it carries S's part to both codes whose difference S multiplied.
-                product(&mut later[0], Into::Replace, into_b, s);
-                add(&mut g[..used], &later[0]);
-                subtract(&mut earlier[t - 2][..used], &later[0]);
-            } else {
-                product(g, Into::Add, into_b, s);
-            }
-            loss += sparsity(
-                lambda,
-                codes,
-                &self.z[t - 1][..used],
-                &weights[range.clone()],
-                &mut self.gradient_z[t - 1],
-                &mut gradient[range],
-            );
+        let dictionary = Mat::new(&weights[layout.dictionary.clone()], layout.outputs, codes);
+        product(&mut self.gradient_z[last], Destination::Replace, errors, dictionary);
+    }
+
+    /// λ's part at z_t: to z_t and to the matrix that multiplies it next.
+    fn sparsity_back(&mut self, weights: &[T], lambda: T, t: usize, used: usize, gradient: &mut [T]) -> f64 {
+        let last = t == self.form.middle_layers();
+        let next = if last { self.layout.dictionary.clone() } else { self.recurrent(t) };
+        let (matrix, into_matrix) = (&weights[next.clone()], &mut gradient[next]);
+        sparsity(lambda, self.form.codes, &self.z[t][..used], matrix, &mut self.gradient_z[t], into_matrix)
+    }
+
+    /// Back through the shrinkage of b_t: to b_t, to θ_t and, where b_t was summed with it, to b₁.
+    fn shrink_back(&mut self, t: usize, used: usize, gradient: &mut [T]) {
+        let carried = self.form.recurrence == Recurrence::Difference && t < self.form.middle_layers();
+        if !carried {
+            self.gradient_b[..used].fill(T::zero());
         }
-        product(
-            &mut gradient[layout.analysis.clone()],
-            Into::Add,
-            Mat::new(&self.gradient_b1, windows, codes).t(),
-            y,
-        );
-        loss
+        let theta = &mut gradient[self.layout.thresholds[t].clone()];
+        let (z, gradient_z) = (&self.z[t][..used], &self.gradient_z[t][..used]);
+        unshrink(self.form.shrinkage, z, gradient_z, &mut self.gradient_b, theta);
+        self.formats[t].stop_clipped(&mut self.gradient_b[..used], &self.b[t][..used]);
+        if self.form.recurrence == Recurrence::Direct || t == 0 {
+            add(&mut self.gradient_b1[..used], &self.gradient_b);
+        }
+    }
+
+    /// Back through M layer `t`: from b_{t+1} to S and to what S multiplied.
+    fn middle_layer_back(&mut self, weights: &[T], t: usize, windows: usize, gradient: &mut [T]) {
+        let codes = self.form.codes;
+        let used = windows * codes;
+        let range = self.recurrent(t);
+        let s = Mat::new(&weights[range.clone()], codes, codes);
+        let into_b = Mat::new(&self.gradient_b, windows, codes);
+        let difference = self.form.recurrence == Recurrence::Difference;
+        let source = if difference { &self.change[t] } else { &self.z[t] };
+        product(&mut gradient[range], Destination::Accumulate, into_b.t(), Mat::new(source, windows, codes));
+        let (earlier, later) = self.gradient_z.split_at_mut(t + 1);
+        if difference && t > 0 {
+            // later[0] is free from here on: it carries S's part to both codes whose difference S multiplied.
+            product(&mut later[0], Destination::Replace, into_b, s);
+            add(&mut earlier[t][..used], &later[0]);
+            subtract(&mut earlier[t - 1][..used], &later[0]);
+        } else {
+            product(&mut earlier[t], Destination::Accumulate, into_b, s);
+        }
     }
 }
 
-/// Outputs become errors times their window's importance; returns half the weighted sum of their squares. `squared_errors[p]`
-/// becomes ‖x̂_p − x_p‖².
-pub fn weighted_errors(
-    outputs: &mut [f32],
-    targets: &[f32],
-    importance: &[f32],
-    squared_errors: &mut [f32],
+/// Outputs become the gradient for them of Σ_p ½·`importance[p]`·‖e_p‖², which is returned; `squared_errors[p]` becomes ‖e_p‖². A
+/// window's error e is taken in its tone: outputs minus targets, both encoded.
+pub fn weighted_errors<T: Real>(
+    outputs: &mut [T],
+    examples: &Examples<'_, T>,
+    squared_errors: &mut [T],
 ) -> f64 {
-    let rows = outputs.chunks_exact_mut(RGB_OUTPUTS).zip(targets.chunks_exact(RGB_OUTPUTS));
+    let rows = outputs.chunks_exact_mut(RGB_OUTPUTS).zip(examples.targets.chunks_exact(RGB_OUTPUTS));
+    let windows = examples.importance.iter().zip(examples.tones).zip(squared_errors);
     let mut loss = 0.0;
-    for (((out, target), &weight), squared) in rows.zip(importance).zip(squared_errors) {
-        let mut sum = 0.0;
-        for (o, &x) in out.iter_mut().zip(target) {
-            let error = *o - x;
-            sum += error * error;
-            *o = error * weight;
-        }
-        *squared = sum;
-        loss += 0.5 * f64::from(weight * sum);
+    for ((out, target), ((&weight, tone), squared)) in rows.zip(windows) {
+        *squared = match tone {
+            Tone::Linear => linear_errors(out, target, weight),
+            Tone::Srgb => encoded_errors(out, target, weight),
+        };
+        loss += 0.5 * (weight * *squared).wide();
     }
     loss
 }
 
+fn linear_errors<T: Real>(out: &mut [T], target: &[T], weight: T) -> T {
+    let mut sum = T::zero();
+    for (o, &x) in out.iter_mut().zip(target) {
+        let error = *o - x;
+        sum += error * error;
+        *o = error * weight;
+    }
+    sum
+}
+
+fn encoded_errors<T: Real>(out: &mut [T], target: &[T], weight: T) -> T {
+    let mut sum = T::zero();
+    for (o, &x) in out.iter_mut().zip(target) {
+        let (value, slope) = encode_with_slope(*o);
+        let error = value - encode_with_slope(x).0;
+        sum += error * error;
+        *o = error * slope * weight;
+    }
+    sum
+}
+
 /// z = σ_θ(b).
-fn shrink(kind: Shrinkage, b: &[f32], theta: &[f32], z: &mut [f32]) {
+fn shrink<T: Real>(kind: Shrinkage, b: &[T], theta: &[T], z: &mut [T]) {
     for (b, z) in b.chunks_exact(theta.len()).zip(z.chunks_exact_mut(theta.len())) {
         match kind {
             Shrinkage::OneSided => {
                 for ((z, &b), &t) in z.iter_mut().zip(b).zip(theta) {
-                    *z = (b - t).max(0.0);
+                    *z = (b - t).max(T::zero());
                 }
             }
             Shrinkage::TwoSided => {
                 for ((z, &b), &t) in z.iter_mut().zip(b).zip(theta) {
-                    *z = (b - t).max(0.0) + (b + t).min(0.0);
+                    *z = (b - t).max(T::zero()) + (b + t).min(T::zero());
                 }
             }
         }
@@ -282,13 +330,13 @@ fn shrink(kind: Shrinkage, b: &[f32], theta: &[f32], z: &mut [f32]) {
 }
 
 /// Adjoint of [`shrink`]'s derivative: adds to `gradient_b` where z is not zero, and to θ's gradient.
-fn unshrink(kind: Shrinkage, z: &[f32], gradient_z: &[f32], gradient_b: &mut [f32], theta: &mut [f32]) {
+fn unshrink<T: Real>(kind: Shrinkage, z: &[T], gradient_z: &[T], gradient_b: &mut [T], theta: &mut [T]) {
     let codes = theta.len();
     let rows =
         z.chunks_exact(codes).zip(gradient_z.chunks_exact(codes)).zip(gradient_b.chunks_exact_mut(codes));
     for ((z, gz), gb) in rows {
         for (((&z, &gz), gb), theta) in z.iter().zip(gz).zip(gb).zip(theta.iter_mut()) {
-            let passed = if z == 0.0 { 0.0 } else { gz };
+            let passed = if z == T::zero() { T::zero() } else { gz };
             *gb += passed;
             *theta -= match kind {
                 Shrinkage::OneSided => passed,
@@ -299,134 +347,56 @@ fn unshrink(kind: Shrinkage, z: &[f32], gradient_z: &[f32], gradient_b: &mut [f3
 }
 
 /// λ Σ |z_i|·‖column i‖ of the next layer's `matrix` (rows × codes), and its gradient for z and for the matrix.
-fn sparsity(
-    lambda: f32,
+fn sparsity<T: Real>(
+    lambda: T,
     codes: usize,
-    z: &[f32],
-    matrix: &[f32],
-    gradient_z: &mut [f32],
-    gradient: &mut [f32],
+    z: &[T],
+    matrix: &[T],
+    gradient_z: &mut [T],
+    gradient: &mut [T],
 ) -> f64 {
-    if lambda == 0.0 {
+    if lambda == T::zero() {
         return 0.0;
     }
-    let mut norms = vec![0.0f32; codes];
+    let mut norms = vec![T::zero(); codes];
     for row in matrix.chunks_exact(codes) {
-        norms.iter_mut().zip(row).for_each(|(n, w)| *n += w * w);
+        norms.iter_mut().zip(row).for_each(|(n, &w)| *n += w * w);
     }
     norms.iter_mut().for_each(|n| *n = n.sqrt());
-    let mut sums = vec![0.0f32; codes];
+    let mut sums = vec![T::zero(); codes];
     for (z, g) in z.chunks_exact(codes).zip(gradient_z.chunks_exact_mut(codes)) {
         for (((&z, g), sum), &norm) in z.iter().zip(g).zip(&mut sums).zip(&norms) {
             *sum += z.abs();
-            *g += if z == 0.0 { 0.0 } else { (lambda * norm).copysign(z) };
+            *g += if z == T::zero() { T::zero() } else { (lambda * norm).copysign(z) };
         }
     }
-    let pull: Vec<f32> = sums.iter().zip(&norms).map(|(s, n)| lambda * s / n.max(1e-12)).collect();
+    let least = T::of(1e-12);
+    let pull: Vec<T> = sums.iter().zip(&norms).map(|(&s, &n)| lambda * s / n.max(least)).collect();
     for (row, g) in matrix.chunks_exact(codes).zip(gradient.chunks_exact_mut(codes)) {
-        g.iter_mut().zip(row).zip(&pull).for_each(|((g, w), p)| *g += w * p);
+        g.iter_mut().zip(row).zip(&pull).for_each(|((g, &w), &p)| *g += w * p);
     }
-    f64::from(lambda) * sums.iter().zip(&norms).map(|(s, n)| f64::from(s * n)).sum::<f64>()
+    lambda.wide() * sums.iter().zip(&norms).map(|(&s, &n)| (s * n).wide()).sum::<f64>()
 }
 
 /// z_t − z_{t−1} with z_0 = 0; `t` counts from 0.
-fn subtract_previous(z: &[Vec<f32>], t: usize, change: &mut [f32]) {
+fn subtract_previous<T: Real>(z: &[Vec<T>], t: usize, change: &mut [T]) {
     change.copy_from_slice(&z[t][..change.len()]);
     if t > 0 {
         subtract(change, &z[t - 1]);
     }
 }
 
-fn add(sum: &mut [f32], more: &[f32]) {
-    sum.iter_mut().zip(more).for_each(|(s, m)| *s += m);
+fn add<T: Real>(sum: &mut [T], more: &[T]) {
+    sum.iter_mut().zip(more).for_each(|(s, &m)| *s += m);
 }
 
-fn subtract(difference: &mut [f32], less: &[f32]) {
-    difference.iter_mut().zip(less).for_each(|(d, l)| *d -= l);
+fn subtract<T: Real>(difference: &mut [T], less: &[T]) {
+    difference.iter_mut().zip(less).for_each(|(d, &l)| *d -= l);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::Window;
-    use proptest::prelude::*;
-
-    fn noise(length: usize, seed: u32, scale: f32) -> Vec<f32> {
-        let mut state = u64::from(seed) * 2 + 1;
-        (0..length)
-            .map(|_| {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                ((state >> 33) as f32 / (1u64 << 30) as f32 - 1.0) * scale
-            })
-            .collect()
-    }
-
-    /// The loss, and the sign of every code: where one changes, the loss has a kink.
-    fn loss_at(
-        form: Form,
-        weights: &[f32],
-        y: &[f32],
-        x: &[f32],
-        importance: &[f32],
-        lambda: f32,
-    ) -> (f64, Vec<i8>) {
-        let mut pass = Pass::new(form, importance.len());
-        let (mut errors, mut gradient) = (vec![0.0; importance.len()], vec![0.0; weights.len()]);
-        let loss = pass.gradient(weights, y, x, importance, lambda, &mut errors, &mut gradient);
-        let signs = pass.z.iter().flatten().map(|z| i8::from(*z > 0.0) - i8::from(*z < 0.0)).collect();
-        (loss.squared + loss.sparsity, signs)
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(100))]
-        #[test]
-        fn the_gradient_equals_finite_differences(
-            layers in 2usize..=10, one_sided: bool, difference: bool, linear_path: bool, tied: bool, seed in 0u32..9999
-        ) {
-            let form = Form {
-                window: Window::new(8).unwrap(),
-                codes: 6,
-                layers,
-                shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
-                recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
-                linear_path,
-                tied,
-            };
-            let layout = Layout::new(&form);
-            let mut weights = noise(layout.len(), seed, 0.3);
-            for theta in &layout.thresholds {
-                weights[theta.clone()].iter_mut().for_each(|t| *t = 0.02 + t.abs() * 0.2);
-            }
-            let (y, x) = (noise(3 * 64, seed + 1, 1.0), noise(3 * RGB_OUTPUTS, seed + 2, 1.0));
-            let importance = [1.0, 0.5, 2.0];
-            let mut pass = Pass::new(form, 3);
-            let (mut errors, mut gradient) = ([0.0; 3], vec![0.0; layout.len()]);
-            pass.gradient(&weights, &y, &x, &importance, 0.01, &mut errors, &mut gradient);
-            // Along a random direction of each matrix the slope must be the gradient's.
-            let groups = std::iter::once(&layout.analysis)
-                .chain(&layout.thresholds)
-                .chain(&layout.recurrent)
-                .chain([&layout.dictionary, &layout.linear_path]);
-            for (i, range) in groups.filter(|r| !r.is_empty()).enumerate() {
-                let direction = noise(range.len(), seed + 10 + i as u32, 1.0);
-                let slope: f64 = direction.iter().zip(&gradient[range.clone()]).map(|(d, g)| f64::from(d * g)).sum();
-                let step = 1e-3 / direction.iter().map(|d| d * d).sum::<f32>().sqrt();
-                let at = |sign: f32| {
-                    let mut moved = weights.clone();
-                    moved[range.clone()].iter_mut().zip(&direction).for_each(|(w, d)| *w += sign * step * d);
-                    loss_at(form, &moved, &y, &x, &importance, 0.01)
-                };
-                let ((above, signs_above), (below, signs_below)) = (at(1.0), at(-1.0));
-                if signs_above != signs_below {
-                    continue;
-                }
-                let measured = (above - below) / f64::from(2.0 * step);
-                // What f32 sums of this size leave open.
-                let tolerance = 0.03 * slope.abs().max(measured.abs()) + 4e-6 * above / f64::from(step);
-                prop_assert!((slope - measured).abs() <= tolerance, "{} {} {:?}", slope, measured, range);
-            }
-        }
-    }
 
     #[test]
     fn two_sided_shrinkage_moves_toward_zero_and_stops_there() {

@@ -3,10 +3,15 @@
 //! Neighbouring pixels are nearly equal, so one small step of all of A's entries moves every code a lot along the mean and
 //! hardly at all along what is fine. With E[y·yᵀ] = L·Lᵀ, training moves A′ = A·L and R′ = R·L instead; the network is unchanged.
 
-use crate::linear_algebra::{cholesky, solve_upper};
-use crate::matmul::{Into, Mat, product};
+use crate::matmul::{Destination, Mat, product};
 use crate::parameters::Layout;
+use edof_numerics::Cholesky;
+use ndarray::Array2;
+use rayon::prelude::*;
 use std::ops::Range;
+
+/// Rows of a matrix that one thread multiplies at a time.
+const ROWS: usize = 48;
 
 /// The change of coordinates of one run; decided by a batch of its windows.
 #[derive(Debug, Clone)]
@@ -25,15 +30,14 @@ impl Precondition {
     /// Coordinates that whiten `inputs` (windows × pixels); directions weaker than `floor` (mean square) are not amplified further.
     #[must_use]
     pub fn new(layout: &Layout, inputs: &[f32], pixels: usize, floor: f64) -> Self {
-        let factor = cholesky(&second_moment(inputs, pixels, floor), pixels);
-        Self(vec![Block::new(vec![layout.analysis.clone(), layout.linear_path.clone()], &factor, pixels)])
+        let factor = Cholesky::of_moments(second_moment(inputs, pixels, floor).view());
+        Self(vec![Block::new(vec![layout.analysis.clone(), layout.linear_path.clone()], &factor)])
     }
 
-    /// Coordinates in which each matrix acts on white inputs; beside it stands the factor L (row-major) of their moments, and
-    /// their number.
+    /// Coordinates in which each matrix acts on white inputs; beside it stands the factor of their moments.
     #[must_use]
-    pub fn of<'a>(matrices: impl IntoIterator<Item = (Range<usize>, &'a [f64], usize)>) -> Self {
-        Self(matrices.into_iter().map(|(matrix, l, inputs)| Block::new(vec![matrix], l, inputs)).collect())
+    pub fn of<'a>(matrices: impl IntoIterator<Item = (Range<usize>, &'a Cholesky)>) -> Self {
+        Self(matrices.into_iter().map(|(matrix, factor)| Block::new(vec![matrix], factor)).collect())
     }
 
     /// The network's weights for those in training coordinates.
@@ -57,16 +61,10 @@ impl Precondition {
 }
 
 impl Block {
-    fn new(matrices: Vec<Range<usize>>, factor: &[f64], inputs: usize) -> Self {
-        let mut whiten = vec![0.0; inputs * inputs];
-        for (column, row) in whiten.chunks_exact_mut(inputs).enumerate() {
-            // Row `column` of L⁻ᵀ is column `column` of L⁻¹.
-            let mut unit = vec![0.0; inputs];
-            unit[column] = 1.0;
-            solve_upper(factor, inputs, &mut unit);
-            row.iter_mut().zip(&unit).for_each(|(w, u)| *w = *u as f32);
-        }
-        Self { matrices, inputs, whiten, colour: factor.iter().map(|v| *v as f32).collect() }
+    fn new(matrices: Vec<Range<usize>>, factor: &Cholesky) -> Self {
+        let flat = |matrix: &Array2<f64>| matrix.iter().map(|v| *v as f32).collect::<Vec<_>>();
+        let colour = factor.lower();
+        Self { matrices, inputs: colour.nrows(), whiten: flat(&factor.whitening()), colour: flat(colour) }
     }
 
     fn matrix<'a>(&self, values: &'a [f32]) -> Mat<'a> {
@@ -75,32 +73,36 @@ impl Block {
 
     fn multiply(&self, from: &[f32], to: &mut [f32], by: Mat<'_>) {
         for range in self.matrices.iter().filter(|r| !r.is_empty()) {
-            let matrix = Mat::new(&from[range.clone()], range.len() / self.inputs, self.inputs);
-            product(&mut to[range.clone()], Into::Replace, matrix, by);
+            let piece = ROWS * self.inputs;
+            let pieces = to[range.clone()].par_chunks_mut(piece).zip(from[range.clone()].par_chunks(piece));
+            pieces.for_each(|(to, from)| {
+                let matrix = Mat::new(from, from.len() / self.inputs, self.inputs);
+                product(to, Destination::Replace, matrix, by);
+            });
         }
     }
 }
 
-/// Row-major mean of y·yᵀ over rows of `values`, with `floor` added to its diagonal.
-fn second_moment(values: &[f32], n: usize, floor: f64) -> Vec<f64> {
+/// Mean of y·yᵀ over rows of `values`, with `floor` added to its diagonal.
+fn second_moment(values: &[f32], n: usize, floor: f64) -> Array2<f64> {
     let count = values.len() / n;
-    let mut sums = vec![0.0f64; n * n];
+    let mut sums = Array2::<f64>::zeros((n, n));
     // f32 products of a few hundred rows lose nothing that matters; the sum over all rows is kept in f64.
     let mut part = vec![0.0f32; n * n];
     for rows in values.chunks(256 * n) {
         let rows = Mat::new(rows, rows.len() / n, n);
-        product(&mut part, Into::Replace, rows.t(), rows);
+        product(&mut part, Destination::Replace, rows.t(), rows);
         sums.iter_mut().zip(&part).for_each(|(s, &p)| *s += f64::from(p));
     }
-    sums.iter_mut().for_each(|s| *s /= count as f64);
-    (0..n).for_each(|i| sums[i * n + i] += floor);
+    sums /= count as f64;
+    sums.diag_mut().mapv_inplace(|v| v + floor);
     sums
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::patches::Random;
+    use crate::random::Random;
     use edof_spec::Window;
     use edof_spec::network::{Form, Recurrence, Shrinkage};
 

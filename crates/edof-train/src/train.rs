@@ -1,134 +1,20 @@
-//! The training recipe: random windows, Adam with a cosine schedule, validation, checkpoints, exact resume.
-//!
-//! The squared error of a window is weighed by the running mean error of its cell (its photo, ψ and noise class): see
-//! [`Balance`].
+//! A training run: random windows, Adam with a cosine schedule, validation, exact resume.
 
 use crate::adam::Adam;
-use crate::initial::{self, Start};
+use crate::dataset::{Batch, Dataset};
+use crate::initial::{SAMPLES, initial};
+use crate::noise::Conditions;
 use crate::parameters::{Layout, unflatten};
 use crate::pass::Pass;
-use crate::patches::{Bank, Batch, Random};
 use crate::precondition::Precondition;
-use edof_spec::Camera;
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::network::{Form, Network, Origin, Shrinkage};
+use crate::random::Random;
+use crate::recipe::{Recipe, RecipeError, SHARES, value};
+use crate::validation::{Validation, ValidationSets};
+use crate::weighting::remember;
+use edof_spec::network::{Condition, Form, Network, Origin, Shrinkage};
+use edof_spec::provenance::Provenance;
+use edof_spec::{Camera, Tone};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-
-/// How much windows of easy and of hard cells weigh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Balance {
-    /// By 1 over the cell's mean error: the sum falls as the mean of log MSE does, so the mean PSNR is what is trained, and the
-    /// hard cells (largest ψ, with noise) pay for easy ones.
-    Psnr,
-    /// By 1 over the root of it: between the two.
-    Root,
-    /// All alike: busy photos at the far end of the range outweigh all else.
-    Mse,
-}
-
-impl Balance {
-    /// Weight of a window whose cell's mean error is `running`. A cell at `reference` weighs the same in all three, which gives
-    /// λ its unit.
-    fn importance(self, running: f32, reference: f32) -> f32 {
-        match self {
-            Self::Psnr => 1.0 / running,
-            Self::Root => 1.0 / (running * reference).sqrt(),
-            Self::Mse => 1.0 / reference,
-        }
-    }
-}
-
-/// Everything that decides a training run, besides photos and camera.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Recipe {
-    /// The network's form.
-    pub form: Form,
-    /// Largest noise σ, in units of full scale.
-    pub noise: f32,
-    /// One window in so many has no noise at all.
-    pub noiseless: usize,
-    /// How much windows of easy and of hard cells weigh.
-    pub balance: Balance,
-    /// Windows a step.
-    pub batch: usize,
-    /// Steps of the whole schedule.
-    pub steps: u64,
-    /// Adam's largest rate.
-    pub rate: f32,
-    /// Rate of D and R, relative to `rate`.
-    pub output_rate: f32,
-    /// Rate of θ, relative to `rate`.
-    pub threshold_rate: f32,
-    /// λ: how much a unit of |z|·‖column‖ costs.
-    pub lambda: f32,
-    /// Where to start from.
-    pub start: Start,
-    /// Seed of everything random.
-    pub seed: u64,
-    /// Workers; the same number gives the same bytes.
-    pub threads: usize,
-    /// Steps between validations.
-    pub validate_every: u64,
-    /// Validations without a better one after which training stops early.
-    pub patience: u32,
-}
-
-impl Recipe {
-    /// What worked best for a form (see `docs/decisions/`).
-    #[must_use]
-    pub const fn new(form: Form) -> Self {
-        Self {
-            form,
-            noise: 0.015,
-            noiseless: 8,
-            balance: Balance::Root,
-            batch: 1024,
-            steps: 100_000,
-            rate: match form.shrinkage {
-                Shrinkage::OneSided => 1.5e-3,
-                Shrinkage::TwoSided => 2e-3,
-            },
-            output_rate: 0.2,
-            threshold_rate: 0.15,
-            lambda: 3e-5,
-            start: Start::Whitened,
-            seed: 1,
-            threads: 2,
-            validate_every: 2_000,
-            patience: 30,
-        }
-    }
-}
-
-/// A recipe that cannot be followed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RecipeError {
-    /// The form is none.
-    #[error(transparent)]
-    Form(#[from] edof_spec::network::NetworkError),
-    /// A number out of range.
-    #[error("{field} {value}: must be {expected}")]
-    Value {
-        /// Which.
-        field: &'static str,
-        /// What it is.
-        value: String,
-        /// What would have been right.
-        expected: &'static str,
-    },
-    /// Weights became NaN or infinite.
-    #[error("training diverged at step {step}: the loss is {loss}; lower --rate (now {rate})")]
-    Diverged {
-        /// When.
-        step: u64,
-        /// The loss then.
-        loss: f64,
-        /// The rate it ran with.
-        rate: f32,
-    },
-}
 
 /// Everything that changes while training runs; what a checkpoint holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,16 +27,33 @@ pub struct State {
     pub adam: Adam,
     /// Running mean of the squared error of each cell; 0 where none was seen yet.
     pub cell_errors: Vec<f32>,
+    /// λ of each shrinkage.
+    pub lambdas: Vec<f32>,
     /// The network's weights at the best validation.
     pub best_weights: Vec<f32>,
-    /// PSNR in dB of the best validation.
-    pub best_db: f64,
+    /// The best validation.
+    pub best: Best,
     /// Validations since then.
     pub stale: u32,
 }
 
+/// How good the best validated network is. One that keeps the recipe's budget is better than any that does not; among alike ones
+/// the mean PSNR decides.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Best {
+    /// Whether its non-zeros keep the budget; true where there is none.
+    pub within_budget: bool,
+    /// [`Validation::db`].
+    pub db: f64,
+}
+
+impl Best {
+    /// Worse than every network.
+    pub const NONE: Self = Self { within_budget: false, db: f64::NEG_INFINITY };
+}
+
 /// What is told after each step that is worth telling.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// Steps taken.
     pub step: u64,
@@ -158,12 +61,10 @@ pub struct Progress {
     pub steps: u64,
     /// Mean loss since the last report.
     pub loss: f64,
-    /// Newest validation in dB, if this step had one.
-    pub validation_db: Option<f64>,
+    /// Newest validation, if this step had one.
+    pub validation: Option<Validation>,
     /// Best validation so far.
-    pub best_db: f64,
-    /// Mean count of non-zero codes over all layers, with a validation.
-    pub non_zeros: Option<f64>,
+    pub best: Best,
 }
 
 /// Whether to go on.
@@ -175,11 +76,11 @@ pub enum Continue {
     No,
 }
 
-/// A training run: recipe, photos, state.
+/// A training run: recipe, photographs, state.
 #[derive(Debug)]
 pub struct Trainer<'a> {
     recipe: Recipe,
-    bank: &'a Bank,
+    dataset: &'a Dataset,
     rates: Vec<f32>,
     condition: Precondition,
     /// The network's weights for the state's.
@@ -187,103 +88,93 @@ pub struct Trainer<'a> {
     scratch: Vec<f32>,
     layout: Layout,
     pool: rayon::ThreadPool,
-    workers: Vec<Worker>,
-    validation: Vec<ValidationSet>,
+    shares: Vec<Share>,
+    validation: ValidationSets,
     /// What a checkpoint holds.
     pub state: State,
 }
 
+/// One part of a batch, and what became of it.
 #[derive(Debug)]
-struct Worker {
+struct Share {
     pass: Pass,
     batch: Batch,
     importance: Vec<f32>,
     errors: Vec<f32>,
     gradient: Vec<f32>,
     loss: f64,
+    /// Windows at the noise where networks are judged, and the non-zeros of each shrinkage on them.
+    judged: (u32, Vec<u32>),
 }
 
-#[derive(Debug)]
-struct ValidationSet {
-    batch: Batch,
-}
-
-/// Windows of each validation set; there is one set for each photo, ψ and σ.
-const VALIDATION_WINDOWS: usize = 256;
-/// ψ values of a validation, spread over the bank's.
-const VALIDATION_PSIS: usize = 5;
-/// σ of the validation sets, as shares of the recipe's largest.
-const VALIDATION_NOISE: [f32; 2] = [0.0, 2.0 / 3.0];
 /// Windows that training coordinates are computed from.
 const WHITENING_WINDOWS: usize = 16_384;
 /// Mean square below which a direction of the window counts as noise.
 const WHITENING_FLOOR: f64 = 2e-5;
 /// Steps over which the rate rises from 0.
 const WARM_UP: u64 = 500;
-/// Mean square error (36 dB) of a cell that weighs the same whatever the balance.
-const REFERENCE_ERROR: f32 = 2.5e-4;
-/// How much of a cell's running error one window replaces.
-const CELL_RATE: f32 = 0.02;
+/// Weights that one thread adds up at a time.
+const PIECE: usize = 8192;
 
 impl<'a> Trainer<'a> {
-    /// A new run.
+    /// A new run on `threads` threads; their number changes no byte.
     ///
     /// # Errors
     /// [`RecipeError`].
-    pub fn new(recipe: Recipe, bank: &'a Bank) -> Result<Self, RecipeError> {
-        check(&recipe, bank)?;
-        let network = first_network(&recipe, bank);
+    pub fn new(recipe: Recipe, dataset: &'a Dataset, threads: usize) -> Result<Self, RecipeError> {
+        recipe.check_with(dataset)?;
+        let network = start(&recipe, dataset);
         let mut weights = network.clone();
-        condition(&recipe, bank).to_trained(&network, &mut weights);
+        condition(&recipe, dataset).to_trained(&network, &mut weights);
         let state = State {
             step: 0,
             adam: Adam::new(weights.len()),
-            cell_errors: vec![0.0; bank.cells()],
+            cell_errors: vec![0.0; dataset.cells()],
+            lambdas: recipe.lambdas(),
             best_weights: network,
-            best_db: f64::NEG_INFINITY,
+            best: Best::NONE,
             stale: 0,
             weights,
         };
-        Self::resume(recipe, bank, state)
+        Self::resume(recipe, dataset, threads, state)
     }
 
     /// A run that goes on from a state; it draws the windows that it would have drawn without the break.
     ///
     /// # Errors
     /// [`RecipeError`].
-    pub fn resume(recipe: Recipe, bank: &'a Bank, state: State) -> Result<Self, RecipeError> {
-        check(&recipe, bank)?;
+    pub fn resume(
+        recipe: Recipe,
+        dataset: &'a Dataset,
+        threads: usize,
+        state: State,
+    ) -> Result<Self, RecipeError> {
+        recipe.check_with(dataset)?;
         let layout = Layout::new(&recipe.form);
         for (field, found, expected) in [
             ("checkpoint weights", state.weights.len(), layout.len()),
-            ("checkpoint cells", state.cell_errors.len(), bank.cells()),
+            ("checkpoint cells", state.cell_errors.len(), dataset.cells()),
+            ("checkpoint lambdas", state.lambdas.len(), recipe.form.shrinkages()),
         ] {
             if found != expected {
-                return Err(value(field, found, "as many as this form and these photos have"));
+                return Err(value(field, found, format!("{expected}, as this form and these photos have")));
             }
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(recipe.threads).build().map_err(|e| {
-            value("threads", format!("{} ({e})", recipe.threads), "a number the system can start")
-        })?;
-        let share = recipe.batch / recipe.threads;
-        let workers = (0..recipe.threads).map(|_| Worker::new(&recipe.form, share, layout.len())).collect();
-        let validation = validation_sets(bank, &recipe);
-        let rates = rates(&layout, &recipe);
-        let condition = condition(&recipe, bank);
+        let pool = pool(threads)?;
+        let condition = condition(&recipe, dataset);
         let mut weights = vec![0.0; layout.len()];
         condition.to_network(&state.weights, &mut weights);
-        let scratch = weights.clone();
         Ok(Self {
-            recipe,
-            bank,
-            rates,
+            dataset,
+            rates: rates(&layout, &recipe),
+            scratch: weights.clone(),
+            shares: (0..SHARES).map(|_| Share::new(&recipe, layout.len())).collect(),
+            validation: pool.install(|| ValidationSets::new(dataset, &recipe.conditions)),
             condition,
             weights,
-            scratch,
             layout,
             pool,
-            workers,
-            validation,
+            recipe,
             state,
         })
     }
@@ -292,6 +183,12 @@ impl<'a> Trainer<'a> {
     #[must_use]
     pub const fn recipe(&self) -> &Recipe {
         &self.recipe
+    }
+
+    /// ψ at a position of [`crate::dataset::Place`].
+    #[must_use]
+    pub fn psi(&self, position: usize) -> f64 {
+        self.dataset.psis()[position]
     }
 
     /// Trains until the schedule ends, patience is spent, or `tell` says no. `tell` is called after every step of a hundred and
@@ -311,20 +208,12 @@ impl<'a> Trainer<'a> {
             let step = self.state.step;
             let due = step.is_multiple_of(self.recipe.validate_every) || step == self.recipe.steps;
             let validation = due.then(|| self.validate());
-            if let Some((db, _)) = validation {
-                self.keep_best(db);
-            }
+            validation.iter().for_each(|v| self.keep_best(v));
             if due || step.is_multiple_of(100) {
-                let progress = Progress {
-                    step,
-                    steps: self.recipe.steps,
-                    loss: sum / f64::from(count),
-                    validation_db: validation.map(|v| v.0),
-                    best_db: self.state.best_db,
-                    non_zeros: validation.map(|v| v.1),
-                };
+                let loss = sum / f64::from(count);
+                let (steps, best) = (self.recipe.steps, self.state.best);
                 (sum, count) = (0.0, 0);
-                if tell(self, &progress) == Continue::No {
+                if tell(self, &Progress { step, steps, loss, validation, best }) == Continue::No {
                     break;
                 }
             }
@@ -334,53 +223,54 @@ impl<'a> Trainer<'a> {
 
     /// One batch and one step of Adam. Returns the mean loss of a window.
     pub fn step(&mut self) -> f64 {
-        let (recipe, bank, state, weights) = (&self.recipe, self.bank, &self.state, &self.weights);
+        let (recipe, dataset, state, weights) = (&self.recipe, self.dataset, &self.state, &self.weights);
         self.pool.install(|| {
-            self.workers.par_iter_mut().enumerate().for_each(|(index, worker)| {
+            self.shares.par_iter_mut().enumerate().for_each(|(index, share)| {
                 let mut random = Random::new(recipe.seed, state.step, index as u64);
-                bank.draw(&mut random, recipe.noise, recipe.noiseless, &mut worker.batch);
-                worker.differentiate(weights, state, recipe);
+                dataset.draw(&mut random, &recipe.conditions, &mut share.batch);
+                share.differentiate(weights, state, recipe);
             });
         });
-        let loss = self.workers.iter().map(|w| w.loss).sum::<f64>() / recipe.batch as f64;
+        let loss = self.shares.iter().map(|w| w.loss).sum::<f64>() / recipe.batch as f64;
         self.update();
         loss
     }
 
-    /// Mean PSNR in dB over photos, ψ and σ on validation windows, and the mean count of non-zero codes a layer.
-    pub fn validate(&mut self) -> (f64, f64) {
-        let (weights, form) = (&self.weights, self.recipe.form);
-        let measured: Vec<(f64, f64)> = self.pool.install(|| {
-            self.validation
-                .par_iter()
-                .map_init(
-                    || Pass::new(form, VALIDATION_WINDOWS),
-                    |pass, set| set.measure(pass, weights, &form),
-                )
-                .collect()
-        });
-        let mean =
-            |pick: fn(&(f64, f64)) -> f64| measured.iter().map(pick).sum::<f64>() / measured.len() as f64;
-        (mean(|m| m.0), mean(|m| m.1))
+    /// Runs the network now over the validation windows.
+    #[must_use]
+    pub fn validate(&self) -> Validation {
+        self.pool.install(|| self.validation.measure(self.recipe.form, &self.weights))
+    }
+
+    /// Runs the network of the best validation over the validation windows once more.
+    #[must_use]
+    pub fn validate_best(&self) -> Validation {
+        self.pool.install(|| self.validation.measure(self.recipe.form, &self.state.best_weights))
     }
 
     /// The network of the best validation so far.
     #[must_use]
-    pub fn best(&self, name: &str, camera: &Camera, command: &str) -> Network {
+    pub fn best(&self, name: &str, camera: &Camera, provenance: Provenance) -> Network {
+        let most = |&tone: &Tone| Condition { tone, noise: self.recipe.conditions.at(tone, 1.0) };
+        let non_zeros = self.validate_best().non_zeros(true);
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
-            noise: f64::from(self.recipe.noise),
-            command: command.to_owned(),
+            conditions: self.recipe.tones.iter().map(most).collect(),
             patches: self.state.step * self.recipe.batch as u64,
-            validation_db: (self.state.best_db * 1e4).round() / 1e4,
+            validation_db: (self.state.best.db * 1e4).round() / 1e4,
+            non_zeros: non_zeros.iter().map(|n| (n * 1e2).round() / 1e2).collect(),
+            provenance,
         };
         unflatten(self.recipe.form, &self.state.best_weights, origin)
     }
 
-    fn keep_best(&mut self, db: f64) {
-        if db > self.state.best_db {
-            self.state.best_db = db;
+    fn keep_best(&mut self, validation: &Validation) {
+        let budget = self.recipe.budget.as_ref();
+        let within_budget = budget.is_none_or(|b| b.keeps(&validation.non_zeros(true)));
+        let found = Best { within_budget, db: validation.db() };
+        if found > self.state.best {
+            self.state.best = found;
             self.state.stale = 0;
             self.state.best_weights.clone_from(&self.weights);
         } else {
@@ -389,82 +279,95 @@ impl<'a> Trainer<'a> {
     }
 
     fn update(&mut self) {
-        let (first, others) = self.workers.split_at_mut(1);
+        let schedule = schedule(self.state.step, self.recipe.steps);
+        let (first, others) = self.shares.split_at_mut(1);
         let gradient = &mut first[0].gradient;
-        for worker in others.iter() {
-            gradient.iter_mut().zip(&worker.gradient).for_each(|(g, w)| *g += w);
-        }
-        let scale = 1.0 / self.recipe.batch as f32;
-        gradient.iter_mut().for_each(|g| *g *= scale);
-        self.condition.pull_back(gradient, &mut self.scratch);
-        let rate = self.recipe.rate * schedule(self.state.step, self.recipe.steps);
-        self.state.adam.step(&mut self.state.weights, gradient, rate, &self.rates);
-        if self.recipe.form.shrinkage == Shrinkage::TwoSided {
-            for theta in &self.layout.thresholds {
-                self.state.weights[theta.clone()].iter_mut().for_each(|t| *t = t.max(0.0));
+        self.pool.install(|| {
+            add_up(gradient, others, 1.0 / self.recipe.batch as f32);
+            self.condition.pull_back(gradient, &mut self.scratch);
+            let rate = self.recipe.rate * schedule;
+            self.state.adam.step(&mut self.state.weights, gradient, rate, &self.rates);
+            if self.recipe.form.shrinkage == Shrinkage::TwoSided {
+                for theta in &self.layout.thresholds {
+                    self.state.weights[theta.clone()].iter_mut().for_each(|t| *t = t.max(0.0));
+                }
             }
+            self.condition.to_network(&self.state.weights, &mut self.weights);
+        });
+        for share in &self.shares {
+            remember(&mut self.state.cell_errors, &share.batch.cells, &share.errors);
         }
-        self.condition.to_network(&self.state.weights, &mut self.weights);
-        for worker in &self.workers {
-            for (&cell, &error) in worker.batch.cells.iter().zip(&worker.errors) {
-                let running = &mut self.state.cell_errors[cell as usize];
-                *running = if *running == 0.0 { error } else { *running + CELL_RATE * (error - *running) };
-            }
-        }
+        self.steer(schedule);
         self.state.step += 1;
+    }
+
+    /// Moves λ toward the budget by what this batch's codes were.
+    fn steer(&mut self, schedule: f32) {
+        let Some(budget) = &self.recipe.budget else { return };
+        let windows: u32 = self.shares.iter().map(|s| s.judged.0).sum();
+        if windows == 0 {
+            return;
+        }
+        let count = |t: usize| self.shares.iter().map(|s| s.judged.1[t]).sum::<u32>();
+        let measured: Vec<f32> =
+            (0..self.recipe.form.shrinkages()).map(|t| count(t) as f32 / windows as f32).collect();
+        budget.steer(&mut self.state.lambdas, &measured, schedule);
     }
 }
 
-impl Worker {
-    fn new(form: &Form, windows: usize, weights: usize) -> Self {
+/// The first share's gradient becomes the sum of all shares', times `scale`; each weight's in the order of the shares.
+fn add_up(first: &mut [f32], others: &[Share], scale: f32) {
+    first.par_chunks_mut(PIECE).enumerate().for_each(|(piece, sum)| {
+        let start = piece * PIECE;
+        for share in others {
+            let more = &share.gradient[start..start + sum.len()];
+            sum.iter_mut().zip(more).for_each(|(s, m)| *s += m);
+        }
+        sum.iter_mut().for_each(|s| *s *= scale);
+    });
+}
+
+impl Share {
+    fn new(recipe: &Recipe, weights: usize) -> Self {
+        let (form, windows) = (recipe.form, recipe.batch / SHARES);
         Self {
-            pass: Pass::new(*form, windows),
+            pass: Pass::new(form, windows),
             batch: Batch::new(form.window, windows),
             importance: vec![0.0; windows],
             errors: vec![0.0; windows],
             gradient: vec![0.0; weights],
             loss: 0.0,
+            judged: (0, vec![0; form.shrinkages()]),
         }
     }
 
     fn differentiate(&mut self, weights: &[f32], state: &State, recipe: &Recipe) {
-        // A window's error may not weigh more than if its cell were at 60 dB.
-        let least = RGB_OUTPUTS as f32 * 1e-6;
-        let reference = RGB_OUTPUTS as f32 * REFERENCE_ERROR;
         for (importance, &cell) in self.importance.iter_mut().zip(&self.batch.cells) {
-            let running = state.cell_errors[cell as usize];
-            *importance =
-                if running == 0.0 { 1.0 } else { recipe.balance.importance(running.max(least), reference) };
+            *importance = recipe.weighting.importance(state.cell_errors[cell as usize]);
         }
         self.gradient.fill(0.0);
-        let loss = self.pass.gradient(
-            weights,
-            &self.batch.inputs,
-            &self.batch.targets,
-            &self.importance,
-            recipe.lambda,
-            &mut self.errors,
-            &mut self.gradient,
-        );
+        let examples = self.batch.examples(&self.importance);
+        let (errors, gradient) = (&mut self.errors, &mut self.gradient);
+        let loss = self.pass.gradient(weights, &examples, &state.lambdas, errors, gradient);
         self.loss = loss.squared + loss.sparsity;
+        if recipe.budget.is_some() {
+            self.count_non_zeros(&recipe.form);
+        }
     }
-}
 
-impl ValidationSet {
-    fn measure(&self, pass: &mut Pass, weights: &[f32], form: &Form) -> (f64, f64) {
-        let windows = self.batch.cells.len();
-        let outputs = pass.forward(weights, &self.batch.inputs, windows);
-        let squared: f64 = outputs
-            .iter()
-            .zip(&self.batch.targets)
-            .map(|(o, x)| f64::from(o.clamp(0.0, 1.0) - x).powi(2))
-            .sum();
-        let mse = (squared / outputs.len() as f64).max(1e-12);
-        let used = windows * form.codes;
-        let non_zeros = (0..form.shrinkages())
-            .map(|t| pass.z(t)[..used].iter().filter(|z| **z != 0.0).count())
-            .sum::<usize>();
-        (-10.0 * mse.log10(), non_zeros as f64 / (windows * form.shrinkages()) as f64)
+    fn count_non_zeros(&mut self, form: &Form) {
+        self.judged.0 = 0;
+        self.judged.1.fill(0);
+        for (window, (tone, class)) in self.batch.tones.iter().zip(&self.batch.classes).enumerate() {
+            if usize::from(*class) != Conditions::class(Conditions::judged(*tone)) {
+                continue;
+            }
+            self.judged.0 += 1;
+            for (t, count) in self.judged.1.iter_mut().enumerate() {
+                let z = &self.pass.z(t)[window * form.codes..][..form.codes];
+                *count += z.iter().map(|z| u32::from(*z != 0.0)).sum::<u32>();
+            }
+        }
     }
 }
 
@@ -475,18 +378,18 @@ fn schedule(step: u64, steps: u64) -> f32 {
     rise * (0.001 + 0.999 * 0.5 * (1.0 + (std::f32::consts::PI * done).cos()))
 }
 
-/// Where training starts: the same recipe gives the same weights.
-fn first_network(recipe: &Recipe, bank: &Bank) -> Vec<f32> {
+/// Starting weights from windows like those to come.
+fn start(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
     let mut random = Random::new(recipe.seed, u64::MAX, 0);
-    let mut batch = Batch::new(recipe.form.window, initial::SAMPLES);
-    bank.draw(&mut random, recipe.noise, recipe.noiseless, &mut batch);
-    initial::initial(&recipe.form, recipe.start, &batch, &mut random)
+    let mut batch = Batch::new(recipe.form.window, SAMPLES);
+    dataset.draw(&mut random, &recipe.conditions, &mut batch);
+    initial(&recipe.form, recipe.start, &batch, &mut random)
 }
 
 /// Coordinates from a batch of training windows; the same for a resumed run.
-fn condition(recipe: &Recipe, bank: &Bank) -> Precondition {
+fn condition(recipe: &Recipe, dataset: &Dataset) -> Precondition {
     let mut batch = Batch::new(recipe.form.window, WHITENING_WINDOWS);
-    bank.draw(&mut Random::new(recipe.seed, u64::MAX, 1), recipe.noise, recipe.noiseless, &mut batch);
+    dataset.draw(&mut Random::new(recipe.seed, u64::MAX, 1), &recipe.conditions, &mut batch);
     Precondition::new(&Layout::new(&recipe.form), &batch.inputs, recipe.form.window.pixels(), WHITENING_FLOOR)
 }
 
@@ -498,63 +401,12 @@ fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {
     rates
 }
 
-fn validation_sets(bank: &Bank, recipe: &Recipe) -> Vec<ValidationSet> {
-    let psis = bank.psis().len();
-    let spread: Vec<usize> = if psis <= VALIDATION_PSIS {
-        (0..psis).collect()
-    } else {
-        (0..VALIDATION_PSIS).map(|i| i * (psis - 1) / (VALIDATION_PSIS - 1)).collect()
-    };
-    let mut sets = Vec::new();
-    for photo in 0..bank.photos() {
-        for &psi in &spread {
-            for share in VALIDATION_NOISE {
-                let mut batch = Batch::new(bank.window(), VALIDATION_WINDOWS);
-                // Not the recipe's seed: every run is judged by the same windows.
-                let mut random = Random::new(0x5EED, sets.len() as u64, 0);
-                bank.draw_validation(&mut random, photo, psi, share * recipe.noise, &mut batch);
-                sets.push(ValidationSet { batch });
-            }
-        }
+fn pool(threads: usize) -> Result<rayon::ThreadPool, RecipeError> {
+    if threads == 0 || threads > 256 {
+        return Err(value("threads", threads, "1 to 256"));
     }
-    sets
-}
-
-fn value(field: &'static str, found: impl ToString, expected: &'static str) -> RecipeError {
-    RecipeError::Value { field, value: found.to_string(), expected }
-}
-
-fn check(recipe: &Recipe, bank: &Bank) -> Result<(), RecipeError> {
-    recipe.form.check()?;
-    if recipe.form.window != bank.window() {
-        return Err(value("window", recipe.form.window.side(), "the window that the photos were cut for"));
-    }
-    if recipe.threads == 0 || recipe.threads > 256 {
-        return Err(value("threads", recipe.threads, "1 to 256"));
-    }
-    if recipe.batch == 0 || !recipe.batch.is_multiple_of(recipe.threads) {
-        return Err(value("batch", recipe.batch, "a positive multiple of the threads"));
-    }
-    if recipe.noiseless == 0 {
-        return Err(value("noiseless", 0, "1 or more"));
-    }
-    if recipe.steps == 0 || recipe.validate_every == 0 {
-        return Err(value("steps", recipe.steps.min(recipe.validate_every), "1 or more"));
-    }
-    let numbers = [
-        ("rate", recipe.rate),
-        ("output_rate", recipe.output_rate),
-        ("threshold_rate", recipe.threshold_rate),
-    ];
-    for (field, number) in numbers {
-        if !(number.is_finite() && number > 0.0) {
-            return Err(value(field, number, "a positive number"));
-        }
-    }
-    for (field, number) in [("lambda", recipe.lambda), ("noise", recipe.noise)] {
-        if !(number.is_finite() && (0.0..=1.0).contains(&number)) {
-            return Err(value(field, number, "0 to 1"));
-        }
-    }
-    Ok(())
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| value("threads", format!("{threads} ({e})"), "a number the system can start"))
 }

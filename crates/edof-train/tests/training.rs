@@ -1,18 +1,27 @@
-//! Training as a whole: it learns, it repeats, it goes on where it was stopped.
+//! Training as a whole: it learns, it repeats, it goes on where it was stopped, whatever the threads.
 
-use edof_optics::psf::Settings;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::{Camera, ColourFrame, Window};
+use edof_spec::provenance::Input;
+use edof_spec::{Camera, ColourFrame, Tone, Window};
+use edof_train::augment::Augmentation;
+use edof_train::budget::Budget;
 use edof_train::checkpoint::{self, CheckpointError, Run};
+use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
-use edof_train::patches::{Bank, Random};
-use edof_train::train::{Continue, Recipe, RecipeError, State, Trainer};
+use edof_train::noise::Conditions;
+use edof_train::random::Random;
+use edof_train::recipe::{Recipe, RecipeError};
+use edof_train::train::{Continue, State, Trainer};
 
 const PSIS: [f64; 2] = [0.0, 4.0];
 
-fn bank(window: usize) -> Bank {
-    // Overlapping discs of random colours: edges at every place and angle.
-    let mut random = Random::new(11, 0, 0);
+/// Overlapping discs of random colours: edges at every place and angle.
+fn discs() -> ColourFrame {
+    drawn(11)
+}
+
+fn drawn(seed: u64) -> ColourFrame {
+    let mut random = Random::new(seed, 0, 0);
     let mut photo = ColourFrame::zeros(256, 256);
     for _ in 0..400 {
         let at = [random.unit() * 256.0, random.unit() * 256.0];
@@ -23,12 +32,19 @@ fn bank(window: usize) -> Bank {
             }
         }
     }
-    let camera = Camera::resolve("clear").unwrap();
-    let window = Window::new(window).unwrap();
-    Bank::new(&[photo], &camera, &PSIS, &Settings::default(), window, |_, _| true).unwrap().unwrap()
+    photo
 }
 
-fn recipe(shrinkage: Shrinkage, threads: usize) -> Recipe {
+fn dataset(recipe: &Recipe) -> Dataset {
+    of(&[discs()], recipe)
+}
+
+fn of(photos: &[ColourFrame], recipe: &Recipe) -> Dataset {
+    let camera = Camera::resolve("clear").unwrap();
+    Dataset::new(photos, &camera, recipe.dataset(&PSIS), |_, _| true).unwrap().unwrap()
+}
+
+fn recipe(shrinkage: Shrinkage) -> Recipe {
     let form = Form {
         window: Window::new(8).unwrap(),
         codes: 48,
@@ -38,7 +54,9 @@ fn recipe(shrinkage: Shrinkage, threads: usize) -> Recipe {
         linear_path: shrinkage == Shrinkage::OneSided,
         tied: false,
     };
-    Recipe { batch: 256, steps: 600, validate_every: 200, threads, ..Recipe::new(form) }
+    let augmentation = Augmentation { variants: 2, saturation: [0.8, 1.2], hue: 20.0, scale: 0.9 };
+    let lambda = vec![3e-5];
+    Recipe { batch: 256, steps: 600, validate_every: 200, augmentation, lambda, ..Recipe::new(form) }
 }
 
 fn run_to(trainer: &mut Trainer<'_>, step: u64) -> State {
@@ -46,54 +64,103 @@ fn run_to(trainer: &mut Trainer<'_>, step: u64) -> State {
     trainer.state.clone()
 }
 
+/// A schedule long enough to gain in, on the photograph as it is.
+fn long(recipe: Recipe) -> Recipe {
+    let (conditions, augmentation) = (Conditions::plain(0.015), Augmentation::NONE);
+    Recipe { steps: 1500, rate: 5e-3, validate_every: 500, conditions, augmentation, ..recipe }
+}
+
+/// Gain in dB over the start, on windows that training has not seen, of photographs enough not to learn by heart.
+fn gain(recipe: Recipe) -> f64 {
+    let dataset = &of(&[1, 2, 3, 4].map(drawn), &recipe);
+    let mut trainer = Trainer::new(recipe, dataset, 2).unwrap();
+    let before = trainer.validate().db();
+    run_to(&mut trainer, 1500);
+    trainer.state.best.db - before
+}
+
 #[test]
 fn training_gains_over_its_start_for_both_shrinkages_and_both_starts() {
-    let bank = bank(8);
-    let longer = |recipe| Recipe { steps: 1500, rate: 5e-3, validate_every: 500, ..recipe };
     for shrinkage in [Shrinkage::OneSided, Shrinkage::TwoSided] {
+        let longer = long(recipe(shrinkage));
         for start in [Start::Whitened, Start::Dictionary] {
-            let mut trainer = Trainer::new(longer(Recipe { start, ..recipe(shrinkage, 2) }), &bank).unwrap();
-            let before = trainer.validate().0;
-            run_to(&mut trainer, 1500);
-            let gain = trainer.state.best_db - before;
-            assert!(gain > 0.2, "{shrinkage:?} {start:?}: {before} dB grew by {gain}");
+            let gain = gain(Recipe { start, ..longer.clone() });
+            assert!(gain > 0.1, "{shrinkage:?} {start:?}: grew by {gain} dB");
         }
     }
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bits_and_a_resumed_run_ends_like_an_unbroken_one() {
-    let bank = bank(8);
-    let recipe = recipe(Shrinkage::OneSided, 2);
-    let whole = run_to(&mut Trainer::new(recipe.clone(), &bank).unwrap(), 400);
-    let half = run_to(&mut Trainer::new(recipe.clone(), &bank).unwrap(), 200);
-    let run = Run {
-        recipe: recipe.clone(),
-        camera: "clear".into(),
-        photos: vec!["discs".into()],
-        psis: PSIS.to_vec(),
-    };
+fn training_gains_in_the_tone_of_pictures_and_in_both_tones_at_once() {
+    for tones in [vec![Tone::Srgb], Tone::ALL.to_vec()] {
+        let recipe =
+            Recipe { tones, steps: 1500, rate: 5e-3, validate_every: 500, ..recipe(Shrinkage::OneSided) };
+        let gain = gain(recipe.clone());
+        assert!(gain > 0.1, "{:?}: grew by {gain} dB", recipe.tones);
+    }
+}
+
+#[test]
+fn lambda_moves_until_the_budget_is_nearly_met() {
+    const TARGET: f64 = 18.0;
+    let budget = Some(Budget { non_zeros: vec![TARGET as f32; 3], rate: 0.02 });
+    let recipe = Recipe { steps: 1500, validate_every: 1500, budget, ..recipe(Shrinkage::OneSided) };
+    let dataset = dataset(&recipe);
+    let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();
+    let excess =
+        |trainer: &Trainer<'_>| trainer.validate().non_zeros(true).into_iter().map(|n| n - TARGET).collect();
+    let before: Vec<f64> = excess(&trainer);
+    run_to(&mut trainer, 1500);
+    let after: Vec<f64> = excess(&trainer);
+    for (after, before) in after.iter().zip(before) {
+        assert!(before > 3.0 && after.abs() < 0.5 * before, "{before} over the target became {after}");
+    }
+}
+
+fn run_of(recipe: &Recipe, photo: &ColourFrame, name: &str) -> Run {
+    let photos = vec![Input::photograph(name, photo)];
+    Run { recipe: recipe.clone(), camera: "clear".into(), photos, psis: PSIS.to_vec() }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_on_any_number_of_threads_and_after_a_break() {
+    let budget = Some(Budget { non_zeros: vec![10.0; 3], rate: 0.01 });
+    let recipe = Recipe { budget, tones: Tone::ALL.to_vec(), ..recipe(Shrinkage::OneSided) };
+    let dataset = dataset(&recipe);
+    let whole = run_to(&mut Trainer::new(recipe.clone(), &dataset, 1).unwrap(), 400);
+    let half = run_to(&mut Trainer::new(recipe.clone(), &dataset, 3).unwrap(), 200);
+    let run = run_of(&recipe, &discs(), "discs");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.checkpoint");
     checkpoint::save(&path, &run, &half).unwrap();
     let loaded = checkpoint::load(&path, &run).unwrap();
     assert_eq!(loaded, half);
-    let resumed = run_to(&mut Trainer::resume(recipe, &bank, loaded).unwrap(), 400);
+    let resumed = run_to(&mut Trainer::resume(recipe, &dataset, 8, loaded).unwrap(), 400);
     assert_eq!(resumed, whole);
+    assert_ne!(whole.lambdas, half.lambdas);
 }
 
 #[test]
 fn a_checkpoint_of_another_run_is_refused_naming_what_differs() {
-    let bank = bank(8);
-    let recipe = recipe(Shrinkage::OneSided, 1);
-    let state = Trainer::new(recipe.clone(), &bank).unwrap().state;
-    let run = Run { recipe, camera: "a".into(), photos: vec!["x".into()], psis: vec![0.0] };
+    let recipe = recipe(Shrinkage::OneSided);
+    let state = Trainer::new(recipe.clone(), &dataset(&recipe), 1).unwrap().state;
+    let mut photo = discs();
+    let run = run_of(&recipe, &photo, "x");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.checkpoint");
     checkpoint::save(&path, &run, &state).unwrap();
-    let other = Run { photos: vec!["y".into()], ..run.clone() };
-    let error = checkpoint::load(&path, &other).unwrap_err().to_string();
-    assert!(error.ends_with(r#"made with photos ["x"], asked to go on with ["y"]"#), "{error}");
+    let refused = |run: &Run| checkpoint::load(&path, run).unwrap_err().to_string();
+    assert!(
+        refused(&run_of(&recipe, &photo, "y"))
+            .contains(r#"made with photos [{"kind":"photograph","name":"x","#)
+    );
+    photo.planes[(0, 5, 5)] += 0.01;
+    assert!(
+        refused(&run_of(&recipe, &photo, "x")).contains("made with photos [{"),
+        "another photo of that name"
+    );
+    let longer = Recipe { steps: 700, ..recipe };
+    assert!(refused(&Run { recipe: longer, ..run.clone() }).contains("made with recipe {"));
     let whole = std::fs::read(&path).unwrap();
     std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     assert!(matches!(checkpoint::load(&path, &run), Err(CheckpointError::Foreign { .. })));
@@ -101,24 +168,40 @@ fn a_checkpoint_of_another_run_is_refused_naming_what_differs() {
 
 #[test]
 fn recipes_that_cannot_be_followed_are_refused() {
-    let bank = bank(8);
+    let dataset = dataset(&recipe(Shrinkage::OneSided));
     let refuse = |change: &dyn Fn(&mut Recipe)| {
-        let mut recipe = recipe(Shrinkage::OneSided, 2);
+        let mut recipe = recipe(Shrinkage::OneSided);
         change(&mut recipe);
-        Trainer::new(recipe, &bank).unwrap_err().to_string()
+        Trainer::new(recipe, &dataset, 2).unwrap_err().to_string()
     };
-    assert_eq!(refuse(&|r| r.batch = 255), "batch 255: must be a positive multiple of the threads");
-    assert_eq!(refuse(&|r| r.threads = 0), "threads 0: must be 1 to 256");
+    assert_eq!(refuse(&|r| r.batch = 255), "batch 255: must be a positive multiple of 8");
     assert_eq!(refuse(&|r| r.rate = f32::NAN), "rate NaN: must be a positive number");
     assert_eq!(refuse(&|r| r.form.layers = 11), "layers 11: must be 2 to 10");
+    assert_eq!(
+        refuse(&|r| r.conditions.exposure = [0.0, 1.0]),
+        "exposure 0:1: must be two factors in order, above 0 and up to 16"
+    );
+    assert_eq!(refuse(&|r| r.conditions.gain = 0.5), "gain 0.5: must be 1 to 1024");
+    assert_eq!(
+        refuse(&|r| r.lambda = vec![0.0; 2]),
+        "lambda with 2 values: must be one for each of the 3 shrinkages"
+    );
+    let budget = |non_zeros: &[f32]| Some(Budget { non_zeros: non_zeros.to_vec(), rate: 1.0 });
+    assert_eq!(refuse(&|r| r.budget = budget(&[9.0, 9.0, 0.0])), "non-zeros 0: must be 1 to 48");
+    assert_eq!(
+        refuse(&|r| r.tones = vec![Tone::Srgb]),
+        "tone srgb: must be the tone that the photos were read in"
+    );
     let other = refuse(&|r| r.form.window = Window::new(12).unwrap());
     assert_eq!(other, "window 12: must be the window that the photos were cut for");
+    let threads = Trainer::new(recipe(Shrinkage::OneSided), &dataset, 0).unwrap_err();
+    assert_eq!(threads.to_string(), "threads 0: must be 1 to 256");
 }
 
 #[test]
 fn a_rate_far_too_high_is_reported_as_divergence() {
-    let bank = bank(8);
-    let recipe = Recipe { rate: 1e30, ..recipe(Shrinkage::OneSided, 1) };
-    let error = Trainer::new(recipe, &bank).unwrap().run(|_, _| Continue::Yes).unwrap_err();
+    let recipe = Recipe { rate: 1e30, ..recipe(Shrinkage::OneSided) };
+    let dataset = dataset(&recipe);
+    let error = Trainer::new(recipe, &dataset, 1).unwrap().run(|_, _| Continue::Yes).unwrap_err();
     assert!(matches!(error, RecipeError::Diverged { .. }), "{error}");
 }

@@ -1,8 +1,10 @@
 //! `edof capture`.
 
-use crate::commands::scene::Drawing;
+use crate::commands::scene::{Drawing, fits};
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
+use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_optics::capture::{
     Approximation, ApproximationCost, Capture, Depth, capture, measure_approximation,
@@ -11,7 +13,8 @@ use edof_optics::draw::parse_name;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, CfaPhase, Noise};
+use edof_spec::provenance::Input;
+use edof_spec::{Camera, CfaPhase, Noise, RawFrame, Tone};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -23,17 +26,23 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// A photograph (PNG, TIFF, PPM; code values are taken as linear light), or chart, chart-4, leaves, leaves-4
+    /// A photograph (PNG, TIFF, PPM), or chart, chart-4, leaves, leaves-4, which are drawn as light
     #[arg(value_name = "SCENE")]
     scene: String,
 
-    /// Raw frame: .png or .tif (codes at the top of 16 bits), .pgm, or .raw without a header
+    /// Raw frame: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header; beside it FILE.json says
+    /// how it was taken
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
     /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
+
+    /// What pictures hold: srgb, encoded light, which a photograph is decoded from and --sharp and --light are encoded to; or
+    /// linear, light itself, the paper's convention
+    #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
+    tone: Tone,
 
     #[command(flatten)]
     drawing: Drawing,
@@ -84,7 +93,8 @@ pub struct Args {
 const EXAMPLES: &str = "\
 Examples:
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
-  edof capture chart-4 --noise 0.01 --out raw.pgm --sharp sharp.png
+  edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
+  edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
   edof capture leaves --psi 6 --noise sensor:gain=4 --depth 10 --phase bggr --out raw.png --exact";
 
 #[derive(Serialize)]
@@ -94,26 +104,37 @@ struct Captured {
     width: usize,
     height: usize,
     psi: Vec<f64>,
+    tone: Tone,
+    noise: Noise,
     depths: Vec<Depth>,
     seconds: f64,
     approximations: Vec<ApproximationCost>,
-    out: PathBuf,
+    out: String,
 }
 
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    raw::check_ending(&args.out)?;
+    let mut files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    for (option, file) in [("--sharp", &args.sharp), ("--light", &args.light)] {
+        if let Some(file) = file {
+            files = files.writes_picture(option, file)?;
+        }
+    }
+    files.check()?;
     let camera = Camera::resolve(&args.camera)?;
-    let scene = open(&args, camera.psi_range)?;
+    let scene = open(&args, camera.psi_range, ui)?;
     let approximation = args.approximation()?;
     let sensor = Sensor { depth: args.depth, phase: args.phase, noise: args.noise, seed: args.drawing.seed };
     let shot = capture(&scene, &camera, &sensor, &approximation)?;
     raw::save(&args.out, &shot.raw)?;
+    record::save(&args.out, &record_of(&args, &camera, &scene, &shot.raw, ui))?;
     if let Some(path) = &args.sharp {
-        photo::save(path, &shot.sharp, 16)?;
+        photo::save(path, &args.tone.encoded(&shot.sharp), 16)?;
     }
     if let Some(path) = &args.light {
-        photo::save(path, &shot.light, 16)?;
+        photo::save(path, &args.tone.encoded(&shot.light), 16)?;
     }
     let costs = if args.exact || args.no_measure {
         vec![]
@@ -124,20 +145,59 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, out) = (scene.name, camera.name, args.out);
-    ui.json(&Captured { scene, camera, width, height, psi, depths, seconds, approximations: costs, out })
+    let (scene, camera, tone, noise, out) =
+        (scene.name, camera.name, args.tone, args.noise, args.out.display().to_string());
+    ui.json(&Captured {
+        scene,
+        camera,
+        width,
+        height,
+        psi,
+        tone,
+        noise,
+        depths,
+        seconds,
+        approximations: costs,
+        out,
+    })
+}
+
+/// What the raw frame cannot say of itself.
+fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: &Ui) -> RawRecord {
+    ui.used(Input::camera(camera));
+    RawRecord {
+        phase: frame.phase(),
+        depth: frame.depth(),
+        alignment: record::alignment_of(&args.out),
+        black_level: 0,
+        camera: camera.clone(),
+        psi: scene.layers.iter().map(|layer| layer.psi).collect(),
+        tone: args.tone,
+        noise: args.noise,
+        sha256: Input::raw_frame(&scene.name, frame).sha256,
+        provenance: ui.provenance().for_file(),
+    }
 }
 
 /// A built-in scene by its name, or a photograph at one depth.
-fn open(args: &Args, range: [f64; 2]) -> Result<Scene, Error> {
+fn open(args: &Args, range: [f64; 2], ui: &Ui) -> Result<Scene, Error> {
     if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
         return args.drawing.draw(&args.scene, range);
     }
     let [psi] = args.drawing.psi[..] else {
         return Err(Error::message("--psi: one value, a photograph lies at one depth"));
     };
+    if let Some(size) = args.drawing.size {
+        return Err(Error::message(format!(
+            "--size {size}: a photograph has its own; only built-in scenes are drawn"
+        )));
+    }
     let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Scene::flat(name, photo::load(Path::new(&args.scene))?, psi))
+    let photograph = photo::load(Path::new(&args.scene))?;
+    let (height, width) = photograph.size();
+    fits(width, height)?;
+    ui.used(Input::photograph(&name, &photograph));
+    Ok(Scene::flat(name, args.tone.decoded(&photograph), psi))
 }
 
 impl Args {

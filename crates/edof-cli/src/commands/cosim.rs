@@ -2,24 +2,29 @@
 
 use crate::designs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::interrupt;
+use crate::memory;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows;
+use edof_cosim::chain::device::Inputs;
 use edof_cosim::chain::second::{Recorded, icarus};
 use edof_cosim::chain::verilated::Compiled;
 use edof_cosim::chain::{Drive, Outcome};
 use edof_cosim::junit;
 use edof_cosim::verilator::{Options, Waveform};
 use edof_golden::cycle::{Cycle, Patch, Stalls};
-use edof_golden::sample::{self, Draw};
 use edof_hdl::project::{self, Project};
 use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Memory of a patch besides its window: what is recorded of its cycles, for the second simulator.
+const BYTES_A_PATCH: usize = 200 * size_of::<Inputs>();
 /// Cycles that the waveform shows before a difference.
 const WAVEFORM_CYCLES: u64 = 300;
 
@@ -82,11 +87,15 @@ pub struct Args {
 /// # Errors
 /// A design, network or picture that cannot be used, a simulator that is missing, or a difference.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files =
+        Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
+    let files = files.reads_all(&args.photo).may_write("--junit", args.junit.as_ref());
+    files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
     let design = designs::load(&args.design)?;
     let network = match &args.weights {
         Some(name) => weights::fixed(name)?,
-        None => sample::for_design(&design, args.seed),
+        None => edof_random::for_design(&design, args.seed),
     };
     let trial = Trial { patches: patches(&args, &design, &network)?, design, network, drive: drive(&args)? };
     if trial.patches.is_empty() {
@@ -117,16 +126,22 @@ fn drive(args: &Args) -> Result<Drive, Error> {
 fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<Patch>, Error> {
     let draw = &mut Draw::new(args.seed);
     if let Some(count) = args.random {
+        let bytes = BYTES_A_PATCH + size_of::<i16>() * design.form.window.pixels();
+        memory::check(&format!("--random {count}"), count as f64 * bytes as f64)?;
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
             set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
-            window: sample::extreme_window(draw, pixels),
+            window: edof_random::extreme_window(draw, pixels),
         };
         return Ok((0..count).map(patch).collect());
     }
     let raw = windows::frame(network, args.photo.as_deref(), args.seed)?;
     let windows = windows::of(network, &raw)?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
+}
+
+fn waveform_file(args: &Args, waveform: Waveform) -> PathBuf {
+    args.waveform.with_extension(waveform.extension())
 }
 
 /// What is run.
@@ -165,7 +180,7 @@ impl Trial {
     /// Runs once more, with the last cycles before the difference in a waveform.
     fn waveform(&self, project: &Project, args: &Args, outcome: &Outcome) -> Result<PathBuf, Error> {
         let waveform = Waveform::best();
-        let path = args.waveform.with_extension(waveform.extension());
+        let path = waveform_file(args, waveform);
         let options = Options { waveform, cache: Options::user_cache(), ..Options::default() };
         let mut device = Compiled::new(project, self.design.stages.len(), &options)?.start(args.seed)?;
         let end = outcome.lead + outcome.cycles;

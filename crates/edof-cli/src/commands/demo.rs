@@ -2,15 +2,16 @@
 
 use super::study::fixed_if_any;
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::{interrupt, weights};
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, FixedNetwork, Noise, Reconstructor};
-use edof_study::demo::{self, Lens};
-use edof_study::picture::{self, Tone};
+use edof_spec::{Camera, FixedNetwork, Noise, Reconstructor, Tone};
+use edof_study::demo::{self, Demo, Lens};
+use edof_study::picture;
 use std::path::PathBuf;
 
 /// Net behind the clear lens where none is named.
@@ -24,7 +25,7 @@ const CLEAR_NET: &str = "edof-t4w12-clear";
 #[command(after_help = "\
 Examples:
   edof demo
-  edof demo --scene leaves --noise 0.01 --out out/leaves
+  edof demo --scene leaves --noise sensor:gain=8 --out out/leaves
   edof demo --json out/demo.json")]
 pub struct Args {
     /// Folder for report.html and the pictures
@@ -43,9 +44,15 @@ pub struct Args {
     #[arg(long, default_value = "chart", value_name = "SCENE")]
     scene: String,
 
-    /// Noise of the sensor: none, a standard deviation in units of full scale, or sensor[:gain=G] as in edof capture
-    #[arg(long, default_value = "0.005", value_name = "NOISE")]
-    noise: Noise,
+    /// What is measured: srgb, the picture encoded as it is looked at, or linear, its light; drawn scenes are light in either
+    /// case and are shown encoded
+    #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
+    tone: Tone,
+
+    /// Noise of the sensor as in edof capture: none, a standard deviation, or sensor with its gain
+    /// [default: sensor:gain=4, with --tone linear 0.005]
+    #[arg(long, value_name = "NOISE")]
+    noise: Option<Noise>,
 
     /// Rows of the scene, even
     #[arg(long, default_value_t = 480, value_name = "PIXELS")]
@@ -59,54 +66,76 @@ pub struct Args {
 /// # Errors
 /// No weights, settings out of range, a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let (coded_camera, coded) = method(weights::fixed(&args.net)?)?;
-    let clear = match &args.clear_net {
-        Some(name) => Some(weights::fixed(name)?),
-        None => fixed_if_any(CLEAR_NET)?,
-    };
-    let clear = clear.map(method).transpose()?;
-    let scene = draw(
-        args.scene.parse::<Builtin>()?,
-        args.height,
-        args.width,
-        &four_depths(coded_camera.psi_range),
-        1,
-    )?;
-    let sensor = Sensor { depth: 12, noise: args.noise, seed: 1, ..Sensor::default() };
-    std::fs::create_dir_all(&args.out)
-        .map_err(|e| Error::message(format!("{}: cannot make this folder: {e}", args.out.display())))?;
+    let (camera, coded) = method(weights::fixed(&args.net)?)?;
+    let clear = clear_method(args.clear_net.as_deref())?;
+    super::scene::fits(args.width, args.height)?;
+    let depths = four_depths(camera.psi_range);
+    let scene = draw(args.scene.parse::<Builtin>()?, args.height, args.width, &depths, 1)?;
+    let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
 
     let malvar = Malvar::default();
-    let plain = || ("demosaiced".to_owned(), &malvar as &dyn Reconstructor);
-    let restored = |method| ("reconstructed".to_owned(), method as &dyn Reconstructor);
-    let lens = |title: &str, camera, methods| Lens { title: title.into(), camera, methods };
-    let mut middle = lens("clear lens, focused mid-range", Camera::resolve("clear-mid")?, vec![plain()]);
-    if let Some((camera, method)) = &clear {
-        middle.camera = camera.clone();
-        middle.methods.push(restored(method));
-    }
-    let lenses = [
-        lens("clear lens, focused on the background", Camera::resolve("clear")?, vec![plain()]),
-        middle,
-        lens("coded lens", coded_camera, vec![plain(), restored(&coded)]),
-    ];
+    let lenses = lenses(&malvar, (camera, &coded), clear.as_ref().map(|(c, m)| (c.clone(), m)))?;
+    args.check_files(&lenses, ui)?;
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
-    let result = demo::run(&scene, &sensor, &lenses)?;
+    let result = demo::run(&scene, &sensor, &lenses, args.tone)?;
     interrupt::check()?;
     drop(progress);
 
-    let report = args.out.join("report.html");
-    result.report(Tone::Code, &command_line(&args))?.save(&report)?;
-    let shots = result.pictures.iter().map(|p| (format!("{} {}", p.lens, p.treatment), &p.frame));
-    for (title, frame) in std::iter::once(("scene".to_owned(), &result.truth)).chain(shots) {
-        let file = title.replace(',', "").replace(' ', "-") + ".png";
-        edof_spec::atomic::write(&args.out.join(file), &picture::png(frame, Tone::Code)?)?;
-    }
-    edof_spec::atomic::write(&args.out.join("overview.png"), &picture::png(&result.overview(), Tone::Code)?)?;
+    save(&result, &args)?;
     ui.say(result.to_text())?;
-    ui.say(format_args!("pictures side by side: {}", report.display()))?;
+    ui.say(format_args!("pictures side by side: {}", args.out.join("report.html").display()))?;
     ui.json(&result)
+}
+
+/// What is written besides a picture for each treatment behind each lens.
+const FILES: [&str; 3] = ["report.html", "overview.png", "scene.png"];
+
+/// File of a lens's picture.
+fn file_name(lens: &str, treatment: &str) -> String {
+    format!("{lens} {treatment}").replace(',', "").replace(' ', "-") + ".png"
+}
+
+/// The clear lens focused on the background, and mid-range with its own net where there is one, and the coded lens.
+fn lenses<'a>(
+    malvar: &'a Malvar,
+    (camera, coded): (Camera, &'a GoldenReconstructor),
+    clear: Option<(Camera, &'a GoldenReconstructor)>,
+) -> Result<[Lens<'a>; 3], Error> {
+    let plain = || ("demosaiced".to_owned(), malvar as &dyn Reconstructor);
+    let restored =
+        |method: &'a GoldenReconstructor| ("reconstructed".to_owned(), method as &dyn Reconstructor);
+    let lens = |title: &str, camera, methods| Lens { title: title.into(), camera, methods };
+    let mut middle = lens("clear lens, focused mid-range", Camera::resolve("clear-mid")?, vec![plain()]);
+    if let Some((camera, method)) = clear {
+        middle.camera = camera;
+        middle.methods.push(restored(method));
+    }
+    Ok([
+        lens("clear lens, focused on the background", Camera::resolve("clear")?, vec![plain()]),
+        middle,
+        lens("coded lens", camera, vec![plain(), restored(coded)]),
+    ])
+}
+
+/// The report, every picture, and all of them in one.
+fn save(result: &Demo, args: &Args) -> Result<(), Error> {
+    let [report, overview, scene] = FILES.map(|name| args.out.join(name));
+    result.report(&args.command_line())?.save(&report)?;
+    let shots = result.pictures.iter().map(|p| (args.out.join(file_name(&p.lens, &p.treatment)), &p.frame));
+    for (file, light) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
+        edof_spec::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
+    }
+    Ok(())
+}
+
+/// The net behind the clear lens: the one named, or the usual one where it is there.
+fn clear_method(name: Option<&str>) -> Result<Option<(Camera, GoldenReconstructor)>, Error> {
+    let net = match name {
+        Some(name) => Some(weights::fixed(name)?),
+        None => fixed_if_any(CLEAR_NET)?,
+    };
+    net.map(method).transpose()
 }
 
 /// A fixed net as a method, with the camera it was trained for.
@@ -115,8 +144,29 @@ fn method(net: FixedNetwork) -> Result<(Camera, GoldenReconstructor), Error> {
     Ok((camera, GoldenReconstructor::new(net, name)?))
 }
 
-/// What was run, as the report states it.
-fn command_line(args: &Args) -> String {
-    let Args { scene, noise, height, width, net, .. } = args;
-    format!("edof demo --scene {scene} --noise {noise} --height {height} --width {width} --net {net}")
+impl Args {
+    /// Refuses before the work what could not be written after it.
+    fn check_files(&self, lenses: &[Lens<'_>], ui: &Ui) -> Result<(), Error> {
+        let names =
+            lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
+        let files = Files::new(ui).reads_all(weights::fixed_file(&self.net));
+        let files = files.reads_all(self.clear_net.as_deref().and_then(weights::fixed_file));
+        files.writes_into("--out", &self.out, FILES.map(String::from).into_iter().chain(names)).check()
+    }
+
+    fn noise(&self) -> Noise {
+        self.noise.unwrap_or(match self.tone {
+            Tone::Linear => Noise::Gaussian { sigma: 0.005 },
+            Tone::Srgb => Noise::sensor(4.0),
+        })
+    }
+
+    /// What was run, as the report states it.
+    fn command_line(&self) -> String {
+        let Self { scene, tone, height, width, net, .. } = self;
+        let noise = self.noise();
+        format!(
+            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net}"
+        )
+    }
 }

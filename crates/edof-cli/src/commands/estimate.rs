@@ -2,6 +2,7 @@
 
 use crate::designs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
@@ -40,6 +41,9 @@ pub struct Args {
 /// # Errors
 /// A design, network or picture that cannot be used.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files =
+        Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
+    files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
     let summary = match &args.weights {
         Some(name) => Some(measure(&design, &weights::fixed(name)?, &args)?),

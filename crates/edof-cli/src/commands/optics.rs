@@ -1,6 +1,7 @@
 //! `edof optics`, and `edof optics design`.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use edof_optics::depth::distance_m;
@@ -9,12 +10,12 @@ use edof_optics::estimator::{Task, Verdict, judge};
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, through_focus};
 use edof_optics::psf::{MOST_DEFOCUS, Settings, channel_psfs};
 use edof_optics::statistics::Statistics;
-use edof_spec::{Camera, Window};
+use edof_spec::{Camera, Tone, Window};
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
-use edof_study::picture::{Tone, png};
+use edof_study::picture::png;
 use edof_study::plot::side_by_side;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Show what a camera's optics do, or design a mask
 ///
@@ -138,11 +139,14 @@ Examples:
   edof optics design --rings 2 --focus 0 --images photos/train --out mine.json
   edof optics design --generations 5 --population 12 --window 8 --json";
 
+/// What is written.
+const FILES: [&str; 3] = ["figure1.svg", "mtf.svg", "psf.png"];
+
 #[derive(Serialize)]
 struct Shown {
     camera: String,
     depths: Vec<ShownDepth>,
-    files: [PathBuf; 3],
+    files: [String; 3],
 }
 
 #[derive(Serialize)]
@@ -161,17 +165,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if let Some(Subtask::Design(args)) = args.task {
         return design(args, ui);
     }
+    Files::new(ui).reads(&args.camera).writes_into("--out", &args.out, FILES).check()?;
     let camera = Camera::resolve(&args.camera)?;
     let settings = args.settings(&camera)?;
-    create(&args.out)?;
-    let files = ["figure1.svg", "mtf.svg", "psf.png"].map(|name| args.out.join(name));
+    let files = FILES.map(|name| args.out.join(name));
     let clear = without_mask(&camera);
     let (mtf_clear, mtf) = (mtf_plot(&clear, &args.psi), mtf_plot(&camera, &args.psi));
     let figure1 = side_by_side(&[mtf_clear.clone(), contrast_plot(&camera)]);
     edof_spec::atomic::write(&files[0], figure1.as_bytes())?;
     edof_spec::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
     let sheet = psf_sheet(&[&camera, &clear], &args.psi, &settings);
-    edof_spec::atomic::write(&files[2], &png(&sheet, Tone::Code)?)?;
+    edof_spec::atomic::write(&files[2], &png(&sheet, Tone::Linear)?)?;
     let depths: Vec<_> = args.psi.iter().map(|&psi| shown(&camera, psi, args.nominal, &settings)).collect();
     ui.say(format!("{}: F/{:.2}, figures in {}", camera.name, camera.f_number(), args.out.display()))?;
     for d in &depths {
@@ -182,7 +186,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             d.psi, d.kernel_side
         ))?;
     }
-    ui.json(&Shown { camera: camera.name, depths, files })
+    ui.json(&Shown { camera: camera.name, depths, files: files.map(|file| file.display().to_string()) })
 }
 
 impl Args {
@@ -238,6 +242,9 @@ struct Judged {
 }
 
 fn design(args: Design, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads(&args.camera);
+    let files = args.images.iter().fold(files, Files::reads_pictures_of);
+    files.writes("--out", &args.out).check()?;
     let base = args.base()?;
     let statistics = args.statistics(ui)?;
     let task =
@@ -258,7 +265,7 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     camera.source = args.source(&verdict, judged);
-    args.write(&camera)?;
+    edof_spec::atomic::write(&args.out, camera.to_json().as_bytes())?;
     let seconds = start.elapsed().as_secs_f64();
     let mut cameras =
         vec![Judged { name: camera.name.clone(), score_db: verdict.score_db, psnr_db: verdict.psnr_db }];
@@ -310,16 +317,4 @@ impl Design {
             self.camera, self.rings, self.window, self.worst_weight, self.noise, self.seed, verdict.score_db
         )
     }
-
-    fn write(&self, camera: &Camera) -> Result<(), Error> {
-        if let Some(folder) = self.out.parent().filter(|f| !f.as_os_str().is_empty()) {
-            create(folder)?;
-        }
-        Ok(edof_spec::atomic::write(&self.out, camera.to_json().as_bytes())?)
-    }
-}
-
-fn create(folder: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| Error::message(format!("{}: cannot create: {e}", folder.display())))
 }

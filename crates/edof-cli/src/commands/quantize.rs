@@ -2,22 +2,25 @@
 
 use super::train::photographs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_golden::Golden;
 use edof_optics::draw::{Builtin, draw};
-use edof_optics::psf::Settings;
-use edof_quantize::capture::depths;
+use edof_quantize::capture::{self, depths};
 use edof_quantize::{
-    Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, capture, evaluate,
-    finetune, quantize,
+    Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, evaluate, finetune,
+    quantize,
 };
+use edof_spec::fixed_network::{CalibratedOn, Quantized};
+use edof_spec::network::Origin;
 use edof_spec::overlap::Overlap;
+use edof_spec::provenance::Input;
 use edof_spec::{ColourFrame, FixedNetwork, Network, Stride, weight_file};
 use edof_study::metrics;
 use edof_study::photos::Selection;
-use edof_train::patches::Bank;
+use edof_train::dataset::{Dataset, DatasetOptions};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -82,7 +85,13 @@ pub struct Args {
 /// # Errors
 /// A network, option or folder that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
+    let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
+    args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &out).check()?;
     let network = weights::float(&args.weights)?;
+    let weights = weights::float_input(&args.weights)?;
+    let hash = weights.sha256.clone();
+    ui.used(weights);
     let options = QuantizeOptions {
         bits: args.bits,
         stride: Stride::new(args.stride)?,
@@ -91,14 +100,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     };
     options.check()?;
     let pictures = pictures(&args, ui)?;
+    pictures.iter().for_each(|(name, frame)| ui.used(Input::photograph(name, frame)));
     let progress = ui.progress(pictures.len() as u64, "pictures captured");
-    let scenes = capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
+    let scenes = capture::capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
     drop(progress);
     interrupt::check()?;
     let calibration = Calibration::measure(&network, scenes.iter().map(|scene| &scene.raw))?;
-    let hash = weights::float_hash(&args.weights)?;
     let (fixed, mut layers) = quantize(&network, &options, &calibration, &hash)?;
-    let fixed = match args.finetune {
+    let mut fixed = match args.finetune {
         0 => fixed,
         steps => tune(
             &fixed,
@@ -110,18 +119,35 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     // Tuned weights have sums of their own.
     layers.iter_mut().zip(fixed.accumulator_bits()).for_each(|(layer, bits)| layer.accumulator_bits = bits);
+    fixed.quantized = Some(quantized(&args, &network.origin, calibration.windows, ui));
     let golden = Golden::new(fixed)?;
     let evaluation = judge(&network, &golden, &options, &scenes)?;
-    let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
     weight_file::save_fixed(&out, golden.network())?;
     tell(ui, &layers, &evaluation)?;
     ui.say(format!("{}: written", out.display()))?;
     ui.json(&report(&args, &out, &layers, &evaluation, calibration.windows))
 }
 
+/// How the integers came to be.
+fn quantized(args: &Args, origin: &Origin, windows: u64, ui: &Ui) -> Quantized {
+    Quantized {
+        headroom: args.headroom,
+        calibration: CalibratedOn {
+            stride: Stride::FINEST,
+            windows,
+            psis: depths(origin.camera.psi_range),
+            conditions: origin.conditions.clone(),
+            depth: capture::DEPTH,
+        },
+        finetune_steps: args.finetune,
+        provenance: ui.provenance().for_file(),
+    }
+}
+
 fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
     if let Some(folder) = &args.images {
-        return photographs(Some(folder), args.photos.as_ref(), ui);
+        let photographs = photographs(std::slice::from_ref(folder), args.photos.as_ref(), ui)?;
+        return Ok(photographs.into_iter().map(|p| (p.stem, p.frame)).collect());
     }
     let (height, width) = SCENE_SIZE;
     (0..SCENES)
@@ -144,12 +170,12 @@ fn tune(
     let camera = &fixed.origin.camera;
     let psis = depths(camera.psi_range);
     let go_on = |_, _| interrupt::check().is_ok();
-    let bank = Bank::new(&frames, camera, &psis, &Settings::default(), fixed.form.window, go_on)?
-        .ok_or(Error::Interrupted)?;
+    let options = DatasetOptions::plain(&psis, fixed.form.window);
+    let dataset = Dataset::new(&frames, camera, options, go_on)?.ok_or(Error::Interrupted)?;
     let bar = ui.progress(steps, "fine-tune");
     let mut first = None;
     let mut best = 0.0;
-    let tuned = finetune(fixed, &bank, &tuning, |progress| {
+    let tuned = finetune(fixed, &dataset, &tuning, |progress| {
         bar.set(progress.step);
         bar.message(format!("best {:.2} dB", progress.best_db));
         first.get_or_insert(progress.validation_db);
@@ -199,13 +225,20 @@ fn tell(ui: &Ui, layers: &[LayerReport], evaluation: &Evaluation) -> Result<(), 
             counts.saturations(),
         ))?;
     }
-    let worst =
-        evaluation.worst().map_or_else(String::new, |w| format!(", most {:.4} dB: {}", w.lost_db(), w.name));
-    ui.say(format!(
-        "lost {:.4} dB on average over {} scenes{worst}",
-        evaluation.mean_lost_db(),
-        evaluation.scenes.len()
-    ))
+    ui.say(summary(evaluation))
+}
+
+/// What the integers cost, in a sentence. They may happen to be better.
+fn summary(evaluation: &Evaluation) -> String {
+    let mean = match evaluation.mean_lost_db() {
+        lost if lost < 0.0 => format!("gained {:.4} dB", -lost),
+        lost => format!("lost {lost:.4} dB"),
+    };
+    let worst = evaluation.worst().map_or_else(String::new, |w| match w.lost_db() {
+        lost if lost < 0.0 => format!("; no scene lost, least gained {:.4} dB: {}", -lost, w.name),
+        lost => format!(", lost at most {lost:.4} dB: {}", w.name),
+    });
+    format!("{mean} on average over {} scenes{worst}", evaluation.scenes.len())
 }
 
 fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluation, windows: u64) -> Value {
@@ -233,7 +266,7 @@ fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluati
         .collect();
     json!({
         "weights": args.weights,
-        "out": out,
+        "out": out.display().to_string(),
         "bits": args.bits,
         "stride": args.stride,
         "overlap": args.overlap,
@@ -242,9 +275,33 @@ fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluati
         "calibration_windows": windows,
         "layers": layers,
         "saturated_sums": evaluation.counts.saturated_sums,
-        "clamped_chroma": evaluation.counts.clamped_chroma,
         "mean_lost_db": evaluation.mean_lost_db(),
         "worst_lost_db": evaluation.worst().map(|w| w.lost_db()),
         "scenes": scenes,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_golden::Counts;
+    use edof_quantize::evaluate::SceneLoss;
+
+    fn evaluation(losses: &[f64]) -> Evaluation {
+        let scene = |lost: &f64| SceneLoss { name: "a".into(), float_db: 30.0, fixed_db: 30.0 - lost };
+        Evaluation { scenes: losses.iter().map(scene).collect(), counts: Counts::new(3) }
+    }
+
+    #[test]
+    fn a_loss_is_said_as_a_loss_and_a_gain_as_a_gain() {
+        let told = [
+            (&[0.25, 0.75][..], "lost 0.5000 dB on average over 2 scenes, lost at most 0.7500 dB: a"),
+            (&[-0.75, 0.25], "gained 0.2500 dB on average over 2 scenes, lost at most 0.2500 dB: a"),
+            (
+                &[-0.75, -0.25],
+                "gained 0.5000 dB on average over 2 scenes; no scene lost, least gained 0.2500 dB: a",
+            ),
+        ];
+        told.iter().for_each(|(losses, text)| assert_eq!(summary(&evaluation(losses)), *text));
+    }
 }

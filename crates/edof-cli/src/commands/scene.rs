@@ -1,20 +1,22 @@
 //! `edof scene`.
 
 use crate::error::Error;
+use crate::files::Files;
+use crate::memory;
 use crate::ui::Ui;
 use edof_io::raw::Size;
 use edof_optics::draw::{self, four_depths};
 use edof_optics::scene::Scene;
-use edof_spec::Camera;
-use edof_study::picture::{Tone, png};
+use edof_spec::{Camera, Tone};
+use edof_study::picture::png;
 use ndarray::Array2;
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Draw a built-in scene: the sharp truth, how it looks on a screen, and its depths
 ///
-/// Writes sharp.png (16 bits, code values in proportion to light), screen.png (8 bits, sRGB) and depth.png (8 bits, the
-/// smallest psi of the range black, the largest white).
+/// Writes sharp.png (16 bits, encoded as --tone says: what edof capture takes for the same scene under the same tone),
+/// screen.png (8 bits, sRGB) and depth.png (8 bits, the smallest psi of the range black, the largest white).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -30,17 +32,34 @@ pub struct Args {
     #[command(flatten)]
     drawing: Drawing,
 
+    /// Values of sharp.png: srgb, encoded light, or linear, light itself
+    #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
+    tone: Tone,
+
     /// Camera whose range of psi the depths are spread over: a preset or a JSON file
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 }
 
+/// Size of a built-in scene where none was given.
+const SIZE: Size = Size { width: 768, height: 512 };
+/// Bytes a pixel that drawing, blurring and reconstructing a scene at four depths take, measured on the largest step.
+const BYTES_A_PIXEL: f64 = 200.0;
+
+/// Refuses a scene that this machine has no room for.
+///
+/// # Errors
+/// One line with the size, what it needs and what is free.
+pub fn fits(width: usize, height: usize) -> Result<(), Error> {
+    memory::check(&format!("scene {width}x{height}"), BYTES_A_PIXEL * width as f64 * height as f64)
+}
+
 /// How a built-in scene is drawn.
 #[derive(clap::Args)]
 pub struct Drawing {
-    /// Width and height in pixels, even and at least 64
-    #[arg(long, default_value = "768x512", value_name = "WxH")]
-    size: Size,
+    /// Width and height of a built-in scene in pixels, even and at least 64 [default: 768x512]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
 
     /// Depths as the defocus parameter in radians, from back to front: one value, or four for a scene at four depths
     /// [default: the range's middle, or four spread over the range]
@@ -57,32 +76,36 @@ Examples:
   edof scene chart --out out/chart
   edof scene leaves-4 --size 1920x1080 --seed 3 --psi 0,2,5,8";
 
+/// What is written.
+const FILES: [&str; 3] = ["sharp.png", "screen.png", "depth.png"];
+
 #[derive(Serialize)]
 struct Drawn {
     scene: String,
     width: usize,
     height: usize,
     psi: Vec<f64>,
-    files: [PathBuf; 3],
+    tone: Tone,
+    files: [String; 3],
 }
 
 /// # Errors
 /// An unknown scene, an impossible size or number of depths, or a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    Files::new(ui).reads(&args.camera).writes_into("--out", &args.out, FILES).check()?;
     let camera = Camera::resolve(&args.camera)?;
     let scene = args.drawing.draw(&args.scene, camera.psi_range)?;
     scene.check()?;
-    std::fs::create_dir_all(&args.out)
-        .map_err(|e| Error::message(format!("{}: cannot create: {e}", args.out.display())))?;
-    let files = ["sharp.png", "screen.png", "depth.png"].map(|name| args.out.join(name));
+    let files = FILES.map(|name| args.out.join(name));
     let sharp = scene.sharp();
-    edof_io::photo::save(&files[0], &sharp, 16)?;
+    edof_io::photo::save(&files[0], &args.tone.encoded(&sharp), 16)?;
     edof_spec::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;
     edof_io::photo::save(&files[2], &depth_picture(&scene.psi_map(), camera.psi_range), 8)?;
     let (height, width) = scene.size();
     let psi: Vec<f64> = scene.layers.iter().map(|layer| layer.psi).collect();
     ui.say(format!("{}: {width}x{height}, psi {psi:.2?}, in {}", scene.name, args.out.display()))?;
-    ui.json(&Drawn { scene: scene.name, width, height, psi, files })
+    let files = files.map(|file| file.display().to_string());
+    ui.json(&Drawn { scene: scene.name, width, height, psi, tone: args.tone, files })
 }
 
 impl Drawing {
@@ -103,7 +126,9 @@ impl Drawing {
                 )));
             }
         };
-        Ok(draw::draw(kind, self.size.height, self.size.width, &psis, self.seed)?)
+        let Size { width, height } = self.size.unwrap_or(SIZE);
+        fits(width, height)?;
+        Ok(draw::draw(kind, height, width, &psis, self.seed)?)
     }
 }
 

@@ -1,15 +1,16 @@
 //! `edof study`: experiments on photographs.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::{interrupt, weights};
 use clap::Subcommand;
 use edof_optics::psf::Settings;
 use edof_spec::weight_file::WeightFileError;
-use edof_spec::{FixedNetwork, Stride};
-use edof_study::kodak::{self, Conditions, KodakError};
+use edof_spec::{FixedNetwork, Noise, Stride, Tone};
+use edof_study::kodak::{self, Conditions, KodakError, Progress, Row, Setup, usual_noise};
 use edof_study::nets::{self, Net};
-use edof_study::photos::{self, Selection};
+use edof_study::photos::{self, Photo, Selection};
 use edof_study::summary::Study;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -25,7 +26,7 @@ pub struct Args {
 const EXAMPLES: &str = "\
 Examples:
   edof study kodak --nets edof-t4w12-outer --json study.json
-  edof study kodak --nets paper-t4,edof-t4w12,edof-t4w12-outer --psi 0,2,4,6,8 --noise 0,0.01 --stride 8 --json study.json
+  edof study kodak --tone srgb --nets edof-t4w12-outer --noise none,sensor,sensor:gain=8 --markdown study.md
   edof study kodak --nets my/net.safetensors --photos train --psi 8";
 
 #[derive(Subcommand)]
@@ -35,16 +36,21 @@ enum Experiment {
 
 /// Photographs through each net's own camera, reconstructed in float, in the board's format and in fixed point
 ///
-/// Pixel values are taken as linear light, kernels hold 99.9 % of the energy (all of it with --exact), the sensor has 16
-/// bits. PSNR is over red, green and blue with peak 1, a border of 8 pixels cropped, nothing clipped. Each net makes rows
-/// NAME.float (RGB), NAME.float422 (the same in the board's 4:2:2 format) and NAME.fixed; demosaic-malvar is the coded
-/// frame as a plain camera would show it.
+/// Kernels hold 99.9 % of the energy (all of it with --exact), the sensor has 16 bits. PSNR is over red, green and blue with
+/// peak 1, a border of 8 pixels cropped. With --tone linear a photograph's values are taken as light and nothing is clipped;
+/// with --tone srgb they are decoded to light, and what is measured is the picture, encoded and clipped to 0…1 as a screen
+/// does, and the light beside it. Any net runs under either. Each net makes rows NAME.float (RGB), NAME.float422 (the same
+/// in the board's 4:2:2 format) and NAME.fixed; demosaic-malvar is the coded frame as a plain camera would show it.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 struct Kodak {
     /// Nets by name or weight file, each behind the camera it was trained for
     #[arg(long, value_delimiter = ',', required = true, value_name = "NET,…")]
     nets: Vec<String>,
+
+    /// What photographs hold: linear, light itself (the paper's convention), or srgb, encoded light
+    #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
+    tone: Tone,
 
     /// Depths: the defocus parameter in radians
     #[arg(
@@ -56,9 +62,10 @@ struct Kodak {
     )]
     psi: Vec<f64>,
 
-    /// Standard deviations of the noise, in units of full scale
-    #[arg(long, value_delimiter = ',', default_value = "0,0.01", value_name = "SIGMA,…")]
-    noise: Vec<f64>,
+    /// Noise levels: none, the standard deviation of Gaussian noise in units of full scale, or sensor, the photon and read
+    /// noise of edof capture's reference sensor [default: none,0.01,0.02; with --tone srgb none,sensor,sensor:gain=8]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "NOISE,…")]
+    noise: Vec<Noise>,
 
     /// Pixels from one patch to the next: 2, 4 or 8
     #[arg(long, default_value_t = 8, value_name = "PIXELS")]
@@ -71,6 +78,10 @@ struct Kodak {
     /// test (every third number), train (the others), all, or numbers such as 3,6
     #[arg(long, default_value = "test")]
     photos: String,
+
+    /// Also write the tables as Markdown
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
 
     /// Also write an HTML report with plots
     #[arg(long, value_name = "FILE")]
@@ -90,17 +101,19 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
+    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
+    let float = args.nets.iter().filter_map(|net| weights::float_file(net));
+    let fixed = args.nets.iter().filter_map(|net| weights::fixed_file(&fixed_name(net)));
+    let files = Files::new(ui).reads_all(float).reads_all(fixed).reads_pictures_of(&folder);
+    let files = files.may_write("--report", args.report.as_ref());
+    files.may_write("--markdown", args.markdown.as_ref()).check()?;
     let stride = Stride::new(args.stride)?;
-    let optics = if args.exact { Settings::exact() } else { Settings::default() };
-    let conditions = Conditions { psi: args.psi, noise: args.noise, stride: args.stride, optics };
-    let mut notes = vec![];
-    let mut loaded = vec![];
+    let (mut notes, mut loaded) = (vec![], vec![]);
     for name in &args.nets {
         let (net, note) = load_net(name, stride)?;
         loaded.push(net);
         notes.extend(note);
     }
-    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
     let selection: Selection = args.photos.parse()?;
     let (photos, skipped) = photos::load(&folder, &selection)?;
     if !skipped.is_empty() {
@@ -109,36 +122,69 @@ fn kodak(args: Kodak, ui: &Ui) -> Result<(), Error> {
     }
     notes.iter().for_each(|note| ui.note(note));
 
-    let benches = nets::benches(loaded, stride)?;
-    let steps = benches.len() * conditions.psi.len() * photos.len();
+    let rows = rows(&nets::setups(loaded, stride)?, &photos, &args.conditions(), ui)?;
+    let study = Study::new(args.tone, rows, notes);
+    if let Some(path) = &args.markdown {
+        edof_spec::atomic::write(path, study.to_markdown(&args.command_line()).as_bytes())?;
+    }
+    if let Some(path) = &args.report {
+        study.report(&args.command_line()).save(path)?;
+    }
+    ui.say(study.to_text())?;
+    ui.json(&study)
+}
+
+/// The experiment's rows; Ctrl-C ends it after a photograph.
+fn rows(setups: &[Setup], photos: &[Photo], conditions: &Conditions, ui: &Ui) -> Result<Vec<Row>, Error> {
+    let steps = setups.len() * conditions.psi.len() * photos.len();
     let progress = ui.progress(steps as u64, "photographs");
-    let rows = kodak::run(&benches, &photos, &conditions, |p| {
+    let tell = |p: Progress<'_>| {
         progress.message(format!("{} at psi {}: {}", p.camera, p.psi, p.image));
         progress.set(p.done as u64);
         if interrupt::check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
-    drop(progress);
-    let rows = match rows {
-        Err(KodakError::Stopped) => return Err(Error::Interrupted),
-        other => other?,
     };
-    let study = Study::new(rows, notes);
-    if let Some(path) = &args.report {
-        let command = format!("edof study kodak --nets {}", args.nets.join(","));
-        study.report(&command).save(path)?;
+    match kodak::run(setups, photos, conditions, tell) {
+        Err(KodakError::Stopped) => Err(Error::Interrupted),
+        other => Ok(other?),
     }
-    ui.say(study.summary.to_text().trim_end())?;
-    ui.json(&study)
+}
+
+impl Kodak {
+    fn noise(&self) -> Vec<Noise> {
+        if self.noise.is_empty() { usual_noise(self.tone).to_vec() } else { self.noise.clone() }
+    }
+
+    fn conditions(&self) -> Conditions {
+        let optics = if self.exact { Settings::exact() } else { Settings::default() };
+        Conditions { tone: self.tone, psi: self.psi.clone(), noise: self.noise(), optics }
+    }
+
+    /// What was run, as tables and reports state it: every option that their numbers depend on.
+    fn command_line(&self) -> String {
+        let list = |items: Vec<String>| items.join(",");
+        let psi = list(self.psi.iter().map(ToString::to_string).collect());
+        let noise = list(self.noise().iter().map(ToString::to_string).collect());
+        let (nets, Self { tone, stride, photos, .. }) = (self.nets.join(","), self);
+        let exact = if self.exact { " --exact" } else { "" };
+        format!(
+            "edof study kodak --tone {tone} --nets {nets} --psi {psi} --noise {noise} --stride {stride} --photos {photos}{exact}"
+        )
+    }
 }
 
 /// A net with its fixed-point weights where it has some. Weights that are there but broken are an error.
 fn load_net(name: &str, stride: Stride) -> Result<(Net, Option<String>), Error> {
     let float = weights::float(name)?;
-    let hash = weights::float_hash(name)?;
-    let stem = name.strip_suffix(".safetensors");
-    let fixed = fixed_if_any(&stem.map_or_else(|| name.to_owned(), |s| format!("{s}.fixed.safetensors")))?;
-    let shown = stem.unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
+    let hash = weights::float_input(name)?.sha256;
+    let fixed = fixed_if_any(&fixed_name(name))?;
+    let shown = name.strip_suffix(".safetensors").unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
     Ok(Net::new(shown, float, &hash, fixed, stride))
+}
+
+/// Name of the fixed net that goes with a float one.
+fn fixed_name(name: &str) -> String {
+    let stem = name.strip_suffix(".safetensors");
+    stem.map_or_else(|| name.to_owned(), |stem| format!("{stem}.fixed.safetensors"))
 }
 
 /// A fixed net, where there is one of that name. One that is there but broken is an error.

@@ -2,11 +2,12 @@
 
 use crate::designs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
 use edof_cosim::chain::check::stage_names;
-use edof_cosim::yosys::timing::{self, FanOut, StageTiming};
-use edof_golden::sample;
+use edof_cosim::yosys::fan_out::FanOut;
+use edof_cosim::yosys::timing::{self, StageTiming};
 use edof_hdl::project;
 use serde_json::json;
 use std::path::PathBuf;
@@ -37,10 +38,12 @@ pub struct Args {
 /// # Errors
 /// A design or network that cannot be used, or Yosys is missing.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads(&args.design);
+    files.reads_all(args.weights.as_deref().and_then(weights::fixed_file)).check()?;
     let design = designs::load(&args.design)?;
     let network = match &args.weights {
         Some(name) => weights::fixed(name)?,
-        None => sample::for_design(&design, 1),
+        None => edof_random::for_design(&design, 1),
     };
     let project = project::calculator(&design, [&network, &network])?;
     let count = design.stages.len();

@@ -1,18 +1,24 @@
 //! `edof train`: a float network from photographs.
 
 use crate::error::Error;
+use crate::files::Files;
 use crate::ui::Ui;
-use crate::{form, interrupt};
+use crate::{form, interrupt, memory};
 use edof_io::photo;
-use edof_optics::psf::Settings;
 use edof_spec::network::{Form, Network};
-use edof_spec::{Camera, ColourFrame, weight_file};
+use edof_spec::provenance::{Input, Provenance};
+use edof_spec::{Camera, ColourFrame, Tone, weight_file};
 use edof_study::photos::{self, Selection};
+use edof_train::budget::Budget;
 use edof_train::checkpoint::{self, Run};
+use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
-use edof_train::patches::Bank;
-use edof_train::train::{Balance, Continue, Progress, Recipe, Trainer};
-use serde_json::json;
+use edof_train::recipe::Recipe;
+use edof_train::train::{Best, Continue, Progress, Trainer};
+use edof_train::validation::Validation;
+use edof_train::weighting::Weighting;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -24,12 +30,15 @@ const STUDY_PREFIX: &str = "kodim";
 
 /// Train a float network on photographs seen through a camera
 ///
-/// A checkpoint is written beside OUT every minute and when Ctrl-C stops the run; --resume goes on from it and ends with the
-/// same bytes as a run that was never stopped. The same seed, options and threads give the same bytes.
+/// Without options this is the one recipe by which all networks that come with the program were made. A block of a quarter of
+/// each side of every photograph is kept for validation, and training stays as far away from it as the blur reaches. A
+/// checkpoint is written beside OUT every minute and when Ctrl-C stops the run; --resume goes on from it and ends with the
+/// same bytes as a run that was never stopped. The same seed and options give the same bytes, whatever --threads.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors
   edof train --form two-sided,w8,t4 --camera ring-2018 --images photos/ --steps 8000 --out quick.safetensors
+  edof train --form edof-t4w12 --camera ring-outer --tone both --non-zeros 65,65,58 --seed 1,2,3 --out mine.safetensors
   edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors --resume")]
 pub struct Args {
     /// The network's form: paper-t4, edof-t4w12, or words as in one-sided,w12,t4,c192,r
@@ -40,9 +49,10 @@ pub struct Args {
     #[arg(long)]
     camera: String,
 
-    /// Folder of photographs [default: $EDOF_KODAK, else the study's]
+    /// Folder of photographs; may be given several times [default: $EDOF_KODAK and $EDOF_MORE, else the study's and those
+    /// in shared/data/more beside it]
     #[arg(long, value_name = "DIR")]
-    images: Option<PathBuf>,
+    images: Vec<PathBuf>,
 
     /// Which of them: train, all, or numbers as in 1,2 [default: all but the study's test photos]
     #[arg(long)]
@@ -57,34 +67,63 @@ pub struct Args {
     name: Option<String>,
 
     /// Values of ψ, spread evenly over the camera's range
-    #[arg(long, default_value_t = 17)]
+    #[arg(long, default_value_t = 9)]
     depths: usize,
 
     /// Range of ψ as LOW:HIGH, where it is not the camera's
     #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
     psi: Option<[f64; 2]>,
 
-    /// Largest noise σ, in units of full scale
+    /// What a photograph's values are: linear (the paper's: light itself), srgb (codes of light, noise as a sensor has it,
+    /// errors measured on codes), or both, half of the windows each
+    #[arg(long, value_parser = ["linear", "srgb", "both"])]
+    tone: Option<String>,
+
+    /// Largest noise σ of linear windows, in units of full scale
     #[arg(long)]
     noise: Option<f32>,
+
+    /// Largest gain of the sensor behind srgb windows; 1 is base sensitivity
+    #[arg(long)]
+    gain: Option<f32>,
 
     /// One window in so many has no noise at all
     #[arg(long)]
     noiseless: Option<usize>,
 
+    /// Factor on the light of each window, least and most; 1:1 leaves it as it is
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    exposure: Option<[f64; 2]>,
+
+    /// Pictures of each photograph: itself, and others of drawn saturation, hue and scale; 1 for itself alone
+    #[arg(long)]
+    variants: Option<usize>,
+
+    /// Saturation of the drawn pictures, least and most; 1:1 leaves it as it is
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    saturation: Option<[f64; 2]>,
+
+    /// Hue of the drawn pictures is turned by up to so many degrees; 0 leaves it as it is
+    #[arg(long, value_name = "DEGREES")]
+    hue: Option<f32>,
+
+    /// Smallest of the drawn pictures, as a share of the photograph's sides; 1 leaves them as they are
+    #[arg(long)]
+    scale: Option<f32>,
+
     /// What easy and hard windows weigh: psnr trains the mean PSNR, mse the mean square error, root lies between
     #[arg(long, value_parser = ["psnr", "root", "mse"])]
-    balance: Option<String>,
+    weighting: Option<String>,
 
     /// Steps of the whole schedule
     #[arg(long)]
     steps: Option<u64>,
 
     /// Stop after so many minutes, wherever the schedule is
-    #[arg(long)]
-    minutes: Option<f64>,
+    #[arg(long, value_parser = minutes)]
+    minutes: Option<Duration>,
 
-    /// Windows a step; a multiple of the threads
+    /// Windows a step; a multiple of 8
     #[arg(long)]
     batch: Option<usize>,
 
@@ -100,19 +139,27 @@ pub struct Args {
     #[arg(long)]
     threshold_rate: Option<f32>,
 
-    /// What a unit of |z| costs: larger gives fewer non-zeros
+    /// What a unit of |z| costs, one number or one for each shrinkage as in 3e-4,3e-4,1e-3: larger gives fewer non-zeros
+    #[arg(long, value_delimiter = ',')]
+    lambda: Vec<f32>,
+
+    /// Mean non-zeros of each shrinkage that λ, now only where it starts, is moved to reach, as in 65,65,58; none: λ stays
+    #[arg(long, value_name = "N,N,…|none")]
+    non_zeros: Option<String>,
+
+    /// How fast λ moves toward --non-zeros: at most this share of itself a step
     #[arg(long)]
-    lambda: Option<f32>,
+    budget_rate: Option<f32>,
 
     /// Where to start: whitened inputs, or the paper's ISTA with a learned dictionary
     #[arg(long, value_parser = ["whitened", "dictionary"])]
     start: Option<String>,
 
-    /// Seed of everything random
-    #[arg(long)]
-    seed: Option<u64>,
+    /// Seed of everything random; of several, as in 1,2,3, the network that validates best is written
+    #[arg(long, value_delimiter = ',')]
+    seed: Vec<u64>,
 
-    /// Workers
+    /// Threads, up to 8 of use [default: one for each core]
     #[arg(long)]
     threads: Option<usize>,
 
@@ -124,65 +171,128 @@ pub struct Args {
     #[arg(long)]
     patience: Option<u32>,
 
-    /// Go on from the checkpoint beside OUT, if there is one
+    /// Go on from the checkpoints beside OUT, if there are any
     #[arg(long)]
     resume: bool,
 }
 
 /// # Errors
 /// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
-pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
+    let recipes = recipes(args)?;
+    let seeds: Vec<(Recipe, PathBuf)> =
+        recipes.into_iter().map(|recipe| (recipe.clone(), checkpoint_file(args, recipe.seed))).collect();
+    let files = Files::new(ui).reads(&args.camera);
+    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
+    seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
     let mut camera = Camera::resolve(&args.camera)?;
     camera.psi_range = args.psi.unwrap_or(camera.psi_range);
-    let recipe = recipe(&args);
-    let psis = spread(camera.psi_range, args.depths)?;
-    let photographs = photographs(args.images.as_deref(), args.photos.as_ref(), ui)?;
-    let (names, frames): (Vec<_>, Vec<_>) = photographs.into_iter().unzip();
-    let run = Run { recipe: recipe.clone(), camera: camera.to_json(), photos: names, psis: psis.clone() };
-    let file = checkpoint_file(&args.out);
-    if file.exists() && !args.resume {
+    ui.used(Input::camera(&camera));
+    if let Some((_, file)) = seeds.iter().find(|(_, file)| file.exists() && !args.resume) {
         return Err(Error::message(format!(
             "{}: left by an earlier run; go on with it by --resume, or delete it",
             file.display()
         )));
     }
-    let bank = bank(&frames, &camera, &psis, &args, ui)?;
+    let recipe = &seeds[0].0;
+    recipe.check()?;
+    memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
+    let psis = spread(camera.psi_range, args.depths)?;
+    let photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
+    tell_photographs(&photographs, ui)?;
+    let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
+    photos.iter().for_each(|photo| ui.used(photo.clone()));
+    let dataset = dataset(&photographs, &camera, recipe, &psis, ui)?;
+    let mut results = Vec::new();
+    for (recipe, file) in &seeds {
+        let run = Run {
+            recipe: recipe.clone(),
+            camera: camera.to_json(),
+            photos: photos.clone(),
+            psis: psis.clone(),
+        };
+        results.push(one_seed(&dataset, &run, file, args, ui)?);
+    }
+    let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
+    let chosen =
+        others.iter_mut().fold(first, |best, other| if other.best() > best.best() { other } else { best });
+    let made = provenance(args, chosen.trainer.recipe(), ui);
+    let network = chosen.trainer.best(&name(args), &camera, made);
+    weight_file::save_network(&args.out, &network)?;
+    for (_, file) in &seeds {
+        let _ = std::fs::remove_file(file);
+    }
+    let seed = chosen.trainer.recipe().seed;
+    tell(&network, &results, seed, &photographs, args, ui)
+}
+
+/// A trained network that has not been written yet.
+struct Trained<'a> {
+    trainer: Trainer<'a>,
+    seconds: f64,
+    /// Steps of this run; a resumed one counts its own only.
+    steps: u64,
+    history: Vec<Value>,
+}
+
+impl Trained<'_> {
+    fn best(&self) -> Best {
+        self.trainer.state.best
+    }
+}
+
+fn one_seed<'a>(
+    dataset: &'a Dataset,
+    run: &Run,
+    file: &Path,
+    args: &Args,
+    ui: &Ui,
+) -> Result<Trained<'a>, Error> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.threads.unwrap_or(cores);
     let mut trainer = if file.exists() {
-        Trainer::resume(recipe, &bank, checkpoint::load(&file, &run)?)?
+        Trainer::resume(run.recipe.clone(), dataset, threads, checkpoint::load(file, run)?)?
     } else {
-        Trainer::new(recipe, &bank)?
+        Trainer::new(run.recipe.clone(), dataset, threads)?
     };
-    // Before hours of work: can OUT's folder be written at all?
-    checkpoint::save(&file, &run, &trainer.state)?;
-    let begun = Begun { time: Instant::now(), step: trainer.state.step };
-    if let Err(error) = train(&mut trainer, &args, &file, &run, ui) {
-        if !matches!(error, Error::Interrupted) {
-            return Err(error);
+    checkpoint::save(file, run, &trainer.state)?;
+    let (begun, first, mut history) = (Instant::now(), trainer.state.step, vec![]);
+    if let Err(error) = train(&mut trainer, args, file, run, &mut history, ui) {
+        if matches!(error, Error::Interrupted) {
+            let step = trainer.state.step;
+            ui.note(format!("{}: checkpoint at step {step}; --resume goes on", file.display()));
         }
-        ui.note(format!("{}: checkpoint at step {}; --resume goes on", file.display(), trainer.state.step));
         return Err(error);
     }
-    let network = trainer.best(&name(&args), &camera, &command(&args, &trainer));
-    weight_file::save_network(&args.out, &network)?;
-    let _ = std::fs::remove_file(&file);
-    tell(&network, &trainer, &args, &begun, ui)
+    // A seed that is done waits for the others; --resume passes over it.
+    checkpoint::save(file, run, &trainer.state)?;
+    let steps = trainer.state.step - first;
+    Ok(Trained { trainer, seconds: begun.elapsed().as_secs_f64(), steps, history })
 }
 
-/// Where this run began; a resumed one counts its own steps only.
-struct Begun {
-    time: Instant,
-    step: u64,
+/// Memory that a step takes for each of its windows: inputs, targets, and what the gradient needs of every layer.
+fn bytes_a_window(form: &Form) -> f64 {
+    let words = form.window.pixels() + 3 * 192 + 4 * form.codes * form.layers;
+    (words * size_of::<f32>()) as f64
 }
 
-fn train(trainer: &mut Trainer<'_>, args: &Args, file: &Path, run: &Run, ui: &Ui) -> Result<(), Error> {
-    let bar = ui.progress(trainer.recipe().steps, "train");
-    let limit = args.minutes.map(|m| Duration::from_secs_f64((60.0 * m).clamp(0.0, 1e9)));
+fn train(
+    trainer: &mut Trainer<'_>,
+    args: &Args,
+    file: &Path,
+    run: &Run,
+    history: &mut Vec<Value>,
+    ui: &Ui,
+) -> Result<(), Error> {
+    let bar = ui.progress(trainer.recipe().steps, format!("train, seed {}", trainer.recipe().seed));
+    let limit = args.minutes;
     let (start, mut saved) = (Instant::now(), Instant::now());
     let mut failed = None;
     trainer.run(|trainer, progress: &Progress| {
         bar.set(progress.step);
-        if progress.validation_db.is_some() {
-            bar.message(format!("best {:.2} dB", progress.best_db));
+        if let Some(validation) = &progress.validation {
+            bar.message(summary(validation, progress.best));
+            history.push(moment(trainer, validation, progress));
         }
         let stop = interrupt::flag().load(Ordering::SeqCst);
         let out_of_time = limit.is_some_and(|limit| start.elapsed() >= limit);
@@ -196,99 +306,225 @@ fn train(trainer: &mut Trainer<'_>, args: &Args, file: &Path, run: &Run, ui: &Ui
         return Err(error.into());
     }
     interrupt::check()?;
-    if trainer.state.best_db == f64::NEG_INFINITY {
+    if trainer.state.best == Best::NONE {
         return Err(Error::message("train: stopped before the first validation; lower --validate-every"));
     }
     Ok(())
 }
 
-fn recipe(args: &Args) -> Recipe {
-    let usual = Recipe::new(args.form);
-    Recipe {
-        form: args.form,
-        noise: args.noise.unwrap_or(usual.noise),
-        noiseless: args.noiseless.unwrap_or(usual.noiseless),
-        balance: match args.balance.as_deref() {
-            Some("psnr") => Balance::Psnr,
-            Some("root") => Balance::Root,
-            Some(_) => Balance::Mse,
-            None => usual.balance,
-        },
-        batch: args.batch.unwrap_or(usual.batch),
-        steps: args.steps.unwrap_or(usual.steps),
-        rate: args.rate.unwrap_or(usual.rate),
-        output_rate: args.output_rate.unwrap_or(usual.output_rate),
-        threshold_rate: args.threshold_rate.unwrap_or(usual.threshold_rate),
-        lambda: args.lambda.unwrap_or(usual.lambda),
-        start: match args.start.as_deref() {
-            Some("dictionary") => Start::Dictionary,
-            Some(_) => Start::Whitened,
-            None => usual.start,
-        },
-        seed: args.seed.unwrap_or(usual.seed),
-        threads: args.threads.unwrap_or(usual.threads),
-        validate_every: args.validate_every.unwrap_or(usual.validate_every),
-        patience: args.patience.unwrap_or(usual.patience),
+/// One validation in a line.
+fn summary(validation: &Validation, best: Best) -> String {
+    let worst = validation.worst().map_or(f64::NAN, |w| w.1);
+    let non_zeros = |noisy| numbers(&validation.non_zeros(noisy), 0);
+    let kept = if best.within_budget { "" } else { ", over budget" };
+    format!(
+        "best {:.2} dB{kept}; now {:.2}, worst {worst:.2}, non-zeros {} noisy, {} clean",
+        best.db,
+        validation.db(),
+        non_zeros(true),
+        non_zeros(false)
+    )
+}
+
+fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &Progress) -> Value {
+    json!({
+        "step": progress.step,
+        "loss": progress.loss,
+        "validation_db": validation.db(),
+        "worst_db": validation.worst().map(|w| w.1),
+        "non_zeros_noisy": validation.non_zeros(true),
+        "non_zeros_clean": validation.non_zeros(false),
+        "lambda": trainer.state.lambdas,
+    })
+}
+
+/// One recipe for each seed.
+fn recipes(args: &Args) -> Result<Vec<Recipe>, Error> {
+    let mut recipe = Recipe::new(args.form);
+    set(&mut recipe.conditions.noise, args.noise);
+    set(&mut recipe.conditions.gain, args.gain);
+    set(&mut recipe.conditions.noiseless, args.noiseless);
+    set(&mut recipe.conditions.exposure, args.exposure.map(narrow));
+    set(&mut recipe.augmentation.variants, args.variants);
+    set(&mut recipe.augmentation.saturation, args.saturation.map(narrow));
+    set(&mut recipe.augmentation.hue, args.hue);
+    set(&mut recipe.augmentation.scale, args.scale);
+    set(&mut recipe.batch, args.batch);
+    set(&mut recipe.steps, args.steps);
+    set(&mut recipe.rate, args.rate);
+    set(&mut recipe.output_rate, args.output_rate);
+    set(&mut recipe.threshold_rate, args.threshold_rate);
+    set(&mut recipe.validate_every, args.validate_every);
+    set(&mut recipe.patience, args.patience);
+    set(&mut recipe.lambda, Some(args.lambda.clone()).filter(|l| !l.is_empty()));
+    match args.tone.as_deref() {
+        Some("both") => recipe.tones = Tone::ALL.to_vec(),
+        Some(tone) => recipe.tones = vec![tone.parse()?],
+        None => (),
+    }
+    match args.weighting.as_deref() {
+        Some("psnr") => recipe.weighting = Weighting::Psnr,
+        Some("mse") => recipe.weighting = Weighting::Mse,
+        Some(_) => recipe.weighting = Weighting::Root,
+        None => (),
+    }
+    match args.start.as_deref() {
+        Some("dictionary") => recipe.start = Start::Dictionary,
+        Some(_) => recipe.start = Start::Whitened,
+        None => (),
+    }
+    recipe.budget = budget(args, recipe.budget.take())?;
+    let mut seeds: Vec<u64> = args.seed.clone();
+    if seeds.is_empty() {
+        seeds.push(recipe.seed);
+    }
+    if let Some(twice) = seeds.iter().enumerate().find(|(i, s)| seeds[..*i].contains(s)) {
+        return Err(Error::message(format!("--seed: {} is given twice", twice.1)));
+    }
+    Ok(seeds.into_iter().map(|seed| Recipe { seed, ..recipe.clone() }).collect())
+}
+
+fn budget(args: &Args, usual: Option<Budget>) -> Result<Option<Budget>, Error> {
+    let mut budget = match args.non_zeros.as_deref() {
+        None => usual,
+        Some("none") => None,
+        Some(text) => {
+            let numbers = text.split(',').map(|n| n.trim().parse()).collect::<Result<Vec<f32>, _>>();
+            let non_zeros = numbers.map_err(|_| {
+                Error::message(format!("--non-zeros {text}: expected numbers as in 65,65,58, or none"))
+            })?;
+            Some(Budget { non_zeros, rate: usual.map_or(Budget::RATE, |b| b.rate) })
+        }
+    };
+    match (&mut budget, args.budget_rate) {
+        (Some(budget), rate) => set(&mut budget.rate, rate),
+        (None, Some(_)) => {
+            return Err(Error::message("--budget-rate: there is no budget; give --non-zeros too"));
+        }
+        (None, None) => (),
+    }
+    Ok(budget)
+}
+
+fn set<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
     }
 }
 
-/// Names and frames of the photographs to learn from, and a remark for each that had to be skipped. Without a folder they are the
-/// study's; without a choice, all but the study's test photos.
+fn narrow(range: [f64; 2]) -> [f32; 2] {
+    range.map(|v| v as f32)
+}
+
+/// A photograph to learn from.
+pub struct Photograph {
+    /// Name of its folder.
+    pub folder: String,
+    /// Name of its file, without the ending.
+    pub stem: String,
+    /// Its values, 0…1; sides even.
+    pub frame: ColourFrame,
+}
+
+impl Photograph {
+    fn name(&self) -> String {
+        format!("{}/{}", self.folder, self.stem)
+    }
+}
+
+/// The photographs to learn from, and a remark for each that had to be skipped. Without a folder they are the study's and, where
+/// they are, those that came besides; without a choice, all but the study's test photos.
 ///
 /// # Errors
-/// A folder that cannot be read or holds none.
+/// A folder that cannot be read, or nothing to learn from.
 pub fn photographs(
-    folder: Option<&Path>,
+    folders: &[PathBuf],
     choice: Option<&Selection>,
     ui: &Ui,
-) -> Result<Vec<(String, ColourFrame)>, Error> {
-    let folder = match folder {
-        Some(folder) => folder.to_owned(),
-        None => photos::default_folder()?,
+) -> Result<Vec<Photograph>, Error> {
+    let folders = if folders.is_empty() {
+        std::iter::once(photos::default_folder()?).chain(photos::more_folder()).collect()
+    } else {
+        folders.to_vec()
     };
-    let (mut named, skipped) = photo::load_folder(&folder)?;
-    for error in &skipped {
-        ui.note(format!("skipped {error}"));
+    let (mut photographs, mut found) = (vec![], 0);
+    for folder in &folders {
+        let (named, skipped) = photo::load_folder(folder)?;
+        for error in &skipped {
+            ui.note(format!("skipped {error}"));
+        }
+        if !skipped.is_empty() {
+            ui.note(format!("{} of {} photographs skipped", skipped.len(), skipped.len() + named.len()));
+        }
+        found += named.len();
+        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let wanted = named.into_iter().filter(|(stem, _)| match choice {
+            Some(selection) => selection.holds(stem),
+            None => !(stem.starts_with(STUDY_PREFIX) && Selection::Test.holds(stem)),
+        });
+        photographs.extend(wanted.map(|(stem, frame)| {
+            // Whole Bayer cells.
+            let (height, width) = frame.size();
+            Photograph { folder: name.clone(), stem, frame: frame.crop(0, 0, height & !1, width & !1) }
+        }));
     }
-    if !skipped.is_empty() {
-        ui.note(format!("{} of {} photographs skipped", skipped.len(), skipped.len() + named.len()));
-    }
-    let found = named.len();
-    named.retain(|(name, _)| match choice {
-        Some(selection) => selection.holds(name),
-        None => !(name.starts_with(STUDY_PREFIX) && Selection::Test.holds(name)),
-    });
-    if named.is_empty() {
+    if photographs.is_empty() {
+        let folders: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
         return Err(Error::message(format!(
             "{}: none of its {found} photographs is to be trained on; choose with --photos",
-            folder.display()
+            folders.join(", ")
         )));
     }
-    // Whole Bayer cells.
-    Ok(named
-        .into_iter()
-        .map(|(name, frame)| {
-            let (height, width) = frame.size();
-            (name, frame.crop(0, 0, height & !1, width & !1))
-        })
-        .collect())
+    Ok(photographs)
 }
 
-fn bank(frames: &[ColourFrame], camera: &Camera, psis: &[f64], args: &Args, ui: &Ui) -> Result<Bank, Error> {
+/// Names of the folders, in order, each once.
+fn folders(photographs: &[Photograph]) -> Vec<&str> {
+    let mut seen = BTreeSet::new();
+    photographs.iter().map(|p| p.folder.as_str()).filter(|folder| seen.insert(*folder)).collect()
+}
+
+fn tell_photographs(photographs: &[Photograph], ui: &Ui) -> Result<(), Error> {
+    for folder in folders(photographs) {
+        let stems: Vec<&str> =
+            photographs.iter().filter(|p| p.folder == folder).map(|p| p.stem.as_str()).collect();
+        ui.say(format!("{} photographs of {folder}: {}", stems.len(), stems.join(" ")))?;
+    }
+    Ok(())
+}
+
+/// What photographs are made into.
+fn dataset(
+    photographs: &[Photograph],
+    camera: &Camera,
+    recipe: &Recipe,
+    psis: &[f64],
+    ui: &Ui,
+) -> Result<Dataset, Error> {
+    let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
+    let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
+    let pictures = recipe.tones.len() as f64 * recipe.augmentation.variants as f64 * (psis.len() + 1) as f64;
+    memory::check("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
     let bar = ui.progress(frames.len() as u64, "blur");
     let tell = |done: usize, _| {
         bar.set(done as u64);
         interrupt::check().is_ok()
     };
-    Bank::new(frames, camera, psis, &Settings::default(), args.form.window, tell)?.ok_or(Error::Interrupted)
+    Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)
 }
 
 fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
     match count {
-        0 => Err(Error::message("--depths 0: must be 1 or more")),
+        0 | 1001.. => Err(Error::message(format!("--depths {count}: must be 1 to 1000"))),
         1 => Ok(vec![0.5 * (low + high)]),
         _ => Ok((0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect()),
     }
+}
+
+fn minutes(text: &str) -> Result<Duration, String> {
+    let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);
+    let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
+    time.ok_or_else(|| "expected a number of minutes above 0".to_owned())
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
@@ -297,8 +533,11 @@ fn range(text: &str) -> Result<[f64; 2], String> {
     ends.filter(|[low, high]| low <= high).ok_or_else(|| "expected LOW:HIGH, as in 0:8".to_owned())
 }
 
-fn checkpoint_file(out: &Path) -> PathBuf {
-    let mut name = out.as_os_str().to_owned();
+fn checkpoint_file(args: &Args, seed: u64) -> PathBuf {
+    let mut name = args.out.as_os_str().to_owned();
+    if args.seed.len() > 1 {
+        name.push(format!(".{seed}"));
+    }
     name.push(".checkpoint");
     name.into()
 }
@@ -308,63 +547,173 @@ fn name(args: &Args) -> String {
     args.name.clone().unwrap_or_else(stem)
 }
 
-/// The command that makes this network, with everything that its bytes depend on and nothing else, so that a resumed run
-/// writes the same bytes as an unbroken one.
-fn command(args: &Args, trainer: &Trainer<'_>) -> String {
-    let r = trainer.recipe();
-    let balance = match r.balance {
-        Balance::Psnr => "psnr",
-        Balance::Root => "root",
-        Balance::Mse => "mse",
-    };
-    let start = if r.start == Start::Dictionary { "dictionary" } else { "whitened" };
-    let photos = args.photos.as_ref().map(|p| format!(" --photos {p}")).unwrap_or_default();
-    let psi = args.psi.map(|[low, high]| format!(" --psi {low}:{high}")).unwrap_or_default();
-    format!(
-        "edof train --form {} --camera {}{psi}{photos} --depths {} --noise {} --noiseless {} --balance {balance} --steps {} --batch {} --rate {} \
-         --output-rate {} --threshold-rate {} --lambda {} --start {start} --seed {} --threads {} --validate-every {} \
-         --patience {} --out {}.safetensors",
-        form::words(&r.form),
-        args.camera,
-        args.depths,
-        r.noise,
-        r.noiseless,
-        r.steps,
-        r.batch,
-        r.rate,
-        r.output_rate,
-        r.threshold_rate,
-        r.lambda,
-        r.seed,
-        r.threads,
-        r.validate_every,
-        r.patience,
-        name(args),
-    )
+fn provenance(args: &Args, recipe: &Recipe, ui: &Ui) -> Provenance {
+    Provenance { command: command(args, recipe), seed: Some(recipe.seed), ..ui.provenance().for_file() }
 }
 
-fn tell(network: &Network, trainer: &Trainer<'_>, args: &Args, begun: &Begun, ui: &Ui) -> Result<(), Error> {
-    let seconds = begun.time.elapsed().as_secs_f64();
-    let patches = (trainer.state.step - begun.step) * trainer.recipe().batch as u64;
+/// The command that makes this network, with everything that its bytes depend on and nothing else, so that a resumed run
+/// writes the same bytes as an unbroken one.
+fn command(args: &Args, r: &Recipe) -> String {
+    let weighting = match r.weighting {
+        Weighting::Psnr => "psnr",
+        Weighting::Root => "root",
+        Weighting::Mse => "mse",
+    };
+    let start = if r.start == Start::Dictionary { "dictionary" } else { "whitened" };
+    let tone = match r.tones[..] {
+        [tone] => tone.to_string(),
+        _ => "both".to_owned(),
+    };
+    let photos = args.photos.as_ref().map(|p| format!(" --photos {p}")).unwrap_or_default();
+    let psi = args.psi.map(|[low, high]| format!(" --psi {low}:{high}")).unwrap_or_default();
+    let budget = match &r.budget {
+        Some(b) => format!("{} --budget-rate {}", joined(&b.non_zeros), b.rate),
+        None => "none".to_owned(),
+    };
+    let seeds = if args.seed.is_empty() { r.seed.to_string() } else { joined(&args.seed) };
+    let (c, a) = (&r.conditions, &r.augmentation);
+    let pair = |[low, high]: [f32; 2]| format!("{low}:{high}");
+    let words = [
+        format!("edof train --form {} --camera {}{psi}{photos}", form::words(&r.form), args.camera),
+        format!("--depths {} --tone {tone} --noise {} --gain {}", args.depths, c.noise, c.gain),
+        format!("--noiseless {} --exposure {}", c.noiseless, pair(c.exposure)),
+        format!("--variants {} --saturation {}", a.variants, pair(a.saturation)),
+        format!("--hue {} --scale {} --weighting {weighting}", a.hue, a.scale),
+        format!("--steps {} --batch {} --rate {}", r.steps, r.batch, r.rate),
+        format!("--output-rate {} --threshold-rate {}", r.output_rate, r.threshold_rate),
+        format!("--lambda {} --non-zeros {budget} --start {start}", joined(&r.lambda)),
+        format!("--seed {seeds} --validate-every {} --patience {}", r.validate_every, r.patience),
+        format!("--out {}.safetensors", name(args)),
+    ];
+    words.join(" ")
+}
+
+fn joined<T: ToString>(values: &[T]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+}
+
+fn numbers(values: &[f64], digits: usize) -> String {
+    values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ")
+}
+
+fn tell(
+    network: &Network,
+    results: &[Trained<'_>],
+    seed: u64,
+    photographs: &[Photograph],
+    args: &Args,
+    ui: &Ui,
+) -> Result<(), Error> {
+    let Some(chosen) = results.iter().find(|r| r.trainer.recipe().seed == seed) else { return Ok(()) };
+    let validation = chosen.trainer.validate_best();
+    let windows: u64 = results.iter().map(|r| r.steps * r.trainer.recipe().batch as u64).sum();
+    let seconds: f64 = results.iter().map(|r| r.seconds).sum();
+    tell_validation(&validation, &chosen.trainer, photographs, ui)?;
+    for result in results.iter().filter(|_| results.len() > 1) {
+        let best = result.best();
+        let kept = if best.within_budget { "" } else { ", over budget" };
+        ui.say(format!("seed {}: {:.3} dB{kept}", result.trainer.recipe().seed, best.db))?;
+    }
     ui.say(format!(
-        "{}: {:.2} dB on validation windows after {} steps ({:.0} windows a second); written to {}",
+        "{}: {:.2} dB on validation windows (mean over photographs, tones, ψ, without and with noise) after {} steps \
+         ({:.0} windows a second); written to {}",
         network.origin.name,
         network.origin.validation_db,
-        trainer.state.step,
-        patches as f64 / seconds,
+        chosen.trainer.state.step,
+        windows as f64 / seconds,
         args.out.display()
     ))?;
+    let seeds: Vec<Value> = results
+        .iter()
+        .map(|r| {
+            let best = r.best();
+            let seed = r.trainer.recipe().seed;
+            json!({ "seed": seed, "validation_db": best.db, "within_budget": best.within_budget, "history": r.history })
+        })
+        .collect();
     ui.json(&json!({
         "name": network.origin.name,
         "form": network.form,
         "camera": network.origin.camera.name,
-        "steps": trainer.state.step,
+        "photographs": photographs.iter().map(Photograph::name).collect::<Vec<_>>(),
+        "steps": chosen.trainer.state.step,
         "windows": network.origin.patches,
+        "seed": seed,
         "validation_db": network.origin.validation_db,
+        "validation": table(&validation, &chosen.trainer, photographs),
+        "lambda": chosen.trainer.state.lambdas,
+        "seeds": seeds,
         "seconds": seconds,
-        "windows_per_second": patches as f64 / seconds,
-        "weights": args.out,
+        "windows_per_second": windows as f64 / seconds,
+        "weights": args.out.display().to_string(),
     }))
+}
+
+/// Mean dB by folder and tone, without and with noise, then the worst ψ and noise and the non-zeros.
+fn tell_validation(
+    validation: &Validation,
+    trainer: &Trainer<'_>,
+    photographs: &[Photograph],
+    ui: &Ui,
+) -> Result<(), Error> {
+    ui.say("validation  tone    no noise   noisy  (dB)")?;
+    for row in rows(validation, trainer, photographs) {
+        let cell = |db: Option<f64>| db.map_or("-".to_owned(), |db| format!("{db:.2}"));
+        ui.say(format!(
+            "{:10}  {:6}  {:>8}  {:>6}",
+            row.folder,
+            row.tone,
+            cell(row.clean_db),
+            cell(row.noisy_db)
+        ))?;
+    }
+    if let Some((at, db)) = validation.worst() {
+        let noise = if at.noisy { "with noise" } else { "without noise" };
+        let (psi, tone) = (trainer.psi(at.place.psi), trainer.recipe().tones[at.place.tone]);
+        ui.say(format!("worst: {db:.2} dB at psi {psi}, {noise}, {tone} (mean over photographs)"))?;
+    }
+    let (clean, noisy) = (validation.non_zeros(false), validation.non_zeros(true));
+    ui.say(format!(
+        "non-zeros after each shrinkage: {} without noise, {} with",
+        numbers(&clean, 1),
+        numbers(&noisy, 1)
+    ))
+}
+
+/// One line of the validation's table.
+struct Row<'a> {
+    folder: &'a str,
+    tone: Tone,
+    clean_db: Option<f64>,
+    noisy_db: Option<f64>,
+}
+
+fn rows<'a>(validation: &Validation, trainer: &Trainer<'_>, photographs: &'a [Photograph]) -> Vec<Row<'a>> {
+    let mut rows = vec![];
+    for folder in folders(photographs) {
+        for (index, &tone) in trainer.recipe().tones.iter().enumerate() {
+            let db = |noisy| {
+                validation.mean(|m| {
+                    photographs[m.place.photo].folder == folder && m.place.tone == index && m.noisy == noisy
+                })
+            };
+            rows.push(Row { folder, tone, clean_db: db(false), noisy_db: db(true) });
+        }
+    }
+    rows
+}
+
+fn table(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photograph]) -> Value {
+    let row = |r: Row<'_>| json!({ "folder": r.folder, "tone": r.tone, "clean_db": r.clean_db, "noisy_db": r.noisy_db });
+    let worst = validation.worst().map(|(at, db)| {
+        json!({ "psi": trainer.psi(at.place.psi), "tone": trainer.recipe().tones[at.place.tone], "noisy": at.noisy, "db": db })
+    });
+    json!({
+        "means": rows(validation, trainer, photographs).into_iter().map(row).collect::<Vec<_>>(),
+        "worst": worst,
+        "non_zeros_noisy": validation.non_zeros(true),
+        "non_zeros_clean": validation.non_zeros(false),
+    })
 }
 
 #[cfg(test)]

@@ -66,7 +66,7 @@ impl Drive {
         };
         let stages = design.stages.len();
         let lead = self.begin(stages, device)?;
-        let mut bench = Bench {
+        let mut reference = Reference {
             source: Source { beats: VecDeque::new(), pending: false, stalls: stalls.source },
             boundaries: Boundary::all(stages),
             summary: Summary::new(&design),
@@ -78,9 +78,9 @@ impl Drive {
         let mut writes = self.writes_while_running.iter().copied().peekable();
         let (mut cycle, mut end, mut outputs) = (0, None, Outputs::default());
         let difference = loop {
-            bench.refill();
+            reference.refill();
             let inputs = Inputs {
-                window: bench.source.offer(cycle),
+                window: reference.source.offer(cycle),
                 patch_ready: stalls.sink.go(cycle),
                 write: writes.peek().copied(),
                 ..Inputs::default()
@@ -89,17 +89,19 @@ impl Drive {
             if outputs.write_ready && inputs.write.is_some() {
                 writes.next();
             }
-            if let Err(difference) = bench.compare(cycle, &inputs, &outputs) {
+            if let Err(difference) = reference.compare(cycle, &inputs, &outputs) {
                 break Some(*difference);
             }
             cycle += 1;
-            if bench.is_done() && writes.peek().is_none() && *end.get_or_insert(cycle + QUIET_CYCLES) <= cycle
+            if reference.is_done()
+                && writes.peek().is_none()
+                && *end.get_or_insert(cycle + QUIET_CYCLES) <= cycle
             {
-                break self.counters(&bench.summary.counts.stages, cycle, device)?;
+                break self.counters(&reference.summary.counts.stages, cycle, device)?;
             }
         };
-        let beats = bench.boundaries.iter().map(|b| b.passed).sum();
-        Ok(Outcome { summary: bench.summary, beats, lead, cycles: cycle, difference })
+        let beats = reference.boundaries.iter().map(|b| b.passed).sum();
+        Ok(Outcome { summary: reference.summary, beats, lead, cycles: cycle, difference })
     }
 
     /// Resets the circuit and writes what is to be written; tells how many cycles that took.
@@ -195,8 +197,8 @@ impl Source {
     }
 }
 
-/// Model and source, side by side.
-struct Bench<'a, 'p, I> {
+/// What the circuit is held to: the model, and the source that feeds both.
+struct Reference<'a, 'p, I> {
     source: Source,
     boundaries: Vec<Boundary>,
     summary: Summary,
@@ -206,7 +208,7 @@ struct Bench<'a, 'p, I> {
     progress: Progress<'p>,
 }
 
-impl<I: Iterator<Item = Patch>> Bench<'_, '_, I> {
+impl<I: Iterator<Item = Patch>> Reference<'_, '_, I> {
     /// Keeps the model a few patches ahead of the circuit.
     fn refill(&mut self) {
         while self.held < self.ahead {

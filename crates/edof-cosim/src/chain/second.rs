@@ -1,10 +1,10 @@
 //! A run once more in Icarus: the same inputs must give the same outputs.
 
 use super::device::{Device, Inputs, Outputs, join};
-use crate::error::{Error, at};
+use crate::error::Error;
 use crate::icarus::{self, Difference, Observed};
 use crate::rows::{Layout, Rows};
-use crate::{Source, chain::verilated};
+use crate::{Source, chain::verilated, work};
 use edof_hdl::project::Project;
 use edof_spec::design::memory::Set;
 
@@ -47,7 +47,7 @@ pub fn icarus(
     let source = Source::from(project);
     let stimulus = rows(&source, inputs)?;
     let expected = compiled.start(seed)?.model().run(&stimulus)?;
-    let images = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    let images = work::folder()?;
     verilated::write_images(project, images.path())?;
     let observed = icarus::run(&with_cleared_memories(source.clone()), &stimulus, Some(images.path()))?;
     let lead = inputs.iter().take_while(|inputs| inputs.reset).count();

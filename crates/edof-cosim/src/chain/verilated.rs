@@ -4,17 +4,18 @@ use super::device::{Beat, Device, Inputs, Outputs, join, set, split};
 use crate::error::{Error, at};
 use crate::source::Source;
 use crate::verilator::{Library, Model, Options, Start};
+use crate::work;
 use edof_hdl::project::Project;
+use edof_spec::atomic::WorkFolder;
 use edof_spec::design::memory::Set;
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
 /// A generated chain, compiled, with its memory images on disk.
 #[derive(Debug)]
 pub struct Compiled {
     library: Library,
-    images: TempDir,
+    images: WorkFolder,
     stages: usize,
 }
 
@@ -25,7 +26,7 @@ impl Compiled {
     /// A tool is missing or refuses the text, or a file cannot be written.
     pub fn new(project: &Project, stages: usize, options: &Options) -> Result<Self, Error> {
         let library = Library::build(&Source::from(project), options)?;
-        let images = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+        let images = work::folder()?;
         write_images(project, images.path())?;
         Ok(Self { library, images, stages })
     }

@@ -8,10 +8,11 @@
 
 mod build;
 mod interface;
+mod library;
 mod model;
 mod ports;
 mod shim;
 
 pub use build::{Options, Unknowns, Waveform};
-pub use interface::Library;
+pub use library::Library;
 pub use model::{Model, Start};

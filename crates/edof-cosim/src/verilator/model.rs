@@ -1,6 +1,7 @@
 //! A running instance.
 
-use super::interface::{Instance, Library};
+use super::interface::Instance;
+use super::library::Library;
 use crate::{Direction, Error, Rows, rows};
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
@@ -26,8 +27,18 @@ pub struct Model {
 // evaluates, and all methods that change it take `&mut self`.
 unsafe impl Send for Model {}
 
+impl Library {
+    /// A fresh instance: memories loaded, inputs 0, clocks low.
+    ///
+    /// # Errors
+    /// A memory image is missing or broken.
+    pub fn start(&self, start: &Start) -> Result<Model, Error> {
+        Model::start(self.clone(), start)
+    }
+}
+
 impl Model {
-    pub(super) fn start(library: Library, start: &Start) -> Result<Self, Error> {
+    fn start(library: Library, start: &Start) -> Result<Self, Error> {
         let dir = start.memory_dir.as_deref().map_or_else(|| Ok(CString::default()), c_path)?;
         // SAFETY: `dir` is a C string, which the shim forgets before it returns.
         let instance = unsafe { (library.interface.create)(start_seed(start.seed), 1, dir.as_ptr()) };

@@ -4,7 +4,7 @@ use crate::{Direction, Layout, Port, Source};
 use std::fmt::Write;
 
 /// The part that does not.
-pub const SHIM: &str = include_str!("shim.cpp");
+pub const SHIM: &str = include_str!("../../../../sim/verilator/shim.cpp");
 
 /// Text of `ports.inc`.
 pub fn ports_inc(source: &Source) -> String {

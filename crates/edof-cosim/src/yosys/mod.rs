@@ -1,10 +1,11 @@
 //! What a design becomes on a 7-series FPGA, according to Yosys.
 
+pub mod fan_out;
 mod netlist;
 pub mod timing;
 
 use crate::error::{Error, at};
-use crate::{Source, tool};
+use crate::{Source, tool, work};
 use netlist::Netlist;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -134,7 +135,7 @@ fn lut_sites(cell: &str) -> usize {
 /// # Errors
 /// Yosys is missing or refuses the design.
 pub fn synthesize(source: &Source, options: &Options) -> Result<Report, Error> {
-    let work = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    let work = work::folder()?;
     source.write(work.path())?;
     let script = work.path().join("synthesize.ys");
     std::fs::write(&script, commands(source, options, work.path())).map_err(at(&script))?;

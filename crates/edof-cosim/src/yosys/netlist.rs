@@ -1,6 +1,6 @@
 //! The part of Yosys's JSON netlist that we read.
 
-use super::timing::FanOut;
+use super::fan_out::FanOut;
 use super::{Dsp, Report};
 use serde::Deserialize;
 use serde::de::IgnoredAny;

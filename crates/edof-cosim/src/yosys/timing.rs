@@ -6,10 +6,11 @@
 
 mod report;
 
+use super::fan_out::FanOut;
 use super::netlist::Netlist;
 use crate::cache;
 use crate::error::{Error, at};
-use crate::{Source, tool};
+use crate::{Source, tool, work};
 use edof_hdl::project::Project;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -62,17 +63,6 @@ pub struct Step {
     pub net: String,
 }
 
-/// One net.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FanOut {
-    /// Its name in the source, or the mapping's where it has none.
-    pub net: String,
-    /// Pins that it leads to.
-    pub loads: usize,
-    /// Whether it is control: a signal of one bit, or one that enables, resets or writes somewhere. All else are bits of words.
-    pub control: bool,
-}
-
 /// The stages of a generated design, in their order. Equal stages are mapped once. `cache` keeps results under the hash of
 /// everything that went in; `done` is told how many of how many stages there are.
 ///
@@ -84,7 +74,7 @@ pub fn stages(
     cache: Option<&Path>,
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Vec<StageTiming>, Error> {
-    let work = tempfile::tempdir().map_err(at(&std::env::temp_dir()))?;
+    let work = work::folder()?;
     let design = elaborated(project, work.path())?;
     let text = std::fs::read_to_string(&design).map_err(at(&design))?;
     let modules = (0..count).map(|stage| module_of(&text, project, stage)).collect::<Result<Vec<_>, _>>()?;

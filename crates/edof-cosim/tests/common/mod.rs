@@ -6,10 +6,10 @@ use edof_cosim::Error;
 use edof_cosim::chain::verilated::{Compiled, Verilated};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
 use edof_golden::cycle::{Cycle, Patch};
-use edof_golden::sample::{self, Draw};
 use edof_golden::scalar;
 use edof_hdl::project::{self, Project};
 use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork};
 use std::path::{Path, PathBuf};
 
@@ -26,12 +26,12 @@ pub fn committed(name: &str) -> Design {
 /// A network whose words lie at the ends of their range, and one whose results mostly fit and whose codes are half zeros: the
 /// first shows every saturation, the second every wrong bit.
 pub fn networks(design: &Design, seed: u64) -> [FixedNetwork; 2] {
-    [sample::for_design(design, seed), moderate(design, seed + 1)]
+    [edof_random::for_design(design, seed), moderate(design, seed + 1)]
 }
 
 /// An extreme network with thresholds near zero, codes of one format, and matrices scaled down until few results saturate.
 pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
-    let mut network = sample::for_design(design, seed);
+    let mut network = edof_random::for_design(design, seed);
     let last = network.code_fractions[network.code_fractions.len() - 1];
     network.code_fractions.fill(last);
     let draw = &mut Draw::new(seed);
@@ -94,7 +94,7 @@ pub fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
         set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
         window: match draw.whole(0, 9) {
             0 => vec![0; window.pixels()],
-            1..=4 => sample::extreme_window(draw, window.pixels()),
+            1..=4 => edof_random::extreme_window(draw, window.pixels()),
             _ => natural_window(draw, window.side(), 15),
         },
     };
@@ -107,13 +107,13 @@ pub fn for_set(set: Set, patches: Vec<Patch>) -> Vec<Patch> {
 }
 
 /// A design with a network in each set, generated and compiled.
-pub struct Bench {
+pub struct Setup {
     pub design: Design,
     pub networks: [FixedNetwork; 2],
     pub compiled: Compiled,
 }
 
-impl Bench {
+impl Setup {
     /// The design with [`networks`] of that seed.
     pub fn new(design: Design, seed: u64) -> Self {
         let networks = networks(&design, seed);

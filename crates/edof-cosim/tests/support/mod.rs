@@ -41,7 +41,11 @@ fn design(top: &str, text: &str, ports: Vec<Port>) -> Source {
 pub fn counter() -> Source {
     let inputs = [Port::clock("clock_i"), Port::input("reset_i", 1), Port::input("enable_i", 1)];
     let outputs = [Port::output("count_o", 8), Port::output("last_o", 1), Port::output("free_o", 32)];
-    design("counter", include_str!("../verilog/counter.v"), inputs.into_iter().chain(outputs).collect())
+    design(
+        "counter",
+        include_str!("../../../../sim/modules/counter.v"),
+        inputs.into_iter().chain(outputs).collect(),
+    )
 }
 
 /// Ports: clock; inputs of 1, 33, 64, 100 bits; as many outputs, which are their complements.
@@ -50,7 +54,7 @@ pub fn wide() -> Source {
     let inputs = names.clone().map(|(name, bits)| Port::input(&format!("{name}_i"), bits));
     let outputs = names.map(|(name, bits)| Port::output(&format!("{name}_o"), bits));
     let ports = std::iter::once(Port::clock("clock_i")).chain(inputs).chain(outputs);
-    design("wide", include_str!("../verilog/wide.v"), ports.collect())
+    design("wide", include_str!("../../../../sim/modules/wide.v"), ports.collect())
 }
 
 /// Ports: clock, reset, go, data (16); busy, data (16), trail (72). Reads `images/machine.hex`.
@@ -58,14 +62,14 @@ pub fn machine() -> Source {
     let inputs = [Port::clock("clock_i"), Port::input("reset_i", 1), Port::input("go_i", 1)];
     let data = [Port::input("data_i", 16), Port::output("busy_o", 1), Port::output("data_o", 16)];
     let ports = inputs.into_iter().chain(data).chain([Port::output("trail_o", 72)]);
-    design("machine", include_str!("../verilog/machine.v"), ports.collect())
+    design("machine", include_str!("../../../../sim/modules/machine.v"), ports.collect())
 }
 
 /// Ports: clock, first, a (16), b (16); sum (48).
 pub fn macc() -> Source {
     let inputs = [Port::clock("clock_i"), Port::input("first_i", 1), Port::input("a_i", 16)];
     let rest = [Port::input("b_i", 16), Port::output("sum_o", 48)];
-    design("macc", include_str!("../verilog/macc.v"), inputs.into_iter().chain(rest).collect())
+    design("macc", include_str!("../../../../sim/modules/macc.v"), inputs.into_iter().chain(rest).collect())
 }
 
 /// A directory with the memory image of [`machine`], whose words are `start`, `start` + 1, …

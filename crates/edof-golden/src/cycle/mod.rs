@@ -17,13 +17,13 @@
 //!
 //! ```
 //! use edof_golden::cycle::{Cycle, Patch, Stalls, Summary};
-//! use edof_golden::sample::{self, Draw};
+//! use edof_spec::draw::Draw;
 //! use edof_spec::{Design, design::memory::Set};
 //!
 //! let design = Design::from_json(include_str!("../../../../designs/tiny.json"))?;
-//! let network = sample::for_design(&design, 1);
+//! let network = edof_random::for_design(&design, 1);
 //! let draw = &mut Draw::new(2);
-//! let patches = (0..20).map(|_| Patch { window: sample::extreme_window(draw, 64), set: Set::First });
+//! let patches = (0..20).map(|_| Patch { window: edof_random::extreme_window(draw, 64), set: Set::First });
 //!
 //! let model = Cycle::new(&design, [&network, &network])?.stalls(Stalls::drawn(3, 64));
 //! let mut summary = Summary::new(&design);

@@ -235,7 +235,7 @@ impl Stage {
 
 /// The vector that comes to stage `index`.
 fn vector_into(index: usize, trace: &Trace) -> &Vec<i16> {
-    if index == 0 { &trace.input } else { &trace.codes[index - 1].sent }
+    if index == 0 { &trace.input } else { &trace.layers[index - 1].sent }
 }
 
 /// A line of registers: what goes in comes out such that its effect is visible `latency` cycles later.

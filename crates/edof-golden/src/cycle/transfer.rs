@@ -57,19 +57,19 @@ impl PatchRun {
     pub fn words(&self, boundary: usize) -> &[i16] {
         match boundary {
             0 => &self.trace.input,
-            b => self.trace.codes.get(b - 1).map_or(&self.trace.output, |codes| &codes.sent),
+            b => self.trace.layers.get(b - 1).map_or(&self.trace.output, |codes| &codes.sent),
         }
     }
 
     /// The base that passes `boundary` beside it, where an M receives it.
     #[must_use]
     pub fn base(&self, boundary: usize) -> Option<&[i16]> {
-        let to_m = boundary > 0 && boundary < self.trace.codes.len();
+        let to_m = boundary > 0 && boundary < self.trace.layers.len();
         let from = match self.recurrence {
             Recurrence::Direct => 0,
             Recurrence::Difference => boundary.saturating_sub(1),
         };
-        to_m.then(|| self.trace.codes[from].b.as_slice())
+        to_m.then(|| self.trace.layers[from].b.as_slice())
     }
 
     /// The beats that pass `boundary`, in order.

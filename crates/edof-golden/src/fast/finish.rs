@@ -1,7 +1,7 @@
 //! From accumulators to words: round, shift, saturate; soft threshold; difference. Each function is plain Rust that is
 //! compiled once for every instruction set, and gives how many words saturated.
 
-use super::Isa;
+use super::isa::Isa;
 use edof_spec::fixed_network::FinalShifts;
 use edof_spec::network::Shrinkage;
 
@@ -12,7 +12,7 @@ pub struct Finish {
     pub base_shift: u32,
     /// Right shift of the sum.
     pub shift: u32,
-    /// Bits of a code.
+    /// Bits of a word.
     pub bits: u32,
 }
 
@@ -21,9 +21,9 @@ pub struct Finish {
 pub struct Threshold<'a> {
     /// Two- or one-sided.
     pub shrinkage: Shrinkage,
-    /// θ of each code.
+    /// θ of each pre-activation.
     pub theta: &'a [i16],
-    /// Bits of a code.
+    /// Bits of a word.
     pub bits: u32,
 }
 
@@ -45,12 +45,12 @@ macro_rules! for_each_isa {
 
             match isa {
                 Isa::Portable => body($($arg),*),
-                // SAFETY: `Fast` holds only instruction sets that `Isa::available` found on this machine.
+                // SAFETY: the token proves that this machine has these instructions.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => unsafe { avx2($($arg),*) },
+                Isa::Avx2(_) => unsafe { avx2($($arg),*) },
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => unsafe { avx512($($arg),*) },
+                Isa::Avx512(_) => unsafe { avx512($($arg),*) },
                 #[cfg(not(target_arch = "x86_64"))]
                 _ => body($($arg),*),
             }
@@ -59,7 +59,7 @@ macro_rules! for_each_isa {
 }
 
 for_each_isa! {
-    /// `(base << base_shift) + sum`, rounded, shifted and saturated to a code.
+    /// `(base << base_shift) + sum`, rounded, shifted and saturated to its width.
     words(finish: Finish, sums: &[i64], base: Option<&[i16]>, out: &mut [i16]) -> u64 {
         let round = rounding(finish.shift);
         let most = (1i64 << (finish.bits - 1)) - 1;
@@ -102,7 +102,7 @@ for_each_isa! {
 }
 
 for_each_isa! {
-    /// The soft threshold of each code.
+    /// The soft threshold of each pre-activation.
     shrink(threshold: Threshold<'_>, b: &[i16], z: &mut [i16]) -> u64 {
         let most = (1i32 << (threshold.bits - 1)) - 1;
         let mut saturated = 0u32;
@@ -111,12 +111,12 @@ for_each_isa! {
             saturated += u32::from(held != word);
             *z = held as i16;
         };
-        let codes = z.iter_mut().zip(b).zip(threshold.theta);
+        let each = z.iter_mut().zip(b).zip(threshold.theta);
         match threshold.shrinkage {
             Shrinkage::OneSided => {
-                codes.for_each(|((z, b), theta)| finish_one(z, (i32::from(*b) - i32::from(*theta)).max(0)));
+                each.for_each(|((z, b), theta)| finish_one(z, (i32::from(*b) - i32::from(*theta)).max(0)));
             }
-            Shrinkage::TwoSided => codes.for_each(|((z, b), theta)| {
+            Shrinkage::TwoSided => each.for_each(|((z, b), theta)| {
                 let size = (i32::from(*b).abs() - i32::from(*theta)).max(0);
                 finish_one(z, if *b < 0 { -size } else { size });
             }),
@@ -126,7 +126,7 @@ for_each_isa! {
 }
 
 for_each_isa! {
-    /// `z − previous`, saturated to a code.
+    /// `z − previous`, saturated to its width.
     difference(bits: u32, z: &[i16], previous: &[i16], out: &mut [i16]) -> u64 {
         let most = (1i32 << (bits - 1)) - 1;
         let mut saturated = 0u32;

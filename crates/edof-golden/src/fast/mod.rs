@@ -1,18 +1,20 @@
-//! The same words as [`crate::scalar`], faster: patches in batches, weights packed for SIMD, zero codes skipped.
+//! The same words as [`crate::scalar`], faster: patches in batches, weights packed for SIMD, zero sparse codes skipped.
 //!
 //! | what | module |
 //! |---|---|
 //! | weights packed for a kernel, and what bounds their sums | [`pack`] |
-//! | which non-zero codes multiply which columns | [`pairs`] |
+//! | which non-zero sparse codes multiply which columns | [`pairs`] |
+//! | instruction sets, and tokens for those that were detected | [`isa`] |
 //! | kernels in plain Rust | [`portable`] |
 //! | kernels for AVX2 and AVX-512 | `x86` |
 //! | accumulators to words: round, shift, saturate, shrink | [`finish`] |
 //!
 //! Sums run in 32 bits as long as a bound proves that they fit, and are then added to 64-bit accumulators. For dense products
 //! the bound is a block's largest row sum of |weights| times the batch's largest input; for sparse ones it is each column's
-//! largest |weight| times its code, summed as the codes come. Both hold for every partial sum.
+//! largest |weight| times its sparse code, summed as they come. Both hold for every partial sum.
 
 pub mod finish;
+pub mod isa;
 pub mod pack;
 pub mod pairs;
 pub mod portable;
@@ -20,53 +22,14 @@ pub mod portable;
 mod x86;
 
 use crate::scalar::sends_difference;
-use crate::trace::{Codes, StageCounts, Trace};
+use crate::trace::{LayerWords, StageCounts, Trace};
 use edof_spec::FixedNetwork;
 use edof_spec::colour::OUTPUTS_422;
 use edof_spec::network::Recurrence;
 use finish::{Finish, Threshold};
+use isa::Isa;
 use pack::{Dense, Sparse};
 use pairs::Pairs;
-
-/// Instruction sets that have kernels of their own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Isa {
-    /// Plain Rust.
-    Portable,
-    /// AVX2.
-    Avx2,
-    /// AVX-512 F, BW, DQ, VL and VNNI.
-    Avx512,
-}
-
-impl Isa {
-    /// Those that this machine can run, slowest first.
-    #[must_use]
-    pub fn available() -> Vec<Self> {
-        let mut all = vec![Self::Portable];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                all.push(Self::Avx2);
-            }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512vnni")
-            {
-                all.push(Self::Avx512);
-            }
-        }
-        all
-    }
-
-    /// The fastest that this machine can run.
-    #[must_use]
-    pub fn best() -> Self {
-        Self::available().pop().unwrap_or(Self::Portable)
-    }
-}
 
 /// A network packed for one instruction set.
 #[derive(Debug, Clone)]
@@ -84,7 +47,7 @@ pub struct Fast {
 pub struct Batch {
     input: Vec<i16>,
     pixels: usize,
-    codes: Vec<Codes>,
+    words: Vec<LayerWords>,
     length: usize,
     output: Vec<i16>,
     stages: Vec<StageCounts>,
@@ -106,7 +69,9 @@ impl Batch {
         Self {
             input: vec![0; Self::PATCHES * form.window.pixels()],
             pixels: form.window.pixels(),
-            codes: (0..form.shrinkages()).map(|_| Codes { b: words(), z: words(), sent: words() }).collect(),
+            words: (0..form.shrinkages())
+                .map(|_| LayerWords { b: words(), z: words(), sent: words() })
+                .collect(),
             length: form.codes,
             output: vec![0; Self::PATCHES * OUTPUTS_422],
             stages: vec![StageCounts::default(); Self::PATCHES * form.layers],
@@ -135,10 +100,10 @@ impl Batch {
         let part = |words: &[i16]| words[i * self.length..][..self.length].to_vec();
         Trace {
             input: self.input[i * self.pixels..][..self.pixels].to_vec(),
-            codes: self
-                .codes
+            layers: self
+                .words
                 .iter()
-                .map(|c| Codes { b: part(&c.b), z: part(&c.z), sent: part(&c.sent) })
+                .map(|c| LayerWords { b: part(&c.b), z: part(&c.z), sent: part(&c.sent) })
                 .collect(),
             output: self.output(i).to_vec(),
             stages: self.stages(i).to_vec(),
@@ -153,10 +118,9 @@ impl Fast {
         Self::with_isa(network, Isa::best())
     }
 
-    /// Packs a checked network for given kernels; those that this machine lacks are replaced by plain Rust.
+    /// Packs a checked network for given kernels.
     #[must_use]
     pub fn with_isa(network: FixedNetwork, isa: Isa) -> Self {
-        let isa = if Isa::available().contains(&isa) { isa } else { Isa::Portable };
         Self {
             isa,
             analysis: Dense::new(&network.analysis.weights),
@@ -196,7 +160,7 @@ impl Fast {
         let input = &batch.input[..count * pixels];
         self.dense(&self.analysis, input, &mut batch.accumulators);
         for t in 0..self.network.form.shrinkages() {
-            self.codes(batch, t, count);
+            self.layer(batch, t, count);
         }
         if let Some(r) = &self.linear_path {
             self.dense(r, &batch.input[..count * pixels], &mut batch.linear);
@@ -205,12 +169,12 @@ impl Fast {
     }
 
     /// Stage t (0 = I): b, z and what it sends, for `count` patches.
-    fn codes(&self, batch: &mut Batch, t: usize, count: usize) {
+    fn layer(&self, batch: &mut Batch, t: usize, count: usize) {
         let n = batch.length;
         let stride = pack::padded(n);
-        let (before, rest) = batch.codes.split_at_mut(t);
+        let (before, rest) = batch.words.split_at_mut(t);
         let before = &*before;
-        let Codes { b, z, sent } = &mut rest[0];
+        let LayerWords { b, z, sent } = &mut rest[0];
         let bits = self.network.code_bits;
         let threshold = Threshold {
             shrinkage: self.network.form.shrinkage,
@@ -261,7 +225,7 @@ impl Fast {
     fn outputs(&self, batch: &mut Batch, count: usize) {
         let (n, stride) = (batch.length, pack::padded(OUTPUTS_422));
         let shifts = self.network.final_shifts();
-        let Some(last) = batch.codes.last() else { return };
+        let Some(last) = batch.words.last() else { return };
         for i in 0..count {
             let sums = &mut batch.accumulators[..stride];
             batch.pairs.collect(self.isa, &last.sent[i * n..(i + 1) * n], &self.dictionary.bounds);
@@ -280,9 +244,9 @@ impl Fast {
         match isa {
             Isa::Portable => portable::dense(matrix, input, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => x86::avx2::dense(matrix, input, sums),
+            Isa::Avx2(token) => x86::avx2::dense(token, matrix, input, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => x86::avx512::dense(matrix, input, sums),
+            Isa::Avx512(token) => x86::avx512::dense(token, matrix, input, sums),
             #[cfg(not(target_arch = "x86_64"))]
             _ => portable::dense(matrix, input, sums),
         }
@@ -293,9 +257,9 @@ impl Fast {
         match self.isa {
             Isa::Portable => portable::sparse(matrix, pairs, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => x86::avx2::sparse(matrix, pairs, sums),
+            Isa::Avx2(token) => x86::avx2::sparse(token, matrix, pairs, sums),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => x86::avx512::sparse(matrix, pairs, sums),
+            Isa::Avx512(token) => x86::avx512::sparse(token, matrix, pairs, sums),
             #[cfg(not(target_arch = "x86_64"))]
             _ => portable::sparse(matrix, pairs, sums),
         }

@@ -1,6 +1,6 @@
 //! Weights laid out for the kernels, with what bounds their sums.
 
-use super::Isa;
+use super::isa::Isa;
 use ndarray::Array2;
 
 /// Accumulators are computed in groups of this many rows.
@@ -86,7 +86,7 @@ impl Sparse {
     #[must_use]
     pub fn new(weights: &Array2<i16>, isa: Isa) -> Self {
         let stride = padded(weights.nrows());
-        let place: Vec<usize> = (0..stride).map(|row| place(row, isa)).collect();
+        let place: Vec<usize> = (0..stride).map(|row| place(row, interleaved(isa))).collect();
         let mut packed = vec![0; stride * weights.ncols()];
         for ((row, column), &w) in weights.indexed_iter() {
             packed[column * stride + place[row]] = w;
@@ -98,14 +98,19 @@ impl Sparse {
     }
 }
 
+/// Words in a vector that is interleaved with another; none where columns are taken word by word.
+const fn interleaved(isa: Isa) -> Option<usize> {
+    match isa {
+        Isa::Portable => None,
+        Isa::Avx2(_) => Some(16),
+        Isa::Avx512(_) => Some(32),
+    }
+}
+
 /// Where a column holds `row`. Interleaving two vectors of 2h words takes from each 128-bit lane its lower four words into
 /// one result and its upper four into the other; rows are placed so that the first result is rows 0…h−1 and the second the rest.
-fn place(row: usize, isa: Isa) -> usize {
-    let words = match isa {
-        Isa::Portable => return row,
-        Isa::Avx2 => 16,
-        Isa::Avx512 => 32,
-    };
+fn place(row: usize, words: Option<usize>) -> usize {
+    let Some(words) = words else { return row };
     let (vector, within) = (row / words * words, row % words);
     let (upper, in_half) = (within / (words / 2), within % (words / 2));
     vector + in_half / 4 * 8 + upper * 4 + in_half % 4
@@ -117,8 +122,8 @@ mod tests {
 
     #[test]
     fn every_row_has_a_place_of_its_own() {
-        for isa in [Isa::Portable, Isa::Avx2, Isa::Avx512] {
-            let mut places: Vec<usize> = (0..GROUP).map(|row| place(row, isa)).collect();
+        for words in [None, Some(16), Some(32)] {
+            let mut places: Vec<usize> = (0..GROUP).map(|row| place(row, words)).collect();
             places.sort_unstable();
             assert_eq!(places, (0..GROUP).collect::<Vec<_>>());
         }

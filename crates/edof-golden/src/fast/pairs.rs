@@ -1,6 +1,7 @@
 //! The non-zero words of a sparse vector, two at a time, cut where a 32-bit sum could overflow.
 
-use super::{Isa, finish};
+use super::finish;
+use super::isa::Isa;
 
 /// The largest sum that 32 bits hold.
 const MOST: u64 = i32::MAX as u64;

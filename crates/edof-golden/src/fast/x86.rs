@@ -3,6 +3,7 @@
 //!
 //! Both sets run the same code, written once over the names that they give to the same operations.
 
+use super::isa::{Avx2, Avx512};
 use super::pack::{Dense, GROUP, Sparse};
 use super::pairs::Pairs;
 use std::arch::x86_64::*;
@@ -48,7 +49,7 @@ fn each_tile(matrix: &Dense, input: &[i16], sums: &mut [i64], mut run: impl FnMu
 macro_rules! kernels {
     (
         $(#[$doc:meta])*
-        mod $isa:ident, features $features:literal, vectors $vector:ident of $lanes:literal sums;
+        mod $isa:ident, token $Token:ident, features $features:literal, vectors $vector:ident of $lanes:literal sums;
         a dense tile holds $dense:literal of them, a sparse one up to $sparse:literal pairs;
         zero $zero:ident, load $load:ident, store $store:ident, all $all:ident, multiply_add $multiply_add:path,
         interleave $interleave_low:ident $interleave_high:ident,
@@ -64,9 +65,9 @@ macro_rules! kernels {
             const DENSE: usize = $dense;
 
             /// Dense products. Inputs are 0…32767. Panics if slices do not hold whole vectors.
-            pub fn dense(matrix: &Dense, input: &[i16], sums: &mut [i64]) {
+            pub fn dense(_: $Token, matrix: &Dense, input: &[i16], sums: &mut [i64]) {
                 each_tile(matrix, input, sums, |tile| {
-                    // SAFETY: the caller runs this only where these features were detected.
+                    // SAFETY: the token proves that these features were detected.
                     unsafe {
                         match tile.input.len() / matrix.columns {
                             TILE => patches::<TILE>(tile),
@@ -114,10 +115,10 @@ macro_rules! kernels {
             }
 
             /// The product of a sparse vector.
-            pub fn sparse(matrix: &Sparse, pairs: &Pairs, sums: &mut [i64]) {
+            pub fn sparse(_: $Token, matrix: &Sparse, pairs: &Pairs, sums: &mut [i64]) {
                 let mut row = 0;
                 while row < matrix.stride {
-                    // SAFETY: the caller runs this only where these features were detected.
+                    // SAFETY: the token proves that these features were detected.
                     row += unsafe {
                         match ((matrix.stride - row) / (2 * LANES)).min($sparse) {
                             6.. => rows::<6>(matrix, row, pairs, sums),
@@ -185,7 +186,7 @@ macro_rules! kernels {
 
 kernels! {
     /// With AVX-512 F, BW, DQ, VL and VNNI.
-    mod avx512, features "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni", vectors __m512i of 16 sums;
+    mod avx512, token Avx512, features "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni", vectors __m512i of 16 sums;
     a dense tile holds 4 of them, a sparse one up to 6 pairs;
     zero _mm512_setzero_si512, load _mm512_loadu_si512, store _mm512_storeu_si512, all _mm512_set1_epi32,
     multiply_add _mm512_dpwssd_epi32,
@@ -196,7 +197,7 @@ kernels! {
 
 kernels! {
     /// With AVX2.
-    mod avx2, features "avx2", vectors __m256i of 8 sums;
+    mod avx2, token Avx2, features "avx2", vectors __m256i of 8 sums;
     a dense tile holds 2 of them, a sparse one up to 4 pairs;
     zero _mm256_setzero_si256, load _mm256_loadu_si256, store _mm256_storeu_si256, all _mm256_set1_epi32,
     multiply_add multiply_add_avx2,

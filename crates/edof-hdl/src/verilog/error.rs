@@ -17,6 +17,7 @@ pub struct EmitError {
 /// What can be wrong with a circuit. Expressions are quoted in the words of the syntax tree.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum Fault {
     /// A block that does not derive [`Circuit`](crate::describe::Circuit).
     #[error("has no description; #[derive(Circuit)] gives it one")]
@@ -29,23 +30,13 @@ pub enum Fault {
     NotATop,
     /// A leaf that names a field it does not have.
     #[error("the leaf `{leaf}` connects the field `{port}`, which the block does not have")]
-    LeafPort {
-        /// Module of the leaf.
-        leaf: String,
-        /// The field.
-        port: String,
-    },
+    LeafPort { leaf: String, port: String },
     /// A leaf whose own text is not understood.
     #[error("the text of its leaf cannot be read: {0}")]
     LeafText(String),
     /// A leaf whose text says something else than the block.
     #[error("the leaf `{leaf}` {what}")]
-    LeafMisfit {
-        /// Module of the leaf.
-        leaf: String,
-        /// What does not fit what.
-        what: String,
-    },
+    LeafMisfit { leaf: String, what: String },
     /// A bidirectional port.
     #[error("bidirectional ports are not translated")]
     InOut,
@@ -63,33 +54,16 @@ pub enum Fault {
     Index(String),
     /// Operand or value of the wrong type.
     #[error("`{expression}` is {found}, where {wanted} is needed")]
-    Mismatch {
-        /// The operand.
-        expression: String,
-        /// Its type.
-        found: Type,
-        /// The type that the operation or target has.
-        wanted: Type,
-    },
+    Mismatch { expression: String, found: Type, wanted: Type },
     /// A literal that the type of its peer or target cannot hold.
     #[error("{value} does not fit {wanted}")]
-    Misfit {
-        /// The literal.
-        value: String,
-        /// The type of its peer or target.
-        wanted: Type,
-    },
+    Misfit { value: String, wanted: Type },
     /// A cast or literal whose width nothing around it tells.
     #[error("the width of `{0}` follows from nothing around it; assign it to a signal first")]
     Ambiguous(String),
     /// An operation that Rust does not have for this operand.
     #[error("`{expression}`: {reason}")]
-    Operand {
-        /// The operation.
-        expression: String,
-        /// Why not.
-        reason: &'static str,
-    },
+    Operand { expression: String, reason: &'static str },
     /// A constant bit index or offset outside of its operand: Rust panics there.
     #[error("`{0}` reaches outside of its operand")]
     OutOfRange(String),

@@ -43,7 +43,7 @@ pub struct Design {
     pub clock_mhz: f64,
     /// The form of network it runs.
     pub form: Form,
-    /// Bits of every weight and code.
+    /// Bits of every weight, pre-activation and sparse code.
     pub code_bits: u32,
     /// Bits of a sum on its way from the DSPs to rounding.
     pub accumulator_bits: u32,
@@ -79,23 +79,14 @@ pub struct FrameSize {
 
 /// A design that cannot be built, or a network that does not fit it.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DesignError {
     /// The file cannot be read.
     #[error("{path}: {source}")]
-    Read {
-        /// File.
-        path: String,
-        /// Why.
-        source: std::io::Error,
-    },
+    Read { path: String, source: std::io::Error },
     /// No design in the file.
     #[error("{path}: {source}")]
-    Parse {
-        /// File.
-        path: String,
-        /// Where and why.
-        source: serde_json::Error,
-    },
+    Parse { path: String, source: serde_json::Error },
     /// A form that no network has.
     #[error(transparent)]
     Form(#[from] NetworkError),
@@ -104,28 +95,10 @@ pub enum DesignError {
     Frame(#[from] GeometryError),
     /// A field out of range.
     #[error("{field} {value}: must be {expected}")]
-    Field {
-        /// Which field.
-        field: String,
-        /// Its value.
-        value: String,
-        /// What would be right.
-        expected: String,
-    },
+    Field { field: String, value: String, expected: String },
     /// The network's weights do not fit the design.
     #[error("network {network} does not fit design {design}: {what} is {found}, the design has {expected}")]
-    Misfit {
-        /// The network's name.
-        network: String,
-        /// The design's name.
-        design: String,
-        /// What differs.
-        what: &'static str,
-        /// The network's value.
-        found: String,
-        /// The design's value.
-        expected: String,
-    },
+    Misfit { network: String, design: String, what: &'static str, found: String, expected: String },
 }
 
 impl Design {
@@ -198,7 +171,7 @@ impl Design {
             &format!("{layers} stages, one a layer"),
         )?;
         Geometry::new(self.form.window, self.frame.stride)
-            .check_frame(self.frame.height, self.frame.width)?;
+            .check_frame((self.frame.height, self.frame.width))?;
         self.stages().try_for_each(|stage| stage.check())
     }
 

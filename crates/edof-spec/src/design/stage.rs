@@ -9,9 +9,9 @@ use crate::network::Recurrence;
 pub enum Kind {
     /// From a window to b₁.
     I,
-    /// From codes to codes.
+    /// From a sparse code to the next one's pre-activation.
     M,
-    /// From codes (and the window) to a patch.
+    /// From the last sparse code (and the window) to a patch.
     F,
 }
 

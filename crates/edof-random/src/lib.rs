@@ -1,63 +1,26 @@
-//! Networks and windows drawn by a small generator: for tests, examples and benchmarks. The same seed draws the same words.
+//! Networks and windows drawn by a small generator: for tests, benchmarks, examples and trials of hardware that has no trained
+//! network yet. The same seed draws the same words.
+//!
+//! | what | from |
+//! |---|---|
+//! | [`extreme`] | a form: weights and thresholds anywhere in their range, mostly at its ends |
+//! | [`for_design`] | a design: an extreme network that fits it |
+//! | [`natural`] | a window and a stride: a network of the size and sparsity of a trained one |
+//! | [`extreme_window`] | input words, often at the ends of their range |
+//!
+//! ```
+//! let network = edof_random::natural(12, 8, 1);
+//! assert!(network.check().is_ok());
+//! ```
 
 use edof_spec::colour::OUTPUTS_422;
+use edof_spec::draw::Draw;
 use edof_spec::fixed_network::FixedMatrix;
 use edof_spec::network::{Form, Origin, Recurrence, Shrinkage};
 use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_spec::overlap::Overlap;
 use edof_spec::{Camera, Design, FixedNetwork, Stride, Window};
 use ndarray::{Array1, Array2};
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-#[derive(Debug, Clone)]
-pub struct Draw(u64);
-
-impl Draw {
-    /// A generator that starts from `seed`.
-    #[must_use]
-    pub const fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(GAMMA);
-        mixed(self.0)
-    }
-
-    /// Output `index` (0 first) of the generator that starts from `seed`.
-    #[must_use]
-    pub const fn nth(seed: u64, index: u64) -> u64 {
-        mixed(seed.wrapping_add(index.wrapping_add(1).wrapping_mul(GAMMA)))
-    }
-
-    /// A whole number from `least` to `most`, both included.
-    pub fn whole(&mut self, least: i64, most: i64) -> i64 {
-        least + (self.bits() % (most - least + 1) as u64) as i64
-    }
-
-    /// A word of `bits` bits that is often at or near the ends of its range, or zero.
-    pub fn extreme(&mut self, bits: u32) -> i16 {
-        let most = (1i64 << (bits - 1)) - 1;
-        (match self.whole(0, 7) {
-            0 | 1 => most,
-            2 | 3 => -most - 1,
-            4 => self.whole(-3, 3),
-            5 => 0,
-            _ => self.whole(-most - 1, most),
-        }) as i16
-    }
-}
-
-/// What SplitMix64 adds to its state for each output.
-const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
-
-/// SplitMix64's output for a state.
-const fn mixed(state: u64) -> u64 {
-    let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    mixed ^ (mixed >> 31)
-}
 
 /// Input words of one window: all of them 0…32767, often at the ends.
 pub fn extreme_window(draw: &mut Draw, pixels: usize) -> Vec<i16> {
@@ -110,6 +73,7 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
         code_fractions,
         origin: origin("extreme"),
         float_hash: String::new(),
+        quantized: None,
     }
 }
 
@@ -189,6 +153,7 @@ pub fn natural(window: usize, stride: usize, seed: u64) -> FixedNetwork {
         code_fractions: vec![15, 14, 14],
         origin: origin("natural"),
         float_hash: String::new(),
+        quantized: None,
     }
 }
 
@@ -205,26 +170,20 @@ fn mean_weight(pixels: usize, stride: usize) -> i16 {
 
 fn origin(name: &str) -> Origin {
     let spectra = [610.0, 535.0, 460.0].map(edof_spec::camera::Spectrum::Line);
-    Origin {
-        name: name.into(),
-        camera: Camera {
-            name: "none".into(),
-            focal_length_mm: 16.0,
-            aperture_radius_mm: 2.3,
-            pixel_pitch_um: 3.0,
-            spectra,
-            reference_wavelength_nm: 460.0,
-            defocus_sign: edof_spec::camera::Sign::Plus,
-            focus_psi: 0.0,
-            psi_range: [0.0, 8.0],
-            rings: vec![],
-            source: "drawn".into(),
-        },
-        noise: 0.0,
-        command: "drawn at random".into(),
-        patches: 0,
-        validation_db: 0.0,
-    }
+    let camera = Camera {
+        name: "none".into(),
+        focal_length_mm: 16.0,
+        aperture_radius_mm: 2.3,
+        pixel_pitch_um: 3.0,
+        spectra,
+        reference_wavelength_nm: 460.0,
+        defocus_sign: edof_spec::camera::Sign::Plus,
+        focus_psi: 0.0,
+        psi_range: [0.0, 8.0],
+        rings: vec![],
+        source: "drawn".into(),
+    };
+    Origin::untrained(name, camera)
 }
 
 #[cfg(test)]
@@ -250,11 +209,5 @@ mod tests {
             design.accumulator_bits = 32;
             design.check_network(&for_design(&design, seed)).unwrap();
         }
-    }
-
-    #[test]
-    fn any_output_of_a_generator_can_be_had_without_those_before() {
-        let draw = &mut Draw::new(9);
-        assert!((0..100).all(|index| draw.bits() == Draw::nth(9, index)));
     }
 }

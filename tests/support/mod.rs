@@ -9,7 +9,7 @@ use edof_spec::{Camera, CfaPhase, ColourFrame, RawFrame, Stride, Window, weight_
 use ndarray::{Array1, Array2, Array3};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use sha2::{Digest, Sha256};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -34,7 +34,8 @@ impl Place {
 
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_edof"));
-        command.args(line.split_whitespace()).current_dir(self.dir.path()).env("EDOF_KODAK", "no-kodak-here");
+        command.args(line.split_whitespace()).current_dir(self.dir.path());
+        command.env("EDOF_KODAK", "no-kodak-here").env("EDOF_MORE", "");
         command
     }
 
@@ -48,6 +49,11 @@ impl Place {
         names
     }
 
+    /// Every file and link here and below, with its bytes.
+    pub fn snapshot(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        snapshot(self.dir.path())
+    }
+
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), bytes).unwrap();
     }
@@ -57,7 +63,7 @@ impl Place {
         let codes = Array2::from_shape_fn((height, width), |(r, c)| {
             (1000 + 16 * ((r * 7 + c * 3) % 64) + c % 2) as u16
         });
-        let frame = RawFrame::from_codes(codes, 12, CfaPhase::Rggb).unwrap();
+        let frame = RawFrame::from_values(codes, 12, CfaPhase::Rggb).unwrap();
         edof_io::raw::save(&self.path(name), &frame).unwrap();
     }
 
@@ -77,6 +83,17 @@ impl Place {
     pub fn fixed_network(&self, name: &str) {
         weight_file::save_fixed(&self.path(name), &fixed_network()).unwrap();
     }
+}
+
+/// Every file and link below a folder, with its bytes.
+fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .flat_map(|path| match path.is_dir() && !path.is_symlink() {
+            true => snapshot(&path).into_iter().collect(),
+            false => vec![(path.clone(), std::fs::read(&path).unwrap_or_default())],
+        })
+        .collect()
 }
 
 /// What a run of `edof` left.
@@ -130,14 +147,7 @@ pub fn form() -> Form {
 }
 
 fn origin() -> Origin {
-    Origin {
-        name: "small".into(),
-        camera: Camera::resolve("clear").unwrap(),
-        noise: 0.0,
-        command: "none".into(),
-        patches: 0,
-        validation_db: 0.0,
-    }
+    Origin::untrained("small", Camera::resolve("clear").unwrap())
 }
 
 /// Copies every raw pixel to all three colours through R; codes stay zero.
@@ -171,6 +181,7 @@ pub fn fixed_network() -> FixedNetwork {
         code_fractions: vec![13, 13],
         origin: origin(),
         float_hash: "0".into(),
+        quantized: None,
     }
 }
 
@@ -190,19 +201,22 @@ pub fn forge(path: &Path, change: impl FnOnce(&mut String, &mut Vec<(String, Vec
             (name, view.shape().to_vec(), view.data().to_vec())
         })
         .collect();
-    let old = hash(&mut tensors);
+    let metadata: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let old = metadata["sha256"].as_str().unwrap();
     change(&mut text, &mut tensors);
-    let text = text.replace(&old, &hash(&mut tensors));
+    let blank = text.replace(old, &"0".repeat(64));
+    let text = text.replace(old, &hash(&blank, dtype, &mut tensors));
     let views = tensors.iter().map(|(n, s, b)| (n.as_str(), TensorView::new(dtype, s.clone(), b).unwrap()));
     let forged = safetensors::serialize(views, Some(HashMap::from([("edof".to_owned(), text)]))).unwrap();
     std::fs::write(path, forged).unwrap();
 }
 
-fn hash(tensors: &mut [(String, Vec<usize>, Vec<u8>)]) -> String {
+fn hash(text: &str, dtype: Dtype, tensors: &mut [(String, Vec<usize>, Vec<u8>)]) -> String {
     tensors.sort();
     let mut digest = Sha256::new();
+    digest.update(text);
     for (name, shape, bytes) in tensors {
-        digest.update(format!("{name}{shape:?}"));
+        digest.update(format!("{name} {dtype:?} {shape:?}"));
         digest.update(bytes);
     }
     digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

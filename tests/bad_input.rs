@@ -25,11 +25,13 @@ fn refused_without_a_trace(place: &Place, line: &str, words: &[&str]) {
 fn an_image_too_small_for_a_window() {
     let place = ready();
     place.raw("raw.png", 8, 32);
-    refused_without_a_trace(
-        &place,
-        RECONSTRUCT,
-        &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"],
-    );
+    for phase in ["rggb", "grbg", "gbrg", "bggr"] {
+        refused_without_a_trace(
+            &place,
+            &format!("{RECONSTRUCT} --phase {phase}"),
+            &["raw.png", "frame 8x32", "at least 10 pixels", "window of 8"],
+        );
+    }
 }
 
 #[test]
@@ -139,6 +141,20 @@ fn a_network_whose_window_does_not_fit_its_matrices() {
 }
 
 #[test]
+fn a_network_whose_fraction_bits_no_sum_can_hold() {
+    let place = ready();
+    forge(&place.path("net.safetensors"), |text, _| {
+        *text = text.replace("\"analysis\":14", "\"analysis\":4294967290");
+        assert!(text.contains("4294967290"), "{text}");
+    });
+    refused_without_a_trace(
+        &place,
+        RECONSTRUCT,
+        &["net.safetensors", "4294967290 fraction bits, must be 0 to 48"],
+    );
+}
+
+#[test]
 fn a_network_of_a_window_that_does_not_exist() {
     let place = ready();
     forge(&place.path("net.safetensors"), |text, _| *text = text.replace("\"window\":8", "\"window\":9"));
@@ -162,6 +178,35 @@ fn a_stride_that_a_fixed_network_is_not_made_for() {
     let line = |stride: u32| format!("{RECONSTRUCT} --stride {stride}");
     refused_without_a_trace(&place, &line(4), &["--stride 4", "quantized for a stride of 8"]);
     refused_without_a_trace(&place, &line(3), &["stride 3: must be 2, 4 or 8"]);
+}
+
+#[test]
+fn the_boards_picture_of_a_float_network_or_in_16_bits() {
+    let place = ready();
+    for more in ["--board --float", "--board --bits 16", "--words w --float", "--display luma --float"] {
+        let run = place.edof(&format!("{RECONSTRUCT} {more}"));
+        assert_eq!(run.code, Some(2), "{more}");
+        assert!(run.err.contains("cannot be used with"), "{}", run.err);
+    }
+    let run = place.edof(&format!("{RECONSTRUCT} --board --display grey"));
+    assert!(run.err.contains("display 'grey': must be luma or colour"), "{}", run.err);
+    assert_eq!(place.files(), ["net.safetensors", "raw.png"]);
+}
+
+#[test]
+fn words_where_no_folder_can_be() {
+    let place = ready();
+    let line = format!("{RECONSTRUCT} --words raw.png");
+    refused_without_a_trace(&place, &line, &["raw.png/words.npz: cannot write"]);
+}
+
+#[test]
+fn a_drawn_network_that_there_is_none_of() {
+    let place = Place::new();
+    let line = |more: &str| format!("random-network --out net.safetensors {more}");
+    refused_without_a_trace(&place, &line("--bits 7"), &["--bits 7: must be 8 to 16"]);
+    refused_without_a_trace(&place, &line("--stride 3"), &["stride 3: must be 2, 4 or 8"]);
+    refused_without_a_trace(&place, &line("--kind natural --bits 12"), &["--kind natural", "16 bits only"]);
 }
 
 #[test]
@@ -216,8 +261,8 @@ fn an_unwritable_folder() {
     let place = ready();
     let line = "reconstruct raw.png --weights net.safetensors --out raw.png/out.png";
     refused_without_a_trace(&place, line, &["raw.png/out.png: cannot write"]);
-    let line = "reconstruct raw.png --weights net.safetensors --out no/such/folder/out.png";
-    refused_without_a_trace(&place, line, &["no/such/folder/out.png: cannot write"]);
+    let line = "reconstruct raw.png --weights net.safetensors --out /proc/such/folder/out.png";
+    refused_without_a_trace(&place, line, &["/proc/such/folder/out.png: cannot write"]);
 }
 
 #[test]
@@ -225,13 +270,22 @@ fn an_ending_that_stands_for_no_format() {
     let place = ready();
     let line = "reconstruct raw.png --weights net.safetensors --out out.jpeg";
     refused_without_a_trace(&place, line, &["out.jpeg: unknown ending, expected .png"]);
+    // Before the work: nothing is read yet.
+    for (line, words) in [
+        ("reconstruct none.png --out out.jpeg", "out.jpeg: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.jpeg", "raw.jpeg: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.pgm --sharp x.gif", "x.gif: unknown ending, expected .png"),
+        ("capture none.png --psi 1 --out raw.pgm --light x", "x: unknown ending, expected .png"),
+    ] {
+        refused_without_a_trace(&place, line, &[words]);
+    }
 }
 
 #[test]
 fn an_argument_that_slipped_behind_json() {
     let place = ready();
     let line = "reconstruct --weights net.safetensors --out out.png raw.png --json raw.png";
-    refused_without_a_trace(&place, line, &["--json raw.png", "put --json last"]);
+    refused_without_a_trace(&place, line, &["--json raw.png", "would replace raw.png"]);
 }
 
 const TRAIN: &str = "train --form two-sided,w8,t2,c8 --camera clear --images photos --depths 1 --steps 4 --batch 64 \
@@ -285,7 +339,7 @@ fn a_network_that_cannot_be_written_is_not_trained_first() {
     std::fs::create_dir(place.path("photos")).unwrap();
     place.photo("photos/a.png", 288, 256);
     let line = TRAIN.replace("--out net", "--out photos/a.png/net").replace("--steps 4", "--steps 100000000");
-    refused_without_a_trace(&place, &line, &["photos/a.png/net.safetensors.checkpoint: cannot write"]);
+    refused_without_a_trace(&place, &line, &["photos/a.png/net.safetensors: cannot write"]);
 }
 
 #[test]

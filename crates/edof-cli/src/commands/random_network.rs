@@ -1,0 +1,85 @@
+//! `edof random-network`: a drawn network, where there is no trained one.
+
+use crate::error::Error;
+use crate::files::Files;
+use crate::form;
+use crate::ui::Ui;
+use clap::ValueEnum;
+use edof_spec::network::Form;
+use edof_spec::{FixedNetwork, Stride, weight_file};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Draw a quantized network at random, to try hardware and other implementations with
+///
+/// It restores no picture. An extreme one has weights and thresholds anywhere in their range, mostly at its ends; a natural one has the
+/// size, sparsity and brightness of a trained one. The same seed draws the same network.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof random-network --form two-sided,w8,t3,c40,difference --bits 12 --stride 4 --seed 7 --out extreme.fixed.safetensors
+  edof random-network --kind natural --form edof-t4w12 --stride 2 --out natural.fixed.safetensors")]
+pub struct Args {
+    /// What it is like
+    #[arg(long, value_enum, default_value = "extreme")]
+    kind: Kind,
+
+    /// Form of the network
+    #[arg(long, value_parser = form::parse, default_value = "edof-t4w12", long_help = form::HELP)]
+    form: Form,
+
+    /// Bits of weights, thresholds and sparse codes, 8 to 16; natural ones have 16
+    #[arg(long, default_value_t = 16)]
+    bits: u32,
+
+    /// Pixels from one patch to the next: 2, 4 or 8
+    #[arg(long, default_value_t = Stride::PATCH.pixels())]
+    stride: usize,
+
+    /// Seed of everything drawn
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    /// Weight file to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Anything that is legal, mostly at the ends of its range
+    Extreme,
+    /// As large and as sparse as a trained one
+    Natural,
+}
+
+/// # Errors
+/// A form that cannot be drawn, a network that no accumulator could hold, or a file that cannot be written.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    Files::new(ui).writes("--out", &args.out).check()?;
+    let mut network = network(&args)?;
+    network.origin.provenance = ui.provenance().for_file();
+    weight_file::save_fixed(&args.out, &network)?;
+    ui.say(format!("{}: {}, stride {}", args.out.display(), form::words(&args.form), args.stride))?;
+    ui.json(&json!({ "out": args.out.display().to_string(), "form": args.form, "stride": args.stride, "seed": args.seed }))
+}
+
+fn network(args: &Args) -> Result<FixedNetwork, Error> {
+    let stride = Stride::new(args.stride)?;
+    match args.kind {
+        Kind::Extreme if !(8..=16).contains(&args.bits) => {
+            Err(Error::message(format!("--bits {}: must be 8 to 16", args.bits)))
+        }
+        Kind::Extreme => Ok(edof_random::extreme(args.form, args.bits, stride, false, args.seed)),
+        Kind::Natural => {
+            let network = edof_random::natural(args.form.window.side(), stride.pixels(), args.seed);
+            if network.form == args.form && network.code_bits == args.bits {
+                return Ok(network);
+            }
+            let drawn = form::words(&network.form);
+            Err(Error::message(format!(
+                "--kind natural: draws {drawn} of 16 bits only, not {}",
+                form::words(&args.form)
+            )))
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! `edof weights`: what a weight file holds.
+
+use crate::error::Error;
+use crate::form;
+use crate::ui::Ui;
+use crate::weights;
+use edof_spec::fixed_network::{FixedMatrix, layer_names};
+use edof_spec::network::Origin;
+use edof_spec::number::OUTPUT_FRACTION;
+use edof_spec::provenance::Provenance;
+use edof_spec::weight_file::WeightFileError;
+use edof_spec::{FixedNetwork, Network};
+use serde::Serialize;
+
+/// Show what a weight file holds: form, formats, ranges, accumulators, and how it was made
+///
+/// A name shows the float network and, where there are any, the integers that belong to it; a file shows what it holds.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof weights edof-t4w12-outer
+  edof weights mine.fixed.safetensors --json weights.json")]
+pub struct Args {
+    /// A name such as edof-t4w12, or a weight file
+    weights: String,
+}
+
+/// # Errors
+/// Nothing of that name, or a file that is no weight file.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let found = Found { float: float(&args.weights)?, fixed: fixed(&args.weights)? };
+    let origin = match (&found.float, &found.fixed) {
+        (Some(float), _) => float.origin.clone(),
+        (None, Some(fixed)) => fixed.origin.clone(),
+        // Neither: say why it is not the first.
+        (None, None) => return weights::float(&args.weights).map(|_| ()),
+    };
+    tell_origin(&origin, ui)?;
+    if let Some(float) = &found.float {
+        tell_float(float, ui)?;
+    }
+    if let Some(fixed) = &found.fixed {
+        tell_fixed(fixed, ui)?;
+    }
+    ui.json(&found)
+}
+
+#[derive(Serialize)]
+struct Found {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    float: Option<Float>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fixed: Option<Fixed>,
+}
+
+#[derive(Serialize)]
+struct Float {
+    form: String,
+    sha256: String,
+    parameters: usize,
+    matrices: Vec<Matrix>,
+    origin: Origin,
+}
+
+#[derive(Serialize)]
+struct Matrix {
+    name: String,
+    rows: usize,
+    columns: usize,
+    least: f32,
+    most: f32,
+}
+
+#[derive(Serialize)]
+struct Fixed {
+    form: String,
+    sha256: String,
+    code_bits: u32,
+    stride: usize,
+    overlap: edof_spec::overlap::Overlap,
+    float_sha256: String,
+    layers: Vec<Layer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quantized: Option<edof_spec::fixed_network::Quantized>,
+    origin: Origin,
+}
+
+/// One layer of integers.
+#[derive(Serialize)]
+struct Layer {
+    layer: String,
+    weight_fraction_bits: Vec<u32>,
+    /// Largest |weight| as a share of what its width can hold.
+    range_used: Vec<f64>,
+    result_fraction_bits: u32,
+    shift: u32,
+    accumulator_bits: u32,
+}
+
+/// A float network of that name; none if the file holds a fixed one.
+fn float(name: &str) -> Result<Option<Float>, Error> {
+    let Some(network) = of_kind(weights::float(name))? else { return Ok(None) };
+    let matrices = matrices(&network);
+    Ok(Some(Float {
+        form: form::words(&network.form),
+        sha256: weights::float_input(name)?.sha256,
+        parameters: matrices.iter().map(|m| m.rows * m.columns).sum(),
+        matrices,
+        origin: network.origin,
+    }))
+}
+
+fn fixed(name: &str) -> Result<Option<Fixed>, Error> {
+    let Some(network) = of_kind(weights::fixed(name))? else { return Ok(None) };
+    Ok(Some(Fixed {
+        form: form::words(&network.form),
+        sha256: weights::fixed_input(name)?.sha256,
+        code_bits: network.code_bits,
+        stride: network.stride.pixels(),
+        overlap: network.overlap,
+        float_sha256: network.float_hash.clone(),
+        layers: layers(&network),
+        quantized: network.quantized,
+        origin: network.origin,
+    }))
+}
+
+/// None where nothing of that name is there, or it is of the other kind; what is there and broken is an error.
+fn of_kind<T>(found: Result<T, Error>) -> Result<Option<T>, Error> {
+    match found {
+        Ok(network) => Ok(Some(network)),
+        Err(Error::Failed(error)) => match error.downcast_ref::<WeightFileError>() {
+            Some(WeightFileError::Kind { .. }) | None => Ok(None),
+            Some(_) => Err(Error::Failed(error)),
+        },
+        Err(error) => Err(error),
+    }
+}
+
+fn matrices(network: &Network) -> Vec<Matrix> {
+    let of = |name: String, (rows, columns): (usize, usize), values: &mut dyn Iterator<Item = &f32>| {
+        let (least, most) =
+            values.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
+        Matrix { name, rows, columns, least, most }
+    };
+    let mut found = vec![of("A".into(), network.analysis.dim(), &mut network.analysis.iter())];
+    for (t, theta) in network.thresholds.iter().enumerate() {
+        found.push(of(format!("theta{}", t + 1), (theta.len(), 1), &mut theta.iter()));
+    }
+    for (t, s) in network.recurrent.iter().enumerate() {
+        found.push(of(format!("S{}", t + 1), s.dim(), &mut s.iter()));
+    }
+    found.push(of("D".into(), network.dictionary.dim(), &mut network.dictionary.iter()));
+    found.extend(network.linear_path.iter().map(|r| of("R".into(), r.dim(), &mut r.iter())));
+    found
+}
+
+fn layers(network: &FixedNetwork) -> Vec<Layer> {
+    let last = network.form.layers - 1;
+    let full = f64::from((1u32 << (network.code_bits - 1)) - 1);
+    let used =
+        |m: &&FixedMatrix| f64::from(m.weights.iter().map(|w| w.unsigned_abs()).max().unwrap_or(0)) / full;
+    layer_names(network.form.layers)
+        .zip(network.accumulator_bits())
+        .enumerate()
+        .map(|(index, (name, accumulator_bits))| {
+            let (matrices, shift): (Vec<&FixedMatrix>, u32) = match index {
+                0 => (vec![&network.analysis], network.analysis_shift()),
+                _ if index == last => {
+                    let both = std::iter::once(&network.dictionary).chain(&network.linear_path);
+                    (both.collect(), network.final_shifts().result)
+                }
+                _ => (vec![network.recurrent_matrix(index - 1)], network.middle_shifts(index - 1).result),
+            };
+            Layer {
+                layer: if name == "M" { format!("M{index}") } else { name.to_owned() },
+                weight_fraction_bits: matrices.iter().map(|m| m.fraction).collect(),
+                range_used: matrices.iter().map(used).collect(),
+                result_fraction_bits: network.code_fractions.get(index).copied().unwrap_or(OUTPUT_FRACTION),
+                shift,
+                accumulator_bits,
+            }
+        })
+        .collect()
+}
+
+fn tell_origin(origin: &Origin, ui: &Ui) -> Result<(), Error> {
+    let camera = &origin.camera;
+    let [low, high] = camera.psi_range;
+    ui.say(format!("{}: trained for the camera {}, psi {low} to {high}", origin.name, camera.name))?;
+    for condition in &origin.conditions {
+        ui.say(format!("  light: {}, noise up to {}", condition.tone, condition.noise))?;
+    }
+    ui.say(format!(
+        "  {:.2} dB on validation windows, {} windows seen",
+        origin.validation_db, origin.patches
+    ))?;
+    if !origin.non_zeros.is_empty() {
+        let counts: Vec<String> = origin.non_zeros.iter().map(|n| format!("{n:.1}")).collect();
+        ui.say(format!("  non-zeros after each shrinkage: {}", counts.join(", ")))?;
+    }
+    tell_provenance(&origin.provenance, ui)
+}
+
+fn tell_provenance(made: &Provenance, ui: &Ui) -> Result<(), Error> {
+    let revision = made.revision.as_deref().unwrap_or("revision unknown");
+    let cpu = if made.host.cpu.is_empty() { "an unknown CPU" } else { &made.host.cpu };
+    ui.say(format!("  made by: {}", made.command))?;
+    ui.say(format!("  edof {} ({revision}), {} inputs, on {cpu}", made.version, made.inputs.len()))
+}
+
+fn tell_float(float: &Float, ui: &Ui) -> Result<(), Error> {
+    ui.say(format!("float: {}, {} parameters, SHA-256 {}", float.form, float.parameters, float.sha256))?;
+    for m in &float.matrices {
+        let size = format!("{}x{}", m.rows, m.columns);
+        ui.say(format!("  {:7} {size:>8}  {:>9.4} to {:.4}", m.name, m.least, m.most))?;
+    }
+    Ok(())
+}
+
+fn tell_fixed(fixed: &Fixed, ui: &Ui) -> Result<(), Error> {
+    ui.say(format!(
+        "fixed: {}, {} bits, stride {}, SHA-256 {}, of the float network {}",
+        fixed.form, fixed.code_bits, fixed.stride, fixed.sha256, fixed.float_sha256
+    ))?;
+    ui.say("  layer  weights' fraction bits  range used  result's fraction bits  shift  accumulator bits")?;
+    for l in &fixed.layers {
+        let fractions: Vec<String> = l.weight_fraction_bits.iter().map(u32::to_string).collect();
+        let used: Vec<String> = l.range_used.iter().map(|r| format!("{:.0} %", 100.0 * r)).collect();
+        ui.say(format!(
+            "  {:5}  {:>22}  {:>10}  {:>22}  {:>5}  {:>16}",
+            l.layer,
+            fractions.join(", "),
+            used.join(", "),
+            l.result_fraction_bits,
+            l.shift,
+            l.accumulator_bits
+        ))?;
+    }
+    let Some(quantized) = &fixed.quantized else { return Ok(()) };
+    let seen = &quantized.calibration;
+    ui.say(format!(
+        "  calibrated on {} windows, {} depths, headroom {}, {} steps of fine-tuning",
+        seen.windows,
+        seen.psis.len(),
+        quantized.headroom,
+        quantized.finetune_steps
+    ))?;
+    tell_provenance(&quantized.provenance, ui)
+}

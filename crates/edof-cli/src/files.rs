@@ -1,0 +1,155 @@
+//! The files that a command reads and writes, held against each other before the work begins: no output may replace an
+//! input or another output of the same command, and each must be writable.
+
+use crate::error::Error;
+use crate::ui::Ui;
+use edof_io::picture::{self, Format};
+use edof_spec::atomic;
+use std::path::{Path, PathBuf};
+
+/// Everything that a command is going to read and write.
+pub struct Files {
+    read: Vec<PathBuf>,
+    written: Vec<(String, PathBuf)>,
+}
+
+impl Files {
+    /// Begins with what every command may write: the file of `--json`.
+    pub fn new(ui: &Ui) -> Self {
+        let json = ui.json_file().map(|file| ("--json".to_owned(), file.to_owned()));
+        Self { read: vec![], written: json.into_iter().collect() }
+    }
+
+    /// A file that is read. What names no file, such as a preset, is no danger.
+    pub fn reads(mut self, file: impl AsRef<Path>) -> Self {
+        self.read.push(file.as_ref().to_owned());
+        self
+    }
+
+    /// Files that are read.
+    pub fn reads_all(self, files: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
+        files.into_iter().fold(self, Self::reads)
+    }
+
+    /// A folder whose pictures are read.
+    pub fn reads_pictures_of(self, folder: impl AsRef<Path>) -> Self {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        self.reads_all(entries.map(|entry| entry.path()).filter(|file| Format::of_ending(file).is_some()))
+    }
+
+    /// A file that is written; `option` names it to the user.
+    pub fn writes(mut self, option: &str, file: impl AsRef<Path>) -> Self {
+        self.written.push((option.to_owned(), file.as_ref().to_owned()));
+        self
+    }
+
+    /// A picture that is written: its ending must stand for a format.
+    ///
+    /// # Errors
+    /// An ending that stands for none.
+    pub fn writes_picture(self, option: &str, file: impl AsRef<Path>) -> Result<Self, Error> {
+        picture::format_of(file.as_ref())?;
+        Ok(self.writes(option, file))
+    }
+
+    /// A file that is written if it was asked for.
+    pub fn may_write(self, option: &str, file: Option<impl AsRef<Path>>) -> Self {
+        match file {
+            Some(file) => self.writes(option, file),
+            None => self,
+        }
+    }
+
+    /// Files that are written into a folder, which is made where there is none.
+    pub fn writes_into(
+        self,
+        option: &str,
+        folder: &Path,
+        names: impl IntoIterator<Item = impl AsRef<Path>>,
+    ) -> Self {
+        names.into_iter().fold(self, |files, name| files.writes(option, folder.join(name)))
+    }
+
+    /// To be called before anything is computed.
+    ///
+    /// # Errors
+    /// An output that is also read, or that is two outputs at once, or that cannot be written.
+    pub fn check(self) -> Result<(), Error> {
+        let read: Vec<(&PathBuf, PathBuf)> = self.read.iter().map(|file| (file, canonical(file))).collect();
+        let mut seen: Vec<(&str, PathBuf)> = vec![];
+        for (option, file) in &self.written {
+            if is_device(file) {
+                continue;
+            }
+            let shown = file.display();
+            let place = canonical(file);
+            if let Some((input, _)) = read.iter().find(|(_, other)| *other == place) {
+                return Err(Error::message(format!(
+                    "{option} {shown}: would replace {}, which the same command reads",
+                    input.display()
+                )));
+            }
+            if let Some((other, _)) = seen.iter().find(|(_, other)| *other == place) {
+                return Err(Error::message(format!(
+                    "{option} {shown}: is written by {other} too; each output needs a file of its own"
+                )));
+            }
+            seen.push((option, place));
+        }
+        self.written.iter().try_for_each(|(_, file)| Ok(atomic::check(file)?))
+    }
+}
+
+/// One name for a file, whatever links lead to it; the file need not be there yet.
+fn canonical(file: &Path) -> PathBuf {
+    file.canonicalize().unwrap_or_else(|_| match (file.parent(), file.file_name()) {
+        (Some(folder), Some(name)) if folder.as_os_str().is_empty() => canonical(Path::new(".")).join(name),
+        (Some(folder), Some(name)) => canonical(folder).join(name),
+        _ => file.to_owned(),
+    })
+}
+
+/// Devices and pipes keep nothing that could be lost.
+fn is_device(file: &Path) -> bool {
+    std::fs::metadata(file).is_ok_and(|what| !what.is_file() && !what.is_dir())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files() -> Files {
+        Files { read: vec![], written: vec![] }
+    }
+
+    #[test]
+    fn an_output_is_known_by_any_of_its_names() {
+        let place = tempfile::tempdir().unwrap();
+        let at = |name: &str| place.path().join(name);
+        std::fs::create_dir(at("folder")).unwrap();
+        std::fs::write(at("input"), "kept").unwrap();
+        std::os::unix::fs::symlink(at("input"), at("link")).unwrap();
+        std::os::unix::fs::symlink(place.path(), at("folder/up")).unwrap();
+        for name in ["input", "./input", "link", "folder/../input", "folder/up/input"] {
+            let error = files().reads(at("input")).writes("--out", at(name)).check().unwrap_err().to_string();
+            assert!(error.contains("would replace"), "{name}: {error}");
+        }
+        files().reads(at("input")).writes("--out", at("folder/input")).check().unwrap();
+        let two = files().writes("--out", at("new")).writes("--json", at("folder/up/new"));
+        assert!(two.check().unwrap_err().to_string().contains("is written by --out too"));
+    }
+
+    #[test]
+    fn every_command_tells_what_it_reads_and_writes() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/commands");
+        for file in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            assert!(text.contains("Files::new(ui)") || file.ends_with("mod.rs"), "{}", file.display());
+        }
+    }
+
+    #[test]
+    fn a_device_may_be_written_twice() {
+        files().writes("--out", "/dev/null").writes("--json", "/dev/null").check().unwrap();
+    }
+}

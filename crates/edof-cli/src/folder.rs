@@ -1,0 +1,166 @@
+//! A folder of generated files that may be generated again. A manifest lists every file with its SHA-256, and is sealed by
+//! one of its own; so what the program wrote is told from what a user put there or changed, and only the former is replaced.
+
+use crate::error::Error;
+use edof_spec::atomic;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// File that lists the others.
+pub const MANIFEST: &str = "manifest.json";
+/// Field of the manifest that holds its own hash.
+const SEAL: &str = "manifest_sha256";
+/// At most so many files are named in a refusal.
+const NAMED: usize = 6;
+
+/// Files to write, by their path in the folder.
+pub type Contents = BTreeMap<PathBuf, String>;
+
+/// The manifest: `about`, the list of files, and the seal.
+pub fn manifest(about: Value, files: &Contents) -> Value {
+    let mut manifest = about;
+    manifest["files"] = files
+        .iter()
+        .map(|(path, text)| json!({ "path": path, "bytes": text.len(), "sha256": hash(text.as_bytes()) }))
+        .collect();
+    manifest[SEAL] = seal(&manifest).into();
+    manifest
+}
+
+/// Writes `files` and their manifest. Whatever stands in the folder and is neither an untouched file of an earlier output
+/// nor what would be written anyway is named and refused; with `force`, such a file is replaced where a new one takes its
+/// path and left alone elsewhere. All files are complete on the disk before the first one takes its place.
+///
+/// # Errors
+/// What was refused, or a folder that cannot be written.
+pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Result<(), Error> {
+    let mut files = files;
+    files.insert(MANIFEST.into(), serde_json::to_string_pretty(manifest)? + "\n");
+    if out.is_file() {
+        return Err(Error::message(format!("--out {}: is a file, expected a folder", out.display())));
+    }
+    let is_new = !out.exists();
+    fs::create_dir_all(out).map_err(|e| failed(out, &e))?;
+    let written = replace(out, &files, force);
+    if written.is_err() && is_new {
+        // Only an empty folder goes.
+        let _ = fs::remove_dir(out);
+    }
+    written
+}
+
+fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), Error> {
+    let standing = standing(out).map_err(|e| failed(out, &e))?;
+    let ours: BTreeSet<PathBuf> = untouched(out).intersection(&standing).cloned().collect();
+    let same =
+        |path: &Path| files.get(path).is_some_and(|text| holds(&out.join(path), &hash(text.as_bytes())));
+    let foreign: Vec<&PathBuf> = standing.iter().filter(|p| !ours.contains(*p) && !same(p)).collect();
+    if !foreign.is_empty() && !force {
+        return Err(Error::message(format!(
+            "--out {}: holds what no earlier run wrote, or what was changed since: {}; --force replaces what is in the way \
+             and leaves the rest",
+            out.display(),
+            named(&foreign)
+        )));
+    }
+    let in_the_way = |path: &PathBuf| {
+        let place = out.join(path);
+        let is_folder = fs::symlink_metadata(&place).is_ok_and(|what| what.is_dir());
+        is_folder || path.ancestors().skip(1).any(|above| standing.contains(above))
+    };
+    if let Some(path) = files.keys().find(|path| in_the_way(path)) {
+        return Err(Error::message(format!(
+            "--out {}: {} cannot be written, since a folder, file or link is in its way",
+            out.display(),
+            path.display()
+        )));
+    }
+    let work = atomic::work_folder(out).map_err(|e| failed(out, &e))?;
+    for (path, text) in files {
+        put(&work.path().join(path), |place| fs::write(place, text))
+            .map_err(|e| failed(&out.join(path), &e))?;
+    }
+    // The manifest last: until then the old one tells what is ours.
+    for path in files.keys().filter(|path| **path != *MANIFEST).chain([&PathBuf::from(MANIFEST)]) {
+        let place = out.join(path);
+        put(&place, |place| fs::rename(work.path().join(path), place)).map_err(|e| failed(&place, &e))?;
+    }
+    for path in ours.iter().filter(|path| !files.contains_key(*path)) {
+        let place = out.join(path);
+        fs::remove_file(&place).map_err(|e| failed(&place, &e))?;
+        // Folders that are empty now go, too.
+        let _ = place.parent().map(fs::remove_dir);
+    }
+    Ok(())
+}
+
+/// Makes a file in a folder that need not be there yet.
+fn put(place: &Path, make: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
+    place.parent().map_or(Ok(()), fs::create_dir_all)?;
+    make(place)
+}
+
+fn failed(path: &Path, error: &io::Error) -> Error {
+    Error::message(format!("{}: cannot write: {error}", path.display()))
+}
+
+fn named(paths: &[&PathBuf]) -> String {
+    let names: Vec<String> = paths.iter().take(NAMED).map(|path| path.display().to_string()).collect();
+    let rest = paths.len() - names.len();
+    let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    names.join(", ") + &more
+}
+
+/// All files and links of a folder and its folders; links are not followed.
+fn standing(out: &Path) -> io::Result<BTreeSet<PathBuf>> {
+    let mut found = BTreeSet::new();
+    let mut folders = vec![PathBuf::new()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(out.join(&folder))? {
+            let entry = entry?;
+            let path = folder.join(entry.file_name());
+            if entry.file_type()?.is_dir() {
+                folders.push(path);
+            } else {
+                found.insert(path);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Files of an earlier output that are as they were written, by its manifest; none where there is no sealed manifest.
+fn untouched(out: &Path) -> BTreeSet<PathBuf> {
+    let text = fs::read(out.join(MANIFEST)).unwrap_or_default();
+    let Ok(manifest) = serde_json::from_slice::<Value>(&text) else { return BTreeSet::new() };
+    if manifest[SEAL] != seal(&manifest) {
+        return BTreeSet::new();
+    }
+    let listed = manifest["files"].as_array().into_iter().flatten();
+    let kept =
+        listed.filter_map(|file| Some((PathBuf::from(file["path"].as_str()?), file["sha256"].as_str()?)));
+    let kept = kept.filter(|(path, sha256)| holds(&out.join(path), sha256)).map(|(path, _)| path);
+    kept.chain([MANIFEST.into()]).collect()
+}
+
+/// Whether a file, and no link to one, has that SHA-256.
+fn holds(file: &Path, sha256: &str) -> bool {
+    fs::symlink_metadata(file).is_ok_and(|what| what.is_file())
+        && fs::read(file).is_ok_and(|bytes| hash(&bytes) == sha256)
+}
+
+/// Hash of a manifest without its seal.
+fn seal(manifest: &Value) -> String {
+    let mut open = manifest.clone();
+    if let Some(fields) = open.as_object_mut() {
+        fields.remove(SEAL);
+    }
+    hash(open.to_string().as_bytes())
+}
+
+fn hash(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,181 @@
+//! What the program writes about itself into its results: the command as it was understood, the revision it was built from, the
+//! machine it runs on (docs/decisions/0011-provenance.md).
+
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use edof_spec::provenance::{Host, Provenance};
+
+/// Options that no byte of a result depends on: where files lie, how much is told, on how many threads.
+const NOT_IN_RESULTS: [&str; 12] = [
+    "json", "quiet", "out", "images", "report", "sharp", "light", "resume", "threads", "waveform", "junit",
+    "words",
+];
+
+/// The record of this run, as far as it is known before the work begins.
+pub fn of_run(matches: &ArgMatches, root: &Command) -> Provenance {
+    Provenance {
+        command: command(matches, root),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        revision: option_env!("EDOF_REVISION").map(str::to_owned),
+        seed: seed(matches),
+        inputs: vec![],
+        host: host(),
+    }
+}
+
+/// The command with every option that has a value, defaults written out, in the order of the help.
+fn command(mut matches: &ArgMatches, mut root: &Command) -> String {
+    let mut words = vec!["edof".to_owned()];
+    while let Some((name, inner)) = matches.subcommand() {
+        let Some(command) = root.find_subcommand(name) else { break };
+        words.push(name.to_owned());
+        (matches, root) = (inner, command);
+    }
+    let arguments = root.get_arguments().filter(|a| !NOT_IN_RESULTS.contains(&a.get_id().as_str()));
+    // Positional arguments first: the command can be run again whatever follows.
+    let (first, rest): (Vec<_>, Vec<_>) = arguments.partition(|a| a.is_positional());
+    first.into_iter().chain(rest).for_each(|argument| words.extend(written(argument, matches)));
+    words.join(" ")
+}
+
+fn written(argument: &Arg, matches: &ArgMatches) -> Vec<String> {
+    let id = argument.get_id().as_str();
+    let values: Vec<String> = match matches.try_get_raw(id) {
+        Ok(Some(values)) => values.map(|v| v.to_string_lossy().into_owned()).collect(),
+        _ => return vec![],
+    };
+    let name = argument.get_long().map(|long| format!("--{long}"));
+    match (argument.get_action(), name) {
+        (ArgAction::SetTrue, Some(name)) => {
+            if values.iter().any(|v| v == "true") {
+                vec![name]
+            } else {
+                vec![]
+            }
+        }
+        (_, Some(name)) if argument.get_value_delimiter().is_some() => {
+            let names: Vec<&str> = values.iter().map(|v| file_name(v)).collect();
+            vec![name, quoted(&names.join(","))]
+        }
+        (_, Some(name)) => values.iter().flat_map(|v| [name.clone(), quoted(file_name(v))]).collect(),
+        (_, None) => values.iter().map(|v| quoted(file_name(v))).collect(),
+    }
+}
+
+/// Of a path, what is not its place.
+fn file_name(word: &str) -> &str {
+    word.rsplit('/').next().unwrap_or(word)
+}
+
+/// A word as a shell takes it back.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./:=,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+fn seed(matches: &ArgMatches) -> Option<u64> {
+    let (_, inner) = matches.subcommand()?;
+    let mut values = inner.try_get_raw("seed").ok()??;
+    values.next()?.to_str()?.parse().ok()
+}
+
+fn host() -> Host {
+    let threads = std::thread::available_parallelism().ok().map(usize::from);
+    Host { cpu: cpu().unwrap_or_else(|| std::env::consts::ARCH.to_owned()), isa: isa(), threads }
+}
+
+fn cpu() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+#[cfg(target_arch = "x86_64")]
+fn isa() -> String {
+    let found = [
+        ("avx2", is_x86_feature_detected!("avx2")),
+        ("fma", is_x86_feature_detected!("fma")),
+        ("avx512f", is_x86_feature_detected!("avx512f")),
+        ("avx512bw", is_x86_feature_detected!("avx512bw")),
+        ("avx512vnni", is_x86_feature_detected!("avx512vnni")),
+    ];
+    let names: Vec<&str> = found.iter().filter(|(_, there)| *there).map(|(name, _)| *name).collect();
+    names.join(" ")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn isa() -> String {
+    std::env::consts::ARCH.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn record(words: &[&str]) -> Provenance {
+        let root = crate::Cli::command();
+        let matches = root.clone().try_get_matches_from(words).unwrap();
+        of_run(&matches, &root)
+    }
+
+    #[test]
+    fn a_command_states_its_defaults_and_not_where_its_files_lie() {
+        let one = record(&[
+            "edof",
+            "quantize",
+            "some/where/edof-t4w12",
+            "--out",
+            "a.safetensors",
+            "--images",
+            "here",
+        ]);
+        let words = ["quantize edof-t4w12", "--bits 16", "--stride 8", "--overlap hann", "--headroom 2"];
+        words.iter().for_each(|w| assert!(one.command.contains(w), "{}", one.command));
+        let two = record(&[
+            "edof",
+            "--quiet",
+            "quantize",
+            "edof-t4w12",
+            "--bits",
+            "16",
+            "--out",
+            "b",
+            "--json",
+            "c",
+        ]);
+        assert_eq!(one.command, two.command);
+        assert_eq!(one.identity(), two.identity());
+    }
+
+    #[test]
+    fn a_stated_command_reads_back_as_itself() {
+        let one = record(&[
+            "edof",
+            "capture",
+            "my photo.png",
+            "--psi",
+            "8",
+            "--out",
+            "r.png",
+            "--exact",
+            "--seed",
+            "7",
+        ]);
+        assert!(one.command.starts_with("edof capture 'my photo.png' "), "{}", one.command);
+        assert_eq!(one.seed, Some(7));
+        let mut again: Vec<String> = vec![];
+        for (index, piece) in one.command.split('\'').enumerate() {
+            if index % 2 == 1 {
+                again.push(piece.into())
+            } else {
+                again.extend(piece.split_whitespace().map(str::to_owned))
+            }
+        }
+        again.extend(["--out".into(), "elsewhere.png".into()]);
+        let again: Vec<&str> = again.iter().map(String::as_str).collect();
+        assert_eq!(record(&again).command, one.command);
+    }
+}

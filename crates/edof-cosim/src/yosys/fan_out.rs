@@ -1,0 +1,14 @@
+//! How many loads a net of a mapped design leads to.
+
+use serde::{Deserialize, Serialize};
+
+/// One net.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FanOut {
+    /// Its name in the source, or the mapping's where it has none.
+    pub net: String,
+    /// Pins that it leads to.
+    pub loads: usize,
+    /// Whether it is control: a signal of one bit, or one that enables, resets or writes somewhere. All else are bits of words.
+    pub control: bool,
+}

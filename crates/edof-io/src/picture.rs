@@ -1,0 +1,260 @@
+//! Picture files: PNG, TIFF, PGM and PPM to samples and back.
+
+use crate::pnm;
+use crate::samples::Samples;
+use image::{DynamicImage, ImageFormat, ImageReader};
+use ndarray::{Array3, ArrayView3};
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::{Path, PathBuf};
+
+/// A picture that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum PictureError {
+    /// The file cannot be opened.
+    #[error("{path}: cannot read: {source}", path = path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    /// None of the formats.
+    #[error("{path}: not a PNG, TIFF, PPM or PGM file", path = path.display())]
+    Format { path: PathBuf },
+    /// Truncated or damaged.
+    #[error("{path}: damaged or unsupported: {reason}", path = path.display())]
+    Decode { path: PathBuf, reason: String },
+    /// Floating-point samples and the like.
+    #[error("{path}: holds {found} samples, expected 8-bit or 16-bit integers", path = path.display())]
+    Kind { path: PathBuf, found: String },
+    /// A name whose ending stands for no format.
+    #[error("{path}: unknown ending, expected {expected}", path = path.display())]
+    Ending { path: PathBuf, expected: &'static str },
+    /// The encoder refused.
+    #[error("{path}: cannot encode {width}x{height} pixels: {reason}", path = path.display())]
+    Encode { path: PathBuf, width: usize, height: usize, reason: String },
+    /// The disk refused.
+    #[error(transparent)]
+    Write(#[from] edof_spec::atomic::WriteError),
+}
+
+/// A picture format, told by a file's first bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Portable network graphics.
+    Png,
+    /// Tagged image file format.
+    Tiff,
+    /// PGM or PPM, as text or binary.
+    Pnm,
+}
+
+impl Format {
+    /// What the first bytes of a file stand for.
+    #[must_use]
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        match bytes {
+            [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
+            [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some(Self::Tiff),
+            [b'P', b'2' | b'3' | b'5' | b'6', space, ..] if space.is_ascii_whitespace() => Some(Self::Pnm),
+            _ => None,
+        }
+    }
+
+    /// What the ending of a name stands for.
+    #[must_use]
+    pub fn of_ending(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "png" => Some(Self::Png),
+            "tif" | "tiff" => Some(Self::Tiff),
+            "ppm" | "pgm" | "pnm" => Some(Self::Pnm),
+            _ => None,
+        }
+    }
+}
+
+/// So many bytes tell a format.
+const HEAD: u64 = 8;
+
+/// The bytes of a picture file. What begins like none, such as an endless device, is not read on.
+///
+/// # Errors
+/// [`PictureError::Read`] or [`PictureError::Format`].
+pub fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
+    let (mut file, mut bytes) = open(path)?;
+    if Format::of(&bytes).is_none() {
+        return Err(PictureError::Format { path: path.to_owned() });
+    }
+    file.read_to_end(&mut bytes).map_err(|source| PictureError::Read { path: path.to_owned(), source })?;
+    Ok(bytes)
+}
+
+/// A file and its first bytes, which tell its format and are read already.
+///
+/// # Errors
+/// [`PictureError::Read`].
+pub fn open(path: &Path) -> Result<(File, Vec<u8>), PictureError> {
+    let head = || {
+        let mut file = File::open(path)?;
+        let mut head = vec![];
+        file.by_ref().take(HEAD).read_to_end(&mut head)?;
+        Ok((file, head))
+    };
+    head().map_err(|source| PictureError::Read { path: path.to_owned(), source })
+}
+
+/// Samples of a PNG, TIFF, PGM or PPM in memory; `path` names it in errors.
+///
+/// # Errors
+/// [`PictureError::Format`], [`PictureError::Decode`] or [`PictureError::Kind`].
+pub fn decode(bytes: &[u8], path: &Path) -> Result<Samples, PictureError> {
+    let damaged = |reason: String| PictureError::Decode { path: path.to_owned(), reason };
+    let format = match Format::of(bytes) {
+        Some(Format::Pnm) => return pnm::decode(bytes).map_err(|e| damaged(e.to_string())),
+        Some(Format::Png) => ImageFormat::Png,
+        Some(Format::Tiff) => ImageFormat::Tiff,
+        None => return Err(PictureError::Format { path: path.to_owned() }),
+    };
+    let image =
+        ImageReader::with_format(Cursor::new(bytes), format).decode().map_err(|e| damaged(e.to_string()))?;
+    let (height, width) = (image.height() as usize, image.width() as usize);
+    let (channels, full_scale, interleaved) = match image {
+        DynamicImage::ImageLuma8(i) => (1, 255, widen(i.as_raw())),
+        DynamicImage::ImageLumaA8(i) => (2, 255, widen(i.as_raw())),
+        DynamicImage::ImageRgb8(i) => (3, 255, widen(i.as_raw())),
+        DynamicImage::ImageRgba8(i) => (4, 255, widen(i.as_raw())),
+        DynamicImage::ImageLuma16(i) => (1, u16::MAX, i.into_raw()),
+        DynamicImage::ImageLumaA16(i) => (2, u16::MAX, i.into_raw()),
+        DynamicImage::ImageRgb16(i) => (3, u16::MAX, i.into_raw()),
+        DynamicImage::ImageRgba16(i) => (4, u16::MAX, i.into_raw()),
+        other => {
+            let found = format!("{:?}", other.color());
+            return Err(PictureError::Kind { path: path.to_owned(), found });
+        }
+    };
+    let colours = if channels < 3 { 1 } else { 3 };
+    let whole = ArrayView3::from_shape((height, width, channels), &interleaved)
+        .map_err(|e| damaged(e.to_string()))?;
+    let planes = Array3::from_shape_fn((colours, height, width), |(p, r, c)| whole[(r, c, p)]);
+    Ok(Samples { planes, full_scale })
+}
+
+fn widen(bytes: &[u8]) -> Vec<u16> {
+    bytes.iter().map(|&b| u16::from(b)).collect()
+}
+
+/// The format in which [`save`] would write a file of that name; for whoever has long work to do first.
+///
+/// # Errors
+/// [`PictureError::Ending`].
+pub fn format_of(path: &Path) -> Result<Format, PictureError> {
+    let expected = ".png, .tif, .tiff, .ppm or .pgm";
+    Format::of_ending(path).ok_or_else(|| PictureError::Ending { path: path.to_owned(), expected })
+}
+
+/// Writes samples in the format that the ending of `path` stands for. PNG and TIFF hold a full scale of 255 or 65535.
+///
+/// # Errors
+/// [`PictureError::Ending`], [`PictureError::Encode`] or [`PictureError::Write`].
+pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
+    let format = format_of(path)?;
+    let (_, height, width) = samples.planes.dim();
+    let refused = |reason: String| PictureError::Encode { path: path.to_owned(), width, height, reason };
+    let bytes = match format {
+        Format::Pnm => pnm::encode(samples),
+        Format::Png => picture(samples).and_then(|i| encode(&i, ImageFormat::Png)).map_err(refused)?,
+        Format::Tiff => picture(samples).and_then(|i| encode(&i, ImageFormat::Tiff)).map_err(refused)?,
+    };
+    Ok(edof_spec::atomic::write(path, &bytes)?)
+}
+
+fn encode(image: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>, String> {
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, format).map_err(|e| e.to_string())?;
+    Ok(bytes.into_inner())
+}
+
+fn picture(samples: &Samples) -> Result<DynamicImage, String> {
+    let (channels, height, width) = samples.planes.dim();
+    let side = |pixels: usize| u32::try_from(pixels).map_err(|e| e.to_string());
+    let (columns, rows) = (side(width)?, side(height)?);
+    let interleaved: Vec<u16> = samples.planes.view().permuted_axes([1, 2, 0]).iter().copied().collect();
+    let narrow = || interleaved.iter().map(|&v| v.min(255) as u8).collect();
+    let image = match (channels, samples.full_scale) {
+        (1, 255) => image::GrayImage::from_raw(columns, rows, narrow()).map(DynamicImage::from),
+        (3, 255) => image::RgbImage::from_raw(columns, rows, narrow()).map(DynamicImage::from),
+        (1, u16::MAX) => {
+            image::ImageBuffer::from_raw(columns, rows, interleaved).map(DynamicImage::ImageLuma16)
+        }
+        (3, u16::MAX) => {
+            image::ImageBuffer::from_raw(columns, rows, interleaved).map(DynamicImage::ImageRgb16)
+        }
+        (planes, full_scale) => return Err(format!("{planes} planes of full scale {full_scale}")),
+    };
+    image.ok_or_else(|| "sizes do not match".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_keeps_every_sample() {
+        let dir = tempfile::tempdir().unwrap();
+        for (channels, full_scale) in [(1, 255u16), (3, 255), (1, u16::MAX), (3, u16::MAX)] {
+            let planes = Array3::from_shape_fn((channels, 5, 7), |(p, r, c)| {
+                ((p * 35 + r * 7 + c) as u32 * u32::from(full_scale) / 105) as u16
+            });
+            let samples = Samples { planes, full_scale };
+            for ending in ["png", "tif", "tiff", "pnm"] {
+                let path = dir.path().join(format!("x.{ending}"));
+                save(&path, &samples).unwrap();
+                assert_eq!(decode(&read(&path).unwrap(), &path).unwrap(), samples, "{ending}");
+            }
+        }
+    }
+
+    #[test]
+    fn alpha_is_dropped() {
+        let image = DynamicImage::from(image::RgbaImage::from_pixel(2, 2, image::Rgba([1, 2, 3, 4])));
+        let samples = decode(&encode(&image, ImageFormat::Png).unwrap(), Path::new("x")).unwrap();
+        assert_eq!(samples.planes.iter().copied().collect::<Vec<_>>(), [1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]);
+    }
+
+    #[test]
+    fn a_truncated_picture_is_refused_by_name() {
+        let samples = Samples { planes: Array3::zeros((3, 40, 40)), full_scale: 255 };
+        for format in [ImageFormat::Png, ImageFormat::Tiff] {
+            let whole = encode(&picture(&samples).unwrap(), format).unwrap();
+            for kept in [10, whole.len() / 2] {
+                let error = decode(&whole[..kept], Path::new("half")).unwrap_err().to_string();
+                assert!(error.starts_with("half: damaged or unsupported"), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn floating_point_samples_are_refused() {
+        let image = DynamicImage::ImageRgb32F(image::Rgb32FImage::new(2, 2));
+        let error = decode(&encode(&image, ImageFormat::Tiff).unwrap(), Path::new("x")).unwrap_err();
+        assert_eq!(error.to_string(), "x: holds Rgb32F samples, expected 8-bit or 16-bit integers");
+    }
+
+    #[test]
+    fn an_unknown_ending_is_told_the_known_ones() {
+        let samples = Samples { planes: Array3::zeros((1, 2, 2)), full_scale: 255 };
+        let error = save(Path::new("/nowhere/x.bmp"), &samples).unwrap_err().to_string();
+        assert_eq!(error, "/nowhere/x.bmp: unknown ending, expected .png, .tif, .tiff, .ppm or .pgm");
+    }
+
+    #[test]
+    fn an_endless_device_is_not_read_to_its_end() {
+        let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert_eq!(error, "/dev/zero: not a PNG, TIFF, PPM or PGM file");
+    }
+
+    #[test]
+    fn text_is_no_picture() {
+        assert_eq!(
+            decode(b"hello", Path::new("notes.png")).unwrap_err().to_string(),
+            "notes.png: not a PNG, TIFF, PPM or PGM file"
+        );
+    }
+}

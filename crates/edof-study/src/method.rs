@@ -1,0 +1,110 @@
+//! What a method is: the facts by which rows and tables tell methods apart. Its name is made from them, never read back.
+
+use edof_spec::Reconstructor;
+use serde::{Deserialize, Serialize};
+
+/// Identity of a method.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Method {
+    /// What kind of method.
+    pub family: Family,
+    /// Name of the network, for a network.
+    pub network: Option<String>,
+    /// Numbers that it computes with and format that it gives, for a network.
+    pub format: Option<Format>,
+    /// Pixels from one patch to the next, for a method that works in patches.
+    pub stride: Option<usize>,
+    /// Layers T, for a network.
+    pub layers: Option<usize>,
+}
+
+/// Kind of a method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// The frame as a plain camera shows it: demosaiced after Malvar, He and Cutler, not deblurred.
+    DemosaicMalvar,
+    /// An unrolled sparse-coding network.
+    Network,
+}
+
+/// Numbers that a network computes with and the format of its picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Format {
+    /// Floating point, RGB.
+    Float,
+    /// Floating point, the result rounded once into the board's 4:2:2 words.
+    Float422,
+    /// The board's integers, 4:2:2.
+    Fixed,
+}
+
+/// A method that can run.
+pub struct Entry {
+    /// What it is.
+    pub method: Method,
+    /// It.
+    pub reconstructor: Box<dyn Reconstructor>,
+}
+
+impl Method {
+    /// Demosaicing alone.
+    #[must_use]
+    pub const fn demosaic() -> Self {
+        Self { family: Family::DemosaicMalvar, network: None, format: None, stride: None, layers: None }
+    }
+
+    /// A network of `layers` layers in one of its formats.
+    #[must_use]
+    pub fn network(name: impl Into<String>, format: Format, stride: usize, layers: usize) -> Self {
+        Self {
+            family: Family::Network,
+            network: Some(name.into()),
+            format: Some(format),
+            stride: Some(stride),
+            layers: Some(layers),
+        }
+    }
+
+    /// The same network in another format.
+    #[must_use]
+    pub fn in_format(&self, format: Format) -> Self {
+        Self { format: Some(format), ..self.clone() }
+    }
+}
+
+impl std::fmt::Display for Method {
+    /// Short name for tables, as in `edof-t4w12.fixed`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = match (self.family, &self.network) {
+            (Family::Network, Some(network)) => network.as_str(),
+            (Family::Network, None) => "network",
+            (Family::DemosaicMalvar, _) => "demosaic-malvar",
+        };
+        let format = self.format.map_or("", |format| match format {
+            Format::Float => ".float",
+            Format::Float422 => ".float422",
+            Format::Fixed => ".fixed",
+        });
+        f.pad(&format!("{name}{format}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_method_is_data_in_json_and_a_name_in_tables() {
+        let method = Method::network("paper-t4", Format::Float422, 8, 4);
+        assert_eq!(method.to_string(), "paper-t4.float422");
+        assert_eq!(
+            serde_json::to_value(&method).unwrap(),
+            serde_json::json!({
+                "family": "network", "network": "paper-t4", "format": "float422", "stride": 8, "layers": 4
+            })
+        );
+        assert_eq!(Method::demosaic().to_string(), "demosaic-malvar");
+    }
+}

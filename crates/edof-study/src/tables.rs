@@ -1,0 +1,317 @@
+//! A study's tables, for a terminal, as Markdown and as a report with plots.
+
+use crate::kodak::Work;
+use crate::method::Format;
+use crate::plot::{Axis, Mark, Plot, Series, side_by_side};
+use crate::report::Report;
+use crate::summary::{Course, MethodSummary, Study, Summary};
+use edof_spec::noise::SensorNoise;
+use edof_spec::{Noise, Tone};
+use std::fmt::Write;
+
+/// Cells under a header.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Table {
+    /// One for each column.
+    pub header: Vec<String>,
+    /// As many cells each as the header has.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Columns as wide as their widest cell.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let width = |column: usize| {
+            let cells = self.rows.iter().chain([&self.header]).filter_map(|row| row.get(column));
+            cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..self.header.len()).map(width).collect();
+        let line = |row: &Vec<String>| {
+            let cells: Vec<String> =
+                row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:width$}")).collect();
+            cells.join("  ").trim_end().to_owned() + "\n"
+        };
+        std::iter::once(&self.header).chain(&self.rows).map(line).collect()
+    }
+
+    /// A Markdown table.
+    #[must_use]
+    pub fn to_markdown(&self) -> String {
+        let line = |row: &Vec<String>| format!("| {} |\n", row.join(" | "));
+        let rule = format!("|{}\n", "---|".repeat(self.header.len()));
+        line(&self.header) + &rule + &self.rows.iter().map(line).collect::<String>()
+    }
+
+    /// Adds the table to a report.
+    pub fn add_to(&self, report: &mut Report) {
+        report.table(&self.header.iter().map(String::as_str).collect::<Vec<_>>(), &self.rows);
+    }
+}
+
+impl Study {
+    /// The tables for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        for (title, table) in self.tables().into_iter().chain([("Time".to_owned(), self.time())]) {
+            let _ = write!(text, "{title}\n{}\n", table.to_text());
+        }
+        text.trim_end().to_owned()
+    }
+
+    /// The tables as a Markdown page; `command` tells how to make it again. The same rows give the same page: it holds no times.
+    #[must_use]
+    pub fn to_markdown(&self, command: &str) -> String {
+        let mut page = format!("# {}\n\nMade by `{command}`.\n\n{}\n", self.title(), self.explanation());
+        for (title, table) in self.tables() {
+            let _ = write!(page, "\n## {title}\n\n{}", table.to_markdown());
+        }
+        for note in &self.summary.notes {
+            let _ = write!(page, "\n{note}\n");
+        }
+        page
+    }
+
+    /// The report: PSNR against depth for each noise level, and the tables; `command` tells how to make it again.
+    #[must_use]
+    pub fn report(&self, command: &str) -> Report {
+        let mut report = Report::new(self.title());
+        report.paragraph(&format!("Made by `{command}`."));
+        report.paragraph(&self.explanation());
+        self.summary.notes.iter().for_each(|note| {
+            report.paragraph(note);
+        });
+        report.heading("PSNR at each depth");
+        report.plot(&side_by_side(&self.summary.plots()));
+        for (title, table) in self.tables().into_iter().chain([("Time".to_owned(), self.time())]) {
+            report.heading(&title);
+            table.add_to(&mut report);
+        }
+        report
+    }
+
+    fn title(&self) -> String {
+        let convention = match self.measure.tone {
+            Tone::Linear => "photographs' numbers taken as linear light, the paper's convention",
+            Tone::Srgb => "photographs decoded from sRGB to light, pictures encoded",
+        };
+        format!("Photographs through each network's camera: {convention}")
+    }
+
+    fn explanation(&self) -> String {
+        let measured = match self.measure.tone {
+            Tone::Linear => "nothing is clipped",
+            Tone::Srgb => "measured on the encoded picture, clipped to 0…1 as a screen does",
+        };
+        format!(
+            "PSNR in dB over red, green and blue, peak {}, border {} cropped, {measured}; SSIM is the mean of the colours. \
+             Each cell: at ψ = {} / at the worst ψ / average over ψ; SSIM over all.",
+            self.measure.peak,
+            self.measure.border,
+            self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0])
+        )
+    }
+
+    /// Title and table of the picture, of the light where that differs, and of what networks cost.
+    fn tables(&self) -> Vec<(String, Table)> {
+        let quality = |course: fn(&MethodSummary) -> &Course| self.summary.quality(course);
+        let mut tables = match self.measure.tone {
+            Tone::Linear => vec![("Picture".to_owned(), quality(|m| &m.picture))],
+            Tone::Srgb => vec![
+                ("Encoded picture".to_owned(), quality(|m| &m.picture)),
+                ("Light, not clipped".to_owned(), quality(|m| &m.light)),
+            ],
+        };
+        if !self.summary.nets.is_empty() {
+            tables.push((
+                "What 4:2:2 and fixed point cost, and what the integers count".to_owned(),
+                self.costs(),
+            ));
+        }
+        tables
+    }
+
+    fn costs(&self) -> Table {
+        let header = [
+            "network",
+            "camera",
+            "noise",
+            "4:2:2 costs dB (most)",
+            "fixed point loses dB (most)",
+            "non-zeros after each shrinkage",
+            "saturations",
+            "multiplications a pixel, dense",
+            "executed",
+        ];
+        let row = |n: &crate::summary::NetSummary| {
+            let mut cells = vec![
+                n.float.network.clone().unwrap_or_default(),
+                n.camera.clone(),
+                noise_words(n.noise),
+                format!("{:.3} ({:.3})", n.mean_cost_of_422_db, n.largest_cost_of_422_db),
+            ];
+            match &n.fixed {
+                Some(fixed) => {
+                    cells.push(format!("{:.4} ({:.4})", fixed.mean_loss_db, fixed.largest_loss_db));
+                    cells.extend(work_cells(&fixed.work));
+                }
+                None => cells.extend(std::iter::repeat_n("–".to_owned(), 5)),
+            }
+            cells
+        };
+        let rows = self.summary.nets.iter().map(row).collect();
+        Table { header: header.map(str::to_owned).to_vec(), rows }
+    }
+
+    fn time(&self) -> Table {
+        let rows = self.summary.subjects().into_iter().map(|subject| {
+            let own = self.summary.noises().into_iter().filter_map(|noise| self.summary.find(subject, noise));
+            let seconds: Vec<f64> = own.map(|m| m.seconds_per_megapixel).collect();
+            let mean = seconds.iter().sum::<f64>() / seconds.len() as f64;
+            vec![subject.0.to_string(), subject.1.to_owned(), format!("{mean:.4}")]
+        });
+        let header = ["method", "camera", "seconds a megapixel"].map(str::to_owned).to_vec();
+        Table { header, rows: rows.collect() }
+    }
+}
+
+impl Summary {
+    /// One line for each method and camera, two columns for each noise level. `float422` is left out: it lies on the fixed line.
+    fn quality(&self, course: impl Fn(&MethodSummary) -> &Course) -> Table {
+        let noises = self.noises();
+        let mut header = vec!["method".to_owned(), "camera".into()];
+        header.extend(noises.iter().flat_map(|&noise| [noise_words(noise), "SSIM".to_owned()]));
+        let shown = self.subjects().into_iter().filter(|s| s.0.format != Some(Format::Float422));
+        let rows = shown.map(|subject| {
+            let mut cells = vec![subject.0.to_string(), subject.1.to_owned()];
+            for &noise in &noises {
+                let Some(course) = self.find(subject, noise).map(&course) else {
+                    cells.extend(["–".to_owned(), "–".to_owned()]);
+                    continue;
+                };
+                let farthest = course.farthest()[1];
+                cells.push(format!("{farthest:.2} / {:.2} / {:.2}", course.worst_db, course.average_db));
+                cells.push(format!("{:.3}", course.ssim));
+            }
+            cells
+        });
+        Table { header, rows: rows.collect() }
+    }
+
+    /// PSNR against ψ, one diagram for each noise level; solid lines are float, dotted ones fixed point, dashed ones the rest.
+    /// `float422` is left out: it lies on the fixed line.
+    #[must_use]
+    pub fn plots(&self) -> Vec<Plot> {
+        let line = |m: &MethodSummary| {
+            let mark = match m.identity.format {
+                Some(Format::Float422) => return None,
+                Some(Format::Float) => Mark::LineAndPoints,
+                Some(Format::Fixed) => Mark::Dotted,
+                None => Mark::Dashed,
+            };
+            Some(Series::new(format!("{}, {}", m.method, m.camera), mark, m.picture.psi_db.iter().copied()))
+        };
+        let plot = |noise: Noise| Plot {
+            title: noise_words(noise),
+            x: Axis::linear("ψ (rad)"),
+            y: Axis::linear("PSNR (dB)"),
+            series: self.methods.iter().filter(|m| m.noise == noise).filter_map(line).collect(),
+        };
+        self.noises().into_iter().map(plot).collect()
+    }
+}
+
+fn work_cells(work: &Work) -> [String; 4] {
+    let dash = || "–".to_owned();
+    let number = |value: Option<f64>| value.map_or_else(dash, |v| format!("{v:.0}"));
+    let nonzeros = work
+        .nonzeros_a_patch
+        .as_ref()
+        .map_or_else(dash, |layers| layers.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "));
+    [
+        nonzeros,
+        work.saturations.map_or_else(dash, |n| n.to_string()),
+        number(work.dense_multiplications_a_pixel),
+        number(work.executed_multiplications_a_pixel),
+    ]
+}
+
+/// What tables call a noise.
+fn noise_words(noise: Noise) -> String {
+    match noise {
+        Noise::None => "no noise".to_owned(),
+        Noise::Gaussian { sigma } => format!("σ = {sigma}"),
+        Noise::Sensor(sensor) if sensor == (SensorNoise { gain: sensor.gain, ..SensorNoise::default() }) => {
+            format!("sensor, gain {}", sensor.gain)
+        }
+        Noise::Sensor(_) => noise.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method::Method;
+    use crate::summary::tests::{net, row};
+
+    fn study(tone: Tone) -> Study {
+        let noisy = Noise::sensor(8.0);
+        let rows = vec![
+            row(&Method::demosaic(), "p", 0.0, Noise::None, 29.0),
+            row(&net(Format::Float), "p", 0.0, Noise::None, 34.5),
+            row(&net(Format::Float), "p", 8.0, Noise::None, 33.5),
+            row(&net(Format::Float422), "p", 8.0, Noise::None, 33.25),
+            row(&net(Format::Fixed), "p", 8.0, Noise::None, 33.0),
+            row(&net(Format::Float), "p", 8.0, noisy, 30.0),
+        ];
+        Study::new(tone, rows, vec!["a note".into()])
+    }
+
+    #[test]
+    fn a_cell_says_the_farthest_depth_the_worst_and_the_average() {
+        let page = study(Tone::Linear).to_markdown("edof study kodak");
+        let table = "| method | camera | no noise | SSIM | sensor, gain 8 | SSIM |\n\
+                     |---|---|---|---|---|---|\n\
+                     | demosaic-malvar | clear | 29.00 / 29.00 / 29.00 | 0.900 | – | – |\n\
+                     | n.float | clear | 33.50 / 33.50 / 34.00 | 0.900 | 30.00 / 30.00 / 30.00 | 0.900 |\n\
+                     | n.fixed | clear | 33.00 / 33.00 / 33.00 | 0.900 | – | – |\n";
+        assert!(page.contains(table), "{page}");
+        assert!(page.contains("`edof study kodak`") && page.contains("a note"));
+    }
+
+    #[test]
+    fn light_has_a_table_of_its_own_under_srgb_alone() {
+        let light = "| n.float | clear | 35.50 / 35.50 / 36.00 |";
+        assert!(study(Tone::Srgb).to_markdown("").contains(light));
+        assert!(!study(Tone::Linear).to_markdown("").contains(light));
+    }
+
+    #[test]
+    fn what_a_network_did_not_count_is_a_dash() {
+        let page = study(Tone::Linear).to_markdown("");
+        assert!(
+            page.contains("| n | clear | no noise | 0.250 (0.250) | 0.2500 (0.2500) | – | – | – | – |"),
+            "{page}"
+        );
+    }
+
+    #[test]
+    fn the_report_draws_one_line_a_method_and_noise() {
+        let study = study(Tone::Srgb);
+        let drawn: Vec<usize> = study.summary.plots().iter().map(|p| p.series.len()).collect();
+        assert_eq!(drawn, [3, 1]);
+        let html = study.report("edof study").to_html();
+        assert!(
+            html.contains("a note") && html.contains("edof study") && html.contains("Light, not clipped")
+        );
+    }
+
+    #[test]
+    fn columns_of_text_stand_below_each_other() {
+        let cells = |row: &[&str]| row.iter().map(|&c| c.to_owned()).collect::<Vec<_>>();
+        let table =
+            Table { header: cells(&["a", "b"]), rows: vec![cells(&["ψψψ", "1"]), cells(&["x", "2"])] };
+        assert_eq!(table.to_text(), "a    b\nψψψ  1\nx    2\n");
+    }
+}

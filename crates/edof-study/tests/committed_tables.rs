@@ -1,0 +1,54 @@
+//! The tables that README.md quotes are those of docs/results, and those are what their JSON files say.
+
+use edof_study::summary::Study;
+use std::path::{Path, PathBuf};
+
+fn project() -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).to_owned()
+}
+
+fn read(file: &str) -> String {
+    let path = project().join(file);
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// What stands between two texts.
+fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
+    let rest = text.split_once(start).unwrap_or_else(|| panic!("no '{start}'")).1;
+    rest.split_once(end).unwrap_or_else(|| panic!("no '{end}'")).0
+}
+
+/// Tones whose tables were made: `docs/results/kodak-TONE.json`.
+fn tones() -> Vec<&'static str> {
+    let made = |tone: &&str| project().join(format!("docs/results/kodak-{tone}.json")).exists();
+    let tones: Vec<_> = ["linear", "srgb"].into_iter().filter(made).collect();
+    if tones.len() < 2 {
+        eprintln!("SKIPPED: tables of docs/results other than {tones:?}; scripts/tables.sh makes them");
+    }
+    tones
+}
+
+#[test]
+fn the_markdown_pages_say_what_the_rows_say() {
+    for tone in tones() {
+        let page = read(&format!("docs/results/kodak-{tone}.md"));
+        let stored: Study = serde_json::from_str(&read(&format!("docs/results/kodak-{tone}.json"))).unwrap();
+        assert_eq!(stored.measure.tone.to_string(), tone);
+        let again = Study::new(stored.measure.tone, stored.rows, stored.summary.notes);
+        assert!(again.to_markdown(between(&page, "Made by `", "`")) == page, "run scripts/tables.sh {tone}");
+    }
+}
+
+#[test]
+fn the_readme_quotes_the_first_table_of_each_page() {
+    let readme = read("README.md");
+    for tone in tones() {
+        let file = format!("docs/results/kodak-{tone}.md");
+        let page = read(&file);
+        let table: Vec<&str> =
+            page.lines().skip_while(|l| !l.starts_with('|')).take_while(|l| l.starts_with('|')).collect();
+        assert!(table.len() > 4, "{file}");
+        let quoted = between(&readme, &format!("<!-- table: {file} -->\n"), "<!-- end -->");
+        assert_eq!(quoted.lines().collect::<Vec<_>>(), table, "run scripts/tables.sh {tone}");
+    }
+}

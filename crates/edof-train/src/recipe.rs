@@ -1,0 +1,208 @@
+//! Everything that decides a training run, besides photographs and camera.
+
+use crate::augment::Augmentation;
+use crate::budget::Budget;
+use crate::dataset::{Dataset, DatasetOptions};
+use crate::initial::Start;
+use crate::noise::Conditions;
+use crate::weighting::Weighting;
+use edof_optics::psf::Settings;
+use edof_spec::Tone;
+use edof_spec::network::{Form, Shrinkage};
+use serde::{Deserialize, Serialize};
+
+/// Parts of a batch that are drawn and differentiated side by side; their gradients are added in order, so the bytes do not depend on
+/// how many threads there are.
+pub const SHARES: usize = 8;
+
+/// Everything that decides a training run, besides photographs and camera.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recipe {
+    /// The network's form.
+    pub form: Form,
+    /// What the photographs' values are taken for; of two, half of the windows each.
+    pub tones: Vec<Tone>,
+    /// Light and noise of each window.
+    pub conditions: Conditions,
+    /// Looks of each photograph.
+    pub augmentation: Augmentation,
+    /// How much windows of easy and of hard cells weigh.
+    pub weighting: Weighting,
+    /// Windows a step; a multiple of [`SHARES`].
+    pub batch: usize,
+    /// Steps of the whole schedule.
+    pub steps: u64,
+    /// Adam's largest rate.
+    pub rate: f32,
+    /// Rate of D and R, relative to `rate`.
+    pub output_rate: f32,
+    /// Rate of θ, relative to `rate`.
+    pub threshold_rate: f32,
+    /// λ, what a unit of |z|·‖column‖ costs: one for each shrinkage, or one for all. With a budget, where λ starts.
+    pub lambda: Vec<f32>,
+    /// Non-zeros that λ is moved to reach; none where λ stands still.
+    pub budget: Option<Budget>,
+    /// Where to start from.
+    pub start: Start,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Steps between validations.
+    pub validate_every: u64,
+    /// Validations without a better one after which training stops early.
+    pub patience: u32,
+}
+
+impl Recipe {
+    /// What worked best for a form (see `docs/decisions/`).
+    #[must_use]
+    pub fn new(form: Form) -> Self {
+        Self {
+            form,
+            tones: vec![Tone::Linear],
+            conditions: Conditions { exposure: [0.6, 1.2], ..Conditions::plain(0.015) },
+            augmentation: Augmentation { variants: 3, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
+            weighting: Weighting::Root,
+            batch: 1024,
+            steps: 100_000,
+            rate: match form.shrinkage {
+                Shrinkage::OneSided => 1.5e-3,
+                Shrinkage::TwoSided => 2e-3,
+            },
+            output_rate: 0.2,
+            threshold_rate: 0.15,
+            lambda: vec![3e-4],
+            budget: None,
+            start: Start::Whitened,
+            seed: 1,
+            validate_every: 2_000,
+            patience: 30,
+        }
+    }
+
+    /// λ of each shrinkage at the start.
+    #[must_use]
+    pub fn lambdas(&self) -> Vec<f32> {
+        match self.lambda[..] {
+            [one] => vec![one; self.form.shrinkages()],
+            _ => self.lambda.clone(),
+        }
+    }
+
+    /// What the photographs are made into for this recipe.
+    #[must_use]
+    pub fn dataset(&self, psis: &[f64]) -> DatasetOptions {
+        DatasetOptions {
+            psis: psis.to_vec(),
+            settings: Settings::default(),
+            window: self.form.window,
+            tones: self.tones.clone(),
+            augmentation: self.augmentation,
+        }
+    }
+
+    /// Whether the recipe can be followed with these data.
+    ///
+    /// # Errors
+    /// As [`Recipe::check`].
+    pub fn check_with(&self, dataset: &Dataset) -> Result<(), RecipeError> {
+        self.check()?;
+        if self.form.window != dataset.window() {
+            return Err(value("window", self.form.window.side(), "the window that the photos were cut for"));
+        }
+        if self.tones != dataset.tones() {
+            let tones: Vec<String> = self.tones.iter().map(ToString::to_string).collect();
+            return Err(value("tone", tones.join(" and "), "the tone that the photos were read in"));
+        }
+        Ok(())
+    }
+
+    /// Whether the recipe can be followed with any data.
+    ///
+    /// # Errors
+    /// [`RecipeError::Form`] or [`RecipeError::Value`].
+    pub fn check(&self) -> Result<(), RecipeError> {
+        self.form.check()?;
+        if self.batch == 0 || !self.batch.is_multiple_of(SHARES) {
+            return Err(value("batch", self.batch, "a positive multiple of 8"));
+        }
+        if self.steps == 0 || self.validate_every == 0 {
+            return Err(value("steps", self.steps.min(self.validate_every), "1 or more"));
+        }
+        let rates =
+            [("rate", self.rate), ("output rate", self.output_rate), ("threshold rate", self.threshold_rate)];
+        for (field, number) in rates {
+            positive(field, number)?;
+        }
+        self.check_conditions()?;
+        self.check_sparsity()
+    }
+
+    fn check_conditions(&self) -> Result<(), RecipeError> {
+        let Conditions { noise, gain, noiseless, exposure: [least, most] } = self.conditions;
+        if noiseless == 0 {
+            return Err(value("noiseless", 0, "1 or more"));
+        }
+        if !(0.0..=1.0).contains(&noise) {
+            return Err(value("noise", noise, "0 to 1"));
+        }
+        if !(1.0..=1024.0).contains(&gain) {
+            return Err(value("gain", gain, "1 to 1024"));
+        }
+        if !(least > 0.0 && least <= most && most <= 16.0) {
+            return Err(value(
+                "exposure",
+                format!("{least}:{most}"),
+                "two factors in order, above 0 and up to 16",
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_sparsity(&self) -> Result<(), RecipeError> {
+        let layers = self.form.shrinkages();
+        let count = |field, found: usize| {
+            Err(value(
+                field,
+                format!("with {found} values"),
+                format!("one for each of the {layers} shrinkages"),
+            ))
+        };
+        if self.lambda.len() != 1 && self.lambda.len() != layers {
+            return count("lambda", self.lambda.len());
+        }
+        if let Some(wrong) = self.lambda.iter().find(|l| !(0.0..=1.0).contains(*l)) {
+            return Err(value("lambda", wrong, "0 to 1"));
+        }
+        let Some(Budget { non_zeros, rate }) = &self.budget else { return Ok(()) };
+        if non_zeros.len() != layers {
+            return count("non-zeros", non_zeros.len());
+        }
+        if let Some(wrong) = non_zeros.iter().find(|n| !(1.0..=self.form.codes as f32).contains(*n)) {
+            return Err(value("non-zeros", wrong, format!("1 to {}", self.form.codes)));
+        }
+        positive("budget rate", *rate)
+    }
+}
+
+/// A recipe that cannot be followed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum RecipeError {
+    /// The form is none.
+    #[error(transparent)]
+    Form(#[from] edof_spec::network::NetworkError),
+    /// A number out of range.
+    #[error("{field} {value}: must be {expected}")]
+    Value { field: &'static str, value: String, expected: String },
+    /// Weights became NaN or infinite.
+    #[error("training diverged at step {step}: the loss is {loss}; lower --rate (now {rate})")]
+    Diverged { step: u64, loss: f64, rate: f32 },
+}
+
+pub(crate) fn value(field: &'static str, found: impl ToString, expected: impl ToString) -> RecipeError {
+    RecipeError::Value { field, value: found.to_string(), expected: expected.to_string() }
+}
+
+fn positive(field: &'static str, number: f32) -> Result<(), RecipeError> {
+    if number.is_finite() && number > 0.0 { Ok(()) } else { Err(value(field, number, "a positive number")) }
+}

@@ -1,0 +1,184 @@
+//! Validation: the same windows for every run, cut from the blocks that training keeps away from ([`crate::holdout`]).
+//!
+//! There is a set of windows for each photograph, tone, a handful of ψ, without noise and with the noise where networks are
+//! judged. The number that chooses a checkpoint is [`Validation::db`]: the mean PSNR over all sets.
+
+use crate::dataset::{Batch, Dataset, Place};
+use crate::encoding::encode_with_slope;
+use crate::noise::Conditions;
+use crate::pass::Pass;
+use crate::random::Random;
+use edof_spec::colour::RGB_OUTPUTS;
+use edof_spec::network::Form;
+use edof_spec::{Noise, Tone};
+use rayon::prelude::*;
+
+/// Windows of each set.
+const WINDOWS: usize = 256;
+/// ψ values, spread over the dataset's.
+const PSIS: usize = 5;
+/// Seed of the windows: not the recipe's, so that every run is judged by the same.
+const SEED: u64 = 0x5EED;
+
+/// All sets.
+#[derive(Debug)]
+pub struct ValidationSets(Vec<Set>);
+
+#[derive(Debug)]
+struct Set {
+    place: Place,
+    noisy: bool,
+    batch: Batch,
+}
+
+/// What one set measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Photograph, tone and ψ.
+    pub place: Place,
+    /// With the noise where networks are judged, or without any.
+    pub noisy: bool,
+    /// PSNR in dB over all windows of the set, in their tone.
+    pub psnr_db: f64,
+    /// Mean non-zeros of each shrinkage.
+    pub non_zeros: Vec<f64>,
+}
+
+/// What all sets measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation(pub Vec<Measured>);
+
+impl ValidationSets {
+    /// The sets of a dataset; σ and gain of the noisy ones follow from the range that is trained on.
+    #[must_use]
+    pub fn new(dataset: &Dataset, conditions: &Conditions) -> Self {
+        let mut places = Vec::new();
+        for photo in 0..dataset.photos() {
+            for tone in 0..dataset.tones().len() {
+                places.extend(spread(dataset.psis().len()).into_iter().map(|psi| Place { photo, tone, psi }));
+            }
+        }
+        let all = places.into_par_iter().enumerate().flat_map_iter(|(index, place)| {
+            [false, true].map(|noisy| {
+                let tone = dataset.tones()[place.tone];
+                let noise = if noisy { conditions.at(tone, Conditions::judged(tone)) } else { Noise::None };
+                let mut batch = Batch::new(dataset.window(), WINDOWS);
+                let mut random = Random::new(SEED, index as u64, noisy.into());
+                dataset.draw_validation(&mut random, place, noise, &mut batch);
+                Set { place, noisy, batch }
+            })
+        });
+        Self(all.collect())
+    }
+
+    /// Runs a network over all sets.
+    #[must_use]
+    pub fn measure(&self, form: Form, weights: &[f32]) -> Validation {
+        let measure = |pass: &mut Pass, set: &Set| set.measure(pass, form, weights);
+        Validation(self.0.par_iter().map_init(|| Pass::new(form, WINDOWS), measure).collect())
+    }
+}
+
+impl Set {
+    fn measure(&self, pass: &mut Pass, form: Form, weights: &[f32]) -> Measured {
+        let outputs = pass.forward(weights, &self.batch.inputs, WINDOWS);
+        let psnr_db = psnr_db(outputs, &self.batch);
+        let count = |t: usize| pass.z(t)[..WINDOWS * form.codes].iter().filter(|z| **z != 0.0).count();
+        Measured {
+            place: self.place,
+            noisy: self.noisy,
+            psnr_db,
+            non_zeros: (0..form.shrinkages()).map(|t| count(t) as f64 / WINDOWS as f64).collect(),
+        }
+    }
+}
+
+/// PSNR in dB over all outputs of a batch, cut to 0…1, each window's in its tone.
+#[must_use]
+pub fn psnr_db(outputs: &[f32], batch: &Batch) -> f64 {
+    let rows = outputs.chunks_exact(RGB_OUTPUTS).zip(batch.targets.chunks_exact(RGB_OUTPUTS));
+    let mut squares = 0.0;
+    for ((outputs, targets), tone) in rows.zip(&batch.tones) {
+        let encode = |v: f32| match tone {
+            Tone::Linear => v,
+            Tone::Srgb => encode_with_slope(v).0,
+        };
+        let errors = outputs.iter().zip(targets).map(|(o, x)| encode(o.clamp(0.0, 1.0)) - encode(*x));
+        squares += errors.map(|e| f64::from(e * e)).sum::<f64>();
+    }
+    -10.0 * (squares / outputs.len() as f64).max(1e-12).log10()
+}
+
+impl Validation {
+    /// The number that chooses a checkpoint: the mean PSNR in dB over all photographs, tones, ψ, without and with noise.
+    #[must_use]
+    pub fn db(&self) -> f64 {
+        self.mean(|_| true).unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// Mean PSNR in dB over the sets that `chosen` names; none where there are none.
+    #[must_use]
+    pub fn mean(&self, chosen: impl Fn(&Measured) -> bool) -> Option<f64> {
+        mean(self.0.iter().filter(|m| chosen(m)).map(|m| m.psnr_db))
+    }
+
+    /// The tone, ψ and noise at which the mean over photographs is least, and that mean.
+    #[must_use]
+    pub fn worst(&self) -> Option<(&Measured, f64)> {
+        let alike = |a: &Measured, b: &Measured| {
+            (a.place.tone, a.place.psi, a.noisy) == (b.place.tone, b.place.psi, b.noisy)
+        };
+        let first = self.0.iter().filter(|m| m.place.photo == 0);
+        first.filter_map(|m| Some((m, self.mean(|o| alike(m, o))?))).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Mean non-zeros of each shrinkage over the sets without noise, or with it.
+    #[must_use]
+    pub fn non_zeros(&self, noisy: bool) -> Vec<f64> {
+        let sets: Vec<&Measured> = self.0.iter().filter(|m| m.noisy == noisy).collect();
+        let layers = sets.first().map_or(0, |m| m.non_zeros.len());
+        (0..layers).filter_map(|t| mean(sets.iter().map(|m| m.non_zeros[t]))).collect()
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), v| (sum + v, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+/// Positions of the ψ that are validated.
+fn spread(psis: usize) -> Vec<usize> {
+    if psis <= PSIS { (0..psis).collect() } else { (0..PSIS).map(|i| i * (psis - 1) / (PSIS - 1)).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(photo: usize, psi: usize, noisy: bool, psnr_db: f64) -> Measured {
+        Measured { place: Place { photo, tone: 0, psi }, noisy, psnr_db, non_zeros: vec![psnr_db, 1.0] }
+    }
+
+    #[test]
+    fn the_worst_is_the_worst_mean_over_photographs_not_the_worst_photograph() {
+        let all = Validation(vec![
+            measured(0, 0, false, 30.0),
+            measured(1, 0, false, 20.0),
+            measured(0, 0, true, 24.0),
+            measured(1, 0, true, 24.0),
+        ]);
+        assert!((all.db() - 24.5).abs() < 1e-9);
+        let (worst, db) = all.worst().unwrap();
+        assert!(worst.noisy && (db - 24.0).abs() < 1e-9);
+        assert_eq!(all.non_zeros(false), [25.0, 1.0]);
+        assert_eq!(all.mean(|m| m.place.photo == 1), Some(22.0));
+        assert_eq!(all.mean(|m| m.place.photo == 2), None);
+    }
+
+    #[test]
+    fn psi_is_spread_from_end_to_end() {
+        assert_eq!(spread(9), [0, 2, 4, 6, 8]);
+        assert_eq!(spread(17), [0, 4, 8, 12, 16]);
+        assert_eq!(spread(3), [0, 1, 2]);
+    }
+}

@@ -1,0 +1,274 @@
+//! The invariants of ARCHITECTURE.md that manifests can hold: which crate may name which, and that what is named is used.
+
+mod workspace;
+
+use std::collections::BTreeSet;
+use workspace::{Kind, Package, packages, sources};
+
+/// What a crate may name of ours.
+struct Row {
+    name: &'static str,
+    /// In `[dependencies]` and `[build-dependencies]`.
+    uses: &'static [&'static str],
+    /// In `[dev-dependencies]`, besides.
+    tests_use: &'static [&'static str],
+    /// What it must not reach by way of any others either.
+    knows_nothing_of: &'static [&'static str],
+}
+
+/// From the bottom up: a crate stands below all that name it, in tests too. A new crate gets a row.
+const CRATES: &[Row] = &[
+    Row { name: "edof-spec", uses: &[], tests_use: &[], knows_nothing_of: &[] },
+    Row { name: "edof-numerics", uses: &[], tests_use: &[], knows_nothing_of: &["edof-spec"] },
+    Row {
+        name: "edof-sparse",
+        uses: &["edof-numerics"],
+        tests_use: &[],
+        knows_nothing_of: &["edof-spec", "edof-hdl"],
+    },
+    Row { name: "edof-random", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: &[] },
+    Row { name: "edof-io", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: &["edof-optics"] },
+    Row {
+        name: "edof-optics",
+        uses: &["edof-spec", "edof-numerics"],
+        tests_use: &[],
+        knows_nothing_of: NETWORKS,
+    },
+    Row { name: "edof-deblur", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: NETWORKS },
+    Row {
+        name: "edof-golden",
+        uses: &["edof-spec"],
+        tests_use: &["edof-random"],
+        knows_nothing_of: &["edof-train", "edof-hdl", "edof-io", "edof-optics", "edof-random"],
+    },
+    Row { name: "edof-hdl-derive", uses: &[], tests_use: &[], knows_nothing_of: &["edof-spec"] },
+    Row {
+        name: "edof-hdl",
+        uses: &["edof-spec", "edof-hdl-derive"],
+        tests_use: &[],
+        knows_nothing_of: &["edof-train", "edof-golden", "edof-io", "edof-optics"],
+    },
+    Row {
+        name: "edof-cosim",
+        uses: &["edof-spec", "edof-golden", "edof-hdl"],
+        tests_use: &["edof-random"],
+        knows_nothing_of: &["edof-train", "edof-optics"],
+    },
+    Row {
+        name: "edof-train",
+        uses: &["edof-spec", "edof-numerics", "edof-sparse", "edof-optics"],
+        tests_use: &["edof-random"],
+        knows_nothing_of: &["edof-golden", "edof-hdl"],
+    },
+    Row {
+        name: "edof-quantize",
+        uses: &["edof-spec", "edof-numerics", "edof-optics", "edof-golden", "edof-train"],
+        tests_use: &["edof-random"],
+        knows_nothing_of: &["edof-hdl"],
+    },
+    Row {
+        name: "edof-study",
+        uses: &["edof-spec", "edof-io", "edof-optics", "edof-deblur", "edof-golden", "edof-train"],
+        tests_use: &["edof-random"],
+        knows_nothing_of: &["edof-hdl"],
+    },
+    Row {
+        name: "edof-cli",
+        uses: &[
+            "edof-spec",
+            "edof-random",
+            "edof-io",
+            "edof-optics",
+            "edof-deblur",
+            "edof-golden",
+            "edof-hdl",
+            "edof-cosim",
+            "edof-train",
+            "edof-quantize",
+            "edof-study",
+        ],
+        tests_use: &[],
+        knows_nothing_of: &[],
+    },
+];
+
+const NETWORKS: &[&str] = &["edof-train", "edof-quantize", "edof-golden", "edof-hdl"];
+
+/// Crates of others that are the business of few of ours.
+const RESERVED: &[(&str, &[&str])] = &[
+    ("clap", &["edof-cli"]),
+    // Pictures. The golden pipeline's tests read photographs.
+    ("image", &["edof-io", "edof-study", "edof-golden"]),
+    ("libloading", &["edof-cosim"]),
+    ("rust-hdl", &["edof-hdl", "edof-cosim"]),
+    ("syn", &["edof-hdl-derive"]),
+];
+
+/// Every way in which the manifests break the table.
+fn violations(packages: &[Package]) -> Vec<String> {
+    let mut found = vec![];
+    for package in packages {
+        let name = package.name.as_str();
+        let Some(row) = CRATES.iter().find(|row| row.name == name) else {
+            found.push(format!("{name} has no row"));
+            continue;
+        };
+        for dependency in &package.dependencies {
+            let other = dependency.name.as_str();
+            let in_tests = dependency.kind == Kind::Development && row.tests_use.contains(&other);
+            if other.starts_with("edof-") && !in_tests && !row.uses.contains(&other) {
+                found.push(format!("{name} names {other}"));
+            }
+            let users = RESERVED.iter().find(|(reserved, _)| *reserved == other);
+            if users.is_some_and(|(_, users)| !users.contains(&name)) {
+                found.push(format!("{name} names {other}, which is not its business"));
+            }
+        }
+        let known = reachable(packages, name);
+        let strangers = row.knows_nothing_of.iter().filter(|stranger| known.contains(**stranger));
+        found.extend(strangers.map(|stranger| format!("{name} reaches {stranger}")));
+    }
+    found
+}
+
+/// Everything that a crate is built with, by way of any others; what tests alone use is not in it.
+fn reachable<'a>(packages: &'a [Package], from: &str) -> BTreeSet<&'a str> {
+    let mut seen = BTreeSet::new();
+    let mut next = vec![from];
+    while let Some(name) = next.pop() {
+        let package = packages.iter().find(|package| package.name == name);
+        let dependencies = package.into_iter().flat_map(|package| &package.dependencies);
+        for dependency in dependencies.filter(|dependency| dependency.kind != Kind::Development) {
+            if seen.insert(dependency.name.as_str()) {
+                next.push(&dependency.name);
+            }
+        }
+    }
+    seen
+}
+
+#[test]
+fn crates_name_only_what_lies_below_them() {
+    assert_eq!(violations(&packages()), [""; 0]);
+}
+
+#[test]
+fn the_table_has_a_row_for_each_crate_and_points_down() {
+    let names: Vec<&str> = CRATES.iter().map(|row| row.name).collect();
+    let there: BTreeSet<String> = packages().into_iter().map(|package| package.name).collect();
+    assert_eq!(names.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>(), there);
+    for (index, row) in CRATES.iter().enumerate() {
+        for other in row.uses.iter().chain(row.tests_use) {
+            assert!(names[..index].contains(other), "{} may name {other}, which stands above it", row.name);
+        }
+    }
+}
+
+#[test]
+fn a_dependency_that_breaks_a_rule_is_found_whatever_its_kind() {
+    for (from, to) in [
+        ("edof-spec", "edof-golden"),
+        ("edof-golden", "edof-hdl"),
+        ("edof-golden", "edof-train"),
+        ("edof-golden", "edof-optics"),
+        ("edof-hdl", "edof-golden"),
+        ("edof-hdl", "edof-train"),
+        ("edof-hdl", "edof-optics"),
+        ("edof-io", "edof-cli"),
+        ("edof-train", "edof-golden"),
+    ] {
+        for kind in [Kind::Normal, Kind::Development, Kind::Build] {
+            assert!(
+                violations(&with(from, to, kind)).contains(&format!("{from} names {to}")),
+                "{from} {to} {kind:?}"
+            );
+        }
+    }
+    for kind in [Kind::Normal, Kind::Development, Kind::Build] {
+        let said = "edof-hdl names image, which is not its business".to_owned();
+        assert_eq!(violations(&with("edof-hdl", "image", kind)), [said]);
+    }
+    // What tests may use, and by way of others.
+    assert_eq!(violations(&with("edof-golden", "edof-random", Kind::Development)), [""; 0]);
+    let golden = violations(&with("edof-golden", "edof-optics", Kind::Normal));
+    assert!(golden.contains(&"edof-golden reaches edof-optics".to_owned()), "{golden:?}");
+    assert!(golden.contains(&"edof-cosim reaches edof-optics".to_owned()), "{golden:?}");
+    let mut unknown = packages();
+    unknown[0].name = "edof-new".to_owned();
+    assert!(violations(&unknown).contains(&"edof-new has no row".to_owned()));
+}
+
+/// The workspace with one dependency more.
+fn with(from: &str, to: &str, kind: Kind) -> Vec<Package> {
+    let mut packages = packages();
+    packages.iter_mut().find(|package| package.name == from).unwrap().add(to, kind);
+    packages
+}
+
+/// Dependencies that no source of their crate mentions, where their kind would have it.
+fn unused(packages: &[Package]) -> Vec<String> {
+    let mut found = vec![];
+    for package in packages {
+        for dependency in &package.dependencies {
+            let mentions = |path: &str, text: &str| {
+                let is_build = path.ends_with("/build.rs");
+                let (code, tests) = workspace::split(text);
+                let own = path.contains("/src/");
+                match dependency.kind {
+                    Kind::Build => is_build && workspace::mentions(text, &dependency.ident),
+                    Kind::Normal => own && workspace::mentions(&code, &dependency.ident),
+                    Kind::Development => {
+                        workspace::mentions(if own { &tests } else { text }, &dependency.ident)
+                    }
+                }
+            };
+            if !sources(package).iter().any(|(path, text)| mentions(path, text)) {
+                found.push(format!("{}: {} ({:?})", package.name, dependency.name, dependency.kind));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_dependency_is_used_by_the_crate_that_names_it() {
+    assert_eq!(unused(&packages()), [""; 0]);
+}
+
+#[test]
+fn a_dependency_that_nothing_uses_is_found() {
+    let mut packages = packages();
+    for kind in [Kind::Normal, Kind::Development, Kind::Build] {
+        packages[0].add("left-pad", kind);
+    }
+    // Of use to the program, not to its tests alone.
+    let spec = packages.iter_mut().find(|package| package.name == "edof-spec").unwrap();
+    spec.add("proptest", Kind::Normal);
+    assert_eq!(unused(&packages).len(), 4, "{:?}", unused(&packages));
+}
+
+#[test]
+fn every_dependency_of_the_workspace_is_named_by_a_crate() {
+    let named: BTreeSet<String> =
+        packages().into_iter().flat_map(|package| package.dependencies).map(|d| d.name).collect();
+    let idle: Vec<String> =
+        workspace::shared_dependencies().into_iter().filter(|n| !named.contains(n)).collect();
+    assert_eq!(idle, [""; 0]);
+}
+
+#[test]
+fn every_whole_program_test_is_run() {
+    let known: BTreeSet<String> = packages().into_iter().flat_map(|package| package.targets).collect();
+    let tests =
+        std::fs::read_dir(workspace::root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
+    for test in tests.filter(|path| path.extension().is_some_and(|e| e == "rs")) {
+        let test = test.canonicalize().unwrap().display().to_string();
+        assert!(known.contains(&test), "{test} is no [[test]] of crates/edof-cli/Cargo.toml");
+    }
+}
+
+#[test]
+fn no_two_files_of_a_crate_import_each_other() {
+    let found: Vec<String> = packages().iter().flat_map(workspace::imports::circles).collect();
+    assert_eq!(found, [""; 0]);
+}

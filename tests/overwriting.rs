@@ -1,0 +1,184 @@
+//! No command writes over what it reads, nor one output over another; and a generated folder replaces only what it wrote itself.
+
+mod support;
+
+use support::Place;
+
+/// One of everything that a command reads.
+fn ready() -> Place {
+    let place = Place::new();
+    place.raw("raw.png", 48, 32);
+    place.photo("photo.png", 64, 48);
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 288, 256);
+    place.float_network("net.safetensors");
+    place.fixed_network("net.fixed.safetensors");
+    place.write("camera.json", include_str!("../cameras/clear.json"));
+    place.write("design.json", include_str!("../designs/tiny.json"));
+    std::os::unix::fs::symlink("raw.png", place.path("link.png")).unwrap();
+    place
+}
+
+const TRAIN: &str =
+    "train --form two-sided,w8,t2,c8 --images photos --depths 1 --steps 4 --batch 64 --validate-every 2";
+const GENERATE: &str = "generate --design paper --weights paper-t4 --out out";
+
+#[test]
+fn no_output_replaces_an_input() {
+    let place = ready();
+    let before = place.snapshot();
+    let fixed = "--weights net.fixed.safetensors";
+    for line in [
+        format!("reconstruct raw.png {fixed} --out raw.png"),
+        format!("reconstruct raw.png {fixed} --out photos/../raw.png"),
+        format!("reconstruct raw.png {fixed} --out link.png"),
+        format!("reconstruct link.png {fixed} --out raw.png"),
+        format!("reconstruct raw.png {fixed} --out out.png --json raw.png"),
+        format!("reconstruct raw.png {fixed} --out out.png --json net.fixed.safetensors"),
+        format!("reconstruct raw.png {fixed} --out out.png --camera camera.json --json camera.json"),
+        "reconstruct raw.png --float --weights net.safetensors --out out.png --json net.safetensors"
+            .to_owned(),
+        "capture photo.png --psi 1 --out photo.png".to_owned(),
+        "capture photo.png --psi 1 --out raw2.png --sharp photo.png".to_owned(),
+        "capture photo.png --psi 1 --out raw2.png --light photo.png".to_owned(),
+        "capture photo.png --psi 1 --out raw2.png --camera camera.json --json camera.json".to_owned(),
+        "scene chart --camera camera.json --json camera.json".to_owned(),
+        "optics camera.json --json camera.json".to_owned(),
+        "optics design --camera camera.json --out camera.json".to_owned(),
+        "optics design --images photos --out photos/a.png".to_owned(),
+        "quantize net.safetensors --out net.safetensors".to_owned(),
+        "quantize net.safetensors --out x --json net.safetensors".to_owned(),
+        "quantize net.safetensors --images photos --out photos/a.png".to_owned(),
+        "study kodak --nets net.safetensors --images photos --report photos/a.png".to_owned(),
+        "study kodak --nets net.safetensors --images photos --json net.fixed.safetensors".to_owned(),
+        format!("{TRAIN} --camera clear --out photos/a.png"),
+        format!("{TRAIN} --camera camera.json --out camera.json"),
+        "demo --net net.fixed.safetensors --json net.fixed.safetensors".to_owned(),
+        "demo --clear-net net.fixed.safetensors --json net.fixed.safetensors".to_owned(),
+        "estimate --design design.json --json design.json".to_owned(),
+        "timing --design design.json --json design.json".to_owned(),
+        "cosim --design design.json --json design.json".to_owned(),
+        "cosim --design design.json --junit design.json".to_owned(),
+        "cosim --design tiny --photo photo.png --json photo.png".to_owned(),
+        "generate --design design.json --weights net.fixed.safetensors --out out --json design.json"
+            .to_owned(),
+    ] {
+        // Designs and networks of a form of their own may be refused for that first; nothing may be written anyway.
+        let run = place.edof(&line);
+        if !line.starts_with("generate") {
+            assert!(run.err.contains("would replace"), "{line}: {}", run.err);
+        }
+        run.refused(&[]);
+        assert!(place.snapshot() == before, "{line}: files changed");
+    }
+}
+
+#[test]
+fn no_output_replaces_another() {
+    let place = ready();
+    let before = place.snapshot();
+    for line in [
+        "reconstruct raw.png --weights net.fixed.safetensors --out out.png --json photos/../out.png"
+            .to_owned(),
+        "capture photo.png --psi 1 --out x.png --sharp x.png".to_owned(),
+        "capture photo.png --psi 1 --out x.png --light ./x.png".to_owned(),
+        "scene chart --out drawn --json drawn/sharp.png".to_owned(),
+        "optics --out figures --json figures/mtf.svg".to_owned(),
+        "optics design --out x.json --json x.json".to_owned(),
+        "quantize net.safetensors --out x --json x".to_owned(),
+        "study kodak --nets net.safetensors --images photos --report x --json x".to_owned(),
+        format!("{TRAIN} --camera clear --out x --json x.checkpoint"),
+        "demo --net net.fixed.safetensors --out shown --json shown/report.html".to_owned(),
+        "demo --net net.fixed.safetensors --out shown --json shown/coded-lens-reconstructed.png".to_owned(),
+        "cosim --design tiny --junit x --json x".to_owned(),
+        "cosim --design tiny --waveform x --json x.fst".to_owned(),
+        format!("{GENERATE} --json out/manifest.json"),
+        format!("{GENERATE} --json out/rtl/edof_ram.v"),
+    ] {
+        place.edof(&line).refused(&["each output needs a file of its own"]);
+        assert!(place.snapshot() == before, "{line}: files changed");
+    }
+}
+
+#[test]
+fn generating_again_leaves_a_folder_as_new() {
+    let place = Place::new();
+    place.edof(GENERATE).done();
+    let first = place.snapshot();
+    place.edof(GENERATE).done();
+    assert!(place.snapshot() == first);
+    // Another network has other images and other names among them; none of the old ones stays.
+    place.edof("generate --design kc705 --weights edof-t4w12-outer --out out").done();
+    place.edof(GENERATE).done();
+    assert!(place.snapshot() == first);
+}
+
+#[test]
+fn what_stands_in_a_generated_folder_and_is_not_its_own_is_named_and_kept() {
+    let place = Place::new();
+    place.edof(GENERATE).done();
+    let whole = place.snapshot();
+    for (file, text) in [
+        ("notes.txt", "a week's work"),
+        ("mem/mine.hex", "00"),
+        ("rtl/chain.v", "an edited module"),
+        ("manifest.json", "{}"),
+    ] {
+        let kept = std::fs::read(place.path("out").join(file)).ok();
+        place.write(&format!("out/{file}"), text);
+        let before = place.snapshot();
+        place.edof(GENERATE).refused(&["--out out", file, "--force"]);
+        assert!(place.snapshot() == before, "{file}");
+        place.edof(&format!("{GENERATE} --force")).done();
+        let mut expected = whole.clone();
+        if kept.is_none() {
+            expected.insert(place.path("out").join(file), text.into());
+        }
+        assert!(place.snapshot() == expected, "{file}: --force replaces what is in the way and no more");
+        if kept.is_none() {
+            std::fs::remove_file(place.path("out").join(file)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_manifest_of_someone_else_gives_nothing_away() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("out")).unwrap();
+    place.write("out/thesis.txt", "words");
+    place.write("thesis.txt", "words");
+    let hash = "4c9d1f5e7c0a56e8"; // Whatever it says, it is not sealed.
+    for path in ["thesis.txt", "../thesis.txt"] {
+        let manifest = format!("{{\"files\":[{{\"path\":\"{path}\",\"sha256\":\"{hash}\"}}]}}");
+        place.write("out/manifest.json", manifest);
+        let before = place.snapshot();
+        place.edof(GENERATE).refused(&["manifest.json, thesis.txt"]);
+        assert!(place.snapshot() == before);
+    }
+}
+
+#[test]
+fn a_link_in_a_generated_folder_leads_nowhere() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("elsewhere")).unwrap();
+    place.write("elsewhere/chain.v", "an original");
+    std::fs::create_dir(place.path("out")).unwrap();
+    std::os::unix::fs::symlink("../elsewhere", place.path("out/rtl")).unwrap();
+    let before = place.snapshot();
+    place.edof(GENERATE).refused(&["rtl", "--force"]);
+    place.edof(&format!("{GENERATE} --force")).refused(&["in its way"]);
+    assert!(place.snapshot() == before);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_left_as_it_was() {
+    let place = Place::new();
+    place.edof(GENERATE).done();
+    let before = place.snapshot();
+    let binary = env!("CARGO_BIN_EXE_edof");
+    let script = format!("trap '' XFSZ; ulimit -f 1; exec {binary} {GENERATE}");
+    let mut shell = std::process::Command::new("sh");
+    let run: support::Run = shell.args(["-c", &script]).current_dir(place.path("")).output().unwrap().into();
+    run.refused(&["cannot write"]);
+    assert!(place.snapshot() == before);
+}

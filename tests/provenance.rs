@@ -1,0 +1,148 @@
+//! Every result says how it came to be; frames know what they are.
+
+mod support;
+
+use edof_spec::provenance::InputKind;
+use edof_spec::weight_file::{load_fixed, load_network};
+use serde_json::Value;
+use support::Place;
+
+const TRAIN: &str = "train --form one-sided,w8,t3,c16 --camera clear --images photos --photos all --depths 2 --steps 4 \
+                     --batch 64 --validate-every 2";
+
+/// A folder with a photograph to learn from.
+fn with_photo() -> Place {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/edges.png", 256, 256);
+    place
+}
+
+#[test]
+fn weights_of_two_runs_are_the_same_bytes_and_say_how_they_were_made() {
+    let place = with_photo();
+    for name in ["a", "b"] {
+        std::fs::create_dir(place.path(name)).unwrap();
+        place.edof(&format!("{TRAIN} --out {name}/net.safetensors")).done();
+        place
+            .edof(&format!("quantize {name}/net.safetensors --images photos --photos all --stride 4"))
+            .done();
+    }
+    for file in ["net.safetensors", "net.fixed.safetensors"] {
+        let bytes = |folder: &str| std::fs::read(place.path(folder).join(file)).unwrap();
+        assert_eq!(bytes("a"), bytes("b"), "{file}");
+    }
+    let float = load_network(&place.path("a/net.safetensors")).unwrap();
+    let made = &float.origin.provenance;
+    assert!(
+        made.command.contains(" --steps 4 ") && made.command.contains(" --depths 2 "),
+        "{}",
+        made.command
+    );
+    assert_eq!((made.version.as_str(), made.host.threads), (env!("CARGO_PKG_VERSION"), None));
+    assert!(!made.host.cpu.is_empty() && made.seed.is_some());
+    let kinds: Vec<InputKind> = made.inputs.iter().map(|i| i.kind).collect();
+    assert_eq!(kinds, [InputKind::Camera, InputKind::Photograph]);
+    let fixed = load_fixed(&place.path("a/net.fixed.safetensors")).unwrap();
+    let quantized = fixed.quantized.unwrap();
+    assert_eq!((quantized.headroom, quantized.calibration.stride.pixels()), (2.0, 2));
+    let command = &quantized.provenance.command;
+    assert!(command.contains("--bits 16") && command.contains("--stride 4"), "{command}");
+    let [weights, photograph] = &quantized.provenance.inputs[..] else { panic!("two inputs") };
+    assert_eq!((weights.kind, &weights.sha256), (InputKind::Weights, &fixed.float_hash));
+    assert_eq!(photograph.sha256, made.inputs[1].sha256);
+}
+
+#[test]
+fn json_results_hold_the_command_their_inputs_and_the_machine() {
+    let place = Place::new();
+    place.raw("raw.png", 48, 32);
+    place.fixed_network("net.safetensors");
+    let made = |place: &Place| -> Value {
+        let run = place.edof("reconstruct raw.png --weights net.safetensors --out out.png --json").done();
+        serde_json::from_str::<Value>(&run.out).unwrap()["provenance"].take()
+    };
+    let first = made(&place);
+    assert!(
+        first["command"].as_str().unwrap().starts_with("edof reconstruct raw.png --weights net.safetensors")
+    );
+    let kinds: Vec<&str> =
+        first["inputs"].as_array().unwrap().iter().map(|i| i["kind"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["raw-frame", "weights"]);
+    assert!(first["host"]["threads"].as_u64().unwrap() > 0 && first["host"]["cpu"].is_string());
+    place.raw("raw.png", 48, 34);
+    let second = made(&place);
+    assert_eq!(first["command"], second["command"]);
+    assert_ne!(first["inputs"][0], second["inputs"][0]);
+    assert_eq!(first["inputs"][1], second["inputs"][1]);
+}
+
+#[test]
+fn a_captured_frame_is_read_as_it_was_taken() {
+    let place = Place::new();
+    place.fixed_network("net.safetensors");
+    let capture = "capture chart --size 128x96 --camera clear --psi 0 --no-measure --out raw.png";
+    place.edof(&format!("{capture} --phase rggb")).done();
+    let reconstruct = "reconstruct raw.png --weights net.safetensors --bits 16 --out out.png";
+    place.edof(reconstruct).done();
+    let picture = |place: &Place| edof_io::photo::load(&place.path("out.png")).unwrap();
+    let red_first = picture(&place);
+    place.edof(&format!("{capture} --phase bggr")).done();
+    place.edof(reconstruct).done();
+    // The network copies each pixel to luma: read in its own phase, the mosaic is mirrored to red-first and cropped back.
+    let blue_first = picture(&place);
+    assert_eq!(blue_first.size(), red_first.size());
+    place.edof(&format!("{reconstruct} --phase rggb")).refused(&["--phase rggb", "raw.png.json says bggr"]);
+    place.edof(&format!("{reconstruct} --depth 10")).refused(&["--depth 10", "raw.png.json says 12"]);
+    std::fs::remove_file(place.path("raw.png.json")).unwrap();
+    place.edof(&format!("{reconstruct} --phase rggb")).done();
+}
+
+#[test]
+fn a_network_for_another_camera_is_refused_with_the_right_command() {
+    let place = Place::new();
+    place.fixed_network("net.safetensors");
+    place.edof("capture chart --size 128x96 --camera ring-outer --psi 4 --no-measure --out raw.png").done();
+    let line = "reconstruct raw.png --weights net.safetensors --out out.png";
+    place.edof(line).refused(&[
+        "trained for the camera clear",
+        "taken by ring-outer",
+        "use --weights edof-t4w12-outer",
+    ]);
+    place.edof("reconstruct raw.png --out out.png").done();
+    // What the user states counts more than the record.
+    place.edof(&format!("{line} --camera clear")).done();
+}
+
+#[test]
+fn a_record_of_another_frame_is_refused() {
+    let place = Place::new();
+    place.fixed_network("net.safetensors");
+    place.edof("capture chart --size 128x96 --camera clear --psi 0 --no-measure --out raw.png").done();
+    place.raw("raw.png", 128, 96);
+    let line = "reconstruct raw.png --weights net.safetensors --out out.png";
+    place.edof(line).refused(&["raw.png.json", "describes another frame"]);
+    place.write("raw.png.json", "{}");
+    place.edof(line).refused(&["raw.png.json", "no record of a raw frame"]);
+}
+
+#[test]
+fn a_weight_file_can_be_looked_into() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    place.fixed_network("net.fixed.safetensors");
+    let float = place.edof("weights net.safetensors").done().out;
+    assert!(float.contains("small: trained for the camera clear") && float.contains("192x64"), "{float}");
+    let fixed = place.edof("weights net.fixed.safetensors --json").done().out;
+    let fixed: Value = serde_json::from_str(&fixed).unwrap();
+    assert_eq!(fixed["fixed"]["layers"][2]["weight_fraction_bits"], serde_json::json!([14, 13]));
+    assert_eq!(fixed["fixed"]["float_sha256"], "0");
+    let both = place.edof("weights edof-t4w12").done().out;
+    assert!(
+        both.contains("float: ") && both.contains("fixed: ") && both.contains("made by: edof train"),
+        "{both}"
+    );
+    place.edof("weights nothing").refused(&["nothing", "no such file"]);
+    place.write("broken.safetensors", "no");
+    place.edof("weights broken.safetensors").refused(&["broken.safetensors"]);
+}

@@ -1,0 +1,47 @@
+//! Nothing saturates where a network looks through its own camera: every fixed network in `weights/`, photographs at both ends of the
+//! range of depths. (A sharp photograph without the camera's blur is no frame that it ever gives.) Photographs: `EDOF_KODAK`, else
+//! `../shared/data/kodak` beside the project.
+
+use edof_golden::Golden;
+use edof_optics::capture::{Approximation, capture};
+use edof_optics::scene::Scene;
+use edof_optics::sensor::Sensor;
+use edof_spec::{FixedNetwork, weight_file};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> =
+        entries.map(|e| e.path()).filter(|p| p.to_string_lossy().ends_with(ending)).collect();
+    paths.sort();
+    paths
+}
+
+fn saturations(network: &FixedNetwork, photo: &Path, psi: f64) -> u64 {
+    let scene = Scene::flat("photo", edof_io::photo::load(photo).unwrap(), psi);
+    let shot =
+        capture(&scene, &network.origin.camera, &Sensor::default(), &Approximation::default()).unwrap();
+    Golden::new(network.clone()).unwrap().frame(&shot.raw).unwrap().counts.saturations()
+}
+
+#[test]
+fn nothing_saturates_on_photographs_that_a_networks_own_camera_takes() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = std::env::var_os("EDOF_KODAK").map(PathBuf::from);
+    let photos = files(&folder.unwrap_or_else(|| project.join("../shared/data/kodak")), ".png");
+    if photos.is_empty() {
+        // Straight to the terminal: the harness would keep what a passing test prints.
+        let loud = "\nSKIPPED saturations: NO PHOTOGRAPHS. Set EDOF_KODAK to a folder with kodim01.png ... kodim24.png.\n";
+        return std::io::stderr().write_all(loud.as_bytes()).unwrap();
+    }
+    let networks = files(&project.join("weights"), ".fixed.safetensors");
+    assert!(!networks.is_empty(), "no fixed networks in weights/");
+    for (file, network) in networks.iter().map(|file| (file, weight_file::load_fixed(file).unwrap())) {
+        for (photo, psi) in photos.iter().step_by(4).zip(network.origin.camera.psi_range.into_iter().cycle())
+        {
+            let count = saturations(&network, photo, psi);
+            assert_eq!(count, 0, "{}, {}, psi {psi}", file.display(), photo.display());
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Ctrl-C: every command ends with status 130 long before its work is done, and leaves no unfinished file.
+
+#![cfg(target_os = "linux")]
+
+mod support;
+
+use std::process::{Child, Command, Stdio};
+use support::Place;
+
+fn ready() -> Place {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/kodim03.png", 2048, 2048);
+    place.float_network("net.safetensors");
+    place.fixed_network("net.fixed.safetensors");
+    place
+}
+
+/// Waits until the program listens to signals, which it does first of all.
+fn listens(child: &mut Child) {
+    loop {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
+        if u64::from_str_radix(caught, 16).unwrap() & (1 << 1) != 0 {
+            return;
+        }
+        assert!(child.try_wait().unwrap().is_none(), "ended before it was asked to");
+    }
+}
+
+fn interrupt(child: &Child) {
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+}
+
+/// Jobs of many minutes.
+const JOBS: [&str; 9] = [
+    "capture leaves-4 --size 3000x3000 --exact --out raw.png",
+    "capture photos/kodim03.png --psi 8 --exact --out raw.png",
+    "scene leaves-4 --size 6000x6000 --out drawn",
+    "optics design --generations 100000 --out camera.json",
+    "quantize net.safetensors --images photos --photos all --finetune 100000000 --out out.fixed.safetensors",
+    "train --form edof-t4w12 --camera clear --images photos --photos all --depths 2 --steps 100000000 --out x.safetensors",
+    "study kodak --nets net.safetensors --images photos --psi 0,1,2,3,4,5,6,7,8 --exact --json study.json",
+    "demo --height 3000 --width 3000 --out shown",
+    "cosim --design tiny --random 100000 --json cosim.json",
+];
+
+#[test]
+fn every_command_stops_when_asked() {
+    for job in JOBS {
+        let place = ready();
+        let before = place.files();
+        let mut child = place.command(job).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        listens(&mut child);
+        interrupt(&child);
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{job}: {said}");
+        assert!(said.ends_with("edof: interrupted\n"), "{job}: {said}");
+        let left: Vec<String> = place.files().into_iter().filter(|name| !before.contains(name)).collect();
+        // A checkpoint is what training promises to leave.
+        assert!(left.iter().all(|name| name == "x.safetensors.checkpoint"), "{job}: {left:?}");
+    }
+}
+
+#[test]
+fn a_second_request_ends_the_program_where_it_is() {
+    let place = ready();
+    let mut child = place.command(JOBS[1]).stderr(Stdio::null()).spawn().unwrap();
+    listens(&mut child);
+    interrupt(&child);
+    interrupt(&child);
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}
