@@ -157,10 +157,10 @@ module pair_buffer #(
         end
     end
 
-    assign count_0_d = arrived ? (!write_slot_q ? stored_next : count_0_q) : count_0_q;
-    assign count_1_d = arrived ? (write_slot_q ? stored_next : count_1_q) : count_1_q;
-    assign set_0_d = arrived ? (!write_slot_q ? set_i : set_0_q) : set_0_q;
-    assign set_1_d = arrived ? (write_slot_q ? set_i : set_1_q) : set_1_q;
+    assign count_0_d = (arrived && !write_slot_q) ? stored_next : count_0_q;
+    assign count_1_d = (arrived && write_slot_q) ? stored_next : count_1_q;
+    assign set_0_d = (arrived && !write_slot_q) ? set_i : set_0_q;
+    assign set_1_d = (arrived && write_slot_q) ? set_i : set_1_q;
     assign available_o = |full_q;
     assign count_o = read_slot_q ? count_1_q : count_0_q;
     assign front_set_o = read_slot_q ? set_1_q : set_0_q;

@@ -71,6 +71,9 @@ module registers #(
         shifts_1_q <= shifts_1_d;
         skip_q <= skip_d;
     end
+
+    // Not every bit of these is read.
+    wire unused = ^write_data_i;
 endmodule
 
 `default_nettype wire

@@ -39,9 +39,7 @@ module requantize #(
     wire [5:0] shift_later_later;
 
     wire [47:0] result_d_value = LEAST;
-    wire result_d_value_unused = ^result_d_value;
     wire [47:0] result_d_value_2 = MOST;
-    wire result_d_value_2_unused = ^result_d_value_2;
 
     delay_w6_n2 shift_later (
         .clock_i(clock_i),
@@ -89,6 +87,9 @@ module requantize #(
         result_q <= result_d;
         saturated_q <= saturated_d;
     end
+
+    // Not every bit of these is read.
+    wire unused = ^{result_d_value, result_d_value_2};
 endmodule
 
 `default_nettype wire

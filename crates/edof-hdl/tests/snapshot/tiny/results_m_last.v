@@ -235,6 +235,9 @@ module results_m_last (
         sum_even_q <= sum_even_i;
         sum_odd_q <= sum_odd_i;
     end
+
+    // Not every bit of these is read.
+    wire unused = ^shifts;
 endmodule
 
 `default_nettype wire

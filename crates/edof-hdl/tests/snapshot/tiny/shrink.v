@@ -24,7 +24,6 @@ module shrink (
     wire saturated_d;
 
     wire [16:0] result_d_value = MOST;
-    wire result_d_value_unused = ^result_d_value;
 
     assign wide_code = code_i[15] ? ({1'b0, code_i} | 17'h10000) : {1'b0, code_i};
     assign wide_threshold = threshold_i[15] ? ({1'b0, threshold_i} | 17'h10000) : {1'b0, threshold_i};
@@ -43,7 +42,7 @@ module shrink (
         end
     end
 
-    assign saturated_d = ((|above) && !above[16]) ? ((above > MOST) ? 1'b1 : 1'b0) : 1'b0;
+    assign saturated_d = ((|above) && !above[16] && (above > MOST)) ? 1'b1 : 1'b0;
     assign result_o = result_q;
     assign saturated_o = saturated_q;
 
@@ -51,6 +50,9 @@ module shrink (
         result_q <= result_d;
         saturated_q <= saturated_d;
     end
+
+    // Not every bit of these is read.
+    wire unused = ^result_d_value;
 endmodule
 
 `default_nettype wire

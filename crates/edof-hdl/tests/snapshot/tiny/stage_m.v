@@ -253,6 +253,9 @@ module stage_m (
     assign results_write_thresholds = selected && (write_address_i[20:19] == 2'd1);
     assign registers_write_enable = selected && (write_address_i[20:19] == 2'd3);
     assign status_o = (status_address_i[5:2] == ID) ? counters_value : 32'd0;
+
+    // Not every bit of these is read.
+    wire unused = ^shifts;
 endmodule
 
 `default_nettype wire
