@@ -43,7 +43,7 @@ pub struct Args {
 
 /// Size of a built-in scene where none was given.
 const SIZE: Size = Size { width: 768, height: 512 };
-/// Bytes a pixel that drawing, blurring and reconstructing a scene at four depths take, measured on the largest step.
+/// Bytes a pixel that drawing, blurring and reconstructing a scene at four depths take: a generous guess, not a measurement.
 const BYTES_A_PIXEL: f64 = 200.0;
 
 /// Refuses a scene that this machine has no room for.
