@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | name | [`describe`] | the name, source, header and comments of a block |
 //! | leaf | [`leaf`] | an instance of a hand-written Verilog leaf of `rtl/` |
-//! | block | [`blocks`] | the circuits |
+//! | block | [`blocks`] | the circuits of the calculator |
+//! | block | [`video`] | the circuits around it, from pixels to pixels |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`] | the files of a generated design |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
@@ -18,3 +19,4 @@ pub mod leaf;
 pub mod project;
 pub mod resources;
 pub mod verilog;
+pub mod video;

@@ -15,6 +15,7 @@
 //! | the float network | [`network`] |
 //! | the integer network, its shifts and thresholds | [`fixed_network`] |
 //! | the file both kinds of network live in | [`weight_file`] |
+//! | video timing | [`video`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
 //! | how a result came to be | [`provenance`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
@@ -45,6 +46,7 @@ pub mod overlap;
 pub mod provenance;
 pub mod reconstructor;
 pub mod tone;
+pub mod video;
 pub mod weight_file;
 
 pub use camera::Camera;
