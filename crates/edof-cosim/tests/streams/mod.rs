@@ -75,7 +75,11 @@ impl Compiled {
     pub fn new(mut block: impl Circuit, images: Vec<(String, String)>) -> Self {
         let project = project::of_circuit(&mut block, images).unwrap();
         let source = Source::from(&project);
-        Self { library: Library::build(&source, &support::options()).unwrap(), source, images: project.memory }
+        Self {
+            library: Library::build(&source, &support::options()).unwrap(),
+            source,
+            images: project.memory,
+        }
     }
 
     /// A fresh instance; registers and memories without an image hold what `seed` draws.

@@ -119,7 +119,7 @@ impl VideoIn {
         };
         let syncs_stopped = self.since_sync == MOST;
         self.count(now, before);
-        self.found = self.pixel(now, before);
+        self.found = self.pixel(now, before, self.past[KNOWN - 2].de);
         if syncs_stopped {
             (self.crooked, self.sending) = (true, false);
         }
@@ -132,8 +132,8 @@ impl VideoIn {
         self.past.pop_back();
     }
 
-    /// The pixel of this cycle, if it goes on; and where the next one lies.
-    fn pixel(&mut self, now: Pins, before: Pins) -> Option<Beat> {
+    /// The pixel of this cycle, if it goes on; and where the next one lies, which may be on the bus already.
+    fn pixel(&mut self, now: Pins, before: Pins, more: bool) -> Option<Beat> {
         if now.de && !before.de {
             self.place.0 = 0;
             if self.between {
@@ -151,12 +151,10 @@ impl VideoIn {
                 (self.crooked, self.sending) = (true, false);
             }
         }
-        let goes_on = now.de && self.sending && column < self.frame.width && row < self.frame.height;
-        let beat = Beat {
-            pixel: now.data.swap_bytes(),
-            first: (column, row) == (0, 0),
-            last: column + 1 == self.frame.width,
-        };
+        let last = column + 1 == self.frame.width;
+        let inside = column < self.frame.width && row < self.frame.height;
+        let goes_on = now.de && self.sending && inside && !(last && more);
+        let beat = Beat { pixel: now.data.swap_bytes(), first: (column, row) == (0, 0), last };
         goes_on.then_some(beat)
     }
 

@@ -66,6 +66,7 @@ pub struct Display {
     green_of_cr: Constant<Factor>,
     blue_of_cb: Constant<Factor>,
     light_half: Constant<Wide>,
+    light_sign: Constant<Wide>,
     to_luma: [Constant<Factor>; 3],
     luma_base: Constant<Wide>,
     to_cb: [Constant<Factor>; 3],
@@ -113,8 +114,8 @@ pub struct Display {
     green_to_10: Delay<12, 2>,
     blue_to_12: Delay<12, 4>,
     luma_sums: [Scale; 3],
-    even_q: [DFF<Bits<12>>; 3],
-    before_q: [DFF<Bits<12>>; 3],
+    even_q: [DFF<Bits<14>>; 3],
+    before_q: [DFF<Bits<14>>; 3],
     outer_9: [DFF<Bits<14>>; 3],
     filtered_10: [DFF<Bits<14>>; 3],
     green_to_12: Delay<14, 2>,
@@ -155,11 +156,12 @@ pub struct Display {
     light_base: Signal<Local, Wide>,
     light: [Signal<Local, Bits<18>>; 3],
     encoded: [Signal<Local, Bits<12>>; 3],
+    once_8: [Signal<Local, Bits<14>>; 3],
     odd_8: Signal<Local, Bit>,
     even_8: Signal<Local, Bit>,
     odd_9: Signal<Local, Bit>,
     second: Signal<Local, Bits<1>>,
-    site: [Signal<Local, Word>; 2],
+    site: [Signal<Local, Bits<17>>; 2],
     site_18: Signal<Local, Bits<16>>,
     ends_18: Signal<Local, Bits<2>>,
 }
@@ -189,6 +191,7 @@ impl Display {
             green_of_cr: factor(TO_RGB[1][1]),
             blue_of_cb: factor(TO_RGB[2][0]),
             light_half: base(TO_RGB_SHIFT, 0),
+            light_sign: Constant::new((((1u64 << 48) - 1) & !((1 << (16 + TO_RGB_SHIFT)) - 1)).into()),
             to_luma: TO_LUMA.map(factor),
             luma_base: base(TO_LUMA_SHIFT, u64::from(BLACK)),
             to_cb: TO_CHROMA[0].map(factor),
@@ -205,10 +208,40 @@ impl Logic for Display {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, next_valid, next_luma, next_chroma, next_first, next_last, held_valid, held_luma,
-            held_chroma, held_first, held_last, odd, starts, colour_q, marks_0, luma_0, site_0, cb_0, cr_0,
-            luma_1, gamut_7, cb_18, index_1, clamped_3, luma_16, luma_17, luma_18, even_luma, push_19,
-            done_19, right, clamped_q, gamut_q
+            self,
+            clock,
+            next_valid,
+            next_luma,
+            next_chroma,
+            next_first,
+            next_last,
+            held_valid,
+            held_luma,
+            held_chroma,
+            held_first,
+            held_last,
+            odd,
+            starts,
+            colour_q,
+            marks_0,
+            luma_0,
+            site_0,
+            cb_0,
+            cr_0,
+            luma_1,
+            gamut_7,
+            cb_18,
+            index_1,
+            clamped_3,
+            luma_16,
+            luma_17,
+            luma_18,
+            even_luma,
+            push_19,
+            done_19,
+            right,
+            clamped_q,
+            gamut_q
         );
         self.to_2.clock.next = self.clock.val();
         self.to_6.clock.next = self.clock.val();
@@ -333,7 +366,7 @@ impl Logic for Display {
         if self.luma_1.q.val().get_bit(15) {
             self.light_base.next = (bit_cast::<48, 16>(self.luma_1.q.val()) << 17)
                 | self.light_half.val()
-                | 0xfffe_0000_0000;
+                | self.light_sign.val();
         }
         self.red_light.value.next = self.cr_0.q.val();
         self.red_light.factor.next = self.red_of_cr.val();
@@ -369,11 +402,13 @@ impl Logic for Display {
                     || self.light[i].val().get_bits::<14>(0).any();
             }
             self.tables[i].clock.next = self.clock.val();
-            self.tables[i].read_address.next = bit_cast::<16, 14>(self.address_6[i].q.val());
             self.tables[i].write_address.next = bit_cast::<16, 15>(self.table_address.val());
             self.tables[i].write_data.next = self.table_data.val();
             self.encoded[i].next = self.tables[i].read_data.val();
         }
+        self.tables[0].read_address.next = bit_cast::<16, 14>(self.address_6[0].q.val());
+        self.tables[1].read_address.next = bit_cast::<16, 14>(self.address_6[1].q.val());
+        self.tables[2].read_address.next = bit_cast::<16, 14>(self.address_6[2].q.val());
         self.tables[0].write_enable.next = self.table_write.val() && (self.table_select.val() == 1);
         self.tables[1].write_enable.next = self.table_write.val() && (self.table_select.val() == 2);
         self.tables[2].write_enable.next = self.table_write.val() && (self.table_select.val() == 3);
@@ -397,6 +432,9 @@ impl Logic for Display {
         self.odd_8.next = self.to_8.later.val().get_bit(0) && self.to_8.later.val().get_bit(1);
         self.even_8.next = self.to_8.later.val().get_bit(0) && !self.to_8.later.val().get_bit(1);
         self.odd_9.next = self.to_9.later.val().get_bit(0) && self.to_9.later.val().get_bit(1);
+        self.once_8[0].next = bit_cast::<14, 12>(self.encoded[0].val());
+        self.once_8[1].next = bit_cast::<14, 12>(self.encoded[1].val());
+        self.once_8[2].next = bit_cast::<14, 12>(self.encoded[2].val());
         for i in 0..3 {
             self.even_q[i].clock.next = self.clock.val();
             self.before_q[i].clock.next = self.clock.val();
@@ -404,21 +442,19 @@ impl Logic for Display {
             self.filtered_10[i].clock.next = self.clock.val();
             self.even_q[i].d.next = self.even_q[i].q.val();
             if self.even_8.val() {
-                self.even_q[i].d.next = self.encoded[i].val();
+                self.even_q[i].d.next = self.once_8[i].val();
             }
             self.before_q[i].d.next = self.before_q[i].q.val();
             if self.odd_8.val() {
-                self.before_q[i].d.next = self.encoded[i].val();
+                self.before_q[i].d.next = self.once_8[i].val();
             }
-            self.outer_9[i].d.next =
-                bit_cast::<14, 12>(self.encoded[i].val()) + bit_cast::<14, 12>(self.before_q[i].q.val());
+            self.outer_9[i].d.next = self.once_8[i].val() + self.before_q[i].q.val();
             if self.to_8.later.val().get_bit(2) {
-                self.outer_9[i].d.next = bit_cast::<14, 12>(self.encoded[i].val()) << 1;
+                self.outer_9[i].d.next = self.once_8[i].val() << 1;
             }
             self.filtered_10[i].d.next = self.filtered_10[i].q.val();
             if self.odd_9.val() {
-                self.filtered_10[i].d.next =
-                    self.outer_9[i].q.val() + (bit_cast::<14, 12>(self.even_q[i].q.val()) << 1);
+                self.filtered_10[i].d.next = self.outer_9[i].q.val() + (self.even_q[i].q.val() << 1);
             }
         }
 
@@ -464,16 +500,19 @@ impl Logic for Display {
         self.luma_table.write_address.next = bit_cast::<16, 15>(self.table_address.val());
         self.luma_table.write_data.next = self.table_data.val().get_bits::<8>(0);
         self.luma_to_15.now.next = self.luma_table.read_data.val();
-        self.site[0].next = self.site_0.q.val().get_bits::<16>(0);
-        self.site[1].next = self.site_0.q.val().get_bits::<16>(16);
+        self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
+        if self.site_0.q.val().get_bit(15) {
+            self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0)) | 0x1_0000;
+        }
+        self.site[1].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(16));
+        if self.site_0.q.val().get_bit(31) {
+            self.site[1].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(16)) | 0x1_0000;
+        }
         for i in 0..2 {
             self.rounded_1[i].clock.next = self.clock.val();
             self.site_2[i].clock.next = self.clock.val();
             self.clamped_2[i].clock.next = self.clock.val();
-            self.rounded_1[i].d.next = bit_cast::<17, 16>(self.site[i].val()) + 64;
-            if self.site[i].val().get_bit(15) {
-                self.rounded_1[i].d.next = (bit_cast::<17, 16>(self.site[i].val()) | 0x1_0000) + 64;
-            }
+            self.rounded_1[i].d.next = self.site[i].val() + 64;
             self.site_2[i].d.next = self.rounded_1[i].q.val().get_bits::<8>(7) ^ 0x80;
             self.clamped_2[i].d.next = false;
             if self.rounded_1[i].q.val().get_bit(16) {

@@ -132,8 +132,29 @@ impl Logic for OverlapAdd {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, step, row, column, top, left, valid_1, fresh_1, done_1, pair_1, line_1, words_1,
-            valid_2, place_2, seen_2, place_5, valid_5, done_5, seen_5, push_6, over_8, saturated_q
+            self,
+            clock,
+            step,
+            row,
+            column,
+            top,
+            left,
+            valid_1,
+            fresh_1,
+            done_1,
+            pair_1,
+            line_1,
+            words_1,
+            valid_2,
+            place_2,
+            seen_2,
+            place_5,
+            valid_5,
+            done_5,
+            seen_5,
+            push_6,
+            over_8,
+            saturated_q
         );
         self.fresh_to_4.clock.next = self.clock.val();
         self.done_to_4.clock.next = self.clock.val();
@@ -179,8 +200,7 @@ impl Logic for OverlapAdd {
         self.valid_1.d.next = self.accept.val();
         self.fresh_1.d.next = self.fresh_row.val() && self.fresh_column.val();
         self.done_1.d.next = self.complete.val();
-        self.pair_1.d.next =
-            self.left.q.val() + bit_cast::<13, 2>(self.step.q.val().get_bits::<2>(0));
+        self.pair_1.d.next = self.left.q.val() + bit_cast::<13, 2>(self.step.q.val().get_bits::<2>(0));
         self.line_1.d.next = self.top.q.val() + bit_cast::<13, 3>(self.step.q.val().get_bits::<3>(2));
         self.words_1.d.next =
             (bit_cast::<64, 32>(self.chroma.val()) << 32) | bit_cast::<64, 32>(self.luma.val());
@@ -189,8 +209,8 @@ impl Logic for OverlapAdd {
         self.place_2.d.next = (bit_cast::<16, 13>(self.pair_1.q.val()) << 3)
             | bit_cast::<16, 3>(self.line_1.q.val().get_bits::<3>(0));
         self.valid_2.d.next = self.valid_1.q.val();
-        self.seen_2.d.next = (self.pair_1.q.val() < self.frame_pairs.val())
-            && (self.line_1.q.val() < self.frame_rows.val());
+        self.seen_2.d.next =
+            (self.pair_1.q.val() < self.frame_pairs.val()) && (self.line_1.q.val() < self.frame_rows.val());
         self.luma_sums.read_address.next = self.place_2.q.val();
         self.chroma_sums.read_address.next = self.place_2.q.val();
         self.fresh.next = self.fresh_1.q.val().into();
@@ -209,12 +229,23 @@ impl Logic for OverlapAdd {
         self.old[1].next = self.luma_sums.read_data.val().get_bits::<20>(20);
         self.old[2].next = self.chroma_sums.read_data.val().get_bits::<20>(0);
         self.old[3].next = self.chroma_sums.read_data.val().get_bits::<20>(20);
+        self.word[0].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(0));
+        if self.words_to_4.later.val().get_bit(15) {
+            self.word[0].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(0)) | 0xf_0000;
+        }
+        self.word[1].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(16));
+        if self.words_to_4.later.val().get_bit(31) {
+            self.word[1].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(16)) | 0xf_0000;
+        }
+        self.word[2].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(32));
+        if self.words_to_4.later.val().get_bit(47) {
+            self.word[2].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(32)) | 0xf_0000;
+        }
+        self.word[3].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(48));
+        if self.words_to_4.later.val().get_bit(63) {
+            self.word[3].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(48)) | 0xf_0000;
+        }
         for i in 0..4 {
-            self.word[i].next = bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(16 * i));
-            if self.words_to_4.later.val().get_bit(16 * i + 15) {
-                self.word[i].next =
-                    bit_cast::<20, 16>(self.words_to_4.later.val().get_bits::<16>(16 * i)) | 0xf_0000;
-            }
             self.sums_5[i].clock.next = self.clock.val();
             self.sums_5[i].d.next = self.old[i].val() + self.word[i].val();
             if self.fresh_to_4.later.val().any() {

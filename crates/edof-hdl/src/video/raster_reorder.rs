@@ -108,8 +108,26 @@ impl Logic for RasterReorder {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, in_pair, in_row, left, write_slot, write_1, pair_1, row_1, words_1, inside_2, place_2,
-            words_2, full, pair, row, row_in_slot, read_slot, read_place_1, marks_1
+            self,
+            clock,
+            in_pair,
+            in_row,
+            left,
+            write_slot,
+            write_1,
+            pair_1,
+            row_1,
+            words_1,
+            inside_2,
+            place_2,
+            words_2,
+            full,
+            pair,
+            row,
+            row_in_slot,
+            read_slot,
+            read_place_1,
+            marks_1
         );
         self.luma_words.clock.next = self.clock.val();
         self.chroma_words.clock.next = self.clock.val();

@@ -41,8 +41,7 @@ impl Logic for Scale {
             self._sum = self._product + self._addend;
             self._product = self._factors.0 * self._factors.1;
             self._addend = extend(self.addend.val().to_u64(), 48);
-            self._factors =
-                (extend(self.value.val().to_u64(), 18), extend(self.factor.val().to_u64(), 18));
+            self._factors = (extend(self.value.val().to_u64(), 18), extend(self.factor.val().to_u64(), 18));
         }
         self.sum.next = (self._sum as u64 & ((1 << 48) - 1)).into();
     }

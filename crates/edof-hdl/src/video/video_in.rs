@@ -99,6 +99,7 @@ pub struct VideoIn {
     row_now: Signal<Local, Coordinate>,
     column_now: Signal<Local, Coordinate>,
     sends: Signal<Local, Bit>,
+    ends: Signal<Local, Bit>,
     stuck: Signal<Local, Bit>,
     as_wanted: Signal<Local, Bit>,
 }
@@ -121,10 +122,46 @@ impl Logic for VideoIn {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, hs_1, vs_1, de_1, data_1, hs_2, vs_2, de_2, pixel_2, line_begins_2, line_ends_2,
-            frame_ends_2, sync_2, column, row, begins, crooked, known, sending, pixel_3, send_3, first_3, last_3,
-            out_valid_q, out_pixel_q, out_first_q, out_last_q, width_q, height_q, cycles, line_cycles_q, syncs,
-            lines_q, waited, present_q, fits_q, right_q, wrong_q, overruns_q
+            self,
+            clock,
+            hs_1,
+            vs_1,
+            de_1,
+            data_1,
+            hs_2,
+            vs_2,
+            de_2,
+            pixel_2,
+            line_begins_2,
+            line_ends_2,
+            frame_ends_2,
+            sync_2,
+            column,
+            row,
+            begins,
+            crooked,
+            known,
+            sending,
+            pixel_3,
+            send_3,
+            first_3,
+            last_3,
+            out_valid_q,
+            out_pixel_q,
+            out_first_q,
+            out_last_q,
+            width_q,
+            height_q,
+            cycles,
+            line_cycles_q,
+            syncs,
+            lines_q,
+            waited,
+            present_q,
+            fits_q,
+            right_q,
+            wrong_q,
+            overruns_q
         );
 
         // Cycles 1 and 2: the pins, and what changed on them.
@@ -169,18 +206,20 @@ impl Logic for VideoIn {
             }
         }
 
-        // Cycle 3: whether it is sent.
+        // Cycle 3: whether it is sent. A line's last pixel must be its last on the bus, too.
         self.sends.next = self.sending.q.val();
         if self.line_begins_2.q.val() && self.begins.q.val() {
             self.sends.next = true;
             self.sending.d.next = true;
         }
+        self.ends.next = self.column_now.val() == self.last_column.val();
         self.send_3.d.next = self.de_2.q.val()
             && self.sends.val()
+            && !(self.ends.val() && self.de_1.q.val())
             && (self.column_now.val() < self.wanted_width.val())
             && (self.row_now.val() < self.wanted_height.val());
         self.first_3.d.next = !self.column_now.val().any() && !self.row_now.val().any();
-        self.last_3.d.next = self.column_now.val() == self.last_column.val();
+        self.last_3.d.next = self.ends.val();
         self.pixel_3.d.next = self.pixel_2.q.val();
 
         // Cycle 4: out. What stands there and is not taken in time ends the frame.

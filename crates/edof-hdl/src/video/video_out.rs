@@ -97,8 +97,27 @@ impl Logic for VideoOut {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, column, row, column_ends, row_ends, active, begins, hs_q, vs_q, showing, de_1, hs_1, vs_1,
-            data_1, de_2, hs_2, vs_2, data_2, shown_q, late_q
+            self,
+            clock,
+            column,
+            row,
+            column_ends,
+            row_ends,
+            active,
+            begins,
+            hs_q,
+            vs_q,
+            showing,
+            de_1,
+            hs_1,
+            vs_1,
+            data_1,
+            de_2,
+            hs_2,
+            vs_2,
+            data_2,
+            shown_q,
+            late_q
         );
 
         // Where the screen is.
@@ -138,8 +157,8 @@ impl Logic for VideoOut {
         if self.pixels_user.val() {
             self.pixels_ready.next = self.begins.q.val();
         }
-        self.misses.next =
-            self.wants.val() && (!self.pixels_valid.val() || (self.pixels_user.val() && !self.begins.q.val()));
+        self.misses.next = self.wants.val()
+            && (!self.pixels_valid.val() || (self.pixels_user.val() && !self.begins.q.val()));
         self.showing.d.next = self.shows.val() && !self.misses.val();
 
         // To the pins.

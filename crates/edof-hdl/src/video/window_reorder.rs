@@ -3,11 +3,11 @@
 use super::memory::Memory;
 use super::queue::Queue;
 use super::{Coordinate, Place};
-use crate::blocks::{Pair, Word};
 use crate::blocks::delay::Delay;
+use crate::blocks::{Pair, Word};
 use crate::describe::Circuit;
 use edof_spec::Design;
-use edof_spec::geometry::{Geometry, PATCH};
+use edof_spec::geometry::Geometry;
 use rust_hdl::prelude::*;
 
 /// From the lines of red-first raw frames to windows, row by row, mirrored at the frame's borders, two pixels a beat.
@@ -175,11 +175,53 @@ impl Logic for WindowReorder {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, writing, in_column, in_slot, write_even_1, write_odd_1, write_place_1, pixel_1, line_done, held,
-            age, fresh, turns, frame_slot, set_q, patch_row, top, next_top, base, next_base, past_base, bottom,
-            need, wanted, freed, release, enough, pair, row, patch_column, left, marks_1, line_1, column_1,
-            line_2, line_back_2, line_out_2, column_2, even_back_2, odd_back_2, column_out_2, slot_3, even_3,
-            odd_3, even_place_4, odd_place_4
+            self,
+            clock,
+            writing,
+            in_column,
+            in_slot,
+            write_even_1,
+            write_odd_1,
+            write_place_1,
+            pixel_1,
+            line_done,
+            held,
+            age,
+            fresh,
+            turns,
+            frame_slot,
+            set_q,
+            patch_row,
+            top,
+            next_top,
+            base,
+            next_base,
+            past_base,
+            bottom,
+            need,
+            wanted,
+            freed,
+            release,
+            enough,
+            pair,
+            row,
+            patch_column,
+            left,
+            marks_1,
+            line_1,
+            column_1,
+            line_2,
+            line_back_2,
+            line_out_2,
+            column_2,
+            even_back_2,
+            odd_back_2,
+            column_out_2,
+            slot_3,
+            even_3,
+            odd_3,
+            even_place_4,
+            odd_place_4
         );
         self.marks_to_6.clock.next = self.clock.val();
         self.even_pixels.clock.next = self.clock.val();
@@ -269,7 +311,8 @@ impl Logic for WindowReorder {
         self.window_ends.next = self.row_ends.val() && (self.row.q.val() == self.last_window_row.val());
         self.stripe_ends.next =
             self.window_ends.val() && (self.patch_column.q.val() == self.last_patch_column.val());
-        self.frame_ends.next = self.stripe_ends.val() && (self.patch_row.q.val() == self.last_patch_row.val());
+        self.frame_ends.next =
+            self.stripe_ends.val() && (self.patch_row.q.val() == self.last_patch_row.val());
         if self.fresh.q.val() {
             self.set_q.d.next = self.set.val();
         }
