@@ -139,6 +139,12 @@ impl Validation {
         let layers = sets.first().map_or(0, |m| m.non_zeros.len());
         (0..layers).filter_map(|t| mean(sets.iter().map(|m| m.non_zeros[t]))).collect()
     }
+
+    /// The larger of both, shrinkage by shrinkage: what a board needs room for.
+    #[must_use]
+    pub fn most_non_zeros(&self) -> Vec<f64> {
+        self.non_zeros(false).into_iter().zip(self.non_zeros(true)).map(|(a, b)| a.max(b)).collect()
+    }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -171,6 +177,7 @@ mod tests {
         let (worst, db) = all.worst().unwrap();
         assert!(worst.noisy && (db - 24.0).abs() < 1e-9);
         assert_eq!(all.non_zeros(false), [25.0, 1.0]);
+        assert_eq!(all.most_non_zeros(), [25.0, 1.0]);
         assert_eq!(all.mean(|m| m.place.photo == 1), Some(22.0));
         assert_eq!(all.mean(|m| m.place.photo == 2), None);
     }

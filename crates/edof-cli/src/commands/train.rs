@@ -214,7 +214,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     }
     let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
     let chosen =
-        others.iter_mut().fold(first, |best, other| if other.best() > best.best() { other } else { best });
+        others.iter_mut().fold(first, |best, other| if other.best().score > best.best().score { other } else { best });
     let made = provenance(args, chosen.trainer.recipe(), ui);
     let network = chosen.trainer.best(&name(args), &camera, made);
     weight_file::save_network(&args.out, &network)?;
@@ -333,7 +333,7 @@ fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &Progress) -
         "worst_db": validation.worst().map(|w| w.1),
         "non_zeros_noisy": validation.non_zeros(true),
         "non_zeros_clean": validation.non_zeros(false),
-        "lambda": trainer.state.lambdas,
+        "lambda": trainer.state.steering.lambdas,
     })
 }
 
@@ -641,7 +641,7 @@ fn tell(
         "seed": seed,
         "validation_db": network.origin.validation_db,
         "validation": table(&validation, &chosen.trainer, photographs),
-        "lambda": chosen.trainer.state.lambdas,
+        "lambda": chosen.trainer.state.steering.lambdas,
         "seeds": seeds,
         "seconds": seconds,
         "windows_per_second": windows as f64 / seconds,
