@@ -1,7 +1,7 @@
 //! Sparsity by budget: λ of each shrinkage moves until as many of its codes are non-zero as the board has room for.
 //!
-//! A budget is judged on validation windows, without noise or with it, whichever leaves more: a board has to keep its rate with
-//! both. Between validations each step counts the non-zeros of the batch's windows at the noise where networks are judged, and
+//! A budget is judged on the busiest quarter of validation's sets (photographs, ψ, without noise and with it): a board has to keep its
+//! rate on busy scenes, and gains nothing by idle ones. Between validations each step counts the non-zeros of the batch's windows at the noise where networks are judged, and
 //! multiplies each λ by 1 + rate·(counted − aim)/aim, the fraction cut to ±1. The aim is the budget times counted/validated of
 //! the last validation, since training windows (other looks, other exposures) leave other numbers than validation's. The rate
 //! falls with the schedule's, so that what the last steps settle is not pulled away again.
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// A limit for each shrinkage.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Budget {
-    /// Mean non-zeros of z_t, t = 1…T−1, on validation windows without noise or with it, whichever are more.
+    /// Mean non-zeros of z_t, t = 1…T−1, on busy validation windows ([`crate::validation::Validation::busy_non_zeros`]).
     pub non_zeros: Vec<f32>,
     /// How fast λ moves: at most this share of itself a step.
     pub rate: f32,
@@ -28,8 +28,8 @@ const NEWEST: f32 = 0.01;
 const UNLIKE: f32 = 8.0;
 
 /// What the default board (`designs/kc705.json`) has time for at 60 frames a second, with some room to spare, as shares of the codes:
-/// 60 of 192 after every shrinkage but the last, and 55 after that.
-const BOARD: [f32; 2] = [60.0 / 192.0, 55.0 / 192.0];
+/// 56 of 192 after every shrinkage but the last, and 46 after that.
+const BOARD: [f32; 2] = [56.0 / 192.0, 46.0 / 192.0];
 
 /// What moves λ while training runs.
 #[derive(Debug, Clone, PartialEq)]

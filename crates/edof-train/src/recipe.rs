@@ -193,8 +193,8 @@ fn lambdas(form: &Form) -> Vec<f32> {
     let last = form.shrinkages() - 1;
     let of = |t| match t {
         _ if t == last => 2e-2,
-        0 => 2e-5,
-        _ => 2e-4,
+        0 => 1e-4,
+        _ => 3e-4,
     };
     (0..=last).map(of).collect()
 }

@@ -254,7 +254,7 @@ impl<'a> Trainer<'a> {
     #[must_use]
     pub fn best(&self, name: &str, camera: &Camera, provenance: Provenance) -> Network {
         let most = |&tone: &Tone| Condition { tone, noise: self.recipe.conditions.at(tone, 1.0) };
-        let non_zeros = self.validate_best().most_non_zeros();
+        let non_zeros = self.validate_best().busy_non_zeros();
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
@@ -271,7 +271,7 @@ impl<'a> Trainer<'a> {
         let db = validation.db();
         let mut found = Best { score: db, db, within_budget: true };
         if let Some(budget) = &self.recipe.budget {
-            let non_zeros = validation.most_non_zeros();
+            let non_zeros = validation.busy_non_zeros();
             found.score -= budget.price_db(&non_zeros);
             found.within_budget = budget.keeps(&non_zeros);
             self.state.steering.correct(budget, &non_zeros);

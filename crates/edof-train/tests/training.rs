@@ -108,7 +108,7 @@ fn lambda_moves_until_the_budget_is_nearly_met() {
     let dataset = dataset(&recipe);
     let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();
     let excess =
-        |trainer: &Trainer<'_>| trainer.validate().most_non_zeros().into_iter().map(|n| n - TARGET).collect();
+        |trainer: &Trainer<'_>| trainer.validate().busy_non_zeros().into_iter().map(|n| n - TARGET).collect();
     let before: Vec<f64> = excess(&trainer);
     run_to(&mut trainer, 1500);
     let after: Vec<f64> = excess(&trainer);
