@@ -59,11 +59,12 @@ impl Recipe {
         Self {
             form,
             tones: vec![Tone::Linear],
-            conditions: Conditions { exposure: [0.6, 1.2], ..Conditions::plain(0.015) },
-            augmentation: Augmentation { variants: 3, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
+            conditions: Conditions::plain(0.015),
+            // No looks but the photograph's own; these are what --variants draws.
+            augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
             weighting: Weighting::Root,
-            batch: 1024,
-            steps: 20_000,
+            batch: 512,
+            steps: 40_000,
             rate: match form.shrinkage {
                 Shrinkage::OneSided => 1.5e-3,
                 Shrinkage::TwoSided => 2e-3,
@@ -74,7 +75,7 @@ impl Recipe {
             budget: Budget::of_the_board(&form),
             start: Start::Whitened,
             seed: 1,
-            validate_every: 1_000,
+            validate_every: 2_000,
             patience: 30,
         }
     }
@@ -192,9 +193,9 @@ fn lambdas(form: &Form) -> Vec<f32> {
     }
     let last = form.shrinkages() - 1;
     let of = |t| match t {
-        _ if t == last => 2e-2,
-        0 => 1e-4,
-        _ => 3e-4,
+        _ if t == last => 3e-3,
+        0 => 3e-4,
+        _ => 6e-4,
     };
     (0..=last).map(of).collect()
 }

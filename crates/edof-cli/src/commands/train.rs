@@ -214,8 +214,9 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         results.push(one_seed(&dataset, &run, file, args, ui)?);
     }
     let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
-    let chosen =
-        others.iter_mut().fold(first, |best, other| if other.best().score > best.best().score { other } else { best });
+    let chosen = others
+        .iter_mut()
+        .fold(first, |best, other| if other.best().score > best.best().score { other } else { best });
     let made = provenance(args, chosen.trainer.recipe(), ui);
     let network = chosen.trainer.best(&name(args), &camera, made);
     weight_file::save_network(&args.out, &network)?;
