@@ -193,9 +193,9 @@ fn lambdas(form: &Form) -> Vec<f32> {
     }
     let last = form.shrinkages() - 1;
     let of = |t| match t {
-        _ if t == last => 3e-3,
-        0 => 3e-4,
-        _ => 6e-4,
+        _ if t == last => 9e-3,
+        0 => 5e-5,
+        _ => 2e-4,
     };
     (0..=last).map(of).collect()
 }
