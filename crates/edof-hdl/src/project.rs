@@ -8,11 +8,16 @@ use rust_hdl::prelude::Block;
 use std::fmt::Write;
 
 /// The hand-written leaves of `rtl/`, by module name.
-pub const LEAVES: [(&str, &str); 4] = [
+pub const LEAVES: [(&str, &str); 9] = [
+    ("edof_async_fifo", include_str!("../../../rtl/edof_async_fifo.v")),
+    ("edof_bus_sync", include_str!("../../../rtl/edof_bus_sync.v")),
     ("edof_fifo", include_str!("../../../rtl/edof_fifo.v")),
     ("edof_macc", include_str!("../../../rtl/edof_macc.v")),
     ("edof_macc_bank", include_str!("../../../rtl/edof_macc_bank.v")),
+    ("edof_pulse_sync", include_str!("../../../rtl/edof_pulse_sync.v")),
     ("edof_ram", include_str!("../../../rtl/edof_ram.v")),
+    ("edof_reset_sync", include_str!("../../../rtl/edof_reset_sync.v")),
+    ("edof_sync", include_str!("../../../rtl/edof_sync.v")),
 ];
 
 /// A generated design.
