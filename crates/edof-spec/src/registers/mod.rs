@@ -73,7 +73,7 @@ impl Field {
     /// Its bits in the word.
     #[must_use]
     pub const fn mask(&self) -> u32 {
-        ((1u64 << self.bits) - 1 << self.low) as u32
+        (((1u64 << self.bits) - 1) << self.low) as u32
     }
 }
 
