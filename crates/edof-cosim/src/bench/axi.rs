@@ -103,13 +103,16 @@ pub struct Traffic {
     pub most_outstanding: usize,
 }
 
+/// A word, and which of its bytes are written.
+type Strobed = (Vec<u32>, u64);
+
 struct Writing {
     name: String,
     ports: WritePorts,
     standing: [Standing; 2],
     announced: VecDeque<Burst>,
     words: VecDeque<(Vec<u32>, u64, bool)>,
-    complete: VecDeque<(Burst, Vec<(Vec<u32>, u64)>)>,
+    complete: VecDeque<(Burst, Vec<Strobed>)>,
     answers: bool,
 }
 
