@@ -94,7 +94,7 @@ impl Registers {
             (address >= window.address && address < window.address + window.bytes)
                 .then(|| (address - window.address) / 4)
         };
-        if address % 4 != 0 {
+        if !address.is_multiple_of(4) {
             return false;
         }
         if let Some(index) = at(&DISPLAY_TABLES) {
@@ -112,7 +112,7 @@ impl Registers {
 
     fn read(&self, address: u32) -> Option<u32> {
         if (STAGE_COUNTERS.address..STAGE_COUNTERS.address + STAGE_COUNTERS.bytes).contains(&address)
-            && address % 4 == 0
+            && address.is_multiple_of(4)
         {
             return Some(stage_counter((address - STAGE_COUNTERS.address) / 4));
         }
