@@ -1,7 +1,9 @@
 //! Each thing that the backend refuses, and the words in which it does.
 
+use edof_hdl::crossing::{PixelFifo, Sync};
 use edof_hdl::describe::Circuit;
 use edof_hdl::leaf::Leaf;
+use edof_hdl::ports::{StreamIn, StreamOut};
 use edof_hdl::verilog;
 use rust_hdl::prelude::*;
 
@@ -173,6 +175,152 @@ block!(Still { y: Signal<Out, Bits<2>> }
     self.y.next = 0.into();
     self.y.next = 1.into();
 });
+
+block!(Leap { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In, Bit>, y: Signal<Out, Bit>, one: DFF<Bit>, other: DFF<Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.one.clock.next = self.fast.val();
+    self.other.clock.next = self.slow.val();
+    self.one.d.next = self.x.val();
+    self.other.d.next = !self.one.q.val();
+    self.y.next = self.other.q.val();
+});
+
+block!(Store { clock: Signal<In, Clock>, x: Signal<In, Bit>, y: Signal<Out, Bit>, r: DFF<Bit> }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.r.clock.next = self.clock.val();
+    self.r.d.next = self.x.val();
+    self.y.next = !self.r.q.val();
+});
+
+block!(LeapBetween { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In, Bit>, y: Signal<Out, Bit>, parts: [Store; 2] }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.parts[0].clock.next = self.fast.val();
+    self.parts[1].clock.next = self.slow.val();
+    self.parts[0].x.next = self.x.val();
+    self.parts[1].x.next = self.parts[0].y.val();
+    self.y.next = self.parts[1].y.val();
+});
+
+block!(TakenTwice { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In, Bit>, y: Signal<Out, Bits<2>>, parts: [Store; 2] }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.parts[0].clock.next = self.fast.val();
+    self.parts[1].clock.next = self.slow.val();
+    self.parts[0].x.next = self.x.val();
+    self.parts[1].x.next = self.x.val();
+    self.y.next = 0.into();
+});
+
+block!(MixedOut { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In, Bit>, z: Signal<In, Bit>, y: Signal<Out, Bit>, parts: [Store; 2] }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.parts[0].clock.next = self.fast.val();
+    self.parts[1].clock.next = self.slow.val();
+    self.parts[0].x.next = self.x.val();
+    self.parts[1].x.next = self.z.val();
+    self.y.next = self.parts[0].y.val() && self.parts[1].y.val();
+});
+
+/// A leaf of two clocks that is no crossing.
+#[derive(Circuit)]
+struct Bridge {
+    pub fast: Signal<In, Clock>,
+    pub slow: Signal<In, Clock>,
+    pub x: Signal<In, Bit>,
+    pub y: Signal<Out, Bit>,
+}
+
+impl Logic for Bridge {
+    fn update(&mut self) {}
+    fn connect(&mut self) {
+        self.y.connect();
+    }
+    fn hdl(&self) -> Verilog {
+        let leaf = Leaf::new("edof_bridge").port("fast_i", "fast").port("slow_i", "slow");
+        leaf.port("x_i", "x").port("y_o", "y").verilog()
+    }
+}
+
+block!(Bridged { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In, Bit>, y: Signal<Out, Bit>, part: Bridge }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.part.fast.next = self.fast.val();
+    self.part.slow.next = self.slow.val();
+    self.part.x.next = self.x.val();
+    self.y.next = self.part.y.val();
+});
+
+#[test]
+fn ways_between_clock_domains_are_refused_unless_a_leaf_is_made_for_them() {
+    let refusals = [
+        refusal::<Leap>(),
+        refusal::<LeapBetween>(),
+        refusal::<TakenTwice>(),
+        refusal::<MixedOut>(),
+        refusal::<Bridged>(),
+    ];
+    let wanted = [
+        "top.other.d: leads from the domain of `fast` to that of `slow` without a synchroniser",
+        "top.parts[1].x: leads from the domain of `fast` to that of `slow` without a synchroniser",
+        "top.x: leads from the domain of `slow` to that of `fast` without a synchroniser",
+        "top.y: leads from the domain of `slow` to that of `fast` without a synchroniser",
+        "top.part: the leaf `edof_bridge` has several clocks and is no crossing",
+    ];
+    assert_eq!(refusals, wanted);
+}
+
+/// A level and a stream of pixels into another domain.
+#[derive(Circuit)]
+struct Crossed {
+    pub fast: Signal<In, Clock>,
+    pub slow: Signal<In, Clock>,
+    pub fast_reset: Signal<In, Bit>,
+    pub slow_reset: Signal<In, Bit>,
+    pub from: StreamIn<16>,
+    pub to: StreamOut<16>,
+    pub level: Signal<Out, Bits<1>>,
+    kept: DFF<Bits<1>>,
+    sync: Sync<1>,
+    pixels: PixelFifo,
+}
+
+impl Logic for Crossed {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.kept.clock.next = self.fast.val();
+        self.kept.d.next = !self.kept.q.val();
+        self.sync.clock.next = self.slow.val();
+        self.sync.from.next = self.kept.q.val();
+        self.level.next = self.sync.to.val();
+        self.pixels.from_clock.next = self.fast.val();
+        self.pixels.from_reset.next = self.fast_reset.val();
+        self.pixels.to_clock.next = self.slow.val();
+        self.pixels.to_reset.next = self.slow_reset.val();
+        StreamIn::<16>::link(&mut self.from, &mut self.pixels.from);
+        StreamOut::<16>::link(&mut self.to, &mut self.pixels.to);
+    }
+}
+
+#[test]
+fn crossings_are_listed_with_their_clocks() {
+    let mut top = Crossed::from_parts(CrossedParts { sync: Sync::default(), pixels: PixelFifo::new(4) });
+    top.connect_all();
+    let crossings = verilog::emit(&top).unwrap().crossings;
+    let found: Vec<(String, &str, Vec<&str>)> = crossings
+        .iter()
+        .map(|c| {
+            (c.path.join("/"), c.leaf.as_str(), c.clocks.iter().map(|(_, clock)| clock.as_str()).collect())
+        })
+        .collect();
+    let wanted = [
+        ("sync".to_string(), "edof_sync", vec!["slow"]),
+        ("pixels/fifo".to_string(), "edof_async_fifo", vec!["fast", "slow"]),
+    ];
+    assert_eq!(found, wanted);
+}
 
 #[test]
 fn what_cannot_be_translated_is_refused_with_its_place() {

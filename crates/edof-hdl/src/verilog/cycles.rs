@@ -15,7 +15,7 @@ use super::scope::{Role, Scope, SignalId};
 pub(super) type Path = (SignalId, SignalId);
 
 /// What each target of a process follows from.
-type Sources = BTreeMap<SignalId, BTreeSet<SignalId>>;
+pub(super) type Sources = BTreeMap<SignalId, BTreeSet<SignalId>>;
 
 /// Cuts the processes that take part in a loop of whole processes; refuses loops of signals. `paths` are known to be;
 /// `possible` may be, through leaves.
@@ -96,7 +96,7 @@ fn in_order(scope: &Scope, id: SignalId) -> bool {
     matches!(scope.signals[id].role, Role::Local | Role::Output)
 }
 
-fn collect(statements: &[Statement], above: &BTreeSet<SignalId>, sources: &mut Sources) {
+pub(super) fn collect(statements: &[Statement], above: &BTreeSet<SignalId>, sources: &mut Sources) {
     let with = |expression: &Expression| {
         let mut reads = above.clone();
         expression.walk(&mut |part| {

@@ -82,6 +82,12 @@ pub enum Fault {
     /// Clocks of registers are plain signals.
     #[error("a clock must be driven once, by a plain signal")]
     Clock,
+    /// A way from one clock domain to another without a leaf of [`crossing`](crate::crossing).
+    #[error("leads from the domain of `{0}` to that of `{1}` without a synchroniser")]
+    Crossing(String, String),
+    /// A leaf of several clocks must be one of [`crossing`](crate::crossing).
+    #[error("the leaf `{0}` has several clocks and is no crossing")]
+    Clocks(String),
     /// Statements that depend on nothing are never started by `always @*`.
     #[error("is driven by statements that depend on no signal; write one assignment")]
     Constant,

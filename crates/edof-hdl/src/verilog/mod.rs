@@ -11,6 +11,7 @@
 //! | lower | `kernel` | typed statements, loops unrolled |
 //! | check | `flow` | no latch, nothing read before it is written, nothing left open |
 //! | split | `process` | plain assignments and `always @*` blocks |
+//! | separate | `domains` | nothing from one clock domain to another but by a leaf of [`crossing`](crate::crossing) |
 //! | order | `cycles` | no loop without a register, and no process that looks like one |
 //! | connect | `wiring` | signals that need no wire of their own |
 //! | print | `print`, `module` | the text of a module |
@@ -53,6 +54,7 @@
 
 mod collect;
 mod cycles;
+mod domains;
 mod error;
 mod expression;
 mod flow;
@@ -69,6 +71,7 @@ mod wiring;
 
 use std::collections::{BTreeSet, HashMap};
 
+pub use domains::Crossing;
 pub use error::{EmitError, Fault};
 pub use types::Type;
 
@@ -89,6 +92,8 @@ pub struct Emitted {
     pub top: String,
     /// Ports of the top module.
     pub ports: Vec<Port>,
+    /// Where something passes from one clock domain to another.
+    pub crossings: Vec<Crossing>,
 }
 
 /// A module: the content of one file.
@@ -135,6 +140,7 @@ pub fn emit(top: &dyn Circuit) -> Result<Emitted, EmitError> {
     if tree.is_register() || tree.start_value().is_some() || Leaf::of(&tree.hdl).is_some() {
         return Err(EmitError::block(&tree.path, Fault::NotATop));
     }
+    let crossings = domains::check(&tree)?;
     let mut emitter = Emitter::default();
     let top = emitter.block(&tree)?;
     Ok(Emitted {
@@ -142,6 +148,7 @@ pub fn emit(top: &dyn Circuit) -> Result<Emitted, EmitError> {
         ports: emitter.ports.swap_remove(top),
         modules: emitter.modules,
         leaves: emitter.leaves,
+        crossings,
     })
 }
 
