@@ -102,7 +102,7 @@ impl<const W: usize> ReadAgent<W> {
             base_0: base[0],
             base_1: base[1],
             base_2: base[2],
-            ram: Ram::new(Shape::block(frames.depth), &[]),
+            ram: Ram::new(Shape::distributed(frames.depth), &[]),
         })
     }
 }

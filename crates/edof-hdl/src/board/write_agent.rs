@@ -131,7 +131,7 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
             base_1: base[1],
             base_2: base[2],
             outstanding_most: Constant::new(OUTSTANDING.into()),
-            ram: Ram::new(Shape::block(frames.depth), &[]),
+            ram: Ram::new(Shape::distributed(frames.depth), &[]),
         })
     }
 }
