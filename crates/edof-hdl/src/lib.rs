@@ -10,7 +10,7 @@
 //! | block | [`video`] | the circuits around it, from pixels to pixels |
 //! | block | [`board`] | memory, host, and all of it together |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
-//! | all | [`project`] | the files of a generated design |
+//! | all | [`project`], [`kc705`] | the files of a generated design, and of a board's |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
 
 // So that `#[derive(Circuit)]` can name this crate from within, too.
@@ -20,6 +20,7 @@ pub mod blocks;
 pub mod board;
 pub mod crossing;
 pub mod describe;
+pub mod kc705;
 pub mod leaf;
 pub mod ports;
 pub mod project;

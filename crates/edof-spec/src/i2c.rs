@@ -133,7 +133,12 @@ pub const IMAGEON: &[Entry] = &[
     set(ADV7611, 0x02, 0xf4, "colour space found by itself; output Y'CbCr, codes not saturated"),
     set(ADV7611, 0x03, 0x80, "output 16-bit 4:2:2, single data rate"),
     set(ADV7611, 0x04, 0x62, "luma on the upper byte, chroma on the lower"),
-    set(ADV7611, 0x05, 0x28, "no codes inserted into the data; data enable on its pin"),
+    set(
+        ADV7611,
+        0x05,
+        0x2c,
+        "codes of line start and end inserted into the data: the card has no pins for syncs",
+    ),
     set(ADV7611, 0x06, 0xa6, "syncs are positive"),
     set(ADV7611, 0x0b, 0x44, "power up: clocks"),
     set(ADV7611, 0x0c, 0x42, "power up: processor and pads"),

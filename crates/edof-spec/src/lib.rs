@@ -17,6 +17,7 @@
 //! | the file both kinds of network live in | [`weight_file`] |
 //! | video timing | [`video`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
+//! | the board's numbers: memory, clocks, host | [`board`] |
 //! | what the host sees of the board | [`registers`] |
 //! | how the video chips are set up | [`i2c`] |
 //! | how a result came to be | [`provenance`] |
@@ -32,6 +33,7 @@
 //! ```
 
 pub mod atomic;
+pub mod board;
 pub mod camera;
 pub mod cfa;
 pub mod colour;

@@ -9,13 +9,19 @@
 //! | [`i2c_init`] | sets up the video chips |
 //! | [`uart_receiver`], [`uart_sender`] | bytes of a serial line |
 //! | [`uart_bus`] | a serial line as a master of registers |
+//! | [`embedded_syncs`] | syncs that come inside of the pixels |
+//! | [`edof_core`] | all of it, for any board |
+//! | [`kc705_core`] | and what the KC705 has around it |
 //!
 //! The two agents of a set of buffers tell each other which buffer is whose: the writer says which is the newest complete one, the
 //! reader which it reads. The writer takes the one that is neither, so there is always one, and nobody waits for the other.
 
 pub mod axi_pair;
+pub mod edof_core;
+pub mod embedded_syncs;
 pub mod frames;
 pub mod i2c_init;
+pub mod kc705_core;
 pub mod read_agent;
 pub mod registers;
 pub mod uart_bus;
@@ -24,8 +30,11 @@ pub mod uart_sender;
 pub mod write_agent;
 
 pub use axi_pair::AxiPair;
+pub use edof_core::EdofCore;
+pub use embedded_syncs::EmbeddedSyncs;
 pub use frames::Frames;
 pub use i2c_init::I2cInit;
+pub use kc705_core::Kc705Core;
 pub use read_agent::ReadAgent;
 pub use registers::{BoardRegisters, Identity};
 pub use uart_bus::UartBus;

@@ -57,8 +57,10 @@ pub struct BoardRegisters {
     pub raw_late: Signal<In, Bits<32>>,
     /// Words of raw frames that came with an error.
     pub raw_read_errors: Signal<In, Bits<32>>,
-    /// Cycles in which raw pixels waited for the calculator.
+    /// Cycles in which a window or a patch stood at the calculator.
     pub busy_cycles: Signal<In, Bits<32>>,
+    /// Patches that left the calculator.
+    pub patches: Signal<In, Bits<32>>,
     /// Sums of overlapping patches that did not fit 16 bits.
     pub saturated_sums: Signal<In, Bits<32>>,
     /// Chroma codes that were clamped (luma only).
@@ -218,17 +220,18 @@ impl Logic for BoardRegisters {
         self.values[16].next = self.raw_late.val();
         self.values[17].next = self.raw_read_errors.val();
         self.values[18].next = self.busy_cycles.val();
-        self.values[19].next = self.saturated_sums.val();
-        self.values[20].next = self.clamped_chroma.val();
-        self.values[21].next = self.out_of_gamut.val();
-        self.values[22].next = self.picture_frames.val();
-        self.values[23].next = self.picture_broken.val();
-        self.values[24].next = self.picture_write_errors.val();
-        self.values[25].next = self.output_frames.val();
-        self.values[26].next = self.output_late.val();
-        self.values[27].next = self.output_read_errors.val();
-        self.values[28].next = self.output_underruns.val();
-        self.values[29].next = self.uart_broken.val();
+        self.values[19].next = self.patches.val();
+        self.values[20].next = self.saturated_sums.val();
+        self.values[21].next = self.clamped_chroma.val();
+        self.values[22].next = self.out_of_gamut.val();
+        self.values[23].next = self.picture_frames.val();
+        self.values[24].next = self.picture_broken.val();
+        self.values[25].next = self.picture_write_errors.val();
+        self.values[26].next = self.output_frames.val();
+        self.values[27].next = self.output_late.val();
+        self.values[28].next = self.output_read_errors.val();
+        self.values[29].next = self.output_underruns.val();
+        self.values[30].next = self.uart_broken.val();
         self.selected.next = 0.into();
         self.known.next = false;
         for i in 0..self._count {

@@ -1,0 +1,308 @@
+//! Everything between the pins' clocks and the memory, for any board.
+
+use super::axi_pair::AxiPair;
+use super::frames::Frames;
+use super::read_agent::ReadAgent;
+use super::registers::{BoardRegisters, Identity};
+use super::write_agent::WriteAgent;
+use crate::crossing::{BusSync, PixelFifo, ResetSync};
+use crate::describe::Circuit;
+use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
+use crate::video::stream_core::StreamCore;
+use crate::video::video_in::VideoIn;
+use crate::video::video_out::VideoOut;
+use edof_spec::FixedNetwork;
+use edof_spec::board;
+use edof_spec::design::{Design, DesignError};
+use edof_spec::video::VideoTiming;
+use rust_hdl::prelude::*;
+
+/// Pixels between clock domains, as a power of two.
+const CROSSING: usize = 5;
+
+/// Everything between the pins' clocks and the memory: frames in, into DRAM, through the calculator, into DRAM again, and out to a screen.
+///
+/// Three clocks: that of the incoming pixels, that of the memory and the calculator, that of the screen. `reset` may come at any time; each
+/// domain has its own that follows it. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_spec::registers`), both in the
+/// memory's clock. Nothing here knows of a vendor or a board.
+#[derive(Circuit)]
+#[circuit(default(ResetSync, BusSync, AxiPair))]
+pub struct EdofCore {
+    /// Clock of memory, calculator and host.
+    pub clock: Signal<In, Clock>,
+    /// Clock of the incoming pixels.
+    pub input_clock: Signal<In, Clock>,
+    /// Clock of the screen.
+    pub screen_clock: Signal<In, Clock>,
+    /// Begins anew, of no clock.
+    pub reset: Signal<In, Bit>,
+    /// Horizontal sync of the incoming video.
+    pub input_hs: Signal<In, Bit>,
+    /// Vertical sync.
+    pub input_vs: Signal<In, Bit>,
+    /// A pixel lies on the bus.
+    pub input_de: Signal<In, Bit>,
+    /// It: Y low, C high.
+    pub input_data: Signal<In, Bits<16>>,
+    /// Horizontal sync of the screen.
+    pub screen_hs: Signal<Out, Bit>,
+    /// Vertical sync.
+    pub screen_vs: Signal<Out, Bit>,
+    /// A pixel lies on the bus.
+    pub screen_de: Signal<Out, Bit>,
+    /// It: Y' low, Cb' or Cr' high.
+    pub screen_data: Signal<Out, Bits<16>>,
+    /// Writes to the memory.
+    pub dram_write: AxiWriteMaster<512, 64>,
+    /// Reads from the memory.
+    pub dram_read: AxiReadMaster<512>,
+    /// The host.
+    pub host: AxiLiteSlave,
+    /// The memory is ready.
+    pub dram_ready: Signal<In, Bit>,
+    /// The video chips are set up.
+    pub i2c_done: Signal<In, Bit>,
+    /// One of them did not answer.
+    pub i2c_failed: Signal<In, Bit>,
+    /// How the set-up stands (register `i2c`).
+    pub i2c: Signal<In, Bits<32>>,
+    /// Sets up the video chips once more, with its rise.
+    pub i2c_restart: Signal<Out, Bit>,
+    /// Frames on the host's line that were given up.
+    pub uart_broken: Signal<In, Bits<32>>,
+    /// The register `status`, for lamps.
+    pub status: Signal<Out, Bits<8>>,
+    resets: [ResetSync; 3],
+    video_in: VideoIn,
+    input_fifo: PixelFifo,
+    input_status: BusSync<96>,
+    raw_writer: WriteAgent<512, 64>,
+    raw_reader: ReadAgent<512>,
+    core: StreamCore,
+    picture_writer: WriteAgent<512, 64>,
+    picture_reader: ReadAgent<512>,
+    output_fifo: PixelFifo,
+    video_out: VideoOut,
+    screen_status: BusSync<64>,
+    memory: AxiPair<512, 64>,
+    registers: BoardRegisters,
+    seen: Signal<Local, Bits<96>>,
+    shown: Signal<Local, Bits<64>>,
+    state: Signal<Local, Bits<32>>,
+    runs: Signal<Local, Bit>,
+}
+
+impl EdofCore {
+    /// The core of a design, its sets of weights starting with these networks and its display with these tables: luma codes, and encoded
+    /// red, green and blue.
+    ///
+    /// # Errors
+    /// [`DesignError`] names what does not fit what.
+    pub fn new(
+        design: &Design,
+        sets: [&FixedNetwork; 2],
+        identity: &Identity,
+        luma: &[u64],
+        colours: [&[u64]; 3],
+    ) -> Result<Self, DesignError> {
+        board::check(design)?;
+        let timing = VideoTiming::of_frame(design.frame);
+        let frames = |buffers| Frames {
+            width: design.frame.width,
+            height: design.frame.height,
+            buffers,
+            burst: board::BURST_WORDS,
+            depth: board::AGENT_WORDS,
+        };
+        let (raw, picture) = (frames(board::RAW_BUFFERS), frames(board::PICTURE_BUFFERS));
+        Ok(Self::from_parts(EdofCoreParts {
+            video_in: VideoIn::new(design.frame, board::patience(timing)),
+            input_fifo: PixelFifo::new(CROSSING),
+            raw_writer: WriteAgent::new(&raw),
+            raw_reader: ReadAgent::new(&raw, false),
+            core: StreamCore::new(design, sets, luma, colours)?,
+            picture_writer: WriteAgent::new(&picture),
+            picture_reader: ReadAgent::new(&picture, true),
+            output_fifo: PixelFifo::new(CROSSING),
+            video_out: VideoOut::new(timing),
+            registers: BoardRegisters::new(identity),
+        }))
+    }
+}
+
+impl Logic for EdofCore {
+    #[hdl_gen]
+    fn update(&mut self) {
+        // Clocks and resets.
+        for i in 0..3 {
+            self.resets[i].reset.next = self.reset.val();
+        }
+        self.resets[0].clock.next = self.input_clock.val();
+        self.resets[1].clock.next = self.clock.val();
+        self.resets[2].clock.next = self.screen_clock.val();
+        self.video_in.clock.next = self.input_clock.val();
+        self.video_in.reset.next = self.resets[0].domain_reset.val();
+        self.input_fifo.from_clock.next = self.input_clock.val();
+        self.input_fifo.from_reset.next = self.resets[0].domain_reset.val();
+        self.input_fifo.to_clock.next = self.clock.val();
+        self.input_fifo.to_reset.next = self.resets[1].domain_reset.val();
+        self.input_status.from_clock.next = self.input_clock.val();
+        self.input_status.from_reset.next = self.resets[0].domain_reset.val();
+        self.input_status.to_clock.next = self.clock.val();
+        self.input_status.to_reset.next = self.resets[1].domain_reset.val();
+        self.raw_writer.clock.next = self.clock.val();
+        self.raw_writer.reset.next = self.resets[1].domain_reset.val();
+        self.raw_reader.clock.next = self.clock.val();
+        self.raw_reader.reset.next = self.resets[1].domain_reset.val();
+        self.core.clock.next = self.clock.val();
+        self.core.reset.next = self.resets[1].domain_reset.val();
+        self.picture_writer.clock.next = self.clock.val();
+        self.picture_writer.reset.next = self.resets[1].domain_reset.val();
+        self.picture_reader.clock.next = self.clock.val();
+        self.picture_reader.reset.next = self.resets[1].domain_reset.val();
+        self.memory.clock.next = self.clock.val();
+        self.memory.reset.next = self.resets[1].domain_reset.val();
+        self.registers.clock.next = self.clock.val();
+        self.registers.reset.next = self.resets[1].domain_reset.val();
+        self.output_fifo.from_clock.next = self.clock.val();
+        self.output_fifo.from_reset.next = self.resets[1].domain_reset.val();
+        self.output_fifo.to_clock.next = self.screen_clock.val();
+        self.output_fifo.to_reset.next = self.resets[2].domain_reset.val();
+        self.video_out.clock.next = self.screen_clock.val();
+        self.video_out.reset.next = self.resets[2].domain_reset.val();
+        self.screen_status.from_clock.next = self.screen_clock.val();
+        self.screen_status.from_reset.next = self.resets[2].domain_reset.val();
+        self.screen_status.to_clock.next = self.clock.val();
+        self.screen_status.to_reset.next = self.resets[1].domain_reset.val();
+
+        // Video in.
+        self.video_in.hs.next = self.input_hs.val();
+        self.video_in.vs.next = self.input_vs.val();
+        self.video_in.de.next = self.input_de.val();
+        self.video_in.data.next = self.input_data.val();
+        self.input_fifo.from.valid.next = self.video_in.pixels_valid.val();
+        self.input_fifo.from.data.next = self.video_in.pixels_data.val();
+        self.input_fifo.from.user.next = self.video_in.pixels_user.val();
+        self.input_fifo.from.last.next = self.video_in.pixels_last.val();
+        self.video_in.pixels_ready.next = self.input_fifo.from.ready.val();
+        StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.raw_writer.pixels);
+
+        // Through the memory to the calculator, as long as the host lets it run.
+        self.raw_writer.reading.next = self.raw_reader.reading.val();
+        self.raw_reader.newest.next = self.raw_writer.newest.val();
+        self.runs.next = self.registers.control.val().get_bit(0);
+        self.core.pixels_valid.next = self.raw_reader.pixels.valid.val() && self.runs.val();
+        self.core.pixels_data.next = self.raw_reader.pixels.data.val();
+        self.raw_reader.pixels.ready.next = self.core.pixels_ready.val() && self.runs.val();
+        self.core.set.next = self.registers.control.val().get_bit(2);
+        self.core.colour.next = self.registers.control.val().get_bit(1);
+        self.core.clear.next = false;
+
+        // Through the memory to the screen.
+        self.picture_writer.pixels.valid.next = self.core.picture_valid.val();
+        self.picture_writer.pixels.data.next = self.core.picture_data.val();
+        self.picture_writer.pixels.user.next = self.core.picture_user.val();
+        self.picture_writer.pixels.last.next = self.core.picture_last.val();
+        self.core.picture_ready.next = self.picture_writer.pixels.ready.val();
+        self.picture_writer.reading.next = self.picture_reader.reading.val();
+        self.picture_reader.newest.next = self.picture_writer.newest.val();
+        StreamOut::<16>::join(&mut self.picture_reader.pixels, &mut self.output_fifo.from);
+        self.video_out.pixels_valid.next = self.output_fifo.to.valid.val();
+        self.video_out.pixels_data.next = self.output_fifo.to.data.val();
+        self.video_out.pixels_user.next = self.output_fifo.to.user.val();
+        self.video_out.pixels_last.next = self.output_fifo.to.last.val();
+        self.output_fifo.to.ready.next = self.video_out.pixels_ready.val();
+        self.screen_hs.next = self.video_out.hs.val();
+        self.screen_vs.next = self.video_out.vs.val();
+        self.screen_de.next = self.video_out.de.val();
+        self.screen_data.next = self.video_out.data.val();
+
+        // Memory.
+        AxiWriteMaster::<512, 64>::join(&mut self.raw_writer.dram, &mut self.memory.write_0);
+        AxiWriteMaster::<512, 64>::join(&mut self.picture_writer.dram, &mut self.memory.write_1);
+        AxiReadMaster::<512>::join(&mut self.raw_reader.dram, &mut self.memory.read_0);
+        AxiReadMaster::<512>::join(&mut self.picture_reader.dram, &mut self.memory.read_1);
+        AxiWriteMaster::<512, 64>::link(&mut self.dram_write, &mut self.memory.dram_write);
+        AxiReadMaster::<512>::link(&mut self.dram_read, &mut self.memory.dram_read);
+
+        // What the other domains say, again and again.
+        self.seen.next = (bit_cast::<96, 32>(self.video_in.overruns.val()))
+            | (bit_cast::<96, 32>(self.video_in.wrong_frames.val()) << 32)
+            | (bit_cast::<96, 13>(self.video_in.width.val()) << 64)
+            | (bit_cast::<96, 13>(self.video_in.height.val()) << 80);
+        if self.video_in.present.val() {
+            self.seen.next = self.seen.val() | (bit_cast::<96, 13>(1.into()) << 77);
+        }
+        if self.video_in.fits.val() {
+            self.seen.next = self.seen.val() | (bit_cast::<96, 13>(1.into()) << 78);
+        }
+        self.input_status.word.next = self.seen.val();
+        self.input_status.valid.next = true;
+        self.shown.next = bit_cast::<64, 32>(self.video_out.late_pixels.val())
+            | (bit_cast::<64, 32>(self.video_out.shown_frames.val()) << 32);
+        self.screen_status.word.next = self.shown.val();
+        self.screen_status.valid.next = true;
+
+        // The host.
+        AxiLiteSlave::link(&mut self.host, &mut self.registers.bus);
+        self.core.write_valid.next = self.registers.weight_valid.val();
+        self.registers.weight_ready.next = self.core.write_ready.val();
+        self.core.write_address.next = self.registers.weight_address.val();
+        self.core.write_data.next = self.registers.weight_data.val();
+        self.core.status_address.next = self.registers.stage_address.val();
+        self.registers.stage_counter.next = self.core.status.val();
+        self.core.table_write.next = self.registers.table_valid.val();
+        self.registers.table_ready.next = true;
+        self.core.table_select.next = self.registers.table_address.val().get_bits::<2>(15);
+        self.core.table_address.next = self.registers.table_address.val().get_bits::<15>(0);
+        self.core.table_data.next = self.registers.table_data.val();
+        self.i2c_restart.next = self.registers.control.val().get_bit(3);
+        self.state.next = 0.into();
+        if self.dram_ready.val() {
+            self.state.next = self.state.val() | 1;
+        }
+        if self.input_status.arrived.val().get_bit(77) {
+            self.state.next = self.state.val() | 2;
+        }
+        if self.input_status.arrived.val().get_bit(78) {
+            self.state.next = self.state.val() | 4;
+        }
+        if self.screen_status.arrived.val().get_bits::<32>(32).any() {
+            self.state.next = self.state.val() | 8;
+        }
+        if self.i2c_done.val() {
+            self.state.next = self.state.val() | 16;
+        }
+        if self.i2c_failed.val() {
+            self.state.next = self.state.val() | 32;
+        }
+        if self.core.set_used.val() {
+            self.state.next = self.state.val() | 64;
+        }
+        self.status.next = self.state.val().get_bits::<8>(0);
+        self.registers.status.next = self.state.val();
+        self.registers.i2c.next = self.i2c.val();
+        self.registers.input_size.next = (self.input_status.arrived.val().get_bits::<32>(64)) & 0x1fff_1fff;
+        self.registers.input_frames.next = self.raw_writer.frames.val();
+        self.registers.input_broken.next = self.raw_writer.broken.val();
+        self.registers.input_wrong.next = self.input_status.arrived.val().get_bits::<32>(32);
+        self.registers.input_overruns.next = self.input_status.arrived.val().get_bits::<32>(0);
+        self.registers.input_write_errors.next = self.raw_writer.errors.val();
+        self.registers.raw_frames.next = self.raw_reader.frames.val();
+        self.registers.raw_late.next = self.raw_reader.late.val();
+        self.registers.raw_read_errors.next = self.raw_reader.errors.val();
+        self.registers.busy_cycles.next = self.core.busy_cycles.val();
+        self.registers.patches.next = self.core.patches.val();
+        self.registers.saturated_sums.next = self.core.saturated_sums.val();
+        self.registers.clamped_chroma.next = self.core.clamped_chroma.val();
+        self.registers.out_of_gamut.next = self.core.out_of_gamut.val();
+        self.registers.picture_frames.next = self.picture_writer.frames.val();
+        self.registers.picture_broken.next = self.picture_writer.broken.val();
+        self.registers.picture_write_errors.next = self.picture_writer.errors.val();
+        self.registers.output_frames.next = self.picture_reader.frames.val();
+        self.registers.output_late.next = self.picture_reader.late.val();
+        self.registers.output_read_errors.next = self.picture_reader.errors.val();
+        self.registers.output_underruns.next = self.screen_status.arrived.val().get_bits::<32>(0);
+        self.registers.uart_broken.next = self.uart_broken.val();
+    }
+}

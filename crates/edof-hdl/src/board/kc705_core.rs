@@ -1,0 +1,138 @@
+//! The core with what the KC705 has around it: a serial line, video chips, syncs inside of the pixels.
+
+use super::edof_core::EdofCore;
+use super::embedded_syncs::EmbeddedSyncs;
+use super::i2c_init::I2cInit;
+use super::uart_bus::UartBus;
+use crate::crossing::ResetSync;
+use crate::describe::Circuit;
+use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
+use edof_spec::board::{BAUD, CORE_KILOHERTZ, I2C_IMAGES, UART_TIME_OUT_MS};
+use edof_spec::i2c;
+use rust_hdl::prelude::*;
+
+/// The core with what the KC705 has around it: a serial line to the host, two buses of video chips to be set up, and an HDMI receiver
+/// whose syncs come inside of the pixels. Buffers, DRAM controller and clocks are `kc705_top`'s.
+#[derive(Circuit)]
+#[circuit(default(EmbeddedSyncs, ResetSync))]
+pub struct Kc705Core {
+    /// Clock of memory, calculator and host: 200 MHz.
+    pub clock: Signal<In, Clock>,
+    /// Clock of the incoming pixels.
+    pub input_clock: Signal<In, Clock>,
+    /// Clock of the screen: 148.5 MHz.
+    pub screen_clock: Signal<In, Clock>,
+    /// Begins anew, of no clock.
+    pub reset: Signal<In, Bit>,
+    /// From the receiver: Y low, C high, syncs inside.
+    pub input_data: Signal<In, Bits<16>>,
+    /// To the transmitter: horizontal sync.
+    pub screen_hs: Signal<Out, Bit>,
+    /// Vertical sync.
+    pub screen_vs: Signal<Out, Bit>,
+    /// A pixel lies on the bus.
+    pub screen_de: Signal<Out, Bit>,
+    /// It: Y' low, Cb' or Cr' high.
+    pub screen_data: Signal<Out, Bits<16>>,
+    /// Writes to the DRAM.
+    pub dram_write: AxiWriteMaster<512, 64>,
+    /// Reads from the DRAM.
+    pub dram_read: AxiReadMaster<512>,
+    /// The DRAM is calibrated.
+    pub dram_ready: Signal<In, Bit>,
+    /// From the host, of no clock.
+    pub uart_receive: Signal<In, Bit>,
+    /// To the host.
+    pub uart_transmit: Signal<Out, Bit>,
+    /// Clock lines of the board's I2C and the card's, as they are.
+    pub scl: [Signal<In, Bit>; 2],
+    /// Data lines, as they are.
+    pub sda: [Signal<In, Bit>; 2],
+    /// Pulls the clock lines down.
+    pub scl_low: [Signal<Out, Bit>; 2],
+    /// Pulls the data lines down.
+    pub sda_low: [Signal<Out, Bit>; 2],
+    /// The register `status`, for lamps.
+    pub status: Signal<Out, Bits<8>>,
+    core: EdofCore,
+    syncs: EmbeddedSyncs,
+    uart: UartBus,
+    chips: [I2cInit; 2],
+    reset_of_input: ResetSync,
+    reset_of_core: ResetSync,
+    set_up: Signal<Local, Bits<32>>,
+}
+
+impl Kc705Core {
+    /// Around that core.
+    #[must_use]
+    pub fn new(core: EdofCore) -> Self {
+        let [board, card] = I2C_IMAGES;
+        let chips = [(i2c::KC705, board), (i2c::IMAGEON, card)];
+        Self::from_parts(Kc705CoreParts {
+            core,
+            uart: UartBus::new((1000 * CORE_KILOHERTZ / BAUD) as u16, UART_TIME_OUT_MS * CORE_KILOHERTZ),
+            chips: chips.map(|(table, image)| I2cInit::new(CORE_KILOHERTZ, table, image)),
+        })
+    }
+}
+
+impl Logic for Kc705Core {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.core.clock.next = self.clock.val();
+        self.core.input_clock.next = self.input_clock.val();
+        self.core.screen_clock.next = self.screen_clock.val();
+        self.core.reset.next = self.reset.val();
+        self.reset_of_input.clock.next = self.input_clock.val();
+        self.reset_of_input.reset.next = self.reset.val();
+        self.reset_of_core.clock.next = self.clock.val();
+        self.reset_of_core.reset.next = self.reset.val();
+
+        self.syncs.clock.next = self.input_clock.val();
+        self.syncs.reset.next = self.reset_of_input.domain_reset.val();
+        self.syncs.data.next = self.input_data.val();
+        self.core.input_hs.next = self.syncs.hs.val();
+        self.core.input_vs.next = self.syncs.vs.val();
+        self.core.input_de.next = self.syncs.de.val();
+        self.core.input_data.next = self.syncs.pixel.val();
+        self.screen_hs.next = self.core.screen_hs.val();
+        self.screen_vs.next = self.core.screen_vs.val();
+        self.screen_de.next = self.core.screen_de.val();
+        self.screen_data.next = self.core.screen_data.val();
+
+        AxiWriteMaster::<512, 64>::link(&mut self.dram_write, &mut self.core.dram_write);
+        AxiReadMaster::<512>::link(&mut self.dram_read, &mut self.core.dram_read);
+        self.core.dram_ready.next = self.dram_ready.val();
+
+        self.uart.clock.next = self.clock.val();
+        self.uart.reset.next = self.reset_of_core.domain_reset.val();
+        self.uart.receive.next = self.uart_receive.val();
+        self.uart_transmit.next = self.uart.transmit.val();
+        self.core.uart_broken.next = self.uart.broken.val();
+        AxiLiteMaster::join(&mut self.uart.bus, &mut self.core.host);
+
+        for i in 0..2 {
+            self.chips[i].clock.next = self.clock.val();
+            self.chips[i].reset.next = self.reset_of_core.domain_reset.val();
+            self.chips[i].restart.next = self.core.i2c_restart.val();
+            self.chips[i].scl.next = self.scl[i].val();
+            self.chips[i].sda.next = self.sda[i].val();
+            self.scl_low[i].next = self.chips[i].scl_low.val();
+            self.sda_low[i].next = self.chips[i].sda_low.val();
+        }
+        self.core.i2c_done.next = self.chips[0].done.val() && self.chips[1].done.val();
+        self.core.i2c_failed.next = self.chips[0].failed.val() || self.chips[1].failed.val();
+        // The board's own bus, unless it is done and the card's is not.
+        self.set_up.next = bit_cast::<32, 8>(self.chips[0].entry.val())
+            | (bit_cast::<32, 8>(self.chips[0].device.val()) << 8)
+            | (bit_cast::<32, 16>(self.chips[0].retries.val()) << 16);
+        if self.chips[0].done.val() {
+            self.set_up.next = bit_cast::<32, 8>(self.chips[1].entry.val())
+                | (bit_cast::<32, 8>(self.chips[1].device.val()) << 8)
+                | (bit_cast::<32, 16>(self.chips[1].retries.val()) << 16);
+        }
+        self.core.i2c.next = self.set_up.val();
+        self.status.next = self.core.status.val();
+    }
+}

@@ -1,0 +1,239 @@
+//! The generated directory of a board: it builds and tries itself with nothing but tools, and its parts fit each other.
+
+mod support;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use support::Place;
+
+/// The sources of `tiny` with a drawn network, in the folder `out`.
+fn generated(place: &Place) -> PathBuf {
+    place.edof("random-network --kind extreme --form one-sided,w8,t4,c16,r --out net.safetensors").done();
+    place.edof("generate --design tiny --weights net.safetensors --out out").done();
+    place.path("out")
+}
+
+fn run(program: &str, arguments: &[&str], folder: &Path) -> Output {
+    Command::new(program).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+/// Changes one word of a file of hexadecimal words.
+fn spoil(file: &Path) {
+    let text = std::fs::read_to_string(file).unwrap();
+    let line = text.lines().nth(40).unwrap();
+    let other: String = line.chars().map(|c| if c == '7' { '6' } else { '7' }).collect();
+    std::fs::write(file, text.replacen(line, &other, 1)).unwrap();
+}
+
+#[test]
+fn the_directory_tries_itself_in_both_simulators_and_finds_a_wrong_word() {
+    let place = Place::new();
+    let folder = generated(&place);
+    for simulator in ["SIM=verilator", "SIM=icarus"] {
+        let output = run("make", &["sim", simulator], &folder);
+        assert!(output.status.success() && said(&output).contains("PASS: 12 patches"), "{}", said(&output));
+    }
+    spoil(&folder.join("sim/patches.hex"));
+    let output = run("vvp", &["-n", "build/bench.vvp"], &folder);
+    assert!(!output.status.success() && said(&output).contains("FAIL: patch"), "{}", said(&output));
+}
+
+#[test]
+fn the_directory_is_clean() {
+    let place = Place::new();
+    let output = run("make", &["lint"], &generated(&place));
+    assert!(output.status.success(), "{}", said(&output));
+}
+
+#[test]
+fn the_top_elaborates_with_the_memory_controller_as_a_black_box() {
+    let place = Place::new();
+    let folder = generated(&place);
+    let output = run("make", &["top"], &folder);
+    assert!(output.status.success(), "{}", said(&output));
+    let top = folder.join("rtl/kc705_top.v");
+    let text = std::fs::read_to_string(&top).unwrap();
+    std::fs::write(&top, text.replace(".s_axi_awlen(", ".s_axi_awlength(")).unwrap();
+    assert!(!run("make", &["top"], &folder).status.success(), "a port that the controller does not have");
+}
+
+/// Ports of a module by name, one for each bit of a vector.
+fn ports(verilog: &str) -> BTreeSet<String> {
+    let header = verilog.split_once(");\n").unwrap().0;
+    let mut found = BTreeSet::new();
+    for line in header
+        .lines()
+        .map(str::trim)
+        .filter(|l| l.starts_with("input") || l.starts_with("output") || l.starts_with("inout"))
+    {
+        let name = line.trim_end_matches(',').split_whitespace().last().unwrap();
+        match line.split_once('[').and_then(|(_, rest)| rest.split_once(':')) {
+            Some((high, _)) => {
+                found.extend((0..=high.parse::<usize>().unwrap()).map(|bit| format!("{name}[{bit}]")))
+            }
+            None => _ = found.insert(name.into()),
+        }
+    }
+    found
+}
+
+/// What a constraints file gives a pin.
+fn placed(xdc: &str) -> Vec<String> {
+    let lines = xdc.lines().filter(|line| line.contains("PACKAGE_PIN"));
+    lines
+        .map(|line| {
+            line.rsplit_once("[get_ports ").unwrap().1.trim_end_matches(']').trim_matches(['{', '}']).into()
+        })
+        .map(closed)
+        .collect()
+}
+
+/// `leds[0` as `leds[0]`: the bracket of the command was taken with it.
+fn closed(name: String) -> String {
+    if name.contains('[') && !name.ends_with(']') { name + "]" } else { name }
+}
+
+/// Pins of the memory controller's project file.
+fn of_controller(project: &str) -> Vec<String> {
+    let names = project.lines().filter(|line| line.contains("PADName=") && line.contains("VCCAUX_IO"));
+    names.map(|line| line.split("name=\"").nth(1).unwrap().split('"').next().unwrap().into()).collect()
+}
+
+#[test]
+fn every_port_of_the_top_has_one_pin_and_every_pin_a_port() {
+    let place = Place::new();
+    let folder = generated(&place);
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let all: Vec<String> = placed(&read("constraints/kc705.xdc"))
+        .into_iter()
+        .chain(of_controller(&read("constraints/mig.prj")))
+        .collect();
+    let pins: BTreeSet<String> = all.iter().cloned().collect();
+    assert_eq!(pins.len(), all.len(), "a port is placed twice");
+    assert_eq!(ports(&read("rtl/kc705_top.v")), pins);
+    let pads = |text: &str, from: &str| {
+        let words = text.split(from).skip(1).map(|rest| rest.split(['"', ' ']).next().unwrap().to_string());
+        words.collect::<Vec<_>>()
+    };
+    let mut places = pads(&read("constraints/kc705.xdc"), "PACKAGE_PIN ");
+    places.extend(pads(&read("constraints/mig.prj"), "PADName=\"").into_iter().filter(|pad| pad != "No"));
+    assert_eq!(places.iter().collect::<BTreeSet<_>>().len(), places.len(), "a pin is given twice");
+}
+
+/// The instance names of a module's parts, with their modules.
+fn parts(folder: &Path, module: &str) -> Vec<(String, String)> {
+    let text = std::fs::read_to_string(folder.join(format!("rtl/{module}.v"))).unwrap();
+    let instance = |line: &str| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let is_start = words.last() == Some(&"(") && words.len() >= 3 && words[0] != "module";
+        let name =
+            if words.first() == Some(&")") { words.get(1) } else { words.get(words.len().wrapping_sub(2)) };
+        is_start.then(|| (name.unwrap().to_string(), words[0].to_string()))
+    };
+    text.lines().filter_map(instance).collect()
+}
+
+#[test]
+fn every_limited_crossing_is_in_the_design_and_every_synchroniser_limited() {
+    let place = Place::new();
+    let folder = generated(&place);
+    let xdc = std::fs::read_to_string(folder.join("constraints/crossings.xdc")).unwrap();
+    let heads: Vec<(String, String)> = xdc
+        .lines()
+        .filter_map(|line| line.strip_prefix("# core/")?.split_once(": "))
+        .map(|(path, leaf)| (path.into(), leaf.into()))
+        .collect();
+    assert!(heads.len() >= 10, "{heads:?}");
+    for (path, leaf) in &heads {
+        let mut module = "kc705_core".to_string();
+        for name in path.split('/') {
+            let found = parts(&folder, &module).into_iter().find(|(instance, _)| instance == name);
+            let (_, next) = found.unwrap_or_else(|| panic!("{path}: {module} has no part {name}"));
+            module = if next == ")" { leaf.clone() } else { next };
+        }
+        assert!(std::fs::read_to_string(folder.join(format!("rtl/{leaf}.v"))).is_ok());
+    }
+    let limits = xdc.lines().filter(|line| line.starts_with("set_")).count();
+    assert!(limits >= heads.len(), "{limits} limits for {} crossings", heads.len());
+    // Registers that the limits name are in the leaves.
+    for line in xdc.lines().filter(|line| line.starts_with("set_")) {
+        for word in line.split(['{', '}', ' ']).filter(|word| word.starts_with("core/")) {
+            let register = word.rsplit('/').find(|part| part.contains("_reg")).unwrap();
+            let name = register.split("_reg").next().unwrap();
+            let leaves = ["sync", "reset_sync", "async_fifo", "pulse_sync", "bus_sync"];
+            let is_there = leaves.iter().any(|leaf| {
+                std::fs::read_to_string(folder.join(format!("rtl/edof_{leaf}.v")))
+                    .is_ok_and(|text| text.contains(name))
+            });
+            assert!(is_there, "{line}");
+        }
+    }
+}
+
+/// Runs build.tcl with Vivado's commands stubbed; gives what it said, and the commands.
+fn build(folder: &Path, slack: &str) -> (Output, String) {
+    let stubs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sim/vivado/commands.tcl");
+    let script = folder.join("run.tcl");
+    let text = format!("source {}\nsource {}\n", stubs.display(), folder.join("build.tcl").display());
+    std::fs::write(&script, text).unwrap();
+    let log = folder.join("commands.log");
+    let mut tclsh = Command::new("tclsh");
+    let output =
+        tclsh.arg(&script).current_dir("/").env("COMMANDS", &log).env("SLACK", slack).output().unwrap();
+    (output, std::fs::read_to_string(&log).unwrap_or_default())
+}
+
+#[test]
+fn the_build_script_runs_to_its_end_and_reads_only_what_is_there() {
+    let place = Place::new();
+    let folder = generated(&place);
+    let (output, commands) = build(&folder, "0.05");
+    assert!(output.status.success(), "{}", said(&output));
+    let steps = [
+        "synth_ip",
+        "read_verilog",
+        "read_mem",
+        "read_xdc",
+        "synth_design",
+        "place_design",
+        "route_design",
+        "write_bitstream",
+    ];
+    let at: Vec<usize> =
+        steps.iter().map(|step| commands.find(step).unwrap_or_else(|| panic!("no {step}"))).collect();
+    assert!(at.is_sorted(), "{commands}");
+    assert!(commands.contains("kc705_top.v") && commands.contains(".hex"));
+    std::fs::remove_file(folder.join("constraints/mig.prj")).unwrap();
+    let (output, _) = build(&folder, "0.05");
+    assert!(!output.status.success() && said(&output).contains("no such file"), "{}", said(&output));
+}
+
+#[test]
+fn the_build_script_fails_on_negative_slack() {
+    let place = Place::new();
+    let (output, commands) = build(&generated(&place), "-0.01");
+    assert!(!output.status.success() && said(&output).contains("below zero"), "{}", said(&output));
+    assert!(!commands.contains("write_bitstream"));
+}
+
+#[test]
+fn the_register_map_is_there_for_people_and_programs() {
+    let place = Place::new();
+    let folder = generated(&place);
+    std::fs::write(
+        place.path("try.c"),
+        "#include \"registers.h\"\nint main(void) { return EDOF_CONTROL == 0x14u ? 0 : 1; }\n",
+    )
+    .unwrap();
+    let include = format!("-I{}", folder.display());
+    let compiled = run("cc", &["-Wall", "-Werror", &include, "-o", "try", "try.c"], &place.path(""));
+    assert!(compiled.status.success(), "{}", said(&compiled));
+    assert!(run("./try", &[], &place.path("")).status.success());
+    let page = std::fs::read_to_string(folder.join("registers.md")).unwrap();
+    assert!(page.contains("`input_overruns`") && page.contains("## `control`"));
+}
