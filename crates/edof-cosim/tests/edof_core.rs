@@ -56,7 +56,7 @@ fn sent(raw: &RawFrame) -> Vec<Pins> {
     let (height, width) = raw.size();
     let timing = VideoTiming::of_frame(FrameSize { width, height, stride: Stride::PATCH });
     let (line, frame) = (timing.line, timing.frame);
-    let pixels: Vec<u16> = raw.pixels().iter().map(|pixel| *pixel as u16).collect();
+    let pixels: Vec<u16> = raw.pixels().iter().copied().collect();
     let pin = |row: usize, column: usize| {
         let de = row < frame.active && column < line.active;
         let data = if de { pixels[row * width + column].swap_bytes() } else { 0x5a5a };
