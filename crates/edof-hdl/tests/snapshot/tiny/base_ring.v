@@ -33,7 +33,7 @@ module base_ring (
     edof_ram #(
         .WIDTH(32),
         .DEPTH(1024),
-        .BLOCK(1),
+        .BLOCK(2),
         .INIT("")
     ) ram (
         .clock_i(clock_i),

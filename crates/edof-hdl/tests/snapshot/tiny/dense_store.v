@@ -62,7 +62,7 @@ module dense_store (
     edof_ram #(
         .WIDTH(32),
         .DEPTH(512),
-        .BLOCK(1),
+        .BLOCK(2),
         .INIT("")
     ) parts_0 (
         .clock_i(clock_i),
@@ -76,7 +76,7 @@ module dense_store (
     edof_ram #(
         .WIDTH(32),
         .DEPTH(512),
-        .BLOCK(1),
+        .BLOCK(2),
         .INIT("")
     ) parts_1 (
         .clock_i(clock_i),

@@ -91,7 +91,7 @@ module pair_store_2 (
     edof_ram #(
         .WIDTH(25),
         .DEPTH(512),
-        .BLOCK(1),
+        .BLOCK(2),
         .INIT("")
     ) even_pairs (
         .clock_i(clock_i),
@@ -105,7 +105,7 @@ module pair_store_2 (
     edof_ram #(
         .WIDTH(25),
         .DEPTH(512),
-        .BLOCK(1),
+        .BLOCK(2),
         .INIT("")
     ) odd_pairs (
         .clock_i(clock_i),

@@ -37,7 +37,6 @@ module stage (
     reg  ready_in;
     reg  arrived;
     reg  [11:0] descriptor;
-    wire [31:0] pixels;
     reg  first;
     reg  [11:0] address_a;
     wire [11:0] address_b;
@@ -139,7 +138,8 @@ module stage (
     wire previous_2_d;
     reg  registers_2_q;
     wire registers_2_d;
-    reg  [24:0] address_2_q;
+    reg  [18:0] address_2_q;
+    wire [18:0] address_2_d;
     reg  [31:0] data_2_q;
     wire [51:0] weights_to_6_later;
 
@@ -426,7 +426,6 @@ module stage (
     assign ready_o = ready_in;
     assign results_base_write = valid_i && ready_in;
     assign window_ready_o = 1'b1;
-    assign pixels = 32'd0;
     assign sequencer_steal = weights_2_q && BOTH_PORTS;
 
     always @* begin
@@ -487,11 +486,12 @@ module stage (
     assign thresholds_2_d = selected && (address_1_q[20:19] == 2'd1);
     assign previous_2_d = selected && (address_1_q[20:19] == 2'd2);
     assign registers_2_d = selected && (address_1_q[20:19] == 2'd3);
+    assign address_2_d = address_1_q[18:0];
 
     always @* begin
-        weights_word = ({33'd0, address_2_q[18:0]} << 33) | ({20'd0, data_2_q} << 1);
+        weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1);
         if (weights_2_q) begin
-            weights_word = (({33'd0, address_2_q[18:0]} << 33) | ({20'd0, data_2_q} << 1)) | 52'd1;
+            weights_word = (({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1)) | 52'd1;
         end
     end
 
@@ -524,7 +524,7 @@ module stage (
         thresholds_2_q <= thresholds_2_d;
         previous_2_q <= previous_2_d;
         registers_2_q <= registers_2_d;
-        address_2_q <= address_1_q;
+        address_2_q <= address_2_d;
         data_2_q <= data_1_q;
     end
 endmodule

@@ -37,7 +37,6 @@ module stage_2 (
     reg  ready_in;
     reg  arrived;
     reg  [11:0] descriptor;
-    wire [31:0] pixels;
     reg  first;
     reg  [11:0] address_a;
     reg  [11:0] address_b;
@@ -140,7 +139,8 @@ module stage_2 (
     wire previous_2_d;
     reg  registers_2_q;
     wire registers_2_d;
-    reg  [24:0] address_2_q;
+    reg  [18:0] address_2_q;
+    wire [18:0] address_2_d;
     reg  [31:0] data_2_q;
     wire [51:0] weights_to_6_later;
 
@@ -237,7 +237,7 @@ module stage_2 (
         .offset_i(sequencer_offset),
         .even_pair_i(pairs_0_even_pair),
         .odd_pair_i(pairs_0_odd_pair),
-        .pixels_i(pixels),
+        .pixels_i(32'd0),
         .shifts_0_i(pair_operands_0_shifts_0),
         .shifts_1_i(pair_operands_0_shifts_1),
         .step_first_o(pair_operands_0_step_first),
@@ -432,7 +432,6 @@ module stage_2 (
     assign ready_o = ready_in;
     assign results_base_write = valid_i && ready_in;
     assign window_ready_o = 1'b1;
-    assign pixels = 32'd0;
     assign sequencer_steal = weights_2_q && BOTH_PORTS;
 
     always @* begin
@@ -491,11 +490,12 @@ module stage_2 (
     assign thresholds_2_d = selected && (address_1_q[20:19] == 2'd1);
     assign previous_2_d = selected && (address_1_q[20:19] == 2'd2);
     assign registers_2_d = selected && (address_1_q[20:19] == 2'd3);
+    assign address_2_d = address_1_q[18:0];
 
     always @* begin
-        weights_word = ({33'd0, address_2_q[18:0]} << 33) | ({20'd0, data_2_q} << 1);
+        weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1);
         if (weights_2_q) begin
-            weights_word = (({33'd0, address_2_q[18:0]} << 33) | ({20'd0, data_2_q} << 1)) | 52'd1;
+            weights_word = (({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1)) | 52'd1;
         end
     end
 
@@ -528,7 +528,7 @@ module stage_2 (
         thresholds_2_q <= thresholds_2_d;
         previous_2_q <= previous_2_d;
         registers_2_q <= registers_2_d;
-        address_2_q <= address_1_q;
+        address_2_q <= address_2_d;
         data_2_q <= data_1_q;
     end
 endmodule

@@ -37,7 +37,6 @@ module stage_4 (
     reg  ready_in;
     reg  arrived;
     reg  [11:0] descriptor;
-    reg  [31:0] pixels;
     reg  first;
     reg  [11:0] address_a;
     reg  [11:0] address_b;
@@ -63,6 +62,7 @@ module stage_4 (
     wire [11:0] pairs_0_descriptor;
     wire [24:0] pairs_0_even_pair;
     wire [24:0] pairs_0_odd_pair;
+    reg  [31:0] pair_operands_0_pixels;
     wire [7:0] pair_operands_0_shifts_0;
     wire [7:0] pair_operands_0_shifts_1;
     wire pair_operands_0_step_first;
@@ -140,7 +140,8 @@ module stage_4 (
     wire previous_2_d;
     reg  registers_2_q;
     wire registers_2_d;
-    reg  [24:0] address_2_q;
+    reg  [18:0] address_2_q;
+    wire [18:0] address_2_d;
     reg  [31:0] data_2_q;
     wire [51:0] weights_to_6_later;
 
@@ -237,7 +238,7 @@ module stage_4 (
         .offset_i(sequencer_offset),
         .even_pair_i(pairs_0_even_pair),
         .odd_pair_i(pairs_0_odd_pair),
-        .pixels_i(pixels),
+        .pixels_i(pair_operands_0_pixels),
         .shifts_0_i(pair_operands_0_shifts_0),
         .shifts_1_i(pair_operands_0_shifts_1),
         .step_first_o(pair_operands_0_step_first),
@@ -425,6 +426,11 @@ module stage_4 (
         descriptor = pairs_0_descriptor;
     end
 
+    always @* begin
+        pair_operands_0_pixels = 32'd0;
+        pair_operands_0_pixels = ring_0_read_pixels;
+    end
+
     assign pairs_0_reset = reset_store_later;
     assign pairs_0_even = data_i[15:0];
     assign pairs_0_odd = data_i[31:16];
@@ -434,11 +440,6 @@ module stage_4 (
     always @* begin
         window_ready_o = 1'b1;
         window_ready_o = ring_0_ready;
-    end
-
-    always @* begin
-        pixels = 32'd0;
-        pixels = ring_0_read_pixels;
     end
 
     assign ring_0_reset = reset_ring_later;
@@ -494,11 +495,12 @@ module stage_4 (
     assign thresholds_2_d = selected && (address_1_q[20:19] == 2'd1);
     assign previous_2_d = selected && (address_1_q[20:19] == 2'd2);
     assign registers_2_d = selected && (address_1_q[20:19] == 2'd3);
+    assign address_2_d = address_1_q[18:0];
 
     always @* begin
-        weights_word = ({33'd0, address_2_q[18:0]} << 33) | ({20'd0, data_2_q} << 1);
+        weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1);
         if (weights_2_q) begin
-            weights_word = (({33'd0, address_2_q[18:0]} << 33) | ({20'd0, data_2_q} << 1)) | 52'd1;
+            weights_word = (({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1)) | 52'd1;
         end
     end
 
@@ -531,7 +533,7 @@ module stage_4 (
         thresholds_2_q <= thresholds_2_d;
         previous_2_q <= previous_2_d;
         registers_2_q <= registers_2_d;
-        address_2_q <= address_1_q;
+        address_2_q <= address_2_d;
         data_2_q <= data_1_q;
     end
 endmodule

@@ -43,7 +43,7 @@ module window_ring (
     edof_ram #(
         .WIDTH(32),
         .DEPTH(1024),
-        .BLOCK(1),
+        .BLOCK(2),
         .INIT("")
     ) ram (
         .clock_i(clock_i),
