@@ -246,7 +246,7 @@ impl Logic for EdofCore {
         // The host.
         AxiLiteSlave::link(&mut self.host, &mut self.registers.bus);
         self.core.write_valid.next = self.registers.weight_valid.val();
-        self.registers.weight_ready.next = self.core.write_ready.val();
+        self.registers.weight_ready.next = true;
         self.core.write_address.next = self.registers.weight_address.val();
         self.core.write_data.next = self.registers.weight_data.val();
         self.core.status_address.next = self.registers.stage_address.val();
