@@ -1,17 +1,52 @@
 //! The generated directory of a board: it builds and tries itself with nothing but tools, and its parts fit each other.
 
+mod common;
 mod support;
 
+use common::committed;
+use edof_golden::{Display, scalar};
+use edof_hdl::board::Identity;
+use edof_hdl::kc705::{self, Recorded, Tables};
+use edof_spec::draw::Draw;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use support::Place;
+
+/// A folder of its own, gone afterwards.
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+}
 
 /// The sources of `tiny` with a drawn network, in the folder `out`.
 fn generated(place: &Place) -> PathBuf {
-    place.edof("random-network --kind extreme --form one-sided,w8,t4,c16,r --out net.safetensors").done();
-    place.edof("generate --design tiny --weights net.safetensors --out out").done();
-    place.path("out")
+    let design = committed("tiny");
+    let network = edof_random::for_design(&design, 1);
+    let display = Display::default();
+    let luma: Vec<u64> = display.luma.entries().iter().map(|code| u64::from(*code)).collect();
+    let colour: Vec<u64> = display.colours[0].entries().iter().map(|entry| u64::from(*entry)).collect();
+    let tables = Tables { luma: &luma, colours: [&colour; 3] };
+    let draw = &mut Draw::new(1);
+    let windows: Vec<Vec<i16>> = (0..12).map(|_| edof_random::extreme_window(draw, 64)).collect();
+    let patches = windows.iter().map(|window| scalar::run(&network, window).output).collect();
+    let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
+    let recorded = Recorded { windows, patches };
+    let project = kc705::project(&design, [&network, &network], &identity, &tables, &recorded).unwrap();
+    let folder = place.path("out");
+    let verilog = project.core.verilog.into_iter().map(|(name, text)| (format!("rtl/{name}"), text));
+    for (path, text) in verilog.chain(project.core.memory).chain(project.files) {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    folder
 }
 
 fn run(program: &str, arguments: &[&str], folder: &Path) -> Output {
