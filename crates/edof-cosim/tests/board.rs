@@ -50,6 +50,7 @@ fn generated(place: &Place) -> PathBuf {
 }
 
 fn run(program: &str, arguments: &[&str], folder: &Path) -> Output {
+    let program = if program.contains('/') { folder.join(program) } else { program.into() };
     Command::new(program).args(arguments).current_dir(folder).output().unwrap()
 }
 
@@ -66,15 +67,13 @@ fn spoil(file: &Path) {
 }
 
 #[test]
-fn the_directory_tries_itself_in_both_simulators_and_finds_a_wrong_word() {
+fn the_directory_tries_itself_and_finds_a_wrong_word() {
     let place = Place::new();
     let folder = generated(&place);
-    for simulator in ["SIM=verilator", "SIM=icarus"] {
-        let output = run("make", &["sim", simulator], &folder);
-        assert!(output.status.success() && said(&output).contains("PASS: 12 patches"), "{}", said(&output));
-    }
+    let output = run("make", &["sim"], &folder);
+    assert!(output.status.success() && said(&output).contains("PASS: 12 patches"), "{}", said(&output));
     spoil(&folder.join("sim/patches.hex"));
-    let output = run("vvp", &["-n", "build/bench.vvp"], &folder);
+    let output = run("build/verilator/bench", &[], &folder);
     assert!(!output.status.success() && said(&output).contains("FAIL: patch"), "{}", said(&output));
 }
 
