@@ -102,7 +102,7 @@ impl Rig {
         let bundles = (Some("dram_write"), Some("dram_read"));
         let mut rig = Self {
             camera: Camera::new(source, "input", input, begin.timing, frames)?,
-            screen: Screen::new(source, "output", output, size)?,
+            screen: Screen::new(source, "output", output, "reset_i", size)?,
             memory: Memory::new(source, bundles, core, "reset_i", begin.behaviour.clone(), begin.seed)?,
             host: Host::new(source, "bus", core, "reset_i", Pace::steady())?,
             bench,
@@ -121,8 +121,8 @@ impl Rig {
         self.bench.set("reset_i", 1)?;
         self.steps(RESET)?;
         self.bench.set("reset_i", 0)?;
-        self.screen.forget();
-        Ok(())
+        // Each domain's reset lasts longer than the request.
+        self.steps(RESET)
     }
 
     /// So many edges of the clocks.

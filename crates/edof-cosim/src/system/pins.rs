@@ -103,10 +103,13 @@ impl Actor for Camera {
 pub struct Screen {
     clock: ClockId,
     ports: [usize; 4],
+    reset: usize,
     size: (usize, usize),
     open: Vec<u16>,
     line: usize,
     vs: bool,
+    /// A vertical sync was seen, so that what follows is a whole frame.
+    follows: bool,
     /// Edges that were seen.
     cycle: u64,
     /// Whole frames, and when each was.
@@ -114,18 +117,25 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// At the bus of that name, for frames of so many rows and columns.
+    /// At the bus of that name, for frames of so many rows and columns; while the port `reset` is high it sees nothing.
     ///
     /// # Errors
     /// There is none.
-    pub fn new(source: &Source, bus: &str, clock: ClockId, size: (usize, usize)) -> Result<Self, Error> {
-        let ports = ports(source, bus)?;
-        Ok(Self { clock, ports, size, open: vec![], line: 0, vs: false, cycle: 0, frames: vec![] })
+    pub fn new(
+        source: &Source,
+        bus: &str,
+        clock: ClockId,
+        reset: &str,
+        size: (usize, usize),
+    ) -> Result<Self, Error> {
+        let (ports, reset) = (ports(source, bus)?, source.port(reset)?);
+        let (open, frames) = (vec![], vec![]);
+        Ok(Self { clock, ports, reset, size, open, line: 0, vs: false, follows: false, cycle: 0, frames })
     }
 
-    /// Nothing of what came so far counts: after a reset.
+    /// Nothing of what came so far counts, nor the frame that is under way.
     pub fn forget(&mut self) {
-        (self.open, self.line, self.vs) = (vec![], 0, false);
+        (self.open, self.line, self.follows) = (vec![], 0, false);
         self.frames.clear();
     }
 
@@ -141,24 +151,30 @@ impl Actor for Screen {
 
     fn before(&mut self, model: &mut Model) -> Result<(), Error> {
         self.cycle += 1;
+        if model.peek(self.reset)? == 1 {
+            self.forget();
+            return Ok(());
+        }
         let vs = model.peek(self.ports[1])? == 1;
         let (height, width) = self.size;
         if model.peek(self.ports[2])? == 1 {
             self.open.push(model.peek(self.ports[3])? as u16);
             self.line += 1;
         } else if self.line > 0 {
-            if self.line != width {
+            if self.follows && self.line != width {
                 return Err(self.broken(format!("a line of {} pixels, not {width}", self.line)));
             }
             self.line = 0;
         }
-        if vs && !self.vs && !self.open.is_empty() {
-            if self.open.len() != height * width {
-                return Err(
-                    self.broken(format!("a frame of {} pixels, not {height}×{width}", self.open.len()))
-                );
+        if vs && !self.vs {
+            let frame = std::mem::take(&mut self.open);
+            if self.follows && frame.len() != height * width {
+                return Err(self.broken(format!("a frame of {} pixels, not {height}×{width}", frame.len())));
             }
-            self.frames.push((self.cycle, std::mem::take(&mut self.open)));
+            if self.follows {
+                self.frames.push((self.cycle, frame));
+            }
+            self.follows = true;
         }
         self.vs = vs;
         Ok(())
