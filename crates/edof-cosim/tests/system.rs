@@ -107,7 +107,8 @@ fn frames_pass(window: usize, stride: usize, size: (usize, usize)) {
     for (mode, set, seed) in [(DisplayMode::Colour, 0, 1), (DisplayMode::Luma, 1, 2)] {
         let frames = setup.frames(8, seed);
         let pictures = setup.pictures(&frames, set, mode);
-        let mut rig = setup.start(&setup.begin(Behaviour::hard(seed), 260, seed), &frames);
+        let mut rig = setup
+            .start(&setup.begin(Behaviour::hard(seed), if window == 8 { 260 } else { 450 }, seed), &frames);
         let control = 1 | u32::from(mode == DisplayMode::Colour) << 1 | (set as u32) << 2;
         rig.host.wanted.push_back(Access::Write(map::register("control").unwrap().address, control));
         rig.send(7).unwrap();
@@ -172,7 +173,7 @@ fn a_pulled_cable_a_stopped_clock_another_resolution_and_a_reset_leave_no_torn_f
         // The clock: the camera's place in the frame stands still with it.
         rig.steps(draw.whole(1, 20_000) as usize).unwrap();
         rig.bench.run_clock(rig.input, false);
-        rig.steps(draw.whole(2_000, 20_000) as usize).unwrap();
+        rig.steps(draw.whole(2_000, 60_000) as usize).unwrap();
         rig.bench.run_clock(rig.input, true);
         recovers(&mut rig, &setup, &pictures);
         // A reset.

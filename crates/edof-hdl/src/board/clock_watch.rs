@@ -4,8 +4,8 @@ use crate::crossing::Sync;
 use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// Whether another clock stands still: it is divided by sixteen and looked at. 256 cycles without a change, and it does; so the other
-/// clock must be faster than a sixteenth of this one. Until the first change it stands still.
+/// Whether another clock stands still: it is divided by sixteen and looked at. 4096 cycles without a change, and it does; so the other
+/// clock must be faster than a 512th of this one. Until the first change it stands still.
 #[derive(Circuit)]
 #[circuit(default(Sync))]
 pub struct ClockWatch {
@@ -20,7 +20,7 @@ pub struct ClockWatch {
     divider: DFFWithInit<Bits<4>>,
     seen: Sync<1>,
     before: DFF<Bits<1>>,
-    waited: DFF<Bits<8>>,
+    waited: DFF<Bits<12>>,
     stopped_q: DFF<Bit>,
 }
 
@@ -49,7 +49,7 @@ impl Logic for ClockWatch {
         self.stopped_q.d.next = self.waited.q.val().all();
         self.stopped.next = self.stopped_q.q.val();
         if self.reset.val() {
-            self.waited.d.next = 0xff.into();
+            self.waited.d.next = 0xfff.into();
             self.stopped_q.d.next = true;
         }
     }
