@@ -123,6 +123,7 @@ pub struct Display {
     blue_to_15: Delay<14, 4>,
     second_to_13: Delay<1, 2>,
     second_to_15: Delay<1, 2>,
+    colour_13: DFF<Bit>,
     chroma_sums: [Scale; 3],
     cb_19: DFF<Bits<8>>,
     index_1: DFF<Bits<15>>,
@@ -232,6 +233,7 @@ impl Logic for Display {
             luma_1,
             gamut_7,
             cb_19,
+            colour_13,
             index_1,
             clamped_3,
             luma_17,
@@ -424,7 +426,11 @@ impl Logic for Display {
         self.green_to_11.now.next = self.encoded[1].val();
         self.blue_to_13.now.next = self.encoded[2].val();
         self.luma_sums[0].value.next = bit_cast::<18, 12>(self.encoded[0].val());
-        self.luma_sums[0].addend.next = self.luma_base.val();
+        // Not always there, though it is not wanted otherwise: a constant would not go through a multiplier's own adder.
+        self.luma_sums[0].addend.next = 0.into();
+        if self.to_10.later.val().get_bit(5) {
+            self.luma_sums[0].addend.next = self.luma_base.val();
+        }
         self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_11.later.val());
         self.luma_sums[1].addend.next = self.luma_sums[0].sum.val();
         self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_13.later.val());
@@ -474,7 +480,11 @@ impl Logic for Display {
             self.chroma_sums[i].clock.next = self.clock.val();
         }
         self.chroma_sums[0].value.next = bit_cast::<18, 14>(self.filtered_11[0].q.val());
-        self.chroma_sums[0].addend.next = self.chroma_base.val();
+        self.chroma_sums[0].addend.next = 0.into();
+        if self.to_12.later.val().get_bit(5) || self.colour_13.q.val() {
+            self.chroma_sums[0].addend.next = self.chroma_base.val();
+        }
+        self.colour_13.d.next = self.to_12.later.val().get_bit(5);
         self.chroma_sums[0].factor.next = self.to_cb[0].val();
         if self.second.val().any() {
             self.chroma_sums[0].factor.next = self.to_cr[0].val();

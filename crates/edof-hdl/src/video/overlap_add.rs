@@ -309,7 +309,9 @@ impl Logic for OverlapAdd {
             self.saturated_q.d.next = 0.into();
         }
 
+        // With a reset these are registers of their own, faster than the shift registers before them.
         if self.reset.val() {
+            self.words_4.d.next = 0.into();
             self.step.d.next = 0.into();
             self.row.d.next = 0.into();
             self.column.d.next = 0.into();
