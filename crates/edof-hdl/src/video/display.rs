@@ -609,6 +609,7 @@ impl Logic for Display {
             self.next_valid.d.next = false;
             self.held_valid.d.next = false;
             self.odd.d.next = false;
+            self.colour_q.d.next = false;
             self.right.d.next = false;
             self.starts.d.next = true;
             self.marks_0.d.next = 0.into();
