@@ -1,145 +1,156 @@
 // Four lanes of the calculator and the weight memory that they share.
 //
-// Each cycle the row at address_a_i is read and each lane adds weight x value_a_i to its sum; with ROWS = 2 a second DSP of each
-// lane does the same for address_b_i and value_b_i. first_i starts the sums anew with this product. A cycle without work has value 0.
-// Four cycles after its address a product is in its sum. copy_i, one cycle later, copies the sums to the holding registers, of which
-// shift_i hands on two a cycle towards drain_*_o, and takes two from drain_*_i. Half a row is written where write_bank_i is bank_i;
-// with ROWS = 2 that needs a cycle in which nothing is read.
-// Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
+// DENSE = 1: a row is ROWS words of four weights, and the lanes add word k x value k of all of them. DENSE = 0: a row is one word;
+// with ROWS = 2 both ports of the memory read, and the lanes add word a x value 0 and word b x value 1. first_i starts the sums anew
+// with this product. A cycle without work has values 0. Counted from address_*_i, value_i follows two cycles later and first_i four;
+// six cycles later the product is in its sum. copy_i copies the sums to the holding registers two cycles later, of which shift_i
+// likewise hands on two lanes towards drain_*_o, and takes two from drain_*_i: one holding register for each multiplier, so that
+// nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0.
+//
+// The register behind a memory is the block RAM's own output register to Vivado; Yosys has none, and `keep` on its process stops it
+// from making it a second input register of the multiplier, to which the way from the memory would be too long.
+// A write begins as none, so that no image is spoilt before reset has come through. Control comes in registers of this bank's own, for copy and shift even of each multiplier's: `keep` and its like stop Yosys and
+// Vivado from merging them. Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
 `default_nettype none
 
 module edof_macc_bank #(
+    parameter BANK = 0,
     parameter DEPTH = 384,
     parameter ROWS = 1,
+    parameter DENSE = 0,
     parameter SUM = 48,
     parameter INIT = ""
 ) (
-    input  wire               clock_i,
-    input  wire               first_i,
-    input  wire        [11:0] address_a_i,
-    input  wire signed [24:0] value_a_i,
-    input  wire        [11:0] address_b_i,
-    input  wire signed [24:0] value_b_i,
-    input  wire               copy_i,
-    input  wire               shift_i,
-    input  wire        [47:0] drain_even_i,
-    input  wire        [47:0] drain_odd_i,
-    output wire        [47:0] drain_even_o,
-    output wire        [47:0] drain_odd_o,
-    input  wire               write_enable_i,
-    input  wire        [5:0]  bank_i,
-    input  wire        [5:0]  write_bank_i,
-    input  wire               write_half_i,
-    input  wire        [11:0] write_address_i,
-    input  wire        [31:0] write_data_i
+    input  wire                clock_i,
+    input  wire                first_i,
+    input  wire [11:0]         address_a_i,
+    input  wire [11:0]         address_b_i,
+    input  wire [25*ROWS-1:0]  value_i,
+    input  wire                copy_i,
+    input  wire                shift_i,
+    input  wire [ROWS*SUM-1:0] drain_even_i,
+    input  wire [ROWS*SUM-1:0] drain_odd_i,
+    output wire [ROWS*SUM-1:0] drain_even_o,
+    output wire [ROWS*SUM-1:0] drain_odd_o,
+    input  wire                write_i,
+    input  wire [5:0]          write_bank_i,
+    input  wire                write_half_i,
+    input  wire [11:0]         write_address_i,
+    input  wire [31:0]         write_data_q_i
 );
     localparam BITS = $clog2(DEPTH);
+    localparam WORDS = (DENSE != 0) ? ROWS : 1;
+    localparam PART_BITS = $clog2(WORDS);
+    localparam [7:0] TENS = 8'd48 + BANK / 10;
+    localparam [7:0] ONES = 8'd48 + BANK % 10;
 
-    (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
-    initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, weights);
+    wire mine = write_i && (write_bank_i == BANK[5:0]);
+    wire [BITS-1:0] write_row = write_address_i[PART_BITS +: BITS];
 
-    wire write = write_enable_i && (write_bank_i == bank_i);
-    wire write_low = write && !write_half_i;
-    wire write_high = write && write_half_i;
+    // Rows and values on their way to the multipliers: word k of DENSE, else word a, and word b.
+    wire [64*ROWS-1:0] rows;
+    (* keep = "true", dont_touch = "true" *) reg [25*ROWS-1:0] value_q;
+    (* keep *) always @(posedge clock_i) value_q <= value_i;
+    (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg first_q;
+    (* keep *) always @(posedge clock_i) first_q <= first_i;
 
-    reg copy_q;
-    reg shift_q;
-    reg first_q1, first_q2, first_q3;
-    always @(posedge clock_i) begin
+    genvar part;
+    generate
+        if (DENSE == 0 && ROWS == 2) begin : two_ports
+            // The write shares port A, so that both ports of the block RAM can read.
+            (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
+            initial if (INIT != "") $readmemh({`EDOF_DIR, INIT, TENS, ONES, "_0.hex"}, weights);
+            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_a_q;
+            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
+            (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
+            (* keep *) always @(posedge clock_i) begin
+                address_a_q <= mine ? write_row : address_a_i[BITS-1:0];
+                address_b_q <= address_b_i[BITS-1:0];
+                write_low_q <= mine && !write_half_i;
+                write_high_q <= mine && write_half_i;
+            end
+            reg [63:0] read_a_q, read_b_q, row_a_q, row_b_q;
+            always @(posedge clock_i) begin
+                if (write_low_q) weights[address_a_q][31:0] <= write_data_q_i;
+                if (write_high_q) weights[address_a_q][63:32] <= write_data_q_i;
+                read_a_q <= weights[address_a_q];
+            end
+            always @(posedge clock_i) read_b_q <= weights[address_b_q];
+            (* keep *) always @(posedge clock_i) begin
+                row_a_q <= read_a_q;
+                row_b_q <= read_b_q;
+            end
+            assign rows = {row_b_q, row_a_q};
+        end else begin : one_port
+            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_q;
+            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] write_row_q;
+            (* keep *) always @(posedge clock_i) begin
+                address_q <= address_a_i[BITS-1:0];
+                write_row_q <= write_row;
+            end
+            for (part = 0; part < WORDS; part = part + 1) begin : parts
+                localparam [7:0] PART = 8'd48 + part;
+                wire this_part = mine && (WORDS == 1 || (write_address_i & (12'd1 << PART_BITS) - 12'd1) == part);
+                (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
+                initial if (INIT != "") $readmemh({`EDOF_DIR, INIT, TENS, ONES, "_", PART, ".hex"}, weights);
+                (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
+                (* keep *) always @(posedge clock_i) begin
+                    write_low_q <= this_part && !write_half_i;
+                    write_high_q <= this_part && write_half_i;
+                end
+                reg [63:0] read_q, row_q;
+                always @(posedge clock_i) begin
+                    if (write_low_q) weights[write_row_q][31:0] <= write_data_q_i;
+                    if (write_high_q) weights[write_row_q][63:32] <= write_data_q_i;
+                    read_q <= weights[address_q];
+                end
+                (* keep *) always @(posedge clock_i) row_q <= read_q;
+                assign rows[64*part +: 64] = row_q;
+            end
+        end
+    endgenerate
+
+    (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg copy_q, shift_q;
+    (* keep *) always @(posedge clock_i) begin
         copy_q <= copy_i;
         shift_q <= shift_i;
-        first_q1 <= first_i;
-        first_q2 <= first_q1;
-        first_q3 <= first_q2;
     end
 
-    reg [63:0] row_a_q;
-    reg signed [24:0] value_a_q;
-    always @(posedge clock_i) value_a_q <= value_a_i;
+    // Lane 0 and 1 stand first; what they take comes from lanes 2 and 3, and these take from the next bank.
+    wire [ROWS*SUM-1:0] held [0:3];
+    wire [ROWS*SUM-1:0] next [0:3];
+    assign next[0] = held[2];
+    assign next[1] = held[3];
+    assign next[2] = drain_even_i;
+    assign next[3] = drain_odd_i;
+    assign drain_even_o = held[0];
+    assign drain_odd_o = held[1];
 
-    wire [63:0] row_b;
-    wire signed [24:0] value_b;
-    generate
-        if (ROWS == 2) begin : two_ports
-            // The write shares port A, so that both ports of the block RAM can read.
-            wire [BITS-1:0] address_a = write ? write_address_i[BITS-1:0] : address_a_i[BITS-1:0];
-            reg [63:0] row_b_q;
-            reg signed [24:0] value_b_q;
-            always @(posedge clock_i) begin
-                if (write_low) weights[address_a][31:0] <= write_data_i;
-                if (write_high) weights[address_a][63:32] <= write_data_i;
-                row_a_q <= weights[address_a];
-            end
-            always @(posedge clock_i) begin
-                row_b_q <= weights[address_b_i[BITS-1:0]];
-                value_b_q <= value_b_i;
-            end
-            assign row_b = row_b_q;
-            assign value_b = value_b_q;
-        end else begin : one_port
-            always @(posedge clock_i) begin
-                if (write_low) weights[write_address_i[BITS-1:0]][31:0] <= write_data_i;
-                if (write_high) weights[write_address_i[BITS-1:0]][63:32] <= write_data_i;
-                row_a_q <= weights[address_a_i[BITS-1:0]];
-            end
-            assign row_b = 64'd0;
-            assign value_b = 25'sd0;
-        end
-    endgenerate
-
-    wire [SUM-1:0] sum [0:3];
     genvar lane;
+    genvar row;
     generate
         for (lane = 0; lane < 4; lane = lane + 1) begin : lanes
-            wire signed [47:0] sum_a;
-            edof_macc macc_a (
-                .clock_i(clock_i),
-                .first_i(first_q3),
-                .weight_i(row_a_q[16*lane +: 16]),
-                .value_i(value_a_q),
-                .sum_o(sum_a)
-            );
-            if (ROWS == 2) begin : second
-                wire signed [47:0] sum_b;
-                edof_macc macc_b (
+            for (row = 0; row < ROWS; row = row + 1) begin : macc
+                wire [47:0] sum;
+                edof_macc multiplier (
                     .clock_i(clock_i),
-                    .first_i(first_q3),
-                    .weight_i(row_b[16*lane +: 16]),
-                    .value_i(value_b),
-                    .sum_o(sum_b)
+                    .first_i(first_q),
+                    .weight_i(rows[64*row + 16*lane +: 16]),
+                    .value_i(value_q[25*row +: 25]),
+                    .sum_o(sum)
                 );
-                assign sum[lane] = sum_a[SUM-1:0] + sum_b[SUM-1:0];
-            end else begin : single
-                assign sum[lane] = sum_a[SUM-1:0];
+                (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg take_sum_q, move_q;
+                (* keep *) always @(posedge clock_i) begin
+                    take_sum_q <= copy_q;
+                    move_q <= copy_q || shift_q;
+                end
+                reg [SUM-1:0] hold_q;
+                always @(posedge clock_i) if (move_q) hold_q <= take_sum_q ? sum[SUM-1:0] : next[lane][SUM*row +: SUM];
+                assign held[lane][SUM*row +: SUM] = hold_q;
             end
-        end
-    endgenerate
-
-    reg [SUM-1:0] hold_q [0:3];
-    always @(posedge clock_i) begin
-        if (copy_q) begin
-            hold_q[0] <= sum[0];
-            hold_q[1] <= sum[1];
-            hold_q[2] <= sum[2];
-            hold_q[3] <= sum[3];
-        end else if (shift_q) begin
-            hold_q[0] <= hold_q[2];
-            hold_q[1] <= hold_q[3];
-            hold_q[2] <= drain_even_i[SUM-1:0];
-            hold_q[3] <= drain_odd_i[SUM-1:0];
-        end
-    end
-
-    generate
-        if (SUM == 48) begin : whole
-            assign drain_even_o = hold_q[0];
-            assign drain_odd_o = hold_q[1];
-        end else begin : extended
-            assign drain_even_o = {{(48 - SUM){hold_q[0][SUM-1]}}, hold_q[0]};
-            assign drain_odd_o = {{(48 - SUM){hold_q[1][SUM-1]}}, hold_q[1]};
         end
     endgenerate
 endmodule

@@ -6,15 +6,18 @@ mod support;
 
 use common::{committed, networks};
 use differential::{agree, agree_with_images, bit, ported, word};
+use edof_hdl::blocks::add::Add;
 use edof_hdl::blocks::base_ring::BaseRing;
 use edof_hdl::blocks::counters::Counters;
 use edof_hdl::blocks::delay::Delay;
+use edof_hdl::blocks::dense_operands::DenseOperands;
+use edof_hdl::blocks::dense_store::DenseStore;
 use edof_hdl::blocks::difference::Difference;
 use edof_hdl::blocks::drain::Drain;
 use edof_hdl::blocks::fifo::Fifo;
 use edof_hdl::blocks::macc_array::MaccArray;
-use edof_hdl::blocks::macc_bank::MaccBank;
-use edof_hdl::blocks::pair_buffer::PairBuffer;
+use edof_hdl::blocks::pair_operands::PairOperands;
+use edof_hdl::blocks::pair_store::PairStore;
 use edof_hdl::blocks::ram::{Ram, Shape};
 use edof_hdl::blocks::registers::Registers;
 use edof_hdl::blocks::requantize::Requantize;
@@ -30,22 +33,57 @@ use edof_spec::network::{Recurrence, Shrinkage};
 use edof_spec::{Design, FixedNetwork};
 use rust_hdl::prelude::*;
 
-ported!(BaseRing, Counters, Difference, Drain, MaccArray, PairBuffer, Registers, Requantize, Results);
-ported!(Sequencer, Shrink, Stage, WindowRing, Delay<7, 1>, Delay<3, 5>, RamTop, FifoTop, BankTop);
+ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);
+ported!(Requantize, Results, Sequencer, Shrink, Stage, WindowRing, LeavesTop, RamTop, FifoTop, MaccTop);
 
 /// Cycles of reset at the start of every stimulus.
-const RESET: u64 = 20;
+const RESET: u64 = 48;
+
+/// The leaves `edof_delay` and `edof_add` in a module of their own.
+#[derive(Circuit)]
+#[circuit(default)]
+struct LeavesTop {
+    pub clock: Signal<In, Clock>,
+    pub now: Signal<In, Bits<7>>,
+    pub one_later: Signal<Out, Bits<7>>,
+    pub five_later: Signal<Out, Bits<7>>,
+    pub a: Signal<In, Bits<48>>,
+    pub b: Signal<In, Bits<48>>,
+    pub sum: Signal<Out, Bits<48>>,
+    one: Delay<7, 1>,
+    five: Delay<7, 5>,
+    add: Add,
+}
+
+impl Logic for LeavesTop {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.one.clock.next = self.clock.val();
+        self.one.now.next = self.now.val();
+        self.one_later.next = self.one.later.val();
+        self.five.clock.next = self.clock.val();
+        self.five.now.next = self.now.val();
+        self.five_later.next = self.five.later.val();
+        self.add.clock.next = self.clock.val();
+        self.add.a.next = self.a.val();
+        self.add.b.next = self.b.val();
+        self.sum.next = self.add.sum.val();
+    }
+}
 
 #[test]
-fn delay() {
-    agree(Delay::<7, 1>::default(), 5, &[], |b, draw, _| b.now.next = word(draw));
-    agree(Delay::<3, 5>::default(), 9, &[], |b, draw, _| b.now.next = word(draw));
+fn delay_and_add() {
+    agree(LeavesTop::default(), 9, &[], |b, draw, _| {
+        b.now.next = word(draw);
+        b.a.next = if bit(draw) { word(draw) } else { any_sum(draw) };
+        b.b.next = if bit(draw) { word(draw) } else { any_sum(draw) };
+    });
 }
 
 #[test]
 fn difference() {
     for bits in [16, 11] {
-        agree(Difference::new(bits), 3, &[], move |b, draw, _| {
+        agree(Difference::new(bits), 5, &[], move |b, draw, _| {
             b.now.next = extreme(draw, bits);
             b.before.next = extreme(draw, bits);
         });
@@ -56,7 +94,7 @@ fn difference() {
 fn shrink() {
     for (shrinkage, bits) in [(Shrinkage::OneSided, 16), (Shrinkage::TwoSided, 16), (Shrinkage::OneSided, 9)]
     {
-        agree(Shrink::new(shrinkage, bits), 3, &[], move |b, draw, _| {
+        agree(Shrink::new(shrinkage, bits), 5, &[], move |b, draw, _| {
             b.code.next = extreme(draw, bits);
             b.threshold.next = extreme(draw, bits);
         });
@@ -66,7 +104,7 @@ fn shrink() {
 #[test]
 fn requantize() {
     for (bits, has_base) in [(16, true), (16, false), (10, true)] {
-        agree(Requantize::new(bits, has_base), 8, &[], |b, draw, _| {
+        agree(Requantize::new(bits, has_base), 14, &[], |b, draw, _| {
             b.sum.next = any_sum(draw);
             b.base.next = extreme(draw, 16);
             b.base_shift.next = (draw.whole(0, 31) as u64).into();
@@ -99,28 +137,62 @@ fn registers() {
     });
 }
 
+/// A vector's beats as they come and a store's slots as they are freed: for stores of M and I.
+macro_rules! drive_store {
+    ($b:ident, $draw:ident, $last:ident, $beats:expr) => {
+        $b.reset.next = $last.cycle < RESET;
+        let beat = $last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
+        let freed = $last.count_too(|last| last.is("finished"));
+        let whole = $last.count_of("whole", |last| last.is("arrived"));
+        $b.valid.next = $last.cycle > RESET && $draw.whole(0, 3) > 0;
+        $b.last.next = beat % $beats == $beats - 1;
+        $b.set.next = (beat / $beats) % 3 == 0;
+        $b.read_row.next =
+            (128 * $draw.whole(0, 3) as u64 + $draw.whole(0, $beats as i64 / 4 - 1) as u64).into();
+        // All slots fill before anything is compared.
+        $b.finished.next = whole > freed && $last.cycle > 300 && $draw.whole(0, 9) == 0;
+    };
+}
+
 #[test]
-fn pair_buffer() {
-    // A stage of 16 inputs. Both slots are filled once before anything is compared.
-    agree(PairBuffer::new(&committed("tiny").stage(1)), 300, &[], |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
-        b.skip_zeros.next = last.cycle > 300 && draw.whole(0, 200) > 100;
-        let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
-        b.valid.next = last.cycle > RESET && draw.whole(0, 3) > 0;
-        b.last.next = beat % 8 == 7;
-        b.set.next = (beat / 8) % 3 == 0;
-        b.even.next = sparse(draw);
-        b.odd.next = sparse(draw);
-        b.read_pair.next = (draw.whole(0, 7) as u64).into();
-        b.finished.next = last.cycle > RESET && b.available.val() && draw.whole(0, 9) == 0;
-    });
+fn pair_store() {
+    let mut single = committed("tiny");
+    single.stages[1].rows = 1;
+    for stage in [committed("tiny").stage(1), single.stage(1)] {
+        let (beats, mut skip) = (stage.beats_in() as u64, false);
+        // Zeros are left out only after every row was written.
+        agree(PairStore::new(&stage), 400, &[], move |b, draw, last| {
+            drive_store!(b, draw, last, beats);
+            skip = if last.cycle % 100 == 0 { last.cycle > 400 && bit(draw) } else { skip };
+            b.skip_zeros.next = skip;
+            b.even.next = sparse(draw);
+            b.odd.next = sparse(draw);
+        });
+    }
+}
+
+#[test]
+fn dense_store() {
+    for rows in [1, 2, 4] {
+        let mut design = committed("tiny");
+        design.stages[0].rows = rows;
+        let stage = design.stage(0);
+        let beats = stage.beats_in() as u64;
+        agree(DenseStore::new(&stage), 600, &[], move |b, draw, last| {
+            drive_store!(b, draw, last, beats);
+            b.read_row.next = (128 * draw.whole(0, 3) as u64
+                + draw.whole(0, (beats / rows as u64) as i64 - 1) as u64)
+                .into();
+            b.data.next = word(draw);
+        });
+    }
 }
 
 #[test]
 fn window_ring() {
     let stage = committed("tiny").stage(3);
-    let beats = stage.linear as u64 / 2;
-    agree(WindowRing::new(&stage), 900, &[], move |b, draw, last| {
+    let (beats, places) = (stage.linear as u64 / 2, stage.kept_windows as u64);
+    agree(WindowRing::new(&stage), RESET as usize + 1500, &[], move |b, draw, last| {
         b.reset.next = last.cycle < RESET;
         let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
         let freed = last.count_too(|last| last.is("finished"));
@@ -128,31 +200,42 @@ fn window_ring() {
         b.last.next = beat % beats == beats - 1;
         b.pixels.next = word(draw);
         b.read_pair.next = (draw.whole(0, beats as i64 - 1) as u64).into();
-        b.finished.next = beat / beats > freed && last.cycle > 600 && draw.whole(0, 30) == 0;
+        // It fills before anything is compared.
+        b.finished.next = beat / beats > freed
+            && (beat / beats > places / 2 || last.cycle > 1400)
+            && last.cycle > 1200
+            && draw.whole(0, 30) == 0;
     });
 }
 
 #[test]
 fn base_ring() {
     let stage = committed("tiny").stage(1);
-    let depth = 4 * stage.beats_in() as u64;
-    agree(BaseRing::new(&stage), 200, &[], move |b, draw, last| {
+    let depth = 7 * stage.beats_in() as u64;
+    agree(BaseRing::new(&stage), 250, &[], move |b, draw, last| {
         b.reset.next = last.cycle < RESET;
         let held = last.count(|last| last.is("write")) - last.count_too(|last| last.is("read"));
         b.write.next = last.cycle > RESET && held < depth && bit(draw);
         b.words.next = word(draw);
-        b.read.next = held > 0 && last.cycle > 150 && bit(draw);
+        b.read.next = held > 2 && last.cycle > 230 && bit(draw);
     });
 }
 
 #[test]
 fn drain() {
     for stage in committed("tiny").stages() {
-        agree(Drain::new(&stage), 60, &[], |b, draw, last| {
+        let mut under_way = 0;
+        agree(Drain::new(&stage), 3 * RESET as usize, &[], move |b, draw, last| {
             b.reset.next = last.cycle < RESET;
             let outside = last.count(|last| last.is("take")) - last.count_too(|last| last.is("returned"));
-            // A pass is issued in a cycle in which one may start.
-            b.pass_issued.next = last.cycle > 2 * RESET && b.may_start.val() && draw.whole(0, 5) == 0;
+            // A pass begins when one may, and its last step is issued some cycles later.
+            b.begins.next = last.cycle > 2 * RESET && under_way == 0 && b.may_start.val() && bit(draw);
+            b.pass_issued.next = under_way == 1;
+            under_way = match under_way {
+                0 if b.begins.next => draw.whole(1, 12),
+                0 => 0,
+                left => left - 1,
+            };
             b.set.next = bit(draw);
             b.returned.next = outside > 0 && draw.whole(0, 3) > 0;
         });
@@ -166,27 +249,60 @@ fn sequencer() {
     single.stages[3].rows = 1;
     let (tiny, single) = (committed("tiny"), single);
     for stage in [tiny.stage(0), tiny.stage(1), tiny.stage(3), single.stage(3)] {
-        let inputs = stage.inputs as i64;
-        let (mut count, mut set) = (0, false);
-        agree(Sequencer::new(&stage), 2 * RESET as usize, &[], move |b, draw, last| {
+        let steps = stage.inputs as i64 / stage.rows as i64;
+        agree(Sequencer::new(&stage), 3 * RESET as usize, &[], move |b, draw, last| {
             b.reset.next = last.cycle < RESET;
-            // Each vector keeps its count and set until it is finished.
-            if last.is("finished") || last.cycle < RESET {
-                count = if bit(draw) { draw.whole(0, 3) } else { draw.whole(0, inputs) };
-                set = bit(draw);
-                b.available.next = false;
-            }
-            b.available.next = last.cycle > RESET && (b.available.val() && !last.is("finished") || bit(draw));
-            b.count.next = (count as u64).into();
-            b.set.next = set;
+            let held = last.count(|last| last.is("arrived")) - last.count_too(|last| last.is("finished"));
+            b.arrived.next = last.cycle > RESET && held < 4 && bit(draw);
+            let before_last = if bit(draw) { draw.whole(0, 2) } else { draw.whole(0, steps - 1) } as u64;
+            let single = u64::from(before_last == 0);
+            let (empty, odd) = (single & draw.bits() & 1, draw.bits() & 1);
+            let set = draw.bits() & 1;
+            b.descriptor.next =
+                (before_last << 4 | single << 3 | empty << 2 | (odd | empty) << 1 | set).into();
             b.may_start.next = draw.whole(0, 3) > 0;
-            b.code_shift.next = (draw.whole(0, 9) as u64).into();
-            b.linear_shift.next = (draw.whole(0, 9) as u64).into();
+            b.steal.next = draw.whole(0, 5) == 0;
+        });
+    }
+}
+
+#[test]
+fn pair_operands() {
+    let mut single = committed("tiny");
+    single.stages[3].rows = 1;
+    for stage in [committed("tiny").stage(1), committed("tiny").stage(3), single.stage(3)] {
+        agree(PairOperands::new(&stage), 8, &[], |b, draw, _| {
+            b.valid_a.next = draw.whole(0, 3) > 0;
+            b.valid_b.next = draw.whole(0, 3) > 0;
+            b.first.next = bit(draw);
+            b.linear.next = bit(draw);
+            b.odd.next = bit(draw);
+            b.set.next = bit(draw);
+            b.base.next = word(draw);
+            b.offset.next = word(draw);
             b.even_pair.next = word(draw);
             b.odd_pair.next = word(draw);
             b.pixels.next = word(draw);
+            let shifts = |draw: &mut Draw| (draw.whole(0, 9) | draw.whole(0, 9) << 4) as u64;
+            b.shifts_0.next = shifts(draw).into();
+            b.shifts_1.next = shifts(draw).into();
         });
     }
+}
+
+#[test]
+fn dense_operands() {
+    agree(DenseOperands::default(), 8, &[], |b, draw, _| {
+        b.valid.next = draw.whole(0, 3) > 0;
+        b.first.next = bit(draw);
+        b.odd.next = bit(draw);
+        b.base.next = word(draw);
+        b.offset.next = word(draw);
+        b.pair_a.next = word(draw);
+        b.pair_b.next = word(draw);
+        b.pair_c.next = word(draw);
+        b.pair_d.next = word(draw);
+    });
 }
 
 #[test]
@@ -199,15 +315,15 @@ fn results() {
         let plan = design.stage(stage);
         let sets = networks(&design, 1);
         let images = images(&design, &sets);
-        let (beats, depth) = (plan.beats_out() as u64, 4 * plan.beats_in() as u64);
+        let (beats, depth) = (plan.beats_out() as u64, 7 * plan.beats_in() as u64);
         let block = Results::new(&design, &plan, [&sets[0], &sets[1]]);
-        agree_with_images(block, 250, &[], &images, move |b, draw, last| {
+        agree_with_images(block, 300, &[], &images, move |b, draw, last| {
             b.reset.next = last.cycle < RESET;
             let held = last.count(|last| last.is("base_write")) - last.count_too(|last| last.is("take"));
             let taken = last.count_of("taken", |last| last.is("take"));
             b.base_write.next = last.cycle > RESET && held < depth && draw.whole(0, 3) > 0;
             b.base_words.next = word(draw);
-            b.take.next = held > 0 && last.cycle > 200 && draw.whole(0, 3) > 0;
+            b.take.next = held > 8 && last.cycle > 230 && draw.whole(0, 3) > 0;
             b.beat.next = (taken % beats).into();
             b.last.next = taken % beats == beats - 1;
             b.set.next = taken / beats % 2 == 1;
@@ -253,11 +369,11 @@ impl Logic for RamTop {
 fn ram() {
     let contents: Vec<u64> = (0..24).map(|row| row * 0x01_2345 % 0x1ff_ffff).collect();
     let image: String = contents.iter().map(|word| format!("{word:07x}\n")).collect();
-    for block in [false, true] {
-        let shape = Shape { depth: 24, block, image: Some("mem/ram.hex".into()) };
+    for shape in [Shape::distributed(24), Shape::block(24), Shape::registered(24)] {
+        let shape = Shape { image: Some("mem/ram.hex".into()), ..shape };
         let top = RamTop::from_parts(RamTopParts { ram: Ram::new(shape, &contents) });
         let images = [("mem/ram.hex".to_string(), image.clone())];
-        agree_with_images(top, 1, &[], &images, |b, draw, _| {
+        agree_with_images(top, 3, &[], &images, |b, draw, _| {
             b.read_address.next = (draw.whole(0, 23) as u64).into();
             b.write_address.next = (draw.whole(0, 23) as u64).into();
             b.write_enable.next = bit(draw);
@@ -268,21 +384,16 @@ fn ram() {
 
 /// The leaf `edof_fifo` in a module of its own.
 #[derive(Circuit)]
+#[circuit(default)]
 struct FifoTop {
     pub clock: Signal<In, Clock>,
     pub reset: Signal<In, Bit>,
     pub push: Signal<In, Bit>,
-    pub data: Signal<In, Bits<32>>,
-    pub base: Signal<In, Bits<32>>,
-    pub last: Signal<In, Bit>,
-    pub set: Signal<In, Bit>,
+    pub data: Signal<In, Bits<34>>,
     pub valid: Signal<Out, Bit>,
     pub ready: Signal<In, Bit>,
-    pub front_data: Signal<Out, Bits<32>>,
-    pub front_base: Signal<Out, Bits<32>>,
-    pub front_last: Signal<Out, Bit>,
-    pub front_set: Signal<Out, Bit>,
-    fifo: Fifo,
+    pub front: Signal<Out, Bits<34>>,
+    fifo: Fifo<34>,
 }
 
 impl Logic for FifoTop {
@@ -292,80 +403,65 @@ impl Logic for FifoTop {
         self.fifo.reset.next = self.reset.val();
         self.fifo.push.next = self.push.val();
         self.fifo.data.next = self.data.val();
-        self.fifo.base.next = self.base.val();
-        self.fifo.last.next = self.last.val();
-        self.fifo.set.next = self.set.val();
         self.fifo.front_ready.next = self.ready.val();
         self.valid.next = self.fifo.front_valid.val();
-        self.front_data.next = self.fifo.front_data.val();
-        self.front_base.next = self.fifo.front_base.val();
-        self.front_last.next = self.fifo.front_last.val();
-        self.front_set.next = self.fifo.front_set.val();
+        self.front.next = self.fifo.front_data.val();
     }
 }
 
 #[test]
 fn fifo() {
-    for base in [false, true] {
-        let top = FifoTop::from_parts(FifoTopParts { fifo: Fifo::new(base) });
-        let qualified = ["front_data", "front_base", "front_last", "front_set"].map(|port| (port, "valid"));
-        agree(top, RESET as usize, &qualified, |b, draw, last| {
-            b.reset.next = last.cycle < RESET;
-            let pushed = last.count(|last| last.is("push"));
-            let taken = last.count_too(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
-            // Who pushes knows that there is room; for a while nobody takes, for a while nobody pushes.
-            let full = last.cycle / 50 % 3;
-            b.push.next = last.cycle > RESET && pushed - taken < 16 && (full != 2 && bit(draw) || full == 1);
-            b.ready.next = last.cycle > RESET && full != 1 && bit(draw);
-            b.data.next = word(draw);
-            b.base.next = word(draw);
-            b.last.next = bit(draw);
-            b.set.next = bit(draw);
-        });
-    }
+    agree(FifoTop::default(), RESET as usize, &[("front", "valid")], |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        let pushed = last.count(|last| last.is("push"));
+        let taken = last.count_too(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
+        // Who pushes knows that there is room; for a while nobody takes, for a while nobody pushes.
+        let full = last.cycle / 300 % 3;
+        b.push.next = last.cycle > RESET && pushed - taken < 128 && (full != 2 && bit(draw) || full == 1);
+        b.ready.next = last.cycle > RESET && full != 1 && bit(draw);
+        b.data.next = word(draw);
+    });
 }
 
-/// The leaf `edof_macc_bank` in a module of its own.
+/// The leaf `edof_macc_array` in a module of its own.
 #[derive(Circuit)]
-struct BankTop {
+struct MaccTop {
     pub clock: Signal<In, Clock>,
     pub first: Signal<In, Bit>,
     pub address_a: Signal<In, Bits<12>>,
-    pub value_a: Signal<In, Bits<25>>,
     pub address_b: Signal<In, Bits<12>>,
+    pub value_a: Signal<In, Bits<25>>,
     pub value_b: Signal<In, Bits<25>>,
+    pub value_c: Signal<In, Bits<25>>,
+    pub value_d: Signal<In, Bits<25>>,
     pub copy: Signal<In, Bit>,
     pub shift: Signal<In, Bit>,
-    pub drain_even_in: Signal<In, Bits<48>>,
-    pub drain_odd_in: Signal<In, Bits<48>>,
-    pub drain_even: Signal<Out, Bits<48>>,
-    pub drain_odd: Signal<Out, Bits<48>>,
+    pub sum_even: Signal<Out, Bits<48>>,
+    pub sum_odd: Signal<Out, Bits<48>>,
     pub write_enable: Signal<In, Bit>,
-    pub bank: Signal<In, Bits<6>>,
     pub write_bank: Signal<In, Bits<6>>,
     pub write_half: Signal<In, Bit>,
     pub write_row: Signal<In, Bits<12>>,
     pub write_data: Signal<In, Bits<32>>,
-    macc: MaccBank,
+    macc: MaccArray,
 }
 
-impl Logic for BankTop {
+impl Logic for MaccTop {
     #[hdl_gen]
     fn update(&mut self) {
         self.macc.clock.next = self.clock.val();
         self.macc.first.next = self.first.val();
         self.macc.address_a.next = self.address_a.val();
-        self.macc.value_a.next = self.value_a.val();
         self.macc.address_b.next = self.address_b.val();
+        self.macc.value_a.next = self.value_a.val();
         self.macc.value_b.next = self.value_b.val();
+        self.macc.value_c.next = self.value_c.val();
+        self.macc.value_d.next = self.value_d.val();
         self.macc.copy.next = self.copy.val();
         self.macc.shift.next = self.shift.val();
-        self.macc.drain_even_in.next = self.drain_even_in.val();
-        self.macc.drain_odd_in.next = self.drain_odd_in.val();
-        self.drain_even.next = self.macc.drain_even.val();
-        self.drain_odd.next = self.macc.drain_odd.val();
+        self.sum_even.next = self.macc.sum_even.val();
+        self.sum_odd.next = self.macc.sum_odd.val();
         self.macc.write_enable.next = self.write_enable.val();
-        self.macc.bank.next = self.bank.val();
         self.macc.write_bank.next = self.write_bank.val();
         self.macc.write_half.next = self.write_half.val();
         self.macc.write_row.next = self.write_row.val();
@@ -374,57 +470,34 @@ impl Logic for BankTop {
 }
 
 #[test]
-fn macc_bank() {
-    for (index, sum_bits) in [(0, 48), (1, 48), (2, 40)] {
-        let design = committed("tiny");
+fn macc_array() {
+    // Dense rows of four, two and one words, of which one more bit of the row says which; both ports; one port. Two widths of sums.
+    for (index, rows, sum_bits) in [(0, 4, 48), (0, 2, 40), (0, 1, 48), (1, 2, 40), (2, 1, 48)] {
+        let mut design = committed("tiny");
+        design.stages[index].rows = rows;
         let (stage, sets) = (design.stage(index), networks(&design, 1));
-        let words = sets.iter().flat_map(|network| memory::weight_words(network, &stage, 1)).collect();
-        let top = BankTop::from_parts(BankTopParts { macc: MaccBank::new(&stage, 1, sum_bits, words) });
-        let rows = stage.weight_depth() as i64;
-        agree_with_images(top, 120, &[], &images(&design, &sets), move |b, draw, last| {
+        let (depth, parts) = (stage.weight_depth() as i64, stage.row_words() as i64);
+        let top = MaccTop::from_parts(MaccTopParts {
+            macc: MaccArray::new(&stage, sum_bits, [&sets[0], &sets[1]]),
+        });
+        agree_with_images(top, 160, &[], &images(&design, &sets), move |b, draw, last| {
             // Work, with a sum that starts anew now and then; in a cycle without work a row may be written.
             let works = draw.whole(0, 3) > 0;
             let value = |draw: &mut Draw| if works { word(draw) } else { 0.into() };
             b.first.next = draw.whole(0, 7) == 0;
-            b.address_a.next = row(draw, rows);
-            b.address_b.next = row(draw, rows);
+            b.address_a.next = row(draw, depth);
+            b.address_b.next = row(draw, depth);
             b.value_a.next = value(draw);
             b.value_b.next = value(draw);
-            b.copy.next = draw.whole(0, 5) == 0;
-            b.shift.next = bit(draw);
-            b.drain_even_in.next = any_sum(draw);
-            b.drain_odd_in.next = any_sum(draw);
-            b.bank.next = 5.into();
-            b.write_enable.next = last.cycle > 20 && !works && bit(draw);
-            b.write_bank.next = (draw.whole(4, 5) as u64).into();
-            b.write_half.next = bit(draw);
-            b.write_row.next = row(draw, rows);
-            b.write_data.next = word(draw);
-        });
-    }
-}
-
-#[test]
-fn macc_array() {
-    let design = committed("tiny");
-    for (index, sum_bits) in [(0, 48), (1, 40)] {
-        let (stage, sets) = (design.stage(index), networks(&design, 1));
-        let rows = stage.weight_depth() as i64;
-        let block = MaccArray::new(&stage, sum_bits, [&sets[0], &sets[1]]);
-        agree_with_images(block, 120, &[], &images(&design, &sets), move |b, draw, _| {
-            let works = draw.whole(0, 3) > 0;
-            let value = |draw: &mut Draw| if works { word(draw) } else { 0.into() };
-            b.first.next = draw.whole(0, 7) == 0;
-            b.address_a.next = row(draw, rows);
-            b.address_b.next = row(draw, rows);
-            b.value_a.next = value(draw);
-            b.value_b.next = value(draw);
+            b.value_c.next = value(draw);
+            b.value_d.next = value(draw);
             b.copy.next = draw.whole(0, 9) == 0;
             b.shift.next = bit(draw);
-            b.write_enable.next = !works && bit(draw);
+            b.write_enable.next = last.cycle > 20 && !works && bit(draw);
             b.write_bank.next = (draw.whole(0, stage.banks() as i64) as u64).into();
             b.write_half.next = bit(draw);
-            b.write_row.next = row(draw, rows);
+            let part = draw.whole(0, parts - 1) as u64;
+            b.write_row.next = ((draw.whole(0, depth - 1) as u64) << memory::row_bits(&stage) | part).into();
             b.write_data.next = word(draw);
         });
     }
@@ -442,7 +515,7 @@ fn stage() {
         let qualified = ["out_data", "out_base", "out_last", "out_set"].map(|port| (port, "out_valid"));
         agree_with_images(block, RESET as usize, &qualified, &images(design, &sets), move |b, draw, last| {
             b.reset.next = last.cycle < RESET;
-            let busy = last.cycle > RESET;
+            let busy = last.cycle > RESET + 2;
             let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
             let pixel =
                 last.count_too(|last| last.all(&["window_valid", "window_ready"]) && !last.is("reset"));
@@ -462,17 +535,16 @@ fn stage() {
                 b.window_last.next = pixel % pixels == pixels - 1;
             }
             b.out_ready.next = draw.whole(0, 9) > (last.cycle as i64 / 200) % 10;
-            if !last.is("write_valid") || last.is("write_ready") {
-                b.write_valid.next = busy && draw.whole(0, 9) == 0;
-                let stage = draw.whole(plan.index as i64 - 1, plan.index as i64).max(0) as usize;
-                let space = Space::Weights {
-                    bank: draw.whole(0, plan.banks() as i64 - 1) as usize,
-                    row: draw.whole(0, plan.weight_depth() as i64 - 1) as usize,
-                    half: draw.whole(0, 1) as usize,
-                };
-                b.write_address.next = u64::from(memory::address(stage, space)).into();
-                b.write_data.next = word(draw);
-            }
+            // A write never waits; those of M's weights take a cycle each.
+            b.write_valid.next = busy && draw.whole(0, 9) == 0;
+            let stage = draw.whole(plan.index as i64 - 1, plan.index as i64).max(0) as usize;
+            let space = Space::Weights {
+                bank: draw.whole(0, plan.banks() as i64 - 1) as usize,
+                row: draw.whole(0, ((plan.weight_depth() as i64) << memory::row_bits(&plan)) - 1) as usize,
+                half: draw.whole(0, 1) as usize,
+            };
+            b.write_address.next = u64::from(memory::address(stage, space)).into();
+            b.write_data.next = word(draw);
             b.status_address.next = word(draw);
         });
     }

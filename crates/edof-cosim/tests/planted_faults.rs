@@ -64,8 +64,8 @@ fn a_wrong_shift() {
 
 #[test]
 fn a_wrong_direction_of_rounding() {
-    let round = "half = (ONE << result_shift_i) >> 1;";
-    let difference = found(|p| replaced(p, "stages_0.results.requantize_even", round, "half = 48'd0;"));
+    let round = "half_1_d = (ONE << result_shift_i) >> 1;";
+    let difference = found(|p| replaced(p, "stages_0.results.requantize_even", round, "half_1_d = 48'd0;"));
     assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Base, "I to M1"));
     assert_eq!(difference.element % 2, 0);
     assert_eq!(difference.got.unwrap(), difference.expected - 1);
@@ -74,7 +74,8 @@ fn a_wrong_direction_of_rounding() {
 #[test]
 fn a_drain_that_ends_one_beat_early() {
     // M1 has eight lanes: its drain ends with beat 3, here with beat 2.
-    let difference = found(|p| replaced(p, "stages_1.drain", "LAST_TAKE = 8'h3;", "LAST_TAKE = 8'h2;"));
+    let difference =
+        found(|p| replaced(p, "stages_1.drain", "BEFORE_LAST_TAKE = 8'h3;", "BEFORE_LAST_TAKE = 8'h2;"));
     assert_eq!((difference.stage.as_str(), difference.boundary.as_str()), ("M1", "M1 to M2"));
     assert_eq!((difference.patch, difference.element), (0, 6));
 }
@@ -82,7 +83,7 @@ fn a_drain_that_ends_one_beat_early() {
 #[test]
 fn two_banks_that_changed_places() {
     let design = committed("tiny");
-    let [two, three] = [2, 3].map(|bank| memory::weight_image(&design.stage(3), bank));
+    let [two, three] = [2, 3].map(|bank| memory::weight_image(&design.stage(3), bank, 0));
     let difference = found(|mut project| {
         let place = |name: &str| project.memory.iter().position(|(path, _)| path == name).unwrap();
         let (two, three) = (place(&two), place(&three));
@@ -96,8 +97,8 @@ fn two_banks_that_changed_places() {
 
 #[test]
 fn two_sets_that_changed_places() {
-    let of_set = "if (set_i) begin\n            row_q_d";
-    let other = "if (!set_i) begin\n            row_q_d";
+    let of_set = "if (next[0]) begin\n            job_row_d";
+    let other = "if (!next[0]) begin\n            job_row_d";
     let difference = found(|p| replaced(p, "stages_1.sequencer", of_set, other));
     assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Word, "M1 to M2"));
     assert_eq!(difference.patch, 0);
@@ -105,16 +106,15 @@ fn two_sets_that_changed_places() {
 
 #[test]
 fn a_receiver_that_is_not_waited_for() {
-    let difference = found(|p| replaced(p, "stages_1", ".ready_i(out_ready_i)", ".ready_i(1'b1)"));
-    assert_eq!((difference.stage.as_str(), difference.boundary.as_str()), ("M1", "M1 to M2"));
+    let difference = found(|p| replaced(p, "stages_2", ".ready_i(out_ready_i)", ".ready_i(1'b1)"));
+    assert_eq!((difference.stage.as_str(), difference.boundary.as_str()), ("M2", "M2 to F"));
     assert!(matches!(difference.fault, Fault::Word | Fault::Late), "{difference}");
 }
 
 #[test]
 fn a_receiver_that_never_says_wait() {
-    // M1 and M2 have the same module; F is the slowest stage, and the first whose buffer is full.
-    let difference = found(|p| {
-        replaced(p, "stages_3.pairs", "assign ready_o = full_q != 2'd2;", "assign ready_o = 1'b1;")
-    });
+    // F is the slowest stage, and the first whose store is full.
+    let difference =
+        found(|p| replaced(p, "stages_3.pairs_0", "assign ready_o = ready_q_q;", "assign ready_o = 1'b1;"));
     assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Early, "M2 to F"));
 }

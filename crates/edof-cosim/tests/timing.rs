@@ -47,11 +47,11 @@ fn tiny_keeps_its_limits() {
 #[test]
 #[ignore = "minutes: scripts/test-timing.sh"]
 fn paper_keeps_its_limits() {
-    keeps("paper", &Limits { delay_ps: 5300, control_loads: 20000 });
+    keeps("paper", &Limits { delay_ps: 5300, control_loads: 2000 });
 }
 
 #[test]
 #[ignore = "minutes: scripts/test-timing.sh"]
 fn kc705_keeps_its_limits() {
-    keeps("kc705", &Limits { delay_ps: 5300, control_loads: 20000 });
+    keeps("kc705", &Limits { delay_ps: 5300, control_loads: 2000 });
 }

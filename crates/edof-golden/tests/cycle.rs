@@ -3,7 +3,7 @@
 
 use edof_golden::cycle::{Cycle, Patch, PatchRun, StallPattern, Stalls, Summary, estimate, stepped};
 use edof_golden::{Trace, scalar};
-use edof_spec::design::memory::Set;
+use edof_spec::design::memory::{Set, Space, address};
 use edof_spec::design::{FrameSize, StageSize};
 use edof_spec::draw::Draw;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
@@ -36,7 +36,13 @@ fn designs() -> impl Strategy<Value = Design> {
             let stages = (0..layers).map(|stage| {
                 let choices = if stage + 1 == layers { vec![128, 64, 64, 32] } else { lanes(codes) };
                 let lanes = choices[draw.whole(0, choices.len() as i64 - 1) as usize];
-                StageSize { lanes, rows: draw.whole(1, 2) as usize }
+                let rows = match stage {
+                    // Three parts of 64 pixels would not be even.
+                    0 if window == 8 => [1, 2, 4][draw.whole(0, 2) as usize],
+                    0 => draw.whole(1, 4) as usize,
+                    _ => draw.whole(1, 2) as usize,
+                };
+                StageSize { lanes, rows }
             });
             let design = Design {
                 name: "drawn".into(),
@@ -94,6 +100,22 @@ fn network(design: &Design, seed: u64) -> FixedNetwork {
     network
 }
 
+/// Weights that are written while patches run, in a third of all cases none, else in a tenth to a half of all cycles.
+fn writes(design: &Design, seed: u64) -> Vec<(u64, u32)> {
+    let draw = &mut Draw::new(seed);
+    let between = [i64::MAX, 2, 10][draw.whole(0, 2) as usize];
+    if between == i64::MAX {
+        return vec![];
+    }
+    let mut cycle = 0;
+    let write = |_| {
+        cycle += draw.whole(1, 2 * between - 1) as u64;
+        let stage = draw.whole(0, design.stages.len() as i64 - 1) as usize;
+        (cycle, address(stage, Space::Weights { bank: 0, row: 0, half: 0 }))
+    };
+    (0..3000).map(write).collect()
+}
+
 fn specified(networks: [&FixedNetwork; 2], patches: &[Patch]) -> Vec<Trace> {
     patches.iter().map(|patch| scalar::run(networks[patch.set as usize], &patch.window)).collect()
 }
@@ -114,11 +136,12 @@ proptest! {
         let networks = [seed, seed.wrapping_add(1)].map(|seed| network(&design, seed));
         let networks = [&networks[0], &networks[1]];
         let patches = patches(&design, count, seed);
-        let model = Cycle::new(&design, networks).unwrap().skip_zeros(skip).stalls(stalls);
+        let writes = writes(&design, seed);
+        let model = Cycle::new(&design, networks).unwrap().skip_zeros(skip).stalls(stalls).writes(writes.clone());
         let runs: Vec<PatchRun> = model.run(patches.clone()).collect();
         let traces = specified(networks, &patches);
         prop_assert!(runs.iter().map(|run| &run.trace).eq(&traces));
-        let stepped = stepped::run(&design, skip, stalls, &traces);
+        let stepped = stepped::run(&design, skip, stalls, &writes, &traces);
         for (boundary, (ours, theirs)) in cycles(&design, &runs).iter().zip(&stepped).enumerate() {
             let differs = ours.iter().zip(theirs).position(|(a, b)| a != b);
             prop_assert_eq!(differs, None, "boundary {}", boundary);
@@ -237,5 +260,7 @@ fn kc705_with_trained_weights_takes_little_more_than_its_mean_patch_would() {
     let cycles = summary.cycles_per_patch();
     assert!((mean.cycles_per_patch..1.15 * mean.cycles_per_patch).contains(&cycles), "{cycles}, {mean:?}");
     assert!(cycles < estimate(&design, None).cycles_per_patch);
-    assert_eq!(summary.limiting_stage(), mean.limiting_stage());
+    // M2 and F need about as much: which of them limits is decided by few patches.
+    let most = mean.stages[mean.limiting_stage()].largest();
+    assert!(mean.stages[summary.limiting_stage()].largest() > 0.95 * most, "{mean:?}");
 }

@@ -14,10 +14,14 @@ use std::fmt::Write;
 
 /// The hand-written leaves of `rtl/`, by module name.
 pub const LEAVES: &[(&str, &str)] = &[
+    ("edof_add", include_str!("../../../rtl/edof_add.v")),
+    ("edof_add4", include_str!("../../../rtl/edof_add4.v")),
     ("edof_async_fifo", include_str!("../../../rtl/edof_async_fifo.v")),
     ("edof_bus_sync", include_str!("../../../rtl/edof_bus_sync.v")),
+    ("edof_delay", include_str!("../../../rtl/edof_delay.v")),
     ("edof_fifo", include_str!("../../../rtl/edof_fifo.v")),
     ("edof_macc", include_str!("../../../rtl/edof_macc.v")),
+    ("edof_macc_array", include_str!("../../../rtl/edof_macc_array.v")),
     ("edof_macc_bank", include_str!("../../../rtl/edof_macc_bank.v")),
     ("edof_memory", include_str!("../../../rtl/edof_memory.v")),
     ("edof_pulse_sync", include_str!("../../../rtl/edof_pulse_sync.v")),
@@ -143,8 +147,10 @@ pub fn images(design: &Design, sets: [&FixedNetwork; 2]) -> Vec<(String, String)
     let mut images = Vec::new();
     for stage in design.stages() {
         for bank in 0..stage.banks() {
-            let words = sets.iter().flat_map(|network| memory::weight_words(network, &stage, bank));
-            images.push((memory::weight_image(&stage, bank), hexadecimal(words, 16)));
+            for part in 0..stage.row_words() {
+                let words = sets.iter().flat_map(|network| memory::weight_words(network, &stage, bank, part));
+                images.push((memory::weight_image(&stage, bank, part), hexadecimal(words, 16)));
+            }
         }
         let kept = [(false, stage.shrinks()), (true, stage.sends_difference)];
         for (before, _) in kept.into_iter().filter(|(_, there)| *there) {

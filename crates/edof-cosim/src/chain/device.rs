@@ -41,8 +41,6 @@ pub struct Outputs {
     pub between: Vec<Option<Beat>>,
     /// A beat of a patch.
     pub patch: Option<Beat>,
-    /// Whether a word is written.
-    pub write_ready: bool,
     /// The counter asked for.
     pub status: u32,
 }

@@ -10,7 +10,11 @@ use edof_spec::design::{StagePlan, timing};
 use std::collections::VecDeque;
 
 /// Cycles of reset: enough for every pipeline to run dry.
-const RESET_CYCLES: usize = 20;
+const RESET_CYCLES: usize = 48;
+/// Cycles after reset or a write until all that they change is changed.
+const SETTLE_CYCLES: usize = 8;
+/// While patches run, a word is written every so many cycles.
+const WRITE_EVERY: u64 = 3;
 /// Cycles after the last patch in which nothing may come.
 const QUIET_CYCLES: u64 = 50;
 
@@ -23,7 +27,7 @@ pub struct Drive {
     pub stalls: Option<Stalls>,
     /// Words written before the first patch.
     pub writes: Vec<(u32, u32)>,
-    /// Words written while patches run, one after the other as the circuit takes them.
+    /// Words written while patches run, one every three cycles.
     pub writes_while_running: Vec<(u32, u32)>,
 }
 
@@ -64,6 +68,8 @@ impl Drive {
             Some(skip) => model.skip_zeros(skip),
             None => model,
         };
+        let addresses = self.writes_while_running.iter().map(|(address, _)| *address);
+        let model = model.writes((0..).step_by(WRITE_EVERY as usize).zip(addresses).collect());
         let stages = design.stages.len();
         let lead = self.begin(stages, device)?;
         let mut reference = Reference {
@@ -82,13 +88,10 @@ impl Drive {
             let inputs = Inputs {
                 window: reference.source.offer(cycle),
                 patch_ready: stalls.sink.go(cycle),
-                write: writes.peek().copied(),
+                write: if cycle % WRITE_EVERY == 0 { writes.next() } else { None },
                 ..Inputs::default()
             };
             device.cycle(&inputs, &mut outputs)?;
-            if outputs.write_ready && inputs.write.is_some() {
-                writes.next();
-            }
             if let Err(difference) = reference.compare(cycle, &inputs, &outputs) {
                 break Some(*difference);
             }
@@ -115,15 +118,10 @@ impl Drive {
             let control = |stage| memory::address(stage, Space::Register { row: 2 });
             (0..stages).map(move |stage| (control(stage), u32::from(*skip) * memory::CONTROL_SKIP))
         });
-        for write in skip.chain(self.writes.iter().copied()) {
-            let inputs = Inputs { write: Some(write), ..Inputs::default() };
-            loop {
-                device.cycle(&inputs, &mut outputs)?;
-                cycles += 1;
-                if outputs.write_ready {
-                    break;
-                }
-            }
+        let writes = skip.chain(self.writes.iter().copied()).map(Some);
+        for write in writes.chain(std::iter::repeat_n(None, SETTLE_CYCLES)) {
+            device.cycle(&Inputs { write, ..Inputs::default() }, &mut outputs)?;
+            cycles += 1;
         }
         Ok(cycles)
     }
@@ -150,7 +148,9 @@ impl Drive {
                     continue;
                 }
                 let status_address = ((stage << 2) | counter) as u32;
-                device.cycle(&Inputs { status_address, ..Inputs::default() }, &mut outputs)?;
+                for _ in 0..2 {
+                    device.cycle(&Inputs { status_address, ..Inputs::default() }, &mut outputs)?;
+                }
                 if u64::from(outputs.status) != expected & 0xffff_ffff {
                     let name = stage_names(stages.len()).swap_remove(stage);
                     return Ok(Some(Difference {
@@ -170,9 +170,9 @@ impl Drive {
     }
 }
 
-/// More vectors than a stage ever holds: two in its pair buffer, two in its multipliers, and what its credits let out.
+/// More vectors than a stage ever holds: in its slots, three in its multipliers and drain, and what its credits let out.
 const fn most_held(stage: &StagePlan) -> usize {
-    5 + timing::DRAIN_CREDITS.div_ceil(stage.beats_out())
+    timing::SLOTS + 4 + timing::DRAIN_CREDITS.div_ceil(stage.beats_out())
 }
 
 /// The beats of windows, presented as the stall pattern allows.

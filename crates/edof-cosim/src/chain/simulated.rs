@@ -48,7 +48,6 @@ impl Device for Simulated {
 
         let chain = &self.chain;
         outputs.window_ready = chain.window_ready.val();
-        outputs.write_ready = chain.write_ready.val();
         outputs.status = chain.status.val().to_u32();
         outputs.between.clear();
         outputs.between.extend((0..chain.between_transfer.len()).map(|gap| {

@@ -67,7 +67,6 @@ struct Ports {
     patch: Stream,
     patch_ready: usize,
     write: [usize; 3],
-    write_ready: usize,
     status_address: usize,
     status: usize,
     between: Vec<Stream>,
@@ -113,7 +112,6 @@ impl Verilated {
                 source.port("write_address_i")?,
                 source.port("write_data_i")?,
             ],
-            write_ready: source.port("write_ready_o")?,
             status_address: source.port("status_address_i")?,
             status: source.port("status_o")?,
             between: (0..stages - 1).map(between).collect::<Result<_, _>>()?,
@@ -160,7 +158,6 @@ impl Device for Verilated {
         model.poke(ports.status_address, inputs.status_address.into())?;
 
         outputs.window_ready = model.peek(ports.window_ready)? != 0;
-        outputs.write_ready = model.peek(ports.write_ready)? != 0;
         outputs.status = model.peek(ports.status)? as u32;
         outputs.between.clear();
         for stream in &ports.between {

@@ -9,6 +9,6 @@ pub struct FanOut {
     pub net: String,
     /// Pins that it leads to.
     pub loads: usize,
-    /// Whether it is control: a signal of one bit, or one that enables, resets or writes somewhere. All else are bits of words.
+    /// Whether it is control: a signal of one bit, or one most of whose loads it enables, resets or writes. All else are bits of words.
     pub control: bool,
 }

@@ -103,17 +103,18 @@ impl Netlist {
 #[derive(Default)]
 struct Loads {
     count: usize,
-    /// Whether one of them enables, resets or writes.
-    controls: bool,
+    /// Pins among them that enable, reset or write.
+    controls: usize,
 }
 
 impl Loads {
     fn told(&self, net: u64, names: &BTreeMap<u64, (String, bool)>) -> FanOut {
+        let controls = 2 * self.controls > self.count;
         match names.get(&net) {
             Some((name, single)) => {
-                FanOut { net: name.clone(), loads: self.count, control: self.controls || *single }
+                FanOut { net: name.clone(), loads: self.count, control: controls || *single }
             }
-            None => FanOut { net: format!("net {net}"), loads: self.count, control: self.controls },
+            None => FanOut { net: format!("net {net}"), loads: self.count, control: controls },
         }
     }
 }
@@ -146,7 +147,7 @@ impl Module {
                     }
                     let entry = loads.entry(*net).or_default();
                     entry.count += 1;
-                    entry.controls |= is_control(cell, pin);
+                    entry.controls += usize::from(is_control(cell, pin));
                 }
             }
         }

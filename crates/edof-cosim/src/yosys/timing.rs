@@ -23,7 +23,7 @@ pub const NETS: usize = 10;
 /// Stages that are mapped at once, at most: a big one takes 400 MB.
 const AT_ONCE: usize = 2;
 /// Changes with what is read out of a run, so that older results in the cache are not taken for it.
-const FORMAT: &str = "timing 1";
+const FORMAT: &str = "timing 2";
 
 /// Where a user's results belong: `edof/timing` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
 #[must_use]

@@ -164,15 +164,13 @@ pub struct Recorded<D> {
     pub inputs: Vec<Inputs>,
     /// Words of patches that were taken.
     pub words: Vec<i16>,
-    /// Cycle of the last write that was taken.
+    /// Cycle of the last write.
     pub last_write: usize,
-    /// Cycles in which a write waited.
-    pub waits: usize,
 }
 
 impl<D: Device> Recorded<D> {
     pub fn new(device: D) -> Self {
-        Self { device, inputs: vec![], words: vec![], last_write: 0, waits: 0 }
+        Self { device, inputs: vec![], words: vec![], last_write: 0 }
     }
 
     /// The cycle in which the first beat for set 1 is offered.
@@ -186,10 +184,8 @@ impl<D: Device> Device for Recorded<D> {
         self.device.cycle(inputs, outputs)?;
         let taken = outputs.patch.filter(|_| inputs.patch_ready && !inputs.reset);
         self.words.extend(taken.iter().flat_map(|beat| beat.words));
-        match (inputs.write, outputs.write_ready) {
-            (Some(_), true) => self.last_write = self.inputs.len(),
-            (Some(_), false) => self.waits += 1,
-            (None, _) => (),
+        if inputs.write.is_some() {
+            self.last_write = self.inputs.len();
         }
         self.inputs.push(*inputs);
         Ok(())

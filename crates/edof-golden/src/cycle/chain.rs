@@ -1,6 +1,6 @@
 //! The chain of stages: the cycle of every transfer of one patch after the other.
 //!
-//! All that a patch meets was decided by patches before it: a stage's room for vector k by vector k − 2, F's room for window k
+//! All that a patch meets was decided by patches before it: a stage's room for vector k by vector k − `SLOTS`, F's room for window k
 //! by window k − `kept_windows`; a window's place, like a slot, is free from the cycle after its vector's last pass finished. Nor
 //! can room be lost while a vector comes in: its first beat waits, the others follow as they are sent. So one patch goes through all stages at once, with one maximum or two for a beat.
 
@@ -8,6 +8,8 @@ use super::stage::{Receiver, StageClock, StageUse};
 use super::{StallPattern, Stalls};
 use edof_spec::Design;
 use edof_spec::design::StagePlan;
+use edof_spec::design::memory::stolen_from;
+use edof_spec::design::timing::STEAL_LATENCY;
 
 /// When the beats of one patch are transferred.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,9 +57,19 @@ impl Chain {
     /// The chain of a checked design after reset: cycle 0 is the first in which a beat can be transferred.
     #[must_use]
     pub fn new(design: &Design, stalls: Stalls) -> Self {
+        Self::with_writes(design, stalls, &[])
+    }
+
+    /// [`Chain::new`], and in each cycle of `writes` (in order) a word is written to an address.
+    #[must_use]
+    pub fn with_writes(design: &Design, stalls: Stalls, writes: &[(u64, u32)]) -> Self {
         let plans: Vec<StagePlan> = design.stages().collect();
+        let stolen = |plan: &StagePlan| -> Vec<u64> {
+            let from = writes.iter().filter(|(_, address)| stolen_from(design, *address) == Some(plan.index));
+            from.map(|(cycle, _)| cycle + STEAL_LATENCY).collect()
+        };
         Self {
-            stages: plans.iter().copied().map(StageClock::new).collect(),
+            stages: plans.iter().map(|plan| StageClock::new(*plan, &stolen(plan))).collect(),
             windows: vec![0; plans.last().map_or(0, |f| f.kept_windows)],
             plans,
             stalls,

@@ -3,7 +3,10 @@
 use super::Stalls;
 use super::chain::Chain;
 use edof_spec::design::StagePlan;
-use edof_spec::design::timing::SUM_LATENCY;
+use edof_spec::design::timing::{
+    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING, RELEASE_LATENCY, SLOTS,
+    SUM_LATENCY, release,
+};
 use edof_spec::{Design, Geometry};
 
 /// Patches until the chain has settled.
@@ -18,9 +21,9 @@ pub struct StageCycles {
     pub multiply: f64,
     /// Drain: two sums a cycle, and a cycle to copy them, each pass.
     pub drain: f64,
-    /// Multipliers and drain together: two passes at most are between their first step and their last take.
+    /// Multipliers and drain together: two passes at most are between their first step and their release.
     pub turn: f64,
-    /// Pair buffer: a slot fills and is then multiplied, two of them in turn.
+    /// Vector store: a slot fills and is then multiplied, all of them in turn.
     pub slots: f64,
     /// Wires: two elements a cycle, in and out.
     pub wires: f64,
@@ -30,12 +33,13 @@ impl StageCycles {
     /// Those of a stage whose passes take `steps` steps each.
     #[must_use]
     pub fn new(stage: &StagePlan, steps: f64) -> Self {
+        let to_release = SUM_LATENCY + release(stage.drain_beats()) + RELEASE_LATENCY;
         let (passes, beats) = (stage.passes() as f64, stage.drain_beats() as f64);
         Self {
-            multiply: passes * steps,
-            drain: passes * (beats + 1.0),
-            turn: passes * (steps + beats + SUM_LATENCY as f64) / 2.0,
-            slots: (stage.beats_in() as f64 + passes * steps) / 2.0,
+            multiply: passes * steps.max(PASS_SPACING as f64),
+            drain: passes * (beats + 1.0).max(credit_cycles(stage.drain_beats())),
+            turn: passes * (steps + to_release as f64) / 2.0,
+            slots: (stage.beats_in() as f64 + ARRIVAL_LATENCY as f64 - 1.0 + passes * steps) / SLOTS as f64,
             wires: stage.beats_in().max(stage.beats_out()) as f64,
         }
     }
@@ -45,6 +49,13 @@ impl StageCycles {
     pub fn largest(&self) -> f64 {
         self.multiply.max(self.drain).max(self.turn).max(self.slots).max(self.wires)
     }
+}
+
+/// Cycles between two drains of so many beats when the last one waits for a credit that an earlier one returns.
+fn credit_cycles(beats: usize) -> f64 {
+    let drains = (DRAIN_CREDITS + 1 - beats.min(DRAIN_CREDITS)).div_ceil(beats).max(1);
+    let beat = (drains + 1) * beats - 1 - DRAIN_CREDITS.min((drains + 1) * beats - 1);
+    (beat as f64 + (DRAIN_LATENCY + CREDIT_LATENCY) as f64) / drains as f64
 }
 
 /// What a design takes for a patch and a picture.
@@ -72,7 +83,7 @@ impl Estimate {
 
 /// Estimates a checked design. `pairs` holds the mean number of pairs that I, each M, F multiply of a patch; without it, all.
 ///
-/// Patches that differ take longer than their mean: stages buffer two vectors, not more.
+/// Patches that differ take longer than their mean: stages buffer `SLOTS` vectors, not more.
 #[must_use]
 pub fn estimate(design: &Design, pairs: Option<&[f64]>) -> Estimate {
     let plans: Vec<StagePlan> = design.stages().collect();
@@ -95,6 +106,7 @@ pub fn estimate(design: &Design, pairs: Option<&[f64]>) -> Estimate {
 
 /// Steps of a pass for a mean number of pairs: where two are taken at once, half of all vectors have an odd number.
 fn mean_steps(stage: &StagePlan, pairs: f64) -> f64 {
+    let pairs = if stage.is_dense() { stage.inputs as f64 } else { pairs };
     let rows = stage.rows as f64;
     let odd =
         if pairs.fract() == 0.0 { (pairs / rows).ceil() - pairs / rows } else { (rows - 1.0) / (2.0 * rows) };

@@ -17,6 +17,7 @@ pub struct Cycle {
     sets: [Fast; 2],
     skip_zeros: bool,
     stalls: Stalls,
+    writes: Vec<(u64, u32)>,
 }
 
 impl Cycle {
@@ -32,7 +33,13 @@ impl Cycle {
             design.check_network(network)?;
         }
         let sets = networks.map(|network| Fast::new(network.clone()));
-        Ok(Self { design: design.clone(), sets, skip_zeros: design.skip_zeros, stalls: Stalls::NEVER })
+        Ok(Self {
+            design: design.clone(),
+            sets,
+            skip_zeros: design.skip_zeros,
+            stalls: Stalls::NEVER,
+            writes: vec![],
+        })
     }
 
     /// With zeros skipped or not, whatever the design's initial value.
@@ -45,6 +52,12 @@ impl Cycle {
     #[must_use]
     pub fn stalls(self, stalls: Stalls) -> Self {
         Self { stalls, ..self }
+    }
+
+    /// With words written while it runs: cycle (in order) and address. They change cycles only; both sets stay what they are.
+    #[must_use]
+    pub fn writes(self, writes: Vec<(u64, u32)>) -> Self {
+        Self { writes, ..self }
     }
 
     /// The design.
@@ -62,7 +75,7 @@ impl Cycle {
             model: self,
             patches: patches.into_iter(),
             ready: VecDeque::new(),
-            chain: Chain::new(&self.design, self.stalls),
+            chain: Chain::with_writes(&self.design, self.stalls, &self.writes),
             index: 0,
         }
     }
@@ -110,12 +123,11 @@ impl<I: Iterator<Item = Patch>> Iterator for Run<'_, I> {
     }
 }
 
-/// How many pairs of the vector that comes to a stage it multiplies: all, or those that are not zero.
+/// How many pairs of the vector that comes to a stage it multiplies: all, or, but for I, those that are not zero.
 #[must_use]
 pub fn kept_pairs(stage: &StagePlan, trace: &Trace, skip_zeros: bool) -> usize {
     match (skip_zeros, stage.index) {
-        (false, _) => stage.inputs,
-        (true, 0) => trace.input.iter().filter(|word| **word != 0).count(),
+        (false, _) | (true, 0) => stage.inputs,
         (true, index) => trace.stages[index - 1].nonzeros as usize,
     }
 }

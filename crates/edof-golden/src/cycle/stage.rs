@@ -2,7 +2,11 @@
 
 use super::StallPattern;
 use edof_spec::design::StagePlan;
-use edof_spec::design::timing::{DRAIN_CREDITS, DRAIN_LATENCY, SUM_LATENCY};
+use edof_spec::design::timing::{
+    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING, RELEASE_LATENCY, SLOTS,
+    SUM_LATENCY, release,
+};
+use std::collections::VecDeque;
 
 /// Who takes a stage's results.
 #[derive(Debug, Clone, Copy)]
@@ -28,53 +32,61 @@ pub struct StageUse {
 
 /// A stage between two vectors.
 ///
-/// Its base ring never makes it wait: with two slots full, one vector in the DSPs and one in the drain, `BASE_VECTORS` bases are
-/// held, and the next vector's first beat comes when the slot, and so the drain, of an older one is free. Every field is the first cycle in which something is free: one more than the cycle that the
-/// contract's recurrences name.
+/// Its base ring never makes it wait: with all slots full and three passes in DSPs and drain, fewer than `BASE_VECTORS` bases are
+/// held. Every field is the first cycle in which something is free: one more than the cycle that the contract's recurrences name.
 #[derive(Debug, Clone)]
 pub struct StageClock {
     plan: StagePlan,
     /// Vectors taken.
     vectors: u64,
-    /// The slots of the pair buffer: vector k goes to slot k mod 2.
-    slots: [u64; 2],
+    /// The slots of the vector store: vector k goes to slot k mod `SLOTS`.
+    slots: [u64; SLOTS],
     /// The multipliers: `last[n−1] + 1`.
     multipliers: u64,
-    /// The drains of the last pass and the one before: `take_last[n−1] + 1`, `take_last[n−2] + 1`.
-    drains: [u64; 2],
+    /// `start[n−1] + PASS_SPACING`.
+    spacing: u64,
+    /// Releases of the last pass and the one before, with `RELEASE_LATENCY`.
+    released: [u64; 2],
+    /// The drain: `take_last[n−1] + 1`.
+    drain: u64,
     /// The output: `out[j−1] + 1`.
     output: u64,
-    /// `out[j − DRAIN_CREDITS] + 1` of the coming takes, from `oldest` on, around.
+    /// `out[j − DRAIN_CREDITS]` of the coming takes and the latency of their credits, from `oldest` on, around.
     credits: [u64; DRAIN_CREDITS],
     oldest: usize,
+    /// Cycles without a step, in order; those before the first coming one are gone.
+    stolen: VecDeque<u64>,
 }
 
 impl StageClock {
-    /// A stage after reset.
+    /// A stage after reset, from which writes take the cycles `stolen`, in order.
     #[must_use]
-    pub const fn new(plan: StagePlan) -> Self {
+    pub fn new(plan: StagePlan, stolen: &[u64]) -> Self {
         Self {
             plan,
             vectors: 0,
-            slots: [0; 2],
+            slots: [0; SLOTS],
             multipliers: 0,
-            drains: [0; 2],
+            spacing: 0,
+            released: [0; 2],
+            drain: 0,
             output: 0,
             credits: [0; DRAIN_CREDITS],
             oldest: 0,
+            stolen: stolen.iter().copied().collect(),
         }
     }
 
-    /// First cycle in which there is room for the next vector's beats: the slot of two vectors before is free.
+    /// First cycle in which there is room for the next vector's beats: its slot is free.
     #[must_use]
     pub const fn ready_from(&self) -> u64 {
-        self.slots[(self.vectors % 2) as usize]
+        self.slots[self.vectors as usize % SLOTS]
     }
 
-    /// First cycle in which the vector taken last has left the pair buffer (and, in F, its window the ring).
+    /// First cycle in which the vector taken last has left its slot (and, in F, its window the ring).
     #[must_use]
     pub const fn finished(&self) -> u64 {
-        self.slots[((self.vectors + 1) % 2) as usize]
+        self.slots[(self.vectors as usize + SLOTS - 1) % SLOTS]
     }
 
     /// Takes a vector whose last beat came in cycle `last_in` and of which `pairs` pairs are kept; appends the cycles in which
@@ -84,35 +96,51 @@ impl StageClock {
         let mut used = StageUse { pairs: pairs as u64, ..StageUse::default() };
         self.output = self.output.max(receiver.from);
         for _ in 0..self.plan.passes() {
-            let present = self.multipliers.max(last_in + 1);
-            let first = present.max(self.drains[1]);
+            let present = self.multipliers.max(self.spacing).max(last_in + ARRIVAL_LATENCY);
+            let start = present.max(self.released[1]);
             used.waited_for_input += present - self.multipliers;
-            used.waited_for_drain += first - present;
+            used.waited_for_drain += start - present;
             used.steps += steps;
-            let last = first + steps - 1;
+            let last = self.last_step(start, steps);
+            self.spacing = start + PASS_SPACING;
             self.multipliers = last + 1;
-            let copy = (last + SUM_LATENCY).max(self.drains[0]);
-            let drained = self.drain(copy, receiver.stalls, out);
-            self.drains = [drained, self.drains[0]];
+            let copy = (last + SUM_LATENCY).max(self.drain);
+            let taken = self.drain(copy, receiver.stalls, out);
+            let released = taken + release(self.plan.drain_beats()) + RELEASE_LATENCY;
+            self.released = [released, self.released[0]];
+            self.drain = taken + self.plan.drain_beats() as u64;
         }
-        self.slots[(self.vectors % 2) as usize] = self.multipliers;
+        self.slots[self.vectors as usize % SLOTS] = self.multipliers;
         self.vectors += 1;
         used
     }
 
-    /// Drains the sums copied in cycle `copy`; gives the first cycle after the last take.
+    /// The last of a pass's steps, one in each cycle from `start` on that no write takes.
+    fn last_step(&mut self, start: u64, steps: u64) -> u64 {
+        while self.stolen.front().is_some_and(|cycle| *cycle < start) {
+            self.stolen.pop_front();
+        }
+        let mut last = start + steps - 1;
+        while self.stolen.front().is_some_and(|cycle| *cycle <= last) {
+            self.stolen.pop_front();
+            last += 1;
+        }
+        last
+    }
+
+    /// Drains the sums copied in cycle `copy`; gives the first take. The drain begins when all of its beats have a credit, and then
+    /// takes one in every cycle.
     fn drain(&mut self, copy: u64, stalls: StallPattern, out: &mut Vec<u64>) -> u64 {
-        // The cycle after the copy is also the first after the take before: the copy waited for that one.
-        let mut take = copy + 1;
-        for _ in 0..self.plan.drain_beats() {
-            let taken = take.max(self.credits[self.oldest]);
+        let beats = self.plan.drain_beats();
+        let credit = self.credits[(self.oldest + beats - 1) % DRAIN_CREDITS];
+        let first = (copy + 1).max(credit);
+        for taken in first..first + beats as u64 {
             let sent = stalls.next_go(self.output.max(taken + DRAIN_LATENCY));
             out.push(sent);
             self.output = sent + 1;
-            self.credits[self.oldest] = sent + 1;
+            self.credits[self.oldest] = sent + CREDIT_LATENCY;
             self.oldest = (self.oldest + 1) % DRAIN_CREDITS;
-            take = taken + 1;
         }
-        take
+        first
     }
 }

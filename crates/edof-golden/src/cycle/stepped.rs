@@ -4,24 +4,41 @@
 use super::Stalls;
 use crate::Trace;
 use edof_spec::Design;
-use edof_spec::design::timing::{BASE_VECTORS, DRAIN_CREDITS, DRAIN_LATENCY, SUM_LATENCY};
+use edof_spec::design::memory::stolen_from;
+use edof_spec::design::timing::{
+    ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING,
+    RELEASE_LATENCY, SLOTS, STEAL_LATENCY, SUM_LATENCY, release,
+};
 use edof_spec::design::{BEAT, StagePlan};
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 /// Steps a design through patches, from reset until the last result is out. Gives the cycles of all transfers at each boundary.
 ///
 /// # Panics
 /// When a stage would have to hold more bases than [`BASE_VECTORS`]: a flaw of the contract, which lets no beat wait for them.
+///
+/// In each cycle of `writes` a word is written to an address.
 #[must_use]
-pub fn run(design: &Design, skip_zeros: bool, stalls: Stalls, traces: &[Trace]) -> Vec<Vec<u64>> {
+pub fn run(
+    design: &Design,
+    skip_zeros: bool,
+    stalls: Stalls,
+    writes: &[(u64, u32)],
+    traces: &[Trace],
+) -> Vec<Vec<u64>> {
     let mut machine = Machine::new(design, skip_zeros, traces);
+    let stolen: BTreeSet<(u64, usize)> = writes
+        .iter()
+        .filter_map(|(cycle, address)| Some((cycle + STEAL_LATENCY, stolen_from(design, *address)?)))
+        .collect();
     let results: usize = traces.iter().map(|trace| trace.output.len() / BEAT).sum();
     let mut cycles = vec![vec![]; design.stages.len() + 1];
     for cycle in 0.. {
         if cycles.last().is_none_or(|out: &Vec<u64>| out.len() == results) {
             break;
         }
-        let transfers = machine.step(stalls.source.go(cycle), stalls.sink.go(cycle));
+        let transfers = machine
+            .step(stalls.source.go(cycle), stalls.sink.go(cycle), |stage| stolen.contains(&(cycle, stage)));
         for (cycles, transfer) in cycles.iter_mut().zip(transfers) {
             cycles.extend(transfer.then_some(cycle));
         }
@@ -64,7 +81,7 @@ impl Machine {
     }
 
     /// One cycle: whether a transfer happened at each boundary.
-    fn step(&mut self, source_goes: bool, sink_goes: bool) -> Vec<bool> {
+    fn step(&mut self, source_goes: bool, sink_goes: bool, stolen: impl Fn(usize) -> bool) -> Vec<bool> {
         // All wires follow from registers and from the two ends.
         let presented = self.pending || (self.left > 0 && source_goes);
         let valid = |b: usize| if b == 0 { presented } else { self.stages[b - 1].fifo > 0 };
@@ -74,8 +91,8 @@ impl Machine {
         // All registers change at once.
         self.pending = presented && !transfers[0];
         self.left -= usize::from(transfers[0]);
-        let finished =
-            self.stages.iter_mut().enumerate().map(|(s, stage)| stage.step(transfers[s], transfers[s + 1]));
+        let stages = self.stages.iter_mut().enumerate();
+        let finished = stages.map(|(s, stage)| stage.step(transfers[s], transfers[s + 1], stolen(s)));
         let f_finished = finished.fold(false, |_, finished| finished);
         self.ring.step(transfers[0], f_finished);
         transfers
@@ -109,45 +126,62 @@ struct Stage {
     filling: (usize, usize),
     /// Pairs in the slots that are full, oldest first.
     full: VecDeque<usize>,
-    /// Which pass over the oldest full slot is on or comes next.
+    /// Vectors on their way from the last beat to the sequencer.
+    arriving: Delay,
+    /// Vectors of which a pass can start or has started.
+    known: usize,
+    /// Passes over the oldest full slot that are over.
     pass: usize,
     /// Steps of the pass still to issue; 0 between passes.
     steps: usize,
-    /// Passes begun whose drain is not over.
+    /// Cycles until a pass may start after the one before.
+    spacing: u64,
+    /// Passes begun and not released.
     open: usize,
+    releasing: Delay,
     /// Last steps on their way through the DSPs.
     summing: Delay,
     /// Passes whose sums stand in the DSPs.
     sums: usize,
     /// Takes left in the holding registers.
     holding: usize,
+    /// Whether the drain of these has begun.
+    takes_on: bool,
     credits: usize,
+    returning: Delay,
     /// Takes until the last of a vector's last pass.
     takes: usize,
     /// Vectors of which a beat came in and whose last take is not over: their bases are held.
     bases: usize,
-    /// Results on their way from holding registers to FIFO.
+    /// Results on their way from holding registers to the output.
     draining: Delay,
-    /// Beats in the FIFO.
+    /// Beats that stand on the output or behind it.
     fifo: usize,
 }
 
 impl Stage {
     fn new(plan: StagePlan, skip_zeros: bool, traces: &[Trace]) -> Self {
         let vector = |trace| -> &Vec<i16> { vector_into(plan.index, trace) };
-        let appended = |beat: &[i16]| beat.iter().filter(|word| !skip_zeros || **word != 0).count();
+        let keeps = |word: &&i16| plan.index == 0 || !skip_zeros || **word != 0;
+        let appended = |beat: &[i16]| beat.iter().filter(keeps).count();
         Self {
             plan,
             coming: traces.iter().flat_map(|trace| vector(trace).chunks(BEAT).map(appended)).collect(),
             filling: (0, 0),
             full: VecDeque::new(),
+            arriving: Delay::new(ARRIVAL_LATENCY),
+            known: 0,
             pass: 0,
             steps: 0,
+            spacing: 0,
             open: 0,
+            releasing: Delay::new(RELEASE_LATENCY),
             summing: Delay::new(SUM_LATENCY),
             sums: 0,
             holding: 0,
+            takes_on: false,
             credits: DRAIN_CREDITS,
+            returning: Delay::new(CREDIT_LATENCY),
             takes: plan.beats_out(),
             bases: 0,
             draining: Delay::new(DRAIN_LATENCY),
@@ -156,32 +190,35 @@ impl Stage {
     }
 
     fn ready(&self) -> bool {
-        self.full.len() < 2
+        self.full.len() < SLOTS
     }
 
-    /// One cycle, with or without a beat in and a beat out; tells whether a vector's last pass finished.
-    fn step(&mut self, beat_in: bool, beat_out: bool) -> bool {
-        let (copies, takes) = (self.sums > 0 && self.holding == 0, self.holding > 0 && self.credits > 0);
-        let (last_step, finished) = self.sequence();
-        self.drain(copies, takes, last_step, beat_out);
+    /// One cycle, with or without a beat in, a beat out and a step; tells whether a vector's last pass finished.
+    fn step(&mut self, beat_in: bool, beat_out: bool, stolen: bool) -> bool {
+        let copies = self.sums > 0 && self.holding == 0;
+        let begins = self.holding > 0 && !self.takes_on && self.credits >= self.holding;
+        self.takes_on |= begins;
+        let (last_step, finished) = self.sequence(stolen);
+        self.drain(copies, last_step, beat_out);
         if finished {
             self.full.pop_front();
+            self.known -= 1;
         }
-        if beat_in {
-            self.append();
-        }
+        let whole = beat_in && self.append();
+        self.known += usize::from(self.arriving.step(whole));
         finished
     }
 
     /// One step of a pass, if there is one to make: whether it is the pass's last, and the vector's.
-    fn sequence(&mut self) -> (bool, bool) {
-        let begins = self.steps == 0 && !self.full.is_empty() && self.open < 2;
-        if begins {
+    fn sequence(&mut self, stolen: bool) -> (bool, bool) {
+        self.spacing = self.spacing.saturating_sub(1);
+        if self.steps == 0 && self.known > 0 && self.open < 2 && self.spacing == 0 {
             let rows = self.plan.rows;
             self.steps = self.full[0].div_ceil(rows).max(1) + self.plan.linear.div_ceil(rows);
             self.open += 1;
+            self.spacing = PASS_SPACING;
         }
-        if self.steps == 0 {
+        if self.steps == 0 || stolen {
             return (false, false);
         }
         self.steps -= 1;
@@ -194,14 +231,17 @@ impl Stage {
         (last_step, finished)
     }
 
-    /// Sums to holding registers, on to the FIFO, out.
-    fn drain(&mut self, copies: bool, takes: bool, last_step: bool, beat_out: bool) {
+    /// Sums to holding registers, on to the output.
+    fn drain(&mut self, copies: bool, last_step: bool, beat_out: bool) {
+        let beats = self.plan.drain_beats();
         self.sums += usize::from(self.summing.step(last_step));
-        self.fifo += usize::from(self.draining.step(takes));
-        if takes {
+        self.fifo += usize::from(self.draining.step(self.takes_on));
+        let released = self.takes_on && (beats - self.holding) as u64 == release(beats);
+        self.open -= usize::from(self.releasing.step(released));
+        if self.takes_on {
             self.holding -= 1;
             self.credits -= 1;
-            self.open -= usize::from(self.holding == 0);
+            self.takes_on = self.holding > 0;
             self.takes -= 1;
             if self.takes == 0 {
                 self.takes = self.plan.beats_out();
@@ -210,26 +250,26 @@ impl Stage {
         }
         if copies {
             self.sums -= 1;
-            self.holding = self.plan.drain_beats();
+            self.holding = beats;
         }
-        if beat_out {
-            self.fifo -= 1;
-            self.credits += 1;
-        }
+        self.fifo -= usize::from(beat_out);
+        self.credits += usize::from(self.returning.step(beat_out));
     }
 
-    /// A beat into the slot that fills.
-    fn append(&mut self) {
+    /// A beat into the slot that fills; tells whether it is full then.
+    fn append(&mut self) -> bool {
         if self.filling.1 == 0 {
             self.bases += 1;
             assert!(self.bases <= BASE_VECTORS, "stage {} holds {} bases", self.plan.index, self.bases);
         }
         self.filling.0 += self.coming.pop_front().unwrap_or(0);
         self.filling.1 += 1;
-        if self.filling.1 == self.plan.beats_in() {
+        let whole = self.filling.1 == self.plan.beats_in();
+        if whole {
             self.full.push_back(self.filling.0);
             self.filling = (0, 0);
         }
+        whole
     }
 }
 

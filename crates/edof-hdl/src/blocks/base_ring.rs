@@ -1,13 +1,14 @@
 //! Base words that wait for their sums (M).
 
+use super::Pair;
 use super::ram::{Ram, Shape};
-use super::{Pair, Row};
 use crate::describe::Circuit;
 use edof_spec::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
-/// Base words that wait for their sums: a ring of whole vectors, written as they arrive, read as their sums are taken.
-/// It never overflows: a stage holds at most two vectors in its pair buffer and one in its multipliers and drain.
+/// Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as their sums are taken.
+/// It never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain. Vector v lies from row
+/// 128 v on.
 #[derive(Circuit)]
 pub struct BaseRing {
     /// Clock.
@@ -20,22 +21,25 @@ pub struct BaseRing {
     pub words: Signal<In, Pair>,
     /// Moves on to the next two.
     pub read: Signal<In, Bit>,
-    /// The two that stood first a cycle ago.
+    /// The two that stood first two cycles ago.
     pub front: Signal<Out, Pair>,
     ram: Ram<32>,
-    last_row: Constant<Row>,
-    write_row: DFF<Row>,
-    read_row: DFF<Row>,
+    last_beat: Constant<Bits<7>>,
+    write_q: DFF<Bit>,
+    words_q: DFF<Pair>,
+    write_beat: DFF<Bits<7>>,
+    write_vector: DFF<Bits<3>>,
+    read_beat: DFF<Bits<7>>,
+    read_vector: DFF<Bits<3>>,
 }
 
 impl BaseRing {
     /// The ring of an M stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        let depth = stage.beats_in() * timing::BASE_VECTORS;
         Self::from_parts(BaseRingParts {
-            ram: Ram::new(Shape::distributed(depth), &[]),
-            last_row: Constant::new((depth as u64 - 1).into()),
+            ram: Ram::new(Shape::registered(timing::BASE_VECTORS * super::SLOT_ROWS), &[]),
+            last_beat: Constant::new((stage.beats_in() as u64 - 1).into()),
         })
     }
 }
@@ -43,29 +47,38 @@ impl BaseRing {
 impl Logic for BaseRing {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, write_row, read_row);
+        dff_setup!(self, clock, write_q, words_q, write_beat, write_vector, read_beat, read_vector);
         self.ram.clock.next = self.clock.val();
-        self.ram.write_enable.next = self.write.val();
-        self.ram.write_address.next = self.write_row.q.val();
-        self.ram.write_data.next = self.words.val();
-        self.ram.read_address.next = self.read_row.q.val();
+        self.write_q.d.next = self.write.val();
+        self.words_q.d.next = self.words.val();
+        self.ram.write_enable.next = self.write_q.q.val();
+        self.ram.write_address.next =
+            (bit_cast::<12, 3>(self.write_vector.q.val()) << 7) | bit_cast::<12, 7>(self.write_beat.q.val());
+        self.ram.write_data.next = self.words_q.q.val();
+        self.ram.read_address.next =
+            (bit_cast::<12, 3>(self.read_vector.q.val()) << 7) | bit_cast::<12, 7>(self.read_beat.q.val());
         self.front.next = self.ram.read_data.val();
 
-        if self.write.val() {
-            self.write_row.d.next = self.write_row.q.val() + 1;
-            if self.write_row.q.val() == self.last_row.val() {
-                self.write_row.d.next = 0.into();
+        if self.write_q.q.val() {
+            self.write_beat.d.next = self.write_beat.q.val() + 1;
+            if self.write_beat.q.val() == self.last_beat.val() {
+                self.write_beat.d.next = 0.into();
+                self.write_vector.d.next = self.write_vector.q.val() + 1;
             }
         }
         if self.read.val() {
-            self.read_row.d.next = self.read_row.q.val() + 1;
-            if self.read_row.q.val() == self.last_row.val() {
-                self.read_row.d.next = 0.into();
+            self.read_beat.d.next = self.read_beat.q.val() + 1;
+            if self.read_beat.q.val() == self.last_beat.val() {
+                self.read_beat.d.next = 0.into();
+                self.read_vector.d.next = self.read_vector.q.val() + 1;
             }
         }
         if self.reset.val() {
-            self.write_row.d.next = 0.into();
-            self.read_row.d.next = 0.into();
+            self.write_q.d.next = false;
+            self.write_beat.d.next = 0.into();
+            self.write_vector.d.next = 0.into();
+            self.read_beat.d.next = 0.into();
+            self.read_vector.d.next = 0.into();
         }
     }
 }

@@ -13,7 +13,7 @@ use rust_hdl::prelude::*;
 pub struct Chain {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets every vector; held for 16 cycles or more.
+    /// Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
     pub reset: Signal<In, Bit>,
     /// Two pixels of a window stand on the input.
     pub window_valid: Signal<In, Bit>,
@@ -37,15 +37,13 @@ pub struct Chain {
     pub patch_set: Signal<Out, Bit>,
     /// A word is to be written (`edof_spec::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
-    /// It can be, in this cycle.
-    pub write_ready: Signal<Out, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
     /// Stage (4 bits) and counter (2 bits) to show.
     pub status_address: Signal<In, Bits<6>>,
-    /// The counter.
+    /// The counter, a cycle later.
     pub status: Signal<Out, Bits<32>>,
     /// A beat passes from this stage to the next (observation only).
     pub between_transfer: Vec<Signal<Out, Bit>>,
@@ -58,7 +56,6 @@ pub struct Chain {
     /// The vector's set.
     pub between_set: Vec<Signal<Out, Bit>>,
     stages: Vec<Stage>,
-    write_free: Signal<Local, Bit>,
     shown: Signal<Local, Bits<32>>,
     _count: usize,
 }
@@ -147,13 +144,10 @@ impl Logic for Chain {
         }
 
         // The host.
-        self.write_free.next = true;
         self.shown.next = 0.into();
         for i in 0..self._count {
-            self.write_free.next = self.write_free.val() && self.stages[i].write_ready.val();
             self.shown.next = self.shown.val() | self.stages[i].status.val();
         }
-        self.write_ready.next = self.write_free.val();
         self.status.next = self.shown.val();
     }
 }

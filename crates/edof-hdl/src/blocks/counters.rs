@@ -1,10 +1,53 @@
 //! What the host sees of a stage.
 
+use super::delay::Delay;
 use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
+/// Counts up to two a cycle; its reset comes through a register of its own.
+#[derive(Circuit)]
+#[circuit(default)]
+pub struct Counter {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Back to zero.
+    pub reset: Signal<In, Bit>,
+    /// Whether to count.
+    pub enable: Signal<In, Bit>,
+    /// What: as many as there are ones.
+    pub events: Signal<In, Bits<2>>,
+    /// How many there were.
+    pub count: Signal<Out, Bits<32>>,
+    reset_q: Delay<1, 1>,
+    more: DFF<Bits<2>>,
+    count_q: DFF<Bits<32>>,
+}
+
+impl Logic for Counter {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, more, count_q);
+        self.reset_q.clock.next = self.clock.val();
+        self.reset_q.now.next = 0.into();
+        if self.reset.val() {
+            self.reset_q.now.next = 1.into();
+        }
+        self.more.d.next = 0.into();
+        if self.enable.val() {
+            self.more.d.next = bit_cast::<2, 1>(self.events.val().get_bits::<1>(0))
+                + bit_cast::<2, 1>(self.events.val().get_bits::<1>(1));
+        }
+        self.count_q.d.next = self.count_q.q.val() + bit_cast::<32, 2>(self.more.q.val());
+        if self.reset_q.later.val().get_bit(0) {
+            self.count_q.d.next = 0.into();
+        }
+        self.count.next = self.count_q.q.val();
+    }
+}
+
 /// What the host sees of a stage: non-zero words sent (0), saturated results (1), codes (2) and differences (3).
 #[derive(Circuit)]
+#[circuit(default)]
 pub struct Counters {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -24,43 +67,38 @@ pub struct Counters {
     pub select: Signal<In, Bits<2>>,
     /// It.
     pub value: Signal<Out, Bits<32>>,
-    nonzero_q: DFF<Bits<32>>,
-    results_q: DFF<Bits<32>>,
-    codes_q: DFF<Bits<32>>,
-    differences_q: DFF<Bits<32>>,
+    count_nonzero: Counter,
+    count_results: Counter,
+    count_codes: Counter,
+    count_differences: Counter,
 }
 
 impl Logic for Counters {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, nonzero_q, results_q, codes_q, differences_q);
-        if self.enable.val() {
-            self.nonzero_q.d.next = self.nonzero_q.q.val()
-                + (bit_cast::<32, 1>(self.nonzero.val().get_bits::<1>(0))
-                    + bit_cast::<32, 1>(self.nonzero.val().get_bits::<1>(1)));
-            self.results_q.d.next = self.results_q.q.val()
-                + (bit_cast::<32, 1>(self.results.val().get_bits::<1>(0))
-                    + bit_cast::<32, 1>(self.results.val().get_bits::<1>(1)));
-            self.codes_q.d.next = self.codes_q.q.val()
-                + (bit_cast::<32, 1>(self.codes.val().get_bits::<1>(0))
-                    + bit_cast::<32, 1>(self.codes.val().get_bits::<1>(1)));
-            self.differences_q.d.next = self.differences_q.q.val()
-                + (bit_cast::<32, 1>(self.differences.val().get_bits::<1>(0))
-                    + bit_cast::<32, 1>(self.differences.val().get_bits::<1>(1)));
-        }
-        self.value.next = self.nonzero_q.q.val();
+        self.count_nonzero.clock.next = self.clock.val();
+        self.count_nonzero.reset.next = self.reset.val();
+        self.count_nonzero.enable.next = self.enable.val();
+        self.count_nonzero.events.next = self.nonzero.val();
+        self.count_results.clock.next = self.clock.val();
+        self.count_results.reset.next = self.reset.val();
+        self.count_results.enable.next = self.enable.val();
+        self.count_results.events.next = self.results.val();
+        self.count_codes.clock.next = self.clock.val();
+        self.count_codes.reset.next = self.reset.val();
+        self.count_codes.enable.next = self.enable.val();
+        self.count_codes.events.next = self.codes.val();
+        self.count_differences.clock.next = self.clock.val();
+        self.count_differences.reset.next = self.reset.val();
+        self.count_differences.enable.next = self.enable.val();
+        self.count_differences.events.next = self.differences.val();
+        self.value.next = self.count_nonzero.count.val();
         if self.select.val() == 1 {
-            self.value.next = self.results_q.q.val();
+            self.value.next = self.count_results.count.val();
         } else if self.select.val() == 2 {
-            self.value.next = self.codes_q.q.val();
+            self.value.next = self.count_codes.count.val();
         } else if self.select.val() == 3 {
-            self.value.next = self.differences_q.q.val();
-        }
-        if self.reset.val() {
-            self.nonzero_q.d.next = 0.into();
-            self.results_q.d.next = 0.into();
-            self.codes_q.d.next = 0.into();
-            self.differences_q.d.next = 0.into();
+            self.value.next = self.count_differences.count.val();
         }
     }
 }

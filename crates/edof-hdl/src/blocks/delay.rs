@@ -1,9 +1,11 @@
-//! A row of registers.
+//! Leaf `edof_delay`: a row of registers, the last of which is one of its own.
 
 use crate::describe::Circuit;
+use crate::leaf::Leaf;
 use rust_hdl::prelude::*;
+use std::collections::VecDeque;
 
-/// What came in as many cycles ago as there are registers.
+/// What came in `N` cycles ago.
 #[derive(Circuit)]
 pub struct Delay<const W: usize, const N: usize> {
     /// Clock.
@@ -12,21 +14,35 @@ pub struct Delay<const W: usize, const N: usize> {
     pub now: Signal<In, Bits<W>>,
     /// Out.
     pub later: Signal<Out, Bits<W>>,
-    row: [DFF<Bits<W>>; N],
+    _row: VecDeque<Bits<W>>,
+}
+
+impl<const W: usize, const N: usize> Default for Delay<W, N> {
+    fn default() -> Self {
+        Self::from_parts(DelayParts { _row: VecDeque::from(vec![Bits::default(); N]) })
+    }
 }
 
 impl<const W: usize, const N: usize> Logic for Delay<W, N> {
-    #[hdl_gen]
     fn update(&mut self) {
-        for i in 0..N {
-            self.row[i].clock.next = self.clock.val();
+        if self.clock.pos_edge() {
+            self._row.push_back(self.now.val());
+            self._row.pop_front();
         }
-        self.row[0].d.next = self.now.val();
-        for i in 1..N {
-            self.row[i].d.next = self.row[i - 1].q.val();
-        }
-        for i in (N - 1)..N {
-            self.later.next = self.row[i].q.val();
-        }
+        self.later.next = self._row.front().copied().unwrap_or_default();
+    }
+
+    fn connect(&mut self) {
+        self.later.connect();
+    }
+
+    fn hdl(&self) -> Verilog {
+        Leaf::new("edof_delay")
+            .parameter("WIDTH", W)
+            .parameter("CYCLES", N)
+            .port("clock_i", "clock")
+            .port("now_i", "now")
+            .port("later_o", "later")
+            .verilog()
     }
 }

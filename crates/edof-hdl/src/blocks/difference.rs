@@ -4,7 +4,7 @@ use super::Word;
 use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// The change of one element of z, saturated, a cycle later.
+/// The change of one element of z, saturated, three cycles later.
 #[derive(Circuit)]
 pub struct Difference {
     /// Clock.
@@ -19,11 +19,14 @@ pub struct Difference {
     pub saturated: Signal<Out, Bit>,
     most: Constant<Bits<17>>,
     least: Constant<Bits<17>>,
+    change_1: DFF<Bits<17>>,
+    change_2: DFF<Word>,
+    too_large: DFF<Bit>,
+    too_small: DFF<Bit>,
     result_q: DFF<Word>,
     saturated_q: DFF<Bit>,
     wide_now: Signal<Local, Bits<17>>,
     wide_before: Signal<Local, Bits<17>>,
-    change: Signal<Local, Bits<17>>,
 }
 
 impl Difference {
@@ -41,7 +44,7 @@ impl Difference {
 impl Logic for Difference {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, result_q, saturated_q);
+        dff_setup!(self, clock, change_1, change_2, too_large, too_small, result_q, saturated_q);
 
         self.wide_now.next = bit_cast::<17, 16>(self.now.val());
         if self.now.val().get_bit(15) {
@@ -51,19 +54,21 @@ impl Logic for Difference {
         if self.before.val().get_bit(15) {
             self.wide_before.next = bit_cast::<17, 16>(self.before.val()) | 0x1_0000;
         }
-        self.change.next = self.wide_now.val() - self.wide_before.val();
+        self.change_1.d.next = self.wide_now.val() - self.wide_before.val();
 
-        self.result_q.d.next = self.change.val().get_bits::<16>(0);
-        self.saturated_q.d.next = false;
-        if self.change.val().get_bit(16) {
-            if self.change.val() < self.least.val() {
-                self.result_q.d.next = self.least.val().get_bits::<16>(0);
-                self.saturated_q.d.next = true;
-            }
-        } else if self.change.val() > self.most.val() {
+        self.change_2.d.next = self.change_1.q.val().get_bits::<16>(0);
+        self.too_large.d.next =
+            !self.change_1.q.val().get_bit(16) && (self.change_1.q.val() > self.most.val());
+        self.too_small.d.next =
+            self.change_1.q.val().get_bit(16) && (self.change_1.q.val() < self.least.val());
+
+        self.result_q.d.next = self.change_2.q.val();
+        if self.too_large.q.val() {
             self.result_q.d.next = self.most.val().get_bits::<16>(0);
-            self.saturated_q.d.next = true;
+        } else if self.too_small.q.val() {
+            self.result_q.d.next = self.least.val().get_bits::<16>(0);
         }
+        self.saturated_q.d.next = self.too_large.q.val() || self.too_small.q.val();
 
         self.result.next = self.result_q.q.val();
         self.saturated.next = self.saturated_q.q.val();

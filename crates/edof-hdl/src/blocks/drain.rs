@@ -6,15 +6,18 @@ use edof_spec::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
 /// When sums are copied out of the multipliers, and when the copies are taken, two a cycle.
-/// A pass's sums stand ready five cycles after its last step and are copied once the drain of the pass before is over.
-/// Credits bound what is on the way to the FIFO. The next pass may start unless its sums could meet those not yet copied.
+/// A pass's sums stand ready seven cycles after its last step and are copied once the drain of the pass before is over. A drain begins
+/// when all that it takes has room in the FIFO, and then takes in every cycle. Two passes may be between their start and their release:
+/// the next one's sums come so late that a drain may still have some takes to go. Copy and take leave a cycle after they are decided.
 #[derive(Circuit)]
 #[circuit(default(Delay))]
 pub struct Drain {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets everything; held for 16 cycles or more.
+    /// Forgets everything; held for 48 cycles or more.
     pub reset: Signal<In, Bit>,
+    /// A pass begins.
+    pub begins: Signal<In, Bit>,
     /// The last step of a pass is issued.
     pub pass_issued: Signal<In, Bit>,
     /// Its vector's set.
@@ -33,21 +36,32 @@ pub struct Drain {
     pub last: Signal<Out, Bit>,
     /// Its set.
     pub taken_set: Signal<Out, Bit>,
-    last_take: Constant<Bits<8>>,
+    before_last_take: Constant<Bits<8>>,
+    release_at: Constant<Bits<8>>,
     last_beat: Constant<Bits<8>>,
-    all_credits: Constant<Bits<5>>,
-    on_the_way: Delay<2, 4>,
+    all_credits: Constant<Bits<8>>,
+    wanted_credits: Constant<Bits<8>>,
+    on_the_way: Delay<2, 6>,
     sum_ready: DFF<Bit>,
     sum_set: DFF<Bit>,
-    outstanding: DFF<Bits<2>>,
-    active: DFF<Bit>,
-    taken: DFF<Bits<8>>,
+    open: DFF<Bits<2>>,
+    busy: DFF<Bit>,
+    loaded: DFF<Bit>,
+    on: DFF<Bit>,
+    rest: DFF<Bits<8>>,
+    at_last: DFF<Bit>,
     beat_q: DFF<Bits<8>>,
     drain_set: DFF<Bit>,
-    credits: DFF<Bits<5>>,
-    arrives: Signal<Local, Bit>,
+    credits: DFF<Bits<8>>,
+    enough: DFF<Bit>,
+    copy_q: DFF<Bit>,
+    take_q: DFF<Bit>,
+    taken_beat: DFF<Bits<8>>,
+    last_q: DFF<Bit>,
+    set_q: DFF<Bit>,
     copies: Signal<Local, Bit>,
     takes: Signal<Local, Bit>,
+    releases: Signal<Local, Bit>,
     passed: Signal<Local, Bits<2>>,
 }
 
@@ -55,10 +69,14 @@ impl Drain {
     /// The drain of a stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
+        let beats = stage.drain_beats() as u64;
+        let released_at = timing::release(stage.drain_beats());
         Self::from_parts(DrainParts {
-            last_take: Constant::new((stage.drain_beats() as u64 - 1).into()),
+            before_last_take: Constant::new((beats - 1).into()),
+            release_at: Constant::new((beats - 1 - released_at).into()),
             last_beat: Constant::new((stage.beats_out() as u64 - 1).into()),
             all_credits: Constant::new((timing::DRAIN_CREDITS as u64).into()),
+            wanted_credits: Constant::new(beats.into()),
         })
     }
 }
@@ -66,7 +84,10 @@ impl Drain {
 impl Logic for Drain {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, sum_ready, sum_set, outstanding, active, taken, beat_q, drain_set, credits);
+        dff_setup!(
+            self, clock, sum_ready, sum_set, open, busy, loaded, on, rest, at_last, beat_q, drain_set,
+            credits, enough, copy_q, take_q, taken_beat, last_q, set_q
+        );
         self.on_the_way.clock.next = self.clock.val();
 
         self.passed.next = 0.into();
@@ -76,53 +97,70 @@ impl Logic for Drain {
             self.passed.next = 1.into();
         }
         self.on_the_way.now.next = self.passed.val();
-        self.arrives.next = self.on_the_way.later.val().get_bit(0);
-        self.copies.next = self.sum_ready.q.val() && !self.active.q.val();
-        self.takes.next = self.active.q.val() && self.credits.q.val().any();
+        self.copies.next = self.sum_ready.q.val() && !self.busy.q.val();
+        self.takes.next = self.on.q.val() || (self.loaded.q.val() && self.enough.q.val());
+        self.releases.next = self.takes.val() && (self.rest.q.val() == self.release_at.val());
 
+        // A pass whose sums stand ready, are copied, are taken.
         if self.copies.val() {
             self.sum_ready.d.next = false;
-            self.active.d.next = true;
-            self.taken.d.next = 0.into();
+            self.busy.d.next = true;
+            self.loaded.d.next = true;
+            self.rest.d.next = self.before_last_take.val();
+            self.at_last.d.next = !self.before_last_take.val().any();
             self.drain_set.d.next = self.sum_set.q.val();
         }
-        if self.arrives.val() {
+        if self.on_the_way.later.val().get_bit(0) {
             self.sum_ready.d.next = true;
             self.sum_set.d.next = self.on_the_way.later.val().get_bit(1);
         }
-        if self.pass_issued.val() && !self.copies.val() {
-            self.outstanding.d.next = self.outstanding.q.val() + 1;
-        } else if self.copies.val() && !self.pass_issued.val() {
-            self.outstanding.d.next = self.outstanding.q.val() - 1;
-        }
         if self.takes.val() {
-            self.taken.d.next = self.taken.q.val() + 1;
-            if self.taken.q.val() == self.last_take.val() {
-                self.active.d.next = false;
+            self.loaded.d.next = false;
+            self.on.d.next = true;
+            self.rest.d.next = self.rest.q.val() - 1;
+            self.at_last.d.next = self.rest.q.val() == 1;
+            if self.at_last.q.val() {
+                self.on.d.next = false;
+                self.busy.d.next = false;
             }
             self.beat_q.d.next = self.beat_q.q.val() + 1;
             if self.beat_q.q.val() == self.last_beat.val() {
                 self.beat_q.d.next = 0.into();
             }
         }
+
+        // Passes that have begun and are not released; room in the FIFO.
+        if self.begins.val() && !self.releases.val() {
+            self.open.d.next = self.open.q.val() + 1;
+        } else if self.releases.val() && !self.begins.val() {
+            self.open.d.next = self.open.q.val() - 1;
+        }
         if self.takes.val() && !self.returned.val() {
             self.credits.d.next = self.credits.q.val() - 1;
         } else if self.returned.val() && !self.takes.val() {
             self.credits.d.next = self.credits.q.val() + 1;
         }
+        self.enough.d.next = self.credits.q.val() >= self.wanted_credits.val();
+        self.may_start.next = !self.open.q.val().get_bit(1);
 
-        self.may_start.next =
-            (self.outstanding.q.val() == 0) || ((self.outstanding.q.val() == 1) && !self.active.q.val());
-        self.copy.next = self.copies.val();
-        self.take.next = self.takes.val();
-        self.beat.next = self.beat_q.q.val();
-        self.last.next = self.beat_q.q.val() == self.last_beat.val();
-        self.taken_set.next = self.drain_set.q.val();
+        // A cycle later.
+        self.copy_q.d.next = self.copies.val();
+        self.take_q.d.next = self.takes.val();
+        self.taken_beat.d.next = self.beat_q.q.val();
+        self.last_q.d.next = self.beat_q.q.val() == self.last_beat.val();
+        self.set_q.d.next = self.drain_set.q.val();
+        self.copy.next = self.copy_q.q.val();
+        self.take.next = self.take_q.q.val();
+        self.beat.next = self.taken_beat.q.val();
+        self.last.next = self.last_q.q.val();
+        self.taken_set.next = self.set_q.q.val();
 
         if self.reset.val() {
             self.sum_ready.d.next = false;
-            self.outstanding.d.next = 0.into();
-            self.active.d.next = false;
+            self.open.d.next = 0.into();
+            self.busy.d.next = false;
+            self.loaded.d.next = false;
+            self.on.d.next = false;
             self.beat_q.d.next = 0.into();
             self.credits.d.next = self.all_credits.val();
         }

@@ -1,100 +1,73 @@
 //! Leaf `edof_fifo`: finished beats that wait for their receiver.
 
-use super::Pair;
 use crate::describe::Circuit;
 use crate::leaf::Leaf;
+use edof_spec::design::timing::DRAIN_CREDITS;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
-/// Sixteen beats deep; a pushed beat stands on the output in the next cycle. Who pushes must know that there is room.
+/// As many words as there are credits; a pushed word stands on the output two cycles later. Who pushes must know that there is room.
 #[derive(Circuit)]
-pub struct Fifo {
+pub struct Fifo<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// Empties it.
     pub reset: Signal<In, Bit>,
-    /// Takes the beat below.
+    /// Takes the word below.
     pub push: Signal<In, Bit>,
-    /// The words to be multiplied.
-    pub data: Signal<In, Pair>,
-    /// Their base words.
-    pub base: Signal<In, Pair>,
-    /// Whether the beat is its vector's last.
-    pub last: Signal<In, Bit>,
-    /// The vector's set.
-    pub set: Signal<In, Bit>,
-    /// Whether a beat stands on the output.
+    /// The word.
+    pub data: Signal<In, Bits<W>>,
+    /// Whether a word stands on the output.
     pub front_valid: Signal<Out, Bit>,
     /// Whether the receiver takes it.
     pub front_ready: Signal<In, Bit>,
-    /// Its words.
-    pub front_data: Signal<Out, Pair>,
-    /// Its base words; 0 where bases are not kept.
-    pub front_base: Signal<Out, Pair>,
-    /// Whether it is its vector's last.
-    pub front_last: Signal<Out, Bit>,
-    /// Its vector's set.
-    pub front_set: Signal<Out, Bit>,
-    _base: bool,
-    _beats: VecDeque<(Pair, Pair, bool, bool)>,
+    /// It.
+    pub front_data: Signal<Out, Bits<W>>,
+    _words: VecDeque<Bits<W>>,
+    _front: Option<Bits<W>>,
 }
 
-impl Fifo {
-    /// A FIFO with or without base words.
-    #[must_use]
-    pub fn new(base: bool) -> Self {
-        Self::from_parts(FifoParts { _base: base, _beats: VecDeque::new() })
+impl<const W: usize> Default for Fifo<W> {
+    fn default() -> Self {
+        Self::from_parts(FifoParts { _words: VecDeque::new(), _front: None })
     }
 }
 
-impl Logic for Fifo {
+impl<const W: usize> Logic for Fifo<W> {
     fn update(&mut self) {
         if self.clock.pos_edge() {
             if self.reset.val() {
-                self._beats.clear();
+                self._words.clear();
+                self._front = None;
             } else {
-                if self.front_valid.val() && self.front_ready.val() {
-                    self._beats.pop_front();
+                if self._front.is_none() || self.front_ready.val() {
+                    self._front = self._words.pop_front();
                 }
                 if self.push.val() {
-                    let base = if self._base { self.base.val() } else { 0.into() };
-                    self._beats.push_back((self.data.val(), base, self.last.val(), self.set.val()));
+                    self._words.push_back(self.data.val());
                 }
             }
         }
-        self.front_valid.next = !self._beats.is_empty();
-        let zero = (0.into(), 0.into(), false, false);
-        let (data, base, last, set) = self._beats.front().copied().unwrap_or(zero);
-        self.front_data.next = data;
-        self.front_base.next = base;
-        self.front_last.next = last;
-        self.front_set.next = set;
+        self.front_valid.next = self._front.is_some();
+        self.front_data.next = self._front.unwrap_or_default();
     }
 
     fn connect(&mut self) {
         self.front_valid.connect();
         self.front_data.connect();
-        self.front_base.connect();
-        self.front_last.connect();
-        self.front_set.connect();
     }
 
     fn hdl(&self) -> Verilog {
         Leaf::new("edof_fifo")
-            .parameter("BASE", usize::from(self._base))
+            .parameter("WIDTH", W)
+            .parameter("DEPTH", DRAIN_CREDITS)
             .port("clock_i", "clock")
             .port("reset_i", "reset")
             .port("push_i", "push")
             .port("data_i", "data")
-            .port("base_i", "base")
-            .port("last_i", "last")
-            .port("set_i", "set")
             .port("valid_o", "front_valid")
             .port("ready_i", "front_ready")
             .port("data_o", "front_data")
-            .port("base_o", "front_base")
-            .port("last_o", "front_last")
-            .port("set_o", "front_set")
             .verilog()
     }
 }

@@ -1,13 +1,14 @@
-//! All banks of a stage, their holding registers one chain.
+//! Leaf `edof_macc_array`: all multipliers of a stage and their weights.
 
-use super::macc_bank::MaccBank;
 use super::{Row, Sum};
 use crate::describe::Circuit;
+use crate::leaf::Leaf;
 use edof_spec::FixedNetwork;
-use edof_spec::design::{StagePlan, memory};
+use edof_spec::design::{BANK_LANES, StagePlan, memory};
 use rust_hdl::prelude::*;
 
-/// All banks of a stage. Each sees the same addresses and values; copied sums are handed down the chain to bank 0.
+/// Every bank sees the same addresses and values; sums are handed down to bank 0. See `rtl/edof_macc_array.v` and
+/// `rtl/edof_macc_bank.v` for the exact cycles.
 #[derive(Circuit)]
 pub struct MaccArray {
     /// Clock.
@@ -16,76 +17,243 @@ pub struct MaccArray {
     pub first: Signal<In, Bit>,
     /// Row of weights.
     pub address_a: Signal<In, Row>,
-    /// Value.
-    pub value_a: Signal<In, Bits<25>>,
-    /// Row of weights for the second DSP.
+    /// Row of weights at the second port.
     pub address_b: Signal<In, Row>,
-    /// Its value.
+    /// Value of the first row; 0 where there is no work.
+    pub value_a: Signal<In, Bits<25>>,
+    /// Of the second.
     pub value_b: Signal<In, Bits<25>>,
+    /// Of the third.
+    pub value_c: Signal<In, Bits<25>>,
+    /// Of the fourth.
+    pub value_d: Signal<In, Bits<25>>,
     /// Copies the sums.
     pub copy: Signal<In, Bit>,
     /// Hands two on.
     pub shift: Signal<In, Bit>,
-    /// The two that stand first.
-    pub drain_even: Signal<Out, Sum>,
+    /// The two that were first seven cycles ago.
+    pub sum_even: Signal<Out, Sum>,
     /// The odd one.
-    pub drain_odd: Signal<Out, Sum>,
-    /// Writes half a row of one bank.
+    pub sum_odd: Signal<Out, Sum>,
+    /// Writes half a word of one bank.
     pub write_enable: Signal<In, Bit>,
     /// Which bank.
     pub write_bank: Signal<In, Bits<6>>,
-    /// Which half.
+    /// Which half: lanes 0 and 1, or 2 and 3.
     pub write_half: Signal<In, Bit>,
-    /// Row.
+    /// Row, and which of its words in the lowest bits.
     pub write_row: Signal<In, Row>,
     /// Two weights.
     pub write_data: Signal<In, Bits<32>>,
-    banks: Vec<MaccBank>,
-    bank_ids: Vec<Constant<Bits<6>>>,
-    _banks: usize,
+    _sizes: Sizes,
+    _state: State,
+}
+
+#[derive(Debug, Clone)]
+struct Sizes {
+    banks: usize,
+    depth: usize,
+    rows: usize,
+    dense: bool,
+    part_bits: u32,
+    sum_bits: u32,
+    images: String,
+}
+
+/// What a step brings: rows of weights and values.
+#[derive(Debug, Clone, Copy, Default)]
+struct Step {
+    first: bool,
+    addresses: [usize; 2],
+    values: [i64; 4],
+}
+
+/// A write on its way.
+#[derive(Debug, Clone, Copy, Default)]
+struct Write {
+    enable: bool,
+    bank: usize,
+    half: bool,
+    row: usize,
+    data: u64,
+}
+
+/// Registers of the model.
+#[derive(Debug, Clone, Default)]
+struct State {
+    /// Of each bank and word of a row.
+    weights: Vec<Vec<u64>>,
+    /// Steps of the last six cycles, the newest first.
+    steps: [Step; 6],
+    /// Rows that lie in the memories' output registers, of each bank and word.
+    read: [Vec<u64>; 5],
+    write: Write,
+    /// Of each lane, its rows.
+    sums: Vec<Vec<i64>>,
+    hold: Vec<Vec<i64>>,
+    copy: [bool; 2],
+    shift: [bool; 2],
+    /// Even and odd sums that leave.
+    leaving: [[i64; 2]; 5],
 }
 
 impl MaccArray {
-    /// The banks of a stage; the models hold the weights of both sets.
+    /// The multipliers of a stage; the model holds the weights of both sets.
     #[must_use]
     pub fn new(stage: &StagePlan, sum_bits: u32, sets: [&FixedNetwork; 2]) -> Self {
-        let words = |bank| sets.iter().flat_map(|n| memory::weight_words(n, stage, bank)).collect();
+        let words = |bank, part| sets.iter().flat_map(move |n| memory::weight_words(n, stage, bank, part));
+        let parts = stage.row_words();
+        let memories = (0..stage.banks()).flat_map(|bank| (0..parts).map(move |part| (bank, part)));
+        let lanes = vec![vec![0; stage.rows]; stage.lanes];
         Self::from_parts(MaccArrayParts {
-            banks: (0..stage.banks()).map(|bank| MaccBank::new(stage, bank, sum_bits, words(bank))).collect(),
-            bank_ids: (0..stage.banks() as u64).map(|bank| Constant::new(bank.into())).collect(),
-            _banks: stage.banks(),
+            _sizes: Sizes {
+                banks: stage.banks(),
+                depth: stage.weight_depth(),
+                rows: stage.rows,
+                dense: stage.is_dense(),
+                part_bits: memory::row_bits(stage),
+                sum_bits,
+                images: memory::weight_images(stage),
+            },
+            _state: State {
+                weights: memories.map(|(bank, part)| words(bank, part).collect()).collect(),
+                read: std::array::from_fn(|_| vec![0; stage.banks() * stage.rows]),
+                sums: lanes.clone(),
+                hold: lanes,
+                ..State::default()
+            },
         })
+    }
+
+    fn step(&mut self) {
+        // Not cloned with the rest: it is large, and read before it is written.
+        let mut weights = std::mem::take(&mut self._state.weights);
+        let (sizes, old) = (&self._sizes, self._state.clone());
+        let value = |signal: &Signal<In, Bits<25>>| extend(signal.val().to_u64(), 25);
+        let step = Step {
+            first: self.first.val(),
+            addresses: [self.address_a.val(), self.address_b.val()].map(|row| row.to_u64() as usize),
+            values: [&self.value_a, &self.value_b, &self.value_c, &self.value_d].map(value),
+        };
+        let new = &mut self._state;
+        new.steps.rotate_right(1);
+        new.steps[0] = step;
+        new.copy = [self.copy.val(), old.copy[0]];
+        new.shift = [self.shift.val(), old.shift[0]];
+        new.write = Write {
+            enable: self.write_enable.val(),
+            bank: self.write_bank.val().to_u64() as usize,
+            half: self.write_half.val(),
+            row: self.write_row.val().to_u64() as usize,
+            data: self.write_data.val().to_u64(),
+        };
+        new.read.rotate_right(1);
+        new.read[0] = read(sizes, &old, &weights);
+        write(sizes, &old.write, &mut weights);
+        new.weights = weights;
+        // Products of the step of six cycles ago, whose rows have come through memory, output and input register.
+        let (step, rows) = (&old.steps[4], &old.read[3]);
+        for (lane, sums) in new.sums.iter_mut().enumerate() {
+            for (row, sum) in sums.iter_mut().enumerate() {
+                let word = rows[(lane / BANK_LANES) * sizes.rows + row] >> (16 * (lane % BANK_LANES));
+                let before = if step.first { 0 } else { *sum };
+                *sum = wrap(before + extend(word & 0xffff, 16) * step.values[row], 48);
+            }
+        }
+        if old.copy[1] {
+            let copied = |sums: &Vec<i64>| sums.iter().map(|sum| wrap(*sum, sizes.sum_bits)).collect();
+            new.hold = old.sums.iter().map(copied).collect();
+        } else if old.shift[1] {
+            new.hold.rotate_left(2);
+            let end = new.hold.len() - 2;
+            new.hold[end..].iter_mut().for_each(|sums| sums.fill(0));
+        }
+        new.leaving.rotate_right(1);
+        new.leaving[0] = [0, 1].map(|lane| wrap(old.hold[lane].iter().sum(), 48));
     }
 }
 
+/// The rows that the step of a cycle ago reads; a write takes its place at a port of two that read.
+fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
+    let word = |memory: usize, row: usize| weights[memory].get(row).copied().unwrap_or(0);
+    let [a, b] = old.steps[0].addresses;
+    (0..sizes.banks)
+        .flat_map(|bank| {
+            let written = old.write.enable && old.write.bank == bank;
+            let a = if !sizes.dense && sizes.rows == 2 && written { old.write.row } else { a };
+            (0..sizes.rows).map(move |row| match (sizes.dense, row) {
+                (true, part) => (bank * sizes.rows + part, a),
+                (false, 0) => (bank, a),
+                (false, _) => (bank, b),
+            })
+        })
+        .map(|(memory, row)| word(memory, row))
+        .collect()
+}
+
+fn write(sizes: &Sizes, write: &Write, weights: &mut [Vec<u64>]) {
+    let parts = if sizes.dense { sizes.rows } else { 1 };
+    let part = write.row & ((1 << sizes.part_bits) - 1);
+    if !write.enable || write.bank >= sizes.banks || part >= parts {
+        return;
+    }
+    let row = write.row >> sizes.part_bits;
+    let shift = if write.half { 32 } else { 0 };
+    if let Some(word) = weights[write.bank * parts + part].get_mut(row) {
+        *word = (*word & !(0xffff_ffff << shift)) | (write.data << shift);
+    }
+}
+
+/// The low `bits` bits as two's complement.
+const fn extend(word: u64, bits: u32) -> i64 {
+    ((word << (64 - bits)) as i64) >> (64 - bits)
+}
+
+/// A sum that has `bits` bits.
+const fn wrap(sum: i64, bits: u32) -> i64 {
+    extend(sum as u64, bits)
+}
+
 impl Logic for MaccArray {
-    #[hdl_gen]
     fn update(&mut self) {
-        for i in 0..self._banks {
-            self.banks[i].clock.next = self.clock.val();
-            self.banks[i].first.next = self.first.val();
-            self.banks[i].address_a.next = self.address_a.val();
-            self.banks[i].value_a.next = self.value_a.val();
-            self.banks[i].address_b.next = self.address_b.val();
-            self.banks[i].value_b.next = self.value_b.val();
-            self.banks[i].copy.next = self.copy.val();
-            self.banks[i].shift.next = self.shift.val();
-            self.banks[i].write_enable.next = self.write_enable.val();
-            self.banks[i].bank.next = self.bank_ids[i].val();
-            self.banks[i].write_bank.next = self.write_bank.val();
-            self.banks[i].write_half.next = self.write_half.val();
-            self.banks[i].write_row.next = self.write_row.val();
-            self.banks[i].write_data.next = self.write_data.val();
+        if self.clock.pos_edge() {
+            self.step();
         }
-        for i in 0..(self._banks - 1) {
-            self.banks[i].drain_even_in.next = self.banks[i + 1].drain_even.val();
-            self.banks[i].drain_odd_in.next = self.banks[i + 1].drain_odd.val();
-        }
-        for i in (self._banks - 1)..self._banks {
-            self.banks[i].drain_even_in.next = 0.into();
-            self.banks[i].drain_odd_in.next = 0.into();
-        }
-        self.drain_even.next = self.banks[0].drain_even.val();
-        self.drain_odd.next = self.banks[0].drain_odd.val();
+        let low = |sum: i64| (sum as u64 & ((1 << 48) - 1)).into();
+        self.sum_even.next = low(self._state.leaving[4][0]);
+        self.sum_odd.next = low(self._state.leaving[4][1]);
+    }
+
+    fn connect(&mut self) {
+        self.sum_even.connect();
+        self.sum_odd.connect();
+    }
+
+    fn hdl(&self) -> Verilog {
+        Leaf::new("edof_macc_array")
+            .parameter("BANKS", self._sizes.banks)
+            .parameter("DEPTH", self._sizes.depth)
+            .parameter("ROWS", self._sizes.rows)
+            .parameter("DENSE", usize::from(self._sizes.dense))
+            .parameter("SUM", self._sizes.sum_bits as usize)
+            .text("INIT", &self._sizes.images)
+            .port("clock_i", "clock")
+            .port("first_i", "first")
+            .port("address_a_i", "address_a")
+            .port("address_b_i", "address_b")
+            .port("value_a_i", "value_a")
+            .port("value_b_i", "value_b")
+            .port("value_c_i", "value_c")
+            .port("value_d_i", "value_d")
+            .port("copy_i", "copy")
+            .port("shift_i", "shift")
+            .port("sum_even_o", "sum_even")
+            .port("sum_odd_o", "sum_odd")
+            .port("write_enable_i", "write_enable")
+            .port("write_bank_i", "write_bank")
+            .port("write_half_i", "write_half")
+            .port("write_row_i", "write_row")
+            .port("write_data_i", "write_data")
+            .verilog()
     }
 }

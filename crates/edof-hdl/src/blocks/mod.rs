@@ -2,11 +2,11 @@
 //!
 //! | block | does |
 //! |---|---|
-//! | [`pair_buffer`] | vectors in, (index, value) pairs out |
+//! | [`pair_store`], [`dense_store`] | vectors in, (index, value) pairs out (M, F); or all elements (I) |
 //! | [`base_ring`] | base words that wait for their sums (M) |
 //! | [`window_ring`] | windows that wait for F |
-//! | [`sequencer`] | addresses and values for the multipliers, pass by pass |
-//! | [`macc_array`] | all banks of a stage in a chain |
+//! | [`sequencer`] | which step of which pass is next |
+//! | [`pair_operands`], [`dense_operands`] | addresses and values for the multipliers |
 //! | [`drain`] | when sums are copied and taken |
 //! | [`requantize`], [`shrink`], [`difference`] | from a sum to the words that go on |
 //! | [`results`] | the pipeline of these, with bases and thresholds |
@@ -14,18 +14,21 @@
 //! | [`stage`] | all of the above: I, M or F |
 //! | [`chain`] | the stages of a design |
 //!
-//! Leaves, each in `rtl/` and here as its model: [`ram`], [`fifo`], [`macc_bank`]. [`delay`] is a row of registers.
+//! Leaves, each in `rtl/` and here as its model: [`macc_array`], all banks of a stage; [`ram`], [`fifo`], [`add`], [`delay`].
 
+pub mod add;
 pub mod base_ring;
 pub mod chain;
 pub mod counters;
 pub mod delay;
+pub mod dense_operands;
+pub mod dense_store;
 pub mod difference;
 pub mod drain;
 pub mod fifo;
 pub mod macc_array;
-pub mod macc_bank;
-pub mod pair_buffer;
+pub mod pair_operands;
+pub mod pair_store;
 pub mod ram;
 pub mod registers;
 pub mod requantize;
@@ -45,6 +48,10 @@ pub type Pair = Bits<32>;
 pub type Sum = Bits<48>;
 /// A row of a memory; each memory uses as many bits as it has rows.
 pub type Row = Bits<12>;
+/// What the sequencer must know of a vector: steps before the last one in bits 11 to 4, one step only, no pairs, an odd number, set.
+pub type Descriptor = Bits<12>;
+/// Rows of two elements that a slot of a store has.
+pub(crate) const SLOT_ROWS: usize = 128;
 /// Position of an element among the inputs of a stage.
 pub type Index = Bits<9>;
 /// An element's index above its value.

@@ -1,14 +1,16 @@
 //! From a sum to a rounded word.
 
+use super::add::Add;
 use super::delay::Delay;
 use super::{Sum, Word};
 use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// From a sum to a rounded word: saturate((sum + (base << base_shift) + half) >> result_shift), four cycles later.
-/// half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement; `most` and `least` bound the result.
+/// From a sum to a rounded word: saturate((sum + (base << base_shift) + half) >> result_shift), ten cycles later.
+/// half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement. Shifts are made in two cycles each, by less
+/// than eight and by eights; additions in two, half by half; what does not fit is known a cycle before it is replaced.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay, Add))]
 pub struct Requantize {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -24,22 +26,34 @@ pub struct Requantize {
     pub result: Signal<Out, Word>,
     /// Whether it did not fit.
     pub saturated: Signal<Out, Bit>,
-    has_base: Constant<Bit>,
+    base_bits: Constant<Sum>,
     one: Constant<Sum>,
     ones: Constant<Sum>,
     sign_bits: Constant<Sum>,
-    most: Constant<Sum>,
-    least: Constant<Sum>,
-    sum_q: DFF<Sum>,
-    aligned_q: DFF<Sum>,
-    total_q: DFF<Sum>,
-    shifted_q: DFF<Sum>,
+    beyond: Constant<Sum>,
+    most: Constant<Word>,
+    least: Constant<Word>,
+    sum_to_4: Delay<48, 4>,
+    shift_to_6: Delay<6, 6>,
+    fine_1: DFF<Sum>,
+    coarse_1: DFF<Bits<6>>,
+    half_1: DFF<Sum>,
+    aligned_2: DFF<Sum>,
+    half_2: DFF<Sum>,
+    with_half: Add,
+    total: Add,
+    fine_7: DFF<Sum>,
+    coarse_7: DFF<Bits<6>>,
+    shifted_8: DFF<Sum>,
+    result_9: DFF<Word>,
+    too_large: DFF<Bit>,
+    too_small: DFF<Bit>,
     result_q: DFF<Word>,
     saturated_q: DFF<Bit>,
-    shift_later: Delay<6, 2>,
     extended: Signal<Local, Sum>,
-    half: Signal<Local, Sum>,
-    fill: Signal<Local, Sum>,
+    fine_fill: Signal<Local, Sum>,
+    coarse_fill: Signal<Local, Sum>,
+    outside: Signal<Local, Sum>,
 }
 
 impl Requantize {
@@ -49,12 +63,13 @@ impl Requantize {
         let most = (1u64 << (bits - 1)) - 1;
         let ones = (1u64 << 48) - 1;
         Self::from_parts(RequantizeParts {
-            has_base: Constant::new(has_base),
+            base_bits: Constant::new(if has_base { ones } else { 0 }.into()),
             one: Constant::new(1.into()),
             ones: Constant::new(ones.into()),
             sign_bits: Constant::new((ones & !0xffff).into()),
+            beyond: Constant::new((ones & !most).into()),
             most: Constant::new(most.into()),
-            least: Constant::new((ones & !most).into()),
+            least: Constant::new((0xffff & !most).into()),
         })
     }
 }
@@ -62,44 +77,76 @@ impl Requantize {
 impl Logic for Requantize {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, sum_q, aligned_q, total_q, shifted_q, result_q, saturated_q);
-        self.shift_later.clock.next = self.clock.val();
-        self.shift_later.now.next = self.result_shift.val();
+        dff_setup!(
+            self,
+            clock,
+            fine_1,
+            coarse_1,
+            half_1,
+            aligned_2,
+            half_2,
+            fine_7,
+            coarse_7,
+            shifted_8,
+            result_9,
+            too_large,
+            too_small,
+            result_q,
+            saturated_q
+        );
+        self.sum_to_4.clock.next = self.clock.val();
+        self.shift_to_6.clock.next = self.clock.val();
+        self.with_half.clock.next = self.clock.val();
+        self.total.clock.next = self.clock.val();
 
-        // Cycle 1: base and rounding term.
+        // Cycles 1 and 2: the base to its place; the rounding term.
         self.extended.next = bit_cast::<48, 16>(self.base.val());
         if self.base.val().get_bit(15) {
             self.extended.next = bit_cast::<48, 16>(self.base.val()) | self.sign_bits.val();
         }
-        self.half.next = (self.one.val() << self.result_shift.val()) >> 1;
-        self.sum_q.d.next = self.sum.val();
-        self.aligned_q.d.next = self.half.val();
-        if self.has_base.val() {
-            self.aligned_q.d.next = (self.extended.val() << self.base_shift.val()) + self.half.val();
-        }
+        self.fine_1.d.next = self.extended.val() << (self.base_shift.val() & 7);
+        self.coarse_1.d.next = self.base_shift.val() & 0x38;
+        self.half_1.d.next = (self.one.val() << self.result_shift.val()) >> 1;
+        self.aligned_2.d.next = (self.fine_1.q.val() << self.coarse_1.q.val()) & self.base_bits.val();
+        self.half_2.d.next = self.half_1.q.val();
 
-        // Cycle 2: the total.
-        self.total_q.d.next = self.sum_q.q.val() + self.aligned_q.q.val();
+        // Cycles 3 to 6: the total.
+        self.with_half.a.next = self.aligned_2.q.val();
+        self.with_half.b.next = self.half_2.q.val();
+        self.sum_to_4.now.next = self.sum.val();
+        self.total.a.next = self.sum_to_4.later.val();
+        self.total.b.next = self.with_half.sum.val();
 
-        // Cycle 3: an arithmetic shift right, the sign filled in from above.
-        self.fill.next = 0.into();
-        if self.total_q.q.val().get_bit(47) {
-            self.fill.next = !(self.ones.val() >> self.shift_later.later.val());
+        // Cycles 7 and 8: an arithmetic shift right, the sign filled in from above.
+        self.shift_to_6.now.next = self.result_shift.val();
+        self.fine_fill.next = 0.into();
+        if self.total.sum.val().get_bit(47) {
+            self.fine_fill.next = !(self.ones.val() >> (self.shift_to_6.later.val() & 7));
         }
-        self.shifted_q.d.next = (self.total_q.q.val() >> self.shift_later.later.val()) | self.fill.val();
+        self.fine_7.d.next =
+            (self.total.sum.val() >> (self.shift_to_6.later.val() & 7)) | self.fine_fill.val();
+        self.coarse_7.d.next = self.shift_to_6.later.val() & 0x38;
+        self.coarse_fill.next = 0.into();
+        if self.fine_7.q.val().get_bit(47) {
+            self.coarse_fill.next = !(self.ones.val() >> self.coarse_7.q.val());
+        }
+        self.shifted_8.d.next = (self.fine_7.q.val() >> self.coarse_7.q.val()) | self.coarse_fill.val();
 
-        // Cycle 4: saturation.
-        self.result_q.d.next = self.shifted_q.q.val().get_bits::<16>(0);
-        self.saturated_q.d.next = false;
-        if self.shifted_q.q.val().get_bit(47) {
-            if self.shifted_q.q.val() < self.least.val() {
-                self.result_q.d.next = self.least.val().get_bits::<16>(0);
-                self.saturated_q.d.next = true;
-            }
-        } else if self.shifted_q.q.val() > self.most.val() {
-            self.result_q.d.next = self.most.val().get_bits::<16>(0);
-            self.saturated_q.d.next = true;
+        // Cycles 9 and 10: saturation. What fits has all bits from its sign on alike.
+        self.outside.next = self.shifted_8.q.val() & self.beyond.val();
+        if self.shifted_8.q.val().get_bit(47) {
+            self.outside.next = !self.shifted_8.q.val() & self.beyond.val();
         }
+        self.result_9.d.next = self.shifted_8.q.val().get_bits::<16>(0);
+        self.too_large.d.next = self.outside.val().any() && !self.shifted_8.q.val().get_bit(47);
+        self.too_small.d.next = self.outside.val().any() && self.shifted_8.q.val().get_bit(47);
+        self.result_q.d.next = self.result_9.q.val();
+        if self.too_large.q.val() {
+            self.result_q.d.next = self.most.val();
+        } else if self.too_small.q.val() {
+            self.result_q.d.next = self.least.val();
+        }
+        self.saturated_q.d.next = self.too_large.q.val() || self.too_small.q.val();
 
         self.result.next = self.result_q.q.val();
         self.saturated.next = self.saturated_q.q.val();

@@ -12,8 +12,8 @@ use edof_spec::FixedNetwork;
 use edof_spec::design::{Design, StagePlan, memory};
 use rust_hdl::prelude::*;
 
-/// From sums to the words that go on, two elements a cycle. Counted from `take`: 1 sums and base are read, 2 to 6 base, rounding,
-/// shift and saturation, 7 threshold, 8 difference or wait. Nothing in here ever stalls.
+/// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
+/// shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
 #[derive(Circuit)]
 #[circuit(default(Delay))]
 pub struct Results {
@@ -21,7 +21,7 @@ pub struct Results {
     pub clock: Signal<In, Clock>,
     /// Forgets everything.
     pub reset: Signal<In, Bit>,
-    /// Two sums are taken in this cycle, and stand on the inputs in the next.
+    /// Two sums are taken, and stand on the inputs seven cycles later.
     pub take: Signal<In, Bit>,
     /// Which two of their vector.
     pub beat: Signal<In, Bits<8>>,
@@ -29,7 +29,7 @@ pub struct Results {
     pub last: Signal<In, Bit>,
     /// Its set.
     pub set: Signal<In, Bit>,
-    /// The even sum, a cycle after `take`.
+    /// The even sum, seven cycles after `take`.
     pub sum_even: Signal<In, Sum>,
     /// The odd one.
     pub sum_odd: Signal<In, Sum>,
@@ -49,7 +49,7 @@ pub struct Results {
     pub write_row: Signal<In, Row>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
-    /// A beat is done, eight cycles after `take`.
+    /// A beat is done, 23 cycles after `take`.
     pub push: Signal<Out, Bit>,
     /// Its two words.
     pub data: Signal<Out, Pair>,
@@ -68,35 +68,32 @@ pub struct Results {
     /// Which differences did not fit.
     pub difference_saturated: Signal<Out, Bits<2>>,
     set_rows: Constant<Row>,
-    to_1: Delay<3, 1>,
-    to_2: Delay<3, 1>,
-    to_5: Delay<3, 3>,
-    to_8: Delay<3, 3>,
-    beat_to_5: Delay<8, 5>,
-    sum_even_q: DFF<Sum>,
-    sum_odd_q: DFF<Sum>,
+    marks_to_5: Delay<3, 5>,
+    marks_to_6: Delay<3, 1>,
+    marks_to_23: Delay<3, 17>,
+    place_to_15: Delay<9, 15>,
+    threshold_row: DFF<Row>,
+    shifts: DFF<Bits<12>>,
     requantize_even: Requantize,
     requantize_odd: Requantize,
-    result_flags: Delay<2, 2>,
+    result_flags: Delay<2, 6>,
     base_ring: Vec<BaseRing>,
     thresholds: Vec<Ram<32>>,
     shrink_even: Vec<Shrink>,
     shrink_odd: Vec<Shrink>,
-    code_flags: Vec<Delay<2, 1>>,
-    codes_to_8: Vec<Delay<32, 1>>,
-    base_to_6: Vec<Delay<32, 4>>,
+    code_flags: Vec<Delay<2, 3>>,
+    codes_to_23: Vec<Delay<32, 3>>,
+    base_to_17: Vec<Delay<32, 10>>,
     previous_thresholds: Vec<Ram<32>>,
     previous_even: Vec<Shrink>,
     previous_odd: Vec<Shrink>,
     difference_even: Vec<Difference>,
     difference_odd: Vec<Difference>,
-    results_to_8: Vec<Delay<32, 2>>,
-    base_to_8: Vec<Delay<32, 6>>,
+    results_to_23: Vec<Delay<32, 6>>,
+    base_to_23: Vec<Delay<32, 16>>,
     marks: Signal<Local, Bits<3>>,
-    shifts: Signal<Local, Bits<20>>,
     base_word: Signal<Local, Pair>,
     result: Signal<Local, Pair>,
-    threshold_row: Signal<Local, Row>,
     code_even: Signal<Local, Word>,
     code_odd: Signal<Local, Word>,
     code: Signal<Local, Pair>,
@@ -143,15 +140,15 @@ impl Results {
             shrink_even: (0..shrinks).map(|_| shrink()).collect(),
             shrink_odd: (0..shrinks).map(|_| shrink()).collect(),
             code_flags: (0..shrinks).map(|_| Delay::default()).collect(),
-            codes_to_8: (0..shrinks - differs).map(|_| Delay::default()).collect(),
-            base_to_6: (0..differs).map(|_| Delay::default()).collect(),
+            codes_to_23: (0..shrinks - differs).map(|_| Delay::default()).collect(),
+            base_to_17: (0..differs).map(|_| Delay::default()).collect(),
             previous_thresholds: (0..differs).map(|_| thresholds(true)).collect(),
             previous_even: (0..differs).map(|_| shrink()).collect(),
             previous_odd: (0..differs).map(|_| shrink()).collect(),
             difference_even: (0..differs).map(|_| Difference::new(bits)).collect(),
             difference_odd: (0..differs).map(|_| Difference::new(bits)).collect(),
-            results_to_8: (0..result_is_sent + result_is_base).map(|_| Delay::default()).collect(),
-            base_to_8: (0..passes_base).map(|_| Delay::default()).collect(),
+            results_to_23: (0..result_is_sent + result_is_base).map(|_| Delay::default()).collect(),
+            base_to_23: (0..passes_base).map(|_| Delay::default()).collect(),
             _has_base: has_base,
             _shrinks: shrinks,
             _differs: differs,
@@ -167,12 +164,11 @@ impl Results {
 impl Logic for Results {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, sum_even_q, sum_odd_q);
-        self.to_1.clock.next = self.clock.val();
-        self.to_2.clock.next = self.clock.val();
-        self.to_5.clock.next = self.clock.val();
-        self.to_8.clock.next = self.clock.val();
-        self.beat_to_5.clock.next = self.clock.val();
+        dff_setup!(self, clock, threshold_row, shifts);
+        self.marks_to_5.clock.next = self.clock.val();
+        self.marks_to_6.clock.next = self.clock.val();
+        self.marks_to_23.clock.next = self.clock.val();
+        self.place_to_15.clock.next = self.clock.val();
         self.requantize_even.clock.next = self.clock.val();
         self.requantize_odd.clock.next = self.clock.val();
         self.result_flags.clock.next = self.clock.val();
@@ -188,36 +184,36 @@ impl Logic for Results {
         if self.set.val() {
             self.marks.next = self.marks.val() | 4;
         }
-        self.to_1.now.next = self.marks.val();
-        self.to_2.now.next = self.to_1.later.val();
-        self.to_5.now.next = self.to_2.later.val();
-        self.to_8.now.next = self.to_5.later.val();
-        self.beat_to_5.now.next = self.beat.val();
+        self.marks_to_5.now.next = self.marks.val();
+        self.marks_to_6.now.next = self.marks_to_5.later.val();
+        self.marks_to_23.now.next = self.marks_to_6.later.val();
+        self.place_to_15.now.next = bit_cast::<9, 8>(self.beat.val());
+        if self.set.val() {
+            self.place_to_15.now.next = bit_cast::<9, 8>(self.beat.val()) | 0x100;
+        }
 
-        // Cycles 1 to 6: base and rounding.
-        self.sum_even_q.d.next = self.sum_even.val();
-        self.sum_odd_q.d.next = self.sum_odd.val();
+        // Cycles 7 to 17: base and rounding.
         self.base_word.next = 0.into();
         for i in 0..self._has_base {
             self.base_ring[i].clock.next = self.clock.val();
             self.base_ring[i].reset.next = self.reset.val();
             self.base_ring[i].write.next = self.base_write.val();
             self.base_ring[i].words.next = self.base_words.val();
-            self.base_ring[i].read.next = self.to_1.later.val().get_bit(0);
+            self.base_ring[i].read.next = self.marks_to_5.later.val().get_bit(0);
             self.base_word.next = self.base_ring[i].front.val();
         }
-        self.shifts.next = self.shifts_0.val();
-        if self.to_2.later.val().get_bit(2) {
-            self.shifts.next = self.shifts_1.val();
+        self.shifts.d.next = self.shifts_0.val().get_bits::<12>(0);
+        if self.marks_to_6.later.val().get_bit(2) {
+            self.shifts.d.next = self.shifts_1.val().get_bits::<12>(0);
         }
-        self.requantize_even.sum.next = self.sum_even_q.q.val();
+        self.requantize_even.sum.next = self.sum_even.val();
         self.requantize_even.base.next = self.base_word.val().get_bits::<16>(0);
-        self.requantize_even.base_shift.next = self.shifts.val().get_bits::<6>(6);
-        self.requantize_even.result_shift.next = self.shifts.val().get_bits::<6>(0);
-        self.requantize_odd.sum.next = self.sum_odd_q.q.val();
+        self.requantize_even.base_shift.next = self.shifts.q.val().get_bits::<6>(6);
+        self.requantize_even.result_shift.next = self.shifts.q.val().get_bits::<6>(0);
+        self.requantize_odd.sum.next = self.sum_odd.val();
         self.requantize_odd.base.next = self.base_word.val().get_bits::<16>(16);
-        self.requantize_odd.base_shift.next = self.shifts.val().get_bits::<6>(6);
-        self.requantize_odd.result_shift.next = self.shifts.val().get_bits::<6>(0);
+        self.requantize_odd.base_shift.next = self.shifts.q.val().get_bits::<6>(6);
+        self.requantize_odd.result_shift.next = self.shifts.q.val().get_bits::<6>(0);
         self.result.next = (bit_cast::<32, 16>(self.requantize_odd.result.val()) << 16)
             | bit_cast::<32, 16>(self.requantize_even.result.val());
         self.result_flags.now.next = 0.into();
@@ -230,17 +226,18 @@ impl Logic for Results {
         }
         self.result_saturated.next = self.result_flags.later.val();
 
-        // Cycle 7: thresholds, read in cycle 5.
-        self.threshold_row.next = bit_cast::<12, 8>(self.beat_to_5.later.val());
-        if self.to_5.later.val().get_bit(2) {
-            self.threshold_row.next = bit_cast::<12, 8>(self.beat_to_5.later.val()) + self.set_rows.val();
+        // Cycles 18 to 20: thresholds, read in cycle 17.
+        self.threshold_row.d.next = bit_cast::<12, 8>(self.place_to_15.later.val().get_bits::<8>(0));
+        if self.place_to_15.later.val().get_bit(8) {
+            self.threshold_row.d.next =
+                bit_cast::<12, 8>(self.place_to_15.later.val().get_bits::<8>(0)) + self.set_rows.val();
         }
         self.code_even.next = 0.into();
         self.code_odd.next = 0.into();
         self.code_saturated.next = 0.into();
         for i in 0..self._shrinks {
             self.thresholds[i].clock.next = self.clock.val();
-            self.thresholds[i].read_address.next = self.threshold_row.val();
+            self.thresholds[i].read_address.next = self.threshold_row.q.val();
             self.thresholds[i].write_enable.next = self.write_thresholds.val();
             self.thresholds[i].write_address.next = self.write_row.val();
             self.thresholds[i].write_data.next = self.write_data.val();
@@ -267,12 +264,12 @@ impl Logic for Results {
             (bit_cast::<32, 16>(self.code_odd.val()) << 16) | bit_cast::<32, 16>(self.code_even.val());
         self.sent.next = 0.into();
         for i in 0..self._sends_codes {
-            self.codes_to_8[i].clock.next = self.clock.val();
-            self.codes_to_8[i].now.next = self.code.val();
-            self.sent.next = self.codes_to_8[i].later.val();
+            self.codes_to_23[i].clock.next = self.clock.val();
+            self.codes_to_23[i].now.next = self.code.val();
+            self.sent.next = self.codes_to_23[i].later.val();
         }
 
-        // Cycle 8: the difference to the z before, made again from the base and the thresholds before.
+        // Cycles 21 to 23: the difference to the z before, made again from the base and the thresholds before.
         self.difference_saturated.next = 0.into();
         self.change_even.next = 0.into();
         self.change_odd.next = 0.into();
@@ -283,19 +280,19 @@ impl Logic for Results {
         self.change.next =
             (bit_cast::<32, 16>(self.change_odd.val()) << 16) | bit_cast::<32, 16>(self.change_even.val());
         for i in 0..self._differs {
-            self.base_to_6[i].clock.next = self.clock.val();
-            self.base_to_6[i].now.next = self.base_word.val();
+            self.base_to_17[i].clock.next = self.clock.val();
+            self.base_to_17[i].now.next = self.base_word.val();
             self.previous_thresholds[i].clock.next = self.clock.val();
-            self.previous_thresholds[i].read_address.next = self.threshold_row.val();
+            self.previous_thresholds[i].read_address.next = self.threshold_row.q.val();
             self.previous_thresholds[i].write_enable.next = self.write_previous.val();
             self.previous_thresholds[i].write_address.next = self.write_row.val();
             self.previous_thresholds[i].write_data.next = self.write_data.val();
             self.previous_even[i].clock.next = self.clock.val();
-            self.previous_even[i].code.next = self.base_to_6[i].later.val().get_bits::<16>(0);
+            self.previous_even[i].code.next = self.base_to_17[i].later.val().get_bits::<16>(0);
             self.previous_even[i].threshold.next =
                 self.previous_thresholds[i].read_data.val().get_bits::<16>(0);
             self.previous_odd[i].clock.next = self.clock.val();
-            self.previous_odd[i].code.next = self.base_to_6[i].later.val().get_bits::<16>(16);
+            self.previous_odd[i].code.next = self.base_to_17[i].later.val().get_bits::<16>(16);
             self.previous_odd[i].threshold.next =
                 self.previous_thresholds[i].read_data.val().get_bits::<16>(16);
             self.difference_even[i].clock.next = self.clock.val();
@@ -317,24 +314,24 @@ impl Logic for Results {
         // What goes on.
         self.base.next = 0.into();
         for i in 0..self._keeps_result {
-            self.results_to_8[i].clock.next = self.clock.val();
-            self.results_to_8[i].now.next = self.result.val();
+            self.results_to_23[i].clock.next = self.clock.val();
+            self.results_to_23[i].now.next = self.result.val();
         }
         for i in 0..self._result_is_sent {
-            self.sent.next = self.results_to_8[i].later.val();
+            self.sent.next = self.results_to_23[i].later.val();
         }
         for i in 0..self._result_is_base {
-            self.base.next = self.results_to_8[i].later.val();
+            self.base.next = self.results_to_23[i].later.val();
         }
         for i in 0..self._passes_base {
-            self.base_to_8[i].clock.next = self.clock.val();
-            self.base_to_8[i].now.next = self.base_word.val();
-            self.base.next = self.base_to_8[i].later.val();
+            self.base_to_23[i].clock.next = self.clock.val();
+            self.base_to_23[i].now.next = self.base_word.val();
+            self.base.next = self.base_to_23[i].later.val();
         }
         self.data.next = self.sent.val();
-        self.push.next = self.to_8.later.val().get_bit(0);
-        self.done_last.next = self.to_8.later.val().get_bit(1);
-        self.done_set.next = self.to_8.later.val().get_bit(2);
+        self.push.next = self.marks_to_23.later.val().get_bit(0);
+        self.done_last.next = self.marks_to_23.later.val().get_bit(1);
+        self.done_set.next = self.marks_to_23.later.val().get_bit(2);
         self.nonzero.next = 0.into();
         if self.sent.val().get_bits::<16>(0).any() && self.sent.val().get_bits::<16>(16).any() {
             self.nonzero.next = 3.into();

@@ -1,103 +1,110 @@
-//! Addresses and values for the multipliers, pass by pass.
+//! Which step of which pass is next.
 
-use super::{Index, IndexedValue, Pair, Row};
+use super::{Descriptor, Row};
 use crate::describe::Circuit;
 use edof_spec::design::StagePlan;
 use rust_hdl::prelude::*;
 
-/// Addresses and values for the multipliers, pass by pass: first the pairs of the waiting vector, then the window (F).
-/// A pass begins when it may_start and then takes one step a cycle; a vector without pairs takes one idle step.
-/// A step's pair is read in the next cycle and stands at the multipliers one later, shifted left where F aligns its two sums.
+/// Which step of which pass is next: over a vector's pairs first, then over the window (F), once a pass, one step a cycle.
+/// What a pass must know is looked up before it begins, so that the next begins in the cycle after the last step of the one before;
+/// all that a step reads comes out of registers. In a cycle of `steal` there is no step, and nothing moves.
 #[derive(Circuit)]
 pub struct Sequencer {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// Back to the start.
     pub reset: Signal<In, Bit>,
-    /// A vector waits.
-    pub available: Signal<In, Bit>,
-    /// Its pairs.
-    pub count: Signal<In, Index>,
-    /// Its set.
-    pub set: Signal<In, Bit>,
+    /// A vector is whole.
+    pub arrived: Signal<In, Bit>,
+    /// What must be known of it: steps before its last one (8 bits), one step only, no pairs, an odd number, set.
+    pub descriptor: Signal<In, Descriptor>,
     /// Whether a pass may begin.
     pub may_start: Signal<In, Bit>,
-    /// Left shift of code values.
-    pub code_shift: Signal<In, Bits<4>>,
-    /// Left shift of pixels.
-    pub linear_shift: Signal<In, Bits<4>>,
-    /// Set whose shifts are wanted.
-    pub shift_set: Signal<Out, Bit>,
-    /// Which two pairs to read.
-    pub read_pair: Signal<Out, Bits<8>>,
-    /// The even one, a cycle later.
-    pub even_pair: Signal<In, IndexedValue>,
-    /// The odd one.
-    pub odd_pair: Signal<In, IndexedValue>,
-    /// Which two pixels to read.
-    pub read_pixel: Signal<Out, Bits<8>>,
-    /// They, a cycle later.
-    pub pixels: Signal<In, Pair>,
-    /// The last step of a pass is issued.
-    pub pass_issued: Signal<Out, Bit>,
-    /// The last step of a vector is issued.
-    pub finished: Signal<Out, Bit>,
-    /// A row is read, so that none can be written where both ports read.
-    pub busy: Signal<Out, Bit>,
-    /// The step is the first of its pass.
+    /// No step in this cycle.
+    pub steal: Signal<In, Bit>,
+    /// A pass begins: its first step is in the next cycle.
+    pub begins: Signal<Out, Bit>,
+    /// There is a step in this cycle, with a first value.
+    pub valid_a: Signal<Out, Bit>,
+    /// With a second one.
+    pub valid_b: Signal<Out, Bit>,
+    /// It is the first of its pass.
     pub first: Signal<Out, Bit>,
-    /// Row of weights.
-    pub address_a: Signal<Out, Row>,
-    /// Value, 0 where there is no work.
-    pub value_a: Signal<Out, Bits<25>>,
-    /// Row of weights for the second DSP.
-    pub address_b: Signal<Out, Row>,
-    /// Its value.
-    pub value_b: Signal<Out, Bits<25>>,
+    /// It is one of the window's.
+    pub linear: Signal<Out, Bit>,
+    /// The odd one of two elements that are read is meant (where one is taken a cycle).
+    pub odd: Signal<Out, Bit>,
+    /// The vector's set.
+    pub set: Signal<Out, Bit>,
+    /// Which two elements of which slot to read.
+    pub read_row: Signal<Out, Bits<9>>,
+    /// Which two pixels of the window to read.
+    pub read_pixels: Signal<Out, Bits<7>>,
+    /// Row of weights of input 0 in this pass.
+    pub base: Signal<Out, Row>,
+    /// What the step's row of weights is after `base`, but for a pair's.
+    pub offset: Signal<Out, Row>,
+    /// It is the last of its pass.
+    pub pass_issued: Signal<Out, Bit>,
+    /// It is the last of its vector.
+    pub finished: Signal<Out, Bit>,
     two_rows: Constant<Bit>,
-    linear_steps: Constant<Bits<10>>,
+    has_linear: Constant<Bit>,
+    linear_before_last: Constant<Bits<8>>,
+    linear_single: Constant<Bit>,
     codes: Constant<Row>,
     pass_rows: Constant<Row>,
     set_rows: Constant<Row>,
     last_pass: Constant<Bits<6>>,
-    step: DFF<Bits<10>>,
+    // Vectors that wait.
+    write_slot: DFF<Bits<2>>,
+    descriptor_0: DFF<Descriptor>,
+    descriptor_1: DFF<Descriptor>,
+    descriptor_2: DFF<Descriptor>,
+    descriptor_3: DFF<Descriptor>,
+    waiting: DFF<Bits<3>>,
+    // The pass that begins next.
+    slot: DFF<Bits<2>>,
     pass: DFF<Bits<6>>,
     pass_row: DFF<Row>,
-    valid_a_q: DFF<Bit>,
-    valid_b_q: DFF<Bit>,
-    first_q: DFF<Bit>,
+    known: DFF<Bit>,
+    job: DFF<Descriptor>,
+    job_row: DFF<Row>,
+    job_slot: DFF<Bits<2>>,
+    job_is_last: DFF<Bit>,
+    // The step of this cycle.
+    active: DFF<Bit>,
     linear_q: DFF<Bit>,
-    odd_q: DFF<Bit>,
+    left: DFF<Bits<8>>,
+    at_end: DFF<Bit>,
+    step: DFF<Bits<8>>,
+    first_q: DFF<Bit>,
+    odd_count: DFF<Bit>,
+    empty: DFF<Bit>,
     set_q: DFF<Bit>,
-    row_q: DFF<Row>,
-    linear_row_q: DFF<Row>,
-    first_q2: DFF<Bit>,
-    busy_q2: DFF<Bit>,
-    address_a_q2: DFF<Row>,
-    value_a_q2: DFF<Bits<25>>,
-    address_b_q2: DFF<Row>,
-    value_b_q2: DFF<Bits<25>>,
-    wanted_steps: Signal<Local, Bits<10>>,
-    code_steps: Signal<Local, Bits<10>>,
-    linear_step: Signal<Local, Bits<10>>,
-    in_codes: Signal<Local, Bit>,
-    issue: Signal<Local, Bit>,
-    at_end: Signal<Local, Bit>,
-    pair_a: Signal<Local, IndexedValue>,
-    pixel_a: Signal<Local, Bits<16>>,
-    extended_a: Signal<Local, Bits<25>>,
-    extended_b: Signal<Local, Bits<25>>,
-    shift: Signal<Local, Bits<4>>,
+    slot_q: DFF<Bits<2>>,
+    base_q: DFF<Row>,
+    is_last: DFF<Bit>,
+    goes: Signal<Local, Bit>,
+    ends: Signal<Local, Bit>,
+    starts: Signal<Local, Bit>,
+    leaves: Signal<Local, Bit>,
+    next: Signal<Local, Descriptor>,
+    row: Signal<Local, Bits<7>>,
 }
 
 impl Sequencer {
     /// The sequencer of a stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
+        let linear = stage.linear.div_ceil(stage.rows) as u64;
+        let codes = if stage.is_dense() { 0 } else { stage.inputs as u64 };
         Self::from_parts(SequencerParts {
-            two_rows: Constant::new(stage.rows == 2),
-            linear_steps: Constant::new((stage.linear.div_ceil(stage.rows) as u64).into()),
-            codes: Constant::new((stage.inputs as u64).into()),
+            two_rows: Constant::new(stage.reads_both_ports()),
+            has_linear: Constant::new(linear > 0),
+            linear_before_last: Constant::new(linear.saturating_sub(1).into()),
+            linear_single: Constant::new(linear == 1),
+            codes: Constant::new(codes.into()),
             pass_rows: Constant::new((stage.pass_rows() as u64).into()),
             set_rows: Constant::new((stage.weight_rows() as u64).into()),
             last_pass: Constant::new((stage.passes() as u64 - 1).into()),
@@ -111,142 +118,149 @@ impl Logic for Sequencer {
         dff_setup!(
             self,
             clock,
-            step,
+            write_slot,
+            descriptor_0,
+            descriptor_1,
+            descriptor_2,
+            descriptor_3,
+            waiting,
+            slot,
             pass,
             pass_row,
-            valid_a_q,
-            valid_b_q,
-            first_q,
+            known,
+            job,
+            job_row,
+            job_slot,
+            job_is_last,
+            active,
             linear_q,
-            odd_q,
+            left,
+            at_end,
+            step,
+            first_q,
+            odd_count,
+            empty,
             set_q,
-            row_q,
-            linear_row_q,
-            first_q2,
-            busy_q2,
-            address_a_q2,
-            value_a_q2,
-            address_b_q2,
-            value_b_q2
+            slot_q,
+            base_q,
+            is_last
         );
 
-        // The step that is issued in this cycle.
-        self.wanted_steps.next = bit_cast::<10, 9>(self.count.val());
-        if self.two_rows.val() {
-            self.wanted_steps.next = (bit_cast::<10, 9>(self.count.val()) + 1) >> 1;
+        // The step of this cycle, and whether a pass begins with the next.
+        self.goes.next = self.active.q.val() && !self.steal.val();
+        self.ends.next =
+            self.goes.val() && self.at_end.q.val() && (self.linear_q.q.val() || !self.has_linear.val());
+        self.starts.next =
+            self.known.q.val() && self.may_start.val() && (!self.active.q.val() || self.ends.val());
+        self.leaves.next = self.starts.val() && self.job_is_last.q.val();
+        self.begins.next = self.starts.val();
+        self.pass_issued.next = self.ends.val();
+        self.finished.next = self.ends.val() && self.is_last.q.val();
+
+        // Vectors that wait.
+        if self.arrived.val() {
+            self.write_slot.d.next = self.write_slot.q.val() + 1;
+            if self.write_slot.q.val() == 0 {
+                self.descriptor_0.d.next = self.descriptor.val();
+            } else if self.write_slot.q.val() == 1 {
+                self.descriptor_1.d.next = self.descriptor.val();
+            } else if self.write_slot.q.val() == 2 {
+                self.descriptor_2.d.next = self.descriptor.val();
+            } else {
+                self.descriptor_3.d.next = self.descriptor.val();
+            }
         }
-        self.code_steps.next = self.wanted_steps.val();
-        if self.wanted_steps.val() == 0 {
-            self.code_steps.next = 1.into();
+        if self.arrived.val() && !self.leaves.val() {
+            self.waiting.d.next = self.waiting.q.val() + 1;
+        } else if self.leaves.val() && !self.arrived.val() {
+            self.waiting.d.next = self.waiting.q.val() - 1;
         }
-        self.in_codes.next = self.step.q.val() < self.code_steps.val();
-        self.linear_step.next = self.step.q.val() - self.code_steps.val();
-        self.issue.next = self.available.val() && (self.step.q.val().any() || self.may_start.val());
-        self.at_end.next = (self.step.q.val() + 1) == (self.code_steps.val() + self.linear_steps.val());
-        self.pass_issued.next = self.issue.val() && self.at_end.val();
-        self.finished.next =
-            self.issue.val() && self.at_end.val() && (self.pass.q.val() == self.last_pass.val());
-        if self.issue.val() {
+
+        // The pass that begins next.
+        if self.starts.val() {
+            self.pass.d.next = self.pass.q.val() + 1;
+            self.pass_row.d.next = self.pass_row.q.val() + self.pass_rows.val();
+            if self.job_is_last.q.val() {
+                self.pass.d.next = 0.into();
+                self.pass_row.d.next = 0.into();
+                self.slot.d.next = self.slot.q.val() + 1;
+            }
+        }
+        self.next.next = self.descriptor_0.q.val();
+        if self.slot.q.val() == 1 {
+            self.next.next = self.descriptor_1.q.val();
+        } else if self.slot.q.val() == 2 {
+            self.next.next = self.descriptor_2.q.val();
+        } else if self.slot.q.val() == 3 {
+            self.next.next = self.descriptor_3.q.val();
+        }
+        self.known.d.next = self.waiting.q.val().any() && !self.starts.val();
+        self.job.d.next = self.next.val();
+        self.job_slot.d.next = self.slot.q.val();
+        self.job_is_last.d.next = self.pass.q.val() == self.last_pass.val();
+        self.job_row.d.next = self.pass_row.q.val();
+        if self.next.val().get_bit(0) {
+            self.job_row.d.next = self.pass_row.q.val() + self.set_rows.val();
+        }
+
+        // The step of the next cycle.
+        if self.goes.val() {
+            self.first_q.d.next = false;
+            self.left.d.next = self.left.q.val() - 1;
+            self.at_end.d.next = self.left.q.val() == 1;
             self.step.d.next = self.step.q.val() + 1;
-            if self.at_end.val() {
+            if self.at_end.q.val() {
+                self.linear_q.d.next = true;
+                self.left.d.next = self.linear_before_last.val();
+                self.at_end.d.next = self.linear_single.val();
                 self.step.d.next = 0.into();
-                self.pass.d.next = self.pass.q.val() + 1;
-                self.pass_row.d.next = self.pass_row.q.val() + self.pass_rows.val();
-                if self.pass.q.val() == self.last_pass.val() {
-                    self.pass.d.next = 0.into();
-                    self.pass_row.d.next = 0.into();
-                }
             }
         }
+        if self.ends.val() {
+            self.active.d.next = false;
+        }
+        if self.starts.val() {
+            self.active.d.next = true;
+            self.linear_q.d.next = false;
+            self.left.d.next = self.job.q.val().get_bits::<8>(4);
+            self.at_end.d.next = self.job.q.val().get_bit(3);
+            self.step.d.next = 0.into();
+            self.first_q.d.next = true;
+            self.set_q.d.next = self.job.q.val().get_bit(0);
+            self.odd_count.d.next = self.job.q.val().get_bit(1);
+            self.empty.d.next = self.job.q.val().get_bit(2);
+            self.slot_q.d.next = self.job_slot.q.val();
+            self.base_q.d.next = self.job_row.q.val();
+            self.is_last.d.next = self.job_is_last.q.val();
+        }
 
-        // What it reads.
-        self.read_pair.next = bit_cast::<8, 10>(self.step.q.val() >> 1);
-        self.read_pixel.next = bit_cast::<8, 10>(self.linear_step.val() >> 1);
-        self.odd_q.d.next = self.step.q.val().get_bit(0);
-        if !self.in_codes.val() {
-            self.odd_q.d.next = self.linear_step.val().get_bit(0);
-        }
-        self.valid_a_q.d.next = self.issue.val();
-        if self.in_codes.val() {
-            self.valid_a_q.d.next =
-                self.issue.val() && (self.step.q.val() < bit_cast::<10, 9>(self.count.val()));
-        }
-        self.valid_b_q.d.next = false;
-        self.linear_row_q.d.next = self.codes.val() + bit_cast::<12, 10>(self.linear_step.val());
+        // What the step reads.
+        self.valid_a.next = self.goes.val() && (self.linear_q.q.val() || !self.empty.q.val());
+        self.valid_b.next =
+            self.goes.val() && (self.linear_q.q.val() || !(self.at_end.q.val() && self.odd_count.q.val()));
+        self.first.next = self.goes.val() && self.first_q.q.val();
+        self.linear.next = self.linear_q.q.val();
+        self.set.next = self.set_q.q.val();
+        self.base.next = self.base_q.q.val();
+        self.row.next = self.step.q.val().get_bits::<7>(1);
+        self.odd.next = self.step.q.val().get_bit(0);
+        self.offset.next = self.codes.val() + bit_cast::<12, 8>(self.step.q.val());
         if self.two_rows.val() {
-            self.read_pair.next = bit_cast::<8, 10>(self.step.q.val());
-            self.read_pixel.next = bit_cast::<8, 10>(self.linear_step.val());
-            self.odd_q.d.next = false;
-            self.valid_b_q.d.next = self.issue.val();
-            if self.in_codes.val() {
-                self.valid_a_q.d.next = self.issue.val() && self.count.val().any();
-                self.valid_b_q.d.next = self.issue.val()
-                    && (((self.step.q.val() << 1) + 1) < bit_cast::<10, 9>(self.count.val()));
-            }
-            self.linear_row_q.d.next = self.codes.val() + (bit_cast::<12, 10>(self.linear_step.val()) << 1);
+            self.row.next = self.step.q.val().get_bits::<7>(0);
+            self.odd.next = false;
+            self.offset.next = self.codes.val() + (bit_cast::<12, 8>(self.step.q.val()) << 1);
         }
-        self.first_q.d.next = self.issue.val() && !self.step.q.val().any();
-        self.linear_q.d.next = !self.in_codes.val();
-        self.set_q.d.next = self.set.val();
-        self.row_q.d.next = self.pass_row.q.val();
-        if self.set.val() {
-            self.row_q.d.next = self.pass_row.q.val() + self.set_rows.val();
-        }
-
-        // The pairs read a cycle ago.
-        self.shift_set.next = self.set_q.q.val();
-        self.shift.next = self.code_shift.val();
-        self.pair_a.next = self.even_pair.val();
-        self.pixel_a.next = self.pixels.val().get_bits::<16>(0);
-        if self.odd_q.q.val() {
-            self.pair_a.next = self.odd_pair.val();
-            self.pixel_a.next = self.pixels.val().get_bits::<16>(16);
-        }
-        self.address_a_q2.d.next =
-            self.row_q.q.val() + bit_cast::<12, 9>(self.pair_a.val().get_bits::<9>(16));
-        self.address_b_q2.d.next =
-            self.row_q.q.val() + bit_cast::<12, 9>(self.odd_pair.val().get_bits::<9>(16));
-        self.extended_a.next = bit_cast::<25, 16>(self.pair_a.val().get_bits::<16>(0));
-        if self.pair_a.val().get_bit(15) {
-            self.extended_a.next = bit_cast::<25, 16>(self.pair_a.val().get_bits::<16>(0)) | 0x1ff_0000;
-        }
-        self.extended_b.next = bit_cast::<25, 16>(self.odd_pair.val().get_bits::<16>(0));
-        if self.odd_pair.val().get_bit(15) {
-            self.extended_b.next = bit_cast::<25, 16>(self.odd_pair.val().get_bits::<16>(0)) | 0x1ff_0000;
-        }
-        if self.linear_q.q.val() {
-            self.shift.next = self.linear_shift.val();
-            self.address_a_q2.d.next = self.row_q.q.val() + self.linear_row_q.q.val();
-            self.address_b_q2.d.next = self.row_q.q.val() + self.linear_row_q.q.val() + 1;
-            self.extended_a.next = bit_cast::<25, 16>(self.pixel_a.val());
-            self.extended_b.next = bit_cast::<25, 16>(self.pixels.val().get_bits::<16>(16));
-        }
-        self.first_q2.d.next = self.first_q.q.val();
-        self.busy_q2.d.next = self.valid_a_q.q.val();
-        self.value_a_q2.d.next = 0.into();
-        if self.valid_a_q.q.val() {
-            self.value_a_q2.d.next = self.extended_a.val() << self.shift.val();
-        }
-        self.value_b_q2.d.next = 0.into();
-        if self.valid_b_q.q.val() {
-            self.value_b_q2.d.next = self.extended_b.val() << self.shift.val();
-        }
-
-        // At the multipliers.
-        self.first.next = self.first_q2.q.val();
-        self.busy.next = self.busy_q2.q.val();
-        self.address_a.next = self.address_a_q2.q.val();
-        self.value_a.next = self.value_a_q2.q.val();
-        self.address_b.next = self.address_b_q2.q.val();
-        self.value_b.next = self.value_b_q2.q.val();
+        self.read_row.next = (bit_cast::<9, 2>(self.slot_q.q.val()) << 7) | bit_cast::<9, 7>(self.row.val());
+        self.read_pixels.next = self.row.val();
 
         if self.reset.val() {
-            self.step.d.next = 0.into();
+            self.write_slot.d.next = 0.into();
+            self.waiting.d.next = 0.into();
+            self.slot.d.next = 0.into();
             self.pass.d.next = 0.into();
             self.pass_row.d.next = 0.into();
-            self.valid_a_q.d.next = false;
-            self.valid_b_q.d.next = false;
-            self.first_q.d.next = false;
+            self.known.d.next = false;
+            self.active.d.next = false;
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::describe::Circuit;
 use edof_spec::network::Shrinkage;
 use rust_hdl::prelude::*;
 
-/// The soft threshold of one element, a cycle later: sign(b) max(|b| - theta, 0) where two_sided, else max(b - theta, 0).
+/// The soft threshold of one element, three cycles later: sign(b) max(|b| - theta, 0) where two_sided, else max(b - theta, 0).
 #[derive(Circuit)]
 pub struct Shrink {
     /// Clock.
@@ -20,12 +20,17 @@ pub struct Shrink {
     pub saturated: Signal<Out, Bit>,
     two_sided: Constant<Bit>,
     most: Constant<Bits<17>>,
+    above_1: DFF<Bits<17>>,
+    below_1: DFF<Bits<17>>,
+    above_2: DFF<Word>,
+    below_2: DFF<Word>,
+    is_above: DFF<Bit>,
+    is_below: DFF<Bit>,
+    too_large: DFF<Bit>,
     result_q: DFF<Word>,
     saturated_q: DFF<Bit>,
     wide_code: Signal<Local, Bits<17>>,
     wide_threshold: Signal<Local, Bits<17>>,
-    above: Signal<Local, Bits<17>>,
-    below: Signal<Local, Bits<17>>,
 }
 
 impl Shrink {
@@ -42,8 +47,21 @@ impl Shrink {
 impl Logic for Shrink {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, result_q, saturated_q);
+        dff_setup!(
+            self,
+            clock,
+            above_1,
+            below_1,
+            above_2,
+            below_2,
+            is_above,
+            is_below,
+            too_large,
+            result_q,
+            saturated_q
+        );
 
+        // Cycle 1: how far it is from both ends of the dead zone.
         self.wide_code.next = bit_cast::<17, 16>(self.code.val());
         if self.code.val().get_bit(15) {
             self.wide_code.next = bit_cast::<17, 16>(self.code.val()) | 0x1_0000;
@@ -52,19 +70,27 @@ impl Logic for Shrink {
         if self.threshold.val().get_bit(15) {
             self.wide_threshold.next = bit_cast::<17, 16>(self.threshold.val()) | 0x1_0000;
         }
-        self.above.next = self.wide_code.val() - self.wide_threshold.val();
-        self.below.next = self.wide_code.val() + self.wide_threshold.val();
+        self.above_1.d.next = self.wide_code.val() - self.wide_threshold.val();
+        self.below_1.d.next = self.wide_code.val() + self.wide_threshold.val();
 
+        // Cycle 2: on which side it lies, and whether too far.
+        self.above_2.d.next = self.above_1.q.val().get_bits::<16>(0);
+        self.below_2.d.next = self.below_1.q.val().get_bits::<16>(0);
+        self.is_above.d.next = self.above_1.q.val().any() && !self.above_1.q.val().get_bit(16);
+        self.is_below.d.next = self.two_sided.val() && self.below_1.q.val().get_bit(16);
+        self.too_large.d.next = self.above_1.q.val() > self.most.val();
+
+        // Cycle 3: the result.
         self.result_q.d.next = 0.into();
         self.saturated_q.d.next = false;
-        if self.above.val().any() && !self.above.val().get_bit(16) {
-            self.result_q.d.next = self.above.val().get_bits::<16>(0);
-            if self.above.val() > self.most.val() {
+        if self.is_above.q.val() {
+            self.result_q.d.next = self.above_2.q.val();
+            if self.too_large.q.val() {
                 self.result_q.d.next = self.most.val().get_bits::<16>(0);
                 self.saturated_q.d.next = true;
             }
-        } else if self.two_sided.val() && self.below.val().get_bit(16) {
-            self.result_q.d.next = self.below.val().get_bits::<16>(0);
+        } else if self.is_below.q.val() {
+            self.result_q.d.next = self.below_2.q.val();
         }
 
         self.result.next = self.result_q.q.val();

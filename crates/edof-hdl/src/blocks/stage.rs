@@ -1,15 +1,19 @@
 //! One stage of the calculator: I, M or F.
 
-use super::Pair;
 use super::counters::Counters;
+use super::delay::Delay;
+use super::dense_operands::DenseOperands;
+use super::dense_store::DenseStore;
 use super::drain::Drain;
 use super::fifo::Fifo;
 use super::macc_array::MaccArray;
-use super::pair_buffer::PairBuffer;
+use super::pair_operands::PairOperands;
+use super::pair_store::PairStore;
 use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
+use super::{Descriptor, Pair, Row};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::memory::Shifts;
@@ -17,13 +21,13 @@ use edof_spec::design::{Design, StagePlan};
 use rust_hdl::prelude::*;
 
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
-/// Pairs are multiplied as they come out of the pair buffer; sums are copied, drained, rounded, shrunk and sent on.
+/// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
 #[derive(Circuit)]
-#[circuit(default(Counters))]
+#[circuit(default(Counters, Delay, Fifo, DenseOperands))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets every vector; held for 16 cycles or more.
+    /// Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
     pub reset: Signal<In, Bit>,
     /// A beat stands on the input.
     pub valid: Signal<In, Bit>,
@@ -59,53 +63,92 @@ pub struct Stage {
     pub out_set: Signal<Out, Bit>,
     /// A word is to be written (`edof_spec::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
-    /// It can be, in this cycle.
-    pub write_ready: Signal<Out, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
     /// Stage and counter to show.
     pub status_address: Signal<In, Bits<6>>,
-    /// The counter, 0 from all other stages.
+    /// The counter, a cycle later; 0 from all other stages.
     pub status: Signal<Out, Bits<32>>,
     id: Constant<Bits<4>>,
-    two_rows: Constant<Bit>,
-    pairs: PairBuffer,
+    both_ports: Constant<Bit>,
+    reset_store: Delay<1, 1>,
+    reset_ring: Delay<1, 1>,
+    reset_sequencer: Delay<1, 1>,
+    reset_drain: Delay<1, 1>,
+    reset_results: Delay<1, 1>,
+    reset_out: Delay<1, 1>,
+    reset_registers: Delay<1, 1>,
+    pairs: Vec<PairStore>,
+    pair_operands: Vec<PairOperands>,
+    vectors: Vec<DenseStore>,
+    dense_operands: Vec<DenseOperands>,
     ring: Vec<WindowRing>,
     sequencer: Sequencer,
     macc: MaccArray,
     drain: Drain,
     results: Results,
-    fifo: Fifo,
+    fifo: Fifo<34>,
+    base_fifo: Vec<Fifo<32>>,
     registers: Registers,
     counters: Counters,
-    accept: Signal<Local, Bit>,
-    leaves: Signal<Local, Bit>,
+    status_q: DFF<Bits<32>>,
+    write_1: DFF<Bit>,
+    address_1: DFF<Bits<25>>,
+    data_1: DFF<Bits<32>>,
+    weights_2: DFF<Bit>,
+    thresholds_2: DFF<Bit>,
+    previous_2: DFF<Bit>,
+    registers_2: DFF<Bit>,
+    address_2: DFF<Bits<19>>,
+    data_2: DFF<Bits<32>>,
+    weights_to_6: Delay<52, 4>,
+    resets: Signal<Local, Bits<1>>,
+    ready_in: Signal<Local, Bit>,
+    arrived: Signal<Local, Bit>,
+    descriptor: Signal<Local, Descriptor>,
+    first: Signal<Local, Bit>,
+    address_a: Signal<Local, Row>,
+    address_b: Signal<Local, Row>,
+    value_a: Signal<Local, Bits<25>>,
+    value_b: Signal<Local, Bits<25>>,
+    value_c: Signal<Local, Bits<25>>,
+    value_d: Signal<Local, Bits<25>>,
+    finished_word: Signal<Local, Bits<34>>,
     selected: Signal<Local, Bit>,
-    blocked: Signal<Local, Bit>,
-    shifts: Signal<Local, Bits<20>>,
+    weights_word: Signal<Local, Bits<52>>,
+    _sparse: usize,
+    _dense: usize,
     _linear: usize,
+    _feeds_m: usize,
 }
 
 impl Stage {
     /// Stage `stage` of a design. Set 0 and set 1 start with the weights, thresholds and shifts of these networks, which fit the design.
     #[must_use]
     pub fn new(design: &Design, stage: &StagePlan, sets: [&FixedNetwork; 2]) -> Self {
-        let linear = usize::from(stage.linear > 0);
+        let part = usize::from;
+        let (dense, linear, feeds_m) = (part(stage.is_dense()), part(stage.linear > 0), part(stage.feeds_m));
         let sums = design.accumulator_bits;
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
-            two_rows: Constant::new(stage.rows == 2),
-            pairs: PairBuffer::new(stage),
+            both_ports: Constant::new(stage.reads_both_ports()),
+            pairs: (dense..1).map(|_| PairStore::new(stage)).collect(),
+            pair_operands: (dense..1).map(|_| PairOperands::new(stage)).collect(),
+            vectors: (0..dense).map(|_| DenseStore::new(stage)).collect(),
+            dense_operands: (0..dense).map(|_| DenseOperands::default()).collect(),
             ring: (0..linear).map(|_| WindowRing::new(stage)).collect(),
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
             results: Results::new(design, stage, sets),
-            fifo: Fifo::new(stage.feeds_m),
+            base_fifo: (0..feeds_m).map(|_| Fifo::default()).collect(),
             registers: Registers::new(sets.map(|n| Shifts::of(n, stage)), design.skip_zeros),
+            _sparse: 1 - dense,
+            _dense: dense,
             _linear: linear,
+            _feeds_m: feeds_m,
         })
     }
 }
@@ -113,7 +156,20 @@ impl Stage {
 impl Logic for Stage {
     #[hdl_gen]
     fn update(&mut self) {
-        self.pairs.clock.next = self.clock.val();
+        dff_setup!(
+            self,
+            clock,
+            status_q,
+            write_1,
+            address_1,
+            data_1,
+            weights_2,
+            thresholds_2,
+            previous_2,
+            registers_2,
+            address_2,
+            data_2
+        );
         self.sequencer.clock.next = self.clock.val();
         self.macc.clock.next = self.clock.val();
         self.drain.clock.next = self.clock.val();
@@ -121,121 +177,225 @@ impl Logic for Stage {
         self.fifo.clock.next = self.clock.val();
         self.registers.clock.next = self.clock.val();
         self.counters.clock.next = self.clock.val();
-        self.pairs.reset.next = self.reset.val();
-        self.sequencer.reset.next = self.reset.val();
-        self.drain.reset.next = self.reset.val();
-        self.results.reset.next = self.reset.val();
-        self.fifo.reset.next = self.reset.val();
-        self.registers.reset.next = self.reset.val();
-        self.counters.reset.next = self.reset.val();
+        self.weights_to_6.clock.next = self.clock.val();
 
-        // In: pairs, bases, windows.
-        self.pairs.skip_zeros.next = self.registers.skip_zeros.val();
-        self.pairs.valid.next = self.valid.val();
-        self.pairs.even.next = self.data.val().get_bits::<16>(0);
-        self.pairs.odd.next = self.data.val().get_bits::<16>(16);
-        self.pairs.last.next = self.last.val();
-        self.pairs.set.next = self.set.val();
-        self.ready.next = self.pairs.ready.val();
-        self.accept.next = self.valid.val() && self.pairs.ready.val();
-        self.results.base_write.next = self.accept.val();
+        // Each part has a register for its reset.
+        self.resets.next = 0.into();
+        if self.reset.val() {
+            self.resets.next = 1.into();
+        }
+        self.reset_store.clock.next = self.clock.val();
+        self.reset_store.now.next = self.resets.val();
+        self.reset_ring.clock.next = self.clock.val();
+        self.reset_ring.now.next = self.resets.val();
+        self.reset_sequencer.clock.next = self.clock.val();
+        self.reset_sequencer.now.next = self.resets.val();
+        self.reset_drain.clock.next = self.clock.val();
+        self.reset_drain.now.next = self.resets.val();
+        self.reset_results.clock.next = self.clock.val();
+        self.reset_results.now.next = self.resets.val();
+        self.reset_out.clock.next = self.clock.val();
+        self.reset_out.now.next = self.resets.val();
+        self.reset_registers.clock.next = self.clock.val();
+        self.reset_registers.now.next = self.resets.val();
+        self.sequencer.reset.next = self.reset_sequencer.later.val().get_bit(0);
+        self.drain.reset.next = self.reset_drain.later.val().get_bit(0);
+        self.results.reset.next = self.reset_results.later.val().get_bit(0);
+        self.fifo.reset.next = self.reset_out.later.val().get_bit(0);
+        self.registers.reset.next = self.reset_registers.later.val().get_bit(0);
+        self.counters.reset.next = self.reset_registers.later.val().get_bit(0);
+
+        // In: vectors, bases, windows.
+        self.ready_in.next = false;
+        self.arrived.next = false;
+        self.descriptor.next = 0.into();
+        for i in 0..self._sparse {
+            self.pair_operands[i].pixels.next = 0.into();
+            self.pairs[i].clock.next = self.clock.val();
+            self.pairs[i].reset.next = self.reset_store.later.val().get_bit(0);
+            self.pairs[i].skip_zeros.next = self.registers.skip_zeros.val();
+            self.pairs[i].valid.next = self.valid.val();
+            self.pairs[i].even.next = self.data.val().get_bits::<16>(0);
+            self.pairs[i].odd.next = self.data.val().get_bits::<16>(16);
+            self.pairs[i].last.next = self.last.val();
+            self.pairs[i].set.next = self.set.val();
+            self.pairs[i].read_row.next = self.sequencer.read_row.val();
+            self.pairs[i].finished.next = self.sequencer.finished.val();
+            self.ready_in.next = self.pairs[i].ready.val();
+            self.arrived.next = self.pairs[i].arrived.val();
+            self.descriptor.next = self.pairs[i].descriptor.val();
+        }
+        for i in 0..self._dense {
+            self.vectors[i].clock.next = self.clock.val();
+            self.vectors[i].reset.next = self.reset_store.later.val().get_bit(0);
+            self.vectors[i].valid.next = self.valid.val();
+            self.vectors[i].data.next = self.data.val();
+            self.vectors[i].last.next = self.last.val();
+            self.vectors[i].set.next = self.set.val();
+            self.vectors[i].read_row.next = self.sequencer.read_row.val();
+            self.vectors[i].finished.next = self.sequencer.finished.val();
+            self.ready_in.next = self.vectors[i].ready.val();
+            self.arrived.next = self.vectors[i].arrived.val();
+            self.descriptor.next = self.vectors[i].descriptor.val();
+        }
+        self.ready.next = self.ready_in.val();
+        self.results.base_write.next = self.valid.val() && self.ready_in.val();
         self.results.base_words.next = self.base.val();
         self.window_ready.next = true;
-        self.sequencer.pixels.next = 0.into();
         for i in 0..self._linear {
             self.ring[i].clock.next = self.clock.val();
-            self.ring[i].reset.next = self.reset.val();
+            self.ring[i].reset.next = self.reset_ring.later.val().get_bit(0);
             self.ring[i].valid.next = self.window_valid.val();
             self.ring[i].pixels.next = self.window_data.val();
             self.ring[i].last.next = self.window_last.val();
-            self.ring[i].read_pair.next = self.sequencer.read_pixel.val();
+            self.ring[i].read_pair.next = self.sequencer.read_pixels.val();
             self.ring[i].finished.next = self.sequencer.finished.val();
-            self.sequencer.pixels.next = self.ring[i].read_pixels.val();
+            self.pair_operands[i].pixels.next = self.ring[i].read_pixels.val();
             self.window_ready.next = self.ring[i].ready.val();
         }
 
         // Multiply.
-        self.sequencer.available.next = self.pairs.available.val();
-        self.sequencer.count.next = self.pairs.count.val();
-        self.sequencer.set.next = self.pairs.front_set.val();
+        self.sequencer.arrived.next = self.arrived.val();
+        self.sequencer.descriptor.next = self.descriptor.val();
         self.sequencer.may_start.next = self.drain.may_start.val();
-        self.pairs.read_pair.next = self.sequencer.read_pair.val();
-        self.pairs.finished.next = self.sequencer.finished.val();
-        self.sequencer.even_pair.next = self.pairs.even_pair.val();
-        self.sequencer.odd_pair.next = self.pairs.odd_pair.val();
-        self.shifts.next = self.registers.shifts_0.val();
-        if self.sequencer.shift_set.val() {
-            self.shifts.next = self.registers.shifts_1.val();
+        self.sequencer.steal.next = self.weights_2.q.val() && self.both_ports.val();
+        self.first.next = false;
+        self.address_a.next = 0.into();
+        self.address_b.next = 0.into();
+        self.value_a.next = 0.into();
+        self.value_b.next = 0.into();
+        self.value_c.next = 0.into();
+        self.value_d.next = 0.into();
+        for i in 0..self._sparse {
+            self.pair_operands[i].clock.next = self.clock.val();
+            self.pair_operands[i].valid_a.next = self.sequencer.valid_a.val();
+            self.pair_operands[i].valid_b.next = self.sequencer.valid_b.val();
+            self.pair_operands[i].first.next = self.sequencer.first.val();
+            self.pair_operands[i].linear.next = self.sequencer.linear.val();
+            self.pair_operands[i].odd.next = self.sequencer.odd.val();
+            self.pair_operands[i].set.next = self.sequencer.set.val();
+            self.pair_operands[i].base.next = self.sequencer.base.val();
+            self.pair_operands[i].offset.next = self.sequencer.offset.val();
+            self.pair_operands[i].even_pair.next = self.pairs[i].even_pair.val();
+            self.pair_operands[i].odd_pair.next = self.pairs[i].odd_pair.val();
+            self.pair_operands[i].shifts_0.next = self.registers.shifts_0.val().get_bits::<8>(12);
+            self.pair_operands[i].shifts_1.next = self.registers.shifts_1.val().get_bits::<8>(12);
+            self.first.next = self.pair_operands[i].step_first.val();
+            self.address_a.next = self.pair_operands[i].address_a.val();
+            self.address_b.next = self.pair_operands[i].address_b.val();
+            self.value_a.next = self.pair_operands[i].value_a.val();
+            self.value_b.next = self.pair_operands[i].value_b.val();
         }
-        self.sequencer.code_shift.next = self.shifts.val().get_bits::<4>(12);
-        self.sequencer.linear_shift.next = self.shifts.val().get_bits::<4>(16);
-        self.macc.first.next = self.sequencer.first.val();
-        self.macc.address_a.next = self.sequencer.address_a.val();
-        self.macc.value_a.next = self.sequencer.value_a.val();
-        self.macc.address_b.next = self.sequencer.address_b.val();
-        self.macc.value_b.next = self.sequencer.value_b.val();
+        for i in 0..self._dense {
+            self.dense_operands[i].clock.next = self.clock.val();
+            self.dense_operands[i].valid.next = self.sequencer.valid_a.val();
+            self.dense_operands[i].first.next = self.sequencer.first.val();
+            self.dense_operands[i].odd.next = self.sequencer.odd.val();
+            self.dense_operands[i].base.next = self.sequencer.base.val();
+            self.dense_operands[i].offset.next = self.sequencer.offset.val();
+            self.dense_operands[i].pair_a.next = self.vectors[i].pair_a.val();
+            self.dense_operands[i].pair_b.next = self.vectors[i].pair_b.val();
+            self.dense_operands[i].pair_c.next = self.vectors[i].pair_c.val();
+            self.dense_operands[i].pair_d.next = self.vectors[i].pair_d.val();
+            self.first.next = self.dense_operands[i].step_first.val();
+            self.address_a.next = self.dense_operands[i].address.val();
+            self.value_a.next = self.dense_operands[i].value_a.val();
+            self.value_b.next = self.dense_operands[i].value_b.val();
+            self.value_c.next = self.dense_operands[i].value_c.val();
+            self.value_d.next = self.dense_operands[i].value_d.val();
+        }
+        self.macc.first.next = self.first.val();
+        self.macc.address_a.next = self.address_a.val();
+        self.macc.address_b.next = self.address_b.val();
+        self.macc.value_a.next = self.value_a.val();
+        self.macc.value_b.next = self.value_b.val();
+        self.macc.value_c.next = self.value_c.val();
+        self.macc.value_d.next = self.value_d.val();
 
         // Drain.
+        self.drain.begins.next = self.sequencer.begins.val();
         self.drain.pass_issued.next = self.sequencer.pass_issued.val();
-        self.drain.set.next = self.pairs.front_set.val();
+        self.drain.set.next = self.sequencer.set.val();
         self.macc.copy.next = self.drain.copy.val();
         self.macc.shift.next = self.drain.take.val();
         self.results.take.next = self.drain.take.val();
         self.results.beat.next = self.drain.beat.val();
         self.results.last.next = self.drain.last.val();
         self.results.set.next = self.drain.taken_set.val();
-        self.results.sum_even.next = self.macc.drain_even.val();
-        self.results.sum_odd.next = self.macc.drain_odd.val();
+        self.results.sum_even.next = self.macc.sum_even.val();
+        self.results.sum_odd.next = self.macc.sum_odd.val();
         self.results.shifts_0.next = self.registers.shifts_0.val();
         self.results.shifts_1.next = self.registers.shifts_1.val();
 
         // Out.
+        self.finished_word.next = bit_cast::<34, 32>(self.results.data.val()) << 2;
+        if self.results.done_last.val() {
+            self.finished_word.next = self.finished_word.val() | 1;
+        }
+        if self.results.done_set.val() {
+            self.finished_word.next = self.finished_word.val() | 2;
+        }
         self.fifo.push.next = self.results.push.val();
-        self.fifo.data.next = self.results.data.val();
-        self.fifo.base.next = self.results.base.val();
-        self.fifo.last.next = self.results.done_last.val();
-        self.fifo.set.next = self.results.done_set.val();
+        self.fifo.data.next = self.finished_word.val();
         self.fifo.front_ready.next = self.out_ready.val();
-        self.leaves.next = self.fifo.front_valid.val() && self.out_ready.val();
-        self.drain.returned.next = self.leaves.val();
+        self.drain.returned.next = self.fifo.front_valid.val() && self.out_ready.val();
         self.out_valid.next = self.fifo.front_valid.val();
-        self.out_data.next = self.fifo.front_data.val();
-        self.out_base.next = self.fifo.front_base.val();
-        self.out_last.next = self.fifo.front_last.val();
-        self.out_set.next = self.fifo.front_set.val();
+        self.out_data.next = self.fifo.front_data.val().get_bits::<32>(2);
+        self.out_last.next = self.fifo.front_data.val().get_bit(0);
+        self.out_set.next = self.fifo.front_data.val().get_bit(1);
+        self.out_base.next = 0.into();
+        for i in 0..self._feeds_m {
+            self.base_fifo[i].clock.next = self.clock.val();
+            self.base_fifo[i].reset.next = self.reset_out.later.val().get_bit(0);
+            self.base_fifo[i].push.next = self.results.push.val();
+            self.base_fifo[i].data.next = self.results.base.val();
+            self.base_fifo[i].front_ready.next = self.out_ready.val();
+            self.out_base.next = self.base_fifo[i].front_data.val();
+        }
         self.counters.enable.next = self.results.push.val();
         self.counters.nonzero.next = self.results.nonzero.val();
         self.counters.results.next = self.results.result_saturated.val();
         self.counters.codes.next = self.results.code_saturated.val();
         self.counters.differences.next = self.results.difference_saturated.val();
 
-        // The host: weights wait for a cycle in which none are read where both ports of their memory read.
+        // The host. A weight that both ports read takes the place of a step, four cycles after that was due.
+        self.write_1.d.next = self.write_valid.val();
+        self.address_1.d.next = self.write_address.val();
+        self.data_1.d.next = self.write_data.val();
         self.selected.next =
-            self.write_valid.val() && (self.write_address.val().get_bits::<4>(21) == self.id.val());
-        self.blocked.next = self.two_rows.val()
-            && self.sequencer.busy.val()
-            && (self.write_address.val().get_bits::<2>(19) == 0);
-        self.write_ready.next = !(self.selected.val() && self.blocked.val());
-        self.macc.write_enable.next =
-            self.selected.val() && !self.blocked.val() && (self.write_address.val().get_bits::<2>(19) == 0);
-        self.macc.write_bank.next = self.write_address.val().get_bits::<6>(13);
-        self.macc.write_half.next = self.write_address.val().get_bit(0);
-        self.macc.write_row.next = self.write_address.val().get_bits::<12>(1);
-        self.macc.write_data.next = self.write_data.val();
-        self.results.write_thresholds.next =
-            self.selected.val() && (self.write_address.val().get_bits::<2>(19) == 1);
-        self.results.write_previous.next =
-            self.selected.val() && (self.write_address.val().get_bits::<2>(19) == 2);
-        self.results.write_row.next = self.write_address.val().get_bits::<12>(1);
-        self.results.write_data.next = self.write_data.val();
-        self.registers.write_enable.next =
-            self.selected.val() && (self.write_address.val().get_bits::<2>(19) == 3);
-        self.registers.write_row.next = self.write_address.val().get_bits::<12>(1);
-        self.registers.write_data.next = self.write_data.val();
-        self.counters.select.next = self.status_address.val().get_bits::<2>(0);
-        self.status.next = 0.into();
-        if self.status_address.val().get_bits::<4>(2) == self.id.val() {
-            self.status.next = self.counters.value.val();
+            self.write_1.q.val() && (self.address_1.q.val().get_bits::<4>(21) == self.id.val());
+        self.weights_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 0);
+        self.thresholds_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 1);
+        self.previous_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 2);
+        self.registers_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 3);
+        self.address_2.d.next = self.address_1.q.val().get_bits::<19>(0);
+        self.data_2.d.next = self.data_1.q.val();
+        self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val()) << 33)
+            | (bit_cast::<52, 32>(self.data_2.q.val()) << 1);
+        if self.weights_2.q.val() {
+            self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val()) << 33)
+                | (bit_cast::<52, 32>(self.data_2.q.val()) << 1)
+                | 1;
         }
+        self.weights_to_6.now.next = self.weights_word.val();
+        // What registers hold at first is nothing that was written.
+        self.macc.write_enable.next = self.weights_to_6.later.val().get_bit(0) && !self.reset.val();
+        self.macc.write_bank.next = self.weights_to_6.later.val().get_bits::<6>(46);
+        self.macc.write_row.next = self.weights_to_6.later.val().get_bits::<12>(34);
+        self.macc.write_half.next = self.weights_to_6.later.val().get_bit(33);
+        self.macc.write_data.next = self.weights_to_6.later.val().get_bits::<32>(1);
+        self.results.write_thresholds.next = self.thresholds_2.q.val() && !self.reset.val();
+        self.results.write_previous.next = self.previous_2.q.val() && !self.reset.val();
+        self.results.write_row.next = self.address_2.q.val().get_bits::<12>(1);
+        self.results.write_data.next = self.data_2.q.val();
+        self.registers.write_enable.next = self.registers_2.q.val();
+        self.registers.write_row.next = self.address_2.q.val().get_bits::<12>(1);
+        self.registers.write_data.next = self.data_2.q.val();
+        self.counters.select.next = self.status_address.val().get_bits::<2>(0);
+        self.status_q.d.next = 0.into();
+        if self.status_address.val().get_bits::<4>(2) == self.id.val() {
+            self.status_q.d.next = self.counters.value.val();
+        }
+        self.status.next = self.status_q.q.val();
     }
 }

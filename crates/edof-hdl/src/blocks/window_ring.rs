@@ -1,13 +1,13 @@
 //! Windows that wait for F's linear path.
 
+use super::Pair;
 use super::ram::{Ram, Shape};
-use super::{Pair, Row};
 use crate::describe::Circuit;
 use edof_spec::design::{BEAT, StagePlan};
 use rust_hdl::prelude::*;
 
-/// Windows that wait for F's linear path: a ring of whole windows in block RAM.
-/// Ready while there is room for one more. Two pixels are read a cycle after read_pair, from the oldest window.
+/// Windows that wait for F's linear path: a ring of whole windows in block RAM, each from a power of two of rows on.
+/// Ready while there is room for one more. Two pixels are read two cycles after read_pair, from the oldest window.
 #[derive(Circuit)]
 pub struct WindowRing {
     /// Clock.
@@ -23,75 +23,98 @@ pub struct WindowRing {
     /// Whether it is its window's last.
     pub last: Signal<In, Bit>,
     /// Which two pixels of the oldest window to read.
-    pub read_pair: Signal<In, Bits<8>>,
-    /// They, a cycle later.
+    pub read_pair: Signal<In, Bits<7>>,
+    /// They, two cycles later.
     pub read_pixels: Signal<Out, Pair>,
     /// Frees the oldest window.
     pub finished: Signal<In, Bit>,
     ram: Ram<32>,
-    window_rows: Constant<Row>,
-    last_row: Constant<Row>,
-    last_window: Constant<Row>,
+    large: Constant<Bit>,
+    last_window: Constant<Bits<5>>,
     most: Constant<Bits<6>>,
-    write_row: DFF<Row>,
-    oldest_row: DFF<Row>,
+    write_q: DFF<Bit>,
+    pixels_q: DFF<Pair>,
+    last_q: DFF<Bit>,
+    write_beat: DFF<Bits<7>>,
+    write_window: DFF<Bits<5>>,
+    oldest: DFF<Bits<5>>,
     held: DFF<Bits<6>>,
+    ready_q: DFF<Bit>,
     accept: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
+    held_next: Signal<Local, Bits<6>>,
 }
 
 impl WindowRing {
     /// The ring of an F stage with a linear path.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        let window = (stage.linear / BEAT) as u64;
-        let depth = window * stage.kept_windows as u64;
+        let rows = (stage.linear / BEAT).next_power_of_two();
+        let windows = stage.kept_windows;
         Self::from_parts(WindowRingParts {
-            ram: Ram::new(Shape::block(depth as usize), &[]),
-            window_rows: Constant::new(window.into()),
-            last_row: Constant::new((depth - 1).into()),
-            last_window: Constant::new((depth - window).into()),
-            most: Constant::new((stage.kept_windows as u64).into()),
+            ram: Ram::new(Shape::registered(rows * windows), &[]),
+            large: Constant::new(rows > SMALL_ROWS),
+            last_window: Constant::new((windows as u64 - 1).into()),
+            most: Constant::new((windows as u64).into()),
         })
     }
 }
 
+/// Rows of two pixels of a window of side 8; one of side 12 has 72, and takes four times as many.
+const SMALL_ROWS: usize = 32;
+
 impl Logic for WindowRing {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, write_row, oldest_row, held);
+        dff_setup!(self, clock, write_q, pixels_q, last_q, write_beat, write_window, oldest, held, ready_q);
         self.ram.clock.next = self.clock.val();
 
-        self.ready.next = self.held.q.val() != self.most.val();
-        self.accept.next = self.valid.val() && (self.held.q.val() != self.most.val());
+        self.ready.next = self.ready_q.q.val();
+        self.accept.next = self.valid.val() && self.ready_q.q.val();
         self.arrived.next = self.accept.val() && self.last.val();
-        self.ram.write_enable.next = self.accept.val();
-        self.ram.write_address.next = self.write_row.q.val();
-        self.ram.write_data.next = self.pixels.val();
-        self.ram.read_address.next = self.oldest_row.q.val() + bit_cast::<12, 8>(self.read_pair.val());
+        self.held_next.next = self.held.q.val();
+        if self.arrived.val() && !self.finished.val() {
+            self.held_next.next = self.held.q.val() + 1;
+        } else if self.finished.val() && !self.arrived.val() {
+            self.held_next.next = self.held.q.val() - 1;
+        }
+        self.held.d.next = self.held_next.val();
+        self.ready_q.d.next = self.held_next.val() != self.most.val();
+
+        self.write_q.d.next = self.accept.val();
+        self.pixels_q.d.next = self.pixels.val();
+        self.last_q.d.next = self.last.val();
+        self.ram.write_enable.next = self.write_q.q.val();
+        self.ram.write_data.next = self.pixels_q.q.val();
+        self.ram.write_address.next =
+            (bit_cast::<12, 5>(self.write_window.q.val()) << 5) | bit_cast::<12, 7>(self.write_beat.q.val());
+        self.ram.read_address.next =
+            (bit_cast::<12, 5>(self.oldest.q.val()) << 5) | bit_cast::<12, 7>(self.read_pair.val());
+        if self.large.val() {
+            self.ram.write_address.next = (bit_cast::<12, 5>(self.write_window.q.val()) << 7)
+                | bit_cast::<12, 7>(self.write_beat.q.val());
+            self.ram.read_address.next =
+                (bit_cast::<12, 5>(self.oldest.q.val()) << 7) | bit_cast::<12, 7>(self.read_pair.val());
+        }
         self.read_pixels.next = self.ram.read_data.val();
 
-        if self.accept.val() {
-            self.write_row.d.next = self.write_row.q.val() + 1;
-            if self.write_row.q.val() == self.last_row.val() {
-                self.write_row.d.next = 0.into();
+        if self.write_q.q.val() {
+            self.write_beat.d.next = self.write_beat.q.val() + 1;
+            if self.last_q.q.val() {
+                self.write_beat.d.next = 0.into();
+                self.write_window.d.next = (self.write_window.q.val() + 1) & self.last_window.val();
             }
         }
         if self.finished.val() {
-            self.oldest_row.d.next = self.oldest_row.q.val() + self.window_rows.val();
-            if self.oldest_row.q.val() == self.last_window.val() {
-                self.oldest_row.d.next = 0.into();
-            }
-        }
-        if self.arrived.val() && !self.finished.val() {
-            self.held.d.next = self.held.q.val() + 1;
-        } else if self.finished.val() && !self.arrived.val() {
-            self.held.d.next = self.held.q.val() - 1;
+            self.oldest.d.next = (self.oldest.q.val() + 1) & self.last_window.val();
         }
         if self.reset.val() {
-            self.write_row.d.next = 0.into();
-            self.oldest_row.d.next = 0.into();
+            self.write_q.d.next = false;
+            self.write_beat.d.next = 0.into();
+            self.write_window.d.next = 0.into();
+            self.oldest.d.next = 0.into();
             self.held.d.next = 0.into();
+            self.ready_q.d.next = false;
         }
     }
 }

@@ -40,8 +40,6 @@ pub struct StreamCore {
     pub picture_last: Signal<Out, Bit>,
     /// A word of the calculator is to be written (`edof_spec::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
-    /// It can be, in this cycle.
-    pub write_ready: Signal<Out, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,
     /// What.
@@ -144,7 +142,6 @@ impl Logic for StreamCore {
 
         // The host.
         self.calculator.write_valid.next = self.write_valid.val();
-        self.write_ready.next = self.calculator.write_ready.val();
         self.calculator.write_address.next = self.write_address.val();
         self.calculator.write_data.next = self.write_data.val();
         self.calculator.status_address.next = self.status_address.val();

@@ -2,7 +2,8 @@
 //!
 //! Weights lie in banks of [`BANK_LANES`] lanes, one 64-bit word a row: lane 0 in the lowest 16 bits. Row `set·weight_rows +
 //! pass·pass_rows + input` holds the weights of that input for outputs `pass·lanes + bank·4 …`. F's linear path follows the
-//! codes as inputs `codes … codes + pixels`. Thresholds lie two a word, at `set·outputs/2 + output/2`.
+//! codes as inputs `codes … codes + pixels`. In I, whose vectors are dense, a row holds `rows` such words, of inputs that lie
+//! `inputs / rows` apart, and rows are numbered so that the lowest bits say which word ([`row_bits`]). Thresholds lie two a word, at `set·outputs/2 + output/2`.
 
 use super::{BANK_LANES, BEAT, Design, Kind, StagePlan};
 use crate::fixed_network::FixedNetwork;
@@ -111,15 +112,22 @@ pub fn weight(network: &FixedNetwork, stage: &StagePlan, output: usize, input: u
     }
 }
 
-/// One set of weights of one bank: a 64-bit word a row.
+/// One set of weights of word `part` of a bank's rows, a 64-bit word a row.
 #[must_use]
-pub fn weight_words(network: &FixedNetwork, stage: &StagePlan, bank: usize) -> Vec<u64> {
-    let row = |pass: usize, input: usize| {
+pub fn weight_words(network: &FixedNetwork, stage: &StagePlan, bank: usize, part: usize) -> Vec<u64> {
+    let word = |pass: usize, row: usize| {
         let first = pass * stage.lanes + bank * BANK_LANES;
+        let input = part * stage.segment() + row;
         let lane = |l: usize| u64::from(weight(network, stage, first + l, input) as u16) << (16 * l);
         (0..BANK_LANES).map(lane).sum()
     };
-    (0..stage.passes()).flat_map(|pass| (0..stage.pass_rows()).map(move |input| row(pass, input))).collect()
+    (0..stage.passes()).flat_map(|pass| (0..stage.pass_rows()).map(move |row| word(pass, row))).collect()
+}
+
+/// Bits of a row's number that say which of its words is meant.
+#[must_use]
+pub fn row_bits(stage: &StagePlan) -> u32 {
+    stage.row_words().next_power_of_two().trailing_zeros()
 }
 
 /// One set of thresholds, two a word; `before` gives those of the stage before.
@@ -138,10 +146,12 @@ pub fn writes(design: &Design, network: &FixedNetwork, set: Set) -> Vec<(u32, u3
     for stage in &design.stages().collect::<Vec<_>>() {
         let at = |space| address(stage.index, space);
         for bank in 0..stage.banks() {
-            for (row, word) in weight_words(network, stage, bank).into_iter().enumerate() {
-                let row = second * stage.weight_rows() + row;
-                let half = |half: usize| at(Space::Weights { bank, row, half });
-                all.extend([(half(0), word as u32), (half(1), (word >> 32) as u32)]);
+            for part in 0..stage.row_words() {
+                for (row, word) in weight_words(network, stage, bank, part).into_iter().enumerate() {
+                    let row = ((second * stage.weight_rows() + row) << row_bits(stage)) + part;
+                    let half = |half: usize| at(Space::Weights { bank, row, half });
+                    all.extend([(half(0), word as u32), (half(1), (word >> 32) as u32)]);
+                }
             }
         }
         let first = second * stage.beats_out();
@@ -158,10 +168,25 @@ pub fn writes(design: &Design, network: &FixedNetwork, set: Set) -> Vec<(u32, u3
     all
 }
 
-/// Path of a bank's memory image, relative to the generated directory.
+/// Path of the memory image of word `part` of a bank, relative to the generated directory: [`weight_images`], two digits of the bank,
+/// one of the part.
 #[must_use]
-pub fn weight_image(stage: &StagePlan, bank: usize) -> String {
-    format!("mem/stage{}_bank{bank:02}.hex", stage.index)
+pub fn weight_image(stage: &StagePlan, bank: usize, part: usize) -> String {
+    format!("{}{bank:02}_{part}.hex", weight_images(stage))
+}
+
+/// What the paths of all of a stage's memory images start with.
+#[must_use]
+pub fn weight_images(stage: &StagePlan) -> String {
+    format!("mem/stage{}_bank", stage.index)
+}
+
+/// The stage whose multipliers a write takes a cycle from, if it is such a write.
+#[must_use]
+pub fn stolen_from(design: &Design, address: u32) -> Option<usize> {
+    let (stage, space) = ((address >> 21) as usize, (address >> 19) & 3);
+    let reads_both = |index| design.stage(index).reads_both_ports();
+    (space == 0 && stage < design.stages.len() && reads_both(stage)).then_some(stage)
 }
 
 /// Path of a threshold memory's image.

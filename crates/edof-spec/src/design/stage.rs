@@ -40,6 +40,17 @@ pub struct StagePlan {
     pub kept_windows: usize,
 }
 
+/// Rows of a dense stage, at most.
+pub const MOST_ROWS: usize = 4;
+/// Windows that fit the window ring's addresses.
+const MOST_WINDOWS: usize = 32;
+
+/// Windows that wait for F: as many vectors as lie in the stages before it, and more, so that they never wait for room here; a power
+/// of two, so that a place is some bits of an address.
+fn kept_windows(layers: usize) -> usize {
+    (6 * layers).next_power_of_two().min(MOST_WINDOWS)
+}
+
 impl StagePlan {
     /// Stage `index` of a design.
     #[must_use]
@@ -63,7 +74,7 @@ impl StagePlan {
             rows: size.rows,
             feeds_m,
             sends_difference: form.recurrence == Recurrence::Difference && kind == Kind::M && feeds_m,
-            kept_windows: if linear > 0 { 2 * form.layers + 2 } else { 0 },
+            kept_windows: if linear > 0 { kept_windows(form.layers) } else { 0 },
         }
     }
 
@@ -85,21 +96,45 @@ impl StagePlan {
         self.lanes * self.rows
     }
 
-    /// Rows of weights in one pass: one for each input.
+    /// Whether it takes all of its inputs, zero or not, `rows` of them from one wide word: I.
     #[must_use]
-    pub const fn pass_rows(&self) -> usize {
-        self.inputs + self.linear
+    pub fn is_dense(&self) -> bool {
+        self.kind == Kind::I
+    }
+
+    /// Inputs of one of the `rows` parts into which a dense stage divides its vector, each read in step with the others.
+    #[must_use]
+    pub const fn segment(&self) -> usize {
+        self.inputs / self.rows
+    }
+
+    /// Words of [`BANK_LANES`] weights in a row of a bank.
+    #[must_use]
+    pub fn row_words(&self) -> usize {
+        if self.is_dense() { self.rows } else { 1 }
+    }
+
+    /// Whether both ports of a bank's memory read, so that a write takes a cycle from the multipliers.
+    #[must_use]
+    pub fn reads_both_ports(&self) -> bool {
+        !self.is_dense() && self.rows == 2
+    }
+
+    /// Rows of weights in one pass: one for each input, in a dense stage one for each step.
+    #[must_use]
+    pub fn pass_rows(&self) -> usize {
+        if self.is_dense() { self.segment() } else { self.inputs + self.linear }
     }
 
     /// Rows of one set of weights.
     #[must_use]
-    pub const fn weight_rows(&self) -> usize {
+    pub fn weight_rows(&self) -> usize {
         self.passes() * self.pass_rows()
     }
 
     /// Depth of each block of weight memory: two sets.
     #[must_use]
-    pub const fn weight_depth(&self) -> usize {
+    pub fn weight_depth(&self) -> usize {
         2 * self.weight_rows()
     }
 
@@ -148,7 +183,14 @@ impl StagePlan {
         let field = |name| format!("stages[{}].{name}", self.index);
         let expected = format!("a multiple of {BANK_LANES} that divides {outputs}");
         require(&field("lanes"), lanes, fits, &expected)?;
-        require(&field("rows"), self.rows, self.rows == 1 || self.rows == 2, "1 or 2")?;
+        if self.is_dense() {
+            let even =
+                self.rows > 0 && self.rows <= MOST_ROWS && self.inputs.is_multiple_of(BEAT * self.rows);
+            let expected = format!("1 to {MOST_ROWS}, and divide {} into even parts", self.inputs);
+            require(&field("rows"), self.rows, even, &expected)?;
+        } else {
+            require(&field("rows"), self.rows, self.rows == 1 || self.rows == 2, "1 or 2")?;
+        }
         let depth = self.weight_depth();
         require(
             &field("lanes"),

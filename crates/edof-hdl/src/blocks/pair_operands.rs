@@ -1,0 +1,190 @@
+//! From what a step read to rows of weights and values (M, F).
+
+use super::delay::Delay;
+use super::{IndexedValue, Pair, Row, Word};
+use crate::describe::Circuit;
+use edof_spec::design::{Kind, StagePlan};
+use rust_hdl::prelude::*;
+
+/// From what a step read to rows of weights and values, four cycles after the step: pairs, or pixels of the window (F), shifted left
+/// where F aligns its two sums. A value without work is 0.
+#[derive(Circuit)]
+#[circuit(default(Delay))]
+pub struct PairOperands {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// There is a step, with a first value.
+    pub valid_a: Signal<In, Bit>,
+    /// With a second one.
+    pub valid_b: Signal<In, Bit>,
+    /// It is the first of its pass.
+    pub first: Signal<In, Bit>,
+    /// It is one of the window's.
+    pub linear: Signal<In, Bit>,
+    /// The odd one of two elements is meant.
+    pub odd: Signal<In, Bit>,
+    /// The vector's set.
+    pub set: Signal<In, Bit>,
+    /// Row of weights of input 0.
+    pub base: Signal<In, Row>,
+    /// What the row of weights of a pixel is after it.
+    pub offset: Signal<In, Row>,
+    /// The even pair, two cycles after the step.
+    pub even_pair: Signal<In, IndexedValue>,
+    /// The odd one.
+    pub odd_pair: Signal<In, IndexedValue>,
+    /// Two pixels, likewise.
+    pub pixels: Signal<In, Pair>,
+    /// Left shifts of set 0: of codes, of pixels.
+    pub shifts_0: Signal<In, Bits<8>>,
+    /// Of set 1.
+    pub shifts_1: Signal<In, Bits<8>>,
+    /// The step is the first of its pass.
+    pub step_first: Signal<Out, Bit>,
+    /// Row of weights.
+    pub address_a: Signal<Out, Row>,
+    /// Of the second value.
+    pub address_b: Signal<Out, Row>,
+    /// Value.
+    pub value_a: Signal<Out, Bits<25>>,
+    /// The second one.
+    pub value_b: Signal<Out, Bits<25>>,
+    aligns: Constant<Bit>,
+    two_rows: Constant<Bit>,
+    flags_to_2: Delay<6, 2>,
+    rows_to_2: Delay<24, 2>,
+    first_to_4: Delay<1, 2>,
+    value_a_3: DFF<Word>,
+    value_b_3: DFF<Word>,
+    base_3: DFF<Row>,
+    offset_a_3: DFF<Row>,
+    offset_b_3: DFF<Row>,
+    shift_3: DFF<Bits<4>>,
+    address_a_4: DFF<Row>,
+    address_b_4: DFF<Row>,
+    value_a_4: DFF<Bits<25>>,
+    value_b_4: DFF<Bits<25>>,
+    flags: Signal<Local, Bits<6>>,
+    pair_a: Signal<Local, IndexedValue>,
+    pixel_a: Signal<Local, Word>,
+    shifts: Signal<Local, Bits<8>>,
+    wide_a: Signal<Local, Bits<25>>,
+    wide_b: Signal<Local, Bits<25>>,
+}
+
+impl PairOperands {
+    /// Those of an M or F stage.
+    #[must_use]
+    pub fn new(stage: &StagePlan) -> Self {
+        Self::from_parts(PairOperandsParts {
+            aligns: Constant::new(stage.kind == Kind::F),
+            two_rows: Constant::new(stage.rows == 2),
+        })
+    }
+}
+
+impl Logic for PairOperands {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            value_a_3,
+            value_b_3,
+            base_3,
+            offset_a_3,
+            offset_b_3,
+            shift_3,
+            address_a_4,
+            address_b_4,
+            value_a_4,
+            value_b_4
+        );
+        self.flags_to_2.clock.next = self.clock.val();
+        self.rows_to_2.clock.next = self.clock.val();
+        self.first_to_4.clock.next = self.clock.val();
+
+        // With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3 window, 4 odd, 5 set.
+        self.flags.next = 0.into();
+        if self.first.val() {
+            self.flags.next = self.flags.val() | 1;
+        }
+        if self.valid_a.val() {
+            self.flags.next = self.flags.val() | 2;
+        }
+        if self.valid_b.val() {
+            self.flags.next = self.flags.val() | 4;
+        }
+        if self.linear.val() {
+            self.flags.next = self.flags.val() | 8;
+        }
+        if self.odd.val() {
+            self.flags.next = self.flags.val() | 16;
+        }
+        if self.set.val() {
+            self.flags.next = self.flags.val() | 32;
+        }
+        self.flags_to_2.now.next = self.flags.val();
+        self.rows_to_2.now.next =
+            (bit_cast::<24, 12>(self.base.val()) << 12) | bit_cast::<24, 12>(self.offset.val());
+
+        // Cycle 3: the pair or pixel.
+        self.pair_a.next = self.even_pair.val();
+        self.pixel_a.next = self.pixels.val().get_bits::<16>(0);
+        if self.flags_to_2.later.val().get_bit(4) {
+            self.pair_a.next = self.odd_pair.val();
+            self.pixel_a.next = self.pixels.val().get_bits::<16>(16);
+        }
+        self.value_a_3.d.next = self.pair_a.val().get_bits::<16>(0);
+        self.value_b_3.d.next = self.odd_pair.val().get_bits::<16>(0);
+        self.offset_a_3.d.next = bit_cast::<12, 9>(self.pair_a.val().get_bits::<9>(16));
+        self.offset_b_3.d.next = bit_cast::<12, 9>(self.odd_pair.val().get_bits::<9>(16));
+        self.shifts.next = self.shifts_0.val();
+        if self.flags_to_2.later.val().get_bit(5) {
+            self.shifts.next = self.shifts_1.val();
+        }
+        self.shift_3.d.next = self.shifts.val().get_bits::<4>(0);
+        if self.flags_to_2.later.val().get_bit(3) {
+            self.value_a_3.d.next = self.pixel_a.val();
+            self.value_b_3.d.next = self.pixels.val().get_bits::<16>(16);
+            self.offset_a_3.d.next = self.rows_to_2.later.val().get_bits::<12>(0);
+            self.offset_b_3.d.next = self.rows_to_2.later.val().get_bits::<12>(0) | 1;
+            self.shift_3.d.next = self.shifts.val().get_bits::<4>(4);
+        }
+        // Without work the row is one that there is, not what an unwritten pair says.
+        if !self.flags_to_2.later.val().get_bit(1) {
+            self.value_a_3.d.next = 0.into();
+            self.offset_a_3.d.next = 0.into();
+        }
+        if !(self.two_rows.val() && self.flags_to_2.later.val().get_bit(2)) {
+            self.value_b_3.d.next = 0.into();
+            self.offset_b_3.d.next = 0.into();
+        }
+        self.base_3.d.next = self.rows_to_2.later.val().get_bits::<12>(12);
+
+        // Cycle 4: aligned, and its row.
+        self.wide_a.next = bit_cast::<25, 16>(self.value_a_3.q.val());
+        if self.value_a_3.q.val().get_bit(15) {
+            self.wide_a.next = bit_cast::<25, 16>(self.value_a_3.q.val()) | 0x1ff_0000;
+        }
+        self.wide_b.next = bit_cast::<25, 16>(self.value_b_3.q.val());
+        if self.value_b_3.q.val().get_bit(15) {
+            self.wide_b.next = bit_cast::<25, 16>(self.value_b_3.q.val()) | 0x1ff_0000;
+        }
+        self.value_a_4.d.next = self.wide_a.val();
+        self.value_b_4.d.next = self.wide_b.val();
+        if self.aligns.val() {
+            self.value_a_4.d.next = self.wide_a.val() << self.shift_3.q.val();
+            self.value_b_4.d.next = self.wide_b.val() << self.shift_3.q.val();
+        }
+        self.address_a_4.d.next = self.base_3.q.val() + self.offset_a_3.q.val();
+        self.address_b_4.d.next = self.base_3.q.val() + self.offset_b_3.q.val();
+        self.first_to_4.now.next = self.flags_to_2.later.val().get_bits::<1>(0);
+
+        self.step_first.next = self.first_to_4.later.val().get_bit(0);
+        self.address_a.next = self.address_a_4.q.val();
+        self.address_b.next = self.address_b_4.q.val();
+        self.value_a.next = self.value_a_4.q.val();
+        self.value_b.next = self.value_b_4.q.val();
+    }
+}

@@ -1,0 +1,115 @@
+// All banks of a stage. Each sees the same addresses and values; copied sums are handed down the chain to bank 0, and those of a
+// lane's ROWS multipliers are added as they leave.
+//
+// Counted from a step's address_*_i, value_*_i and first_i (all in one cycle), its product is in its sum seven cycles later at the
+// latest edge that a copy_i three cycles later still sees. Sums that a shift_i hands on stand on sum_*_o seven cycles after it.
+// A write in the cycle of a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2).
+`default_nettype none
+
+module edof_macc_array #(
+    parameter BANKS = 4,
+    parameter DEPTH = 384,
+    parameter ROWS = 1,
+    parameter DENSE = 0,
+    parameter SUM = 48,
+    parameter INIT = ""
+) (
+    input  wire               clock_i,
+    input  wire               first_i,
+    input  wire        [11:0] address_a_i,
+    input  wire        [11:0] address_b_i,
+    input  wire        [24:0] value_a_i,
+    input  wire        [24:0] value_b_i,
+    input  wire        [24:0] value_c_i,
+    input  wire        [24:0] value_d_i,
+    input  wire               copy_i,
+    input  wire               shift_i,
+    output wire        [47:0] sum_even_o,
+    output wire        [47:0] sum_odd_o,
+    input  wire               write_enable_i,
+    input  wire        [5:0]  write_bank_i,
+    input  wire               write_half_i,
+    input  wire        [11:0] write_row_i,
+    input  wire        [31:0] write_data_i
+);
+    wire [99:0] values = {value_d_i, value_c_i, value_b_i, value_a_i};
+    wire [25*ROWS-1:0] values_later;
+    edof_delay #(.WIDTH(25 * ROWS), .CYCLES(2)) value_delay (
+        .clock_i(clock_i),
+        .now_i(values[25*ROWS-1:0]),
+        .later_o(values_later)
+    );
+    wire first_later;
+    edof_delay #(.WIDTH(1), .CYCLES(4)) first_delay (
+        .clock_i(clock_i),
+        .now_i(first_i),
+        .later_o(first_later)
+    );
+    reg [31:0] write_data_q;
+    always @(posedge clock_i) write_data_q <= write_data_i;
+
+    wire [ROWS*SUM-1:0] even [0:BANKS];
+    wire [ROWS*SUM-1:0] odd [0:BANKS];
+    assign even[BANKS] = {(ROWS * SUM){1'b0}};
+    assign odd[BANKS] = {(ROWS * SUM){1'b0}};
+
+    genvar bank;
+    generate
+        for (bank = 0; bank < BANKS; bank = bank + 1) begin : banks
+            edof_macc_bank #(
+                .BANK(bank),
+                .DEPTH(DEPTH),
+                .ROWS(ROWS),
+                .DENSE(DENSE),
+                .SUM(SUM),
+                .INIT(INIT)
+            ) lanes (
+                .clock_i(clock_i),
+                .first_i(first_later),
+                .address_a_i(address_a_i),
+                .address_b_i(address_b_i),
+                .value_i(values_later),
+                .copy_i(copy_i),
+                .shift_i(shift_i),
+                .drain_even_i(even[bank+1]),
+                .drain_odd_i(odd[bank+1]),
+                .drain_even_o(even[bank]),
+                .drain_odd_o(odd[bank]),
+                .write_i(write_enable_i),
+                .write_bank_i(write_bank_i),
+                .write_half_i(write_half_i),
+                .write_address_i(write_row_i),
+                .write_data_q_i(write_data_q)
+            );
+        end
+    endgenerate
+
+    // The sums of a lane's rows, extended to 48 bits; rows that are not there are zero.
+    reg [ROWS*SUM-1:0] even_q;
+    reg [ROWS*SUM-1:0] odd_q;
+    always @(posedge clock_i) begin
+        even_q <= even[0];
+        odd_q <= odd[0];
+    end
+    wire [4*48-1:0] even_rows;
+    wire [4*48-1:0] odd_rows;
+    genvar row;
+    generate
+        for (row = 0; row < 4; row = row + 1) begin : extended
+            if (row >= ROWS) begin : nothing
+                assign even_rows[48*row +: 48] = 48'd0;
+                assign odd_rows[48*row +: 48] = 48'd0;
+            end else if (SUM == 48) begin : whole
+                assign even_rows[48*row +: 48] = even_q[SUM*row +: SUM];
+                assign odd_rows[48*row +: 48] = odd_q[SUM*row +: SUM];
+            end else begin : signed_
+                assign even_rows[48*row +: 48] = {{(48 - SUM){even_q[SUM*row+SUM-1]}}, even_q[SUM*row +: SUM]};
+                assign odd_rows[48*row +: 48] = {{(48 - SUM){odd_q[SUM*row+SUM-1]}}, odd_q[SUM*row +: SUM]};
+            end
+        end
+    endgenerate
+    edof_add4 even_sum (.clock_i(clock_i), .rows_i(even_rows), .sum_o(sum_even_o));
+    edof_add4 odd_sum (.clock_i(clock_i), .rows_i(odd_rows), .sum_o(sum_odd_o));
+endmodule
+
+`default_nettype wire
