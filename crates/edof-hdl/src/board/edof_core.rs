@@ -263,7 +263,7 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.core.table_data.next = self.registers.table_data.val();
         self.registers.table_ready.next = true;
         self.core.write_valid.next = self.registers.weight_valid.val();
-        self.registers.weight_ready.next = self.core.write_ready.val();
+        self.registers.weight_ready.next = true;
         self.core.write_address.next = self.registers.weight_address.val();
         self.core.write_data.next = self.registers.weight_data.val();
         self.core.clear.next = false;

@@ -38,7 +38,7 @@ pub struct StreamCore {
     pub picture_user: Signal<Out, Bit>,
     /// Whether it is its line's last.
     pub picture_last: Signal<Out, Bit>,
-    /// A word of the calculator is to be written (`edof_spec::design::memory::address`).
+    /// A word of the calculator is written (`edof_spec::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,
