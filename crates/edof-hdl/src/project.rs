@@ -1,13 +1,9 @@
 //! Everything that a generated design consists of, as text: modules, leaves, memory images.
 
 use crate::blocks::chain::Chain;
-use crate::board::Identity;
-use crate::board::edof_core::{Contents, EdofCore, MemoryUse};
 use crate::describe::Circuit;
 use crate::verilog::{EmitError, Port, emit};
-use crate::video::display::TABLE_IMAGES;
 use edof_spec::design::{Design, DesignError, memory};
-use edof_spec::video::VideoTiming;
 use edof_spec::{FixedNetwork, fixed_network::FixedNetworkError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -79,39 +75,6 @@ pub enum ProjectError {
 pub fn calculator(design: &Design, sets: [&FixedNetwork; 2]) -> Result<Project, ProjectError> {
     sets.iter().try_for_each(|network| network.check())?;
     Ok(of_circuit(&mut Chain::checked(design, sets)?, images(design, sets))?)
-}
-
-/// The entries that a display's tables start with.
-#[derive(Debug, Clone, Copy)]
-pub struct Tables<'a> {
-    /// Luma codes.
-    pub luma: &'a [u64],
-    /// Encoded red, green and blue.
-    pub colours: [&'a [u64]; 3],
-}
-
-/// Words of a burst, and words that an agent holds: 1 KiB of a 512-bit memory at a time, four times over.
-const BURSTS: MemoryUse = MemoryUse { burst: 16, depth: 64 };
-
-/// The whole core of a design ([`EdofCore`]) for a memory of `W` bits, `S` bytes, a word; its sets start with these networks. Both buses
-/// have the timing of the design's frame.
-///
-/// # Errors
-/// [`ProjectError`]: what does not fit what.
-pub fn core<const W: usize, const S: usize>(
-    design: &Design,
-    sets: [&FixedNetwork; 2],
-    tables: &Tables<'_>,
-    identity: Identity,
-) -> Result<Project, ProjectError> {
-    sets.iter().try_for_each(|network| network.check())?;
-    let contents = Contents { sets, luma: tables.luma, colours: tables.colours, identity };
-    let timing = VideoTiming::of_frame(design.frame);
-    let mut core = EdofCore::<W, S>::new(design, timing, BURSTS, &contents)?;
-    let [red, green, blue] = tables.colours;
-    let words = TABLE_IMAGES.into_iter().zip([tables.luma, red, green, blue]);
-    let tables = words.map(|(name, words)| (name.to_string(), hexadecimal(words.iter().copied(), 3)));
-    Ok(of_circuit(&mut core, images(design, sets).into_iter().chain(tables).collect())?)
 }
 
 /// A circuit with the leaves that it stands on and its memory images.

@@ -1,6 +1,5 @@
 //! `edof cosim`: the generated Verilog against the cycle model.
 
-use super::cosim_system;
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
@@ -38,8 +37,7 @@ const WAVEFORM_CYCLES: u64 = 300;
 #[command(after_help = "Examples:
   edof cosim --design tiny --random 2000 --stalls 0.3
   edof cosim --design paper --weights paper-t4 --photo photo.png --patches 2000 --json result.json
-  edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml
-  edof cosim --design tiny --system --frames 5 --display luma")]
+  edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]
@@ -84,9 +82,6 @@ pub struct Args {
     /// Write the result as JUnit XML too
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-
-    #[command(flatten)]
-    system: cosim_system::Args,
 }
 
 /// # Errors
@@ -102,15 +97,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Some(name) => weights::fixed(name)?,
         None => edof_random::for_design(&design, args.seed),
     };
-    if args.system.system {
-        let design = args.system.design(design)?;
-        let network = match &args.weights {
-            Some(_) => network,
-            None => edof_random::for_design(&design, args.seed),
-        };
-        let raw = windows::frame(&network, args.photo.as_deref(), args.seed)?;
-        return cosim_system::run(&args.system, &design, network, &raw, args.seed, ui);
-    }
     let trial = Trial { patches: patches(&args, &design, &network)?, design, network, drive: drive(&args)? };
     if trial.patches.is_empty() {
         return Err(Error::message("--random, --patches 0: must be 1 or more, or nothing is compared"));

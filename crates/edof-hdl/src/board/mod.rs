@@ -9,15 +9,11 @@
 //! | [`i2c_init`] | sets up the video chips |
 //! | [`uart_receiver`], [`uart_sender`] | bytes of a serial line |
 //! | [`uart_bus`] | a serial line as a master of registers |
-//! | [`clock_watch`] | whether the receiver's clock runs |
-//! | [`edof_core`] | all of it, between the pins' clocks and the memory |
 //!
 //! The two agents of a set of buffers tell each other which buffer is whose: the writer says which is the newest complete one, the
 //! reader which it reads. The writer takes the one that is neither, so there is always one, and nobody waits for the other.
 
 pub mod axi_pair;
-pub mod clock_watch;
-pub mod edof_core;
 pub mod frames;
 pub mod i2c_init;
 pub mod read_agent;
@@ -28,8 +24,6 @@ pub mod uart_sender;
 pub mod write_agent;
 
 pub use axi_pair::AxiPair;
-pub use clock_watch::ClockWatch;
-pub use edof_core::EdofCore;
 pub use frames::Frames;
 pub use i2c_init::I2cInit;
 pub use read_agent::ReadAgent;

@@ -38,7 +38,7 @@ pub struct StreamCore {
     pub picture_user: Signal<Out, Bit>,
     /// Whether it is its line's last.
     pub picture_last: Signal<Out, Bit>,
-    /// A word of the calculator is written (`edof_spec::design::memory::address`).
+    /// A word of the calculator is to be written (`edof_spec::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,
@@ -64,12 +64,16 @@ pub struct StreamCore {
     pub clamped_chroma: Signal<Out, Bits<32>>,
     /// Pixels with less than no or more than full light of a colour (colour).
     pub out_of_gamut: Signal<Out, Bits<32>>,
-    /// Cycles since reset in which raw pixels waited.
+    /// Patches that left the calculator since reset.
+    pub patches: Signal<Out, Bits<32>>,
+    /// Cycles since reset in which a window or a patch stood at it.
     pub busy_cycles: Signal<Out, Bits<32>>,
     /// The set of weights of the last patch.
     pub set_used: Signal<Out, Bit>,
     set_q: DFF<Bit>,
+    patch_done: DFF<Bit>,
     busy: DFF<Bit>,
+    patches_q: DFF<Bits<32>>,
     busy_cycles_q: DFF<Bits<32>>,
     windows: WindowReorder,
     calculator: Chain,
@@ -101,7 +105,7 @@ impl StreamCore {
 impl Logic for StreamCore {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, set_q, busy, busy_cycles_q);
+        dff_setup!(self, clock, set_q, patch_done, busy, patches_q, busy_cycles_q);
         self.windows.clock.next = self.clock.val();
         self.calculator.clock.next = self.clock.val();
         self.lines.clock.next = self.clock.val();
@@ -155,18 +159,26 @@ impl Logic for StreamCore {
         self.saturated_sums.next = self.lines.saturated_sums.val();
         self.clamped_chroma.next = self.display.clamped_chroma.val();
         self.out_of_gamut.next = self.display.out_of_gamut.val();
-        self.busy.d.next = self.pixels_valid.val() && !self.windows.pixels_ready.val();
+        self.patch_done.d.next =
+            self.calculator.patch_valid.val() && self.lines.ready.val() && self.calculator.patch_last.val();
+        self.busy.d.next = self.windows.out_valid.val() || self.calculator.patch_valid.val();
         if self.calculator.patch_valid.val() {
             self.set_q.d.next = self.calculator.patch_set.val();
         }
         self.set_used.next = self.set_q.q.val();
+        if self.patch_done.q.val() {
+            self.patches_q.d.next = self.patches_q.q.val() + 1;
+        }
         if self.busy.q.val() {
             self.busy_cycles_q.d.next = self.busy_cycles_q.q.val() + 1;
         }
+        self.patches.next = self.patches_q.q.val();
         self.busy_cycles.next = self.busy_cycles_q.q.val();
         if self.reset.val() {
             self.set_q.d.next = false;
+            self.patch_done.d.next = false;
             self.busy.d.next = false;
+            self.patches_q.d.next = 0.into();
             self.busy_cycles_q.d.next = 0.into();
         }
     }
