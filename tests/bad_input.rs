@@ -358,3 +358,24 @@ fn an_unknown_camera() {
     let line = TRAIN.replace("--camera clear", "--camera ring-1999");
     refused_without_a_trace(&place, &line, &["camera 'ring-1999'", "ring-2018"]);
 }
+
+#[test]
+fn numbers_that_would_do_nothing_or_anything() {
+    let place = ready();
+    place.photo("photo.png", 64, 48);
+    refused_without_a_trace(
+        &place,
+        "capture photo.png --out frame.png --wavelength-tolerance 1e99",
+        &["--wavelength-tolerance", "must be 0 to 1"],
+    );
+    refused_without_a_trace(
+        &place,
+        "optics design --generations 0 --out camera.json",
+        &["generations 0", "must be 1 to 100000"],
+    );
+    refused_without_a_trace(
+        &place,
+        "quantize paper-t4 --images . --finetune 5 --finetune-rate nan --out out.safetensors",
+        &["--finetune-rate NaN", "must be a positive number"],
+    );
+}

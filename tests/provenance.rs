@@ -146,3 +146,22 @@ fn a_weight_file_can_be_looked_into() {
     place.write("broken.safetensors", "no");
     place.edof("weights broken.safetensors").refused(&["broken.safetensors"]);
 }
+
+#[test]
+fn results_about_lenses_and_hardware_name_what_they_were_made_of() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let kinds = |line: &str| -> Vec<String> {
+        let run = place.edof(line).done();
+        let result: Value = serde_json::from_str(&run.out).unwrap();
+        let inputs = result["provenance"]["inputs"].as_array().unwrap();
+        inputs.iter().map(|i| i["kind"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(kinds("scene chart --out drawn --json"), ["camera"]);
+    assert_eq!(kinds("optics clear --out lens --json"), ["camera"]);
+    assert_eq!(kinds("estimate --design tiny --json"), ["design"]);
+    assert_eq!(
+        kinds("estimate --design paper --weights paper-t4 --photo photo.png --json"),
+        ["design", "weights", "photograph"]
+    );
+}

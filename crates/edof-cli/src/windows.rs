@@ -1,12 +1,14 @@
 //! Windows of a picture as a network's own camera sees it: what the hardware is fed with in trials and estimates.
 
 use crate::error::Error;
+use crate::ui::Ui;
 use edof_golden::windows;
 use edof_io::photo;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
+use edof_spec::provenance::Input;
 use edof_spec::{FixedNetwork, Geometry, RawFrame, Tone};
 use std::path::Path;
 
@@ -18,13 +20,15 @@ const SCENE_SIZE: (usize, usize) = (256, 384);
 ///
 /// # Errors
 /// A photograph that cannot be read or used.
-pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64) -> Result<RawFrame, Error> {
+pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64, ui: &Ui) -> Result<RawFrame, Error> {
     let camera = &network.origin.camera;
     let psi = camera.psi_range[1];
     let scene = match picture {
         Some(path) => {
             let tone = network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone);
-            Scene::flat(path.display().to_string(), tone.decoded(&photo::load(path)?), psi)
+            let (name, photograph) = (path.display().to_string(), photo::load(path)?);
+            ui.used(Input::photograph(&name, &photograph));
+            Scene::flat(name, tone.decoded(&photograph), psi)
         }
         None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
     };

@@ -119,6 +119,8 @@ pub fn search(
 
 /// Most cameras of a generation.
 const MOST_CAMERAS: usize = 10_000;
+/// Most generations of a search.
+const MOST_GENERATIONS: usize = 100_000;
 
 fn check(base: &Camera, task: &Task, search: &Search) -> Result<(), DesignError> {
     let refuse = |field, value: String, expected| Err(DesignError::Value { field, value, expected });
@@ -127,6 +129,9 @@ fn check(base: &Camera, task: &Task, search: &Search) -> Result<(), DesignError>
     }
     if !(4..=MOST_CAMERAS).contains(&search.population) {
         return refuse("population", search.population.to_string(), "4 to 10000 cameras");
+    }
+    if !(1..=MOST_GENERATIONS).contains(&search.generations) {
+        return refuse("generations", search.generations.to_string(), "1 to 100000");
     }
     let mut foci = base.psi_range.into_iter().chain(search.focus);
     if foci.any(|focus| !task.psis.iter().all(|psi| (psi - focus).abs() <= MOST_DEFOCUS)) {

@@ -18,6 +18,7 @@ use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_hdl::project::{self, Project};
 use edof_spec::design::memory::Set;
 use edof_spec::draw::Draw;
+use edof_spec::provenance::Input;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -93,11 +94,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
     let design = designs::load(&args.design)?;
+    ui.used(Input::design(&design));
     let network = match &args.weights {
-        Some(name) => weights::fixed(name)?,
+        Some(name) => {
+            ui.used(weights::fixed_input(name)?);
+            weights::fixed(name)?
+        }
         None => edof_random::for_design(&design, args.seed),
     };
-    let trial = Trial { patches: patches(&args, &design, &network)?, design, network, drive: drive(&args)? };
+    let trial =
+        Trial { patches: patches(&args, &design, &network, ui)?, design, network, drive: drive(&args)? };
     if trial.patches.is_empty() {
         return Err(Error::message("--random, --patches 0: must be 1 or more, or nothing is compared"));
     }
@@ -123,7 +129,7 @@ fn drive(args: &Args) -> Result<Drive, Error> {
 }
 
 /// The patches to run; random ones use both sets of weights.
-fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<Patch>, Error> {
+fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Result<Vec<Patch>, Error> {
     let draw = &mut Draw::new(args.seed);
     if let Some(count) = args.random {
         let bytes = BYTES_A_PATCH + size_of::<i16>() * design.form.window.pixels();
@@ -135,7 +141,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<P
         };
         return Ok((0..count).map(patch).collect());
     }
-    let raw = windows::frame(network, args.photo.as_deref(), args.seed)?;
+    let raw = windows::frame(network, args.photo.as_deref(), args.seed, ui)?;
     let windows = windows::of(network, &raw)?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }

@@ -12,6 +12,7 @@ use edof_golden::cycle::estimate::{StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_spec::design::memory::Set;
+use edof_spec::provenance::Input;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -45,8 +46,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
+    ui.used(Input::design(&design));
     let summary = match &args.weights {
-        Some(name) => Some(measure(&design, &weights::fixed(name)?, &args)?),
+        Some(name) => {
+            ui.used(weights::fixed_input(name)?);
+            Some(measure(&design, &weights::fixed(name)?, &args, ui)?)
+        }
         None => None,
     };
     let pairs = summary.as_ref().map(Summary::mean_pairs);
@@ -107,8 +112,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 /// A picture through the cycle model.
-fn measure(design: &Design, network: &FixedNetwork, args: &Args) -> Result<Summary, Error> {
-    let raw = windows::frame(network, args.photo.as_deref(), 0)?;
+fn measure(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Summary, Error> {
+    let raw = windows::frame(network, args.photo.as_deref(), 0, ui)?;
     let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
     let model = Cycle::new(design, [network, network])?;
     let mut summary = Summary::new(design);

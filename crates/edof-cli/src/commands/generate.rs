@@ -7,6 +7,7 @@ use crate::folder::{self, Contents};
 use crate::ui::Ui;
 use crate::weights;
 use edof_hdl::project::{self, Project};
+use edof_spec::provenance::Input;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +46,9 @@ From elsewhere, tell where the memory images are: define EDOF_DIR as \"/path/to/
 /// A design or network that cannot be used or do not fit each other, or a folder that cannot be written or holds other things.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let design = designs::load(&args.design)?;
+    ui.used(Input::design(&design));
     let network = weights::fixed(&args.weights)?;
+    ui.used(weights::fixed_input(&args.weights)?);
     let project = project::calculator(&design, [&network, &network])?;
     let contents = contents(&project);
     let names = contents.keys().map(PathBuf::as_path).chain([Path::new(folder::MANIFEST)]);

@@ -10,6 +10,7 @@ use edof_optics::estimator::{Task, Verdict, judge};
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, through_focus};
 use edof_optics::psf::{MOST_DEFOCUS, Settings, channel_psfs};
 use edof_optics::statistics::Statistics;
+use edof_spec::provenance::Input;
 use edof_spec::{Camera, Tone, Window};
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
 use edof_study::picture::png;
@@ -167,6 +168,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     Files::new(ui).reads(&args.camera).writes_into("--out", &args.out, FILES).check()?;
     let camera = Camera::resolve(&args.camera)?;
+    ui.used(Input::camera(&camera));
     let settings = args.settings(&camera)?;
     let files = FILES.map(|name| args.out.join(name));
     let clear = without_mask(&camera);
@@ -246,6 +248,7 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
     let files = args.images.iter().fold(files, Files::reads_pictures_of);
     files.writes("--out", &args.out).check()?;
     let base = args.base()?;
+    ui.used(Input::camera(&base));
     let statistics = args.statistics(ui)?;
     let task =
         Task { noises: args.noise.clone(), worst_weight: args.worst_weight, ..design::default_task(&base) };

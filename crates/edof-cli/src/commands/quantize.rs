@@ -99,6 +99,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         headroom: args.headroom,
     };
     options.check()?;
+    if !(args.finetune_rate.is_finite() && args.finetune_rate > 0.0) {
+        return Err(Error::message(format!(
+            "--finetune-rate {}: must be a positive number",
+            args.finetune_rate
+        )));
+    }
     let pictures = pictures(&args, ui)?;
     pictures.iter().for_each(|(name, frame)| ui.used(Input::photograph(name, frame)));
     let progress = ui.progress(pictures.len() as u64, "pictures captured");

@@ -7,6 +7,7 @@ use crate::ui::Ui;
 use edof_io::raw::Size;
 use edof_optics::draw::{self, four_depths};
 use edof_optics::scene::Scene;
+use edof_spec::provenance::Input;
 use edof_spec::{Camera, Tone};
 use edof_study::picture::png;
 use ndarray::Array2;
@@ -94,6 +95,7 @@ struct Drawn {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     Files::new(ui).reads(&args.camera).writes_into("--out", &args.out, FILES).check()?;
     let camera = Camera::resolve(&args.camera)?;
+    ui.used(Input::camera(&camera));
     let scene = args.drawing.draw(&args.scene, camera.psi_range)?;
     scene.check()?;
     let files = FILES.map(|name| args.out.join(name));
