@@ -365,7 +365,7 @@ fn numbers_that_would_do_nothing_or_anything() {
     place.photo("photo.png", 64, 48);
     refused_without_a_trace(
         &place,
-        "capture photo.png --out frame.png --wavelength-tolerance 1e99",
+        "capture photo.png --psi 4 --out frame.png --wavelength-tolerance 1e99",
         &["--wavelength-tolerance", "must be 0 to 1"],
     );
     refused_without_a_trace(

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use edof_spec::Design;
+use edof_spec::provenance::{Input, InputKind};
 use std::path::Path;
 
 /// The designs inside the program.
@@ -27,6 +28,13 @@ pub fn load(name_or_path: &str) -> Result<Design, Error> {
             EMBEDDED.map(|(name, _)| name).join(", ")
         ))),
     }
+}
+
+/// A design as the input of a result, by its JSON.
+#[must_use]
+pub fn input(design: &Design) -> Input {
+    let json = serde_json::to_string(design).unwrap_or_default();
+    Input::of_bytes(InputKind::Design, &design.name, json.as_bytes())
 }
 
 #[cfg(test)]

@@ -16,7 +16,6 @@
 //! ```
 
 use crate::camera::Camera;
-use crate::design::Design;
 use crate::frame::{ColourFrame, RawFrame};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -131,13 +130,6 @@ impl Input {
     #[must_use]
     pub fn camera(camera: &Camera) -> Self {
         Self::of_bytes(InputKind::Camera, &camera.name, camera.to_json().as_bytes())
-    }
-
-    /// A design.
-    #[must_use]
-    pub fn design(design: &Design) -> Self {
-        let json = serde_json::to_string(design).unwrap_or_default();
-        Self::of_bytes(InputKind::Design, &design.name, json.as_bytes())
     }
 }
 

@@ -18,7 +18,6 @@ use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_hdl::project::{self, Project};
 use edof_spec::design::memory::Set;
 use edof_spec::draw::Draw;
-use edof_spec::provenance::Input;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -94,7 +93,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
     let design = designs::load(&args.design)?;
-    ui.used(Input::design(&design));
+    ui.used(designs::input(&design));
     let network = match &args.weights {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);

@@ -12,7 +12,6 @@ use edof_golden::cycle::estimate::{StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_spec::design::memory::Set;
-use edof_spec::provenance::Input;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -46,7 +45,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    ui.used(Input::design(&design));
+    ui.used(designs::input(&design));
     let summary = match &args.weights {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);

@@ -11,7 +11,6 @@ use edof_golden::scalar;
 use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705, Recorded, Tables};
 use edof_spec::draw::Draw;
-use edof_spec::provenance::Input;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -58,7 +57,7 @@ From elsewhere, tell where the memory images are: define EDOF_DIR as \"/path/to/
 /// A design or network that cannot be used or do not fit each other, or a folder that cannot be written or holds other things.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let design = designs::load(&args.design)?;
-    ui.used(Input::design(&design));
+    ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
     let project = project(&design, &network)?;

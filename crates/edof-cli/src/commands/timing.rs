@@ -9,7 +9,6 @@ use edof_cosim::chain::check::stage_names;
 use edof_cosim::yosys::fan_out::FanOut;
 use edof_cosim::yosys::timing::{self, StageTiming};
 use edof_hdl::project;
-use edof_spec::provenance::Input;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -42,7 +41,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads(&args.design);
     files.reads_all(args.weights.as_deref().and_then(weights::fixed_file)).check()?;
     let design = designs::load(&args.design)?;
-    ui.used(Input::design(&design));
+    ui.used(designs::input(&design));
     let network = match &args.weights {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);
