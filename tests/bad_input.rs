@@ -371,7 +371,7 @@ fn numbers_that_would_do_nothing_or_anything() {
     refused_without_a_trace(
         &place,
         "optics design --generations 0 --out camera.json",
-        &["generations 0", "must be 1 to 100000"],
+        &["generations is 0", "expected 1 to 100000"],
     );
     refused_without_a_trace(
         &place,
