@@ -24,17 +24,32 @@ fn found(plant: impl FnOnce(Project) -> Project) -> Difference {
     difference
 }
 
-/// Replaces text that is there exactly once in the module of a part, which is named by its instances from the top on.
+/// Replaces text that is there exactly once in the module of a part, which is named by its instances from the top on. The other instances
+/// of that module stay as they are.
 fn replaced(mut project: Project, part: &str, from: &str, to: &str) -> Project {
-    let module = part.split('.').fold(project.top.clone(), |module, instance| {
-        let text = text(&mut project, &module);
-        let line = text.lines().find(|line| line.ends_with(&format!(" {instance} ("))).unwrap();
-        line.split_whitespace().next().unwrap().into()
-    });
+    let top = project.top.clone();
+    let module = part.split('.').fold(top, |module, instance| own_module(&mut project, &module, instance));
     let text = text(&mut project, &module);
     assert_eq!(text.matches(from).count(), 1, "{from} in {module}");
     *text = text.replace(from, to);
     project
+}
+
+/// Gives an instance a copy of its module, and names that.
+fn own_module(project: &mut Project, parent: &str, instance: &str) -> String {
+    let copy = format!("{parent}_{instance}");
+    let text_of_parent = text(project, parent);
+    let end = text_of_parent.find(&format!(" {instance} (\n")).unwrap();
+    let line = |end: usize| text_of_parent[..end].rfind('\n').unwrap() + 1;
+    let mut start = line(end);
+    if text_of_parent[start..].trim_start().starts_with(')') {
+        start = line(text_of_parent[..start].rfind("#(\n").unwrap());
+    }
+    let module: String = text_of_parent[start..].split_whitespace().next().unwrap().into();
+    text_of_parent.replace_range(start..end, &text_of_parent[start..end].replacen(&module, &copy, 1));
+    let own = text(project, &module).replacen(&format!("module {module} "), &format!("module {copy} "), 1);
+    project.verilog.push((format!("{copy}.v"), own));
+    copy
 }
 
 fn text<'a>(project: &'a mut Project, module: &str) -> &'a mut String {
@@ -52,10 +67,10 @@ fn a_wrong_shift() {
     let design = committed("tiny");
     let shifts = Shifts::of(&moderate(&design, 5), &design.stage(3));
     let wrong = Shifts { result: shifts.result + 1, ..shifts };
-    let start = |shifts: Shifts| format!("START_0 = 20'h{:x};", shifts.word());
+    let start = |shifts: Shifts| format!(".START_0(20'h{:x})", shifts.word());
     let first = patches(&design, 60, 1).iter().position(|patch| patch.set == memory::Set::First).unwrap();
 
-    let difference = found(|p| replaced(p, "stages_3.registers", &start(shifts), &start(wrong)));
+    let difference = found(|p| replaced(p, "stages_3", &start(shifts), &start(wrong)));
 
     assert_eq!((difference.fault, difference.stage.as_str()), (Fault::Word, "F"));
     assert_eq!((difference.patch, difference.element), (first as u64, 0));

@@ -24,9 +24,9 @@ fn mapped(design: &Design) -> Report {
 }
 
 fn without_images(text: &str) -> String {
-    let line = |line: &str| match line.trim_start().starts_with(".INIT(\"") {
-        true => "        .INIT(\"\")".to_string(),
-        false => line.to_string(),
+    let line = |line: &str| match line.find(".INIT(") {
+        Some(at) => format!("{}.INIT(\"\"){}", &line[..at], if line.ends_with(',') { "," } else { "" }),
+        None => line.to_string(),
     };
     text.lines().map(|l| line(l) + "\n").collect()
 }
