@@ -3,7 +3,9 @@
 //
 // Counted from a step's address_*_i, value_*_i and first_i (all in one cycle), its product is in its sum seven cycles later at the
 // latest edge that a copy_i three cycles later still sees. Sums that a shift_i hands on stand on sum_*_o seven cycles after it.
-// A write in the cycle of a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2).
+// A write in the cycle of a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2). A
+// read_enable_i there does so everywhere: the row's word stands on read_data_o four cycles and as many more as there are banks before
+// it later, for one cycle; at all other times that is 0.
 `default_nettype none
 
 module edof_macc_array #(
@@ -30,7 +32,11 @@ module edof_macc_array #(
     input  wire        [5:0]  write_bank_i,
     input  wire               write_half_i,
     input  wire        [11:0] write_row_i,
-    input  wire        [31:0] write_data_i
+    input  wire        [31:0] write_data_i,
+    input  wire               read_enable_i,
+    input  wire        [5:0]  read_bank_i,
+    input  wire        [11:0] read_row_i,
+    output wire        [63:0] read_data_o
 );
     wire [99:0] values = {value_d_i, value_c_i, value_b_i, value_a_i};
     wire [25*ROWS-1:0] values_later;
@@ -52,6 +58,10 @@ module edof_macc_array #(
     wire [ROWS*SUM-1:0] odd [0:BANKS];
     assign even[BANKS] = {(ROWS * SUM){1'b0}};
     assign odd[BANKS] = {(ROWS * SUM){1'b0}};
+
+    wire [63:0] back [0:BANKS];
+    assign back[BANKS] = 64'd0;
+    assign read_data_o = back[0];
 
     genvar bank;
     generate
@@ -79,7 +89,12 @@ module edof_macc_array #(
                 .write_bank_i(write_bank_i),
                 .write_half_i(write_half_i),
                 .write_address_i(write_row_i),
-                .write_data_q_i(write_data_q)
+                .write_data_q_i(write_data_q),
+                .read_i(read_enable_i),
+                .read_bank_i(read_bank_i),
+                .read_address_i(read_row_i),
+                .back_i(back[bank+1]),
+                .back_o(back[bank])
             );
         end
     endgenerate

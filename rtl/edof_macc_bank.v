@@ -5,7 +5,8 @@
 // with this product. A cycle without work has values 0. Counted from address_*_i, value_i follows two cycles later and first_i four;
 // six cycles later the product is in its sum. copy_i copies the sums to the holding registers two cycles later, of which shift_i
 // likewise hands on two lanes towards drain_*_o, and takes two from drain_*_i: one holding register for each multiplier, so that
-// nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0.
+// nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0, as
+// read_i does, which reads a word for back_o in place of the step's.
 //
 // The register behind a memory is the block RAM's own output register to Vivado; Yosys has none, and `keep` on its process stops it
 // from making it a second input register of the multiplier, to which the way from the memory would be too long.
@@ -39,7 +40,12 @@ module edof_macc_bank #(
     input  wire [5:0]          write_bank_i,
     input  wire                write_half_i,
     input  wire [11:0]         write_address_i,
-    input  wire [31:0]         write_data_q_i
+    input  wire [31:0]         write_data_q_i,
+    input  wire                read_i,
+    input  wire [5:0]          read_bank_i,
+    input  wire [11:0]         read_address_i,
+    input  wire [63:0]         back_i,
+    output wire [63:0]         back_o
 );
     localparam BITS = $clog2(DEPTH);
     localparam WORDS = (DENSE != 0) ? ROWS : 1;
@@ -49,6 +55,9 @@ module edof_macc_bank #(
 
     wire mine = write_i && (write_bank_i == BANK[5:0]);
     wire [BITS-1:0] write_row = write_address_i[PART_BITS +: BITS];
+
+    wire mine_back = read_i && (read_bank_i == BANK[5:0]);
+    wire [BITS-1:0] read_row = read_address_i[PART_BITS +: BITS];
 
     // Rows and values on their way to the multipliers: word k of DENSE, else word a, and word b.
     wire [64*ROWS-1:0] rows;
@@ -67,7 +76,7 @@ module edof_macc_bank #(
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
             (* keep = "true", dont_touch = "true" *) reg write_low_q, write_high_q;
             (* keep *) always @(posedge clock_i) begin
-                address_a_q <= mine ? write_row : address_a_i[BITS-1:0];
+                address_a_q <= mine ? write_row : mine_back ? read_row : address_a_i[BITS-1:0];
                 address_b_q <= address_b_i[BITS-1:0];
                 write_low_q <= mine && !write_half_i;
                 write_high_q <= mine && write_half_i;
@@ -88,7 +97,7 @@ module edof_macc_bank #(
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_q;
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] write_row_q;
             (* keep *) always @(posedge clock_i) begin
-                address_q <= address_a_i[BITS-1:0];
+                address_q <= mine_back ? read_row : address_a_i[BITS-1:0];
                 write_row_q <= write_row;
             end
             for (part = 0; part < WORDS; part = part + 1) begin : parts
@@ -112,6 +121,26 @@ module edof_macc_bank #(
             end
         end
     endgenerate
+
+    // What is read for the host goes down the banks to bank 0.
+    wire [WORDS-1:0] reads;
+    wire [WORDS-1:0] reads_later;
+    genvar word;
+    generate
+        for (word = 0; word < WORDS; word = word + 1) begin : words
+            assign reads[word] = mine_back && (WORDS == 1 || (read_address_i & (12'd1 << PART_BITS) - 12'd1) == word);
+        end
+    endgenerate
+    edof_delay #(.WIDTH(WORDS), .CYCLES(3)) read_delay (.clock_i(clock_i), .now_i(reads), .later_o(reads_later));
+    reg [63:0] back;
+    reg [63:0] back_q;
+    integer i;
+    always @* begin
+        back = back_i;
+        for (i = 0; i < WORDS; i = i + 1) if (reads_later[i]) back = back | rows[64*i +: 64];
+    end
+    always @(posedge clock_i) back_q <= back;
+    assign back_o = back_q;
 
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg copy_q, shift_q;
     (* keep *) always @(posedge clock_i) begin

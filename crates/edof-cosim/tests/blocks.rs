@@ -19,12 +19,14 @@ use edof_hdl::blocks::macc_array::MaccArray;
 use edof_hdl::blocks::pair_operands::PairOperands;
 use edof_hdl::blocks::pair_store::PairStore;
 use edof_hdl::blocks::ram::{Ram, Shape};
+use edof_hdl::blocks::reader::Reader;
 use edof_hdl::blocks::registers::Registers;
 use edof_hdl::blocks::requantize::Requantize;
 use edof_hdl::blocks::results::Results;
 use edof_hdl::blocks::sequencer::Sequencer;
 use edof_hdl::blocks::shrink::Shrink;
 use edof_hdl::blocks::stage::Stage;
+use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
 use edof_hdl::describe::Circuit;
 use edof_spec::design::memory::{self, Shifts, Space};
@@ -34,7 +36,8 @@ use edof_spec::{Design, FixedNetwork};
 use rust_hdl::prelude::*;
 
 ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);
-ported!(Requantize, Results, Sequencer, Shrink, Stage, WindowRing, LeavesTop, RamTop, FifoTop, MaccTop);
+ported!(Reader, Requantize, Results, Sequencer, Shrink, Stage, WindowGuard, WindowRing);
+ported!(LeavesTop, RamTop, FifoTop, MaccTop);
 
 /// Cycles of reset at the start of every stimulus.
 const RESET: u64 = 48;
@@ -123,6 +126,51 @@ fn counters() {
         b.codes.next = word(draw);
         b.differences.next = word(draw);
         b.select.next = word(draw);
+        b.snapshot.next = draw.whole(0, 60) == 0;
+    });
+}
+
+#[test]
+fn reader() {
+    agree(Reader::new(), 400, &[], |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 1500) == 0;
+        // The first command reads registers, so that everything is known.
+        let first = last.cycle == RESET + 2;
+        b.starts.next = last.cycle > RESET && (first || draw.whole(0, 200) == 0);
+        let rows = draw.whole(0, 3) as u64;
+        b.command.next = if first { (3u64 << 30).into() } else { ((draw.bits() >> 52 << 20) | rows).into() };
+        let weights = draw.whole(0, 100) == 0;
+        b.weights.next = if weights { word(draw) } else { 0.into() };
+        b.thresholds_valid.next = draw.whole(0, 50) == 0;
+        b.thresholds.next = word(draw);
+        b.previous.next = word(draw);
+        b.register.next = word(draw);
+    });
+}
+
+#[test]
+fn window_guard() {
+    let stage = committed("tiny").stage(0);
+    let beats = stage.beats_in() as i64;
+    let mut left = 0;
+    agree(WindowGuard::new(&stage), RESET as usize, &[("out_data", "out_valid"), ("out_set", "out_valid")], move |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 700) == 0;
+        b.reset_counters.next = last.cycle < RESET;
+        b.snapshot.next = draw.whole(0, 300) == 0;
+        if last.all(&["valid", "ready"]) || !last.is("valid") {
+            // Half of all windows are too short or too long.
+            if left == 0 {
+                left = if bit(draw) { beats } else { draw.whole(1, 2 * beats) };
+                b.set.next = bit(draw);
+            }
+            b.valid.next = last.cycle > RESET && draw.whole(0, 3) > 0;
+            if b.valid.next {
+                left -= 1;
+            }
+            b.last.next = left == 0;
+            b.data.next = word(draw);
+        }
+        b.out_ready.next = draw.whole(0, 3) > 0;
     });
 }
 
@@ -337,6 +385,8 @@ fn results() {
             b.write_previous.next = draw.whole(0, 20) == 0;
             b.write_row.next = (draw.whole(0, 2 * beats as i64 - 1) as u64).into();
             b.write_data.next = word(draw);
+            b.read_wanted.next = bit(draw);
+            b.read_row.next = row(draw, 2 * beats as i64);
         });
     }
 }
@@ -443,6 +493,10 @@ struct MaccTop {
     pub write_half: Signal<In, Bit>,
     pub write_row: Signal<In, Bits<12>>,
     pub write_data: Signal<In, Bits<32>>,
+    pub read_enable: Signal<In, Bit>,
+    pub read_bank: Signal<In, Bits<6>>,
+    pub read_row: Signal<In, Bits<12>>,
+    pub read_data: Signal<Out, Bits<64>>,
     macc: MaccArray,
 }
 
@@ -466,6 +520,10 @@ impl Logic for MaccTop {
         self.macc.write_half.next = self.write_half.val();
         self.macc.write_row.next = self.write_row.val();
         self.macc.write_data.next = self.write_data.val();
+        self.macc.read_enable.next = self.read_enable.val();
+        self.macc.read_bank.next = self.read_bank.val();
+        self.macc.read_row.next = self.read_row.val();
+        self.read_data.next = self.macc.read_data.val();
     }
 }
 
@@ -499,6 +557,10 @@ fn macc_array() {
             let part = draw.whole(0, parts - 1) as u64;
             b.write_row.next = ((draw.whole(0, depth - 1) as u64) << memory::row_bits(&stage) | part).into();
             b.write_data.next = word(draw);
+            b.read_enable.next = last.cycle > 20 && !works && bit(draw);
+            b.read_bank.next = (draw.whole(0, stage.banks() as i64) as u64).into();
+            let part = draw.whole(0, parts - 1) as u64;
+            b.read_row.next = ((draw.whole(0, depth - 1) as u64) << memory::row_bits(&stage) | part).into();
         });
     }
 }
@@ -514,7 +576,8 @@ fn stage() {
         let block = Stage::new(design, &plan, [&sets[0], &sets[1]]);
         let qualified = ["out_data", "out_base", "out_last", "out_set"].map(|port| (port, "out_valid"));
         agree_with_images(block, RESET as usize, &qualified, &images(design, &sets), move |b, draw, last| {
-            b.reset.next = last.cycle < RESET;
+            b.reset.next = last.cycle < RESET / 2;
+            b.flush.next = last.cycle < RESET;
             let busy = last.cycle > RESET + 2;
             let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
             let pixel =
@@ -543,8 +606,18 @@ fn stage() {
                 row: draw.whole(0, ((plan.weight_depth() as i64) << memory::row_bits(&plan)) - 1) as usize,
                 half: draw.whole(0, 1) as usize,
             };
+            let (reads, all) = (draw.whole(0, 9) == 0, draw.whole(0, 9) == 0);
+            let register = |row| Space::Register { row };
+            let (stage, space) = match (reads, all) {
+                (true, true) => (memory::ALL_STAGES, register(0)),
+                (true, false) => (plan.index, register(memory::READ_REGISTER)),
+                _ => (stage, space),
+            };
             b.write_address.next = u64::from(memory::address(stage, space)).into();
             b.write_data.next = word(draw);
+            if reads {
+                b.write_data.next = u64::from(memory::read_command(Space::Weights { bank: 0, row: 0, half: 0 }, 3)).into();
+            }
             b.status_address.next = word(draw);
         });
     }

@@ -39,7 +39,7 @@ fn slow() -> Drive {
 fn weights_that_are_read_at_one_port_take_no_cycle() {
     let design = with_rows(committed("tiny"), 1);
     let writes = memory::writes(&design, &moderate(&design, 2), Set::Second);
-    assert!(writes.iter().all(|(address, _)| memory::stolen_from(&design, *address).is_none()));
+    assert!(writes.iter().all(|(address, word)| memory::steals(&design, *address, *word).is_none()));
     expect_clean(&written_while_running(design, slow()));
 }
 
@@ -48,7 +48,7 @@ fn weights_that_are_read_at_both_ports_take_a_cycle_each_from_their_stage() {
     let design = with_rows(committed("tiny"), 2);
     let writes = memory::writes(&design, &moderate(&design, 2), Set::Second);
     let stolen =
-        writes.iter().filter(|(address, _)| memory::stolen_from(&design, *address).is_some()).count();
+        writes.iter().filter(|(address, word)| memory::steals(&design, *address, *word).is_some()).count();
     assert!(2 * stolen > writes.len());
     expect_clean(&written_while_running(design, slow()));
 }

@@ -20,15 +20,17 @@ pub struct Beat {
 /// What the chain is given in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Inputs {
-    /// Forget everything.
+    /// Forget everything but weights and thresholds.
     pub reset: bool,
+    /// Forget every vector, and nothing else.
+    pub flush: bool,
     /// A beat of a window.
     pub window: Option<Beat>,
     /// Whether a beat of a patch is taken.
     pub patch_ready: bool,
     /// A word to write: address ([`edof_spec::design::memory::address`]) and value.
     pub write: Option<(u32, u32)>,
-    /// Stage (4 bits) and counter (2 bits) to show.
+    /// What to show: [`status_address`].
     pub status_address: u32,
 }
 
@@ -41,8 +43,10 @@ pub struct Outputs {
     pub between: Vec<Option<Beat>>,
     /// A beat of a patch.
     pub patch: Option<Beat>,
-    /// The counter asked for.
+    /// What was asked for a cycle ago.
     pub status: u32,
+    /// Whether a window was too short or too long.
+    pub window_fault: bool,
 }
 
 /// Something that behaves as a chain.
@@ -52,6 +56,12 @@ pub trait Device {
     /// # Errors
     /// The simulation stops.
     fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error>;
+}
+
+/// Where a stage shows something: 0 to 3 its counters, 4 a CRC, 5 and 6 the word that was read, 7 whether it still reads.
+#[must_use]
+pub const fn status_address(stage: usize, what: usize) -> u32 {
+    ((stage << 3) | what) as u32
 }
 
 /// The low half of a port's word is the even element.

@@ -1,7 +1,7 @@
 //! Patches through a circuit, compared with the cycle model as they pass.
 
 use super::check::{Boundary, Difference, Fault, stage_names};
-use super::device::{Beat, Device, Inputs, Outputs};
+use super::device::{Beat, Device, Inputs, Outputs, status_address};
 use crate::Error;
 use edof_golden::StageCounts;
 use edof_golden::cycle::{Cycle, Patch, PatchRun, Run, StallPattern, Stalls, Summary};
@@ -18,9 +18,14 @@ const WRITE_EVERY: u64 = 3;
 /// Cycles after the last patch in which nothing may come.
 const QUIET_CYCLES: u64 = 50;
 
+/// Has every stage show its counters and count anew.
+pub const SNAPSHOT: (u32, u32) = (memory::address(memory::ALL_STAGES, Space::Register { row: 0 }), 0);
+
 /// How patches are driven.
 #[derive(Debug, Clone, Default)]
 pub struct Drive {
+    /// Begins with a flush in place of a reset: what was written before stays.
+    pub flush: bool,
     /// Whether zeros are left out, where that is not what the design says.
     pub skip_zeros: Option<bool>,
     /// Stalls of source and sink.
@@ -68,8 +73,8 @@ impl Drive {
             Some(skip) => model.skip_zeros(skip),
             None => model,
         };
-        let addresses = self.writes_while_running.iter().map(|(address, _)| *address);
-        let model = model.writes((0..).step_by(WRITE_EVERY as usize).zip(addresses).collect());
+        let writes = (0..).step_by(WRITE_EVERY as usize).zip(&self.writes_while_running);
+        let model = model.writes(writes.map(|(cycle, (address, word))| (cycle, *address, *word)).collect());
         let stages = design.stages.len();
         let lead = self.begin(stages, device)?;
         let mut reference = Reference {
@@ -107,18 +112,19 @@ impl Drive {
         Ok(Outcome { summary: reference.summary, beats, lead, cycles: cycle, difference })
     }
 
-    /// Resets the circuit and writes what is to be written; tells how many cycles that took.
+    /// Resets or flushes the circuit and writes what is to be written; tells how many cycles that took.
     fn begin(&self, stages: usize, device: &mut impl Device) -> Result<u64, Error> {
         let mut outputs = Outputs::default();
         let mut cycles = RESET_CYCLES as u64;
         for _ in 0..RESET_CYCLES {
-            device.cycle(&Inputs { reset: true, ..Inputs::default() }, &mut outputs)?;
+            let inputs = Inputs { reset: !self.flush, flush: self.flush, ..Inputs::default() };
+            device.cycle(&inputs, &mut outputs)?;
         }
         let skip = self.skip_zeros.iter().flat_map(|skip| {
             let control = |stage| memory::address(stage, Space::Register { row: 2 });
             (0..stages).map(move |stage| (control(stage), u32::from(*skip) * memory::CONTROL_SKIP))
         });
-        let writes = skip.chain(self.writes.iter().copied()).map(Some);
+        let writes = skip.chain(self.writes.iter().copied()).chain([SNAPSHOT]).map(Some);
         for write in writes.chain(std::iter::repeat_n(None, SETTLE_CYCLES)) {
             device.cycle(&Inputs { write, ..Inputs::default() }, &mut outputs)?;
             cycles += 1;
@@ -134,6 +140,9 @@ impl Drive {
         device: &mut impl Device,
     ) -> Result<Option<Difference>, Error> {
         let mut outputs = Outputs::default();
+        for write in [Some(SNAPSHOT)].into_iter().chain([None; SETTLE_CYCLES]) {
+            device.cycle(&Inputs { write, ..Inputs::default() }, &mut outputs)?;
+        }
         for (stage, counts) in stages.iter().enumerate() {
             let last = stage + 1 == stages.len();
             let expected = [
@@ -147,7 +156,7 @@ impl Drive {
                 if last && counter == 0 {
                     continue;
                 }
-                let status_address = ((stage << 2) | counter) as u32;
+                let status_address = status_address(stage, counter);
                 for _ in 0..2 {
                     device.cycle(&Inputs { status_address, ..Inputs::default() }, &mut outputs)?;
                 }

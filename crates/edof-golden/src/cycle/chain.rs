@@ -8,8 +8,8 @@ use super::stage::{Receiver, StageClock, StageUse};
 use super::{StallPattern, Stalls};
 use edof_spec::Design;
 use edof_spec::design::StagePlan;
-use edof_spec::design::memory::stolen_from;
-use edof_spec::design::timing::STEAL_LATENCY;
+use edof_spec::design::memory::steals;
+use std::collections::BTreeSet;
 
 /// When the beats of one patch are transferred.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,13 +60,17 @@ impl Chain {
         Self::with_writes(design, stalls, &[])
     }
 
-    /// [`Chain::new`], and in each cycle of `writes` (in order) a word is written to an address.
+    /// [`Chain::new`], and in each cycle of `writes` a word is written to an address: cycle, address, word.
     #[must_use]
-    pub fn with_writes(design: &Design, stalls: Stalls, writes: &[(u64, u32)]) -> Self {
+    pub fn with_writes(design: &Design, stalls: Stalls, writes: &[(u64, u32, u32)]) -> Self {
         let plans: Vec<StagePlan> = design.stages().collect();
         let stolen = |plan: &StagePlan| -> Vec<u64> {
-            let from = writes.iter().filter(|(_, address)| stolen_from(design, *address) == Some(plan.index));
-            from.map(|(cycle, _)| cycle + STEAL_LATENCY).collect()
+            let from = writes.iter().filter_map(|(cycle, address, word)| {
+                let steals = steals(design, *address, *word).filter(|steals| steals.stage == plan.index)?;
+                Some(steals.cycles(*cycle))
+            });
+            let cycles: BTreeSet<u64> = from.flatten().collect();
+            cycles.into_iter().collect()
         };
         Self {
             stages: plans.iter().map(|plan| StageClock::new(*plan, &stolen(plan))).collect(),

@@ -4,10 +4,10 @@
 use super::Stalls;
 use crate::Trace;
 use edof_spec::Design;
-use edof_spec::design::memory::stolen_from;
+use edof_spec::design::memory::steals;
 use edof_spec::design::timing::{
     ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING,
-    RELEASE_LATENCY, SLOTS, STEAL_LATENCY, SUM_LATENCY, release,
+    RELEASE_LATENCY, SLOTS, SUM_LATENCY, release,
 };
 use edof_spec::design::{BEAT, StagePlan};
 use std::collections::{BTreeSet, VecDeque};
@@ -17,19 +17,20 @@ use std::collections::{BTreeSet, VecDeque};
 /// # Panics
 /// When a stage would have to hold more bases than [`BASE_VECTORS`]: a flaw of the contract, which lets no beat wait for them.
 ///
-/// In each cycle of `writes` a word is written to an address.
+/// In each cycle of `writes` a word is written to an address: cycle, address, word.
 #[must_use]
 pub fn run(
     design: &Design,
     skip_zeros: bool,
     stalls: Stalls,
-    writes: &[(u64, u32)],
+    writes: &[(u64, u32, u32)],
     traces: &[Trace],
 ) -> Vec<Vec<u64>> {
     let mut machine = Machine::new(design, skip_zeros, traces);
     let stolen: BTreeSet<(u64, usize)> = writes
         .iter()
-        .filter_map(|(cycle, address)| Some((cycle + STEAL_LATENCY, stolen_from(design, *address)?)))
+        .filter_map(|(cycle, address, word)| Some((*cycle, steals(design, *address, *word)?)))
+        .flat_map(|(cycle, steals)| steals.cycles(cycle).map(move |cycle| (cycle, steals.stage)))
         .collect();
     let results: usize = traces.iter().map(|trace| trace.output.len() / BEAT).sum();
     let mut cycles = vec![vec![]; design.stages.len() + 1];

@@ -45,6 +45,14 @@ pub struct MaccArray {
     pub write_row: Signal<In, Row>,
     /// Two weights.
     pub write_data: Signal<In, Bits<32>>,
+    /// Reads a row of one bank in place of the step's.
+    pub read_enable: Signal<In, Bit>,
+    /// Which bank.
+    pub read_bank: Signal<In, Bits<6>>,
+    /// Row, and which of its words in the lowest bits.
+    pub read_row: Signal<In, Row>,
+    /// Its four weights for one cycle, as many cycles later as there are banks before it, and four; else 0.
+    pub read_data: Signal<Out, Bits<64>>,
     _sizes: Sizes,
     _state: State,
 }
@@ -78,6 +86,14 @@ struct Write {
     data: u64,
 }
 
+/// A row that is read back.
+#[derive(Debug, Clone, Copy, Default)]
+struct Read {
+    enable: bool,
+    bank: usize,
+    row: usize,
+}
+
 /// Registers of the model.
 #[derive(Debug, Clone, Default)]
 struct State {
@@ -88,6 +104,10 @@ struct State {
     /// Rows that lie in the memories' output registers, of each bank and word.
     read: [Vec<u64>; 5],
     write: Write,
+    /// Rows that are read back, of the last three cycles.
+    reads: [Read; 3],
+    /// What each bank hands on of them.
+    back: Vec<u64>,
     /// Of each lane, its rows.
     sums: Vec<Vec<i64>>,
     hold: Vec<Vec<i64>>,
@@ -118,6 +138,7 @@ impl MaccArray {
             _state: State {
                 weights: memories.map(|(bank, part)| words(bank, part).collect()).collect(),
                 read: std::array::from_fn(|_| vec![0; stage.banks() * stage.rows]),
+                back: vec![0; stage.banks()],
                 sums: lanes.clone(),
                 hold: lanes,
                 ..State::default()
@@ -147,6 +168,13 @@ impl MaccArray {
             row: self.write_row.val().to_u64() as usize,
             data: self.write_data.val().to_u64(),
         };
+        new.reads.rotate_right(1);
+        new.reads[0] = Read {
+            enable: self.read_enable.val(),
+            bank: self.read_bank.val().to_u64() as usize,
+            row: self.read_row.val().to_u64() as usize,
+        };
+        new.back = back(sizes, &old);
         new.read.rotate_right(1);
         new.read[0] = read(sizes, &old, &weights);
         write(sizes, &old.write, &mut weights);
@@ -180,7 +208,12 @@ fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
     (0..sizes.banks)
         .flat_map(|bank| {
             let written = old.write.enable && old.write.bank == bank;
-            let a = if !sizes.dense && sizes.rows == 2 && written { old.write.row } else { a };
+            let read_back = old.reads[0].enable && old.reads[0].bank == bank;
+            let a = match (written && !sizes.dense && sizes.rows == 2, read_back) {
+                (true, _) => old.write.row,
+                (false, true) => old.reads[0].row >> sizes.part_bits,
+                (false, false) => a,
+            };
             (0..sizes.rows).map(move |row| match (sizes.dense, row) {
                 (true, part) => (bank * sizes.rows + part, a),
                 (false, 0) => (bank, a),
@@ -189,6 +222,18 @@ fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
         })
         .map(|(memory, row)| word(memory, row))
         .collect()
+}
+
+/// The row that was read for the host, on its way from bank to bank.
+fn back(sizes: &Sizes, old: &State) -> Vec<u64> {
+    let Read { enable, bank, row } = old.reads[2];
+    let part = row & ((1 << sizes.part_bits) - 1);
+    let parts = if sizes.dense { sizes.rows } else { 1 };
+    let mut back: Vec<u64> = old.back.iter().skip(1).copied().chain([0]).collect();
+    if enable && bank < sizes.banks && part < parts {
+        back[bank] |= old.read[1][bank * sizes.rows + part];
+    }
+    back
 }
 
 fn write(sizes: &Sizes, write: &Write, weights: &mut [Vec<u64>]) {
@@ -222,11 +267,13 @@ impl Logic for MaccArray {
         let low = |sum: i64| (sum as u64 & ((1 << 48) - 1)).into();
         self.sum_even.next = low(self._state.leaving[4][0]);
         self.sum_odd.next = low(self._state.leaving[4][1]);
+        self.read_data.next = self._state.back.first().copied().unwrap_or(0).into();
     }
 
     fn connect(&mut self) {
         self.sum_even.connect();
         self.sum_odd.connect();
+        self.read_data.connect();
     }
 
     fn hdl(&self) -> Verilog {
@@ -254,6 +301,10 @@ impl Logic for MaccArray {
             .port("write_half_i", "write_half")
             .port("write_row_i", "write_row")
             .port("write_data_i", "write_data")
+            .port("read_enable_i", "read_enable")
+            .port("read_bank_i", "read_bank")
+            .port("read_row_i", "read_row")
+            .port("read_data_o", "read_data")
             .verilog()
     }
 }

@@ -11,7 +11,9 @@
 //! | [`requantize`], [`shrink`], [`difference`] | from a sum to the words that go on |
 //! | [`results`] | the pipeline of these, with bases and thresholds |
 //! | [`counters`], [`registers`] | what the host sees and sets |
+//! | [`reader`] | memories read back, with a CRC-32 |
 //! | [`stage`] | all of the above: I, M or F |
+//! | [`window_guard`] | windows that are too short or too long |
 //! | [`chain`] | the stages of a design |
 //!
 //! Leaves, each in `rtl/` and here as its model: [`macc_array`], all banks of a stage; [`ram`], [`fifo`], [`add`], [`delay`].
@@ -30,12 +32,14 @@ pub mod macc_array;
 pub mod pair_operands;
 pub mod pair_store;
 pub mod ram;
+pub mod reader;
 pub mod registers;
 pub mod requantize;
 pub mod results;
 pub mod sequencer;
 pub mod shrink;
 pub mod stage;
+pub mod window_guard;
 pub mod window_ring;
 
 use edof_spec::design::{Kind, StagePlan};

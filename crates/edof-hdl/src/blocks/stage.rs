@@ -9,6 +9,7 @@ use super::fifo::Fifo;
 use super::macc_array::MaccArray;
 use super::pair_operands::PairOperands;
 use super::pair_store::PairStore;
+use super::reader::Reader;
 use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
@@ -16,19 +17,22 @@ use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
-use edof_spec::design::memory::Shifts;
+use edof_spec::design::memory::{self, Shifts};
 use edof_spec::design::{Design, StagePlan};
 use rust_hdl::prelude::*;
 
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
 /// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
 #[derive(Circuit)]
-#[circuit(default(Counters, Delay, Fifo, DenseOperands), role(_role))]
+#[circuit(default(Counters, Delay, Fifo, DenseOperands, Reader), role(_role))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
+    /// Forgets every vector and what was written but weights and thresholds; held for 48 cycles or more, and two more pass until something
+    /// can be taken.
     pub reset: Signal<In, Bit>,
+    /// Forgets every vector and nothing else; held likewise.
+    pub flush: Signal<In, Bit>,
     /// A beat stands on the input.
     pub valid: Signal<In, Bit>,
     /// It is taken in this cycle, if there is one.
@@ -67,9 +71,9 @@ pub struct Stage {
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
-    /// Stage and counter to show.
-    pub status_address: Signal<In, Bits<6>>,
-    /// The counter, a cycle later; 0 from all other stages.
+    /// Stage (4 bits) and what of it to show (3 bits): 0 to 3 counters, 4 CRC, 5 and 6 the word that was read, 7 whether it still reads.
+    pub status_address: Signal<In, Bits<7>>,
+    /// It, a cycle later; 0 from all other stages.
     pub status: Signal<Out, Bits<32>>,
     id: Constant<Bits<4>>,
     both_ports: Constant<Bit>,
@@ -93,6 +97,8 @@ pub struct Stage {
     base_fifo: Vec<Fifo<32>>,
     registers: Registers,
     counters: Counters,
+    reader: Reader,
+    read_to_4: Delay<1, 4>,
     status_q: DFF<Bits<32>>,
     write_1: DFF<Bit>,
     address_1: DFF<Bits<25>>,
@@ -104,7 +110,11 @@ pub struct Stage {
     address_2: DFF<Bits<25>>,
     data_2: DFF<Bits<32>>,
     weights_to_6: Delay<52, 4>,
+    all: Constant<Bits<4>>,
+    snapshot_2: DFF<Bit>,
     resets: Signal<Local, Bits<1>>,
+    register_resets: Signal<Local, Bits<1>>,
+    asked: Signal<Local, Bits<32>>,
     ready_in: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
     descriptor: Signal<Local, Descriptor>,
@@ -135,6 +145,7 @@ impl Stage {
         let sums = design.accumulator_bits;
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
+            all: Constant::new((memory::ALL_STAGES as u64).into()),
             both_ports: Constant::new(stage.reads_both_ports()),
             pairs: (dense..1).map(|_| PairStore::new(stage)).collect(),
             pair_operands: (dense..1).map(|_| PairOperands::new(stage)).collect(),
@@ -171,7 +182,8 @@ impl Logic for Stage {
             previous_2,
             registers_2,
             address_2,
-            data_2
+            data_2,
+            snapshot_2
         );
         self.sequencer.clock.next = self.clock.val();
         self.macc.clock.next = self.clock.val();
@@ -181,11 +193,17 @@ impl Logic for Stage {
         self.registers.clock.next = self.clock.val();
         self.counters.clock.next = self.clock.val();
         self.weights_to_6.clock.next = self.clock.val();
+        self.reader.clock.next = self.clock.val();
+        self.read_to_4.clock.next = self.clock.val();
 
         // Each part has a register for its reset.
         self.resets.next = 0.into();
-        if self.reset.val() {
+        if self.reset.val() || self.flush.val() {
             self.resets.next = 1.into();
+        }
+        self.register_resets.next = 0.into();
+        if self.reset.val() {
+            self.register_resets.next = 1.into();
         }
         self.reset_store.clock.next = self.clock.val();
         self.reset_store.now.next = self.resets.val();
@@ -200,13 +218,14 @@ impl Logic for Stage {
         self.reset_out.clock.next = self.clock.val();
         self.reset_out.now.next = self.resets.val();
         self.reset_registers.clock.next = self.clock.val();
-        self.reset_registers.now.next = self.resets.val();
+        self.reset_registers.now.next = self.register_resets.val();
         self.sequencer.reset.next = self.reset_sequencer.later.val().get_bit(0);
         self.drain.reset.next = self.reset_drain.later.val().get_bit(0);
         self.results.reset.next = self.reset_results.later.val().get_bit(0);
         self.fifo.reset.next = self.reset_out.later.val().get_bit(0);
         self.registers.reset.next = self.reset_registers.later.val().get_bit(0);
         self.counters.reset.next = self.reset_registers.later.val().get_bit(0);
+        self.reader.reset.next = self.reset_registers.later.val().get_bit(0);
 
         // In: vectors, bases, windows.
         self.ready_in.next = false;
@@ -261,7 +280,8 @@ impl Logic for Stage {
         self.sequencer.arrived.next = self.arrived.val();
         self.sequencer.descriptor.next = self.descriptor.val();
         self.sequencer.may_start.next = self.drain.may_start.val();
-        self.sequencer.steal.next = self.weights_2.q.val() && self.both_ports.val();
+        self.sequencer.steal.next =
+            self.reader.steal.val() || (self.weights_2.q.val() && self.both_ports.val());
         self.first.next = false;
         self.address_a.next = 0.into();
         self.address_b.next = 0.into();
@@ -374,6 +394,9 @@ impl Logic for Stage {
         self.registers_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 3);
         self.address_2.d.next = self.address_1.q.val();
         self.data_2.d.next = self.data_1.q.val();
+        self.snapshot_2.d.next = self.write_1.q.val()
+            && (self.address_1.q.val().get_bits::<4>(21) == self.all.val())
+            && (self.address_1.q.val().get_bits::<2>(19) == 3);
         self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val().get_bits::<19>(0)) << 33)
             | (bit_cast::<52, 32>(self.data_2.q.val()) << 1);
         if self.weights_2.q.val() {
@@ -394,10 +417,50 @@ impl Logic for Stage {
         self.registers.write_enable.next = self.registers_2.q.val();
         self.registers.write_row.next = self.address_2.q.val().get_bits::<12>(1);
         self.registers.write_data.next = self.data_2.q.val();
+        self.counters.snapshot.next = self.snapshot_2.q.val();
+
+        // Reads back: a row of weights takes the place of a step, four cycles after that was due.
+        self.reader.starts.next = self.registers_2.q.val() && (self.address_2.q.val().get_bits::<12>(1) == 3);
+        self.reader.command.next = self.data_2.q.val();
+        self.read_to_4.now.next = 0.into();
+        if self.reader.steal.val() {
+            self.read_to_4.now.next = 1.into();
+        }
+        self.macc.read_enable.next = self.read_to_4.later.val().get_bit(0);
+        self.macc.read_bank.next = self.reader.bank.val();
+        self.macc.read_row.next = self.reader.row.val();
+        self.reader.weights.next = self.macc.read_data.val();
+        self.results.read_wanted.next = self.reader.wants_thresholds.val();
+        self.results.read_row.next = self.reader.row.val();
+        self.reader.thresholds_valid.next = self.results.read_valid.val();
+        self.reader.thresholds.next = self.results.read_thresholds.val();
+        self.reader.previous.next = self.results.read_previous.val();
+        self.reader.register.next = self.registers.shifts_0.val();
+        if self.reader.row.val().get_bits::<2>(0) == 1 {
+            self.reader.register.next = self.registers.shifts_1.val();
+        } else if self.reader.row.val().get_bits::<2>(0) == 2 {
+            self.reader.register.next = 0.into();
+            if self.registers.skip_zeros.val() {
+                self.reader.register.next = 1.into();
+            }
+        }
         self.counters.select.next = self.status_address.val().get_bits::<2>(0);
+        self.asked.next = self.counters.value.val();
+        if self.status_address.val().get_bits::<3>(0) == 4 {
+            self.asked.next = self.reader.crc.val();
+        } else if self.status_address.val().get_bits::<3>(0) == 5 {
+            self.asked.next = self.reader.word.val().get_bits::<32>(0);
+        } else if self.status_address.val().get_bits::<3>(0) == 6 {
+            self.asked.next = self.reader.word.val().get_bits::<32>(32);
+        } else if self.status_address.val().get_bits::<3>(0) == 7 {
+            self.asked.next = 0.into();
+            if self.reader.busy.val() {
+                self.asked.next = 1.into();
+            }
+        }
         self.status_q.d.next = 0.into();
-        if self.status_address.val().get_bits::<4>(2) == self.id.val() {
-            self.status_q.d.next = self.counters.value.val();
+        if self.status_address.val().get_bits::<4>(3) == self.id.val() {
+            self.status_q.d.next = self.asked.val();
         }
         self.status.next = self.status_q.q.val();
     }

@@ -5,6 +5,7 @@
 //! codes as inputs `codes … codes + pixels`. In I, whose vectors are dense, a row holds `rows` such words, of inputs that lie
 //! `inputs / rows` apart, and rows are numbered so that the lowest bits say which word ([`row_bits`]). Thresholds lie two a word, at `set·outputs/2 + output/2`.
 
+use super::timing::{READ_LATENCY, STEAL_LATENCY};
 use super::{BANK_LANES, BEAT, Design, Kind, StagePlan};
 use crate::fixed_network::FixedNetwork;
 
@@ -39,7 +40,7 @@ pub enum Space {
         /// Word.
         row: usize,
     },
-    /// A register: 0 and 1 are the shifts of each set, 2 is control.
+    /// A register: 0 and 1 are the shifts of each set, 2 is control, [`READ_REGISTER`] reads.
     Register {
         /// Which.
         row: usize,
@@ -181,12 +182,95 @@ pub fn weight_images(stage: &StagePlan) -> String {
     format!("mem/stage{}_bank", stage.index)
 }
 
-/// The stage whose multipliers a write takes a cycle from, if it is such a write.
+/// Steps that a write takes from its stage: one in cycle `first` after the write, and `every` cycles on again, `count` in all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Steals {
+    /// The stage.
+    pub stage: usize,
+    /// Cycles from the write to the first cycle without a step.
+    pub first: u64,
+    /// From each to the next.
+    pub every: u64,
+    /// How many.
+    pub count: u64,
+}
+
+impl Steals {
+    /// The cycles without a step, of a write in cycle `written`.
+    pub fn cycles(self, written: u64) -> impl Iterator<Item = u64> {
+        (0..self.count).map(move |k| written + self.first + k * self.every)
+    }
+}
+
+/// What a write of `data` to an address takes from the multipliers of a stage: a weight where both ports of the memory read, a command
+/// to read weights everywhere.
 #[must_use]
-pub fn stolen_from(design: &Design, address: u32) -> Option<usize> {
-    let (stage, space) = ((address >> 21) as usize, (address >> 19) & 3);
-    let reads_both = |index| design.stage(index).reads_both_ports();
-    (space == 0 && stage < design.stages.len() && reads_both(stage)).then_some(stage)
+pub fn steals(design: &Design, address: u32, data: u32) -> Option<Steals> {
+    let (stage, space, row) = ((address >> 21) as usize, (address >> 19) & 3, (address >> 1) & 0xfff);
+    if stage >= design.stages.len() {
+        return None;
+    }
+    let (first, every, count) = match space {
+        0 if design.stage(stage).reads_both_ports() => (STEAL_LATENCY, 0, 1),
+        3 if row as usize == READ_REGISTER && data >> 30 == 0 => {
+            (READ_LATENCY, READ_PERIOD, u64::from(data & 0xfff) + 1)
+        }
+        _ => return None,
+    };
+    Some(Steals { stage, first, every, count })
+}
+
+/// Register that a command to read is written to.
+pub const READ_REGISTER: usize = 3;
+
+/// Stage number that no stage has: register 0 there tells all stages to show their counters and to count anew.
+pub const ALL_STAGES: usize = 15;
+
+/// Cycles that a reader takes for a row.
+pub const READ_PERIOD: u64 = 256;
+
+/// The word that, written to [`READ_REGISTER`] of a stage, has `rows` of its rows read, from that of `from` on. Of weights both halves
+/// are read at once. What the last row was and the CRC-32 of all ([`crc`]) can then be looked at.
+#[must_use]
+pub const fn read_command(from: Space, rows: usize) -> u32 {
+    let (code, bank, row) = match from {
+        Space::Weights { bank, row, .. } => (0, bank, row),
+        Space::Thresholds { row } => (1, 0, row),
+        Space::PreviousThresholds { row } => (2, 0, row),
+        Space::Register { row } => (3, 0, row),
+    };
+    ((code << 30) | (bank << 24) | (row << 12) | (rows - 1)) as u32
+}
+
+/// CRC-32 (IEEE 802.3) of rows of 64 bits, the lowest bit of the first one first.
+///
+/// ```
+/// use edof_spec::design::memory::crc;
+/// // The check value that every description of this CRC gives, of "123456789", with seven bytes of zeros behind it.
+/// let rows = [u64::from_le_bytes(*b"12345678"), u64::from(b'9')];
+/// assert_eq!(crc(rows), crc32(b"123456789\0\0\0\0\0\0\0"));
+/// assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+///
+/// fn crc32(bytes: &[u8]) -> u32 {
+///     !bytes.iter().fold(!0, |crc, byte| {
+///         (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg()))
+///     })
+/// }
+/// ```
+pub fn crc(rows: impl IntoIterator<Item = u64>) -> u32 {
+    let bits = rows.into_iter().flat_map(|row| (0..64).map(move |bit| (row >> bit) as u32 & 1));
+    !bits.fold(!0, |crc: u32, bit| (crc >> 1) ^ if (crc ^ bit) & 1 == 1 { 0xedb8_8320 } else { 0 })
+}
+
+/// All rows of a bank that hold one set, as a reader goes through them: numbers that stand for no word count as 0.
+#[must_use]
+pub fn bank_rows(network: &FixedNetwork, stage: &StagePlan, bank: usize) -> Vec<u64> {
+    let parts: Vec<Vec<u64>> =
+        (0..stage.row_words()).map(|part| weight_words(network, stage, bank, part)).collect();
+    let word = |row: usize, part: usize| parts.get(part).map_or(0, |words| words[row]);
+    (0..stage.weight_rows()).flat_map(|row| (0..1 << row_bits(stage)).map(move |part| (row, part)))
+        .map(|(row, part)| word(row, part))
+        .collect()
 }
 
 /// Path of a threshold memory's image.
