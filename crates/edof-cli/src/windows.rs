@@ -3,34 +3,56 @@
 use crate::error::Error;
 use edof_golden::windows;
 use edof_io::photo;
-use edof_optics::capture::{Approximation, capture};
+use edof_optics::capture::{Approximation, Capture, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
 use edof_spec::{FixedNetwork, Geometry, RawFrame, Tone};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Size of the built-in scene: 1536 patches at stride 8.
 const SCENE_SIZE: (usize, usize) = (256, 384);
 
-/// The raw frame of a photograph, or of a built-in scene of dead leaves, at the far end of the network's range, where blur is
-/// hardest, with the tone and the most noise of the first condition that the network was trained for.
+/// A photograph, or a built-in scene of dead leaves, at depth `psi` (without it at the far end of the network's range, where blur is
+/// hardest), with the tone of the first condition that the network was trained for and the most noise that it was.
 ///
 /// # Errors
 /// A photograph that cannot be read or used.
-pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64) -> Result<RawFrame, Error> {
+pub fn shot(
+    network: &FixedNetwork,
+    picture: Option<&Path>,
+    psi: Option<f64>,
+    seed: u64,
+) -> Result<Capture, Error> {
     let camera = &network.origin.camera;
-    let psi = camera.psi_range[1];
+    let psi = psi.unwrap_or(camera.psi_range[1]);
     let scene = match picture {
-        Some(path) => {
-            let tone = network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone);
-            Scene::flat(path.display().to_string(), tone.decoded(&photo::load(path)?), psi)
-        }
+        Some(path) => Scene::flat(path.display().to_string(), tone(network).decoded(&photo::load(path)?), psi),
         None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
     };
     let noise = network.origin.most_noise();
     let sensor = Sensor { noise, seed, ..Sensor::default() };
-    Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
+    Ok(capture(&scene, camera, &sensor, &Approximation::default())?)
+}
+
+/// The tone of the first condition that a network was trained for.
+pub fn tone(network: &FixedNetwork) -> Tone {
+    network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone)
+}
+
+/// Every photograph (or the built-in scene, where there is none) at every depth (or the far end).
+pub fn shots(photos: &[PathBuf], psis: &[f64]) -> Vec<(Option<PathBuf>, Option<f64>)> {
+    let photos: Vec<Option<PathBuf>> =
+        if photos.is_empty() { vec![None] } else { photos.iter().cloned().map(Some).collect() };
+    let psis: Vec<Option<f64>> =
+        if psis.is_empty() { vec![None] } else { psis.iter().copied().map(Some).collect() };
+    photos.iter().flat_map(|photo| psis.iter().map(move |psi| (photo.clone(), *psi))).collect()
+}
+
+/// What a shot is called.
+pub fn name(shot: &(Option<PathBuf>, Option<f64>)) -> String {
+    let photo = shot.0.as_ref().map_or_else(|| "dead leaves".into(), |path| path.display().to_string());
+    shot.1.map_or_else(|| photo.clone(), |psi| format!("{photo} at psi {psi}"))
 }
 
 /// All windows of a frame, in the order in which the hardware takes them.

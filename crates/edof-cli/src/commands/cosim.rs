@@ -51,6 +51,10 @@ pub struct Args {
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     photo: Option<PathBuf>,
 
+    /// Depth of the picture [default: the far end of the network's range]
+    #[arg(long, allow_negative_numbers = true, conflicts_with = "random")]
+    psi: Option<f64>,
+
     /// Use N drawn windows with extreme values in place of a picture
     #[arg(long, value_name = "N")]
     random: Option<usize>,
@@ -135,7 +139,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<P
         };
         return Ok((0..count).map(patch).collect());
     }
-    let raw = windows::frame(network, args.photo.as_deref(), args.seed)?;
+    let raw = windows::shot(network, args.photo.as_deref(), args.psi, args.seed)?.raw;
     let windows = windows::of(network, &raw)?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }

@@ -19,11 +19,13 @@ use std::path::PathBuf;
 /// Tell what a design takes: cycles a patch, frames a second, and how much of the FPGA
 ///
 /// Without a network every value counts; with one, values that are zero on a picture are left out if the design skips zeros, and
-/// the picture is run through the cycle model. The picture is captured by the network's own camera at the far end of its range.
+/// pictures are run through the cycle model, captured by the network's own camera. A scene with many non-zero values takes longer and
+/// its bits are the same: of several pictures the mean is told, and the one that takes longest.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof estimate --design paper
-  edof estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --json estimate.json")]
+  edof estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --json estimate.json
+  edof estimate --design kc705 --weights edof-t4w12-outer --photo a.png --photo b.png --psi 0,4,8")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]
@@ -33,9 +35,13 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Picture to measure on; without it, a built-in scene of dead leaves
+    /// Picture to measure on, may be given several times; without one, a built-in scene of dead leaves
     #[arg(long, value_name = "FILE", requires = "weights")]
-    photo: Option<PathBuf>,
+    photo: Vec<PathBuf>,
+
+    /// Depths of the pictures [default: the far end of the network's range]
+    #[arg(long, value_name = "PSI,...", value_delimiter = ',', allow_negative_numbers = true, requires = "weights")]
+    psi: Vec<f64>,
 }
 
 /// # Errors
@@ -45,15 +51,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    let summary = match &args.weights {
-        Some(name) => Some(measure(&design, &weights::fixed(name)?, &args)?),
+    let measured = match &args.weights {
+        Some(name) => Some(measure(&design, &weights::fixed(name)?, &args, ui)?),
         None => None,
     };
-    let pairs = summary.as_ref().map(Summary::mean_pairs);
+    let pairs = measured.as_ref().map(Measured::mean_pairs);
     let ahead = estimate(&design, pairs.as_deref());
-    let cycles = summary.as_ref().map_or(ahead.cycles_per_patch, Summary::cycles_per_patch);
-    let limiting = summary.as_ref().map_or_else(|| ahead.limiting_stage(), Summary::limiting_stage);
-    let frames = design.clock_mhz * 1e6 / (cycles * ahead.patches_per_frame as f64);
+    let cycles = measured.as_ref().map_or(ahead.cycles_per_patch, Measured::cycles_per_patch);
+    let limiting = measured.as_ref().map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage);
+    let rate = |cycles: f64| design.clock_mhz * 1e6 / (cycles * ahead.patches_per_frame as f64);
+    let frames = rate(cycles);
     let stages = resources::stages(&design);
     let total: Resources = stages.iter().copied().sum();
     let names = stage_names(stages.len());
@@ -75,6 +82,24 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         names[limiting],
         100.0 * share
     ))?;
+    let worst = measured.as_ref().map(Measured::worst);
+    if let Some((name, summary)) = worst.filter(|_| args.photo.len() * args.psi.len().max(1) > 1) {
+        ui.say(format!(
+            "worst of them: {name}, {:.1} cycles a patch, {:.1} frames a second; {} limits",
+            summary.cycles_per_patch(),
+            rate(summary.cycles_per_patch()),
+            names[summary.limiting_stage()]
+        ))?;
+    }
+    let picture = |(name, summary): &(String, Summary)| {
+        json!({
+            "picture": name,
+            "cycles_per_patch": summary.cycles_per_patch(),
+            "most_cycles_per_patch": summary.most_cycles,
+            "limiting_stage": names[summary.limiting_stage()],
+            "pairs_per_patch": summary.mean_pairs(),
+        })
+    };
     let per_stage: Vec<Value> = stages
         .iter()
         .enumerate()
@@ -97,7 +122,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "ff": total.ff,
         "clock_mhz": design.clock_mhz,
         "cycles_per_patch": cycles,
-        "most_cycles_per_patch": summary.as_ref().map(|s| s.most_cycles),
+        "worst_picture": worst.map(picture),
+        "pictures": measured.as_ref().map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
         "frames_per_second": frames,
         "limiting_stage": names[limiting],
         "scarcest": scarcest,
@@ -106,17 +132,57 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }))
 }
 
-/// A picture through the cycle model.
-fn measure(design: &Design, network: &FixedNetwork, args: &Args) -> Result<Summary, Error> {
-    let raw = windows::frame(network, args.photo.as_deref(), 0)?;
-    let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
-    let model = Cycle::new(design, [network, network])?;
-    let mut summary = Summary::new(design);
-    for patch in model.run(patches) {
-        summary.add(&patch);
-        interrupt::check()?;
+/// Pictures through the cycle model, each by itself; at least one.
+struct Measured(Vec<(String, Summary)>);
+
+impl Measured {
+    /// Mean over all patches of all pictures.
+    fn mean(&self, of: impl Fn(&Summary) -> f64) -> f64 {
+        let patches = |summary: &Summary| summary.counts.patches as f64;
+        let sum: f64 = self.0.iter().map(|(_, summary)| patches(summary) * of(summary)).sum();
+        sum / self.0.iter().map(|(_, summary)| patches(summary)).sum::<f64>()
     }
-    Ok(summary)
+
+    fn cycles_per_patch(&self) -> f64 {
+        self.mean(Summary::cycles_per_patch)
+    }
+
+    fn mean_pairs(&self) -> Vec<f64> {
+        let stages = self.0[0].1.stages.len();
+        (0..stages).map(|stage| self.mean(|summary| summary.mean_pairs()[stage])).collect()
+    }
+
+    /// The stage that would have needed most cycles alone.
+    fn limiting_stage(&self) -> usize {
+        let stages = self.0[0].1.stages.len();
+        let alone = |stage: usize| self.0.iter().map(|(_, summary)| summary.stages[stage].alone).sum::<f64>();
+        (0..stages).fold(0, |most, stage| if alone(stage) > alone(most) { stage } else { most })
+    }
+
+    /// The picture that takes longest.
+    fn worst(&self) -> &(String, Summary) {
+        let longer = |a: &(String, Summary), b: &(String, Summary)| b.1.cycles_per_patch() > a.1.cycles_per_patch();
+        self.0.iter().fold(&self.0[0], |worst, next| if longer(worst, next) { next } else { worst })
+    }
+}
+
+fn measure(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Measured, Error> {
+    let model = Cycle::new(design, [network, network])?;
+    let shots = windows::shots(&args.photo, &args.psi);
+    let bar = ui.progress(shots.len() as u64, "pictures measured");
+    let mut all = vec![];
+    for shot in &shots {
+        let raw = windows::shot(network, shot.0.as_deref(), shot.1, 0)?.raw;
+        let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
+        let mut summary = Summary::new(design);
+        for patch in model.run(patches) {
+            summary.add(&patch);
+            interrupt::check()?;
+        }
+        all.push((windows::name(shot), summary));
+        bar.set(all.len() as u64);
+    }
+    Ok(Measured(all))
 }
 
 fn row(used: &Resources) -> String {
