@@ -11,7 +11,9 @@ use edof_golden::Golden;
 use edof_golden::cycle::explore::{cycles_per_patch, foldings, front};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_hdl::resources::{self, Resources, XC7K325T};
+use edof_spec::colour::OUTPUTS_422;
 use edof_spec::design::memory::Set;
+use edof_spec::design::{FrameSize, StageSize};
 use edof_spec::{Design, FixedNetwork, Geometry};
 use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
@@ -167,14 +169,16 @@ fn of_network(
 
 /// A design for the network, of any folding.
 fn any_folding(base: &Design, network: &FixedNetwork) -> Result<Design, Error> {
-    let stages = (0..network.form.layers).map(|_| edof_spec::design::StageSize { lanes: 4, rows: 1 });
+    let last = network.form.layers - 1;
+    let lanes = |stage: usize| if stage == last { OUTPUTS_422 } else { network.form.codes };
+    let stages = (0..=last).map(|stage| StageSize { lanes: lanes(stage), rows: 1 });
     let design = Design {
         name: network.origin.name.clone(),
         form: network.form,
         code_bits: network.code_bits,
         skip_zeros: true,
         stages: stages.collect(),
-        frame: edof_spec::design::FrameSize { stride: network.stride, ..base.frame },
+        frame: FrameSize { stride: network.stride, ..base.frame },
         ..base.clone()
     };
     design.check()?;

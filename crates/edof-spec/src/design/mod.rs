@@ -61,7 +61,7 @@ pub struct Design {
 pub struct StageSize {
     /// Outputs computed at once.
     pub lanes: usize,
-    /// Values multiplied per cycle in each lane: 1 or 2.
+    /// Values multiplied per cycle in each lane: 1 or 2, in I up to 4.
     pub rows: usize,
 }
 
