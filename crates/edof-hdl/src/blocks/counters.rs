@@ -25,6 +25,7 @@ pub struct Counter {
     count_q: DFF<Bits<32>>,
     shown: DFF<Bits<32>>,
     marks: Signal<Local, Bits<2>>,
+    kept: Signal<Local, Bits<32>>,
 }
 
 impl Logic for Counter {
@@ -45,11 +46,12 @@ impl Logic for Counter {
             self.more.d.next = bit_cast::<2, 1>(self.events.val().get_bits::<1>(0))
                 + bit_cast::<2, 1>(self.events.val().get_bits::<1>(1));
         }
-        self.count_q.d.next = self.count_q.q.val() + bit_cast::<32, 2>(self.more.q.val());
+        self.kept.next = self.count_q.q.val();
         if self.marks_q.later.val().get_bit(1) {
             self.shown.d.next = self.count_q.q.val();
-            self.count_q.d.next = bit_cast::<32, 2>(self.more.q.val());
+            self.kept.next = 0.into();
         }
+        self.count_q.d.next = self.kept.val() + bit_cast::<32, 2>(self.more.q.val());
         if self.marks_q.later.val().get_bit(0) {
             self.count_q.d.next = 0.into();
             self.shown.d.next = 0.into();
