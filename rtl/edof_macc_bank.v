@@ -10,7 +10,7 @@
 //
 // The register behind a memory is the block RAM's own output register to Vivado; Yosys has none, and `keep` on its process stops it
 // from making it a second input register of the multiplier, to which the way from the memory would be too long.
-// Control comes in registers of this bank's own, for copy and shift even of each multiplier's: `keep` and its like stop Yosys and
+// A write begins as none, so that no image is spoilt before reset has come through. Control comes in registers of this bank's own, for copy and shift even of each multiplier's: `keep` and its like stop Yosys and
 // Vivado from merging them. Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
@@ -74,7 +74,7 @@ module edof_macc_bank #(
             initial if (INIT != "") $readmemh({`EDOF_DIR, INIT, TENS, ONES, "_0.hex"}, weights);
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_a_q;
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
-            (* keep = "true", dont_touch = "true" *) reg write_low_q, write_high_q;
+            (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
             (* keep *) always @(posedge clock_i) begin
                 address_a_q <= mine ? write_row : mine_back ? read_row : address_a_i[BITS-1:0];
                 address_b_q <= address_b_i[BITS-1:0];
@@ -105,7 +105,7 @@ module edof_macc_bank #(
                 wire this_part = mine && (WORDS == 1 || (write_address_i & (12'd1 << PART_BITS) - 12'd1) == part);
                 (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
                 initial if (INIT != "") $readmemh({`EDOF_DIR, INIT, TENS, ONES, "_", PART, ".hex"}, weights);
-                (* keep = "true", dont_touch = "true" *) reg write_low_q, write_high_q;
+                (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
                 (* keep *) always @(posedge clock_i) begin
                     write_low_q <= this_part && !write_half_i;
                     write_high_q <= this_part && write_half_i;

@@ -267,5 +267,7 @@ fn kc705_with_trained_weights_takes_little_more_than_its_mean_patch_would() {
     let cycles = summary.cycles_per_patch();
     assert!((mean.cycles_per_patch..1.15 * mean.cycles_per_patch).contains(&cycles), "{cycles}, {mean:?}");
     assert!(cycles < estimate(&design, None).cycles_per_patch);
-    assert_eq!(summary.limiting_stage(), mean.limiting_stage());
+    // M2 and F need about as much: which of them limits is decided by few patches.
+    let most = mean.stages[mean.limiting_stage()].largest();
+    assert!(mean.stages[summary.limiting_stage()].largest() > 0.95 * most, "{mean:?}");
 }

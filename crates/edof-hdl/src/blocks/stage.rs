@@ -405,13 +405,14 @@ impl Logic for Stage {
                 | 1;
         }
         self.weights_to_6.now.next = self.weights_word.val();
-        self.macc.write_enable.next = self.weights_to_6.later.val().get_bit(0);
+        // What registers hold at first is nothing that was written.
+        self.macc.write_enable.next = self.weights_to_6.later.val().get_bit(0) && !self.reset.val();
         self.macc.write_bank.next = self.weights_to_6.later.val().get_bits::<6>(46);
         self.macc.write_row.next = self.weights_to_6.later.val().get_bits::<12>(34);
         self.macc.write_half.next = self.weights_to_6.later.val().get_bit(33);
         self.macc.write_data.next = self.weights_to_6.later.val().get_bits::<32>(1);
-        self.results.write_thresholds.next = self.thresholds_2.q.val();
-        self.results.write_previous.next = self.previous_2.q.val();
+        self.results.write_thresholds.next = self.thresholds_2.q.val() && !self.reset.val();
+        self.results.write_previous.next = self.previous_2.q.val() && !self.reset.val();
         self.results.write_row.next = self.address_2.q.val().get_bits::<12>(1);
         self.results.write_data.next = self.data_2.q.val();
         self.registers.write_enable.next = self.registers_2.q.val();
