@@ -1,7 +1,7 @@
 // Memory with one write port and one read port, one clock; a read gives what lay there before a write in the same cycle.
 //
-// BLOCK = 1 asks for block RAM, 0 for LUT RAM. What is read stands on the output one cycle after its address, from block RAM two:
-// its own output register is slow to leave, and the second one is what a block RAM has inside. INIT names a $readmemh image, ""
+// BLOCK = 1 asks for block RAM, 2 for block RAM and its output register, without which it is slow to leave, 0 for LUT RAM. What is read
+// stands on the output one cycle after its address, with that register two. INIT names a $readmemh image, ""
 // leaves the start-up contents open. Addresses are 12 bits wide whatever the depth, so that one port fits all; the memory uses as
 // many bits as it has rows. Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
 `ifndef EDOF_DIR
@@ -17,30 +17,36 @@ module edof_ram #(
 ) (
     input  wire             clock_i,
     input  wire [11:0]      read_address_i,
-    output reg  [WIDTH-1:0] read_data_o,
+    output wire [WIDTH-1:0] read_data_o,
     input  wire             write_enable_i,
     input  wire [11:0]      write_address_i,
     input  wire [WIDTH-1:0] write_data_i
 );
     localparam BITS = $clog2(DEPTH);
 
+    reg [WIDTH-1:0] read_q;
     generate
         if (BLOCK != 0) begin : in_block
             (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
-            reg [WIDTH-1:0] read_q;
             initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
             always @(posedge clock_i) begin
                 if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
                 read_q <= words[read_address_i[BITS-1:0]];
             end
-            always @(posedge clock_i) read_data_o <= read_q;
         end else begin : in_luts
             (* ram_style = "distributed" *) reg [WIDTH-1:0] words [0:DEPTH-1];
             initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
             always @(posedge clock_i) begin
                 if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
-                read_data_o <= words[read_address_i[BITS-1:0]];
+                read_q <= words[read_address_i[BITS-1:0]];
             end
+        end
+        if (BLOCK == 2) begin : in_its_register
+            reg [WIDTH-1:0] read_q2;
+            always @(posedge clock_i) read_q2 <= read_q;
+            assign read_data_o = read_q2;
+        end else begin : at_once
+            assign read_data_o = read_q;
         end
     endgenerate
 endmodule

@@ -1,8 +1,8 @@
-// What Rust calls. ports.inc, generated from the port list, gives zero_inputs, set_clocks, poke_port, peek_port,
+// What Rust calls. ports.inc, generated from the port list, gives zero_inputs, set_clocks, set_clock, poke_port, peek_port,
 // apply_row, sample_row, INPUT_WORDS and OUTPUT_WORDS.
 //
-// A cycle: inputs change while the clocks are low, outputs settle (`settle`), clocks rise (`tick`). The falling edge
-// happens together with the next change of inputs.
+// A cycle: inputs change while the clocks are low, outputs settle (`settle`), all clocks rise (`tick`), or some of them (`rise`).
+// The falling edge happens together with the next change of inputs.
 #include "Vdut.h"
 #include "verilated.h"
 #include <cstdio>
@@ -91,18 +91,26 @@ struct Model {
         top->eval();
         settled = true;
     }
-    void tick() {
+    template <class F> void edge(F set) {
         settle();
         dump(0);
-        set_clocks(*top, 1);
+        set(1);
         top->eval();
         dump(1);
-        set_clocks(*top, 0);
+        set(0);
         settled = false;
         ++cycle;
 #if VM_TRACE
         if (tracer && cycle > to) end_trace();
 #endif
+    }
+    void tick() {
+        edge([this](uint8_t level) { set_clocks(*top, level); });
+    }
+    void rise(const uint32_t* clocks, std::size_t count) {
+        edge([=](uint8_t level) {
+            for (std::size_t i = 0; i < count; ++i) set_clock(*top, clocks[i], level);
+        });
     }
 };
 
@@ -155,6 +163,9 @@ API int edof_settle(Model* model) {
 }
 API int edof_tick(Model* model) {
     return guarded(model, [=] { model->tick(); });
+}
+API int edof_rise(Model* model, const uint32_t* clocks, std::size_t count) {
+    return guarded(model, [=] { model->rise(clocks, count); });
 }
 API int edof_run(Model* model, std::size_t cycles, const uint32_t* inputs, uint32_t* outputs) {
     return guarded(model, [=] {

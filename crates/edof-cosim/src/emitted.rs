@@ -1,11 +1,26 @@
 //! What the backend printed, as a design for the simulators.
 
 use crate::{Direction, Error, Port, Source};
-use edof_hdl::project::Project;
-use edof_hdl::verilog::{self, Emitted};
+use edof_hdl::describe::Circuit;
+use edof_hdl::project::{LEAVES, Project};
+use edof_hdl::verilog::{self, EmitError, Emitted};
 use std::collections::BTreeMap;
 
 impl Source {
+    /// A circuit by itself, with the leaves of `rtl/` that it stands on.
+    ///
+    /// # Errors
+    /// It has no exact Verilog.
+    pub fn circuit(circuit: &mut dyn Circuit) -> Result<Self, Error> {
+        circuit.connect_all();
+        let refuse =
+            |error: EmitError| Error::Source { top: error.block.clone(), problem: error.to_string() };
+        let emitted = verilog::emit(circuit).map_err(refuse)?;
+        let leaf =
+            |name: &str| LEAVES.iter().find(|(leaf, _)| *leaf == name).map(|(_, text)| (*text).to_string());
+        Self::emitted(&emitted, leaf)
+    }
+
     /// The modules, and the leaves that they stand on. `leaf` gives the text of `rtl/NAME.v`, if there is such a file.
     ///
     /// # Errors

@@ -26,6 +26,9 @@ pub enum Error {
     /// The simulation itself stopped, for instance for a memory image that is not there.
     #[error("simulation stopped: {0}")]
     Stopped(String),
+    /// A block or the model beside it broke a rule of a port (`bench`).
+    #[error("{port}, edge {edge}: {rule}")]
+    Rule { port: String, edge: u64, rule: String },
     /// A compiled model could not be loaded.
     #[error("{}: {problem}", path.display())]
     Load { path: PathBuf, problem: String },

@@ -9,6 +9,7 @@
 //! | run again | [`icarus`] | the same stimulus through a second, unrelated simulator |
 //! | map | [`yosys`] | the cells of a 7-series FPGA that the design becomes |
 //! | compare | [`chain`] | the calculator against the cycle model, at every boundary |
+//! | surround | [`bench`] | any block with streams and AXI ports, in several clock domains |
 //! | tell | [`junit`], [`error`] | a report for CI, and what can go wrong |
 //!
 //! A counter, driven by hand:
@@ -31,6 +32,7 @@
 //! # Ok::<(), edof_cosim::Error>(())
 //! ```
 
+pub mod bench;
 mod cache;
 pub mod chain;
 mod emitted;

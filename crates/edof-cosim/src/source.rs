@@ -22,7 +22,7 @@ pub struct Port {
     pub direction: Direction,
     /// Its width, at least 1.
     pub bits: usize,
-    /// Whether `tick` moves it. All clocks of a design rise together.
+    /// Whether `tick` and `rise` move it.
     pub is_clock: bool,
 }
 

@@ -419,8 +419,8 @@ impl Logic for RamTop {
 fn ram() {
     let contents: Vec<u64> = (0..24).map(|row| row * 0x01_2345 % 0x1ff_ffff).collect();
     let image: String = contents.iter().map(|word| format!("{word:07x}\n")).collect();
-    for block in [false, true] {
-        let shape = Shape { depth: 24, block, image: Some("mem/ram.hex".into()) };
+    for shape in [Shape::distributed(24), Shape::block(24), Shape::registered(24)] {
+        let shape = Shape { image: Some("mem/ram.hex".into()), ..shape };
         let top = RamTop::from_parts(RamTopParts { ram: Ram::new(shape, &contents) });
         let images = [("mem/ram.hex".to_string(), image.clone())];
         agree_with_images(top, 3, &[], &images, |b, draw, _| {

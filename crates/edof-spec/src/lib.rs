@@ -15,7 +15,10 @@
 //! | the float network | [`network`] |
 //! | the integer network, its shifts and thresholds | [`fixed_network`] |
 //! | the file both kinds of network live in | [`weight_file`] |
+//! | video timing | [`video`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
+//! | what the host sees of the board | [`registers`] |
+//! | how the video chips are set up | [`i2c`] |
 //! | how a result came to be | [`provenance`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
 //! | the generator of everything drawn for trials | [`draw`] |
@@ -38,13 +41,16 @@ pub mod draw;
 pub mod fixed_network;
 pub mod frame;
 pub mod geometry;
+pub mod i2c;
 pub mod network;
 pub mod noise;
 pub mod number;
 pub mod overlap;
 pub mod provenance;
 pub mod reconstructor;
+pub mod registers;
 pub mod tone;
+pub mod video;
 pub mod weight_file;
 
 pub use camera::Camera;

@@ -161,7 +161,7 @@ pub struct Origin {
     pub patches: u64,
     /// Mean PSNR in dB on validation patches held out of the training photos.
     pub validation_db: f64,
-    /// Mean count of non-zeros after each shrinkage, on validation patches; empty where it was not measured.
+    /// Mean count of non-zeros after each shrinkage, on the busiest quarter of validation patches; empty where it was not measured.
     #[serde(default)]
     pub non_zeros: Vec<f64>,
     /// The program, command and inputs that made it.

@@ -1,6 +1,7 @@
 //! A training run on disk: the recipe and everything that changes while it runs, so that it goes on bit for bit.
 
 use crate::adam::Adam;
+use crate::budget::Steering;
 use crate::recipe::Recipe;
 use crate::train::{Best, State};
 use edof_spec::atomic::{self, WriteError};
@@ -48,7 +49,8 @@ struct Metadata {
     run: Run,
     step: u64,
     adam_steps: u64,
-    /// Bits of an f64: JSON has no −∞.
+    /// Bits of f64: JSON has no −∞.
+    best_score_bits: u64,
     best_db_bits: u64,
     best_within_budget: bool,
     stale: u32,
@@ -64,6 +66,7 @@ pub fn save(path: &Path, run: &Run, state: &State) -> Result<(), CheckpointError
         run: run.clone(),
         step: state.step,
         adam_steps: state.adam.steps,
+        best_score_bits: state.best.score.to_bits(),
         best_db_bits: state.best.db.to_bits(),
         best_within_budget: state.best.within_budget,
         stale: state.stale,
@@ -110,24 +113,37 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         adam: Adam { steps: metadata.adam_steps, mean: tensor("adam_mean")?, square: tensor("adam_square")? },
         cell_errors: tensor("cell_errors")?,
         best_weights: tensor("best_weights")?,
-        lambdas: tensor("lambdas")?,
-        best: Best { within_budget: metadata.best_within_budget, db: f64::from_bits(metadata.best_db_bits) },
+        steering: Steering {
+            lambdas: tensor("lambdas")?,
+            counted: tensor("non_zeros_counted")?,
+            aims: tensor("non_zeros_aims")?,
+        },
+        best: Best {
+            score: f64::from_bits(metadata.best_score_bits),
+            db: f64::from_bits(metadata.best_db_bits),
+            within_budget: metadata.best_within_budget,
+        },
         stale: metadata.stale,
     };
     let lengths = [&state.adam.mean, &state.adam.square, &state.best_weights].map(Vec::len);
-    if lengths.iter().any(|l| *l != state.weights.len()) {
+    let layers = [&state.steering.counted, &state.steering.aims].map(Vec::len);
+    if lengths.iter().any(|l| *l != state.weights.len())
+        || layers.iter().any(|l| *l != state.steering.lambdas.len())
+    {
         return Err(foreign("its tensors differ in length".to_owned()));
     }
     Ok(state)
 }
 
-const fn named(state: &State) -> [(&'static str, &Vec<f32>); 6] {
+const fn named(state: &State) -> [(&'static str, &Vec<f32>); 8] {
     [
         ("weights", &state.weights),
         ("adam_mean", &state.adam.mean),
         ("adam_square", &state.adam.square),
         ("cell_errors", &state.cell_errors),
-        ("lambdas", &state.lambdas),
+        ("lambdas", &state.steering.lambdas),
+        ("non_zeros_counted", &state.steering.counted),
+        ("non_zeros_aims", &state.steering.aims),
         ("best_weights", &state.best_weights),
     ]
 }

@@ -59,19 +59,20 @@ impl Recipe {
         Self {
             form,
             tones: vec![Tone::Linear],
-            conditions: Conditions { exposure: [0.6, 1.2], ..Conditions::plain(0.015) },
-            augmentation: Augmentation { variants: 3, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
+            conditions: Conditions::plain(0.015),
+            // No looks but the photograph's own; these are what --variants draws.
+            augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
             weighting: Weighting::Root,
-            batch: 1024,
-            steps: 100_000,
+            batch: 512,
+            steps: 40_000,
             rate: match form.shrinkage {
                 Shrinkage::OneSided => 1.5e-3,
                 Shrinkage::TwoSided => 2e-3,
             },
             output_rate: 0.2,
             threshold_rate: 0.15,
-            lambda: vec![3e-4],
-            budget: None,
+            lambda: lambdas(&form),
+            budget: Budget::of_the_board(&form),
             start: Start::Whitened,
             seed: 1,
             validate_every: 2_000,
@@ -182,6 +183,21 @@ impl Recipe {
         }
         positive("budget rate", *rate)
     }
+}
+
+/// Where λ of each shrinkage starts: near where budgets of networks with a linear path end (there the last shrinkage leaves little
+/// more than detail, and must be charged more to leave less). Without a budget, as little as keeps codes from growing.
+fn lambdas(form: &Form) -> Vec<f32> {
+    if Budget::of_the_board(form).is_none() {
+        return vec![1e-5];
+    }
+    let last = form.shrinkages() - 1;
+    let of = |t| match t {
+        _ if t == last => 9e-3,
+        0 => 5e-5,
+        _ => 2e-4,
+    };
+    (0..=last).map(of).collect()
 }
 
 /// A recipe that cannot be followed.

@@ -1,6 +1,7 @@
 //! A training run: random windows, Adam with a cosine schedule, validation, exact resume.
 
 use crate::adam::Adam;
+use crate::budget::Steering;
 use crate::dataset::{Batch, Dataset};
 use crate::initial::{SAMPLES, initial};
 use crate::noise::Conditions;
@@ -27,8 +28,8 @@ pub struct State {
     pub adam: Adam,
     /// Running mean of the squared error of each cell; 0 where none was seen yet.
     pub cell_errors: Vec<f32>,
-    /// λ of each shrinkage.
-    pub lambdas: Vec<f32>,
+    /// λ of each shrinkage, and what moves it.
+    pub steering: Steering,
     /// The network's weights at the best validation.
     pub best_weights: Vec<f32>,
     /// The best validation.
@@ -37,19 +38,20 @@ pub struct State {
     pub stale: u32,
 }
 
-/// How good the best validated network is. One that keeps the recipe's budget is better than any that does not; among alike ones
-/// the mean PSNR decides.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+/// How good a validated network is; the one of the highest score is kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Best {
-    /// Whether its non-zeros keep the budget; true where there is none.
-    pub within_budget: bool,
+    /// `db`, less what its non-zeros cost over the recipe's budget ([`crate::budget::Budget::price_db`]).
+    pub score: f64,
     /// [`Validation::db`].
     pub db: f64,
+    /// Whether its non-zeros keep the budget; true where there is none.
+    pub within_budget: bool,
 }
 
 impl Best {
     /// Worse than every network.
-    pub const NONE: Self = Self { within_budget: false, db: f64::NEG_INFINITY };
+    pub const NONE: Self = Self { score: f64::NEG_INFINITY, db: f64::NEG_INFINITY, within_budget: false };
 }
 
 /// What is told after each step that is worth telling.
@@ -130,7 +132,7 @@ impl<'a> Trainer<'a> {
             step: 0,
             adam: Adam::new(weights.len()),
             cell_errors: vec![0.0; dataset.cells()],
-            lambdas: recipe.lambdas(),
+            steering: Steering::new(recipe.lambdas(), recipe.budget.as_ref()),
             best_weights: network,
             best: Best::NONE,
             stale: 0,
@@ -154,7 +156,7 @@ impl<'a> Trainer<'a> {
         for (field, found, expected) in [
             ("checkpoint weights", state.weights.len(), layout.len()),
             ("checkpoint cells", state.cell_errors.len(), dataset.cells()),
-            ("checkpoint lambdas", state.lambdas.len(), recipe.form.shrinkages()),
+            ("checkpoint lambdas", state.steering.lambdas.len(), recipe.form.shrinkages()),
         ] {
             if found != expected {
                 return Err(value(field, found, format!("{expected}, as this form and these photos have")));
@@ -252,7 +254,7 @@ impl<'a> Trainer<'a> {
     #[must_use]
     pub fn best(&self, name: &str, camera: &Camera, provenance: Provenance) -> Network {
         let most = |&tone: &Tone| Condition { tone, noise: self.recipe.conditions.at(tone, 1.0) };
-        let non_zeros = self.validate_best().non_zeros(true);
+        let non_zeros = self.validate_best().busy_non_zeros();
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
@@ -266,10 +268,15 @@ impl<'a> Trainer<'a> {
     }
 
     fn keep_best(&mut self, validation: &Validation) {
-        let budget = self.recipe.budget.as_ref();
-        let within_budget = budget.is_none_or(|b| b.keeps(&validation.non_zeros(true)));
-        let found = Best { within_budget, db: validation.db() };
-        if found > self.state.best {
+        let db = validation.db();
+        let mut found = Best { score: db, db, within_budget: true };
+        if let Some(budget) = &self.recipe.budget {
+            let non_zeros = validation.busy_non_zeros();
+            found.score -= budget.price_db(&non_zeros);
+            found.within_budget = budget.keeps(&non_zeros);
+            self.state.steering.correct(budget, &non_zeros);
+        }
+        if found.score > self.state.best.score {
             self.state.best = found;
             self.state.stale = 0;
             self.state.best_weights.clone_from(&self.weights);
@@ -311,7 +318,7 @@ impl<'a> Trainer<'a> {
         let count = |t: usize| self.shares.iter().map(|s| s.judged.1[t]).sum::<u32>();
         let measured: Vec<f32> =
             (0..self.recipe.form.shrinkages()).map(|t| count(t) as f32 / windows as f32).collect();
-        budget.steer(&mut self.state.lambdas, &measured, schedule);
+        self.state.steering.step(budget, &measured, schedule);
     }
 }
 
@@ -348,7 +355,7 @@ impl Share {
         self.gradient.fill(0.0);
         let examples = self.batch.examples(&self.importance);
         let (errors, gradient) = (&mut self.errors, &mut self.gradient);
-        let loss = self.pass.gradient(weights, &examples, &state.lambdas, errors, gradient);
+        let loss = self.pass.gradient(weights, &examples, &state.steering.lambdas, errors, gradient);
         self.loss = loss.squared + loss.sparsity;
         if recipe.budget.is_some() {
             self.count_non_zeros(&recipe.form);

@@ -139,6 +139,20 @@ impl Validation {
         let layers = sets.first().map_or(0, |m| m.non_zeros.len());
         (0..layers).filter_map(|t| mean(sets.iter().map(|m| m.non_zeros[t]))).collect()
     }
+
+    /// Mean non-zeros of each shrinkage over the busiest quarter of the sets with noise, its own quarter for each shrinkage: what a
+    /// board needs room for that is to keep its rate on busy photographs too.
+    #[must_use]
+    pub fn busy_non_zeros(&self) -> Vec<f64> {
+        let layers = self.0.first().map_or(0, |m| m.non_zeros.len());
+        let busy = |t: usize| {
+            let mut counts: Vec<f64> = self.0.iter().filter(|m| m.noisy).map(|m| m.non_zeros[t]).collect();
+            counts.sort_by(|a, b| b.total_cmp(a));
+            counts.truncate(counts.len().div_ceil(4));
+            mean(counts.into_iter())
+        };
+        (0..layers).filter_map(busy).collect()
+    }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -171,6 +185,7 @@ mod tests {
         let (worst, db) = all.worst().unwrap();
         assert!(worst.noisy && (db - 24.0).abs() < 1e-9);
         assert_eq!(all.non_zeros(false), [25.0, 1.0]);
+        assert_eq!(all.busy_non_zeros(), [24.0, 1.0]);
         assert_eq!(all.mean(|m| m.place.photo == 1), Some(22.0));
         assert_eq!(all.mean(|m| m.place.photo == 2), None);
     }

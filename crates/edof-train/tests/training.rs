@@ -55,8 +55,8 @@ fn recipe(shrinkage: Shrinkage) -> Recipe {
         tied: false,
     };
     let augmentation = Augmentation { variants: 2, saturation: [0.8, 1.2], hue: 20.0, scale: 0.9 };
-    let lambda = vec![3e-5];
-    Recipe { batch: 256, steps: 600, validate_every: 200, augmentation, lambda, ..Recipe::new(form) }
+    let (lambda, budget) = (vec![3e-5], None);
+    Recipe { batch: 256, steps: 600, validate_every: 200, augmentation, lambda, budget, ..Recipe::new(form) }
 }
 
 fn run_to(trainer: &mut Trainer<'_>, step: u64) -> State {
@@ -108,7 +108,7 @@ fn lambda_moves_until_the_budget_is_nearly_met() {
     let dataset = dataset(&recipe);
     let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();
     let excess =
-        |trainer: &Trainer<'_>| trainer.validate().non_zeros(true).into_iter().map(|n| n - TARGET).collect();
+        |trainer: &Trainer<'_>| trainer.validate().busy_non_zeros().into_iter().map(|n| n - TARGET).collect();
     let before: Vec<f64> = excess(&trainer);
     run_to(&mut trainer, 1500);
     let after: Vec<f64> = excess(&trainer);
@@ -137,7 +137,7 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads_and_after_a_break(
     assert_eq!(loaded, half);
     let resumed = run_to(&mut Trainer::resume(recipe, &dataset, 8, loaded).unwrap(), 400);
     assert_eq!(resumed, whole);
-    assert_ne!(whole.lambdas, half.lambdas);
+    assert_ne!(whole.steering.lambdas, half.steering.lambdas);
 }
 
 #[test]

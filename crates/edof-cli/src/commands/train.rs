@@ -143,7 +143,8 @@ pub struct Args {
     #[arg(long, value_delimiter = ',')]
     lambda: Vec<f32>,
 
-    /// Mean non-zeros of each shrinkage that λ, now only where it starts, is moved to reach, as in 65,65,58; none: λ stays
+    /// Mean non-zeros of each shrinkage on busy windows that λ, now only where it starts, is moved to reach, as in 65,65,58;
+    /// none: λ stays
     #[arg(long, value_name = "N,N,…|none")]
     non_zeros: Option<String>,
 
@@ -213,8 +214,9 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         results.push(one_seed(&dataset, &run, file, args, ui)?);
     }
     let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
-    let chosen =
-        others.iter_mut().fold(first, |best, other| if other.best() > best.best() { other } else { best });
+    let chosen = others
+        .iter_mut()
+        .fold(first, |best, other| if other.best().score > best.best().score { other } else { best });
     let made = provenance(args, chosen.trainer.recipe(), ui);
     let network = chosen.trainer.best(&name(args), &camera, made);
     weight_file::save_network(&args.out, &network)?;
@@ -317,9 +319,10 @@ fn summary(validation: &Validation, best: Best) -> String {
     let non_zeros = |noisy| numbers(&validation.non_zeros(noisy), 0);
     let kept = if best.within_budget { "" } else { ", over budget" };
     format!(
-        "best {:.2} dB{kept}; now {:.2}, worst {worst:.2}, non-zeros {} noisy, {} clean",
+        "best {:.2} dB{kept}; now {:.2}, worst {worst:.2}, non-zeros {} busy, {} noisy, {} clean",
         best.db,
         validation.db(),
+        numbers(&validation.busy_non_zeros(), 0),
         non_zeros(true),
         non_zeros(false)
     )
@@ -331,9 +334,10 @@ fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &Progress) -
         "loss": progress.loss,
         "validation_db": validation.db(),
         "worst_db": validation.worst().map(|w| w.1),
+        "non_zeros_busy": validation.busy_non_zeros(),
         "non_zeros_noisy": validation.non_zeros(true),
         "non_zeros_clean": validation.non_zeros(false),
-        "lambda": trainer.state.lambdas,
+        "lambda": trainer.state.steering.lambdas,
     })
 }
 
@@ -641,7 +645,7 @@ fn tell(
         "seed": seed,
         "validation_db": network.origin.validation_db,
         "validation": table(&validation, &chosen.trainer, photographs),
-        "lambda": chosen.trainer.state.lambdas,
+        "lambda": chosen.trainer.state.steering.lambdas,
         "seeds": seeds,
         "seconds": seconds,
         "windows_per_second": windows as f64 / seconds,
@@ -674,7 +678,8 @@ fn tell_validation(
     }
     let (clean, noisy) = (validation.non_zeros(false), validation.non_zeros(true));
     ui.say(format!(
-        "non-zeros after each shrinkage: {} without noise, {} with",
+        "non-zeros after each shrinkage: {} where scenes are busiest, {} without noise, {} with",
+        numbers(&validation.busy_non_zeros(), 1),
         numbers(&clean, 1),
         numbers(&noisy, 1)
     ))
@@ -711,6 +716,7 @@ fn table(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photogra
     json!({
         "means": rows(validation, trainer, photographs).into_iter().map(row).collect::<Vec<_>>(),
         "worst": worst,
+        "non_zeros_busy": validation.busy_non_zeros(),
         "non_zeros_noisy": validation.non_zeros(true),
         "non_zeros_clean": validation.non_zeros(false),
     })

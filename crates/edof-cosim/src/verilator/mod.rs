@@ -4,7 +4,7 @@
 //! Any number of libraries and instances live side by side, each instance on whichever thread has it.
 //!
 //! A cycle is: change inputs ([`Model::poke`]), read outputs as they are before the edge ([`Model::peek`]), let the clocks
-//! rise ([`Model::tick`]). [`Model::run`] does that for a whole stimulus in C++.
+//! rise ([`Model::tick`], or [`Model::rise`] where there are several). [`Model::run`] does that for a whole stimulus in C++.
 
 mod build;
 mod interface;

@@ -152,6 +152,22 @@ impl Model {
         self.check(status)
     }
 
+    /// Ends the cycle of some clocks, by their ports: outputs settle, then these rise together and the others do nothing.
+    ///
+    /// # Errors
+    /// One of the ports is not a clock, or the simulation stops.
+    pub fn rise(&mut self, clocks: &[usize]) -> Result<(), Error> {
+        let ports = &self.library.source().ports;
+        if let Some(port) = clocks.iter().find(|port| !ports.get(**port).is_some_and(|port| port.is_clock)) {
+            return Err(Error::Port(format!("port {port} is not a clock")));
+        }
+        let numbers: Vec<u32> = clocks.iter().map(|port| *port as u32).collect();
+        // SAFETY: the instance lives, and the shim reads as many numbers as there are.
+        let status =
+            unsafe { (self.library.interface.rise)(self.instance.as_ptr(), numbers.as_ptr(), numbers.len()) };
+        self.check(status)
+    }
+
     /// For each row of inputs: apply, sample, tick. Gives the rows of outputs.
     ///
     /// # Errors
@@ -166,7 +182,7 @@ impl Model {
         self.check(status).map(|()| outputs)
     }
 
-    /// Number of the current cycle, that is, how many times the clocks rose.
+    /// Number of the current cycle, that is, how many times clocks rose.
     #[must_use]
     pub fn cycle(&self) -> u64 {
         // SAFETY: the instance lives.

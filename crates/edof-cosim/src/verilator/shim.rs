@@ -14,6 +14,7 @@ pub fn ports_inc(source: &Source) -> String {
         format!("static constexpr std::size_t INPUT_WORDS = {};\n", inputs.words()),
         format!("static constexpr std::size_t OUTPUT_WORDS = {};\n", outputs.words()),
         function("set_clocks(Vdut& top, uint8_t level)", &clocks(source)),
+        function("set_clock(Vdut& top, uint32_t port, uint8_t level)", &clock(source)),
         function(
             "zero_inputs(Vdut& top)",
             &format!("    const uint32_t zeros[] = {{{zeros}}};\n{}", zero(source)),
@@ -37,6 +38,14 @@ fn widest(source: &Source) -> usize {
 fn clocks(source: &Source) -> String {
     let clocks = source.ports.iter().filter(|port| port.is_clock);
     clocks.map(|port| format!("    top.{} = level;\n", member(&port.name))).collect()
+}
+
+fn clock(source: &Source) -> String {
+    let clocks = source.ports.iter().enumerate().filter(|(_, port)| port.is_clock);
+    let case = |(index, port): (usize, &Port)| {
+        format!("    case {index}: top.{} = level; break;\n", member(&port.name))
+    };
+    format!("    switch (port) {{\n{}    }}\n", clocks.map(case).collect::<String>())
 }
 
 fn zero(source: &Source) -> String {

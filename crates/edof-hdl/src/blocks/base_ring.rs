@@ -38,7 +38,7 @@ impl BaseRing {
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
         Self::from_parts(BaseRingParts {
-            ram: Ram::new(Shape::block(timing::BASE_VECTORS * super::SLOT_ROWS), &[]),
+            ram: Ram::new(Shape::registered(timing::BASE_VECTORS * super::SLOT_ROWS), &[]),
             last_beat: Constant::new((stage.beats_in() as u64 - 1).into()),
         })
     }

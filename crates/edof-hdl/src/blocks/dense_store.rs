@@ -72,7 +72,7 @@ impl DenseStore {
     /// The store of an I stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        let shape = Shape::block(timing::SLOTS * super::SLOT_ROWS);
+        let shape = Shape::registered(timing::SLOTS * super::SLOT_ROWS);
         let steps = stage.segment() as u64;
         let single = if steps == 1 { 8 } else { 0 };
         Self::from_parts(DenseStoreParts {

@@ -56,7 +56,7 @@ pub type Row = Bits<12>;
 /// What the sequencer must know of a vector: steps before the last one in bits 11 to 4, one step only, no pairs, an odd number, set.
 pub type Descriptor = Bits<12>;
 /// Rows of two elements that a slot of a store has.
-const SLOT_ROWS: usize = 128;
+pub(crate) const SLOT_ROWS: usize = 128;
 /// Position of an element among the inputs of a stage.
 pub type Index = Bits<9>;
 /// An element's index above its value.

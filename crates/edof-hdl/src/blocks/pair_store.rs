@@ -93,7 +93,7 @@ impl PairStore {
     /// The store of an M or F stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        let shape = Shape::block(timing::SLOTS * super::SLOT_ROWS);
+        let shape = Shape::registered(timing::SLOTS * super::SLOT_ROWS);
         Self::from_parts(PairStoreParts {
             even_pairs: Ram::new(shape.clone(), &[]),
             odd_pairs: Ram::new(shape, &[]),

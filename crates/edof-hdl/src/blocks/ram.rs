@@ -5,14 +5,14 @@ use crate::describe::Circuit;
 use crate::leaf::Leaf;
 use rust_hdl::prelude::*;
 
-/// One write port, one read port, one clock. A read takes a cycle, from block RAM two, and gives what lay there before a write in the same cycle.
+/// One write port, one read port, one clock. A read takes a cycle, with the block RAM's output register two, and gives what lay there before a write in the same cycle.
 #[derive(Circuit)]
 pub struct Ram<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// Row to read.
     pub read_address: Signal<In, Row>,
-    /// What lay there a cycle ago, in block RAM two.
+    /// What lay there a cycle ago, with the output register two.
     pub read_data: Signal<Out, Bits<W>>,
     /// Whether to write.
     pub write_enable: Signal<In, Bit>,
@@ -32,6 +32,8 @@ pub struct Shape {
     pub depth: usize,
     /// Block RAM, or LUT RAM.
     pub block: bool,
+    /// With the block RAM's output register: a cycle more, and a short way out.
+    pub registered: bool,
     /// Path of its image; none leaves the contents open.
     pub image: Option<String>,
 }
@@ -40,13 +42,19 @@ impl Shape {
     /// LUT RAM without an image.
     #[must_use]
     pub const fn distributed(depth: usize) -> Self {
-        Self { depth, block: false, image: None }
+        Self { depth, block: false, registered: false, image: None }
     }
 
     /// Block RAM without an image.
     #[must_use]
     pub const fn block(depth: usize) -> Self {
-        Self { depth, block: true, image: None }
+        Self { depth, block: true, registered: false, image: None }
+    }
+
+    /// Block RAM with its output register, without an image.
+    #[must_use]
+    pub const fn registered(depth: usize) -> Self {
+        Self { depth, block: true, registered: true, image: None }
     }
 }
 
@@ -65,7 +73,7 @@ impl<const W: usize> Logic for Ram<W> {
         if self.clock.pos_edge() {
             let read = self.read_address.val().to_u64() as usize;
             let found = self._memory.get(read).copied().unwrap_or_default();
-            self.read_data.next = if self._shape.block { self._read } else { found };
+            self.read_data.next = if self._shape.registered { self._read } else { found };
             self._read = found;
             let write = self.write_address.val().to_u64() as usize;
             if let (true, Some(word)) = (self.write_enable.val(), self._memory.get_mut(write)) {
@@ -82,7 +90,7 @@ impl<const W: usize> Logic for Ram<W> {
         Leaf::new("edof_ram")
             .parameter("WIDTH", W)
             .parameter("DEPTH", self._shape.depth)
-            .parameter("BLOCK", usize::from(self._shape.block))
+            .parameter("BLOCK", usize::from(self._shape.block) + usize::from(self._shape.registered))
             .text("INIT", self._shape.image.as_deref().unwrap_or_default())
             .port("clock_i", "clock")
             .port("read_address_i", "read_address")

@@ -107,7 +107,7 @@ pub struct Stage {
     thresholds_2: DFF<Bit>,
     previous_2: DFF<Bit>,
     registers_2: DFF<Bit>,
-    address_2: DFF<Bits<25>>,
+    address_2: DFF<Bits<19>>,
     data_2: DFF<Bits<32>>,
     weights_to_6: Delay<52, 4>,
     all: Constant<Bits<4>>,
@@ -118,7 +118,6 @@ pub struct Stage {
     ready_in: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
     descriptor: Signal<Local, Descriptor>,
-    pixels: Signal<Local, Pair>,
     first: Signal<Local, Bit>,
     address_a: Signal<Local, Row>,
     address_b: Signal<Local, Row>,
@@ -232,6 +231,7 @@ impl Logic for Stage {
         self.arrived.next = false;
         self.descriptor.next = 0.into();
         for i in 0..self._sparse {
+            self.pair_operands[i].pixels.next = 0.into();
             self.pairs[i].clock.next = self.clock.val();
             self.pairs[i].reset.next = self.reset_store.later.val().get_bit(0);
             self.pairs[i].skip_zeros.next = self.registers.skip_zeros.val();
@@ -263,7 +263,6 @@ impl Logic for Stage {
         self.results.base_write.next = self.valid.val() && self.ready_in.val();
         self.results.base_words.next = self.base.val();
         self.window_ready.next = true;
-        self.pixels.next = 0.into();
         for i in 0..self._linear {
             self.ring[i].clock.next = self.clock.val();
             self.ring[i].reset.next = self.reset_ring.later.val().get_bit(0);
@@ -272,7 +271,7 @@ impl Logic for Stage {
             self.ring[i].last.next = self.window_last.val();
             self.ring[i].read_pair.next = self.sequencer.read_pixels.val();
             self.ring[i].finished.next = self.sequencer.finished.val();
-            self.pixels.next = self.ring[i].read_pixels.val();
+            self.pair_operands[i].pixels.next = self.ring[i].read_pixels.val();
             self.window_ready.next = self.ring[i].ready.val();
         }
 
@@ -301,7 +300,6 @@ impl Logic for Stage {
             self.pair_operands[i].offset.next = self.sequencer.offset.val();
             self.pair_operands[i].even_pair.next = self.pairs[i].even_pair.val();
             self.pair_operands[i].odd_pair.next = self.pairs[i].odd_pair.val();
-            self.pair_operands[i].pixels.next = self.pixels.val();
             self.pair_operands[i].shifts_0.next = self.registers.shifts_0.val().get_bits::<8>(12);
             self.pair_operands[i].shifts_1.next = self.registers.shifts_1.val().get_bits::<8>(12);
             self.first.next = self.pair_operands[i].step_first.val();
@@ -392,15 +390,15 @@ impl Logic for Stage {
         self.thresholds_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 1);
         self.previous_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 2);
         self.registers_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 3);
-        self.address_2.d.next = self.address_1.q.val();
+        self.address_2.d.next = self.address_1.q.val().get_bits::<19>(0);
         self.data_2.d.next = self.data_1.q.val();
         self.snapshot_2.d.next = self.write_1.q.val()
             && (self.address_1.q.val().get_bits::<4>(21) == self.all.val())
             && (self.address_1.q.val().get_bits::<2>(19) == 3);
-        self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val().get_bits::<19>(0)) << 33)
+        self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val()) << 33)
             | (bit_cast::<52, 32>(self.data_2.q.val()) << 1);
         if self.weights_2.q.val() {
-            self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val().get_bits::<19>(0)) << 33)
+            self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val()) << 33)
                 | (bit_cast::<52, 32>(self.data_2.q.val()) << 1)
                 | 1;
         }

@@ -52,7 +52,7 @@ impl WindowRing {
         let rows = (stage.linear / BEAT).next_power_of_two();
         let windows = stage.kept_windows;
         Self::from_parts(WindowRingParts {
-            ram: Ram::new(Shape::block(rows * windows), &[]),
+            ram: Ram::new(Shape::registered(rows * windows), &[]),
             large: Constant::new(rows > SMALL_ROWS),
             last_window: Constant::new((windows as u64 - 1).into()),
             most: Constant::new((windows as u64).into()),

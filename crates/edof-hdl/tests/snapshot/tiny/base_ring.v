@@ -1,5 +1,6 @@
-// Base words that wait for their sums: a ring of whole vectors, written as they arrive, read as their sums are taken.
-// It never overflows: a stage holds at most two vectors in its pair buffer and one in its multipliers and drain.
+// Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as their sums are taken.
+// It never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain. Vector v lies from row
+// 128 v on.
 //
 // From crates/edof-hdl/src/blocks/base_ring.rs (BaseRing).
 `default_nettype none
@@ -13,51 +14,75 @@ module base_ring (
     output wire [31:0] front_o
 );
 
-    localparam [11:0] LAST_ROW = 12'h1f;
+    localparam [6:0] LAST_BEAT = 7'h7;
 
-    reg  [11:0] write_row_q;
-    reg  [11:0] write_row_d;
-    reg  [11:0] read_row_q;
-    reg  [11:0] read_row_d;
+    wire [11:0] ram_read_address;
+    wire [11:0] ram_write_address;
+    reg  write_q_q;
+    reg  write_q_d;
+    reg  [31:0] words_q_q;
+    reg  [6:0] write_beat_q;
+    reg  [6:0] write_beat_d;
+    reg  [2:0] write_vector_q;
+    reg  [2:0] write_vector_d;
+    reg  [6:0] read_beat_q;
+    reg  [6:0] read_beat_d;
+    reg  [2:0] read_vector_q;
+    reg  [2:0] read_vector_d;
 
     edof_ram #(
         .WIDTH(32),
-        .DEPTH(32),
-        .BLOCK(0),
+        .DEPTH(1024),
+        .BLOCK(2),
         .INIT("")
     ) ram (
         .clock_i(clock_i),
-        .read_address_i(read_row_q),
+        .read_address_i(ram_read_address),
         .read_data_o(front_o),
-        .write_enable_i(write_i),
-        .write_address_i(write_row_q),
-        .write_data_i(words_i)
+        .write_enable_i(write_q_q),
+        .write_address_i(ram_write_address),
+        .write_data_i(words_q_q)
     );
 
     always @* begin
-        write_row_d = write_row_q;
-        read_row_d = read_row_q;
-        if (write_i) begin
-            write_row_d = write_row_q + 12'd1;
-            if (write_row_q == LAST_ROW) begin
-                write_row_d = 12'd0;
+        write_beat_d = write_beat_q;
+        write_vector_d = write_vector_q;
+        read_beat_d = read_beat_q;
+        read_vector_d = read_vector_q;
+        write_q_d = write_i;
+        if (write_q_q) begin
+            write_beat_d = write_beat_q + 7'd1;
+            if (write_beat_q == LAST_BEAT) begin
+                write_beat_d = 7'd0;
+                write_vector_d = write_vector_q + 3'd1;
             end
         end
         if (read_i) begin
-            read_row_d = read_row_q + 12'd1;
-            if (read_row_q == LAST_ROW) begin
-                read_row_d = 12'd0;
+            read_beat_d = read_beat_q + 7'd1;
+            if (read_beat_q == LAST_BEAT) begin
+                read_beat_d = 7'd0;
+                read_vector_d = read_vector_q + 3'd1;
             end
         end
         if (reset_i) begin
-            write_row_d = 12'd0;
-            read_row_d = 12'd0;
+            write_q_d = 1'b0;
+            write_beat_d = 7'd0;
+            write_vector_d = 3'd0;
+            read_beat_d = 7'd0;
+            read_vector_d = 3'd0;
         end
     end
 
+    assign ram_write_address = ({9'd0, write_vector_q} << 7) | {5'd0, write_beat_q};
+    assign ram_read_address = ({9'd0, read_vector_q} << 7) | {5'd0, read_beat_q};
+
     always @(posedge clock_i) begin
-        write_row_q <= write_row_d;
-        read_row_q <= read_row_d;
+        write_q_q <= write_q_d;
+        words_q_q <= words_i;
+        write_beat_q <= write_beat_d;
+        write_vector_q <= write_vector_d;
+        read_beat_q <= read_beat_d;
+        read_vector_q <= read_vector_d;
     end
 endmodule
 

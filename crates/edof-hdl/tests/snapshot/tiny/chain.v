@@ -18,7 +18,6 @@ module chain (
     output wire        patch_last_o,
     output wire        patch_set_o,
     input  wire        write_valid_i,
-    output wire        write_ready_o,
     input  wire [24:0] write_address_i,
     input  wire [31:0] write_data_i,
     input  wire [5:0]  status_address_i,
@@ -40,29 +39,24 @@ module chain (
     output wire        between_set_2_o
 );
 
-    reg  write_free;
     reg  [31:0] shown;
     wire stages_0_valid;
     wire stages_0_ready;
     wire stages_0_window_ready_unused;
     wire stages_0_out_valid;
-    wire stages_0_write_ready;
     wire [31:0] stages_0_status;
     wire stages_1_ready;
     wire stages_1_window_ready_unused;
     wire stages_1_out_valid;
-    wire stages_1_write_ready;
     wire [31:0] stages_1_status;
     wire stages_2_ready;
     wire stages_2_window_ready_unused;
     wire stages_2_out_valid;
-    wire stages_2_write_ready;
     wire [31:0] stages_2_status;
     wire stages_3_ready;
     wire stages_3_window_valid;
     wire stages_3_window_ready;
     wire [31:0] stages_3_out_base_unused;
-    wire stages_3_write_ready;
     wire [31:0] stages_3_status;
 
     stage stages_0 (
@@ -85,7 +79,6 @@ module chain (
         .out_last_o(between_last_0_o),
         .out_set_o(between_set_0_o),
         .write_valid_i(write_valid_i),
-        .write_ready_o(stages_0_write_ready),
         .write_address_i(write_address_i),
         .write_data_i(write_data_i),
         .status_address_i(status_address_i),
@@ -112,7 +105,6 @@ module chain (
         .out_last_o(between_last_1_o),
         .out_set_o(between_set_1_o),
         .write_valid_i(write_valid_i),
-        .write_ready_o(stages_1_write_ready),
         .write_address_i(write_address_i),
         .write_data_i(write_data_i),
         .status_address_i(status_address_i),
@@ -139,7 +131,6 @@ module chain (
         .out_last_o(between_last_2_o),
         .out_set_o(between_set_2_o),
         .write_valid_i(write_valid_i),
-        .write_ready_o(stages_2_write_ready),
         .write_address_i(write_address_i),
         .write_data_i(write_data_i),
         .status_address_i(status_address_i),
@@ -166,7 +157,6 @@ module chain (
         .out_last_o(patch_last_o),
         .out_set_o(patch_set_o),
         .write_valid_i(write_valid_i),
-        .write_ready_o(stages_3_write_ready),
         .write_address_i(write_address_i),
         .write_data_i(write_data_i),
         .status_address_i(status_address_i),
@@ -181,14 +171,6 @@ module chain (
     assign between_transfer_2_o = stages_2_out_valid && stages_3_ready;
 
     always @* begin
-        write_free = 1'b1;
-        write_free = write_free && stages_0_write_ready;
-        write_free = write_free && stages_1_write_ready;
-        write_free = write_free && stages_2_write_ready;
-        write_free = write_free && stages_3_write_ready;
-    end
-
-    always @* begin
         shown = 32'd0;
         shown = shown | stages_0_status;
         shown = shown | stages_1_status;
@@ -196,7 +178,6 @@ module chain (
         shown = shown | stages_3_status;
     end
 
-    assign write_ready_o = write_free;
     assign status_o = shown;
 endmodule
 

@@ -15,50 +15,52 @@ module counters (
     output reg  [31:0] value_o
 );
 
-    reg  [31:0] nonzero_q_q;
-    reg  [31:0] nonzero_q_d;
-    reg  [31:0] results_q_q;
-    reg  [31:0] results_q_d;
-    reg  [31:0] codes_q_q;
-    reg  [31:0] codes_q_d;
-    reg  [31:0] differences_q_q;
-    reg  [31:0] differences_q_d;
+    wire [31:0] count_nonzero_count;
+    wire [31:0] count_results_count;
+    wire [31:0] count_codes_count;
+    wire [31:0] count_differences_count;
+
+    counter count_nonzero (
+        .clock_i(clock_i),
+        .reset_i(reset_i),
+        .enable_i(enable_i),
+        .events_i(nonzero_i),
+        .count_o(count_nonzero_count)
+    );
+
+    counter count_results (
+        .clock_i(clock_i),
+        .reset_i(reset_i),
+        .enable_i(enable_i),
+        .events_i(results_i),
+        .count_o(count_results_count)
+    );
+
+    counter count_codes (
+        .clock_i(clock_i),
+        .reset_i(reset_i),
+        .enable_i(enable_i),
+        .events_i(codes_i),
+        .count_o(count_codes_count)
+    );
+
+    counter count_differences (
+        .clock_i(clock_i),
+        .reset_i(reset_i),
+        .enable_i(enable_i),
+        .events_i(differences_i),
+        .count_o(count_differences_count)
+    );
 
     always @* begin
-        nonzero_q_d = nonzero_q_q;
-        results_q_d = results_q_q;
-        codes_q_d = codes_q_q;
-        differences_q_d = differences_q_q;
-        if (enable_i) begin
-            nonzero_q_d = nonzero_q_q + ({31'd0, nonzero_i[0]} + {31'd0, nonzero_i[1]});
-            results_q_d = results_q_q + ({31'd0, results_i[0]} + {31'd0, results_i[1]});
-            codes_q_d = codes_q_q + ({31'd0, codes_i[0]} + {31'd0, codes_i[1]});
-            differences_q_d = differences_q_q + ({31'd0, differences_i[0]} + {31'd0, differences_i[1]});
-        end
-        if (reset_i) begin
-            nonzero_q_d = 32'd0;
-            results_q_d = 32'd0;
-            codes_q_d = 32'd0;
-            differences_q_d = 32'd0;
-        end
-    end
-
-    always @* begin
-        value_o = nonzero_q_q;
+        value_o = count_nonzero_count;
         if (select_i == 2'd1) begin
-            value_o = results_q_q;
+            value_o = count_results_count;
         end else if (select_i == 2'd2) begin
-            value_o = codes_q_q;
+            value_o = count_codes_count;
         end else if (select_i == 2'd3) begin
-            value_o = differences_q_q;
+            value_o = count_differences_count;
         end
-    end
-
-    always @(posedge clock_i) begin
-        nonzero_q_q <= nonzero_q_d;
-        results_q_q <= results_q_d;
-        codes_q_q <= codes_q_d;
-        differences_q_q <= differences_q_d;
     end
 endmodule
 

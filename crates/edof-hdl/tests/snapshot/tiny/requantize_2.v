@@ -1,5 +1,6 @@
-// From a sum to a rounded word: saturate((sum + (base << base_shift) + half) >> result_shift), four cycles later.
-// half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement; `most` and `least` bound the result.
+// From a sum to a rounded word: saturate((sum + (base << base_shift) + half) >> result_shift), ten cycles later.
+// half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement. Shifts are made in two cycles each, by less
+// than eight and by eights; additions in two, half by half; what does not fit is known a cycle before it is replaced.
 //
 // From crates/edof-hdl/src/blocks/requantize.rs (Requantize).
 `default_nettype none
@@ -14,39 +15,78 @@ module requantize_2 (
     output wire        saturated_o
 );
 
-    localparam HAS_BASE = 1'h1;
+    localparam [47:0] BASE_BITS = 48'hffffffffffff;
     localparam [47:0] ONE = 48'h1;
     localparam [47:0] ONES = 48'hffffffffffff;
     localparam [47:0] SIGN_BITS = 48'hffffffff0000;
-    localparam [47:0] MOST = 48'h7fff;
-    localparam [47:0] LEAST = 48'hffffffff8000;
+    localparam [47:0] BEYOND = 48'hffffffff8000;
+    localparam [15:0] MOST = 16'h7fff;
+    localparam [15:0] LEAST = 16'h8000;
 
     reg  [47:0] extended;
-    wire [47:0] half;
-    reg  [47:0] fill;
-    reg  [47:0] sum_q_q;
-    reg  [47:0] aligned_q_q;
-    reg  [47:0] aligned_q_d;
-    reg  [47:0] total_q_q;
-    wire [47:0] total_q_d;
-    reg  [47:0] shifted_q_q;
-    wire [47:0] shifted_q_d;
+    reg  [47:0] fine_fill;
+    reg  [47:0] coarse_fill;
+    reg  [47:0] outside;
+    wire [47:0] sum_to_4_later;
+    wire [5:0] shift_to_6_later;
+    reg  [47:0] fine_1_q;
+    wire [47:0] fine_1_d;
+    reg  [5:0] coarse_1_q;
+    wire [5:0] coarse_1_d;
+    reg  [47:0] half_1_q;
+    wire [47:0] half_1_d;
+    reg  [47:0] aligned_2_q;
+    wire [47:0] aligned_2_d;
+    reg  [47:0] half_2_q;
+    wire [47:0] with_half_sum;
+    wire [47:0] total_sum;
+    reg  [47:0] fine_7_q;
+    wire [47:0] fine_7_d;
+    reg  [5:0] coarse_7_q;
+    wire [5:0] coarse_7_d;
+    reg  [47:0] shifted_8_q;
+    wire [47:0] shifted_8_d;
+    reg  [15:0] result_9_q;
+    wire [15:0] result_9_d;
+    reg  too_large_q;
+    wire too_large_d;
+    reg  too_small_q;
+    wire too_small_d;
     reg  [15:0] result_q_q;
     reg  [15:0] result_q_d;
     reg  saturated_q_q;
-    reg  saturated_q_d;
-    wire [5:0] shift_later_later;
+    wire saturated_q_d;
 
-    // Only a part of what follows is used.
-    /* verilator lint_off UNUSED */
-    wire [47:0] result_q_d_value = LEAST;
-    wire [47:0] result_q_d_value_2 = MOST;
-    /* verilator lint_on UNUSED */
+    edof_delay #(
+        .WIDTH(48),
+        .CYCLES(4)
+    ) sum_to_4 (
+        .clock_i(clock_i),
+        .now_i(sum_i),
+        .later_o(sum_to_4_later)
+    );
 
-    delay_5 shift_later (
+    edof_delay #(
+        .WIDTH(6),
+        .CYCLES(6)
+    ) shift_to_6 (
         .clock_i(clock_i),
         .now_i(result_shift_i),
-        .later_o(shift_later_later)
+        .later_o(shift_to_6_later)
+    );
+
+    edof_add with_half (
+        .clock_i(clock_i),
+        .a_i(aligned_2_q),
+        .b_i(half_2_q),
+        .sum_o(with_half_sum)
+    );
+
+    edof_add total (
+        .clock_i(clock_i),
+        .a_i(sum_to_4_later),
+        .b_i(with_half_sum),
+        .sum_o(total_sum)
     );
 
     always @* begin
@@ -56,48 +96,66 @@ module requantize_2 (
         end
     end
 
-    assign half = (ONE << result_shift_i) >> 1;
+    assign fine_1_d = extended << (base_shift_i & 6'd7);
+    assign coarse_1_d = base_shift_i & 6'h38;
+    assign half_1_d = (ONE << result_shift_i) >> 1;
+    assign aligned_2_d = (fine_1_q << coarse_1_q) & BASE_BITS;
 
     always @* begin
-        aligned_q_d = half;
-        if (HAS_BASE) begin
-            aligned_q_d = (extended << base_shift_i) + half;
+        fine_fill = 48'd0;
+        if (total_sum[47]) begin
+            fine_fill = ~(ONES >> (shift_to_6_later & 6'd7));
         end
     end
 
-    assign total_q_d = sum_q_q + aligned_q_q;
+    assign fine_7_d = (total_sum >> (shift_to_6_later & 6'd7)) | fine_fill;
+    assign coarse_7_d = shift_to_6_later & 6'h38;
 
     always @* begin
-        fill = 48'd0;
-        if (total_q_q[47]) begin
-            fill = ~(ONES >> shift_later_later);
+        coarse_fill = 48'd0;
+        if (fine_7_q[47]) begin
+            coarse_fill = ~(ONES >> coarse_7_q);
         end
     end
 
-    assign shifted_q_d = (total_q_q >> shift_later_later) | fill;
+    assign shifted_8_d = (fine_7_q >> coarse_7_q) | coarse_fill;
 
     always @* begin
-        result_q_d = shifted_q_q[15:0];
-        saturated_q_d = 1'b0;
-        if (shifted_q_q[47]) begin
-            if (shifted_q_q < LEAST) begin
-                result_q_d = result_q_d_value[15:0];
-                saturated_q_d = 1'b1;
-            end
-        end else if (shifted_q_q > MOST) begin
-            result_q_d = result_q_d_value_2[15:0];
-            saturated_q_d = 1'b1;
+        outside = shifted_8_q & BEYOND;
+        if (shifted_8_q[47]) begin
+            outside = (~shifted_8_q) & BEYOND;
         end
     end
 
+    assign result_9_d = shifted_8_q[15:0];
+    assign too_large_d = (|outside) && (!shifted_8_q[47]);
+    assign too_small_d = (|outside) && shifted_8_q[47];
+
+    always @* begin
+        result_q_d = result_9_q;
+        if (too_large_q) begin
+            result_q_d = MOST;
+        end else if (too_small_q) begin
+            result_q_d = LEAST;
+        end
+    end
+
+    assign saturated_q_d = too_large_q || too_small_q;
     assign result_o = result_q_q;
     assign saturated_o = saturated_q_q;
 
     always @(posedge clock_i) begin
-        sum_q_q <= sum_i;
-        aligned_q_q <= aligned_q_d;
-        total_q_q <= total_q_d;
-        shifted_q_q <= shifted_q_d;
+        fine_1_q <= fine_1_d;
+        coarse_1_q <= coarse_1_d;
+        half_1_q <= half_1_d;
+        aligned_2_q <= aligned_2_d;
+        half_2_q <= half_1_q;
+        fine_7_q <= fine_7_d;
+        coarse_7_q <= coarse_7_d;
+        shifted_8_q <= shifted_8_d;
+        result_9_q <= result_9_d;
+        too_large_q <= too_large_d;
+        too_small_q <= too_small_d;
         result_q_q <= result_q_d;
         saturated_q_q <= saturated_q_d;
     end

@@ -1,5 +1,5 @@
-// From sums to the words that go on, two elements a cycle. Counted from `take`: 1 sums and base are read, 2 to 6 base, rounding,
-// shift and saturation, 7 threshold, 8 difference or wait. Nothing in here ever stalls.
+// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
+// shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
 //
 // From crates/edof-hdl/src/blocks/results.rs (Results).
 `default_nettype none
@@ -35,10 +35,8 @@ module results_4 (
     localparam [11:0] SET_ROWS = 12'h40;
 
     reg  [2:0] marks;
-    reg  [19:0] shifts;
     wire [31:0] base_word;
     wire [31:0] result;
-    reg  [11:0] threshold_row;
     wire [15:0] code_even;
     wire [15:0] code_odd;
     wire [31:0] code;
@@ -46,13 +44,15 @@ module results_4 (
     wire [15:0] change_odd;
     wire [31:0] change;
     reg  [31:0] sent;
-    wire [2:0] to_1_later;
-    wire [2:0] to_2_later;
-    wire [2:0] to_5_later;
-    wire [2:0] to_8_later;
-    wire [7:0] beat_to_5_later;
-    reg  [47:0] sum_even_q_q;
-    reg  [47:0] sum_odd_q_q;
+    wire [2:0] marks_to_5_later;
+    wire [2:0] marks_to_6_later;
+    wire [2:0] marks_to_23_later;
+    reg  [8:0] place_to_15_now;
+    wire [8:0] place_to_15_later;
+    reg  [11:0] threshold_row_q;
+    reg  [11:0] threshold_row_d;
+    reg  [11:0] shifts_q;
+    reg  [11:0] shifts_d;
     wire [15:0] requantize_even_base;
     wire [5:0] requantize_even_base_shift;
     wire [5:0] requantize_even_result_shift;
@@ -64,41 +64,47 @@ module results_4 (
     wire [15:0] requantize_odd_result;
     wire requantize_odd_saturated;
     reg  [1:0] result_flags_now;
-    wire [31:0] results_to_8_0_later;
+    wire [31:0] results_to_23_0_later;
 
-    delay_2 to_1 (
+    edof_delay #(
+        .WIDTH(3),
+        .CYCLES(5)
+    ) marks_to_5 (
         .clock_i(clock_i),
         .now_i(marks),
-        .later_o(to_1_later)
+        .later_o(marks_to_5_later)
     );
 
-    delay_2 to_2 (
+    edof_delay #(
+        .WIDTH(3),
+        .CYCLES(1)
+    ) marks_to_6 (
         .clock_i(clock_i),
-        .now_i(to_1_later),
-        .later_o(to_2_later)
+        .now_i(marks_to_5_later),
+        .later_o(marks_to_6_later)
     );
 
-    delay_3 to_5 (
+    edof_delay #(
+        .WIDTH(3),
+        .CYCLES(17)
+    ) marks_to_23 (
         .clock_i(clock_i),
-        .now_i(to_2_later),
-        .later_o(to_5_later)
+        .now_i(marks_to_6_later),
+        .later_o(marks_to_23_later)
     );
 
-    delay_3 to_8 (
+    edof_delay #(
+        .WIDTH(9),
+        .CYCLES(15)
+    ) place_to_15 (
         .clock_i(clock_i),
-        .now_i(to_5_later),
-        .later_o(to_8_later)
-    );
-
-    delay_4 beat_to_5 (
-        .clock_i(clock_i),
-        .now_i(beat_i),
-        .later_o(beat_to_5_later)
+        .now_i(place_to_15_now),
+        .later_o(place_to_15_later)
     );
 
     requantize requantize_even (
         .clock_i(clock_i),
-        .sum_i(sum_even_q_q),
+        .sum_i(sum_even_i),
         .base_i(requantize_even_base),
         .base_shift_i(requantize_even_base_shift),
         .result_shift_i(requantize_even_result_shift),
@@ -108,7 +114,7 @@ module results_4 (
 
     requantize requantize_odd (
         .clock_i(clock_i),
-        .sum_i(sum_odd_q_q),
+        .sum_i(sum_odd_i),
         .base_i(requantize_odd_base),
         .base_shift_i(requantize_odd_base_shift),
         .result_shift_i(requantize_odd_result_shift),
@@ -116,16 +122,22 @@ module results_4 (
         .saturated_o(requantize_odd_saturated)
     );
 
-    delay_6 result_flags (
+    edof_delay #(
+        .WIDTH(2),
+        .CYCLES(6)
+    ) result_flags (
         .clock_i(clock_i),
         .now_i(result_flags_now),
         .later_o(result_saturated_o)
     );
 
-    delay_9 results_to_8_0 (
+    edof_delay #(
+        .WIDTH(32),
+        .CYCLES(6)
+    ) results_to_23_0 (
         .clock_i(clock_i),
         .now_i(result),
-        .later_o(results_to_8_0_later)
+        .later_o(results_to_23_0_later)
     );
 
     always @* begin
@@ -141,21 +153,28 @@ module results_4 (
         end
     end
 
+    always @* begin
+        place_to_15_now = {1'b0, beat_i};
+        if (set_i) begin
+            place_to_15_now = {1'b0, beat_i} | 9'h100;
+        end
+    end
+
     assign base_word = 32'd0;
 
     always @* begin
-        shifts = shifts_0_i;
-        if (to_2_later[2]) begin
-            shifts = shifts_1_i;
+        shifts_d = shifts_0_i[11:0];
+        if (marks_to_6_later[2]) begin
+            shifts_d = shifts_1_i[11:0];
         end
     end
 
     assign requantize_even_base = base_word[15:0];
-    assign requantize_even_base_shift = shifts[11:6];
-    assign requantize_even_result_shift = shifts[5:0];
+    assign requantize_even_base_shift = shifts_q[11:6];
+    assign requantize_even_result_shift = shifts_q[5:0];
     assign requantize_odd_base = base_word[31:16];
-    assign requantize_odd_base_shift = shifts[11:6];
-    assign requantize_odd_result_shift = shifts[5:0];
+    assign requantize_odd_base_shift = shifts_q[11:6];
+    assign requantize_odd_result_shift = shifts_q[5:0];
     assign result = ({16'd0, requantize_odd_result} << 16) | {16'd0, requantize_even_result};
 
     always @* begin
@@ -170,9 +189,9 @@ module results_4 (
     end
 
     always @* begin
-        threshold_row = {4'd0, beat_to_5_later};
-        if (to_5_later[2]) begin
-            threshold_row = {4'd0, beat_to_5_later} + SET_ROWS;
+        threshold_row_d = {4'd0, place_to_15_later[7:0]};
+        if (place_to_15_later[8]) begin
+            threshold_row_d = {4'd0, place_to_15_later[7:0]} + SET_ROWS;
         end
     end
 
@@ -183,7 +202,7 @@ module results_4 (
 
     always @* begin
         sent = 32'd0;
-        sent = results_to_8_0_later;
+        sent = results_to_23_0_later;
     end
 
     assign difference_saturated_o = 2'd0;
@@ -192,9 +211,9 @@ module results_4 (
     assign change = ({16'd0, change_odd} << 16) | {16'd0, change_even};
     assign base_o = 32'd0;
     assign data_o = sent;
-    assign push_o = to_8_later[0];
-    assign done_last_o = to_8_later[1];
-    assign done_set_o = to_8_later[2];
+    assign push_o = marks_to_23_later[0];
+    assign done_last_o = marks_to_23_later[1];
+    assign done_set_o = marks_to_23_later[2];
 
     always @* begin
         nonzero_o = 2'd0;
@@ -206,8 +225,8 @@ module results_4 (
     end
 
     always @(posedge clock_i) begin
-        sum_even_q_q <= sum_even_i;
-        sum_odd_q_q <= sum_odd_i;
+        threshold_row_q <= threshold_row_d;
+        shifts_q <= shifts_d;
     end
 endmodule
 

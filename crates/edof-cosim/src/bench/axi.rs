@@ -1,0 +1,489 @@
+//! A memory behind AXI4 ports, as hard to please as the standard allows, and the standard's rules (ARM IHI 0022, A3 and A5).
+//!
+//! A burst is written when its answer is sent, not before; a word is read when it is sent, not before. So a reader that goes
+//! ahead of an answer sees the old words, as it may in a real memory.
+
+use super::{Actor, ClockId, Pace, Standing, rule_broken};
+use crate::verilator::Model;
+use crate::{Error, Source};
+use edof_spec::draw::Draw;
+use std::collections::{BTreeMap, VecDeque};
+
+/// How a [`Memory`] behaves from now on.
+#[derive(Debug, Clone)]
+pub struct Behaviour {
+    /// When it accepts addresses and words, and when it sends.
+    pub pace: Pace,
+    /// Least and most cycles from a burst's address (or last word) to its answer.
+    pub latency: (i64, i64),
+    /// Of a thousand answers, how many are errors.
+    pub errors: i64,
+    /// Answers of one id overtake those of another, word by word.
+    pub reorders: bool,
+}
+
+impl Behaviour {
+    /// At once, always.
+    #[must_use]
+    pub const fn ideal() -> Self {
+        Self { pace: Pace::steady(), latency: (1, 1), errors: 0, reorders: false }
+    }
+
+    /// Random latency, stalls and order.
+    #[must_use]
+    pub const fn hard(seed: u64) -> Self {
+        Self { pace: Pace::drawn(seed), latency: (1, 80), errors: 0, reorders: true }
+    }
+}
+
+macro_rules! bundle {
+    ($name:ident { $($signal:ident),* }) => {
+        struct $name { $($signal: usize),* }
+
+        impl $name {
+            fn of(source: &Source, bundle: &str) -> Result<Self, Error> {
+                Ok(Self { $($signal: source.signal(bundle, stringify!($signal))?),* })
+            }
+        }
+    };
+}
+
+bundle!(WritePorts {
+    aw_id,
+    aw_addr,
+    aw_len,
+    aw_size,
+    aw_burst,
+    aw_valid,
+    aw_ready,
+    w_data,
+    w_strb,
+    w_last,
+    w_valid,
+    w_ready,
+    b_id,
+    b_resp,
+    b_valid,
+    b_ready
+});
+bundle!(ReadPorts {
+    ar_id,
+    ar_addr,
+    ar_len,
+    ar_size,
+    ar_burst,
+    ar_valid,
+    ar_ready,
+    r_id,
+    r_data,
+    r_resp,
+    r_last,
+    r_valid,
+    r_ready
+});
+
+/// A burst on its way.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Burst {
+    id: u64,
+    address: u64,
+    words: u64,
+    /// Cycle before which it is not answered.
+    due: u64,
+}
+
+/// What passed through one side of a memory.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Bursts announced: address and words of each.
+    pub bursts: Vec<(u64, u64)>,
+    /// Answers that told of an error.
+    pub errors: usize,
+    /// Most bursts that were not answered at a time.
+    pub most_outstanding: usize,
+}
+
+/// A word, and which of its bytes are written.
+type Strobed = (Vec<u32>, u64);
+
+struct Writing {
+    name: String,
+    ports: WritePorts,
+    standing: [Standing; 2],
+    announced: VecDeque<Burst>,
+    words: VecDeque<(Vec<u32>, u64, bool)>,
+    complete: VecDeque<(Burst, Vec<Strobed>)>,
+    answers: bool,
+}
+
+struct Reading {
+    name: String,
+    ports: ReadPorts,
+    standing: Standing,
+    asked: VecDeque<Burst>,
+    answers: bool,
+}
+
+/// A memory: any of a write bundle and a read bundle of the block.
+pub struct Memory {
+    clock: ClockId,
+    reset: usize,
+    width: usize,
+    writing: Option<Writing>,
+    reading: Option<Reading>,
+    words: BTreeMap<u64, Vec<u32>>,
+    draw: Draw,
+    cycle: u64,
+    /// How it behaves.
+    pub behaviour: Behaviour,
+    /// What was written.
+    pub written: Traffic,
+    /// What was read.
+    pub read: Traffic,
+}
+
+impl Memory {
+    /// For the write bundle and the read bundle of those names; while the port `reset` is high it forgets what is on its way.
+    ///
+    /// # Errors
+    /// There are no such ports.
+    pub fn new(
+        source: &Source,
+        bundles: (Option<&str>, Option<&str>),
+        clock: ClockId,
+        reset: &str,
+        behaviour: Behaviour,
+        seed: u64,
+    ) -> Result<Self, Error> {
+        let writing = bundles.0.map(|name| Writing::new(source, name)).transpose()?;
+        let reading = bundles.1.map(|name| Reading::new(source, name)).transpose()?;
+        let data = writing.as_ref().map(|side| side.ports.w_data);
+        let data = data.or(reading.as_ref().map(|side| side.ports.r_data));
+        let width = data.map_or(0, |port| source.ports[port].bits);
+        Ok(Self {
+            clock,
+            reset: source.port(reset)?,
+            width,
+            writing,
+            reading,
+            words: BTreeMap::new(),
+            draw: Draw::new(seed),
+            cycle: 0,
+            behaviour,
+            written: Traffic::default(),
+            read: Traffic::default(),
+        })
+    }
+
+    /// Bytes in a word.
+    #[must_use]
+    pub const fn word_bytes(&self) -> u64 {
+        self.width as u64 / 8
+    }
+
+    /// Puts bytes into the memory, from an address on.
+    pub fn put(&mut self, address: u64, bytes: &[u8]) {
+        for (at, byte) in (address..).zip(bytes) {
+            let bit = 8 * (at % self.word_bytes()) as usize;
+            let word = self.word(at / self.word_bytes());
+            let slot = &mut word[bit / 32];
+            *slot = *slot & !(0xff << (bit % 32)) | u32::from(*byte) << (bit % 32);
+        }
+    }
+
+    /// Bytes of the memory, from an address on.
+    pub fn get(&mut self, address: u64, count: usize) -> Vec<u8> {
+        let bytes = (address..).take(count);
+        bytes
+            .map(|at| {
+                let bit = 8 * (at % self.word_bytes()) as usize;
+                (self.word(at / self.word_bytes())[bit / 32] >> (bit % 32)) as u8
+            })
+            .collect()
+    }
+
+    /// A word, which is random before anything was written.
+    fn word(&mut self, index: u64) -> &mut Vec<u32> {
+        let width = self.width / 32;
+        self.words
+            .entry(index)
+            .or_insert_with(|| (0..width as u64).map(|i| Draw::nth(index, i) as u32).collect())
+    }
+
+    fn due(&mut self) -> u64 {
+        let (least, most) = self.behaviour.latency;
+        self.cycle + self.draw.whole(least, most) as u64
+    }
+
+    fn errs(&mut self) -> bool {
+        self.draw.whole(0, 999) < self.behaviour.errors
+    }
+
+    fn reset(&mut self) {
+        if let Some(side) = &mut self.writing {
+            side.standing.iter_mut().for_each(Standing::forget);
+            side.announced.clear();
+            side.words.clear();
+            side.complete.clear();
+            side.answers = false;
+        }
+        if let Some(side) = &mut self.reading {
+            side.standing.forget();
+            side.asked.clear();
+            side.answers = false;
+        }
+    }
+}
+
+impl Writing {
+    fn new(source: &Source, name: &str) -> Result<Self, Error> {
+        Ok(Self {
+            name: name.into(),
+            ports: WritePorts::of(source, name)?,
+            standing: Default::default(),
+            announced: VecDeque::new(),
+            words: VecDeque::new(),
+            complete: VecDeque::new(),
+            answers: false,
+        })
+    }
+}
+
+impl Reading {
+    fn new(source: &Source, name: &str) -> Result<Self, Error> {
+        let ports = ReadPorts::of(source, name)?;
+        Ok(Self {
+            name: name.into(),
+            ports,
+            standing: Standing::default(),
+            asked: VecDeque::new(),
+            answers: false,
+        })
+    }
+}
+
+/// An address channel before an edge: what it offers.
+struct Address {
+    payload: [u64; 5],
+}
+
+impl Address {
+    fn read(model: &mut Model, ports: [usize; 5]) -> Result<Self, Error> {
+        let mut payload = [0; 5];
+        for (value, port) in payload.iter_mut().zip(ports) {
+            *value = model.peek(port)?;
+        }
+        Ok(Self { payload })
+    }
+
+    fn words(&self) -> Vec<u32> {
+        self.payload.iter().map(|value| *value as u32).collect()
+    }
+
+    /// The burst, if it is one that the standard and our memory allow.
+    fn burst(&self, model: &Model, port: &str, bytes: u64) -> Result<Burst, Error> {
+        let [id, address, len, size, burst] = self.payload;
+        let words = len + 1;
+        let rules = [
+            (burst == 1, "the burst is not of growing addresses"),
+            (1 << size == bytes, "the size is not that of a whole word"),
+            (address % bytes == 0, "the address is inside of a word"),
+            (address / 4096 == (address + words * bytes - 1) / 4096, "the burst crosses a 4 KiB boundary"),
+        ];
+        match rules.iter().find(|(holds, _)| !holds) {
+            Some((_, rule)) => {
+                Err(rule_broken(model, port, &format!("{rule}: address {address:#x}, {words} words")))
+            }
+            None => Ok(Burst { id, address, words, due: 0 }),
+        }
+    }
+}
+
+impl Actor for Memory {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
+        self.cycle += 1;
+        if model.peek(self.reset)? == 1 {
+            self.reset();
+            return Ok(());
+        }
+        if let Some(mut side) = self.writing.take() {
+            let checked = self.before_write(model, &mut side);
+            self.writing = Some(side);
+            checked?;
+        }
+        if let Some(mut side) = self.reading.take() {
+            let checked = self.before_read(model, &mut side);
+            self.reading = Some(side);
+            checked?;
+        }
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        if let Some(mut side) = self.writing.take() {
+            let driven = self.after_write(model, &mut side);
+            self.writing = Some(side);
+            driven?;
+        }
+        if let Some(mut side) = self.reading.take() {
+            let driven = self.after_read(model, &mut side);
+            self.reading = Some(side);
+            driven?;
+        }
+        Ok(())
+    }
+}
+
+impl Memory {
+    fn before_write(&mut self, model: &mut Model, side: &mut Writing) -> Result<(), Error> {
+        let p = &side.ports;
+        let fields = [p.aw_id, p.aw_addr, p.aw_len, p.aw_size, p.aw_burst];
+        let offered = model.peek(p.aw_valid)? == 1;
+        let taken = offered && model.peek(p.aw_ready)? == 1;
+        let address = Address::read(model, fields)?;
+        side.standing[0].check(model, &side.name, offered.then_some(&address.words()[..]), taken)?;
+        if taken {
+            let burst = address.burst(model, &side.name, self.word_bytes())?;
+            self.written.bursts.push((burst.address, burst.words));
+            side.announced.push_back(burst);
+        }
+
+        let offered = model.peek(p.w_valid)? == 1;
+        let taken = offered && model.peek(p.w_ready)? == 1;
+        let mut word = vec![0; self.width / 32];
+        model.peek_words(p.w_data, &mut word)?;
+        let (strobe, last) = (model.peek(p.w_strb)?, model.peek(p.w_last)? == 1);
+        let whole = word.iter().copied().chain([strobe as u32, (strobe >> 32) as u32, last.into()]);
+        let whole: Vec<u32> = whole.collect();
+        side.standing[1].check(model, &side.name, offered.then_some(&whole[..]), taken)?;
+        if taken {
+            side.words.push_back((word, strobe, last));
+        }
+
+        if side.answers && model.peek(p.b_ready)? == 1 {
+            side.answers = false;
+        }
+        self.complete(model, side)?;
+        let outstanding = side.announced.len() + side.complete.len() + usize::from(side.answers);
+        self.written.most_outstanding = self.written.most_outstanding.max(outstanding);
+        Ok(())
+    }
+
+    /// Bursts all of whose words have come.
+    fn complete(&mut self, model: &Model, side: &mut Writing) -> Result<(), Error> {
+        while let Some(burst) = side.announced.front() {
+            let count = burst.words as usize;
+            let marked = side.words.iter().take(count).position(|(_, _, last)| *last);
+            if marked.is_some_and(|at| at + 1 != count) || (side.words.len() >= count && marked.is_none()) {
+                return Err(rule_broken(
+                    model,
+                    &side.name,
+                    "the last word of a burst is not the one that is marked",
+                ));
+            }
+            if side.words.len() < count {
+                break;
+            }
+            let words = side.words.drain(..count).map(|(word, strobe, _)| (word, strobe)).collect();
+            let due = self.due();
+            if let Some(burst) = side.announced.pop_front() {
+                side.complete.push_back((Burst { due, ..burst }, words));
+            }
+        }
+        Ok(())
+    }
+
+    fn after_write(&mut self, model: &mut Model, side: &mut Writing) -> Result<(), Error> {
+        let p = &side.ports;
+        model.poke(p.aw_ready, self.behaviour.pace.goes().into())?;
+        model.poke(p.w_ready, self.behaviour.pace.goes().into())?;
+        let chosen = if side.answers || !self.behaviour.pace.goes() {
+            None
+        } else {
+            self.choose(side.complete.iter().map(|(burst, _)| burst))
+        };
+        if let Some((burst, words)) = chosen.and_then(|at| side.complete.remove(at)) {
+            let fails = self.errs();
+            self.written.errors += usize::from(fails);
+            let first = burst.address / self.word_bytes();
+            for (index, (word, strobe)) in (first..).zip(words).filter(|_| !fails) {
+                self.store(index, &word, strobe);
+            }
+            side.answers = true;
+            model.poke(p.b_id, burst.id)?;
+            model.poke(p.b_resp, if fails { 2 } else { 0 })?;
+        }
+        model.poke(p.b_valid, side.answers.into())
+    }
+
+    fn store(&mut self, index: u64, word: &[u32], strobe: u64) {
+        let held = self.word(index);
+        for byte in (0..4 * word.len()).filter(|byte| strobe >> byte & 1 == 1) {
+            let mask = 0xff << (8 * (byte % 4));
+            held[byte / 4] = held[byte / 4] & !mask | word[byte / 4] & mask;
+        }
+    }
+
+    fn before_read(&mut self, model: &mut Model, side: &mut Reading) -> Result<(), Error> {
+        let p = &side.ports;
+        let fields = [p.ar_id, p.ar_addr, p.ar_len, p.ar_size, p.ar_burst];
+        let offered = model.peek(p.ar_valid)? == 1;
+        let taken = offered && model.peek(p.ar_ready)? == 1;
+        let address = Address::read(model, fields)?;
+        side.standing.check(model, &side.name, offered.then_some(&address.words()[..]), taken)?;
+        if side.answers && model.peek(p.r_ready)? == 1 {
+            side.answers = false;
+        }
+        if taken {
+            let burst = address.burst(model, &side.name, self.word_bytes())?;
+            self.read.bursts.push((burst.address, burst.words));
+            let due = self.due();
+            side.asked.push_back(Burst { due, ..burst });
+        }
+        self.read.most_outstanding = self.read.most_outstanding.max(side.asked.len());
+        Ok(())
+    }
+
+    fn after_read(&mut self, model: &mut Model, side: &mut Reading) -> Result<(), Error> {
+        let p = &side.ports;
+        model.poke(p.ar_ready, self.behaviour.pace.goes().into())?;
+        let chosen =
+            if side.answers || !self.behaviour.pace.goes() { None } else { self.choose(side.asked.iter()) };
+        if let Some(at) = chosen {
+            let fails = self.errs();
+            self.read.errors += usize::from(fails);
+            let bytes = self.word_bytes();
+            let burst = &mut side.asked[at];
+            let word = self.word(burst.address / bytes).clone();
+            burst.address += bytes;
+            burst.words -= 1;
+            side.answers = true;
+            model.poke(p.r_id, burst.id)?;
+            model.poke(p.r_last, (burst.words == 0).into())?;
+            if burst.words == 0 {
+                side.asked.remove(at);
+            }
+            model.poke(p.r_resp, if fails { 2 } else { 0 })?;
+            model.poke_words(p.r_data, &word)?;
+        }
+        model.poke(p.r_valid, side.answers.into())
+    }
+
+    /// Which burst goes on: the oldest of any id, or, where nothing is reordered, the oldest.
+    fn choose<'a>(&mut self, bursts: impl Iterator<Item = &'a Burst>) -> Option<usize> {
+        let mut ids = vec![];
+        let mut open = vec![];
+        for (at, burst) in bursts.enumerate() {
+            let first_of_id = !ids.contains(&burst.id);
+            ids.push(burst.id);
+            if first_of_id && (self.behaviour.reorders || at == 0) && burst.due <= self.cycle {
+                open.push(at);
+            }
+        }
+        (!open.is_empty()).then(|| open[self.draw.whole(0, open.len() as i64 - 1) as usize])
+    }
+}

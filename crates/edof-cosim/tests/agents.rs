@@ -1,0 +1,331 @@
+//! Frames through memory: two writers and two readers on one AXI4 port, random streams, stalls, latency, errors and resets.
+//!
+//! The transaction model: what comes out are whole frames that went in, in order, none older than one that came before; what was
+//! broken or answered by an error never comes out; the counters say how many there were of each.
+
+mod support;
+
+use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Memory, Pace, Receiver, Sender};
+use edof_cosim::verilator::{Library, Start};
+use edof_cosim::{Error, Source, lint};
+use edof_hdl::board::{AxiPair, Frames, ReadAgent, WriteAgent};
+use edof_hdl::describe::Circuit;
+use edof_hdl::ports::{AxiReadMaster, AxiWriteMaster, StreamIn, StreamOut};
+use edof_spec::draw::Draw;
+use rust_hdl::prelude::*;
+use std::path::Path;
+
+/// Two sets of buffers on one memory. Set 0 waits for new frames, set 1 repeats late ones.
+#[derive(Circuit)]
+struct Agents {
+    pub clock: Signal<In, Clock>,
+    pub reset: Signal<In, Bit>,
+    pub from_0: StreamIn<16>,
+    pub from_1: StreamIn<16>,
+    pub to_0: StreamOut<16>,
+    pub to_1: StreamOut<16>,
+    pub dram_write: AxiWriteMaster<64, 8>,
+    pub dram_read: AxiReadMaster<64>,
+    pub written_0: Signal<Out, Bits<32>>,
+    pub written_1: Signal<Out, Bits<32>>,
+    pub broken_0: Signal<Out, Bits<32>>,
+    pub broken_1: Signal<Out, Bits<32>>,
+    pub write_errors: Signal<Out, Bits<32>>,
+    pub read_0: Signal<Out, Bits<32>>,
+    pub read_1: Signal<Out, Bits<32>>,
+    pub late_0: Signal<Out, Bits<32>>,
+    pub late_1: Signal<Out, Bits<32>>,
+    pub read_errors: Signal<Out, Bits<32>>,
+    writers: [WriteAgent<64, 8>; 2],
+    readers: [ReadAgent<64>; 2],
+    pair: AxiPair<64, 8>,
+}
+
+impl Logic for Agents {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.pair.clock.next = self.clock.val();
+        self.pair.reset.next = self.reset.val();
+        for i in 0..2 {
+            self.writers[i].clock.next = self.clock.val();
+            self.writers[i].reset.next = self.reset.val();
+            self.readers[i].clock.next = self.clock.val();
+            self.readers[i].reset.next = self.reset.val();
+            self.writers[i].reading.next = self.readers[i].reading.val();
+            self.readers[i].newest.next = self.writers[i].newest.val();
+        }
+        StreamIn::<16>::link(&mut self.from_0, &mut self.writers[0].pixels);
+        StreamIn::<16>::link(&mut self.from_1, &mut self.writers[1].pixels);
+        StreamOut::<16>::link(&mut self.to_0, &mut self.readers[0].pixels);
+        StreamOut::<16>::link(&mut self.to_1, &mut self.readers[1].pixels);
+        AxiWriteMaster::<64, 8>::join(&mut self.writers[0].dram, &mut self.pair.write_0);
+        AxiWriteMaster::<64, 8>::join(&mut self.writers[1].dram, &mut self.pair.write_1);
+        AxiReadMaster::<64>::join(&mut self.readers[0].dram, &mut self.pair.read_0);
+        AxiReadMaster::<64>::join(&mut self.readers[1].dram, &mut self.pair.read_1);
+        AxiWriteMaster::<64, 8>::link(&mut self.dram_write, &mut self.pair.dram_write);
+        AxiReadMaster::<64>::link(&mut self.dram_read, &mut self.pair.dram_read);
+        self.written_0.next = self.writers[0].frames.val();
+        self.written_1.next = self.writers[1].frames.val();
+        self.broken_0.next = self.writers[0].broken.val();
+        self.broken_1.next = self.writers[1].broken.val();
+        self.write_errors.next = self.writers[0].errors.val() + self.writers[1].errors.val();
+        self.read_0.next = self.readers[0].frames.val();
+        self.read_1.next = self.readers[1].frames.val();
+        self.late_0.next = self.readers[0].late.val();
+        self.late_1.next = self.readers[1].late.val();
+        self.read_errors.next = self.readers[0].errors.val() + self.readers[1].errors.val();
+    }
+}
+
+const WIDTH: usize = 24;
+const HEIGHT: usize = 10;
+const BURST: usize = 16;
+
+fn frames(set: u32) -> Frames {
+    let buffers = [0, 1, 2].map(|buffer| 0x1000 * (4 * set + buffer));
+    Frames { width: WIDTH, height: HEIGHT, buffers, burst: BURST, depth: 64 }
+}
+
+fn source() -> Source {
+    let sets = [0, 1];
+    let mut agents = Agents::from_parts(AgentsParts {
+        writers: sets.map(|set| WriteAgent::new(&frames(set))),
+        readers: sets.map(|set| ReadAgent::new(&frames(set), set == 1)),
+        pair: AxiPair::default(),
+    });
+    Source::circuit(&mut agents).unwrap()
+}
+
+/// Frame `number`: its number first, then what nobody guesses.
+fn frame(number: u64) -> Vec<Beat> {
+    let pixel = |i: u64| if i == 0 { number } else { Draw::nth(number, i) & 0xffff };
+    let line =
+        |row: usize| Beat::line((0..WIDTH).map(move |column| pixel((row * WIDTH + column) as u64)), row == 0);
+    (0..HEIGHT).flat_map(line).collect()
+}
+
+/// A frame with too few pixels in a line, too many, or too few lines.
+fn broken(number: u64, draw: &mut Draw) -> Vec<Beat> {
+    let mut beats = frame(number);
+    let place = draw.whole(1, (WIDTH * HEIGHT) as i64 - 2) as usize;
+    match draw.whole(0, 2) {
+        0 => drop(beats.remove(place)),
+        1 => beats.insert(place, Beat { data: 7, user: false, last: false }),
+        _ => beats.truncate(place),
+    }
+    beats
+}
+
+/// Everything around the agents.
+struct Rig {
+    bench: Bench,
+    senders: [Sender; 2],
+    receivers: [Receiver; 2],
+    memory: Memory,
+}
+
+impl Rig {
+    fn new(source: &Source, behaviour: Behaviour, seed: u64) -> Result<Self, Error> {
+        let library = Library::build(source, &support::options())?;
+        let mut bench = Bench::new(library.start(&Start { seed, ..Start::default() })?, seed);
+        let clock = bench.clock("clock_i", 5_000)?;
+        let pace = |i: u64| Pace::drawn(seed + i);
+        let sender = |i| Sender::new(source, ["from_0", "from_1"][i], clock, "reset_i", pace(i as u64));
+        let receiver = |i| Receiver::new(source, ["to_0", "to_1"][i], clock, "reset_i", pace(2 + i as u64));
+        let bundles = (Some("dram_write"), Some("dram_read"));
+        let memory = Memory::new(source, bundles, clock, "reset_i", behaviour, seed)?;
+        let (senders, receivers) = ([sender(0)?, sender(1)?], [receiver(0)?, receiver(1)?]);
+        let mut rig = Self { bench, senders, receivers, memory };
+        rig.reset(20)?;
+        Ok(rig)
+    }
+
+    fn reset(&mut self, cycles: usize) -> Result<(), Error> {
+        self.bench.set("reset_i", 1)?;
+        self.steps(cycles)?;
+        self.bench.set("reset_i", 0)
+    }
+
+    fn steps(&mut self, cycles: usize) -> Result<(), Error> {
+        let ([one, two], [three, four]) = (&mut self.senders, &mut self.receivers);
+        let actors: &mut [&mut dyn Actor] = &mut [one, two, three, four, &mut self.memory];
+        self.bench.steps(cycles, actors)
+    }
+
+    /// Until all was sent, and some while after.
+    fn finish(&mut self) -> Result<(), Error> {
+        for _ in 0..400 {
+            if self.senders.iter().all(|sender| sender.beats.is_empty()) {
+                return self.steps(6_000);
+            }
+            self.steps(1_000)?;
+        }
+        panic!("the senders hang");
+    }
+
+    fn count(&mut self, port: &str) -> u64 {
+        self.bench.get(port).unwrap()
+    }
+
+    /// The numbers of the frames that a receiver got, each whole; what begins without a first pixel is left out, as is the last
+    /// one where it has not ended.
+    fn received(&self, set: usize) -> Vec<u64> {
+        let beats = &self.receivers[set].beats;
+        let starts: Vec<usize> = (0..beats.len()).filter(|at| beats[*at].user).collect();
+        let ends = starts.iter().skip(1).copied().chain([beats.len()]);
+        let whole = starts
+            .iter()
+            .zip(ends)
+            .filter(|(start, end)| *end < beats.len() || end - *start == WIDTH * HEIGHT);
+        whole
+            .map(|(start, end)| {
+                let number = beats[*start].data;
+                assert_eq!(beats[*start..end], frame(number), "frame {number} is torn");
+                number
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn what_comes_out_are_whole_frames_in_order_and_counters_are_right() {
+    let source = source();
+    for seed in 0..4 {
+        let mut rig = Rig::new(&source, Behaviour::hard(seed), seed).unwrap();
+        let draw = &mut Draw::new(seed);
+        let mut good = [vec![], vec![]];
+        let mut bad = [0, 0];
+        for set in 0..2 {
+            for number in 1..40 {
+                if draw.whole(0, 4) == 0 {
+                    rig.senders[set].beats.extend(broken(number, draw));
+                    bad[set] += 1;
+                } else {
+                    rig.senders[set].beats.extend(frame(number));
+                    good[set].push(number);
+                }
+            }
+            // A frame that lacks its end is found broken when the next one begins.
+            rig.senders[set].beats.extend(frame(100));
+            good[set].push(100);
+        }
+        rig.finish().unwrap();
+        for set in 0..2 {
+            let received = rig.received(set);
+            assert!(
+                received.iter().all(|number| good[set].contains(number)),
+                "a broken frame came out: {received:?}"
+            );
+            assert!(received.is_sorted(), "{received:?}");
+            assert_eq!(received.last(), Some(&100), "the newest frame is not there: {received:?}");
+            let repeated = received.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
+            let names = [
+                ["written_0_o", "broken_0_o", "late_0_o", "read_0_o"],
+                ["written_1_o", "broken_1_o", "late_1_o", "read_1_o"],
+            ];
+            let [written, broken, late, read] = names[set].map(|port| rig.count(port));
+            assert_eq!((written, broken), (good[set].len() as u64, bad[set]));
+            // The frame that is being sent may be one more.
+            assert!(read - received.len() as u64 <= 1, "{read} frames begun, {} received", received.len());
+            assert!(late - repeated <= 1, "{late} late, {repeated} repeated");
+            assert!(set == 1 || late == 0);
+        }
+        assert_eq!((rig.count("write_errors_o"), rig.count("read_errors_o")), (0, 0));
+        let words = WIDTH * HEIGHT / 4;
+        let lengths = [BURST as u64, (words % BURST) as u64];
+        assert!(
+            rig.memory
+                .written
+                .bursts
+                .iter()
+                .chain(&rig.memory.read.bursts)
+                .all(|(_, len)| lengths.contains(len))
+        );
+        assert!(rig.memory.written.most_outstanding >= 3 && rig.memory.read.most_outstanding >= 4);
+    }
+}
+
+#[test]
+fn a_frame_that_failed_to_be_written_never_comes_out_and_errors_are_counted() {
+    let source = source();
+    let behaviour = Behaviour { errors: 60, ..Behaviour::hard(5) };
+    let mut rig = Rig::new(&source, behaviour, 5).unwrap();
+    for number in 1..60 {
+        rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
+    }
+    rig.finish().unwrap();
+    for set in 0..2 {
+        assert!(rig.received(set).is_sorted());
+    }
+    let [good, bad] = [["written_0_o", "written_1_o"], ["broken_0_o", "broken_1_o"]]
+        .map(|ports| ports.map(|port| rig.count(port)));
+    assert!(bad[0] > 0 && bad[1] > 0);
+    assert_eq!([good[0] + bad[0], good[1] + bad[1]], [59, 59]);
+    let (written, read) = (rig.memory.written.errors as u64, rig.memory.read.errors as u64);
+    assert_eq!(rig.count("write_errors_o"), written);
+    // A word may be on its way.
+    assert!(read - rig.count("read_errors_o") <= 1);
+}
+
+#[test]
+fn a_reader_that_is_faster_repeats_and_one_that_waits_does_not() {
+    let source = source();
+    let mut rig = Rig::new(&source, Behaviour::ideal(), 6).unwrap();
+    for number in 1..5 {
+        rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
+        rig.steps(4_000).unwrap();
+    }
+    assert_eq!(rig.received(0), [1, 2, 3, 4]);
+    let received = rig.received(1);
+    let mut once = received.clone();
+    once.dedup();
+    assert_eq!(once, [1, 2, 3, 4]);
+    assert!(received.len() > 16);
+}
+
+#[test]
+fn a_late_memory_repeats_frames_and_tears_none() {
+    let source = source();
+    let mut rig = Rig::new(&source, Behaviour::ideal(), 7).unwrap();
+    for number in 1..30 {
+        rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
+        rig.memory.behaviour = match number % 3 {
+            0 => Behaviour { latency: (900, 2_500), ..Behaviour::ideal() },
+            1 => Behaviour { pace: Pace::percent(4, number), ..Behaviour::hard(number) },
+            _ => Behaviour::ideal(),
+        };
+        rig.steps(2_000).unwrap();
+    }
+    rig.memory.behaviour = Behaviour::ideal();
+    rig.finish().unwrap();
+    for set in 0..2 {
+        let received = rig.received(set);
+        assert!(received.is_sorted() && received.last() == Some(&29), "{received:?}");
+    }
+}
+
+#[test]
+fn after_a_reset_at_any_moment_frames_are_whole_again() {
+    let source = source();
+    for seed in 0..10 {
+        let mut rig = Rig::new(&source, Behaviour::hard(seed), seed).unwrap();
+        let draw = &mut Draw::new(seed);
+        for number in 1..20 {
+            rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
+        }
+        rig.steps(draw.whole(1, 6_000) as usize).unwrap();
+        rig.reset(draw.whole(1, 5) as usize).unwrap();
+        rig.receivers.iter_mut().for_each(|receiver| receiver.beats.clear());
+        rig.finish().unwrap();
+        for set in 0..2 {
+            let received = rig.received(set);
+            assert!(received.is_sorted() && received.last() == Some(&19), "seed {seed}: {received:?}");
+        }
+    }
+}
+
+#[test]
+fn the_agents_are_clean() {
+    let waivers = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rtl/waivers.vlt");
+    lint::clean(&source(), Some(&waivers)).unwrap();
+}

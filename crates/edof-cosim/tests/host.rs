@@ -1,0 +1,472 @@
+//! The host's way to the board: registers behind AXI4-Lite, and a serial line in UARTBone's frames before them.
+
+mod support;
+
+use edof_cosim::bench::axi_lite::{Access, Answer};
+use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace};
+use edof_cosim::verilator::{Library, Model, Start};
+use edof_cosim::{Error, Source};
+use edof_hdl::board::{BoardRegisters, Identity, UartBus};
+use edof_hdl::describe::Circuit;
+use edof_hdl::ports::AxiLiteMaster;
+use edof_spec::draw::Draw;
+use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, WEIGHTS, register};
+use edof_spec::registers::{self, Window};
+use rust_hdl::prelude::*;
+use std::collections::{BTreeMap, VecDeque};
+
+const IDENTITY: Identity =
+    Identity { design_hash: 0x1234_5678, weights_hash: 0x9abc_def0, frame: (1920, 1080) };
+
+fn bench(source: &Source, seed: u64) -> (Bench, ClockId) {
+    let library = Library::build(source, &support::options()).unwrap();
+    let mut bench = Bench::new(library.start(&Start { seed, ..Start::default() }).unwrap(), seed);
+    let clock = bench.clock("clock_i", 5_000).unwrap();
+    (bench, clock)
+}
+
+/// What a window was given; takes words when it likes.
+struct Words {
+    clock: ClockId,
+    ports: [usize; 4],
+    pace: Pace,
+    taken: Vec<(u32, u32)>,
+}
+
+impl Words {
+    fn new(source: &Source, name: &str, clock: ClockId, seed: u64) -> Self {
+        let ports = ["valid_o", "ready_i", "address_o", "data_o"]
+            .map(|end| source.port(&format!("{name}_{end}")).unwrap());
+        Self { clock, ports, pace: Pace::drawn(seed), taken: vec![] }
+    }
+}
+
+impl Actor for Words {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
+        if model.peek(self.ports[0])? == 1 && model.peek(self.ports[1])? == 1 {
+            let word = (model.peek(self.ports[2])? as u32, model.peek(self.ports[3])? as u32);
+            self.taken.push(word);
+        }
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        let goes = self.pace.goes();
+        model.poke(self.ports[1], goes.into())
+    }
+}
+
+/// What the registers must answer: the transaction model.
+struct Registers {
+    controls: BTreeMap<u32, u32>,
+    statuses: BTreeMap<u32, u32>,
+    windows: [Vec<(u32, u32)>; 2],
+}
+
+impl Registers {
+    fn new() -> Self {
+        let start = |register: &registers::Register| match register.name {
+            "weights_hash" => IDENTITY.weights_hash,
+            _ => register.reset,
+        };
+        let controls = REGISTERS.iter().filter(|register| register.access == registers::Access::Control);
+        Self {
+            controls: controls.map(|register| (register.address, start(register))).collect(),
+            statuses: BTreeMap::new(),
+            windows: Default::default(),
+        }
+    }
+
+    fn answer(&mut self, access: Access) -> Answer {
+        let (word, is_good) = match access {
+            Access::Write(address, word) => (0, self.write(address, word)),
+            Access::Read(address) => self.read(address).map_or((0, false), |word| (word, true)),
+        };
+        Answer { access, word, is_good }
+    }
+
+    fn write(&mut self, address: u32, word: u32) -> bool {
+        let at = |window: &Window| {
+            (address >= window.address && address < window.address + window.bytes)
+                .then(|| (address - window.address) / 4)
+        };
+        if !address.is_multiple_of(4) {
+            return false;
+        }
+        if let Some(index) = at(&DISPLAY_TABLES) {
+            self.windows[0].push((index, word & 0xfff));
+        } else if let Some(index) = at(&WEIGHTS) {
+            self.windows[1].push((index, word));
+        } else if let Some(held) = self.controls.get_mut(&address) {
+            let mask = REGISTERS.iter().find(|register| register.address == address).unwrap().mask();
+            *held = word & mask;
+        } else {
+            return false;
+        }
+        true
+    }
+
+    fn read(&self, address: u32) -> Option<u32> {
+        if (STAGE_COUNTERS.address..STAGE_COUNTERS.address + STAGE_COUNTERS.bytes).contains(&address)
+            && address.is_multiple_of(4)
+        {
+            return Some(stage_counter((address - STAGE_COUNTERS.address) / 4));
+        }
+        let found = REGISTERS.iter().find(|register| register.address == address)?;
+        Some(match found.name {
+            "design_hash" => IDENTITY.design_hash,
+            "frame_size" => 1920 | 1080 << 16,
+            _ if found.access == registers::Access::Constant => found.reset,
+            _ if found.access == registers::Access::Control => self.controls[&address],
+            _ => self.statuses[&address] & found.mask(),
+        })
+    }
+}
+
+fn stage_counter(index: u32) -> u32 {
+    index.wrapping_mul(0x0123_4567)
+}
+
+/// Answers the registers' question for a stage's counter.
+struct Stages {
+    clock: ClockId,
+    ports: [usize; 2],
+}
+
+impl Actor for Stages {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, _: &mut Model) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        let index = model.peek(self.ports[0])? as u32;
+        model.poke(self.ports[1], stage_counter(index).into())
+    }
+}
+
+/// An address where something is, or nearly.
+fn address(draw: &mut Draw) -> u32 {
+    let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS];
+    match draw.whole(0, 9) {
+        0..=4 => REGISTERS[draw.whole(0, REGISTERS.len() as i64 - 1) as usize].address,
+        5 => 4 * draw.whole(0, 0x80) as u32,
+        6 => draw.bits() as u32,
+        7 => REGISTERS[draw.whole(0, 9) as usize].address + draw.whole(0, 3) as u32,
+        _ => {
+            let window = &windows[draw.whole(0, 2) as usize];
+            window.word(draw.whole(0, i64::from(window.bytes / 4) - 1) as u32)
+        }
+    }
+}
+
+#[test]
+fn registers_answer_as_their_map_says() {
+    let source = Source::circuit(&mut BoardRegisters::new(&IDENTITY)).unwrap();
+    for seed in 0..3 {
+        let (mut bench, clock) = bench(&source, seed);
+        let draw = &mut Draw::new(seed);
+        let mut model = Registers::new();
+        let mut host = Host::new(&source, "bus", clock, "reset_i", Pace::drawn(seed)).unwrap();
+        let mut tables = Words::new(&source, "table", clock, seed);
+        let mut weights = Words::new(&source, "weight", clock, seed + 1);
+        let ports = ["stage_address_o", "stage_counter_i"].map(|port| source.port(port).unwrap());
+        let mut stages = Stages { clock, ports };
+        bench.set("reset_i", 1).unwrap();
+        bench.steps(5, &mut [&mut host, &mut tables, &mut weights, &mut stages]).unwrap();
+        bench.set("reset_i", 0).unwrap();
+        // Each status port by the name of its register.
+        for register in REGISTERS.iter().filter(|register| register.access == registers::Access::Status) {
+            let word = draw.bits() as u32;
+            bench.set(&format!("{}_i", register.name), word.into()).unwrap();
+            model.statuses.insert(register.address, word);
+        }
+        let access = |draw: &mut Draw| match draw.whole(0, 1) {
+            0 => Access::Read(address(draw)),
+            _ => Access::Write(address(draw), draw.bits() as u32),
+        };
+        let every = REGISTERS.iter().map(|register| Access::Read(register.address));
+        let wanted: Vec<Access> = every.chain((0..1_500).map(|_| access(draw))).collect();
+        let expected: Vec<Answer> = wanted.iter().map(|access| model.answer(*access)).collect();
+        host.wanted = wanted.into();
+        for _ in 0..400_000 {
+            if host.wanted.is_empty() {
+                break;
+            }
+            bench.step(&mut [&mut host, &mut tables, &mut weights, &mut stages]).unwrap();
+        }
+        for (found, expected) in host.answers.iter().zip(&expected) {
+            assert_eq!(found, expected);
+        }
+        assert_eq!(host.answers.len(), expected.len());
+        assert_eq!([tables.taken, weights.taken], model.windows);
+        for (name, port) in
+            [("control", "control_o"), ("weights_hash", "weights_hash_o"), ("scratch", "scratch_o")]
+        {
+            let held = model.controls[&register(name).unwrap().address];
+            assert_eq!(bench.get(port).unwrap(), u64::from(held), "{name}");
+        }
+    }
+}
+
+/// The serial line before the registers; tables and weights are taken when the test likes.
+#[derive(Circuit)]
+struct Line {
+    pub clock: Signal<In, Clock>,
+    pub reset: Signal<In, Bit>,
+    pub receive: Signal<In, Bit>,
+    pub transmit: Signal<Out, Bit>,
+    pub broken: Signal<Out, Bits<32>>,
+    pub weight_valid: Signal<Out, Bit>,
+    pub weight_ready: Signal<In, Bit>,
+    pub weight_address: Signal<Out, Bits<25>>,
+    pub weight_data: Signal<Out, Bits<32>>,
+    uart: UartBus,
+    registers: BoardRegisters,
+}
+
+impl Logic for Line {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.uart.clock.next = self.clock.val();
+        self.uart.reset.next = self.reset.val();
+        self.uart.receive.next = self.receive.val();
+        self.transmit.next = self.uart.transmit.val();
+        self.broken.next = self.uart.broken.val();
+        self.registers.clock.next = self.clock.val();
+        self.registers.reset.next = self.reset.val();
+        AxiLiteMaster::join(&mut self.uart.bus, &mut self.registers.bus);
+        self.weight_valid.next = self.registers.weight_valid.val();
+        self.registers.weight_ready.next = self.weight_ready.val();
+        self.weight_address.next = self.registers.weight_address.val();
+        self.weight_data.next = self.registers.weight_data.val();
+        self.registers.table_ready.next = true;
+        self.registers.stage_counter.next = 0.into();
+        self.registers.status.next = 0.into();
+        self.registers.i2c.next = 0.into();
+        self.registers.input_size.next = 0.into();
+        self.registers.input_frames.next = 0.into();
+        self.registers.input_broken.next = 0.into();
+        self.registers.input_wrong.next = 0.into();
+        self.registers.input_overruns.next = 0.into();
+        self.registers.input_write_errors.next = 0.into();
+        self.registers.raw_frames.next = 0.into();
+        self.registers.raw_late.next = 0.into();
+        self.registers.raw_read_errors.next = 0.into();
+        self.registers.busy_cycles.next = 0.into();
+        self.registers.saturated_sums.next = 0.into();
+        self.registers.clamped_chroma.next = 0.into();
+        self.registers.out_of_gamut.next = 0.into();
+        self.registers.picture_frames.next = 0.into();
+        self.registers.picture_broken.next = 0.into();
+        self.registers.picture_write_errors.next = 0.into();
+        self.registers.output_frames.next = 0.into();
+        self.registers.output_late.next = 0.into();
+        self.registers.output_read_errors.next = 0.into();
+        self.registers.output_underruns.next = 0.into();
+        self.registers.uart_broken.next = 0.into();
+    }
+}
+
+/// Cycles of a bit, and of a pause after which a frame is given up.
+const BIT: u16 = 16;
+const TIME_OUT: u32 = 2_000;
+
+/// A terminal on the line: sends bytes with the pauses before them, in bits, and takes bytes.
+struct Terminal {
+    clock: ClockId,
+    ports: [usize; 2],
+    /// A pause, or a byte.
+    out: VecDeque<(u32, u8)>,
+    levels: VecDeque<bool>,
+    cycle: u32,
+    came: Vec<u8>,
+    /// The byte on its way: cycles since its start bit, and its bits.
+    coming: Option<(u32, u16)>,
+}
+
+impl Actor for Terminal {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
+        let level = model.peek(self.ports[1])? == 1;
+        match &mut self.coming {
+            None if !level => self.coming = Some((0, 0)),
+            None => {}
+            Some((cycle, bits)) => {
+                *cycle += 1;
+                if *cycle % u32::from(BIT) == u32::from(BIT) / 2 {
+                    *bits |= u16::from(level) << (*cycle / u32::from(BIT));
+                }
+                if *cycle == 19 * u32::from(BIT) / 2 {
+                    assert!(*bits & 1 == 0 && *bits >> 9 == 1, "start or stop bit is wrong");
+                    self.came.push((*bits >> 1) as u8);
+                    self.coming = None;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        if self.cycle == 0 {
+            if self.levels.is_empty()
+                && let Some((pause, byte)) = self.out.pop_front()
+            {
+                self.levels.extend((0..pause).map(|_| true).chain([false]));
+                self.levels.extend((0..8).map(|bit| byte >> bit & 1 == 1).chain([true]));
+            }
+            let level = self.levels.pop_front().unwrap_or(true);
+            model.poke(self.ports[0], level.into())?;
+        }
+        self.cycle = (self.cycle + 1) % u32::from(BIT);
+        Ok(())
+    }
+}
+
+/// A frame: command, words, word address, data.
+fn frame(command: u8, address: u32, words: &[u32], count: u8) -> Vec<(u32, u8)> {
+    let data = words.iter().flat_map(|word| word.to_be_bytes());
+    let bytes = [command, count].into_iter().chain((address / 4).to_be_bytes()).chain(data);
+    bytes.map(|byte| (0, byte)).collect()
+}
+
+struct Rig {
+    bench: Bench,
+    terminal: Terminal,
+    weights: Words,
+}
+
+impl Rig {
+    fn new(seed: u64) -> Self {
+        let (uart, registers) = (UartBus::new(BIT, TIME_OUT), BoardRegisters::new(&IDENTITY));
+        let source = Source::circuit(&mut Line::from_parts(LineParts { uart, registers })).unwrap();
+        let (mut bench, clock) = bench(&source, seed);
+        let ports = ["receive_i", "transmit_o"].map(|port| source.port(port).unwrap());
+        let (out, levels) = (VecDeque::new(), VecDeque::new());
+        let terminal = Terminal { clock, ports, out, levels, cycle: 0, came: vec![], coming: None };
+        let weights = Words { pace: Pace::steady(), ..Words::new(&source, "weight", clock, seed) };
+        bench.set("reset_i", 1).unwrap();
+        bench.set("receive_i", 1).unwrap();
+        let mut rig = Self { bench, terminal, weights };
+        rig.steps(20);
+        rig.bench.set("reset_i", 0).unwrap();
+        rig.terminal.came.clear();
+        rig.terminal.coming = None;
+        rig
+    }
+
+    fn steps(&mut self, cycles: usize) {
+        self.bench.steps(cycles, &mut [&mut self.terminal, &mut self.weights]).unwrap();
+    }
+
+    /// Sends, waits until all is sent and some while after, and gives what came.
+    fn exchange(&mut self, bytes: Vec<(u32, u8)>) -> Vec<u8> {
+        self.terminal.out.extend(bytes);
+        while !self.terminal.out.is_empty() || !self.terminal.levels.is_empty() {
+            self.steps(100);
+        }
+        self.steps(60 * usize::from(BIT) * 10);
+        std::mem::take(&mut self.terminal.came)
+    }
+
+    fn read(&mut self, name: &str) -> u32 {
+        let came = self.exchange(frame(2, register(name).unwrap().address, &[], 1));
+        u32::from_be_bytes(came.try_into().unwrap())
+    }
+
+    fn broken(&mut self) -> u64 {
+        self.bench.get("broken_o").unwrap()
+    }
+}
+
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|word| u32::from_be_bytes([word[0], word[1], word[2], word[3]])).collect()
+}
+
+#[test]
+fn frames_write_and_read_words_with_growing_and_with_fixed_addresses() {
+    let mut rig = Rig::new(1);
+    let came = rig.exchange(frame(2, 0, &[], 4));
+    assert_eq!(
+        words(&came),
+        [registers::map::ID, registers::map::VERSION, IDENTITY.design_hash, 1920 | 1080 << 16]
+    );
+    let scratch = register("scratch").unwrap().address;
+    assert_eq!(rig.exchange(frame(1, scratch, &[0xdead_beef], 1)), [0u8; 0]);
+    assert_eq!(words(&rig.exchange(frame(4, scratch, &[], 3))), [0xdead_beef; 3]);
+    rig.exchange(frame(3, scratch, &[1, 2, 3], 3));
+    assert_eq!(rig.read("scratch"), 3);
+    rig.exchange(frame(1, WEIGHTS.word(100), &[7, 8, 9], 3));
+    assert_eq!(rig.weights.taken, [(100, 7), (101, 8), (102, 9)]);
+    // What cannot be read reads 0; a frame of no words does nothing.
+    assert_eq!(words(&rig.exchange(frame(2, WEIGHTS.address, &[], 1))), [0]);
+    assert_eq!(rig.exchange(frame(2, 0, &[], 0)), [0u8; 0]);
+    assert_eq!((rig.read("id"), rig.broken()), (registers::map::ID, 0));
+}
+
+#[test]
+fn random_frames_are_answered_as_the_registers_would() {
+    let mut rig = Rig::new(2);
+    let (draw, mut model) = (&mut Draw::new(2), Registers::new());
+    let scratch = register("scratch").unwrap().address;
+    for _ in 0..40 {
+        let (command, count) = (draw.whole(1, 4) as u8, draw.whole(1, 5) as u32);
+        let start = if command % 2 == 1 && draw.whole(0, 1) == 0 {
+            WEIGHTS.word(draw.whole(0, 1000) as u32)
+        } else {
+            scratch
+        };
+        let data: Vec<u32> = (0..count).filter(|_| command % 2 == 1).map(|_| draw.bits() as u32).collect();
+        // Status registers are all 0 here.
+        model.statuses = REGISTERS.iter().map(|register| (register.address, 0)).collect();
+        let address = |i: u32| if command > 2 { start } else { start + 4 * i };
+        let expected: Vec<u32> = match command % 2 {
+            1 => {
+                (0..count).for_each(|i| assert!(model.write(address(i), data[i as usize])));
+                vec![]
+            }
+            _ => (0..count).map(|i| model.read(address(i)).unwrap_or(0)).collect(),
+        };
+        let mut bytes = frame(command, start, &data, count as u8);
+        bytes.iter_mut().for_each(|(pause, _)| *pause = draw.whole(0, 20) as u32);
+        assert_eq!(words(&rig.exchange(bytes)), expected);
+    }
+    assert_eq!(rig.weights.taken, model.windows[1]);
+    assert_eq!(rig.broken(), 0);
+}
+
+#[test]
+fn a_broken_frame_is_given_up_after_the_time_out_and_counted() {
+    let mut rig = Rig::new(3);
+    let scratch = register("scratch").unwrap().address;
+    for cut in 1..10 {
+        let mut bytes = frame(1, scratch, &[5], 1);
+        bytes.truncate(cut);
+        assert_eq!(rig.exchange(bytes), [0u8; 0]);
+        assert_eq!((rig.broken(), rig.read("scratch")), (cut as u64, 0), "cut after {cut} bytes");
+    }
+    assert_eq!(rig.exchange(vec![(0, 0), (0, 5), (0, 0xff)]), [0u8; 0]);
+    assert_eq!((rig.broken(), rig.read("id")), (9 + 3, registers::map::ID));
+}
+
+#[test]
+fn a_frame_that_overtakes_its_words_is_passed_over() {
+    let mut rig = Rig::new(4);
+    rig.weights.pace = Pace::percent(0, 1);
+    rig.terminal.out.extend(frame(1, WEIGHTS.address, &[1, 2, 3], 3));
+    rig.steps(18 * 10 * usize::from(BIT));
+    rig.weights.pace = Pace::steady();
+    rig.steps(4 * TIME_OUT as usize);
+    assert_eq!((rig.weights.taken.clone(), rig.broken()), (vec![(0, 1)], 1));
+    assert_eq!(rig.read("id"), registers::map::ID);
+}

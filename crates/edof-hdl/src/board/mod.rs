@@ -1,0 +1,39 @@
+//! The board around the calculator: frames to and from DRAM, and the host.
+//!
+//! | block | does |
+//! |---|---|
+//! | [`write_agent`] | a stream of pixels into one of three frame buffers |
+//! | [`read_agent`] | the newest complete frame buffer as a stream of pixels |
+//! | [`axi_pair`] | two agents each way on one memory |
+//! | [`registers`] | what the host sees and sets |
+//! | [`i2c_init`] | sets up the video chips |
+//! | [`uart_receiver`], [`uart_sender`] | bytes of a serial line |
+//! | [`uart_bus`] | a serial line as a master of registers |
+//!
+//! The two agents of a set of buffers tell each other which buffer is whose: the writer says which is the newest complete one, the
+//! reader which it reads. The writer takes the one that is neither, so there is always one, and nobody waits for the other.
+
+pub mod axi_pair;
+pub mod frames;
+pub mod i2c_init;
+pub mod read_agent;
+pub mod registers;
+pub mod uart_bus;
+pub mod uart_receiver;
+pub mod uart_sender;
+pub mod write_agent;
+
+pub use axi_pair::AxiPair;
+pub use frames::Frames;
+pub use i2c_init::I2cInit;
+pub use read_agent::ReadAgent;
+pub use registers::{BoardRegisters, Identity};
+pub use uart_bus::UartBus;
+pub use uart_receiver::UartReceiver;
+pub use uart_sender::UartSender;
+pub use write_agent::WriteAgent;
+
+use rust_hdl::prelude::Bits;
+
+/// One of three frame buffers; 3 is none.
+pub type Buffer = Bits<2>;

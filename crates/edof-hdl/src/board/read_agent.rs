@@ -1,0 +1,253 @@
+//! The newest complete frame buffer as a stream of pixels.
+
+use super::{Buffer, Frames};
+use crate::blocks::Row;
+use crate::blocks::ram::{Ram, Shape};
+use crate::describe::Circuit;
+use crate::ports::{AxiReadMaster, StreamOut};
+use rust_hdl::prelude::*;
+
+/// The newest complete frame buffer as a stream of pixels, in bursts of full length, several at a time.
+///
+/// A frame begins when the last pixel of the one before was taken. Where no newer frame is there by then, the same one is sent again
+/// and counted as late, or, where frames are not repeated, the agent waits. A burst is asked for once there is room for all its
+/// words, so that the memory never waits. A pixel a cycle, as long as the memory keeps up.
+#[derive(Circuit)]
+pub struct ReadAgent<const W: usize> {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets the frame.
+    pub reset: Signal<In, Bit>,
+    /// The newest complete buffer.
+    pub newest: Signal<In, Buffer>,
+    /// The buffer that is being read.
+    pub reading: Signal<Out, Buffer>,
+    /// Memory.
+    pub dram: AxiReadMaster<W>,
+    /// Pixels.
+    pub pixels: StreamOut<16>,
+    /// Frames that were begun.
+    pub frames: Signal<Out, Bits<32>>,
+    /// Of these, how many were sent again.
+    pub late: Signal<Out, Bits<32>>,
+    /// Words that came with an error.
+    pub errors: Signal<Out, Bits<32>>,
+    repeats: Constant<Bit>,
+    last_column: Constant<Bits<12>>,
+    last_row: Constant<Bits<12>>,
+    last_lane: Constant<Bits<6>>,
+    burst: Constant<Row>,
+    room: Constant<Row>,
+    row_mask: Constant<Row>,
+    frame_words: Constant<Bits<24>>,
+    burst_words: Constant<Bits<24>>,
+    burst_bytes: Constant<Bits<32>>,
+    word_size: Constant<Bits<3>>,
+    base_0: Constant<Bits<32>>,
+    base_1: Constant<Bits<32>>,
+    base_2: Constant<Bits<32>>,
+    busy: DFF<Bit>,
+    reading_q: DFF<Buffer>,
+    // Words of this frame that are still to be asked for.
+    missing: DFF<Bits<24>>,
+    asks: DFF<Bit>,
+    address: DFF<Bits<32>>,
+    asked_address: DFF<Bits<32>>,
+    asked_words: DFF<Row>,
+    // Words: asked for, come, taken out of the RAM.
+    reserved: DFF<Row>,
+    put: DFF<Row>,
+    got: DFF<Row>,
+    came: DFF<Row>,
+    full: DFF<Bit>,
+    word: DFF<Bits<W>>,
+    lane: DFF<Bits<6>>,
+    column: DFF<Bits<12>>,
+    row: DFF<Bits<12>>,
+    frames_q: DFF<Bits<32>>,
+    late_q: DFF<Bits<32>>,
+    errors_q: DFF<Bits<32>>,
+    ram: Ram<W>,
+    begins: Signal<Local, Bit>,
+    words: Signal<Local, Row>,
+    taken: Signal<Local, Bit>,
+    word_done: Signal<Local, Bit>,
+    has_word: Signal<Local, Bit>,
+    is_line_end: Signal<Local, Bit>,
+}
+
+impl<const W: usize> ReadAgent<W> {
+    /// An agent for these frames. With `repeats`, a frame that is late is sent again.
+    ///
+    /// # Panics
+    /// For frames that no agent can do: whoever makes a design checks it (`edof_spec::board`).
+    #[must_use]
+    pub fn new(frames: &Frames, repeats: bool) -> Self {
+        frames.check(W);
+        let row = |value: usize| Constant::new((value as u64).into());
+        let base = frames.buffers.map(|address| Constant::new(u64::from(address).into()));
+        let words = frames.width * frames.height / (W / 16);
+        Self::from_parts(ReadAgentParts {
+            repeats: Constant::new(repeats),
+            last_column: Constant::new((frames.width as u64 - 1).into()),
+            last_row: Constant::new((frames.height as u64 - 1).into()),
+            last_lane: Constant::new((W as u64 / 16 - 1).into()),
+            burst: row(frames.burst),
+            room: row(frames.depth - frames.burst),
+            row_mask: row(frames.depth - 1),
+            frame_words: Constant::new((words as u64).into()),
+            burst_words: Constant::new((frames.burst as u64).into()),
+            burst_bytes: Constant::new((frames.burst as u64 * W as u64 / 8).into()),
+            word_size: Constant::new(u64::from((W / 8).ilog2()).into()),
+            base_0: base[0],
+            base_1: base[1],
+            base_2: base[2],
+            ram: Ram::new(Shape::block(frames.depth), &[]),
+        })
+    }
+}
+
+impl<const W: usize> Logic for ReadAgent<W> {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            busy,
+            reading_q,
+            missing,
+            asks,
+            address,
+            asked_address,
+            asked_words,
+            reserved,
+            put,
+            got,
+            came,
+            full,
+            word,
+            lane,
+            column,
+            row,
+            frames_q,
+            late_q,
+            errors_q
+        );
+        self.ram.clock.next = self.clock.val();
+
+        // A frame begins.
+        self.begins.next = !self.busy.q.val()
+            && (self.newest.val() != 3)
+            && (self.repeats.val() || (self.newest.val() != self.reading_q.q.val()));
+        if self.begins.val() {
+            self.busy.d.next = true;
+            self.reading_q.d.next = self.newest.val();
+            self.frames_q.d.next = self.frames_q.q.val() + 1;
+            if self.newest.val() == self.reading_q.q.val() {
+                self.late_q.d.next = self.late_q.q.val() + 1;
+            }
+            self.missing.d.next = self.frame_words.val();
+            self.address.d.next = self.base_0.val();
+            if self.newest.val() == 1 {
+                self.address.d.next = self.base_1.val();
+            } else if self.newest.val() == 2 {
+                self.address.d.next = self.base_2.val();
+            }
+        }
+
+        // Bursts: asked for when there is room for them.
+        self.words.next = self.burst.val();
+        if self.missing.q.val() < self.burst_words.val() {
+            self.words.next = self.missing.q.val().get_bits::<12>(0);
+        }
+        if self.asks.q.val() && self.dram.ar_ready.val() {
+            self.asks.d.next = false;
+        }
+        if !self.asks.q.val()
+            && self.missing.q.val().any()
+            && ((self.reserved.q.val() - self.got.q.val()) <= self.room.val())
+        {
+            self.asks.d.next = true;
+            self.asked_address.d.next = self.address.q.val();
+            self.asked_words.d.next = self.words.val();
+            self.address.d.next = self.address.q.val() + self.burst_bytes.val();
+            self.missing.d.next = self.missing.q.val() - bit_cast::<24, 12>(self.words.val());
+            self.reserved.d.next = self.reserved.q.val() + self.words.val();
+        }
+
+        // Words into the RAM; on its output two cycles later.
+        self.came.d.next = self.put.q.val();
+        if self.dram.r_valid.val() {
+            self.put.d.next = self.put.q.val() + 1;
+            if self.dram.r_resp.val().any() {
+                self.errors_q.d.next = self.errors_q.q.val() + 1;
+            }
+        }
+        self.ram.write_enable.next = self.dram.r_valid.val();
+        self.ram.write_address.next = self.put.q.val() & self.row_mask.val();
+        self.ram.write_data.next = self.dram.r_data.val();
+
+        // Words out of it, and their pixels.
+        self.taken.next = self.full.q.val() && self.pixels.ready.val();
+        self.word_done.next = self.taken.val() && (self.lane.q.val() == self.last_lane.val());
+        self.has_word.next = self.got.q.val() != self.came.q.val();
+        if self.taken.val() {
+            self.word.d.next = self.word.q.val() >> 16;
+            self.lane.d.next = self.lane.q.val() + 1;
+        }
+        if !self.full.q.val() || self.word_done.val() {
+            self.full.d.next = self.has_word.val();
+            self.word.d.next = self.ram.read_data.val();
+            self.lane.d.next = 0.into();
+            if self.has_word.val() {
+                self.got.d.next = self.got.q.val() + 1;
+            }
+        }
+        self.ram.read_address.next = self.got.d.val() & self.row_mask.val();
+        self.is_line_end.next = self.column.q.val() == self.last_column.val();
+        if self.taken.val() {
+            self.column.d.next = self.column.q.val() + 1;
+            if self.is_line_end.val() {
+                self.column.d.next = 0.into();
+                self.row.d.next = self.row.q.val() + 1;
+                if self.row.q.val() == self.last_row.val() {
+                    self.row.d.next = 0.into();
+                    self.busy.d.next = false;
+                }
+            }
+        }
+        if self.reset.val() {
+            self.busy.d.next = false;
+            self.reading_q.d.next = 3.into();
+            self.missing.d.next = 0.into();
+            self.asks.d.next = false;
+            self.reserved.d.next = 0.into();
+            self.put.d.next = 0.into();
+            self.got.d.next = 0.into();
+            self.came.d.next = 0.into();
+            self.full.d.next = false;
+            self.lane.d.next = 0.into();
+            self.column.d.next = 0.into();
+            self.row.d.next = 0.into();
+            self.frames_q.d.next = 0.into();
+            self.late_q.d.next = 0.into();
+            self.errors_q.d.next = 0.into();
+        }
+
+        self.dram.ar_id.next = 0.into();
+        self.dram.ar_addr.next = self.asked_address.q.val();
+        self.dram.ar_len.next = (self.asked_words.q.val() - 1).get_bits::<8>(0);
+        self.dram.ar_size.next = self.word_size.val();
+        self.dram.ar_burst.next = 1.into();
+        self.dram.ar_valid.next = self.asks.q.val();
+        self.dram.r_ready.next = true;
+        self.pixels.valid.next = self.full.q.val();
+        self.pixels.data.next = self.word.q.val().get_bits::<16>(0);
+        self.pixels.user.next = !self.column.q.val().any() && !self.row.q.val().any();
+        self.pixels.last.next = self.is_line_end.val();
+        self.reading.next = self.reading_q.q.val();
+        self.frames.next = self.frames_q.q.val();
+        self.late.next = self.late_q.q.val();
+        self.errors.next = self.errors_q.q.val();
+    }
+}

@@ -1,0 +1,334 @@
+//! What the host sees of the board: the registers and windows of `edof_spec::registers`.
+
+use crate::describe::Circuit;
+use crate::ports::AxiLiteSlave;
+use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, WEIGHTS};
+use rust_hdl::prelude::*;
+
+/// Where an access stands.
+#[derive(Copy, Clone, Debug, PartialEq, LogicState)]
+enum Phase {
+    /// Waits for one.
+    Idle,
+    /// Writes a register, or waits until a window has taken the word.
+    Write,
+    /// Tells how the write went.
+    WriteAnswer,
+    /// Finds the register, or waits for the counter of a stage.
+    Read,
+    /// Joins what was found.
+    ReadJoin,
+    /// Hands the word over.
+    ReadAnswer,
+}
+
+/// The registers of the board behind AXI4-Lite: one access at a time, whole words.
+///
+/// A register is written two cycles after its word was taken, and read in three cycles. A window's word waits until it is taken. Bits
+/// that mean nothing read 0 and cannot be written. An address where nothing is, a part of a word, and a read of what can only be written
+/// are answered with an error (2).
+#[derive(Circuit)]
+pub struct BoardRegisters {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Back to what the design was generated with.
+    pub reset: Signal<In, Bit>,
+    /// The host.
+    pub bus: AxiLiteSlave,
+    /// How the board is.
+    pub status: Signal<In, Bits<32>>,
+    /// The set-up of the video chips.
+    pub i2c: Signal<In, Bits<32>>,
+    /// The size of the incoming picture.
+    pub input_size: Signal<In, Bits<32>>,
+    /// Raw frames that were written whole.
+    pub input_frames: Signal<In, Bits<32>>,
+    /// Raw frames that were begun and not completed: cable, wrong size, or a write that failed.
+    pub input_broken: Signal<In, Bits<32>>,
+    /// Frames on the cable that had another size than the design's.
+    pub input_wrong: Signal<In, Bits<32>>,
+    /// Frames on the cable that were given up because there was no room for a pixel.
+    pub input_overruns: Signal<In, Bits<32>>,
+    /// Bursts of raw frames that the memory answered with an error.
+    pub input_write_errors: Signal<In, Bits<32>>,
+    /// Raw frames that were begun to be read.
+    pub raw_frames: Signal<In, Bits<32>>,
+    /// Of these, how many were read again for want of a newer one.
+    pub raw_late: Signal<In, Bits<32>>,
+    /// Words of raw frames that came with an error.
+    pub raw_read_errors: Signal<In, Bits<32>>,
+    /// Cycles in which raw pixels waited for the calculator.
+    pub busy_cycles: Signal<In, Bits<32>>,
+    /// Sums of overlapping patches that did not fit 16 bits.
+    pub saturated_sums: Signal<In, Bits<32>>,
+    /// Chroma codes that were clamped (luma only).
+    pub clamped_chroma: Signal<In, Bits<32>>,
+    /// Pixels with less than no or more than full light of a colour (colour).
+    pub out_of_gamut: Signal<In, Bits<32>>,
+    /// Pictures that were written whole.
+    pub picture_frames: Signal<In, Bits<32>>,
+    /// Pictures that were begun and not completed.
+    pub picture_broken: Signal<In, Bits<32>>,
+    /// Bursts of pictures that the memory answered with an error.
+    pub picture_write_errors: Signal<In, Bits<32>>,
+    /// Pictures that were begun to be read.
+    pub output_frames: Signal<In, Bits<32>>,
+    /// Of these, how many were read again for want of a newer one.
+    pub output_late: Signal<In, Bits<32>>,
+    /// Words of pictures that came with an error.
+    pub output_read_errors: Signal<In, Bits<32>>,
+    /// Pictures on the cable whose pixels came late.
+    pub output_underruns: Signal<In, Bits<32>>,
+    /// Frames on the UART that were given up, and bytes that were no command.
+    pub uart_broken: Signal<In, Bits<32>>,
+    /// Hash of the network in use.
+    pub weights_hash: Signal<Out, Bits<32>>,
+    /// What the host decides.
+    pub control: Signal<Out, Bits<32>>,
+    /// Holds what is written.
+    pub scratch: Signal<Out, Bits<32>>,
+    /// Stage (4 bits) and counter (2) to show.
+    pub stage_address: Signal<Out, Bits<6>>,
+    /// It, in the next cycle.
+    pub stage_counter: Signal<In, Bits<32>>,
+    /// A word for a display table is offered.
+    pub table_valid: Signal<Out, Bit>,
+    /// It is taken.
+    pub table_ready: Signal<In, Bit>,
+    /// Table (2 bits) and entry (15).
+    pub table_address: Signal<Out, Bits<17>>,
+    /// The entry.
+    pub table_data: Signal<Out, Bits<12>>,
+    /// A word for the calculator is offered.
+    pub weight_valid: Signal<Out, Bit>,
+    /// It is taken.
+    pub weight_ready: Signal<In, Bit>,
+    /// Where (`edof_spec::design::memory::address`).
+    pub weight_address: Signal<Out, Bits<25>>,
+    /// What.
+    pub weight_data: Signal<Out, Bits<32>>,
+    indices: Vec<Constant<Bits<6>>>,
+    masks: Vec<Constant<Bits<32>>>,
+    start: Vec<Constant<Bits<32>>>,
+    window_bases: [Constant<Bits<32>>; 3],
+    window_masks: [Constant<Bits<32>>; 3],
+    phase: DFF<Phase>,
+    address: DFF<Bits<32>>,
+    word: DFF<Bits<32>>,
+    is_bad: DFF<Bit>,
+    controls: [DFF<Bits<32>>; 3],
+    found: DFF<Bits<32>>,
+    found_any: DFF<Bit>,
+    is_stage: DFF<Bit>,
+    result: DFF<Bits<32>>,
+    values: Vec<Signal<Local, Bits<32>>>,
+    selected: Signal<Local, Bits<32>>,
+    known: Signal<Local, Bit>,
+    written: Signal<Local, Bit>,
+    in_area: Signal<Local, Bit>,
+    in_window: [Signal<Local, Bit>; 3],
+    takes_write: Signal<Local, Bit>,
+    takes_read: Signal<Local, Bit>,
+    _count: usize,
+}
+
+/// What differs from design to design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Identity {
+    /// First 32 bits of the SHA-256 of the design.
+    pub design_hash: u32,
+    /// First 32 bits of the hash of the network that it starts with.
+    pub weights_hash: u32,
+    /// Columns and rows of its frame.
+    pub frame: (u16, u16),
+}
+
+impl BoardRegisters {
+    /// The registers of a design.
+    #[must_use]
+    pub fn new(identity: &Identity) -> Self {
+        let constant = |value: u32| Constant::new(u64::from(value).into());
+        let start = |name: &str, reset: u32| match name {
+            "design_hash" => identity.design_hash,
+            "frame_size" => u32::from(identity.frame.0) | u32::from(identity.frame.1) << 16,
+            "weights_hash" => identity.weights_hash,
+            _ => reset,
+        };
+        let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS];
+        Self::from_parts(BoardRegistersParts {
+            indices: REGISTERS
+                .iter()
+                .map(|register| Constant::new((u64::from(register.address) / 4).into()))
+                .collect(),
+            masks: REGISTERS.iter().map(|register| constant(register.mask())).collect(),
+            start: REGISTERS.iter().map(|register| constant(start(register.name, register.reset))).collect(),
+            window_bases: windows.map(|window| constant(window.address)),
+            window_masks: windows.map(|window| constant(!(window.bytes - 1))),
+            values: REGISTERS.iter().map(|_| Signal::default()).collect(),
+            _count: REGISTERS.len(),
+        })
+    }
+}
+
+impl Logic for BoardRegisters {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, phase, address, word, is_bad, found, found_any, is_stage, result);
+        for i in 0..3 {
+            self.controls[i].clock.next = self.clock.val();
+            self.controls[i].d.next = self.controls[i].q.val();
+        }
+
+        // An access is taken: writes first.
+        self.takes_write.next =
+            (self.phase.q.val() == Phase::Idle) && self.bus.aw_valid.val() && self.bus.w_valid.val();
+        self.takes_read.next =
+            (self.phase.q.val() == Phase::Idle) && self.bus.ar_valid.val() && !self.takes_write.val();
+        if self.takes_write.val() {
+            self.address.d.next = self.bus.aw_addr.val();
+            self.word.d.next = self.bus.w_data.val();
+            self.is_bad.d.next =
+                (self.bus.w_strb.val() != 15) || self.bus.aw_addr.val().get_bits::<2>(0).any();
+        } else if self.takes_read.val() {
+            self.address.d.next = self.bus.ar_addr.val();
+            self.is_bad.d.next = self.bus.ar_addr.val().get_bits::<2>(0).any();
+        }
+        self.in_area.next = !self.address.q.val().get_bits::<24>(8).any();
+        for i in 0..3 {
+            self.in_window[i].next =
+                (self.address.q.val() & self.window_masks[i].val()) == self.window_bases[i].val();
+        }
+
+        // What all registers hold, in the order of the map: constants, what the host decides, what the board says.
+        for i in 0..4 {
+            self.values[i].next = self.start[i].val();
+        }
+        for i in 4..7 {
+            self.values[i].next = self.controls[i - 4].q.val();
+        }
+        self.values[7].next = self.status.val();
+        self.values[8].next = self.i2c.val();
+        self.values[9].next = self.input_size.val();
+        self.values[10].next = self.input_frames.val();
+        self.values[11].next = self.input_broken.val();
+        self.values[12].next = self.input_wrong.val();
+        self.values[13].next = self.input_overruns.val();
+        self.values[14].next = self.input_write_errors.val();
+        self.values[15].next = self.raw_frames.val();
+        self.values[16].next = self.raw_late.val();
+        self.values[17].next = self.raw_read_errors.val();
+        self.values[18].next = self.busy_cycles.val();
+        self.values[19].next = self.saturated_sums.val();
+        self.values[20].next = self.clamped_chroma.val();
+        self.values[21].next = self.out_of_gamut.val();
+        self.values[22].next = self.picture_frames.val();
+        self.values[23].next = self.picture_broken.val();
+        self.values[24].next = self.picture_write_errors.val();
+        self.values[25].next = self.output_frames.val();
+        self.values[26].next = self.output_late.val();
+        self.values[27].next = self.output_read_errors.val();
+        self.values[28].next = self.output_underruns.val();
+        self.values[29].next = self.uart_broken.val();
+        self.selected.next = 0.into();
+        self.known.next = false;
+        for i in 0..self._count {
+            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
+                self.selected.next = self.selected.val() | (self.values[i].val() & self.masks[i].val());
+                self.known.next = true;
+            }
+        }
+        self.found.d.next = self.selected.val();
+        self.found_any.d.next = self.known.val() && self.in_area.val();
+        self.is_stage.d.next = self.in_window[0].val();
+
+        self.written.next = false;
+        self.table_valid.next = false;
+        self.weight_valid.next = false;
+        match self.phase.q.val() {
+            Phase::Idle => {
+                if self.takes_write.val() {
+                    self.phase.d.next = Phase::Write;
+                } else if self.takes_read.val() {
+                    self.phase.d.next = Phase::Read;
+                }
+            }
+            Phase::Write => {
+                if self.is_bad.q.val() {
+                    self.phase.d.next = Phase::WriteAnswer;
+                } else if self.in_window[1].val() {
+                    self.table_valid.next = true;
+                    if self.table_ready.val() {
+                        self.phase.d.next = Phase::WriteAnswer;
+                    }
+                } else if self.in_window[2].val() {
+                    self.weight_valid.next = true;
+                    if self.weight_ready.val() {
+                        self.phase.d.next = Phase::WriteAnswer;
+                    }
+                } else {
+                    self.phase.d.next = Phase::WriteAnswer;
+                    for i in 4..7 {
+                        if self.in_area.val()
+                            && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val())
+                        {
+                            self.controls[i - 4].d.next = self.word.q.val() & self.masks[i].val();
+                            self.written.next = true;
+                        }
+                    }
+                    self.is_bad.d.next = !self.written.val();
+                }
+            }
+            Phase::WriteAnswer => {
+                if self.bus.b_ready.val() {
+                    self.phase.d.next = Phase::Idle;
+                }
+            }
+            Phase::Read => {
+                self.phase.d.next = Phase::ReadJoin;
+            }
+            Phase::ReadJoin => {
+                self.phase.d.next = Phase::ReadAnswer;
+                self.result.d.next = 0.into();
+                if self.is_bad.q.val() || !(self.found_any.q.val() || self.is_stage.q.val()) {
+                    self.is_bad.d.next = true;
+                } else if self.is_stage.q.val() {
+                    self.result.d.next = self.stage_counter.val();
+                } else {
+                    self.result.d.next = self.found.q.val();
+                }
+            }
+            Phase::ReadAnswer => {
+                if self.bus.r_ready.val() {
+                    self.phase.d.next = Phase::Idle;
+                }
+            }
+        }
+        if self.reset.val() {
+            self.phase.d.next = Phase::Idle;
+            for i in 4..7 {
+                self.controls[i - 4].d.next = self.start[i].val();
+            }
+        }
+
+        self.bus.aw_ready.next = self.takes_write.val();
+        self.bus.w_ready.next = self.takes_write.val();
+        self.bus.b_valid.next = self.phase.q.val() == Phase::WriteAnswer;
+        self.bus.b_resp.next = 0.into();
+        self.bus.ar_ready.next = self.takes_read.val();
+        self.bus.r_valid.next = self.phase.q.val() == Phase::ReadAnswer;
+        self.bus.r_data.next = self.result.q.val();
+        self.bus.r_resp.next = 0.into();
+        if self.is_bad.q.val() {
+            self.bus.b_resp.next = 2.into();
+            self.bus.r_resp.next = 2.into();
+        }
+        self.weights_hash.next = self.controls[0].q.val();
+        self.control.next = self.controls[1].q.val();
+        self.scratch.next = self.controls[2].q.val();
+        self.stage_address.next = self.address.q.val().get_bits::<6>(2);
+        self.table_address.next = self.address.q.val().get_bits::<17>(2);
+        self.table_data.next = self.word.q.val().get_bits::<12>(0);
+        self.weight_address.next = self.address.q.val().get_bits::<25>(2);
+        self.weight_data.next = self.word.q.val();
+    }
+}

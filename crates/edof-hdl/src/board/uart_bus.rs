@@ -1,0 +1,250 @@
+//! A serial line as a master of registers.
+
+use super::uart_receiver::UartReceiver;
+use super::uart_sender::UartSender;
+use crate::describe::Circuit;
+use crate::ports::AxiLiteMaster;
+use rust_hdl::prelude::*;
+
+/// Where a frame stands.
+#[derive(Copy, Clone, Debug, PartialEq, LogicState)]
+enum Phase {
+    /// Waits for a command.
+    Command,
+    /// Waits for the number of words.
+    Length,
+    /// Waits for the four bytes of the address.
+    Address,
+    /// Waits for the four bytes of a word to write.
+    Data,
+    /// Writes it.
+    Write,
+    /// Asks for a word.
+    Ask,
+    /// Waits for it.
+    Read,
+    /// Sends its four bytes.
+    Send,
+    /// Waits for a pause: the frame went on before its word was written.
+    Skip,
+}
+
+/// A serial line as a master of registers, in the frames of LiteX's UARTBone.
+///
+/// A frame: command (1 write, 2 read, 3 and 4 the same at a fixed address), number of words, address of the first *word* (four bytes,
+/// the most significant first), and for a write the words in the same order. A read is answered by its words; one that the
+/// registers answer with an error reads 0. What goes wrong is counted. A byte that is no command is passed over; a frame that pauses
+/// longer than the time-out is given up, and the next byte is a command; of a frame that goes on before its word is written the rest is
+/// passed over, up to a pause of the time-out.
+#[derive(Circuit)]
+pub struct UartBus {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Gives up the frame.
+    pub reset: Signal<In, Bit>,
+    /// From the host, of no clock.
+    pub receive: Signal<In, Bit>,
+    /// To the host.
+    pub transmit: Signal<Out, Bit>,
+    /// The registers.
+    pub bus: AxiLiteMaster,
+    /// Frames that were given up.
+    pub broken: Signal<Out, Bits<32>>,
+    time_out: Constant<Bits<32>>,
+    receiver: UartReceiver,
+    sender: UartSender,
+    phase: DFF<Phase>,
+    writes: DFF<Bit>,
+    is_fixed: DFF<Bit>,
+    left: DFF<Bits<8>>,
+    address: DFF<Bits<32>>,
+    word: DFF<Bits<32>>,
+    byte_number: DFF<Bits<2>>,
+    pause: DFF<Bits<32>>,
+    offers_address: DFF<Bit>,
+    offers_word: DFF<Bit>,
+    is_late: DFF<Bit>,
+    broken_q: DFF<Bits<32>>,
+    has_byte: Signal<Local, Bit>,
+    byte: Signal<Local, Bits<8>>,
+    waits: Signal<Local, Bit>,
+    gives_up: Signal<Local, Bit>,
+    word_ends: Signal<Local, Bit>,
+}
+
+impl UartBus {
+    /// For a line of so many cycles a bit; a frame is given up after a pause of `time_out` cycles.
+    #[must_use]
+    pub fn new(cycles_per_bit: u16, time_out: u32) -> Self {
+        Self::from_parts(UartBusParts {
+            time_out: Constant::new(u64::from(time_out).into()),
+            receiver: UartReceiver::new(cycles_per_bit),
+            sender: UartSender::new(cycles_per_bit),
+        })
+    }
+}
+
+impl Logic for UartBus {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            phase,
+            writes,
+            is_fixed,
+            left,
+            address,
+            word,
+            byte_number,
+            pause,
+            offers_address,
+            offers_word,
+            is_late,
+            broken_q
+        );
+        self.receiver.clock.next = self.clock.val();
+        self.receiver.reset.next = self.reset.val();
+        self.receiver.line.next = self.receive.val();
+        self.sender.clock.next = self.clock.val();
+        self.sender.reset.next = self.reset.val();
+        self.transmit.next = self.sender.line.val();
+        self.has_byte.next = self.receiver.valid.val();
+        self.byte.next = self.receiver.byte.val();
+
+        self.waits.next = (self.phase.q.val() == Phase::Length)
+            || (self.phase.q.val() == Phase::Address)
+            || (self.phase.q.val() == Phase::Data)
+            || (self.phase.q.val() == Phase::Skip);
+        self.gives_up.next =
+            self.waits.val() && !self.has_byte.val() && (self.pause.q.val() == self.time_out.val());
+        self.pause.d.next = self.pause.q.val() + 1;
+        if self.has_byte.val() || !self.waits.val() {
+            self.pause.d.next = 0.into();
+        }
+        // A word is done: the next one, or the end of the frame.
+        self.word_ends.next = false;
+        self.sender.valid.next = false;
+        match self.phase.q.val() {
+            Phase::Command => {
+                self.byte_number.d.next = 0.into();
+                if self.has_byte.val() {
+                    self.writes.d.next = self.byte.val().get_bit(0);
+                    self.is_fixed.d.next = self.byte.val() > 2;
+                    if (self.byte.val() > 0) && (self.byte.val() < 5) {
+                        self.phase.d.next = Phase::Length;
+                    } else {
+                        self.broken_q.d.next = self.broken_q.q.val() + 1;
+                    }
+                }
+            }
+            Phase::Length => {
+                if self.has_byte.val() {
+                    self.left.d.next = self.byte.val();
+                    self.phase.d.next = Phase::Address;
+                }
+            }
+            Phase::Address => {
+                if self.has_byte.val() {
+                    self.address.d.next = (self.address.q.val() << 8) | bit_cast::<32, 8>(self.byte.val());
+                    self.byte_number.d.next = self.byte_number.q.val() + 1;
+                    if self.byte_number.q.val() == 3 {
+                        self.phase.d.next = Phase::Ask;
+                        if self.writes.q.val() {
+                            self.phase.d.next = Phase::Data;
+                        }
+                        if self.left.q.val() == 0 {
+                            self.phase.d.next = Phase::Command;
+                        }
+                    }
+                }
+            }
+            Phase::Data => {
+                if self.has_byte.val() {
+                    self.word.d.next = (self.word.q.val() << 8) | bit_cast::<32, 8>(self.byte.val());
+                    self.byte_number.d.next = self.byte_number.q.val() + 1;
+                    if self.byte_number.q.val() == 3 {
+                        self.phase.d.next = Phase::Write;
+                        self.offers_address.d.next = true;
+                        self.offers_word.d.next = true;
+                        self.is_late.d.next = false;
+                    }
+                }
+            }
+            Phase::Write => {
+                if self.bus.aw_ready.val() {
+                    self.offers_address.d.next = false;
+                }
+                if self.bus.w_ready.val() {
+                    self.offers_word.d.next = false;
+                }
+                self.is_late.d.next = self.is_late.q.val() || self.has_byte.val();
+                self.word_ends.next = self.bus.b_valid.val();
+            }
+            Phase::Ask => {
+                self.offers_address.d.next = true;
+                if self.offers_address.q.val() && self.bus.ar_ready.val() {
+                    self.offers_address.d.next = false;
+                    self.phase.d.next = Phase::Read;
+                }
+            }
+            Phase::Read => {
+                if self.bus.r_valid.val() {
+                    self.word.d.next = self.bus.r_data.val();
+                    self.byte_number.d.next = 0.into();
+                    self.phase.d.next = Phase::Send;
+                }
+            }
+            Phase::Send => {
+                self.sender.valid.next = true;
+                if self.sender.ready.val() {
+                    self.word.d.next = self.word.q.val() << 8;
+                    self.byte_number.d.next = self.byte_number.q.val() + 1;
+                    self.word_ends.next = self.byte_number.q.val() == 3;
+                }
+            }
+            Phase::Skip => {}
+        }
+        if self.word_ends.val() {
+            self.left.d.next = self.left.q.val() - 1;
+            if !self.is_fixed.q.val() {
+                self.address.d.next = self.address.q.val() + 1;
+            }
+            self.phase.d.next = Phase::Ask;
+            if self.writes.q.val() {
+                self.phase.d.next = Phase::Data;
+            }
+            if self.left.q.val() == 1 {
+                self.phase.d.next = Phase::Command;
+            } else if self.writes.q.val() && (self.is_late.q.val() || self.has_byte.val()) {
+                self.phase.d.next = Phase::Skip;
+                self.broken_q.d.next = self.broken_q.q.val() + 1;
+            }
+        }
+        if self.gives_up.val() {
+            self.phase.d.next = Phase::Command;
+            if self.phase.q.val() != Phase::Skip {
+                self.broken_q.d.next = self.broken_q.q.val() + 1;
+            }
+        }
+        if self.reset.val() {
+            self.phase.d.next = Phase::Command;
+            self.pause.d.next = 0.into();
+            self.offers_address.d.next = false;
+            self.offers_word.d.next = false;
+            self.broken_q.d.next = 0.into();
+        }
+
+        self.sender.byte.next = self.word.q.val().get_bits::<8>(24);
+        self.bus.aw_addr.next = self.address.q.val() << 2;
+        self.bus.aw_valid.next = self.offers_address.q.val() && (self.phase.q.val() == Phase::Write);
+        self.bus.w_data.next = self.word.q.val();
+        self.bus.w_strb.next = 15.into();
+        self.bus.w_valid.next = self.offers_word.q.val() && (self.phase.q.val() == Phase::Write);
+        self.bus.b_ready.next = self.phase.q.val() == Phase::Write;
+        self.bus.ar_addr.next = self.address.q.val() << 2;
+        self.bus.ar_valid.next = self.offers_address.q.val() && (self.phase.q.val() == Phase::Ask);
+        self.bus.r_ready.next = self.phase.q.val() == Phase::Read;
+        self.broken.next = self.broken_q.q.val();
+    }
+}

@@ -1,0 +1,71 @@
+//! Bytes to a serial line.
+
+use crate::describe::Circuit;
+use rust_hdl::prelude::*;
+
+/// Bytes to a serial line: eight bits, the least significant first, no parity, one stop bit.
+#[derive(Circuit)]
+pub struct UartSender {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Ends the byte; the line is at rest.
+    pub reset: Signal<In, Bit>,
+    /// A byte is offered.
+    pub valid: Signal<In, Bit>,
+    /// It is taken.
+    pub ready: Signal<Out, Bit>,
+    /// It.
+    pub byte: Signal<In, Bits<8>>,
+    /// The line.
+    pub line: Signal<Out, Bit>,
+    last_cycle: Constant<Bits<16>>,
+    busy: DFF<Bit>,
+    cycle: DFF<Bits<16>>,
+    bit_number: DFF<Bits<4>>,
+    shift: DFF<Bits<9>>,
+    line_q: DFF<Bit>,
+}
+
+impl UartSender {
+    /// For a line of so many cycles a bit.
+    #[must_use]
+    pub fn new(cycles_per_bit: u16) -> Self {
+        let last_cycle = Constant::new((u64::from(cycles_per_bit) - 1).into());
+        Self::from_parts(UartSenderParts { last_cycle })
+    }
+}
+
+impl Logic for UartSender {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, busy, cycle, bit_number, shift, line_q);
+        if !self.busy.q.val() {
+            self.line_q.d.next = true;
+            self.cycle.d.next = 0.into();
+            self.bit_number.d.next = 0.into();
+            if self.valid.val() {
+                self.busy.d.next = true;
+                // The start bit first.
+                self.shift.d.next = bit_cast::<9, 8>(self.byte.val()) << 1;
+            }
+        } else {
+            self.line_q.d.next = self.shift.q.val().get_bit(0);
+            self.cycle.d.next = self.cycle.q.val() + 1;
+            if self.cycle.q.val() == self.last_cycle.val() {
+                self.cycle.d.next = 0.into();
+                self.bit_number.d.next = self.bit_number.q.val() + 1;
+                // What follows the byte is the stop bit.
+                self.shift.d.next = (self.shift.q.val() >> 1) | 0x100;
+                if self.bit_number.q.val() == 9 {
+                    self.busy.d.next = false;
+                }
+            }
+        }
+        if self.reset.val() {
+            self.busy.d.next = false;
+            self.line_q.d.next = true;
+        }
+        self.ready.next = !self.busy.q.val();
+        self.line.next = self.line_q.q.val();
+    }
+}

@@ -1,0 +1,352 @@
+//! A stream of pixels into one of three frame buffers.
+
+use super::{Buffer, Frames};
+use crate::blocks::Row;
+use crate::blocks::ram::{Ram, Shape};
+use crate::describe::Circuit;
+use crate::ports::{AxiWriteMaster, StreamIn};
+use rust_hdl::prelude::*;
+
+/// Bursts that wait for their answer at a time, at most.
+const OUTSTANDING: u64 = 8;
+
+/// Where the agent is in a frame.
+#[derive(Copy, Clone, Debug, PartialEq, LogicState)]
+enum Phase {
+    /// Waits for the first pixel of a frame; others are dropped.
+    Between,
+    /// Takes pixels.
+    Frame,
+    /// All pixels have come: writes what is left, and waits for all answers.
+    Complete,
+    /// The frame was not as it should be: waits for the answers that are still to come.
+    Broken,
+}
+
+/// A stream of pixels into one of three frame buffers, in bursts of full length.
+///
+/// A burst is asked for once all its words are here, so that it never waits for pixels. A frame counts as complete, and becomes the
+/// newest, when all its lines were of the right length, all its bursts are answered, and no answer was an error; otherwise it is counted
+/// as broken and its buffer used again. After a frame the stream waits until all answers have come. A pixel a cycle otherwise, as long
+/// as the memory keeps up.
+#[derive(Circuit)]
+pub struct WriteAgent<const W: usize, const S: usize> {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets all frames.
+    pub reset: Signal<In, Bit>,
+    /// Pixels.
+    pub pixels: StreamIn<16>,
+    /// Memory.
+    pub dram: AxiWriteMaster<W, S>,
+    /// The buffer that is being read.
+    pub reading: Signal<In, Buffer>,
+    /// The newest complete buffer.
+    pub newest: Signal<Out, Buffer>,
+    /// Complete frames.
+    pub frames: Signal<Out, Bits<32>>,
+    /// Frames that were begun and not completed.
+    pub broken: Signal<Out, Bits<32>>,
+    /// Answers that were errors.
+    pub errors: Signal<Out, Bits<32>>,
+    last_column: Constant<Bits<12>>,
+    last_row: Constant<Bits<12>>,
+    last_lane: Constant<Bits<6>>,
+    top_lane: Constant<Bits<12>>,
+    burst: Constant<Row>,
+    last_word: Constant<Row>,
+    depth: Constant<Row>,
+    row_mask: Constant<Row>,
+    burst_bytes: Constant<Bits<32>>,
+    word_size: Constant<Bits<3>>,
+    all_bytes: Constant<Bits<S>>,
+    base_0: Constant<Bits<32>>,
+    base_1: Constant<Bits<32>>,
+    base_2: Constant<Bits<32>>,
+    outstanding_most: Constant<Bits<4>>,
+    phase: DFF<Phase>,
+    column: DFF<Bits<12>>,
+    row: DFF<Bits<12>>,
+    lane: DFF<Bits<6>>,
+    word: DFF<Bits<W>>,
+    // Words of this frame: put into the RAM, announced, allowed to be sent, taken out of the RAM.
+    put: DFF<Row>,
+    announced: DFF<Row>,
+    allowed: DFF<Row>,
+    sent: DFF<Row>,
+    push: DFF<Bit>,
+    push_row: DFF<Row>,
+    asks: DFF<Bit>,
+    address: DFF<Bits<32>>,
+    asked_address: DFF<Bits<32>>,
+    asked_words: DFF<Row>,
+    sends: DFF<Bit>,
+    sent_word: DFF<Bits<W>>,
+    sent_last: DFF<Bit>,
+    outstanding: DFF<Bits<4>>,
+    failed: DFF<Bit>,
+    target: DFF<Buffer>,
+    newest_q: DFF<Buffer>,
+    frames_q: DFF<Bits<32>>,
+    broken_q: DFF<Bits<32>>,
+    errors_q: DFF<Bits<32>>,
+    ram: Ram<W>,
+    takes: Signal<Local, Bit>,
+    has_room: Signal<Local, Bit>,
+    waiting: Signal<Local, Row>,
+    words: Signal<Local, Row>,
+    moves: Signal<Local, Bit>,
+    has_word: Signal<Local, Bit>,
+    accepted: Signal<Local, Bit>,
+    answered: Signal<Local, Bit>,
+    is_quiet: Signal<Local, Bit>,
+    is_over: Signal<Local, Bit>,
+    is_line_end: Signal<Local, Bit>,
+    free: Signal<Local, Buffer>,
+}
+
+impl<const W: usize, const S: usize> WriteAgent<W, S> {
+    /// An agent for these frames.
+    ///
+    /// # Panics
+    /// For frames that no agent can do: whoever makes a design checks it (`edof_spec::board`).
+    #[must_use]
+    pub fn new(frames: &Frames) -> Self {
+        frames.check(W);
+        let row = |value: usize| Constant::new((value as u64).into());
+        let base = frames.buffers.map(|address| Constant::new(u64::from(address).into()));
+        Self::from_parts(WriteAgentParts {
+            last_column: Constant::new((frames.width as u64 - 1).into()),
+            last_row: Constant::new((frames.height as u64 - 1).into()),
+            last_lane: Constant::new((W as u64 / 16 - 1).into()),
+            top_lane: Constant::new((W as u64 - 16).into()),
+            burst: row(frames.burst),
+            last_word: row(frames.burst - 1),
+            depth: row(frames.depth),
+            row_mask: row(frames.depth - 1),
+            burst_bytes: Constant::new((frames.burst as u64 * W as u64 / 8).into()),
+            word_size: Constant::new(u64::from((W / 8).ilog2()).into()),
+            all_bytes: Constant::new(!Bits::<S>::default()),
+            base_0: base[0],
+            base_1: base[1],
+            base_2: base[2],
+            outstanding_most: Constant::new(OUTSTANDING.into()),
+            ram: Ram::new(Shape::block(frames.depth), &[]),
+        })
+    }
+}
+
+impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            phase,
+            column,
+            row,
+            lane,
+            word,
+            put,
+            announced,
+            allowed,
+            sent,
+            push,
+            push_row,
+            asks,
+            address,
+            asked_address,
+            asked_words,
+            sends,
+            sent_word,
+            sent_last,
+            outstanding,
+            failed,
+            target,
+            newest_q,
+            frames_q,
+            broken_q,
+            errors_q
+        );
+        self.ram.clock.next = self.clock.val();
+
+        // Pixels into words, words into the RAM a cycle later.
+        self.has_room.next = (self.put.q.val() - self.sent.q.val()) != self.depth.val();
+        self.takes.next = false;
+        self.pixels.ready.next = false;
+        if self.phase.q.val() == Phase::Between {
+            self.pixels.ready.next = true;
+            self.takes.next = self.pixels.valid.val() && self.pixels.user.val();
+        } else if self.phase.q.val() == Phase::Frame {
+            self.pixels.ready.next = self.has_room.val() && !self.pixels.user.val();
+            self.takes.next = self.pixels.valid.val() && self.has_room.val() && !self.pixels.user.val();
+        }
+        self.is_line_end.next = self.column.q.val() == self.last_column.val();
+        self.push.d.next = false;
+        self.push_row.d.next = self.put.q.val() & self.row_mask.val();
+        if self.takes.val() {
+            self.word.d.next = (self.word.q.val() >> 16)
+                | (bit_cast::<W, 16>(self.pixels.data.val()) << self.top_lane.val());
+            self.lane.d.next = self.lane.q.val() + 1;
+            if self.lane.q.val() == self.last_lane.val() {
+                self.lane.d.next = 0.into();
+                self.push.d.next = true;
+                self.put.d.next = self.put.q.val() + 1;
+            }
+            self.column.d.next = self.column.q.val() + 1;
+            if self.is_line_end.val() {
+                self.column.d.next = 0.into();
+                self.row.d.next = self.row.q.val() + 1;
+            }
+        }
+        self.ram.write_enable.next = self.push.q.val();
+        self.ram.write_address.next = self.push_row.q.val();
+        self.ram.write_data.next = self.word.q.val();
+
+        // Bursts: asked for when their words are here.
+        self.waiting.next = self.put.q.val() - self.announced.q.val();
+        self.words.next = self.burst.val();
+        if self.waiting.val() < self.burst.val() {
+            self.words.next = self.waiting.val();
+        }
+        self.accepted.next = self.asks.q.val() && self.dram.aw_ready.val();
+        if self.accepted.val() {
+            self.asks.d.next = false;
+            self.allowed.d.next = self.allowed.q.val() + self.asked_words.q.val();
+        }
+        if !self.asks.q.val()
+            && (self.outstanding.q.val() != self.outstanding_most.val())
+            && (((self.phase.q.val() == Phase::Frame) && (self.waiting.val() >= self.burst.val()))
+                || ((self.phase.q.val() == Phase::Complete) && self.waiting.val().any()))
+        {
+            self.asks.d.next = true;
+            self.asked_address.d.next = self.address.q.val();
+            self.asked_words.d.next = self.words.val();
+            self.address.d.next = self.address.q.val() + self.burst_bytes.val();
+            self.announced.d.next = self.announced.q.val() + self.words.val();
+        }
+
+        // Their words, by way of a register.
+        self.has_word.next = self.sent.q.val() != self.allowed.q.val();
+        self.moves.next = !self.sends.q.val() || self.dram.w_ready.val();
+        if self.moves.val() {
+            self.sends.d.next = self.has_word.val();
+            self.sent_word.d.next = self.ram.read_data.val();
+            self.sent_last.d.next = ((self.sent.q.val() & self.last_word.val()) == self.last_word.val())
+                || ((self.phase.q.val() == Phase::Complete) && (self.sent.q.val() + 1 == self.put.q.val()));
+            if self.has_word.val() {
+                self.sent.d.next = self.sent.q.val() + 1;
+            }
+        }
+        self.ram.read_address.next = self.sent.d.val() & self.row_mask.val();
+
+        // Answers.
+        self.answered.next = self.dram.b_valid.val();
+        if self.accepted.val() && !self.answered.val() {
+            self.outstanding.d.next = self.outstanding.q.val() + 1;
+        } else if self.answered.val() && !self.accepted.val() {
+            self.outstanding.d.next = self.outstanding.q.val() - 1;
+        }
+        if self.answered.val() && self.dram.b_resp.val().any() {
+            self.failed.d.next = true;
+            self.errors_q.d.next = self.errors_q.q.val() + 1;
+        }
+
+        // Frames. The next buffer is neither the newest nor the one that is read.
+        self.free.next = 0.into();
+        if (self.newest_q.q.val() == 0) || (self.reading.val() == 0) {
+            self.free.next = 1.into();
+            if (self.newest_q.q.val() == 1) || (self.reading.val() == 1) {
+                self.free.next = 2.into();
+            }
+        }
+        self.is_quiet.next = !self.asks.q.val()
+            && !self.sends.q.val()
+            && !self.push.q.val()
+            && !self.has_word.val()
+            && !self.outstanding.q.val().any();
+        self.is_over.next = self.is_quiet.val()
+            && ((self.phase.q.val() == Phase::Broken)
+                || ((self.phase.q.val() == Phase::Complete) && !self.waiting.val().any()));
+        match self.phase.q.val() {
+            Phase::Between => {
+                if self.takes.val() {
+                    self.phase.d.next = Phase::Frame;
+                    self.failed.d.next = false;
+                    self.target.d.next = self.free.val();
+                    self.address.d.next = self.base_0.val();
+                    if self.free.val() == 1 {
+                        self.address.d.next = self.base_1.val();
+                    } else if self.free.val() == 2 {
+                        self.address.d.next = self.base_2.val();
+                    }
+                }
+            }
+            Phase::Frame => {
+                if self.pixels.valid.val() && self.pixels.user.val() {
+                    self.phase.d.next = Phase::Broken;
+                }
+                if self.takes.val() {
+                    if self.pixels.last.val() != self.is_line_end.val() {
+                        self.phase.d.next = Phase::Broken;
+                    } else if self.is_line_end.val() && (self.row.q.val() == self.last_row.val()) {
+                        self.phase.d.next = Phase::Complete;
+                    }
+                }
+            }
+            Phase::Complete => {
+                if self.is_over.val() {
+                    self.phase.d.next = Phase::Between;
+                    if self.failed.q.val() {
+                        self.broken_q.d.next = self.broken_q.q.val() + 1;
+                    } else {
+                        self.frames_q.d.next = self.frames_q.q.val() + 1;
+                        self.newest_q.d.next = self.target.q.val();
+                    }
+                }
+            }
+            Phase::Broken => {
+                if self.is_over.val() {
+                    self.phase.d.next = Phase::Between;
+                    self.broken_q.d.next = self.broken_q.q.val() + 1;
+                }
+            }
+        }
+        if self.is_over.val() || self.reset.val() {
+            self.column.d.next = 0.into();
+            self.row.d.next = 0.into();
+            self.lane.d.next = 0.into();
+            self.put.d.next = 0.into();
+            self.announced.d.next = 0.into();
+            self.allowed.d.next = 0.into();
+            self.sent.d.next = 0.into();
+        }
+        if self.reset.val() {
+            self.phase.d.next = Phase::Between;
+            self.push.d.next = false;
+            self.asks.d.next = false;
+            self.sends.d.next = false;
+            self.outstanding.d.next = 0.into();
+            self.newest_q.d.next = 3.into();
+            self.frames_q.d.next = 0.into();
+            self.broken_q.d.next = 0.into();
+            self.errors_q.d.next = 0.into();
+        }
+
+        self.dram.aw_id.next = 0.into();
+        self.dram.aw_addr.next = self.asked_address.q.val();
+        self.dram.aw_len.next = (self.asked_words.q.val() - 1).get_bits::<8>(0);
+        self.dram.aw_size.next = self.word_size.val();
+        self.dram.aw_burst.next = 1.into();
+        self.dram.aw_valid.next = self.asks.q.val();
+        self.dram.w_data.next = self.sent_word.q.val();
+        self.dram.w_strb.next = self.all_bytes.val();
+        self.dram.w_last.next = self.sent_last.q.val();
+        self.dram.w_valid.next = self.sends.q.val();
+        self.dram.b_ready.next = true;
+        self.newest.next = self.newest_q.q.val();
+        self.frames.next = self.frames_q.q.val();
+        self.broken.next = self.broken_q.q.val();
+        self.errors.next = self.errors_q.q.val();
+    }
+}

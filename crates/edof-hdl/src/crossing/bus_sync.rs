@@ -1,0 +1,112 @@
+//! Leaf `edof_bus_sync`: a word now and then into another clock domain, all its bits at once.
+
+use crate::describe::Circuit;
+use crate::leaf::Leaf;
+use rust_hdl::prelude::*;
+
+/// A word that is given while `ready` arrives three to four cycles later and stands until the next one; 0 before the first. Both
+/// resets come from the same request and overlap.
+#[derive(Circuit)]
+pub struct BusSync<const W: usize> {
+    /// Clock of the sender.
+    pub from_clock: Signal<In, Clock>,
+    /// Forgets a word on its way, together with the receiver's reset.
+    pub from_reset: Signal<In, Bit>,
+    /// A word is offered.
+    pub valid: Signal<In, Bit>,
+    /// It is taken, if there is one.
+    pub ready: Signal<Out, Bit>,
+    /// The word.
+    pub word: Signal<In, Bits<W>>,
+    /// Clock of the receiver.
+    pub to_clock: Signal<In, Clock>,
+    /// Back to 0, together with the sender's reset.
+    pub to_reset: Signal<In, Bit>,
+    /// A word has come in this cycle.
+    pub arrives: Signal<Out, Bit>,
+    /// The last word that came.
+    pub arrived: Signal<Out, Bits<W>>,
+    _handshake: Handshake,
+    _held: Bits<W>,
+    _word: Bits<W>,
+}
+
+/// A toggle that goes there and back through two flip-flops each way.
+#[derive(Default)]
+pub(super) struct Handshake {
+    asked: bool,
+    told: bool,
+    asked_seen: [bool; 2],
+    told_seen: [bool; 2],
+    /// Something has come at the receiver's last edge.
+    pub arrived: bool,
+}
+
+impl Handshake {
+    /// The sender may ask.
+    pub const fn is_ready(&self) -> bool {
+        self.asked == self.told_seen[1]
+    }
+
+    /// An edge of the sender (reset, whether it asks), of the receiver (reset), or of both.
+    pub fn step(&mut self, from: Option<(bool, bool)>, to: Option<bool>) {
+        let (asked, told) = (self.asked, self.told);
+        if let Some((reset, asks)) = from {
+            self.asked = !reset && (asked ^ (asks && self.is_ready()));
+            self.told_seen = [told, self.told_seen[0]];
+        }
+        if let Some(reset) = to {
+            self.arrived = !reset && self.asked_seen[1] != told;
+            self.told = !reset && self.asked_seen[1];
+            self.asked_seen = [asked, self.asked_seen[0]];
+        }
+    }
+}
+
+impl<const W: usize> Default for BusSync<W> {
+    fn default() -> Self {
+        let (_held, _word) = (0.into(), 0.into());
+        Self::from_parts(BusSyncParts { _handshake: Handshake::default(), _held, _word })
+    }
+}
+
+impl<const W: usize> Logic for BusSync<W> {
+    fn update(&mut self) {
+        let from = self.from_clock.pos_edge().then(|| (self.from_reset.val(), self.valid.val()));
+        let to = self.to_clock.pos_edge().then(|| self.to_reset.val());
+        let taken = from.is_some_and(|(_, valid)| valid) && self._handshake.is_ready();
+        self._handshake.step(from, to);
+        match to {
+            Some(true) => self._word = 0.into(),
+            Some(false) if self._handshake.arrived => self._word = self._held,
+            _ => {}
+        }
+        if taken {
+            self._held = self.word.val();
+        }
+        self.ready.next = self._handshake.is_ready();
+        self.arrives.next = self._handshake.arrived;
+        self.arrived.next = self._word;
+    }
+
+    fn connect(&mut self) {
+        self.ready.connect();
+        self.arrives.connect();
+        self.arrived.connect();
+    }
+
+    fn hdl(&self) -> Verilog {
+        Leaf::new("edof_bus_sync")
+            .parameter("WIDTH", W)
+            .port("from_clock_i", "from_clock")
+            .port("from_reset_i", "from_reset")
+            .port("valid_i", "valid")
+            .port("ready_o", "ready")
+            .port("word_i", "word")
+            .port("to_clock_i", "to_clock")
+            .port("to_reset_i", "to_reset")
+            .port("valid_o", "arrives")
+            .port("word_o", "arrived")
+            .verilog()
+    }
+}

@@ -1,0 +1,27 @@
+//! The ways from one clock domain to another.
+//!
+//! | leaf | carries |
+//! |---|---|
+//! | [`sync`] | levels, each by itself, or a Gray code |
+//! | [`reset_sync`] | a reset into a domain |
+//! | [`pulse_sync`] | pulses, one for one |
+//! | [`bus_sync`] | a word now and then |
+//! | [`async_fifo`] | a word a cycle |
+//! | [`pixel_fifo`] | the same as a block: a stream of pixels |
+//!
+//! Each but the last is a leaf of `rtl/`, and here as its model. A model sees every change at the first edge after it; in Verilog, with
+//! `EDOF_METASTABLE` defined, each bit is seen then or an edge later, by lot, as on a real chip.
+
+pub mod async_fifo;
+pub mod bus_sync;
+pub mod pixel_fifo;
+pub mod pulse_sync;
+pub mod reset_sync;
+pub mod sync;
+
+pub use async_fifo::AsyncFifo;
+pub use bus_sync::BusSync;
+pub use pixel_fifo::PixelFifo;
+pub use pulse_sync::PulseSync;
+pub use reset_sync::ResetSync;
+pub use sync::Sync;

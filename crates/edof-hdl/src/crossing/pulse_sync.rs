@@ -1,0 +1,59 @@
+//! Leaf `edof_pulse_sync`: pulses of one clock domain as pulses of another.
+
+use super::bus_sync::Handshake;
+use crate::describe::Circuit;
+use crate::leaf::Leaf;
+use rust_hdl::prelude::*;
+
+/// One pulse for each that is given while `ready`, three to four cycles later. Both resets come from the same request and overlap.
+#[derive(Circuit)]
+pub struct PulseSync {
+    /// Clock of the sender.
+    pub from_clock: Signal<In, Clock>,
+    /// Forgets a pulse on its way, together with the receiver's reset.
+    pub from_reset: Signal<In, Bit>,
+    /// A pulse.
+    pub pulse: Signal<In, Bit>,
+    /// It is taken, if there is one.
+    pub ready: Signal<Out, Bit>,
+    /// Clock of the receiver.
+    pub to_clock: Signal<In, Clock>,
+    /// Forgets a pulse on its way, together with the sender's reset.
+    pub to_reset: Signal<In, Bit>,
+    /// The pulse.
+    pub arrives: Signal<Out, Bit>,
+    _handshake: Handshake,
+}
+
+impl Default for PulseSync {
+    fn default() -> Self {
+        Self::from_parts(PulseSyncParts { _handshake: Handshake::default() })
+    }
+}
+
+impl Logic for PulseSync {
+    fn update(&mut self) {
+        let from = self.from_clock.pos_edge().then(|| (self.from_reset.val(), self.pulse.val()));
+        let to = self.to_clock.pos_edge().then(|| self.to_reset.val());
+        self._handshake.step(from, to);
+        self.ready.next = self._handshake.is_ready();
+        self.arrives.next = self._handshake.arrived;
+    }
+
+    fn connect(&mut self) {
+        self.ready.connect();
+        self.arrives.connect();
+    }
+
+    fn hdl(&self) -> Verilog {
+        Leaf::new("edof_pulse_sync")
+            .port("from_clock_i", "from_clock")
+            .port("from_reset_i", "from_reset")
+            .port("pulse_i", "pulse")
+            .port("ready_o", "ready")
+            .port("to_clock_i", "to_clock")
+            .port("to_reset_i", "to_reset")
+            .port("pulse_o", "arrives")
+            .verilog()
+    }
+}

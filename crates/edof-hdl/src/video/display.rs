@@ -1,0 +1,606 @@
+//! From overlap-added words to the codes on the wire (docs/contract.md, section 5).
+
+use super::memory::Memory;
+use super::queue::Queue;
+use super::scale::Scale;
+use super::{Factor, Wide};
+use crate::blocks::delay::Delay;
+use crate::blocks::{Pair, Word};
+use crate::describe::Circuit;
+use edof_spec::display::{
+    BLACK, CHROMA_ZERO, TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
+};
+use rust_hdl::prelude::*;
+
+/// From overlap-added words to the 8-bit codes on the wire: luma only by one table, or colour by a table for each of red, green, blue.
+/// Pairs of pixels in, pixels out, line by line; one pixel a cycle, so a pair every second cycle, 25 cycles from a pair's successor,
+/// whose chroma its right pixel needs, to its codes. `colour` is looked at with each frame's first pair. A table may be written at any
+/// time; pixels on their way may read either entry. Counters stand a few cycles later.
+#[derive(Circuit)]
+#[circuit(default(Delay, Scale))]
+pub struct Display {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets the picture; tables stay.
+    pub reset: Signal<In, Bit>,
+    /// A pair of pixels stands on the input.
+    pub valid: Signal<In, Bit>,
+    /// It is taken in this cycle, if there is one.
+    pub ready: Signal<Out, Bit>,
+    /// Its luma words, the left one low.
+    pub luma: Signal<In, Pair>,
+    /// Its chroma words, Cb low.
+    pub chroma: Signal<In, Pair>,
+    /// Whether it is its frame's first.
+    pub first: Signal<In, Bit>,
+    /// Whether it is its line's last.
+    pub last: Signal<In, Bit>,
+    /// Colour, or luma only.
+    pub colour: Signal<In, Bit>,
+    /// A pixel stands on the output.
+    pub pixels_valid: Signal<Out, Bit>,
+    /// The receiver takes it.
+    pub pixels_ready: Signal<In, Bit>,
+    /// It: Y' low; high Cb' of the left pixel of a pair, Cr' of the right one.
+    pub pixels_data: Signal<Out, Word>,
+    /// Whether it is its frame's first.
+    pub pixels_user: Signal<Out, Bit>,
+    /// Whether it is its line's last.
+    pub pixels_last: Signal<Out, Bit>,
+    /// Writes an entry of a table.
+    pub table_write: Signal<In, Bit>,
+    /// Which: 0 luma, 1 red, 2 green, 3 blue.
+    pub table_select: Signal<In, Bits<2>>,
+    /// Entry: a luma word, or light.
+    pub table_address: Signal<In, Bits<15>>,
+    /// A luma code, or encoded light.
+    pub table_data: Signal<In, Bits<12>>,
+    /// Sets both counters to zero.
+    pub clear: Signal<In, Bit>,
+    /// Chroma codes that were clamped (luma only).
+    pub clamped_chroma: Signal<Out, Bits<32>>,
+    /// Pixels with less than no or more than full light of a colour (colour).
+    pub out_of_gamut: Signal<Out, Bits<32>>,
+    red_of_cr: Constant<Factor>,
+    green_of_cb: Constant<Factor>,
+    green_of_cr: Constant<Factor>,
+    blue_of_cb: Constant<Factor>,
+    light_half: Constant<Wide>,
+    light_sign: Constant<Wide>,
+    to_luma: [Constant<Factor>; 3],
+    luma_base: Constant<Wide>,
+    to_cb: [Constant<Factor>; 3],
+    to_cr: [Constant<Factor>; 3],
+    chroma_base: Constant<Wide>,
+    next_valid: DFF<Bit>,
+    next_luma: DFF<Pair>,
+    next_chroma: DFF<Pair>,
+    next_first: DFF<Bit>,
+    next_last: DFF<Bit>,
+    held_valid: DFF<Bit>,
+    held_luma: DFF<Pair>,
+    held_chroma: DFF<Pair>,
+    held_first: DFF<Bit>,
+    held_last: DFF<Bit>,
+    odd: DFF<Bit>,
+    starts: DFF<Bit>,
+    colour_q: DFF<Bit>,
+    marks_0: DFF<Bits<6>>,
+    luma_0: DFF<Word>,
+    site_0: DFF<Pair>,
+    cb_0: DFF<Factor>,
+    cr_0: DFF<Factor>,
+    luma_1: DFF<Word>,
+    to_2: Delay<6, 2>,
+    to_6: Delay<6, 4>,
+    to_8: Delay<6, 2>,
+    to_9: Delay<6, 1>,
+    to_10: Delay<6, 1>,
+    to_11: Delay<6, 1>,
+    to_15: Delay<6, 4>,
+    to_17: Delay<6, 2>,
+    to_18: Delay<6, 1>,
+    red_light: Scale,
+    green_light: Scale,
+    green_whole: Scale,
+    blue_light: Scale,
+    red_to_5: Delay<18, 2>,
+    cr_to_2: Delay<18, 2>,
+    blue_to_5: Delay<18, 2>,
+    address_6: [DFF<Bits<14>>; 3],
+    outside_6: [DFF<Bit>; 3],
+    gamut_7: DFF<Bit>,
+    tables: [Memory<12>; 3],
+    green_to_10: Delay<12, 2>,
+    blue_to_12: Delay<12, 4>,
+    luma_sums: [Scale; 3],
+    even_q: [DFF<Bits<14>>; 3],
+    before_q: [DFF<Bits<14>>; 3],
+    outer_9: [DFF<Bits<14>>; 3],
+    filtered_10: [DFF<Bits<14>>; 3],
+    green_to_12: Delay<14, 2>,
+    blue_to_14: Delay<14, 4>,
+    second_to_12: Delay<1, 2>,
+    second_to_14: Delay<1, 2>,
+    chroma_sums: [Scale; 3],
+    cb_18: DFF<Bits<8>>,
+    index_1: DFF<Bits<15>>,
+    luma_table: Memory<8>,
+    luma_to_15: Delay<8, 12>,
+    rounded_1: [DFF<Bits<17>>; 2],
+    site_2: [DFF<Bits<8>>; 2],
+    clamped_2: [DFF<Bit>; 2],
+    clamped_3: DFF<Bits<2>>,
+    site_to_18: Delay<16, 16>,
+    luma_16: DFF<Bits<8>>,
+    luma_17: DFF<Bits<8>>,
+    luma_18: DFF<Bits<8>>,
+    even_luma: DFF<Bits<8>>,
+    push_19: DFF<Bit>,
+    done_19: DFF<Bits<34>>,
+    queue: Queue<34>,
+    right: DFF<Bit>,
+    clamped_q: DFF<Bits<32>>,
+    gamut_q: DFF<Bits<32>>,
+    accept: Signal<Local, Bit>,
+    step_even: Signal<Local, Bit>,
+    step_odd: Signal<Local, Bit>,
+    moves: Signal<Local, Bit>,
+    colour_now: Signal<Local, Bit>,
+    neighbour: Signal<Local, Pair>,
+    marks: Signal<Local, Bits<6>>,
+    cb_here: Signal<Local, Factor>,
+    cr_here: Signal<Local, Factor>,
+    cb_there: Signal<Local, Factor>,
+    cr_there: Signal<Local, Factor>,
+    light_base: Signal<Local, Wide>,
+    light: [Signal<Local, Bits<18>>; 3],
+    encoded: [Signal<Local, Bits<12>>; 3],
+    once_8: [Signal<Local, Bits<14>>; 3],
+    odd_8: Signal<Local, Bit>,
+    even_8: Signal<Local, Bit>,
+    odd_9: Signal<Local, Bit>,
+    second: Signal<Local, Bits<1>>,
+    site: [Signal<Local, Bits<17>>; 2],
+    site_18: Signal<Local, Bits<16>>,
+    ends_18: Signal<Local, Bits<2>>,
+}
+
+/// A coefficient in two's complement.
+fn factor(value: i32) -> Constant<Factor> {
+    Constant::new(((value as u64) & 0x3_ffff).into())
+}
+
+/// One half of the last place kept, and `zero` of those.
+fn base(shift: u32, zero: u64) -> Constant<Wide> {
+    Constant::new(((1u64 << (shift - 1)) + (zero << shift)).into())
+}
+
+/// Where the images of the tables lie, by the table's number.
+pub const TABLE_IMAGES: [&str; 4] =
+    ["mem/display_luma.hex", "mem/display_red.hex", "mem/display_green.hex", "mem/display_blue.hex"];
+
+impl Display {
+    /// The display with the tables that it starts with: 2¹⁵ luma codes and 2¹⁴ entries of 12 bits for red, green and blue.
+    #[must_use]
+    pub fn new(luma: &[u64], colours: [&[u64]; 3]) -> Self {
+        let table = |i: usize| Memory::loaded(TABLE_IMAGES[i + 1], colours[i]);
+        Self::from_parts(DisplayParts {
+            red_of_cr: factor(TO_RGB[0][1]),
+            green_of_cb: factor(TO_RGB[1][0]),
+            green_of_cr: factor(TO_RGB[1][1]),
+            blue_of_cb: factor(TO_RGB[2][0]),
+            light_half: base(TO_RGB_SHIFT, 0),
+            light_sign: Constant::new((((1u64 << 48) - 1) & !((1 << (16 + TO_RGB_SHIFT)) - 1)).into()),
+            to_luma: TO_LUMA.map(factor),
+            luma_base: base(TO_LUMA_SHIFT, u64::from(BLACK)),
+            to_cb: TO_CHROMA[0].map(factor),
+            to_cr: TO_CHROMA[1].map(factor),
+            chroma_base: base(TO_CHROMA_SHIFT, CHROMA_ZERO as u64),
+            tables: [table(0), table(1), table(2)],
+            luma_table: Memory::loaded(TABLE_IMAGES[0], luma),
+            queue: Queue::new(16),
+        })
+    }
+}
+
+impl Logic for Display {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            next_valid,
+            next_luma,
+            next_chroma,
+            next_first,
+            next_last,
+            held_valid,
+            held_luma,
+            held_chroma,
+            held_first,
+            held_last,
+            odd,
+            starts,
+            colour_q,
+            marks_0,
+            luma_0,
+            site_0,
+            cb_0,
+            cr_0,
+            luma_1,
+            gamut_7,
+            cb_18,
+            index_1,
+            clamped_3,
+            luma_16,
+            luma_17,
+            luma_18,
+            even_luma,
+            push_19,
+            done_19,
+            right,
+            clamped_q,
+            gamut_q
+        );
+        self.to_2.clock.next = self.clock.val();
+        self.to_6.clock.next = self.clock.val();
+        self.to_8.clock.next = self.clock.val();
+        self.to_9.clock.next = self.clock.val();
+        self.to_10.clock.next = self.clock.val();
+        self.to_11.clock.next = self.clock.val();
+        self.to_15.clock.next = self.clock.val();
+        self.to_17.clock.next = self.clock.val();
+        self.to_18.clock.next = self.clock.val();
+        self.red_light.clock.next = self.clock.val();
+        self.green_light.clock.next = self.clock.val();
+        self.green_whole.clock.next = self.clock.val();
+        self.blue_light.clock.next = self.clock.val();
+        self.red_to_5.clock.next = self.clock.val();
+        self.cr_to_2.clock.next = self.clock.val();
+        self.blue_to_5.clock.next = self.clock.val();
+        self.green_to_10.clock.next = self.clock.val();
+        self.blue_to_12.clock.next = self.clock.val();
+        self.green_to_12.clock.next = self.clock.val();
+        self.blue_to_14.clock.next = self.clock.val();
+        self.second_to_12.clock.next = self.clock.val();
+        self.second_to_14.clock.next = self.clock.val();
+        self.luma_table.clock.next = self.clock.val();
+        self.luma_to_15.clock.next = self.clock.val();
+        self.site_to_18.clock.next = self.clock.val();
+        self.queue.clock.next = self.clock.val();
+        self.queue.reset.next = self.reset.val();
+
+        // In: the pair that is shown, and the one after it.
+        self.ready.next = self.queue.room.val() && !self.next_valid.q.val();
+        self.accept.next = self.valid.val() && self.queue.room.val() && !self.next_valid.q.val();
+        self.step_even.next = self.held_valid.q.val() && !self.odd.q.val();
+        self.step_odd.next = self.held_valid.q.val()
+            && self.odd.q.val()
+            && (self.held_last.q.val() || self.next_valid.q.val());
+        self.moves.next = self.step_odd.val() || !self.held_valid.q.val();
+        if self.moves.val() {
+            self.held_valid.d.next = self.next_valid.q.val();
+            self.held_luma.d.next = self.next_luma.q.val();
+            self.held_chroma.d.next = self.next_chroma.q.val();
+            self.held_first.d.next = self.next_first.q.val();
+            self.held_last.d.next = self.next_last.q.val();
+            self.next_valid.d.next = false;
+        }
+        if self.accept.val() {
+            self.next_valid.d.next = true;
+            self.next_luma.d.next = self.luma.val();
+            self.next_chroma.d.next = self.chroma.val();
+            self.next_first.d.next = self.first.val();
+            self.next_last.d.next = self.last.val();
+        }
+        if self.step_even.val() {
+            self.odd.d.next = true;
+        }
+        if self.step_odd.val() {
+            self.odd.d.next = false;
+            self.starts.d.next = self.held_last.q.val();
+        }
+        self.colour_now.next = self.colour_q.q.val();
+        if self.held_first.q.val() && !self.odd.q.val() {
+            self.colour_now.next = self.colour.val();
+        }
+        if self.step_even.val() {
+            self.colour_q.d.next = self.colour_now.val();
+        }
+
+        // Cycle 0: the pixel, its chroma doubled. What travels with it: bit 0 it is one, 1 odd, 2 of its line's first pair,
+        // 3 of its frame's first, 4 of its line's last, 5 in colour.
+        self.marks.next = 0.into();
+        if self.step_even.val() {
+            self.marks.next = 1.into();
+        }
+        if self.step_odd.val() {
+            self.marks.next = 3.into();
+        }
+        self.marks_0.d.next = self.marks.val()
+            | (bit_cast::<6, 1>(self.starts.q.val().into()) << 2)
+            | (bit_cast::<6, 1>(self.held_first.q.val().into()) << 3)
+            | (bit_cast::<6, 1>(self.held_last.q.val().into()) << 4)
+            | (bit_cast::<6, 1>(self.colour_now.val().into()) << 5);
+        self.neighbour.next = self.next_chroma.q.val();
+        if self.held_last.q.val() || !self.odd.q.val() {
+            self.neighbour.next = self.held_chroma.q.val();
+        }
+        self.cb_here.next = bit_cast::<18, 16>(self.held_chroma.q.val().get_bits::<16>(0));
+        if self.held_chroma.q.val().get_bit(15) {
+            self.cb_here.next = bit_cast::<18, 16>(self.held_chroma.q.val().get_bits::<16>(0)) | 0x3_0000;
+        }
+        self.cr_here.next = bit_cast::<18, 16>(self.held_chroma.q.val().get_bits::<16>(16));
+        if self.held_chroma.q.val().get_bit(31) {
+            self.cr_here.next = bit_cast::<18, 16>(self.held_chroma.q.val().get_bits::<16>(16)) | 0x3_0000;
+        }
+        self.cb_there.next = bit_cast::<18, 16>(self.neighbour.val().get_bits::<16>(0));
+        if self.neighbour.val().get_bit(15) {
+            self.cb_there.next = bit_cast::<18, 16>(self.neighbour.val().get_bits::<16>(0)) | 0x3_0000;
+        }
+        self.cr_there.next = bit_cast::<18, 16>(self.neighbour.val().get_bits::<16>(16));
+        if self.neighbour.val().get_bit(31) {
+            self.cr_there.next = bit_cast::<18, 16>(self.neighbour.val().get_bits::<16>(16)) | 0x3_0000;
+        }
+        self.cb_0.d.next = self.cb_here.val() + self.cb_there.val();
+        self.cr_0.d.next = self.cr_here.val() + self.cr_there.val();
+        self.luma_0.d.next = self.held_luma.q.val().get_bits::<16>(0);
+        if self.odd.q.val() {
+            self.luma_0.d.next = self.held_luma.q.val().get_bits::<16>(16);
+        }
+        self.site_0.d.next = self.held_chroma.q.val();
+        self.to_2.now.next = self.marks_0.q.val();
+        self.to_6.now.next = self.to_2.later.val();
+        self.to_8.now.next = self.to_6.later.val();
+        self.to_9.now.next = self.to_8.later.val();
+        self.to_10.now.next = self.to_9.later.val();
+        self.to_11.now.next = self.to_10.later.val();
+        self.to_15.now.next = self.to_11.later.val();
+        self.to_17.now.next = self.to_15.later.val();
+        self.to_18.now.next = self.to_17.later.val();
+
+        // To cycle 5: light. Luma joins a cycle after chroma.
+        self.luma_1.d.next = self.luma_0.q.val();
+        self.light_base.next = (bit_cast::<48, 16>(self.luma_1.q.val()) << 17) | self.light_half.val();
+        if self.luma_1.q.val().get_bit(15) {
+            self.light_base.next = (bit_cast::<48, 16>(self.luma_1.q.val()) << 17)
+                | self.light_half.val()
+                | self.light_sign.val();
+        }
+        self.red_light.value.next = self.cr_0.q.val();
+        self.red_light.factor.next = self.red_of_cr.val();
+        self.red_light.addend.next = self.light_base.val();
+        self.green_light.value.next = self.cb_0.q.val();
+        self.green_light.factor.next = self.green_of_cb.val();
+        self.green_light.addend.next = self.light_base.val();
+        self.cr_to_2.now.next = self.cr_0.q.val();
+        self.green_whole.value.next = self.cr_to_2.later.val();
+        self.green_whole.factor.next = self.green_of_cr.val();
+        self.green_whole.addend.next = self.green_light.sum.val();
+        self.blue_light.value.next = self.cb_0.q.val();
+        self.blue_light.factor.next = self.blue_of_cb.val();
+        self.blue_light.addend.next = self.light_base.val();
+        self.red_to_5.now.next = self.red_light.sum.val().get_bits::<18>(17);
+        self.blue_to_5.now.next = self.blue_light.sum.val().get_bits::<18>(17);
+        self.light[0].next = self.red_to_5.later.val();
+        self.light[1].next = self.green_whole.sum.val().get_bits::<18>(17);
+        self.light[2].next = self.blue_to_5.later.val();
+
+        // Cycles 6 to 8: tables.
+        for i in 0..3 {
+            self.address_6[i].clock.next = self.clock.val();
+            self.outside_6[i].clock.next = self.clock.val();
+            self.address_6[i].d.next = self.light[i].val().get_bits::<14>(0);
+            self.outside_6[i].d.next = false;
+            if self.light[i].val().get_bit(17) {
+                self.address_6[i].d.next = 0.into();
+                self.outside_6[i].d.next = true;
+            } else if self.light[i].val().get_bits::<3>(14).any() {
+                self.address_6[i].d.next = 0x3fff.into();
+                self.outside_6[i].d.next = self.light[i].val().get_bits::<2>(15).any()
+                    || self.light[i].val().get_bits::<14>(0).any();
+            }
+            self.tables[i].clock.next = self.clock.val();
+            self.tables[i].write_address.next = bit_cast::<16, 15>(self.table_address.val());
+            self.tables[i].write_data.next = self.table_data.val();
+            self.encoded[i].next = self.tables[i].read_data.val();
+        }
+        self.tables[0].read_address.next = bit_cast::<16, 14>(self.address_6[0].q.val());
+        self.tables[1].read_address.next = bit_cast::<16, 14>(self.address_6[1].q.val());
+        self.tables[2].read_address.next = bit_cast::<16, 14>(self.address_6[2].q.val());
+        self.tables[0].write_enable.next = self.table_write.val() && (self.table_select.val() == 1);
+        self.tables[1].write_enable.next = self.table_write.val() && (self.table_select.val() == 2);
+        self.tables[2].write_enable.next = self.table_write.val() && (self.table_select.val() == 3);
+
+        // To cycle 15: luma.
+        for i in 0..3 {
+            self.luma_sums[i].clock.next = self.clock.val();
+            self.luma_sums[i].factor.next = self.to_luma[i].val();
+        }
+        self.green_to_10.now.next = self.encoded[1].val();
+        self.blue_to_12.now.next = self.encoded[2].val();
+        self.luma_sums[0].value.next = bit_cast::<18, 12>(self.encoded[0].val());
+        self.luma_sums[0].addend.next = self.luma_base.val();
+        self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_10.later.val());
+        self.luma_sums[1].addend.next = self.luma_sums[0].sum.val();
+        self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_12.later.val());
+        self.luma_sums[2].addend.next = self.luma_sums[1].sum.val();
+
+        // Cycles 8 to 10: each colour of a pair's odd pixel, of its even one twice, and of the odd one before, which a line's
+        // first pair does not have: mirrored, it is the one after.
+        self.odd_8.next = self.to_8.later.val().get_bit(0) && self.to_8.later.val().get_bit(1);
+        self.even_8.next = self.to_8.later.val().get_bit(0) && !self.to_8.later.val().get_bit(1);
+        self.odd_9.next = self.to_9.later.val().get_bit(0) && self.to_9.later.val().get_bit(1);
+        self.once_8[0].next = bit_cast::<14, 12>(self.encoded[0].val());
+        self.once_8[1].next = bit_cast::<14, 12>(self.encoded[1].val());
+        self.once_8[2].next = bit_cast::<14, 12>(self.encoded[2].val());
+        for i in 0..3 {
+            self.even_q[i].clock.next = self.clock.val();
+            self.before_q[i].clock.next = self.clock.val();
+            self.outer_9[i].clock.next = self.clock.val();
+            self.filtered_10[i].clock.next = self.clock.val();
+            self.even_q[i].d.next = self.even_q[i].q.val();
+            if self.even_8.val() {
+                self.even_q[i].d.next = self.once_8[i].val();
+            }
+            self.before_q[i].d.next = self.before_q[i].q.val();
+            if self.odd_8.val() {
+                self.before_q[i].d.next = self.once_8[i].val();
+            }
+            self.outer_9[i].d.next = self.once_8[i].val() + self.before_q[i].q.val();
+            if self.to_8.later.val().get_bit(2) {
+                self.outer_9[i].d.next = self.once_8[i].val() << 1;
+            }
+            self.filtered_10[i].d.next = self.filtered_10[i].q.val();
+            if self.odd_9.val() {
+                self.filtered_10[i].d.next = self.outer_9[i].q.val() + (self.even_q[i].q.val() << 1);
+            }
+        }
+
+        // To cycle 17 Cb, to cycle 18 Cr of a pair: its filtered colours stand for two cycles.
+        self.second.next = 0.into();
+        if self.to_11.later.val().get_bit(0) && self.to_11.later.val().get_bit(1) {
+            self.second.next = 1.into();
+        }
+        self.second_to_12.now.next = self.second.val();
+        self.second_to_14.now.next = self.second_to_12.later.val();
+        self.green_to_12.now.next = self.filtered_10[1].q.val();
+        self.blue_to_14.now.next = self.filtered_10[2].q.val();
+        for i in 0..3 {
+            self.chroma_sums[i].clock.next = self.clock.val();
+        }
+        self.chroma_sums[0].value.next = bit_cast::<18, 14>(self.filtered_10[0].q.val());
+        self.chroma_sums[0].addend.next = self.chroma_base.val();
+        self.chroma_sums[0].factor.next = self.to_cb[0].val();
+        if self.second.val().any() {
+            self.chroma_sums[0].factor.next = self.to_cr[0].val();
+        }
+        self.chroma_sums[1].value.next = bit_cast::<18, 14>(self.green_to_12.later.val());
+        self.chroma_sums[1].addend.next = self.chroma_sums[0].sum.val();
+        self.chroma_sums[1].factor.next = self.to_cb[1].val();
+        if self.second_to_12.later.val().any() {
+            self.chroma_sums[1].factor.next = self.to_cr[1].val();
+        }
+        self.chroma_sums[2].value.next = bit_cast::<18, 14>(self.blue_to_14.later.val());
+        self.chroma_sums[2].addend.next = self.chroma_sums[1].sum.val();
+        self.chroma_sums[2].factor.next = self.to_cb[2].val();
+        if self.second_to_14.later.val().any() {
+            self.chroma_sums[2].factor.next = self.to_cr[2].val();
+        }
+        self.cb_18.d.next = self.chroma_sums[2].sum.val().get_bits::<8>(22);
+
+        // Luma only: a table for luma, read in cycles 1 to 3; chroma rounds in cycles 1 and 2.
+        self.index_1.d.next = self.luma_0.q.val().get_bits::<15>(0);
+        if self.luma_0.q.val().get_bit(15) {
+            self.index_1.d.next = 0.into();
+        }
+        self.luma_table.read_address.next = bit_cast::<16, 15>(self.index_1.q.val());
+        self.luma_table.write_enable.next = self.table_write.val() && (self.table_select.val() == 0);
+        self.luma_table.write_address.next = bit_cast::<16, 15>(self.table_address.val());
+        self.luma_table.write_data.next = self.table_data.val().get_bits::<8>(0);
+        self.luma_to_15.now.next = self.luma_table.read_data.val();
+        self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
+        if self.site_0.q.val().get_bit(15) {
+            self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0)) | 0x1_0000;
+        }
+        self.site[1].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(16));
+        if self.site_0.q.val().get_bit(31) {
+            self.site[1].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(16)) | 0x1_0000;
+        }
+        for i in 0..2 {
+            self.rounded_1[i].clock.next = self.clock.val();
+            self.site_2[i].clock.next = self.clock.val();
+            self.clamped_2[i].clock.next = self.clock.val();
+            self.rounded_1[i].d.next = self.site[i].val() + 64;
+            self.site_2[i].d.next = self.rounded_1[i].q.val().get_bits::<8>(7) ^ 0x80;
+            self.clamped_2[i].d.next = false;
+            if self.rounded_1[i].q.val().get_bit(16) {
+                if self.rounded_1[i].q.val().get_bits::<9>(7) <= 0x180 {
+                    self.site_2[i].d.next = 1.into();
+                    self.clamped_2[i].d.next = true;
+                }
+            } else if self.rounded_1[i].q.val().get_bits::<9>(7) > 126 {
+                self.site_2[i].d.next = 254.into();
+                self.clamped_2[i].d.next = true;
+            }
+        }
+        self.site_to_18.now.next =
+            (bit_cast::<16, 8>(self.site_2[1].q.val()) << 8) | bit_cast::<16, 8>(self.site_2[0].q.val());
+
+        // Out: the codes of a pair, once those of its odd pixel are there.
+        self.luma_16.d.next = self.luma_to_15.later.val();
+        if self.to_15.later.val().get_bit(5) {
+            self.luma_16.d.next = self.luma_sums[2].sum.val().get_bits::<8>(20);
+        }
+        self.luma_17.d.next = self.luma_16.q.val();
+        self.luma_18.d.next = self.luma_17.q.val();
+        if self.to_17.later.val().get_bit(0) && !self.to_17.later.val().get_bit(1) {
+            self.even_luma.d.next = self.luma_17.q.val();
+        }
+        self.site_18.next = self.site_to_18.later.val();
+        if self.to_18.later.val().get_bit(5) {
+            self.site_18.next = (bit_cast::<16, 8>(self.chroma_sums[2].sum.val().get_bits::<8>(22)) << 8)
+                | bit_cast::<16, 8>(self.cb_18.q.val());
+        }
+        self.ends_18.next = self.to_18.later.val().get_bits::<2>(3);
+        self.push_19.d.next = self.to_18.later.val().get_bit(0) && self.to_18.later.val().get_bit(1);
+        self.done_19.d.next = (bit_cast::<34, 2>(self.ends_18.val()) << 32)
+            | (bit_cast::<34, 8>(self.site_18.val().get_bits::<8>(8)) << 24)
+            | (bit_cast::<34, 8>(self.luma_18.q.val()) << 16)
+            | (bit_cast::<34, 8>(self.site_18.val().get_bits::<8>(0)) << 8)
+            | bit_cast::<34, 8>(self.even_luma.q.val());
+        self.queue.push.next = self.push_19.q.val();
+        self.queue.data.next = self.done_19.q.val();
+        self.queue.front_ready.next = self.pixels_ready.val() && self.right.q.val();
+        self.pixels_valid.next = self.queue.front_valid.val();
+        self.pixels_data.next = self.queue.front_data.val().get_bits::<16>(0);
+        self.pixels_user.next = self.queue.front_data.val().get_bit(32);
+        self.pixels_last.next = false;
+        if self.right.q.val() {
+            self.pixels_data.next = self.queue.front_data.val().get_bits::<16>(16);
+            self.pixels_user.next = false;
+            self.pixels_last.next = self.queue.front_data.val().get_bit(33);
+        }
+        if self.queue.front_valid.val() && self.pixels_ready.val() {
+            self.right.d.next = !self.right.q.val();
+        }
+
+        // What could not be shown.
+        self.gamut_7.d.next = self.to_6.later.val().get_bit(0)
+            && self.to_6.later.val().get_bit(5)
+            && (self.outside_6[0].q.val() || self.outside_6[1].q.val() || self.outside_6[2].q.val());
+        if self.gamut_7.q.val() {
+            self.gamut_q.d.next = self.gamut_q.q.val() + 1;
+        }
+        self.clamped_3.d.next = 0.into();
+        if self.to_2.later.val().get_bit(0)
+            && self.to_2.later.val().get_bit(1)
+            && !self.to_2.later.val().get_bit(5)
+        {
+            if self.clamped_2[0].q.val() && self.clamped_2[1].q.val() {
+                self.clamped_3.d.next = 2.into();
+            } else if self.clamped_2[0].q.val() || self.clamped_2[1].q.val() {
+                self.clamped_3.d.next = 1.into();
+            }
+        }
+        self.clamped_q.d.next = self.clamped_q.q.val() + bit_cast::<32, 2>(self.clamped_3.q.val());
+        self.out_of_gamut.next = self.gamut_q.q.val();
+        self.clamped_chroma.next = self.clamped_q.q.val();
+        if self.clear.val() {
+            self.gamut_q.d.next = 0.into();
+            self.clamped_q.d.next = 0.into();
+        }
+
+        if self.reset.val() {
+            self.next_valid.d.next = false;
+            self.held_valid.d.next = false;
+            self.odd.d.next = false;
+            self.right.d.next = false;
+            self.starts.d.next = true;
+            self.marks_0.d.next = 0.into();
+            self.gamut_q.d.next = 0.into();
+            self.clamped_q.d.next = 0.into();
+        }
+    }
+}

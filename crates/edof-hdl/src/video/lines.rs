@@ -1,0 +1,102 @@
+//! From the calculator's patches to lines.
+
+use super::overlap_add::OverlapAdd;
+use super::patch_pairs::PatchPairs;
+use super::raster_reorder::RasterReorder;
+use crate::blocks::Pair;
+use crate::describe::Circuit;
+use edof_spec::Design;
+use rust_hdl::prelude::*;
+
+/// From the calculator's patches to the lines of the 4:2:2 frame: pairs of pixels, added where patches overlap, in the order of a raster.
+#[derive(Circuit)]
+#[circuit(default(PatchPairs))]
+pub struct Lines {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets the picture.
+    pub reset: Signal<In, Bit>,
+    /// Two words of a patch stand on the input.
+    pub valid: Signal<In, Bit>,
+    /// They are taken in this cycle, if there are any.
+    pub ready: Signal<Out, Bit>,
+    /// They.
+    pub data: Signal<In, Pair>,
+    /// A pair of pixels stands on the output.
+    pub out_valid: Signal<Out, Bit>,
+    /// The receiver takes it.
+    pub out_ready: Signal<In, Bit>,
+    /// Its luma words, the left one low.
+    pub out_luma: Signal<Out, Pair>,
+    /// Its chroma words, Cb low.
+    pub out_chroma: Signal<Out, Pair>,
+    /// Whether it is its frame's first.
+    pub out_first: Signal<Out, Bit>,
+    /// Whether it is its line's last.
+    pub out_last: Signal<Out, Bit>,
+    /// Sets the counter to zero.
+    pub clear: Signal<In, Bit>,
+    /// Sums that did not fit 16 bits; 0 where patches do not overlap.
+    pub saturated_sums: Signal<Out, Bits<32>>,
+    pairs: PatchPairs,
+    overlap: Vec<OverlapAdd>,
+    raster: RasterReorder,
+    _overlaps: usize,
+    _lies_beside: usize,
+}
+
+impl Lines {
+    /// For the frame and the stride of a design.
+    #[must_use]
+    pub fn of(design: &Design) -> Self {
+        let overlap: Vec<OverlapAdd> = OverlapAdd::of(design).into_iter().collect();
+        Self::from_parts(LinesParts {
+            _overlaps: overlap.len(),
+            _lies_beside: 1 - overlap.len(),
+            overlap,
+            raster: RasterReorder::of(design),
+        })
+    }
+}
+
+impl Logic for Lines {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.pairs.clock.next = self.clock.val();
+        self.pairs.reset.next = self.reset.val();
+        self.raster.clock.next = self.clock.val();
+        self.raster.reset.next = self.reset.val();
+        self.pairs.valid.next = self.valid.val();
+        self.ready.next = self.pairs.ready.val();
+        self.pairs.data.next = self.data.val();
+
+        // Patches that overlap are added; others are blocks already.
+        for _i in 0..self._lies_beside {
+            self.raster.valid.next = self.pairs.out_valid.val();
+            self.pairs.out_ready.next = self.raster.ready.val();
+            self.raster.luma.next = self.pairs.out_luma.val();
+            self.raster.chroma.next = self.pairs.out_chroma.val();
+            self.saturated_sums.next = 0.into();
+        }
+        for i in 0..self._overlaps {
+            self.overlap[i].clock.next = self.clock.val();
+            self.overlap[i].reset.next = self.reset.val();
+            self.overlap[i].clear.next = self.clear.val();
+            self.overlap[i].valid.next = self.pairs.out_valid.val();
+            self.pairs.out_ready.next = self.overlap[i].ready.val();
+            self.overlap[i].luma.next = self.pairs.out_luma.val();
+            self.overlap[i].chroma.next = self.pairs.out_chroma.val();
+            self.raster.valid.next = self.overlap[i].out_valid.val();
+            self.overlap[i].out_ready.next = self.raster.ready.val();
+            self.raster.luma.next = self.overlap[i].out_luma.val();
+            self.raster.chroma.next = self.overlap[i].out_chroma.val();
+            self.saturated_sums.next = self.overlap[i].saturated_sums.val();
+        }
+        self.raster.out_ready.next = self.out_ready.val();
+        self.out_valid.next = self.raster.out_valid.val();
+        self.out_luma.next = self.raster.out_luma.val();
+        self.out_chroma.next = self.raster.out_chroma.val();
+        self.out_first.next = self.raster.out_first.val();
+        self.out_last.next = self.raster.out_last.val();
+    }
+}

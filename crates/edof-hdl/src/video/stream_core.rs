@@ -1,0 +1,186 @@
+//! The whole way of a picture, from raw pixels to codes.
+
+use super::display::Display;
+use super::lines::Lines;
+use super::window_reorder::WindowReorder;
+use crate::blocks::Word;
+use crate::blocks::chain::Chain;
+use crate::describe::Circuit;
+use edof_spec::FixedNetwork;
+use edof_spec::design::{Design, DesignError};
+use rust_hdl::prelude::*;
+
+/// The whole way of a picture: lines of red-first raw frames in, lines of codes out, a pixel a beat.
+/// What stands between them: windows, the calculator, overlap, lines, display. Frames follow one another without a pause.
+#[derive(Circuit)]
+pub struct StreamCore {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets the picture; weights and tables stay. Held for 48 cycles or more.
+    pub reset: Signal<In, Bit>,
+    /// A raw pixel word stands on the input.
+    pub pixels_valid: Signal<In, Bit>,
+    /// It is taken in this cycle, if there is one.
+    pub pixels_ready: Signal<Out, Bit>,
+    /// It.
+    pub pixels_data: Signal<In, Word>,
+    /// The set of weights, looked at with each frame's first window.
+    pub set: Signal<In, Bit>,
+    /// Colour, or luma only, looked at with each frame's first codes.
+    pub colour: Signal<In, Bit>,
+    /// A pixel of codes stands on the output.
+    pub picture_valid: Signal<Out, Bit>,
+    /// The receiver takes it.
+    pub picture_ready: Signal<In, Bit>,
+    /// It: Y' low; high Cb' of the left pixel of a pair, Cr' of the right one.
+    pub picture_data: Signal<Out, Word>,
+    /// Whether it is its frame's first.
+    pub picture_user: Signal<Out, Bit>,
+    /// Whether it is its line's last.
+    pub picture_last: Signal<Out, Bit>,
+    /// A word of the calculator is to be written (`edof_spec::design::memory::address`).
+    pub write_valid: Signal<In, Bit>,
+    /// Where.
+    pub write_address: Signal<In, Bits<25>>,
+    /// What.
+    pub write_data: Signal<In, Bits<32>>,
+    /// Stage (4 bits; 15 for the windows that come in) and what of it to show (3 bits).
+    pub status_address: Signal<In, Bits<7>>,
+    /// The counter.
+    pub status: Signal<Out, Bits<32>>,
+    /// Writes an entry of a display table.
+    pub table_write: Signal<In, Bit>,
+    /// Which: 0 luma, 1 red, 2 green, 3 blue.
+    pub table_select: Signal<In, Bits<2>>,
+    /// Entry.
+    pub table_address: Signal<In, Bits<15>>,
+    /// What.
+    pub table_data: Signal<In, Bits<12>>,
+    /// Sets the three counters below to zero.
+    pub clear: Signal<In, Bit>,
+    /// Sums of overlapping patches that did not fit 16 bits.
+    pub saturated_sums: Signal<Out, Bits<32>>,
+    /// Chroma codes that were clamped (luma only).
+    pub clamped_chroma: Signal<Out, Bits<32>>,
+    /// Pixels with less than no or more than full light of a colour (colour).
+    pub out_of_gamut: Signal<Out, Bits<32>>,
+    /// Patches that left the calculator since reset.
+    pub patches: Signal<Out, Bits<32>>,
+    /// Cycles since reset in which a window or a patch stood at it.
+    pub busy_cycles: Signal<Out, Bits<32>>,
+    /// The set of weights of the last patch.
+    pub set_used: Signal<Out, Bit>,
+    set_q: DFF<Bit>,
+    patch_done: DFF<Bit>,
+    busy: DFF<Bit>,
+    patches_q: DFF<Bits<32>>,
+    busy_cycles_q: DFF<Bits<32>>,
+    windows: WindowReorder,
+    calculator: Chain,
+    lines: Lines,
+    display: Display,
+}
+
+impl StreamCore {
+    /// The core of a design, its sets of weights starting with these networks, its display with these tables
+    /// ([`Display::new`]).
+    ///
+    /// # Errors
+    /// [`DesignError`] names what does not fit.
+    pub fn new(
+        design: &Design,
+        sets: [&FixedNetwork; 2],
+        luma: &[u64],
+        colours: [&[u64]; 3],
+    ) -> Result<Self, DesignError> {
+        Ok(Self::from_parts(StreamCoreParts {
+            windows: WindowReorder::of(design),
+            calculator: Chain::checked(design, sets)?,
+            lines: Lines::of(design),
+            display: Display::new(luma, colours),
+        }))
+    }
+}
+
+impl Logic for StreamCore {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, set_q, patch_done, busy, patches_q, busy_cycles_q);
+        self.windows.clock.next = self.clock.val();
+        self.calculator.clock.next = self.clock.val();
+        self.lines.clock.next = self.clock.val();
+        self.display.clock.next = self.clock.val();
+        self.windows.reset.next = self.reset.val();
+        self.calculator.reset.next = self.reset.val();
+        self.calculator.flush.next = false;
+        self.lines.reset.next = self.reset.val();
+        self.display.reset.next = self.reset.val();
+
+        self.windows.pixels_valid.next = self.pixels_valid.val();
+        self.pixels_ready.next = self.windows.pixels_ready.val();
+        self.windows.pixels_data.next = self.pixels_data.val();
+        self.windows.set.next = self.set.val();
+
+        self.calculator.window_valid.next = self.windows.out_valid.val();
+        self.windows.out_ready.next = self.calculator.window_ready.val();
+        self.calculator.window_data.next = self.windows.out_pixels.val();
+        self.calculator.window_last.next = self.windows.out_last.val();
+        self.calculator.window_set.next = self.windows.out_set.val();
+
+        self.lines.valid.next = self.calculator.patch_valid.val();
+        self.calculator.patch_ready.next = self.lines.ready.val();
+        self.lines.data.next = self.calculator.patch_data.val();
+
+        self.display.valid.next = self.lines.out_valid.val();
+        self.lines.out_ready.next = self.display.ready.val();
+        self.display.luma.next = self.lines.out_luma.val();
+        self.display.chroma.next = self.lines.out_chroma.val();
+        self.display.first.next = self.lines.out_first.val();
+        self.display.last.next = self.lines.out_last.val();
+        self.display.colour.next = self.colour.val();
+
+        self.picture_valid.next = self.display.pixels_valid.val();
+        self.display.pixels_ready.next = self.picture_ready.val();
+        self.picture_data.next = self.display.pixels_data.val();
+        self.picture_user.next = self.display.pixels_user.val();
+        self.picture_last.next = self.display.pixels_last.val();
+
+        // The host.
+        self.calculator.write_valid.next = self.write_valid.val();
+        self.calculator.write_address.next = self.write_address.val();
+        self.calculator.write_data.next = self.write_data.val();
+        self.calculator.status_address.next = self.status_address.val();
+        self.status.next = self.calculator.status.val();
+        self.display.table_write.next = self.table_write.val();
+        self.display.table_select.next = self.table_select.val();
+        self.display.table_address.next = self.table_address.val();
+        self.display.table_data.next = self.table_data.val();
+        self.display.clear.next = self.clear.val();
+        self.lines.clear.next = self.clear.val();
+        self.saturated_sums.next = self.lines.saturated_sums.val();
+        self.clamped_chroma.next = self.display.clamped_chroma.val();
+        self.out_of_gamut.next = self.display.out_of_gamut.val();
+        self.patch_done.d.next =
+            self.calculator.patch_valid.val() && self.lines.ready.val() && self.calculator.patch_last.val();
+        self.busy.d.next = self.windows.out_valid.val() || self.calculator.patch_valid.val();
+        if self.calculator.patch_valid.val() {
+            self.set_q.d.next = self.calculator.patch_set.val();
+        }
+        self.set_used.next = self.set_q.q.val();
+        if self.patch_done.q.val() {
+            self.patches_q.d.next = self.patches_q.q.val() + 1;
+        }
+        if self.busy.q.val() {
+            self.busy_cycles_q.d.next = self.busy_cycles_q.q.val() + 1;
+        }
+        self.patches.next = self.patches_q.q.val();
+        self.busy_cycles.next = self.busy_cycles_q.q.val();
+        if self.reset.val() {
+            self.set_q.d.next = false;
+            self.patch_done.d.next = false;
+            self.busy.d.next = false;
+            self.patches_q.d.next = 0.into();
+            self.busy_cycles_q.d.next = 0.into();
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! The bus of a receiver.
+
+use super::Coordinate;
+use crate::describe::Circuit;
+use edof_spec::design::FrameSize;
+use rust_hdl::prelude::*;
+
+/// The 16-bit 4:2:2 bus of a receiver with separate syncs, from which raw pixels come: their most significant byte lies where Y does
+/// (bits 0 to 7), the least where C does. Out goes a stream as AXI4-Stream has it for video.
+/// A pixel stands on the output four cycles after it was on the pins. A frame begins with the first pixel after an edge of the vertical
+/// sync, whichever its polarity. A frame whose line has another width than the design's, which ends early, or which is not taken in
+/// time is left as it is: its receiver must not take it for whole until all of its pixels have come, and sees the next first pixel.
+/// So is one in which the horizontal sync pauses for 8191 cycles. Lines beyond the design's height are left out. What was measured of a
+/// frame stands with its end, the first after a loss left out.
+#[derive(Circuit)]
+pub struct VideoIn {
+    /// The bus' own clock.
+    pub clock: Signal<In, Clock>,
+    /// Forgets everything.
+    pub reset: Signal<In, Bit>,
+    /// Horizontal sync.
+    pub hs: Signal<In, Bit>,
+    /// Vertical sync.
+    pub vs: Signal<In, Bit>,
+    /// A pixel lies on the bus.
+    pub de: Signal<In, Bit>,
+    /// It: Y low, C high.
+    pub data: Signal<In, Bits<16>>,
+    /// A raw pixel word stands on the output.
+    pub pixels_valid: Signal<Out, Bit>,
+    /// The receiver takes it.
+    pub pixels_ready: Signal<In, Bit>,
+    /// It.
+    pub pixels_data: Signal<Out, Bits<16>>,
+    /// Whether it is its frame's first.
+    pub pixels_user: Signal<Out, Bit>,
+    /// Whether it is its line's last.
+    pub pixels_last: Signal<Out, Bit>,
+    /// Pixels of the last line.
+    pub width: Signal<Out, Coordinate>,
+    /// Lines of the last frame that had pixels.
+    pub height: Signal<Out, Coordinate>,
+    /// Cycles between the last two horizontal syncs.
+    pub line_cycles: Signal<Out, Coordinate>,
+    /// Horizontal syncs of the last frame.
+    pub lines: Signal<Out, Coordinate>,
+    /// Frames come.
+    pub present: Signal<Out, Bit>,
+    /// The last frame had the design's width and height.
+    pub fits: Signal<Out, Bit>,
+    /// Frames that had them.
+    pub right_frames: Signal<Out, Bits<32>>,
+    /// Frames that had others.
+    pub wrong_frames: Signal<Out, Bits<32>>,
+    /// Frames given up because a pixel was not taken in time.
+    pub overruns: Signal<Out, Bits<32>>,
+    wanted_width: Constant<Coordinate>,
+    wanted_height: Constant<Coordinate>,
+    last_column: Constant<Coordinate>,
+    patience: Constant<Bits<24>>,
+    hs_1: DFF<Bit>,
+    vs_1: DFF<Bit>,
+    de_1: DFF<Bit>,
+    data_1: DFF<Bits<16>>,
+    hs_2: DFF<Bit>,
+    vs_2: DFF<Bit>,
+    de_2: DFF<Bit>,
+    pixel_2: DFF<Bits<16>>,
+    line_begins_2: DFF<Bit>,
+    line_ends_2: DFF<Bit>,
+    frame_ends_2: DFF<Bit>,
+    sync_2: DFF<Bit>,
+    column: DFF<Coordinate>,
+    row: DFF<Coordinate>,
+    begins: DFF<Bit>,
+    crooked: DFF<Bit>,
+    known: DFF<Bit>,
+    sending: DFF<Bit>,
+    pixel_3: DFF<Bits<16>>,
+    send_3: DFF<Bit>,
+    first_3: DFF<Bit>,
+    last_3: DFF<Bit>,
+    out_valid_q: DFF<Bit>,
+    out_pixel_q: DFF<Bits<16>>,
+    out_first_q: DFF<Bit>,
+    out_last_q: DFF<Bit>,
+    width_q: DFF<Coordinate>,
+    height_q: DFF<Coordinate>,
+    cycles: DFF<Coordinate>,
+    line_cycles_q: DFF<Coordinate>,
+    syncs: DFF<Coordinate>,
+    lines_q: DFF<Coordinate>,
+    waited: DFF<Bits<24>>,
+    present_q: DFF<Bit>,
+    fits_q: DFF<Bit>,
+    right_q: DFF<Bits<32>>,
+    wrong_q: DFF<Bits<32>>,
+    overruns_q: DFF<Bits<32>>,
+    row_now: Signal<Local, Coordinate>,
+    column_now: Signal<Local, Coordinate>,
+    sends: Signal<Local, Bit>,
+    ends: Signal<Local, Bit>,
+    stuck: Signal<Local, Bit>,
+    as_wanted: Signal<Local, Bit>,
+}
+
+impl VideoIn {
+    /// For frames of one size. After `patience` cycles (at most 2²⁴ − 1) without an edge of the vertical sync there is no signal.
+    #[must_use]
+    pub fn new(frame: FrameSize, patience: u32) -> Self {
+        let number = |value: usize| Constant::new((value as u64).into());
+        Self::from_parts(VideoInParts {
+            wanted_width: number(frame.width),
+            wanted_height: number(frame.height),
+            last_column: number(frame.width - 1),
+            patience: Constant::new(u64::from(patience).into()),
+        })
+    }
+}
+
+impl Logic for VideoIn {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            hs_1,
+            vs_1,
+            de_1,
+            data_1,
+            hs_2,
+            vs_2,
+            de_2,
+            pixel_2,
+            line_begins_2,
+            line_ends_2,
+            frame_ends_2,
+            sync_2,
+            column,
+            row,
+            begins,
+            crooked,
+            known,
+            sending,
+            pixel_3,
+            send_3,
+            first_3,
+            last_3,
+            out_valid_q,
+            out_pixel_q,
+            out_first_q,
+            out_last_q,
+            width_q,
+            height_q,
+            cycles,
+            line_cycles_q,
+            syncs,
+            lines_q,
+            waited,
+            present_q,
+            fits_q,
+            right_q,
+            wrong_q,
+            overruns_q
+        );
+
+        // Cycles 1 and 2: the pins, and what changed on them.
+        self.hs_1.d.next = self.hs.val();
+        self.vs_1.d.next = self.vs.val();
+        self.de_1.d.next = self.de.val();
+        self.data_1.d.next = self.data.val();
+        self.hs_2.d.next = self.hs_1.q.val();
+        self.vs_2.d.next = self.vs_1.q.val();
+        self.de_2.d.next = self.de_1.q.val();
+        self.pixel_2.d.next = (bit_cast::<16, 8>(self.data_1.q.val().get_bits::<8>(0)) << 8)
+            | bit_cast::<16, 8>(self.data_1.q.val().get_bits::<8>(8));
+        self.line_begins_2.d.next = self.de_1.q.val() && !self.de_2.q.val();
+        self.line_ends_2.d.next = !self.de_1.q.val() && self.de_2.q.val();
+        self.frame_ends_2.d.next = self.vs_1.q.val() ^ self.vs_2.q.val();
+        self.sync_2.d.next = self.hs_1.q.val() && !self.hs_2.q.val();
+
+        // Where the pixel lies. A frame ends with the vertical sync; the next one begins with a pixel.
+        self.column_now.next = self.column.q.val();
+        self.row_now.next = self.row.q.val();
+        if self.line_begins_2.q.val() {
+            self.column_now.next = 0.into();
+        }
+        if self.line_begins_2.q.val() && self.begins.q.val() {
+            self.row_now.next = 0.into();
+        }
+        self.row.d.next = self.row_now.val();
+        if self.de_2.q.val() && !self.column_now.val().all() {
+            self.column.d.next = self.column_now.val() + 1;
+        }
+        if self.line_begins_2.q.val() {
+            self.begins.d.next = false;
+        }
+        if self.line_ends_2.q.val() {
+            self.width_q.d.next = self.column.q.val();
+            if self.column.q.val() != self.wanted_width.val() {
+                self.crooked.d.next = true;
+                self.sending.d.next = false;
+            }
+            if !self.row.q.val().all() {
+                self.row.d.next = self.row.q.val() + 1;
+            }
+        }
+
+        // Cycle 3: whether it is sent. A line's last pixel must be its last on the bus, too.
+        self.sends.next = self.sending.q.val();
+        if self.line_begins_2.q.val() && self.begins.q.val() {
+            self.sends.next = true;
+            self.sending.d.next = true;
+        }
+        self.ends.next = self.column_now.val() == self.last_column.val();
+        self.send_3.d.next = self.de_2.q.val()
+            && self.sends.val()
+            && !(self.ends.val() && self.de_1.q.val())
+            && (self.column_now.val() < self.wanted_width.val())
+            && (self.row_now.val() < self.wanted_height.val());
+        self.first_3.d.next = !self.column_now.val().any() && !self.row_now.val().any();
+        self.last_3.d.next = self.ends.val();
+        self.pixel_3.d.next = self.pixel_2.q.val();
+
+        // Cycle 4: out. What stands there and is not taken in time ends the frame.
+        self.stuck.next = self.out_valid_q.q.val() && !self.pixels_ready.val();
+        if !self.stuck.val() {
+            self.out_valid_q.d.next = self.send_3.q.val();
+            self.out_pixel_q.d.next = self.pixel_3.q.val();
+            self.out_first_q.d.next = self.first_3.q.val();
+            self.out_last_q.d.next = self.last_3.q.val();
+        }
+        if self.stuck.val() && self.send_3.q.val() {
+            self.sending.d.next = false;
+            self.send_3.d.next = false;
+            self.overruns_q.d.next = self.overruns_q.q.val() + 1;
+        }
+        self.pixels_valid.next = self.out_valid_q.q.val();
+        self.pixels_data.next = self.out_pixel_q.q.val();
+        self.pixels_user.next = self.out_first_q.q.val();
+        self.pixels_last.next = self.out_last_q.q.val();
+
+        // What is measured.
+        if !self.cycles.q.val().all() {
+            self.cycles.d.next = self.cycles.q.val() + 1;
+        } else {
+            self.crooked.d.next = true;
+            self.sending.d.next = false;
+        }
+        if self.sync_2.q.val() {
+            self.cycles.d.next = 1.into();
+            self.line_cycles_q.d.next = self.cycles.q.val();
+            if !self.syncs.q.val().all() {
+                self.syncs.d.next = self.syncs.q.val() + 1;
+            }
+        }
+        self.as_wanted.next =
+            !self.crooked.q.val() && (self.row.q.val() == self.wanted_height.val()) && !self.begins.q.val();
+        if self.waited.q.val() != self.patience.val() {
+            self.waited.d.next = self.waited.q.val() + 1;
+        } else {
+            self.known.d.next = false;
+            self.present_q.d.next = false;
+            self.fits_q.d.next = false;
+        }
+        if self.frame_ends_2.q.val() {
+            self.waited.d.next = 0.into();
+        }
+        if self.frame_ends_2.q.val() && !self.begins.q.val() {
+            self.begins.d.next = true;
+            self.crooked.d.next = false;
+            self.sending.d.next = false;
+            self.syncs.d.next = 0.into();
+            if self.sync_2.q.val() {
+                self.syncs.d.next = 1.into();
+            }
+            self.known.d.next = true;
+        }
+        if self.frame_ends_2.q.val() && !self.begins.q.val() && self.known.q.val() {
+            self.present_q.d.next = true;
+            self.fits_q.d.next = self.as_wanted.val();
+            self.height_q.d.next = self.row.q.val();
+            self.lines_q.d.next = self.syncs.q.val();
+            if self.as_wanted.val() {
+                self.right_q.d.next = self.right_q.q.val() + 1;
+            } else {
+                self.wrong_q.d.next = self.wrong_q.q.val() + 1;
+            }
+        }
+        self.width.next = self.width_q.q.val();
+        self.height.next = self.height_q.q.val();
+        self.line_cycles.next = self.line_cycles_q.q.val();
+        self.lines.next = self.lines_q.q.val();
+        self.present.next = self.present_q.q.val();
+        self.fits.next = self.fits_q.q.val();
+        self.right_frames.next = self.right_q.q.val();
+        self.wrong_frames.next = self.wrong_q.q.val();
+        self.overruns.next = self.overruns_q.q.val();
+
+        if self.reset.val() {
+            self.column.d.next = 0.into();
+            self.row.d.next = 0.into();
+            self.begins.d.next = false;
+            self.crooked.d.next = true;
+            self.known.d.next = false;
+            self.sending.d.next = false;
+            self.send_3.d.next = false;
+            self.out_valid_q.d.next = false;
+            self.width_q.d.next = 0.into();
+            self.height_q.d.next = 0.into();
+            self.cycles.d.next = 0.into();
+            self.line_cycles_q.d.next = 0.into();
+            self.syncs.d.next = 0.into();
+            self.lines_q.d.next = 0.into();
+            self.waited.d.next = self.patience.val();
+            self.present_q.d.next = false;
+            self.fits_q.d.next = false;
+            self.right_q.d.next = 0.into();
+            self.wrong_q.d.next = 0.into();
+            self.overruns_q.d.next = 0.into();
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The timing of a screen.
+
+use super::Coordinate;
+use crate::describe::Circuit;
+use edof_spec::display::{BLACK, CHROMA_ZERO};
+use edof_spec::video::VideoTiming;
+use rust_hdl::prelude::*;
+
+/// The 16-bit 4:2:2 bus of a transmitter with separate syncs, positive pulses. A frame is shown whole if its first pixel waits as the
+/// picture begins; black otherwise, so black until the first one. A frame whose pixels come late is black from there on, and counted;
+/// what is left of it is dropped before the next picture begins. A pixel is on the pins two cycles after it was taken.
+#[derive(Circuit)]
+pub struct VideoOut {
+    /// The pixel clock.
+    pub clock: Signal<In, Clock>,
+    /// Starts a frame anew, in black.
+    pub reset: Signal<In, Bit>,
+    /// A pixel stands on the input.
+    pub pixels_valid: Signal<In, Bit>,
+    /// It is taken in this cycle, if there is one.
+    pub pixels_ready: Signal<Out, Bit>,
+    /// It: Y' low, Cb' or Cr' high.
+    pub pixels_data: Signal<In, Bits<16>>,
+    /// Whether it is its frame's first.
+    pub pixels_user: Signal<In, Bit>,
+    /// Whether it is its line's last; not looked at.
+    pub pixels_last: Signal<In, Bit>,
+    /// Horizontal sync.
+    pub hs: Signal<Out, Bit>,
+    /// Vertical sync.
+    pub vs: Signal<Out, Bit>,
+    /// A pixel lies on the bus.
+    pub de: Signal<Out, Bit>,
+    /// It.
+    pub data: Signal<Out, Bits<16>>,
+    /// Frames begun with a picture.
+    pub shown_frames: Signal<Out, Bits<32>>,
+    /// Of these, frames whose pixels came late.
+    pub late_pixels: Signal<Out, Bits<32>>,
+    black: Constant<Bits<16>>,
+    last_column: Constant<Coordinate>,
+    last_row: Constant<Coordinate>,
+    width: Constant<Coordinate>,
+    height: Constant<Coordinate>,
+    hs_on: Constant<Coordinate>,
+    hs_off: Constant<Coordinate>,
+    vs_on: Constant<Coordinate>,
+    vs_off: Constant<Coordinate>,
+    column: DFF<Coordinate>,
+    row: DFF<Coordinate>,
+    column_ends: DFF<Bit>,
+    row_ends: DFF<Bit>,
+    active: DFF<Bit>,
+    begins: DFF<Bit>,
+    hs_q: DFF<Bit>,
+    vs_q: DFF<Bit>,
+    showing: DFF<Bit>,
+    de_1: DFF<Bit>,
+    hs_1: DFF<Bit>,
+    vs_1: DFF<Bit>,
+    data_1: DFF<Bits<16>>,
+    de_2: DFF<Bit>,
+    hs_2: DFF<Bit>,
+    vs_2: DFF<Bit>,
+    data_2: DFF<Bits<16>>,
+    shown_q: DFF<Bits<32>>,
+    late_q: DFF<Bits<32>>,
+    column_next: Signal<Local, Coordinate>,
+    row_next: Signal<Local, Coordinate>,
+    shows: Signal<Local, Bit>,
+    wants: Signal<Local, Bit>,
+    drops: Signal<Local, Bit>,
+    misses: Signal<Local, Bit>,
+}
+
+impl VideoOut {
+    /// For a timing whose lines and frames are shorter than 4096.
+    #[must_use]
+    pub fn new(timing: VideoTiming) -> Self {
+        let number = |value: usize| Constant::new((value as u64).into());
+        let (line, frame) = (timing.line, timing.frame);
+        Self::from_parts(VideoOutParts {
+            black: Constant::new(((CHROMA_ZERO as u64) << 8 | u64::from(BLACK)).into()),
+            last_column: number(line.total() - 1),
+            last_row: number(frame.total() - 1),
+            width: number(line.active),
+            height: number(frame.active),
+            hs_on: number(line.active + line.front),
+            hs_off: number(line.active + line.front + line.sync),
+            vs_on: number(frame.active + frame.front),
+            vs_off: number(frame.active + frame.front + frame.sync),
+        })
+    }
+}
+
+impl Logic for VideoOut {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            column,
+            row,
+            column_ends,
+            row_ends,
+            active,
+            begins,
+            hs_q,
+            vs_q,
+            showing,
+            de_1,
+            hs_1,
+            vs_1,
+            data_1,
+            de_2,
+            hs_2,
+            vs_2,
+            data_2,
+            shown_q,
+            late_q
+        );
+
+        // Where the screen is.
+        self.column_next.next = self.column.q.val() + 1;
+        if self.column_ends.q.val() {
+            self.column_next.next = 0.into();
+        }
+        self.row_next.next = self.row.q.val();
+        if self.column_ends.q.val() {
+            self.row_next.next = self.row.q.val() + 1;
+            if self.row_ends.q.val() {
+                self.row_next.next = 0.into();
+            }
+        }
+        self.column.d.next = self.column_next.val();
+        self.row.d.next = self.row_next.val();
+        self.column_ends.d.next = self.column_next.val() == self.last_column.val();
+        self.row_ends.d.next = self.row_next.val() == self.last_row.val();
+        self.active.d.next =
+            (self.column_next.val() < self.width.val()) && (self.row_next.val() < self.height.val());
+        self.begins.d.next = !self.column_next.val().any() && !self.row_next.val().any();
+        self.hs_q.d.next =
+            (self.column_next.val() >= self.hs_on.val()) && (self.column_next.val() < self.hs_off.val());
+        if self.column_next.val() == self.hs_on.val() {
+            self.vs_q.d.next =
+                (self.row_next.val() >= self.vs_on.val()) && (self.row_next.val() < self.vs_off.val());
+        }
+
+        // A picture begins with its first pixel and takes one in each cell that is seen; between pictures what is no first is dropped.
+        self.shows.next = self.showing.q.val();
+        if self.begins.q.val() {
+            self.shows.next = self.pixels_valid.val() && self.pixels_user.val();
+        }
+        self.wants.next = self.active.q.val() && self.shows.val();
+        self.drops.next = self.begins.q.val() || !self.showing.q.val() || self.active.q.val();
+        self.pixels_ready.next = self.drops.val();
+        if self.pixels_user.val() {
+            self.pixels_ready.next = self.begins.q.val();
+        }
+        self.misses.next = self.wants.val()
+            && (!self.pixels_valid.val() || (self.pixels_user.val() && !self.begins.q.val()));
+        self.showing.d.next = self.shows.val() && !self.misses.val();
+
+        // To the pins.
+        self.data_1.d.next = self.black.val();
+        if self.wants.val() && !self.misses.val() {
+            self.data_1.d.next = self.pixels_data.val();
+        }
+        self.de_1.d.next = self.active.q.val();
+        self.hs_1.d.next = self.hs_q.q.val();
+        self.vs_1.d.next = self.vs_q.q.val();
+        self.data_2.d.next = self.data_1.q.val();
+        self.de_2.d.next = self.de_1.q.val();
+        self.hs_2.d.next = self.hs_1.q.val();
+        self.vs_2.d.next = self.vs_1.q.val();
+        self.data.next = self.data_2.q.val();
+        self.de.next = self.de_2.q.val();
+        self.hs.next = self.hs_2.q.val();
+        self.vs.next = self.vs_2.q.val();
+
+        if self.begins.q.val() && self.shows.val() {
+            self.shown_q.d.next = self.shown_q.q.val() + 1;
+        }
+        if self.misses.val() {
+            self.late_q.d.next = self.late_q.q.val() + 1;
+        }
+        self.shown_frames.next = self.shown_q.q.val();
+        self.late_pixels.next = self.late_q.q.val();
+
+        if self.reset.val() {
+            self.column.d.next = self.width.val();
+            self.row.d.next = self.height.val();
+            self.column_ends.d.next = false;
+            self.row_ends.d.next = false;
+            self.active.d.next = false;
+            self.begins.d.next = false;
+            self.hs_q.d.next = false;
+            self.vs_q.d.next = false;
+            self.showing.d.next = false;
+            self.shown_q.d.next = 0.into();
+            self.late_q.d.next = 0.into();
+        }
+    }
+}

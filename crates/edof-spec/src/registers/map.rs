@@ -1,0 +1,239 @@
+//! The registers and windows of the board.
+
+use super::{Access, Field, Register, Window};
+use crate::design::memory::ADDRESS_BITS;
+use crate::display::LUMA_ENTRIES;
+
+/// `EDOF` in ASCII: what `id` reads.
+pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
+/// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
+pub const VERSION: u32 = 0x0001_0000;
+
+const fn constant(
+    name: &'static str,
+    address: u32,
+    reset: u32,
+    fields: &'static [Field],
+    doc: &'static str,
+) -> Register {
+    Register { name, address, access: Access::Constant, reset, doc, fields }
+}
+
+const fn status(name: &'static str, address: u32, fields: &'static [Field], doc: &'static str) -> Register {
+    Register { name, address, access: Access::Status, reset: 0, doc, fields }
+}
+
+const fn control(
+    name: &'static str,
+    address: u32,
+    reset: u32,
+    fields: &'static [Field],
+    doc: &'static str,
+) -> Register {
+    Register { name, address, access: Access::Control, reset, doc, fields }
+}
+
+const fn count(name: &'static str, address: u32, doc: &'static str) -> Register {
+    status(name, address, &[], doc)
+}
+
+const fn bit(name: &'static str, low: u32, doc: &'static str) -> Field {
+    Field { name, low, bits: 1, doc }
+}
+
+const fn half(name: &'static str, low: u32, doc: &'static str) -> Field {
+    Field { name, low, bits: 16, doc }
+}
+
+/// Every register, by address: constants, then what the host decides, then what the board says. Counters wrap; they start from zero
+/// at reset.
+pub const REGISTERS: &[Register] = &[
+    constant("id", 0x00, ID, &[], "`EDOF` in ASCII, so that a client knows what it talks to."),
+    constant(
+        "version",
+        0x04,
+        VERSION,
+        &[],
+        "Version of this map: major in the upper half, minor in the lower.",
+    ),
+    constant("design_hash", 0x08, 0, &[], "First 32 bits of the SHA-256 of the design."),
+    constant(
+        "frame_size",
+        0x0c,
+        0,
+        &[half("width", 0, "Columns."), half("height", 16, "Rows.")],
+        "The picture that the design is made for.",
+    ),
+    control(
+        "weights_hash",
+        0x10,
+        0,
+        &[],
+        "First 32 bits of the hash of the network in use. Starts with the one that the design was generated with; whoever loads \
+         another one writes its hash here.",
+    ),
+    control(
+        "control",
+        0x14,
+        0b11,
+        &[
+            bit("run", 0, "Frames are reconstructed. Off: the picture stands still."),
+            bit("colour", 1, "Display in colour; off: luma only."),
+            bit("weight_set", 2, "The set of weights for the frames that begin from now on."),
+            bit("i2c_restart", 3, "A change from 0 to 1 sets up the video chips once more."),
+        ],
+        "What the host decides.",
+    ),
+    control("scratch", 0x18, 0, &[], "Holds what is written: tries out the link."),
+    status(
+        "status",
+        0x20,
+        &[
+            bit("dram_ready", 0, "The memory is calibrated."),
+            bit("input_present", 1, "There is a video signal."),
+            bit("input_fits", 2, "It has the size of the design's frame."),
+            bit("output_runs", 3, "Pictures leave the board; before the first one they are black."),
+            bit("i2c_done", 4, "All video chips are set up."),
+            bit("i2c_failed", 5, "One did not answer: see `i2c`."),
+            bit("weight_set", 6, "The set of weights that is in use."),
+        ],
+        "How the board is.",
+    ),
+    status(
+        "i2c",
+        0x24,
+        &[
+            Field {
+                name: "entry",
+                low: 0,
+                bits: 8,
+                doc: "Entry of the table at which the set-up stands or failed.",
+            },
+            Field { name: "device", low: 8, bits: 8, doc: "The 7-bit address of its device." },
+            Field { name: "retries", low: 16, bits: 16, doc: "Attempts that were repeated since reset." },
+        ],
+        "The set-up of the video chips.",
+    ),
+    status(
+        "input_size",
+        0x28,
+        &[half("width", 0, "Pixels of a line."), half("height", 16, "Lines of a frame.")],
+        "The size of the incoming picture, as measured.",
+    ),
+    count("input_frames", 0x40, "Raw frames that were written whole."),
+    count(
+        "input_broken",
+        0x44,
+        "Raw frames that were begun and not completed: cable, wrong size, or a write that failed.",
+    ),
+    count("input_wrong", 0x48, "Frames on the cable that had another size than the design's."),
+    count(
+        "input_overruns",
+        0x4c,
+        "Frames on the cable that were given up because there was no room for a pixel.",
+    ),
+    count("input_write_errors", 0x50, "Bursts of raw frames that the memory answered with an error."),
+    count("raw_frames", 0x54, "Raw frames that were begun to be read."),
+    count("raw_late", 0x58, "Of these, how many were read again for want of a newer one."),
+    count("raw_read_errors", 0x5c, "Words of raw frames that came with an error."),
+    count("busy_cycles", 0x60, "Cycles in which raw pixels waited for the calculator."),
+    count("saturated_sums", 0x64, "Sums of overlapping patches that did not fit 16 bits."),
+    count("clamped_chroma", 0x68, "Chroma codes that were clamped (luma only)."),
+    count("out_of_gamut", 0x6c, "Pixels with less than no or more than full light of a colour (colour)."),
+    count("picture_frames", 0x70, "Pictures that were written whole."),
+    count("picture_broken", 0x74, "Pictures that were begun and not completed."),
+    count("picture_write_errors", 0x78, "Bursts of pictures that the memory answered with an error."),
+    count("output_frames", 0x7c, "Pictures that were begun to be read."),
+    count("output_late", 0x80, "Of these, how many were read again for want of a newer one."),
+    count("output_read_errors", 0x84, "Words of pictures that came with an error."),
+    count("output_underruns", 0x88, "Pictures on the cable whose pixels came late."),
+    count("uart_broken", 0x8c, "Frames on the UART that were given up, and bytes that were no command."),
+];
+
+/// Counters of the calculator's stages.
+pub const STAGE_COUNTERS: Window = Window {
+    name: "stage_counters",
+    address: 0x100,
+    bytes: 0x100,
+    access: Access::Status,
+    doc: "Word 4·stage + counter. Counters: 0 non-zero words sent, 1 saturated results, 2 saturated codes, 3 saturated differences.",
+};
+
+/// Tables of the display step.
+pub const DISPLAY_TABLES: Window = Window {
+    name: "display_tables",
+    address: 0x10_0000,
+    bytes: 4 * 4 * LUMA_ENTRIES as u32,
+    access: Access::WriteOnly,
+    doc: "Word 32768·table + entry. Tables: 0 luma (8-bit codes), 1 red, 2 green, 3 blue (12-bit encoded light, 16384 entries).",
+};
+
+/// Weights, thresholds and shifts of all stages.
+pub const WEIGHTS: Window = Window {
+    name: "weights",
+    address: 0x0800_0000,
+    bytes: 4 << (ADDRESS_BITS[0] + ADDRESS_BITS[1] + ADDRESS_BITS[2] + ADDRESS_BITS[3] + ADDRESS_BITS[4]),
+    access: Access::WriteOnly,
+    doc: "Word {stage (4 bits), space (2), bank (6), row (12), half (1)}. Spaces: 0 weights, 1 thresholds, 2 thresholds of the stage \
+          before, 3 registers (0 and 1 shifts of each set, 2 control).",
+};
+
+/// Every window, by address.
+pub const WINDOWS: &[Window] = &[STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS];
+
+/// A register by its name.
+#[must_use]
+pub fn register(name: &str) -> Option<&'static Register> {
+    REGISTERS.iter().find(|register| register.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn nothing_overlaps() {
+        let registers = REGISTERS.iter().map(|register| (register.address, register.address + 4));
+        let windows = WINDOWS.iter().map(|window| (window.address, window.address + window.bytes));
+        let spans: Vec<(u32, u32)> = registers.chain(windows).collect();
+        assert!(spans.windows(2).all(|pair| pair[0].1 <= pair[1].0), "{spans:x?}");
+        for register in REGISTERS {
+            let mut taken = 0;
+            for field in register.fields {
+                assert!(
+                    field.low + field.bits <= 32 && taken & field.mask() == 0,
+                    "{}.{}",
+                    register.name,
+                    field.name
+                );
+                taken |= field.mask();
+            }
+            assert_eq!(register.reset & !register.mask(), 0, "{}", register.name);
+            assert_eq!(register.address % 4, 0);
+        }
+        assert!(
+            WINDOWS.iter().all(|window| window.bytes.is_power_of_two() && window.address % window.bytes == 0)
+        );
+    }
+
+    #[test]
+    fn names_are_unique_and_are_names_everywhere() {
+        let is_name = |name: &str| {
+            name.starts_with(|c: char| c.is_ascii_lowercase())
+                && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        };
+        let names: Vec<&str> =
+            REGISTERS.iter().map(|r| r.name).chain(WINDOWS.iter().map(|w| w.name)).collect();
+        assert!(names.iter().all(|name| is_name(name)));
+        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
+        assert!(REGISTERS.iter().flat_map(|r| r.fields).all(|field| is_name(field.name)));
+    }
+
+    #[test]
+    fn every_write_of_a_network_has_a_place_in_its_window() {
+        assert_eq!(WEIGHTS.word_bits(), ADDRESS_BITS.iter().sum::<u32>());
+        assert_eq!(DISPLAY_TABLES.word_bits(), 17);
+        assert_eq!(STAGE_COUNTERS.word_bits(), 6);
+    }
+}

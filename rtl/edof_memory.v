@@ -1,0 +1,37 @@
+// Block RAM with one write port and one read port, one clock. What is read stands on the output two cycles after its address, and is
+// what lay there before a write in the cycle of the address: the second register is the one that a block RAM has inside.
+//
+// INIT names a $readmemh image, "" leaves the start-up contents open. Addresses are 16 bits wide whatever the depth, so that one port
+// fits all; the memory uses as many bits as it has rows. Images lie below `EDOF_DIR, which ends in a slash: the working directory,
+// unless it is defined.
+`ifndef EDOF_DIR
+`define EDOF_DIR "./"
+`endif
+`default_nettype none
+
+module edof_memory #(
+    parameter WIDTH = 16,
+    parameter DEPTH = 1024,
+    parameter INIT = ""
+) (
+    input  wire             clock_i,
+    input  wire [15:0]      read_address_i,
+    output reg  [WIDTH-1:0] read_data_o,
+    input  wire             write_enable_i,
+    input  wire [15:0]      write_address_i,
+    input  wire [WIDTH-1:0] write_data_i
+);
+    localparam BITS = $clog2(DEPTH);
+
+    (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
+    initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
+
+    reg [WIDTH-1:0] read_q;
+    always @(posedge clock_i) begin
+        if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
+        read_q <= words[read_address_i[BITS-1:0]];
+    end
+    always @(posedge clock_i) read_data_o <= read_q;
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,43 @@
+// Pulses of one clock domain as pulses of another: one for one, as long as the sender waits for ready_o between two.
+//
+// pulse_o comes three to four cycles of to_clock_i later; ready_o is high again two to three cycles of from_clock_i after that.
+// Both resets come from the same request and overlap.
+`default_nettype none
+
+module edof_pulse_sync (
+    input  wire from_clock_i,
+    input  wire from_reset_i,
+    input  wire pulse_i,
+    output wire ready_o,
+    input  wire to_clock_i,
+    input  wire to_reset_i,
+    output wire pulse_o
+);
+    reg asked_q;
+    reg told_q;
+    wire asked_seen;
+    wire told_seen;
+
+    assign ready_o = asked_q == told_seen;
+    always @(posedge from_clock_i) begin
+        if (from_reset_i) asked_q <= 1'b0;
+        else if (pulse_i && ready_o) asked_q <= !asked_q;
+    end
+
+    reg pulse_q;
+    always @(posedge to_clock_i) begin
+        if (to_reset_i) begin
+            told_q <= 1'b0;
+            pulse_q <= 1'b0;
+        end else begin
+            told_q <= asked_seen;
+            pulse_q <= asked_seen != told_q;
+        end
+    end
+    assign pulse_o = pulse_q;
+
+    edof_sync #(.WIDTH(1)) to_receiver (.clock_i(to_clock_i), .from_i(asked_q), .to_o(asked_seen));
+    edof_sync #(.WIDTH(1)) to_sender (.clock_i(from_clock_i), .from_i(told_q), .to_o(told_seen));
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,34 @@
+// Brings bits into the clock domain of clock_i, each by itself, through two flip-flops.
+//
+// A change arrives in the second or third cycle; bits that change together may arrive a cycle apart. So the bits are levels that
+// do not belong together, or a Gray code; each comes straight from a register. Nothing is reset: what stands at from_i counts.
+// With EDOF_METASTABLE (simulation) a bit that changes is seen in this cycle or in the next, by lot.
+`default_nettype none
+
+module edof_sync #(
+    parameter WIDTH = 1
+) (
+    input  wire             clock_i,
+    input  wire [WIDTH-1:0] from_i,
+    output wire [WIDTH-1:0] to_o
+);
+    (* ASYNC_REG = "TRUE" *) reg [WIDTH-1:0] first_q;
+    (* ASYNC_REG = "TRUE" *) reg [WIDTH-1:0] second_q;
+
+`ifdef EDOF_METASTABLE
+    reg [WIDTH-1:0] before_q;
+    integer bit_at;
+    always @(posedge clock_i) begin
+        before_q <= from_i;
+        for (bit_at = 0; bit_at < WIDTH; bit_at = bit_at + 1)
+            first_q[bit_at] <= (($random & 1) != 0) ? before_q[bit_at] : from_i[bit_at];
+    end
+`else
+    always @(posedge clock_i) first_q <= from_i;
+`endif
+    always @(posedge clock_i) second_q <= first_q;
+
+    assign to_o = second_q;
+endmodule
+
+`default_nettype wire
