@@ -27,7 +27,9 @@ pub fn shot(
     let camera = &network.origin.camera;
     let psi = psi.unwrap_or(camera.psi_range[1]);
     let scene = match picture {
-        Some(path) => Scene::flat(path.display().to_string(), tone(network).decoded(&photo::load(path)?), psi),
+        Some(path) => {
+            Scene::flat(path.display().to_string(), tone(network).decoded(&photo::load(path)?), psi)
+        }
         None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
     };
     let noise = network.origin.most_noise();

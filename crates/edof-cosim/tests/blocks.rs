@@ -153,25 +153,30 @@ fn window_guard() {
     let stage = committed("tiny").stage(0);
     let beats = stage.beats_in() as i64;
     let mut left = 0;
-    agree(WindowGuard::new(&stage), RESET as usize, &[("out_data", "out_valid"), ("out_set", "out_valid")], move |b, draw, last| {
-        b.reset.next = last.cycle < RESET || draw.whole(0, 700) == 0;
-        b.reset_counters.next = last.cycle < RESET;
-        b.snapshot.next = draw.whole(0, 300) == 0;
-        if last.all(&["valid", "ready"]) || !last.is("valid") {
-            // Half of all windows are too short or too long.
-            if left == 0 {
-                left = if bit(draw) { beats } else { draw.whole(1, 2 * beats) };
-                b.set.next = bit(draw);
+    agree(
+        WindowGuard::new(&stage),
+        RESET as usize,
+        &[("out_data", "out_valid"), ("out_set", "out_valid")],
+        move |b, draw, last| {
+            b.reset.next = last.cycle < RESET || draw.whole(0, 700) == 0;
+            b.reset_counters.next = last.cycle < RESET;
+            b.snapshot.next = draw.whole(0, 300) == 0;
+            if last.all(&["valid", "ready"]) || !last.is("valid") {
+                // Half of all windows are too short or too long.
+                if left == 0 {
+                    left = if bit(draw) { beats } else { draw.whole(1, 2 * beats) };
+                    b.set.next = bit(draw);
+                }
+                b.valid.next = last.cycle > RESET && draw.whole(0, 3) > 0;
+                if b.valid.next {
+                    left -= 1;
+                }
+                b.last.next = left == 0;
+                b.data.next = word(draw);
             }
-            b.valid.next = last.cycle > RESET && draw.whole(0, 3) > 0;
-            if b.valid.next {
-                left -= 1;
-            }
-            b.last.next = left == 0;
-            b.data.next = word(draw);
-        }
-        b.out_ready.next = draw.whole(0, 3) > 0;
-    });
+            b.out_ready.next = draw.whole(0, 3) > 0;
+        },
+    );
 }
 
 #[test]
@@ -616,7 +621,8 @@ fn stage() {
             b.write_address.next = u64::from(memory::address(stage, space)).into();
             b.write_data.next = word(draw);
             if reads {
-                b.write_data.next = u64::from(memory::read_command(Space::Weights { bank: 0, row: 0, half: 0 }, 3)).into();
+                b.write_data.next =
+                    u64::from(memory::read_command(Space::Weights { bank: 0, row: 0, half: 0 }, 3)).into();
             }
             b.status_address.next = word(draw);
         });

@@ -123,13 +123,18 @@ fn every_word_that_can_be_written_can_be_read_back() {
             let first = stage.weight_rows() << memory::row_bits(&stage);
             for k in [0, 1, 5, rows.len() - 1] {
                 let from = Space::Weights { bank: 1, row: first + k, half: 0 };
-                assert_eq!(read(&mut device, stage.index, from, 1), (memory::crc([rows[k]]), rows[k]), "{stage:?}");
+                assert_eq!(
+                    read(&mut device, stage.index, from, 1),
+                    (memory::crc([rows[k]]), rows[k]),
+                    "{stage:?}"
+                );
             }
             for (before, there) in [(false, stage.shrinks()), (true, stage.sends_difference)] {
                 let words = if there { memory::threshold_words(&second, &stage, before) } else { vec![] };
                 for (k, word) in words.into_iter().enumerate() {
                     let row = stage.beats_out() + k;
-                    let from = if before { Space::PreviousThresholds { row } } else { Space::Thresholds { row } };
+                    let from =
+                        if before { Space::PreviousThresholds { row } } else { Space::Thresholds { row } };
                     let read = read(&mut device, stage.index, from, 1);
                     assert_eq!(read, (memory::crc([word.into()]), word.into()), "{stage:?} {row}");
                 }
@@ -140,7 +145,7 @@ fn every_word_that_can_be_written_can_be_read_back() {
                 memory::CONTROL_SKIP,
             ];
             for (row, word) in registers.into_iter().enumerate() {
-                assert_eq!(read(&mut device, stage.index, Space::Register { row }, 1).1, word.into());
+                assert_eq!(read(&mut device, stage.index, Space::Register { row }, 1).1, u64::from(word));
             }
         }
     }
@@ -188,31 +193,41 @@ fn a_window_that_is_too_short_or_too_long_is_counted_and_the_next_one_is_right()
     let pixels = setup.design.form.window.pixels();
     let draw = &mut Draw::new(3);
     // Lengths in beats: too short, right, too long, and each after each.
-    let lengths: Vec<usize> = (0..60).map(|k| match k % 5 {
-        0 | 3 => pixels / 2,
-        1 => draw.whole(1, pixels as i64 / 2 - 1) as usize,
-        2 => draw.whole(pixels as i64 / 2 + 1, pixels as i64) as usize,
-        _ => [1, pixels / 2 - 1, pixels / 2 + 1][k % 3],
-    }).collect();
+    let lengths: Vec<usize> = (0..60)
+        .map(|k| match k % 5 {
+            0 | 3 => pixels / 2,
+            1 => draw.whole(1, pixels as i64 / 2 - 1) as usize,
+            2 => draw.whole(pixels as i64 / 2 + 1, pixels as i64) as usize,
+            _ => [1, pixels / 2 - 1, pixels / 2 + 1][k % 3],
+        })
+        .collect();
     let windows: Vec<Vec<i16>> =
         lengths.iter().map(|beats| (0..2 * beats).map(|_| draw.whole(0, 0x7fff) as i16).collect()).collect();
-    let expected: Vec<i16> = windows.iter().flat_map(|window| {
-        let mut window = window.clone();
-        window.resize(pixels, 0);
-        scalar::run(&setup.networks[0], &window).output
-    }).collect();
-    let mut device = setup.start(1);
-    expect_clean(&Drive::default().run(setup.model(), patches(&setup.design, 1, 1), &mut device, &mut |_| ()).unwrap());
-
-    let mut beats = windows.iter().flat_map(|window| {
-        let count = window.len() / 2;
-        window.chunks(2).enumerate().map(move |(k, words)| Beat {
-            words: [words[0], words[1]],
-            base: [0; 2],
-            last: k + 1 == count,
-            set: Set::First,
+    let expected: Vec<i16> = windows
+        .iter()
+        .flat_map(|window| {
+            let mut window = window.clone();
+            window.resize(pixels, 0);
+            scalar::run(&setup.networks[0], &window).output
         })
-    }).peekable();
+        .collect();
+    let mut device = setup.start(1);
+    expect_clean(
+        &Drive::default().run(setup.model(), patches(&setup.design, 1, 1), &mut device, &mut |_| ()).unwrap(),
+    );
+
+    let mut beats = windows
+        .iter()
+        .flat_map(|window| {
+            let count = window.len() / 2;
+            window.chunks(2).enumerate().map(move |(k, words)| Beat {
+                words: [words[0], words[1]],
+                base: [0; 2],
+                last: k + 1 == count,
+                set: Set::First,
+            })
+        })
+        .peekable();
     let (mut got, mut idle, mut flagged) = (vec![], 0, false);
     while idle < 2000 {
         let patch_ready = draw.whole(0, 3) > 0;

@@ -40,7 +40,13 @@ pub struct Args {
     photo: Vec<PathBuf>,
 
     /// Depths of the pictures [default: the far end of the network's range]
-    #[arg(long, value_name = "PSI,...", value_delimiter = ',', allow_negative_numbers = true, requires = "weights")]
+    #[arg(
+        long,
+        value_name = "PSI,...",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        requires = "weights"
+    )]
     psi: Vec<f64>,
 }
 
@@ -161,7 +167,8 @@ impl Measured {
 
     /// The picture that takes longest.
     fn worst(&self) -> &(String, Summary) {
-        let longer = |a: &(String, Summary), b: &(String, Summary)| b.1.cycles_per_patch() > a.1.cycles_per_patch();
+        let longer =
+            |a: &(String, Summary), b: &(String, Summary)| b.1.cycles_per_patch() > a.1.cycles_per_patch();
         self.0.iter().fold(&self.0[0], |worst, next| if longer(worst, next) { next } else { worst })
     }
 }

@@ -78,9 +78,10 @@ impl Found {
 /// # Errors
 /// A network, design or picture that cannot be used, or nothing that fits the device.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = args.weights.iter().fold(Files::new(ui).reads(&args.design), |files, name| {
-        files.reads_all(weights::fixed_file(name))
-    });
+    let files = args
+        .weights
+        .iter()
+        .fold(Files::new(ui).reads(&args.design), |files, name| files.reads_all(weights::fixed_file(name)));
     files.reads_all(&args.photo).check()?;
     let base = designs::load(&args.design)?;
     let mut found = vec![];
@@ -88,12 +89,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         found.extend(of_network(&args, &base, name, &weights::fixed(name)?, ui)?);
     }
     if found.is_empty() {
-        return Err(Error::message(format!("no folding of {} fits {}", args.weights.join(", "), args.device)));
+        return Err(Error::message(format!(
+            "no folding of {} fits {}",
+            args.weights.join(", "),
+            args.device
+        )));
     }
     let fast = found.iter().any(|one| one.frames >= args.fps);
     found.retain(|one| !fast || one.frames >= args.fps);
     let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
-    let mut kept: Vec<Found> = found.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect();
+    let mut kept: Vec<Found> =
+        found.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect();
     kept.sort_by(|a, b| b.db.total_cmp(&a.db).then(a.used.dsp48e1.cmp(&b.used.dsp48e1)));
 
     ui.say("   dB  cycles   worst  frames/s  DSP48E1  RAMB36E1  network, lanes x rows")?;
@@ -105,7 +111,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         ))?;
     }
     if !fast {
-        ui.say(format!("none of them reaches {} frames a second at {} MHz (planned)", args.fps, base.clock_mhz))?;
+        ui.say(format!(
+            "none of them reaches {} frames a second at {} MHz (planned)",
+            args.fps, base.clock_mhz
+        ))?;
     }
     let told = |one: &Found| {
         json!({

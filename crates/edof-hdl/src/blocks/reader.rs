@@ -88,8 +88,7 @@ impl Logic for Reader {
 
         // A row takes 256 cycles: it is asked for in the first, is here before the 192nd, and goes through the CRC in the last 64.
         self.clears.d.next = self.on.q.val() && !self.cycle.q.val().any();
-        self.steal_q.d.next =
-            self.on.q.val() && !self.cycle.q.val().any() && (self.space.q.val() == 0);
+        self.steal_q.d.next = self.on.q.val() && !self.cycle.q.val().any() && (self.space.q.val() == 0);
         self.collects.d.next = self.on.q.val() && (self.cycle.q.val().get_bits::<2>(6) != 3);
         self.shifts.d.next = self.on.q.val() && (self.cycle.q.val().get_bits::<2>(6) == 3);
         self.at_end.d.next = self.on.q.val() && (self.cycle.q.val() == 254);

@@ -428,7 +428,7 @@ mod tests {
         for (name, text) in crate::project::LEAVES {
             let leaf = LeafText::read(text).unwrap();
             let paths: Vec<_> = leaf.paths.iter().filter(|(from, _)| from != "clock_i").collect();
-            assert!(leaf.module == name && paths.is_empty(), "{name}: {paths:?}");
+            assert!(leaf.module == *name && paths.is_empty(), "{name}: {paths:?}");
         }
     }
 

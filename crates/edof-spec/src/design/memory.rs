@@ -268,7 +268,8 @@ pub fn bank_rows(network: &FixedNetwork, stage: &StagePlan, bank: usize) -> Vec<
     let parts: Vec<Vec<u64>> =
         (0..stage.row_words()).map(|part| weight_words(network, stage, bank, part)).collect();
     let word = |row: usize, part: usize| parts.get(part).map_or(0, |words| words[row]);
-    (0..stage.weight_rows()).flat_map(|row| (0..1 << row_bits(stage)).map(move |part| (row, part)))
+    (0..stage.weight_rows())
+        .flat_map(|row| (0..1 << row_bits(stage)).map(move |part| (row, part)))
         .map(|(row, part)| word(row, part))
         .collect()
 }

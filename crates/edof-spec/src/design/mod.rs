@@ -10,7 +10,7 @@ pub mod memory;
 pub mod stage;
 pub mod timing;
 
-pub use stage::{Kind, StagePlan};
+pub use stage::{Kind, MOST_ROWS, StagePlan};
 
 use crate::fixed_network::FixedNetwork;
 use crate::geometry::{Geometry, GeometryError, Stride};
