@@ -10,12 +10,15 @@ module edof_add (
     reg [24:0] low_q;
     reg [23:0] high_a_q;
     reg [23:0] high_b_q;
-    reg [47:0] sum_q;
+    // Where one number is 0 it would else be a shift register in LUTs, whose output is slow.
+    (* shreg_extract = "no" *) reg [47:0] sum_q;
 
     always @(posedge clock_i) begin
         low_q <= {1'b0, a_i[23:0]} + {1'b0, b_i[23:0]};
         high_a_q <= a_i[47:24];
         high_b_q <= b_i[47:24];
+    end
+    (* keep *) always @(posedge clock_i) begin
         sum_q[23:0] <= low_q[23:0];
         sum_q[47:24] <= high_a_q + high_b_q + {23'd0, low_q[24]};
     end

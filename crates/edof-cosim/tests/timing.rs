@@ -32,7 +32,7 @@ fn keeps(name: &str, limits: &Limits) {
         assert!(stage.delay_ps <= limits.delay_ps, "{told}");
         assert!(stage.control_loads <= limits.control_loads, "{told}");
         assert_eq!((stage.dsps, stage.registered_dsps), (plan.dsps(), plan.dsps()), "{told}");
-        assert!(stage.levels > 0 && stage.path.len() > stage.levels, "{told}");
+        assert!(stage.path.len() > stage.levels, "{told}");
         // The path is the source's own, and no clock is taken for a net of control.
         assert!(stage.path.iter().any(|step| !step.net.is_empty()), "{told}");
         assert!(stage.nets.iter().all(|net| !net.net.contains("clock")), "{told}");
@@ -41,17 +41,17 @@ fn keeps(name: &str, limits: &Limits) {
 
 #[test]
 fn tiny_keeps_its_limits() {
-    keeps("tiny", &Limits { delay_ps: 5300, control_loads: 2000 });
+    keeps("tiny", &Limits { delay_ps: 2800, control_loads: 96 });
 }
 
 #[test]
 #[ignore = "minutes: scripts/test-timing.sh"]
 fn paper_keeps_its_limits() {
-    keeps("paper", &Limits { delay_ps: 5300, control_loads: 2000 });
+    keeps("paper", &Limits { delay_ps: 5300, control_loads: 20000 });
 }
 
 #[test]
 #[ignore = "minutes: scripts/test-timing.sh"]
 fn kc705_keeps_its_limits() {
-    keeps("kc705", &Limits { delay_ps: 5300, control_loads: 2000 });
+    keeps("kc705", &Limits { delay_ps: 5300, control_loads: 20000 });
 }

@@ -13,7 +13,7 @@ use edof_spec::display::{
 use rust_hdl::prelude::*;
 
 /// From overlap-added words to the 8-bit codes on the wire: luma only by one table, or colour by a table for each of red, green, blue.
-/// Pairs of pixels in, pixels out, line by line; one pixel a cycle, so a pair every second cycle, 25 cycles from a pair's successor,
+/// Pairs of pixels in, pixels out, line by line; one pixel a cycle, so a pair every second cycle, 26 cycles from a pair's successor,
 /// whose chroma its right pixel needs, to its codes. `colour` is looked at with each frame's first pair. A table may be written at any
 /// time; pixels on their way may read either entry. Counters stand a few cycles later.
 #[derive(Circuit)]
@@ -93,13 +93,13 @@ pub struct Display {
     luma_1: DFF<Word>,
     to_2: Delay<6, 2>,
     to_6: Delay<6, 4>,
-    to_8: Delay<6, 2>,
-    to_9: Delay<6, 1>,
+    to_9: Delay<6, 3>,
     to_10: Delay<6, 1>,
     to_11: Delay<6, 1>,
-    to_15: Delay<6, 4>,
-    to_17: Delay<6, 2>,
-    to_18: Delay<6, 1>,
+    to_12: Delay<6, 1>,
+    to_16: Delay<6, 4>,
+    to_18: Delay<6, 2>,
+    to_19: Delay<6, 1>,
     red_light: Scale,
     green_light: Scale,
     green_whole: Scale,
@@ -111,33 +111,35 @@ pub struct Display {
     outside_6: [DFF<Bit>; 3],
     gamut_7: DFF<Bit>,
     tables: [Memory<12>; 3],
-    green_to_10: Delay<12, 2>,
-    blue_to_12: Delay<12, 4>,
+    encoded_9: [DFF<Bits<12>>; 3],
+    green_to_11: Delay<12, 2>,
+    blue_to_13: Delay<12, 4>,
     luma_sums: [Scale; 3],
     even_q: [DFF<Bits<14>>; 3],
     before_q: [DFF<Bits<14>>; 3],
-    outer_9: [DFF<Bits<14>>; 3],
-    filtered_10: [DFF<Bits<14>>; 3],
-    green_to_12: Delay<14, 2>,
-    blue_to_14: Delay<14, 4>,
-    second_to_12: Delay<1, 2>,
-    second_to_14: Delay<1, 2>,
+    outer_10: [DFF<Bits<14>>; 3],
+    filtered_11: [DFF<Bits<14>>; 3],
+    green_to_13: Delay<14, 2>,
+    blue_to_15: Delay<14, 4>,
+    second_to_13: Delay<1, 2>,
+    second_to_15: Delay<1, 2>,
+    colour_13: DFF<Bit>,
     chroma_sums: [Scale; 3],
-    cb_18: DFF<Bits<8>>,
+    cb_19: DFF<Bits<8>>,
     index_1: DFF<Bits<15>>,
     luma_table: Memory<8>,
-    luma_to_15: Delay<8, 12>,
+    luma_to_16: Delay<8, 13>,
     rounded_1: [DFF<Bits<17>>; 2],
     site_2: [DFF<Bits<8>>; 2],
     clamped_2: [DFF<Bit>; 2],
     clamped_3: DFF<Bits<2>>,
-    site_to_18: Delay<16, 16>,
-    luma_16: DFF<Bits<8>>,
+    site_to_19: Delay<16, 17>,
     luma_17: DFF<Bits<8>>,
     luma_18: DFF<Bits<8>>,
+    luma_19: DFF<Bits<8>>,
     even_luma: DFF<Bits<8>>,
-    push_19: DFF<Bit>,
-    done_19: DFF<Bits<34>>,
+    push_20: DFF<Bit>,
+    done_20: DFF<Bits<34>>,
     queue: Queue<34>,
     right: DFF<Bit>,
     clamped_q: DFF<Bits<32>>,
@@ -156,14 +158,14 @@ pub struct Display {
     light_base: Signal<Local, Wide>,
     light: [Signal<Local, Bits<18>>; 3],
     encoded: [Signal<Local, Bits<12>>; 3],
-    once_8: [Signal<Local, Bits<14>>; 3],
-    odd_8: Signal<Local, Bit>,
-    even_8: Signal<Local, Bit>,
+    once_9: [Signal<Local, Bits<14>>; 3],
     odd_9: Signal<Local, Bit>,
+    even_9: Signal<Local, Bit>,
+    odd_10: Signal<Local, Bit>,
     second: Signal<Local, Bits<1>>,
     site: [Signal<Local, Bits<17>>; 2],
-    site_18: Signal<Local, Bits<16>>,
-    ends_18: Signal<Local, Bits<2>>,
+    site_19: Signal<Local, Bits<16>>,
+    ends_19: Signal<Local, Bits<2>>,
 }
 
 /// A coefficient in two's complement.
@@ -230,28 +232,29 @@ impl Logic for Display {
             cr_0,
             luma_1,
             gamut_7,
-            cb_18,
+            cb_19,
+            colour_13,
             index_1,
             clamped_3,
-            luma_16,
             luma_17,
             luma_18,
+            luma_19,
             even_luma,
-            push_19,
-            done_19,
+            push_20,
+            done_20,
             right,
             clamped_q,
             gamut_q
         );
         self.to_2.clock.next = self.clock.val();
         self.to_6.clock.next = self.clock.val();
-        self.to_8.clock.next = self.clock.val();
         self.to_9.clock.next = self.clock.val();
         self.to_10.clock.next = self.clock.val();
         self.to_11.clock.next = self.clock.val();
-        self.to_15.clock.next = self.clock.val();
-        self.to_17.clock.next = self.clock.val();
+        self.to_12.clock.next = self.clock.val();
+        self.to_16.clock.next = self.clock.val();
         self.to_18.clock.next = self.clock.val();
+        self.to_19.clock.next = self.clock.val();
         self.red_light.clock.next = self.clock.val();
         self.green_light.clock.next = self.clock.val();
         self.green_whole.clock.next = self.clock.val();
@@ -259,15 +262,15 @@ impl Logic for Display {
         self.red_to_5.clock.next = self.clock.val();
         self.cr_to_2.clock.next = self.clock.val();
         self.blue_to_5.clock.next = self.clock.val();
-        self.green_to_10.clock.next = self.clock.val();
-        self.blue_to_12.clock.next = self.clock.val();
-        self.green_to_12.clock.next = self.clock.val();
-        self.blue_to_14.clock.next = self.clock.val();
-        self.second_to_12.clock.next = self.clock.val();
-        self.second_to_14.clock.next = self.clock.val();
+        self.green_to_11.clock.next = self.clock.val();
+        self.blue_to_13.clock.next = self.clock.val();
+        self.green_to_13.clock.next = self.clock.val();
+        self.blue_to_15.clock.next = self.clock.val();
+        self.second_to_13.clock.next = self.clock.val();
+        self.second_to_15.clock.next = self.clock.val();
         self.luma_table.clock.next = self.clock.val();
-        self.luma_to_15.clock.next = self.clock.val();
-        self.site_to_18.clock.next = self.clock.val();
+        self.luma_to_16.clock.next = self.clock.val();
+        self.site_to_19.clock.next = self.clock.val();
         self.queue.clock.next = self.clock.val();
         self.queue.reset.next = self.reset.val();
 
@@ -352,13 +355,13 @@ impl Logic for Display {
         self.site_0.d.next = self.held_chroma.q.val();
         self.to_2.now.next = self.marks_0.q.val();
         self.to_6.now.next = self.to_2.later.val();
-        self.to_8.now.next = self.to_6.later.val();
-        self.to_9.now.next = self.to_8.later.val();
+        self.to_9.now.next = self.to_6.later.val();
         self.to_10.now.next = self.to_9.later.val();
         self.to_11.now.next = self.to_10.later.val();
-        self.to_15.now.next = self.to_11.later.val();
-        self.to_17.now.next = self.to_15.later.val();
-        self.to_18.now.next = self.to_17.later.val();
+        self.to_12.now.next = self.to_11.later.val();
+        self.to_16.now.next = self.to_12.later.val();
+        self.to_18.now.next = self.to_16.later.val();
+        self.to_19.now.next = self.to_18.later.val();
 
         // To cycle 5: light. Luma joins a cycle after chroma.
         self.luma_1.d.next = self.luma_0.q.val();
@@ -387,7 +390,7 @@ impl Logic for Display {
         self.light[1].next = self.green_whole.sum.val().get_bits::<18>(17);
         self.light[2].next = self.blue_to_5.later.val();
 
-        // Cycles 6 to 8: tables.
+        // Cycles 6 to 9: tables, and a register more between block RAM and multipliers.
         for i in 0..3 {
             self.address_6[i].clock.next = self.clock.val();
             self.outside_6[i].clock.next = self.clock.val();
@@ -404,7 +407,9 @@ impl Logic for Display {
             self.tables[i].clock.next = self.clock.val();
             self.tables[i].write_address.next = bit_cast::<16, 15>(self.table_address.val());
             self.tables[i].write_data.next = self.table_data.val();
-            self.encoded[i].next = self.tables[i].read_data.val();
+            self.encoded_9[i].clock.next = self.clock.val();
+            self.encoded_9[i].d.next = self.tables[i].read_data.val();
+            self.encoded[i].next = self.encoded_9[i].q.val();
         }
         self.tables[0].read_address.next = bit_cast::<16, 14>(self.address_6[0].q.val());
         self.tables[1].read_address.next = bit_cast::<16, 14>(self.address_6[1].q.val());
@@ -413,82 +418,90 @@ impl Logic for Display {
         self.tables[1].write_enable.next = self.table_write.val() && (self.table_select.val() == 2);
         self.tables[2].write_enable.next = self.table_write.val() && (self.table_select.val() == 3);
 
-        // To cycle 15: luma.
+        // To cycle 16: luma.
         for i in 0..3 {
             self.luma_sums[i].clock.next = self.clock.val();
             self.luma_sums[i].factor.next = self.to_luma[i].val();
         }
-        self.green_to_10.now.next = self.encoded[1].val();
-        self.blue_to_12.now.next = self.encoded[2].val();
+        self.green_to_11.now.next = self.encoded[1].val();
+        self.blue_to_13.now.next = self.encoded[2].val();
         self.luma_sums[0].value.next = bit_cast::<18, 12>(self.encoded[0].val());
-        self.luma_sums[0].addend.next = self.luma_base.val();
-        self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_10.later.val());
+        // Not always there, though it is not wanted otherwise: a constant would not go through a multiplier's own adder.
+        self.luma_sums[0].addend.next = 0.into();
+        if self.to_10.later.val().get_bit(5) {
+            self.luma_sums[0].addend.next = self.luma_base.val();
+        }
+        self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_11.later.val());
         self.luma_sums[1].addend.next = self.luma_sums[0].sum.val();
-        self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_12.later.val());
+        self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_13.later.val());
         self.luma_sums[2].addend.next = self.luma_sums[1].sum.val();
 
-        // Cycles 8 to 10: each colour of a pair's odd pixel, of its even one twice, and of the odd one before, which a line's
+        // Cycles 9 to 11: each colour of a pair's odd pixel, of its even one twice, and of the odd one before, which a line's
         // first pair does not have: mirrored, it is the one after.
-        self.odd_8.next = self.to_8.later.val().get_bit(0) && self.to_8.later.val().get_bit(1);
-        self.even_8.next = self.to_8.later.val().get_bit(0) && !self.to_8.later.val().get_bit(1);
         self.odd_9.next = self.to_9.later.val().get_bit(0) && self.to_9.later.val().get_bit(1);
-        self.once_8[0].next = bit_cast::<14, 12>(self.encoded[0].val());
-        self.once_8[1].next = bit_cast::<14, 12>(self.encoded[1].val());
-        self.once_8[2].next = bit_cast::<14, 12>(self.encoded[2].val());
+        self.even_9.next = self.to_9.later.val().get_bit(0) && !self.to_9.later.val().get_bit(1);
+        self.odd_10.next = self.to_10.later.val().get_bit(0) && self.to_10.later.val().get_bit(1);
+        self.once_9[0].next = bit_cast::<14, 12>(self.encoded[0].val());
+        self.once_9[1].next = bit_cast::<14, 12>(self.encoded[1].val());
+        self.once_9[2].next = bit_cast::<14, 12>(self.encoded[2].val());
         for i in 0..3 {
             self.even_q[i].clock.next = self.clock.val();
             self.before_q[i].clock.next = self.clock.val();
-            self.outer_9[i].clock.next = self.clock.val();
-            self.filtered_10[i].clock.next = self.clock.val();
+            self.outer_10[i].clock.next = self.clock.val();
+            self.filtered_11[i].clock.next = self.clock.val();
             self.even_q[i].d.next = self.even_q[i].q.val();
-            if self.even_8.val() {
-                self.even_q[i].d.next = self.once_8[i].val();
+            if self.even_9.val() {
+                self.even_q[i].d.next = self.once_9[i].val();
             }
             self.before_q[i].d.next = self.before_q[i].q.val();
-            if self.odd_8.val() {
-                self.before_q[i].d.next = self.once_8[i].val();
-            }
-            self.outer_9[i].d.next = self.once_8[i].val() + self.before_q[i].q.val();
-            if self.to_8.later.val().get_bit(2) {
-                self.outer_9[i].d.next = self.once_8[i].val() << 1;
-            }
-            self.filtered_10[i].d.next = self.filtered_10[i].q.val();
             if self.odd_9.val() {
-                self.filtered_10[i].d.next = self.outer_9[i].q.val() + (self.even_q[i].q.val() << 1);
+                self.before_q[i].d.next = self.once_9[i].val();
+            }
+            self.outer_10[i].d.next = self.once_9[i].val() + self.before_q[i].q.val();
+            if self.to_9.later.val().get_bit(2) {
+                self.outer_10[i].d.next = self.once_9[i].val() << 1;
+            }
+            self.filtered_11[i].d.next = self.filtered_11[i].q.val();
+            if self.odd_10.val() {
+                self.filtered_11[i].d.next = self.outer_10[i].q.val() + (self.even_q[i].q.val() << 1);
             }
         }
 
-        // To cycle 17 Cb, to cycle 18 Cr of a pair: its filtered colours stand for two cycles.
+        // To cycle 18 Cb, to cycle 19 Cr of a pair: its filtered colours stand for two cycles.
         self.second.next = 0.into();
-        if self.to_11.later.val().get_bit(0) && self.to_11.later.val().get_bit(1) {
+        if self.to_12.later.val().get_bit(0) && self.to_12.later.val().get_bit(1) {
             self.second.next = 1.into();
         }
-        self.second_to_12.now.next = self.second.val();
-        self.second_to_14.now.next = self.second_to_12.later.val();
-        self.green_to_12.now.next = self.filtered_10[1].q.val();
-        self.blue_to_14.now.next = self.filtered_10[2].q.val();
+        self.second_to_13.now.next = self.second.val();
+        self.second_to_15.now.next = self.second_to_13.later.val();
+        self.green_to_13.now.next = self.filtered_11[1].q.val();
+        self.blue_to_15.now.next = self.filtered_11[2].q.val();
         for i in 0..3 {
             self.chroma_sums[i].clock.next = self.clock.val();
         }
-        self.chroma_sums[0].value.next = bit_cast::<18, 14>(self.filtered_10[0].q.val());
-        self.chroma_sums[0].addend.next = self.chroma_base.val();
+        self.chroma_sums[0].value.next = bit_cast::<18, 14>(self.filtered_11[0].q.val());
+        self.chroma_sums[0].addend.next = 0.into();
+        if self.to_12.later.val().get_bit(5) || self.colour_13.q.val() {
+            self.chroma_sums[0].addend.next = self.chroma_base.val();
+        }
+        self.colour_13.d.next = self.to_12.later.val().get_bit(5);
         self.chroma_sums[0].factor.next = self.to_cb[0].val();
         if self.second.val().any() {
             self.chroma_sums[0].factor.next = self.to_cr[0].val();
         }
-        self.chroma_sums[1].value.next = bit_cast::<18, 14>(self.green_to_12.later.val());
+        self.chroma_sums[1].value.next = bit_cast::<18, 14>(self.green_to_13.later.val());
         self.chroma_sums[1].addend.next = self.chroma_sums[0].sum.val();
         self.chroma_sums[1].factor.next = self.to_cb[1].val();
-        if self.second_to_12.later.val().any() {
+        if self.second_to_13.later.val().any() {
             self.chroma_sums[1].factor.next = self.to_cr[1].val();
         }
-        self.chroma_sums[2].value.next = bit_cast::<18, 14>(self.blue_to_14.later.val());
+        self.chroma_sums[2].value.next = bit_cast::<18, 14>(self.blue_to_15.later.val());
         self.chroma_sums[2].addend.next = self.chroma_sums[1].sum.val();
         self.chroma_sums[2].factor.next = self.to_cb[2].val();
-        if self.second_to_14.later.val().any() {
+        if self.second_to_15.later.val().any() {
             self.chroma_sums[2].factor.next = self.to_cr[2].val();
         }
-        self.cb_18.d.next = self.chroma_sums[2].sum.val().get_bits::<8>(22);
+        self.cb_19.d.next = self.chroma_sums[2].sum.val().get_bits::<8>(22);
 
         // Luma only: a table for luma, read in cycles 1 to 3; chroma rounds in cycles 1 and 2.
         self.index_1.d.next = self.luma_0.q.val().get_bits::<15>(0);
@@ -499,7 +512,7 @@ impl Logic for Display {
         self.luma_table.write_enable.next = self.table_write.val() && (self.table_select.val() == 0);
         self.luma_table.write_address.next = bit_cast::<16, 15>(self.table_address.val());
         self.luma_table.write_data.next = self.table_data.val().get_bits::<8>(0);
-        self.luma_to_15.now.next = self.luma_table.read_data.val();
+        self.luma_to_16.now.next = self.luma_table.read_data.val();
         self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
         if self.site_0.q.val().get_bit(15) {
             self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0)) | 0x1_0000;
@@ -525,33 +538,33 @@ impl Logic for Display {
                 self.clamped_2[i].d.next = true;
             }
         }
-        self.site_to_18.now.next =
+        self.site_to_19.now.next =
             (bit_cast::<16, 8>(self.site_2[1].q.val()) << 8) | bit_cast::<16, 8>(self.site_2[0].q.val());
 
         // Out: the codes of a pair, once those of its odd pixel are there.
-        self.luma_16.d.next = self.luma_to_15.later.val();
-        if self.to_15.later.val().get_bit(5) {
-            self.luma_16.d.next = self.luma_sums[2].sum.val().get_bits::<8>(20);
+        self.luma_17.d.next = self.luma_to_16.later.val();
+        if self.to_16.later.val().get_bit(5) {
+            self.luma_17.d.next = self.luma_sums[2].sum.val().get_bits::<8>(20);
         }
-        self.luma_17.d.next = self.luma_16.q.val();
         self.luma_18.d.next = self.luma_17.q.val();
-        if self.to_17.later.val().get_bit(0) && !self.to_17.later.val().get_bit(1) {
-            self.even_luma.d.next = self.luma_17.q.val();
+        self.luma_19.d.next = self.luma_18.q.val();
+        if self.to_18.later.val().get_bit(0) && !self.to_18.later.val().get_bit(1) {
+            self.even_luma.d.next = self.luma_18.q.val();
         }
-        self.site_18.next = self.site_to_18.later.val();
-        if self.to_18.later.val().get_bit(5) {
-            self.site_18.next = (bit_cast::<16, 8>(self.chroma_sums[2].sum.val().get_bits::<8>(22)) << 8)
-                | bit_cast::<16, 8>(self.cb_18.q.val());
+        self.site_19.next = self.site_to_19.later.val();
+        if self.to_19.later.val().get_bit(5) {
+            self.site_19.next = (bit_cast::<16, 8>(self.chroma_sums[2].sum.val().get_bits::<8>(22)) << 8)
+                | bit_cast::<16, 8>(self.cb_19.q.val());
         }
-        self.ends_18.next = self.to_18.later.val().get_bits::<2>(3);
-        self.push_19.d.next = self.to_18.later.val().get_bit(0) && self.to_18.later.val().get_bit(1);
-        self.done_19.d.next = (bit_cast::<34, 2>(self.ends_18.val()) << 32)
-            | (bit_cast::<34, 8>(self.site_18.val().get_bits::<8>(8)) << 24)
-            | (bit_cast::<34, 8>(self.luma_18.q.val()) << 16)
-            | (bit_cast::<34, 8>(self.site_18.val().get_bits::<8>(0)) << 8)
+        self.ends_19.next = self.to_19.later.val().get_bits::<2>(3);
+        self.push_20.d.next = self.to_19.later.val().get_bit(0) && self.to_19.later.val().get_bit(1);
+        self.done_20.d.next = (bit_cast::<34, 2>(self.ends_19.val()) << 32)
+            | (bit_cast::<34, 8>(self.site_19.val().get_bits::<8>(8)) << 24)
+            | (bit_cast::<34, 8>(self.luma_19.q.val()) << 16)
+            | (bit_cast::<34, 8>(self.site_19.val().get_bits::<8>(0)) << 8)
             | bit_cast::<34, 8>(self.even_luma.q.val());
-        self.queue.push.next = self.push_19.q.val();
-        self.queue.data.next = self.done_19.q.val();
+        self.queue.push.next = self.push_20.q.val();
+        self.queue.data.next = self.done_20.q.val();
         self.queue.front_ready.next = self.pixels_ready.val() && self.right.q.val();
         self.pixels_valid.next = self.queue.front_valid.val();
         self.pixels_data.next = self.queue.front_data.val().get_bits::<16>(0);
@@ -596,6 +609,7 @@ impl Logic for Display {
             self.next_valid.d.next = false;
             self.held_valid.d.next = false;
             self.odd.d.next = false;
+            self.colour_q.d.next = false;
             self.right.d.next = false;
             self.starts.d.next = true;
             self.marks_0.d.next = 0.into();

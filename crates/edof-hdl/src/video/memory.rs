@@ -26,13 +26,14 @@ pub struct Memory<const W: usize> {
 }
 
 impl<const W: usize> Memory<W> {
-    /// A memory of `depth` rows whose contents are open at the start; the model has zeros there.
+    /// A memory of `depth` rows or more, a power of two, whose contents are open at the start; the model has zeros there. With fewer rows
+    /// than its blocks can be made to have in one piece, it would be pieced together, and a choice would stand behind its output.
     ///
     /// # Panics
     /// More rows than addresses.
     #[must_use]
     pub fn open(depth: usize) -> Self {
-        Self::with(depth, None, &[])
+        Self::with(depth.next_power_of_two(), None, &[])
     }
 
     /// A memory that starts with `contents`, read from `image` (`$readmemh`) in Verilog.

@@ -75,6 +75,8 @@ pub struct WindowReorder {
     frame_slot: DFF<Bits<5>>,
     set_q: DFF<Bit>,
     patch_row: DFF<Coordinate>,
+    in_last_row: DFF<Bit>,
+    in_last_column: DFF<Bit>,
     top: DFF<Coordinate>,
     next_top: DFF<Coordinate>,
     base: DFF<Coordinate>,
@@ -192,6 +194,8 @@ impl Logic for WindowReorder {
             frame_slot,
             set_q,
             patch_row,
+            in_last_row,
+            in_last_column,
             top,
             next_top,
             base,
@@ -281,7 +285,7 @@ impl Logic for WindowReorder {
             self.next_base.d.next = self.kept_end.val();
         }
         self.past_base.d.next = self.next_base.q.val();
-        if self.patch_row.q.val() == self.last_patch_row.val() {
+        if self.in_last_row.q.val() {
             self.past_base.d.next = self.height.val();
         }
         self.wanted.d.next = self.need.q.val() - self.base.q.val();
@@ -309,10 +313,11 @@ impl Logic for WindowReorder {
         self.steps.next = (self.age.q.val() == 12) && self.enough.q.val() && self.queue.room.val();
         self.row_ends.next = self.steps.val() && (self.pair.q.val() == self.last_window_pair.val());
         self.window_ends.next = self.row_ends.val() && (self.row.q.val() == self.last_window_row.val());
-        self.stripe_ends.next =
-            self.window_ends.val() && (self.patch_column.q.val() == self.last_patch_column.val());
-        self.frame_ends.next =
-            self.stripe_ends.val() && (self.patch_row.q.val() == self.last_patch_row.val());
+        // Both change many cycles before they are asked for.
+        self.in_last_row.d.next = self.patch_row.q.val() == self.last_patch_row.val();
+        self.in_last_column.d.next = self.patch_column.q.val() == self.last_patch_column.val();
+        self.stripe_ends.next = self.window_ends.val() && self.in_last_column.q.val();
+        self.frame_ends.next = self.stripe_ends.val() && self.in_last_row.q.val();
         if self.fresh.q.val() {
             self.set_q.d.next = self.set.val();
         }

@@ -4,17 +4,20 @@ use super::Step;
 
 /// The delay in picoseconds and the path, where it begins first.
 ///
-/// Each cell has two lines: arrival, name and `(TYPE.PIN->PIN)`, then the net on which the path comes to it.
+/// A cell has a line of arrival, name and `(TYPE.PIN->PIN)`, and one of the net on which the path comes to it. A path that ends at a port
+/// begins with a net alone.
 pub fn path(text: &str) -> Result<(u64, Vec<Step>), String> {
     let mut lines = text.lines().skip_while(|line| !line.starts_with("Latest arrival time"));
     let title = lines.next().ok_or("no 'Latest arrival time' in the timing report")?;
     let delay = title.trim_end_matches(':').rsplit(' ').next().and_then(|word| word.parse().ok());
     let delay = delay.ok_or_else(|| format!("no delay in '{title}'"))?;
-    let lines: Vec<&str> = lines.take_while(|line| !line.trim().is_empty()).collect();
-    let mut steps = Vec::new();
-    for pair in lines.chunks(2) {
-        let (arrival, cell) = cell(pair[0]).ok_or_else(|| format!("no cell in '{}'", pair[0].trim()))?;
-        steps.push(Step { arrival_ps: arrival, cell, net: pair.get(1).map_or("", |net| name(net)).into() });
+    let mut steps: Vec<Step> = Vec::new();
+    for line in lines.take_while(|line| !line.trim().is_empty()) {
+        match (cell(line), steps.last_mut()) {
+            (Some((arrival_ps, cell)), _) => steps.push(Step { arrival_ps, cell, net: String::new() }),
+            (None, Some(step)) => step.net = name(line).into(),
+            (None, None) => (),
+        }
     }
     if steps.is_empty() {
         return Err("a timing report without a path".into());
@@ -36,7 +39,7 @@ pub fn is_logic(cell: &str) -> bool {
 /// Arrival and type, of `5061 some.name (RAMB18E1.ADDRARDADDR)`.
 fn cell(line: &str) -> Option<(u64, String)> {
     let arrival = line.split_whitespace().next()?.parse().ok()?;
-    let kind = line.rsplit_once('(')?.1.strip_suffix(')')?;
+    let kind = line.rsplit_once('(')?.1.strip_suffix(')').filter(|kind| !kind.starts_with('<'))?;
     Some((arrival, kind.into()))
 }
 

@@ -1,0 +1,260 @@
+//! Every block and leaf of the video side, given the same stimulus in rust-hdl's simulation, in Verilator and in Icarus: the same outputs in
+//! every cycle.
+
+mod common;
+mod differential;
+mod support;
+
+use common::committed;
+use differential::{Last, agree, agree_with_images, bit, ported, word};
+use edof_hdl::describe::Circuit;
+use edof_hdl::video::display::{Display, TABLE_IMAGES};
+use edof_hdl::video::overlap_add::OverlapAdd;
+use edof_hdl::video::patch_pairs::PatchPairs;
+use edof_hdl::video::queue::Queue;
+use edof_hdl::video::raster_reorder::RasterReorder;
+use edof_hdl::video::scale::Scale;
+use edof_hdl::video::video_in::VideoIn;
+use edof_hdl::video::video_out::VideoOut;
+use edof_hdl::video::window_reorder::WindowReorder;
+use edof_spec::design::FrameSize;
+use edof_spec::draw::Draw;
+use edof_spec::video::{Axis, VideoTiming};
+use edof_spec::{Design, Stride};
+use rust_hdl::prelude::*;
+
+ported!(Display, OverlapAdd, PatchPairs, RasterReorder, VideoIn, VideoOut, WindowReorder, QueueTop, ScaleTop);
+
+/// Cycles of reset at the start of every stimulus.
+const RESET: u64 = 64;
+
+/// Whether a stream may show something else: nothing stands there, or it was taken.
+fn is_free(last: &Last, valid: &str, ready: &str) -> bool {
+    last.cycle <= RESET || !last.is(valid) || last.is(ready)
+}
+
+fn small(stride: usize) -> Design {
+    let mut design = committed("tiny");
+    design.frame = FrameSize { width: 12, height: 10, stride: Stride::new(stride).unwrap() };
+    design.check().unwrap();
+    design
+}
+
+/// The leaf `edof_queue` in a module of its own.
+#[derive(Circuit)]
+struct QueueTop {
+    pub clock: Signal<In, Clock>,
+    pub reset: Signal<In, Bit>,
+    pub push: Signal<In, Bit>,
+    pub data: Signal<In, Bits<34>>,
+    pub room: Signal<Out, Bit>,
+    pub valid: Signal<Out, Bit>,
+    pub ready: Signal<In, Bit>,
+    pub front: Signal<Out, Bits<34>>,
+    queue: Queue<34>,
+}
+
+impl Logic for QueueTop {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.queue.clock.next = self.clock.val();
+        self.queue.reset.next = self.reset.val();
+        self.queue.push.next = self.push.val();
+        self.queue.data.next = self.data.val();
+        self.room.next = self.queue.room.val();
+        self.valid.next = self.queue.front_valid.val();
+        self.queue.front_ready.next = self.ready.val();
+        self.front.next = self.queue.front_data.val();
+    }
+}
+
+#[test]
+fn queue() {
+    let top = QueueTop::from_parts(QueueTopParts { queue: Queue::new(7) });
+    agree(top, RESET as usize, &[("front", "valid")], |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        // A pipeline of five cycles: what it took in while there was room comes out whatever happens.
+        let takes = last.cycle > RESET && last.is("room") && draw.whole(0, 9) > 0;
+        b.push.next = takes;
+        b.data.next = word(draw);
+        b.ready.next = draw.whole(0, 9) > (last.cycle as i64 / 100) % 10;
+    });
+}
+
+/// The leaf `edof_scale` in a module of its own.
+#[derive(Circuit)]
+#[circuit(default(Scale))]
+struct ScaleTop {
+    pub clock: Signal<In, Clock>,
+    pub value: Signal<In, Bits<18>>,
+    pub factor: Signal<In, Bits<18>>,
+    pub addend: Signal<In, Bits<48>>,
+    pub sum: Signal<Out, Bits<48>>,
+    scale: Scale,
+}
+
+impl Logic for ScaleTop {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.scale.clock.next = self.clock.val();
+        self.scale.value.next = self.value.val();
+        self.scale.factor.next = self.factor.val();
+        self.scale.addend.next = self.addend.val();
+        self.sum.next = self.scale.sum.val();
+    }
+}
+
+#[test]
+fn scale() {
+    agree(ScaleTop::default(), 4, &[], |b, draw, _| {
+        b.value.next = word(draw);
+        b.factor.next = word(draw);
+        b.addend.next = word(draw);
+    });
+}
+
+#[test]
+fn patch_pairs() {
+    let qualified = ["out_luma", "out_chroma"].map(|port| (port, "out_valid"));
+    agree(PatchPairs::default(), RESET as usize, &qualified, |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        if is_free(last, "valid", "ready") {
+            b.valid.next = draw.whole(0, 3) > 0;
+            b.data.next = word(draw);
+        }
+        b.out_ready.next = draw.whole(0, 9) > (last.cycle as i64 / 200) % 10;
+    });
+}
+
+#[test]
+fn overlap_add() {
+    for stride in [4, 2] {
+        let qualified = ["out_luma", "out_chroma"].map(|port| (port, "out_valid"));
+        agree(OverlapAdd::of(&small(stride)).unwrap(), RESET as usize, &qualified, |b, draw, last| {
+            b.reset.next = last.cycle < RESET;
+            b.clear.next = draw.whole(0, 999) == 0;
+            if is_free(last, "valid", "ready") {
+                b.valid.next = draw.whole(0, 3) > 0;
+                b.luma.next = word(draw);
+                b.chroma.next = word(draw);
+            }
+            b.out_ready.next = draw.whole(0, 9) > (last.cycle as i64 / 200) % 10;
+        });
+    }
+}
+
+#[test]
+fn raster_reorder() {
+    let qualified = ["out_luma", "out_chroma", "out_first", "out_last"].map(|port| (port, "out_valid"));
+    agree(RasterReorder::of(&small(8)), RESET as usize, &qualified, |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        if is_free(last, "valid", "ready") {
+            b.valid.next = draw.whole(0, 3) > 0;
+            b.luma.next = word(draw);
+            b.chroma.next = word(draw);
+        }
+        b.out_ready.next = draw.whole(0, 9) > (last.cycle as i64 / 200) % 10;
+    });
+}
+
+#[test]
+fn window_reorder() {
+    let qualified = ["out_pixels", "out_last", "out_set"].map(|port| (port, "out_valid"));
+    agree(WindowReorder::of(&small(4)), RESET as usize, &qualified, |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        b.set.next = bit(draw);
+        if is_free(last, "pixels_valid", "pixels_ready") {
+            b.pixels_valid.next = draw.whole(0, 3) > 0;
+            b.pixels_data.next = word(draw);
+        }
+        b.out_ready.next = draw.whole(0, 9) > (last.cycle as i64 / 200) % 10;
+    });
+}
+
+#[test]
+fn display() {
+    let (luma, colour): (Vec<u64>, Vec<u64>) =
+        ((0..1 << 15).map(|i| i / 129).collect(), (0..1 << 14).map(|i| i / 4).collect());
+    let text = |words: &[u64]| words.iter().map(|word| format!("{word:x}\n")).collect::<String>();
+    let contents = [text(&luma), text(&colour), text(&colour), text(&colour)];
+    let images: Vec<(String, String)> = TABLE_IMAGES.map(String::from).into_iter().zip(contents).collect();
+    let qualified = ["pixels_data", "pixels_user", "pixels_last"].map(|port| (port, "pixels_valid"));
+    let block = Display::new(&luma, [&colour, &colour, &colour]);
+    agree_with_images(block, RESET as usize, &qualified, &images, |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        b.clear.next = draw.whole(0, 999) == 0;
+        b.colour.next = bit(draw);
+        if is_free(last, "valid", "ready") {
+            b.valid.next = draw.whole(0, 3) > 0;
+            b.luma.next = word(draw);
+            b.chroma.next = word(draw);
+            b.first.next = draw.whole(0, 60) == 0;
+            b.last.next = draw.whole(0, 8) == 0;
+        }
+        b.table_write.next = draw.whole(0, 9) == 0;
+        b.table_select.next = word(draw);
+        b.table_address.next = (draw.bits() & 0x3fff).into();
+        b.table_data.next = word(draw);
+        b.pixels_ready.next = draw.whole(0, 9) > (last.cycle as i64 / 200) % 10;
+    });
+}
+
+/// A bus on which lines and frames come and go by lot, mostly of the right size.
+struct Bus {
+    column: i64,
+    row: i64,
+    width: i64,
+    height: i64,
+}
+
+impl Bus {
+    fn step(&mut self, draw: &mut Draw) -> (bool, bool, bool) {
+        self.column += 1;
+        if self.column == self.width + 8 {
+            (self.column, self.row) = (0, self.row + 1);
+            self.width = if draw.whole(0, 40) == 0 { draw.whole(1, 20) } else { 12 };
+        }
+        if self.row == self.height + 4 {
+            self.row = 0;
+            self.height = if draw.whole(0, 3) == 0 { draw.whole(1, 14) } else { 10 };
+        }
+        let de = self.row < self.height && self.column < self.width;
+        (self.column > self.width + 3, self.row > self.height + 1, de)
+    }
+}
+
+#[test]
+fn video_in() {
+    let mut bus = Bus { column: 0, row: 0, width: 12, height: 10 };
+    let qualified = ["pixels_data", "pixels_user", "pixels_last"].map(|port| (port, "pixels_valid"));
+    let block = VideoIn::new(FrameSize { width: 12, height: 10, stride: Stride::PATCH }, 700);
+    agree(block, RESET as usize, &qualified, move |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        let (hs, vs, de) = bus.step(draw);
+        b.hs.next = hs;
+        b.vs.next = vs && last.cycle % 2000 < 1200;
+        b.de.next = de;
+        b.data.next = word(draw);
+        b.pixels_ready.next = draw.whole(0, 99) > 0;
+    });
+}
+
+#[test]
+fn video_out() {
+    let timing = VideoTiming {
+        line: Axis { active: 12, front: 2, sync: 3, back: 3 },
+        frame: Axis { active: 10, front: 1, sync: 2, back: 2 },
+        pixel_khz: 1000,
+    };
+    let mut sent = 0;
+    agree(VideoOut::new(timing), RESET as usize, &[], move |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        if is_free(last, "pixels_valid", "pixels_ready") {
+            b.pixels_valid.next = draw.whole(0, 60) > 0;
+            b.pixels_data.next = word(draw);
+            b.pixels_user.next = sent % 120 == 0 || draw.whole(0, 500) == 0;
+            sent += 1;
+        }
+        b.pixels_last.next = bit(draw);
+    });
+}
