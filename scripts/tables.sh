@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 
-nets=paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear
+nets=paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear,edof-t4w12-outer-light,edof-t4w12-clear-light
 [ $# -gt 0 ] || set -- linear srgb
 for tone in "$@"; do
     [[ $tone =~ ^(linear|srgb)$ ]] || fail "tone '$tone': must be linear or srgb"

@@ -7,12 +7,14 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 
-# Name, form, camera.
+# Name, form, camera, what differs from the recipe otherwise: for pictures that are looked at encoded, light with a sensor's noise.
 networks=(
     "paper-t4 paper-t4 ring-2018"
     "edof-t4w12 edof-t4w12 ring-2018"
     "edof-t4w12-outer edof-t4w12 ring-outer"
     "edof-t4w12-clear edof-t4w12 clear-mid"
+    "edof-t4w12-outer-light edof-t4w12 ring-outer --tone srgb"
+    "edof-t4w12-clear-light edof-t4w12 clear-mid --tone srgb"
 )
 seeds=1,2,3
 # Ranges of all codes are measured on the study's training photographs.
@@ -28,11 +30,13 @@ wanted() {
 }
 
 for line in "${networks[@]}"; do
-    read -r name form camera <<<"$line"
+    read -r name form camera options <<<"$line"
     wanted "$name" "$@" || continue
     begun=$SECONDS
     say "$name: training"
-    "$edof" train --form "$form" --camera "$camera" --seed "$seeds" --out "weights/$name.safetensors" --resume
+    # shellcheck disable=SC2086 # options are several words
+    "$edof" train --form "$form" --camera "$camera" ${options:-} --seed "$seeds" \
+        --out "weights/$name.safetensors" --resume
     say "$name: quantizing"
     "$edof" quantize "weights/$name.safetensors" --images "$calibration" --out "weights/$name.fixed.safetensors"
     say "$name: $((SECONDS - begun)) seconds"

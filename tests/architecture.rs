@@ -20,6 +20,7 @@ struct Row {
 const CRATES: &[Row] = &[
     Row { name: "edof-spec", uses: &[], tests_use: &[], knows_nothing_of: &[] },
     Row { name: "edof-numerics", uses: &[], tests_use: &[], knows_nothing_of: &["edof-spec"] },
+    Row { name: "edof-fft", uses: &[], tests_use: &[], knows_nothing_of: &["edof-spec"] },
     Row {
         name: "edof-sparse",
         uses: &["edof-numerics"],
@@ -30,7 +31,7 @@ const CRATES: &[Row] = &[
     Row { name: "edof-io", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: &["edof-optics"] },
     Row {
         name: "edof-optics",
-        uses: &["edof-spec", "edof-numerics"],
+        uses: &["edof-spec", "edof-fft", "edof-numerics"],
         tests_use: &[],
         knows_nothing_of: NETWORKS,
     },

@@ -9,7 +9,7 @@ use crate::error::Error;
 use edof_spec::fixed_network::FixedNetwork;
 use edof_spec::network::Network;
 use edof_spec::provenance::{Input, InputKind};
-use edof_spec::{Camera, weight_file};
+use edof_spec::{Camera, Tone, weight_file};
 use std::path::{Path, PathBuf};
 
 /// File name and bytes of the networks inside the program.
@@ -56,9 +56,31 @@ fn input(name_or_path: &str, suffix: &str) -> Result<Input, Error> {
     Ok(Input { kind: InputKind::Weights, name, sha256 })
 }
 
-/// A network that comes with the program and was trained for a camera's lens.
-pub fn trained_for(camera: &Camera) -> Option<&'static str> {
-    names().into_iter().find(|name| float(name).is_ok_and(|n| n.origin.camera.same_lens(camera)))
+/// The default network, behind the coded lens: one serves photographs taken for light, one light that is looked at encoded
+/// (docs/decisions/0005-training.md: no network serves both).
+pub const fn default_for(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Linear => "edof-t4w12-outer",
+        Tone::Srgb => "edof-t4w12-outer-light",
+    }
+}
+
+/// Its peer behind the clear lens.
+pub const fn clear_for(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Linear => "edof-t4w12-clear",
+        Tone::Srgb => "edof-t4w12-clear-light",
+    }
+}
+
+/// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one.
+pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
+    let fits = |name: &str, tones: &[Tone]| {
+        float(name).is_ok_and(|n| {
+            n.origin.camera.same_lens(camera) && n.origin.conditions.iter().any(|c| tones.contains(&c.tone))
+        })
+    };
+    [[tone].as_slice(), &Tone::ALL].into_iter().find_map(|tones| names().into_iter().find(|n| fits(n, tones)))
 }
 
 /// The file that [`float`] reads, where the network is not inside the program.

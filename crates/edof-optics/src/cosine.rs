@@ -5,8 +5,7 @@
 //! beyond the picture it reaches, is one multiplication there. A round pupil, its field and its PSF are even as well.
 
 use ndarray::{Array2, ArrayView2};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftNum, FftPlanner};
+use edof_fft::{Complex, Fft, Real};
 use std::sync::Arc;
 
 /// Rows transformed at a time: with 16 `f32` a written cache line is filled at once.
@@ -28,17 +27,17 @@ pub fn mirror_index(index: isize, n: usize) -> usize {
 
 /// The Fourier transform of even sequences of `n` samples each side of zero: X\[j\] = Σ over a period of x\[i\]·cos(2π i j / period).
 /// Applying it twice multiplies by the period.
-pub struct EvenTransform<T: FftNum> {
+pub struct EvenTransform<T: Real> {
     n: usize,
     fft: Arc<dyn Fft<T>>,
 }
 
-impl<T: FftNum> EvenTransform<T> {
+impl<T: Real> EvenTransform<T> {
     /// A plan for sequences whose samples 0…n−1 are given.
     #[must_use]
     pub fn new(n: usize) -> Self {
         assert!(n > 0, "an even transform needs a sample");
-        Self { n, fft: FftPlanner::new().plan_fft_forward(period(n)) }
+        Self { n, fft: T::forward(period(n)) }
     }
 
     /// Samples 0…n−1.
@@ -102,7 +101,7 @@ impl<T: FftNum> EvenTransform<T> {
 
 /// Sums an even sequence, given by its samples 0…m−1 and zero beyond, into one period of `n` samples: entry j is the sum over all
 /// integers q ≡ j modulo the period. Both ways of sampling need it: wrapping a kernel and folding a spectrum.
-pub fn fold_rows<T: FftNum>(plane: ArrayView2<T>, n: usize) -> Array2<T> {
+pub fn fold_rows<T: Real>(plane: ArrayView2<T>, n: usize) -> Array2<T> {
     let (rows, columns) = plane.dim();
     let period = period(n) as isize;
     let mut out = Array2::from_elem((rows, n), T::zero());

@@ -3,8 +3,7 @@
 
 use edof_spec::ColourFrame;
 use ndarray::{Array2, Axis, s};
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex64;
+use edof_fft::{Complex64, Real};
 
 /// Side in pixels of the torus on which the statistics live.
 pub const SIDE: usize = 128;
@@ -128,7 +127,7 @@ const fn count(index: usize) -> f64 {
 }
 
 fn transform(plane: Array2<f64>) -> Array2<Complex64> {
-    let fft = FftPlanner::new().plan_fft_forward(SIDE);
+    let fft = f64::forward(SIDE);
     let mut data: Vec<Complex64> = plane.iter().map(|&v| Complex64::new(v, 0.0)).collect();
     fft.process(&mut data);
     let half_way = Array2::from_shape_fn((SIDE, SIDE), |(r, c)| data[c * SIDE + r]);

@@ -1,6 +1,5 @@
 //! `edof demo`: the whole program at once.
 
-use super::study::fixed_if_any;
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
@@ -9,13 +8,10 @@ use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, FixedNetwork, Noise, Reconstructor, Tone};
+use edof_spec::{Camera, Noise, Reconstructor, Tone};
 use edof_study::demo::{self, Demo, Lens};
 use edof_study::picture;
 use std::path::PathBuf;
-
-/// Net behind the clear lens where none is named.
-const CLEAR_NET: &str = "edof-t4w12-clear";
 
 /// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
 ///
@@ -32,11 +28,13 @@ pub struct Args {
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
 
-    /// Fixed-point net behind the coded lens, by name or weight file
-    #[arg(long, default_value = "edof-t4w12-outer", value_name = "NET")]
-    net: String,
+    /// Fixed-point net behind the coded lens, by name or weight file [default: edof-t4w12-outer-light, with --tone linear
+    /// edof-t4w12-outer]
+    #[arg(long, value_name = "NET")]
+    net: Option<String>,
 
-    /// Fixed-point net behind the clear lens [default: edof-t4w12-clear where there is one]
+    /// Fixed-point net behind the clear lens [default: edof-t4w12-clear-light, with --tone linear
+    /// edof-t4w12-clear]
     #[arg(long, value_name = "NET")]
     clear_net: Option<String>,
 
@@ -66,16 +64,15 @@ pub struct Args {
 /// # Errors
 /// No weights, settings out of range, a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let (camera, coded) = method(weights::fixed(&args.net)?)?;
-    ui.used(weights::fixed_input(&args.net)?);
-    let clear = clear_method(args.clear_net.as_deref(), ui)?;
+    let (camera, coded) = method(args.net(), ui)?;
+    let (clear_camera, clear) = method(args.clear_net(), ui)?;
     super::scene::fits(args.width, args.height)?;
     let depths = four_depths(camera.psi_range);
     let scene = draw(args.scene.parse::<Builtin>()?, args.height, args.width, &depths, 1)?;
     let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
 
     let malvar = Malvar::default();
-    let lenses = lenses(&malvar, (camera, &coded), clear.as_ref().map(|(c, m)| (c.clone(), m)))?;
+    let lenses = lenses(&malvar, (camera, &coded), (clear_camera, &clear))?;
     args.check_files(&lenses, ui)?;
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
@@ -97,24 +94,19 @@ fn file_name(lens: &str, treatment: &str) -> String {
     format!("{lens} {treatment}").replace(',', "").replace(' ', "-") + ".png"
 }
 
-/// The clear lens focused on the background, and mid-range with its own net where there is one, and the coded lens.
+/// The clear lens focused on the background, and mid-range with its own net, and the coded lens.
 fn lenses<'a>(
     malvar: &'a Malvar,
     (camera, coded): (Camera, &'a GoldenReconstructor),
-    clear: Option<(Camera, &'a GoldenReconstructor)>,
+    (clear_camera, clear): (Camera, &'a GoldenReconstructor),
 ) -> Result<[Lens<'a>; 3], Error> {
     let plain = || ("demosaiced".to_owned(), malvar as &dyn Reconstructor);
     let restored =
         |method: &'a GoldenReconstructor| ("reconstructed".to_owned(), method as &dyn Reconstructor);
     let lens = |title: &str, camera, methods| Lens { title: title.into(), camera, methods };
-    let mut middle = lens("clear lens, focused mid-range", Camera::resolve("clear-mid")?, vec![plain()]);
-    if let Some((camera, method)) = clear {
-        middle.camera = camera;
-        middle.methods.push(restored(method));
-    }
     Ok([
         lens("clear lens, focused on the background", Camera::resolve("clear")?, vec![plain()]),
-        middle,
+        lens("clear lens, focused mid-range", clear_camera, vec![plain(), restored(clear)]),
         lens("coded lens", camera, vec![plain(), restored(coded)]),
     ])
 }
@@ -130,22 +122,12 @@ fn save(result: &Demo, args: &Args, ui: &Ui) -> Result<(), Error> {
     Ok(())
 }
 
-/// The net behind the clear lens: the one named, or the usual one where it is there.
-fn clear_method(name: Option<&str>, ui: &Ui) -> Result<Option<(Camera, GoldenReconstructor)>, Error> {
-    let net = match name {
-        Some(name) => Some(weights::fixed(name)?),
-        None => fixed_if_any(CLEAR_NET)?,
-    };
-    if net.is_some() {
-        ui.used(weights::fixed_input(name.unwrap_or(CLEAR_NET))?);
-    }
-    net.map(method).transpose()
-}
-
 /// A fixed net as a method, with the camera it was trained for.
-fn method(net: FixedNetwork) -> Result<(Camera, GoldenReconstructor), Error> {
-    let (camera, name) = (net.origin.camera.clone(), format!("{}.fixed", net.origin.name));
-    Ok((camera, GoldenReconstructor::new(net, name)?))
+fn method(net: &str, ui: &Ui) -> Result<(Camera, GoldenReconstructor), Error> {
+    let network = weights::fixed(net)?;
+    ui.used(weights::fixed_input(net)?);
+    let (camera, name) = (network.origin.camera.clone(), format!("{}.fixed", network.origin.name));
+    Ok((camera, GoldenReconstructor::new(network, name)?))
 }
 
 impl Args {
@@ -153,9 +135,17 @@ impl Args {
     fn check_files(&self, lenses: &[Lens<'_>], ui: &Ui) -> Result<(), Error> {
         let names =
             lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
-        let files = Files::new(ui).reads_all(weights::fixed_file(&self.net));
-        let files = files.reads_all(self.clear_net.as_deref().and_then(weights::fixed_file));
+        let files = Files::new(ui).reads_all(weights::fixed_file(self.net()));
+        let files = files.reads_all(weights::fixed_file(self.clear_net()));
         files.writes_into("--out", &self.out, FILES.map(String::from).into_iter().chain(names)).check()
+    }
+
+    fn net(&self) -> &str {
+        self.net.as_deref().unwrap_or(weights::default_for(self.tone))
+    }
+
+    fn clear_net(&self) -> &str {
+        self.clear_net.as_deref().unwrap_or(weights::clear_for(self.tone))
     }
 
     fn noise(&self) -> Noise {
@@ -167,10 +157,10 @@ impl Args {
 
     /// What was run, as the report states it.
     fn command_line(&self) -> String {
-        let Self { scene, tone, height, width, net, .. } = self;
-        let noise = self.noise();
+        let Self { scene, tone, height, width, .. } = self;
+        let (noise, net, clear) = (self.noise(), self.net(), self.clear_net());
         format!(
-            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net}"
+            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net} --clear-net {clear}"
         )
     }
 }

@@ -42,8 +42,9 @@ pub struct Args {
     raw: PathBuf,
 
     /// Network: a name such as edof-t4w12-outer, or a weight file; it must have been trained for the camera that took RAW
-    #[arg(long, default_value = "edof-t4w12-outer", value_name = "NAME|FILE")]
-    weights: String,
+    /// [default: edof-t4w12-outer-light, for linear pictures edof-t4w12-outer]
+    #[arg(long, value_name = "NAME|FILE")]
+    weights: Option<String>,
 
     /// Camera that took RAW, a preset or a JSON file: a network trained for another lens or mask is refused
     #[arg(long)]
@@ -126,8 +127,8 @@ enum Gamma {
 /// # Errors
 /// A frame, network or option that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let network =
-        if args.float { weights::float_file(&args.weights) } else { weights::fixed_file(&args.weights) };
+    let file = if args.float { weights::float_file } else { weights::fixed_file };
+    let network = args.weights.as_deref().and_then(file);
     let record = record::path_of(&args.raw);
     let files = Files::new(ui).reads(&args.raw).reads(record).reads_all(network).reads_all(&args.camera);
     let words = args.words.as_deref().map(words::file);
@@ -177,10 +178,11 @@ struct Made {
 
 fn float(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> Result<Made, Error> {
     let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
-    let network = weights::float(&args.weights)?;
-    ui.used(weights::float_input(&args.weights)?);
-    fits_camera(&network.origin, args, record)?;
     let tone = tone(args, record);
+    let name = args.network(tone);
+    let network = weights::float(name)?;
+    ui.used(weights::float_input(name)?);
+    fits_camera(&network.origin, args, record)?;
     let method = FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?;
     let result = method.reconstruct(frame).map_err(|e| of_frame(args, e))?;
     photo::save(&args.out, &encoded(result.frame, curve(args, tone)), args.bits)?;
@@ -255,6 +257,13 @@ fn tone(args: &Args, record: Option<&RawRecord>) -> Tone {
     args.tone.or(record.map(|r| r.tone)).unwrap_or(Tone::Srgb)
 }
 
+impl Args {
+    /// The network that is asked for, else the one for pictures of that tone.
+    fn network(&self, tone: Tone) -> &str {
+        self.weights.as_deref().unwrap_or(weights::default_for(tone))
+    }
+}
+
 fn curve(args: &Args, tone: Tone) -> Curve {
     match (args.gamma, tone) {
         (Some(Gamma::Linear), _) | (None, Tone::Linear) => Curve::Linear,
@@ -299,14 +308,15 @@ fn raw_options(args: &Args) -> RawOptions {
 }
 
 fn fixed_network(args: &Args, record: Option<&RawRecord>, ui: &Ui) -> Result<FixedNetwork, Error> {
-    let network = weights::fixed(&args.weights)?;
-    ui.used(weights::fixed_input(&args.weights)?);
+    let name = args.network(tone(args, record));
+    let network = weights::fixed(name)?;
+    ui.used(weights::fixed_input(name)?);
     fits_camera(&network.origin, args, record)?;
     match args.stride.map(Stride::new).transpose()? {
         Some(stride) if stride != network.stride => Err(Error::message(format!(
             "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
             stride.pixels(),
-            args.weights,
+            name,
             network.stride.pixels(),
             stride.pixels()
         ))),
@@ -317,6 +327,7 @@ fn fixed_network(args: &Args, record: Option<&RawRecord>, ui: &Ui) -> Result<Fix
 /// The network must have been trained for the lens that the user states, and for the one that took the frame.
 fn fits_camera(origin: &Origin, args: &Args, record: Option<&RawRecord>) -> Result<(), Error> {
     let stated = args.camera.as_deref().map(Camera::resolve).transpose()?;
+    let tone = tone(args, record);
     let Some(camera) = stated.as_ref().or(record.map(|r| &r.camera)) else { return Ok(()) };
     if origin.camera.same_lens(camera) {
         return Ok(());
@@ -325,16 +336,16 @@ fn fits_camera(origin: &Origin, args: &Args, record: Option<&RawRecord>) -> Resu
     if stated.is_some() {
         return Err(Error::message(format!(
             "--weights {}: trained for the camera {trained}, whose lens or mask is not that of {}",
-            args.weights, camera.name
+            args.network(tone), camera.name
         )));
     }
-    let instead = match weights::trained_for(camera) {
+    let instead = match weights::trained_for(camera, tone) {
         Some(name) => format!("use --weights {name}"),
         None => format!("train one by 'edof train --camera {}'", camera.name),
     };
     Err(Error::message(format!(
         "--weights {}: trained for the camera {trained}, but {} was taken by {} ({}); {instead}",
-        args.weights,
+        args.network(tone),
         args.raw.display(),
         camera.name,
         record::path_of(&args.raw).display()

@@ -195,7 +195,7 @@ fn fixed_name(name: &str) -> String {
 }
 
 /// A fixed net, where there is one of that name. One that is there but broken is an error.
-pub(super) fn fixed_if_any(name: &str) -> Result<Option<FixedNetwork>, Error> {
+fn fixed_if_any(name: &str) -> Result<Option<FixedNetwork>, Error> {
     match weights::fixed(name) {
         Ok(fixed) => Ok(Some(fixed)),
         Err(Error::Failed(error)) if !error.is::<WeightFileError>() => Ok(None),
