@@ -128,6 +128,6 @@ fn a_receiver_that_is_not_waited_for() {
 fn a_receiver_that_never_says_wait() {
     // F is the slowest stage, and the first whose store is full.
     let difference =
-        found(|p| replaced(p, "stages_3.pairs", "assign ready_o = ready_q_q;", "assign ready_o = 1'b1;"));
+        found(|p| replaced(p, "stages_3.pairs", "assign ready_o = ready_q;", "assign ready_o = 1'b1;"));
     assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Early, "M2 to F"));
 }
