@@ -369,10 +369,8 @@ impl Logic for Link {
         dff_setup!(self, clock, down, up);
         self.down.d.next = 0.into();
         self.down.d.next = self.from_next.val() + self.step.val();
-        if self.number.val() == 2 {
-            if self.from_before.val().get_bit(7) {
-                self.down.d.next = self.from_before.val();
-            }
+        if (self.number.val() == 2) && self.from_before.val().get_bit(7) {
+            self.down.d.next = self.from_before.val();
         }
         self.up.d.next = self.from_before.val() ^ bit_cast::<8, 3>(self.number.val());
         if self.reset.val() {
