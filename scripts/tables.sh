@@ -6,7 +6,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 
-nets=paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear,edof-t4w12-outer-light,edof-t4w12-clear-light
+# Those trained for the paper's convention; of real light also those trained for it.
+declare -A nets=([linear]=paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear)
+nets[srgb]=${nets[linear]},edof-t4w12-outer-light,edof-t4w12-clear-light
 [ $# -gt 0 ] || set -- linear srgb
 for tone in "$@"; do
     [[ $tone =~ ^(linear|srgb)$ ]] || fail "tone '$tone': must be linear or srgb"
@@ -17,7 +19,7 @@ cargo build --release --locked --package edof-cli
 for tone in "$@"; do
     say "edof study kodak --tone $tone"
     page=docs/results/kodak-$tone.md
-    "${CARGO_TARGET_DIR:-target}/release/edof" study kodak --tone "$tone" --nets "$nets" --psi 0,2,4,6,8 --stride 8 \
+    "${CARGO_TARGET_DIR:-target}/release/edof" study kodak --tone "$tone" --nets "${nets[$tone]}" --psi 0,2,4,6,8 --stride 8 \
         --json "docs/results/kodak-$tone.json" --markdown "$page"
     awk -v page="$page" -v start="<!-- table: $page -->" '
         $0 == start { print; while ((getline line < page) > 0) { if (line ~ /^\|/) { print line; found = 1 } else if (found) break }
