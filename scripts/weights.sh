@@ -14,7 +14,6 @@ networks=(
     "edof-t4w12-outer edof-t4w12 ring-outer"
     "edof-t4w12-clear edof-t4w12 clear-mid"
     "edof-t4w12-outer-light edof-t4w12 ring-outer --tone srgb"
-    "edof-t4w12-clear-light edof-t4w12 clear-mid --tone srgb"
 )
 seeds=1,2,3
 # Ranges of all codes are measured on the study's training photographs.

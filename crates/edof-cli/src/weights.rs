@@ -65,14 +65,6 @@ pub const fn default_for(tone: Tone) -> &'static str {
     }
 }
 
-/// Its peer behind the clear lens.
-pub const fn clear_for(tone: Tone) -> &'static str {
-    match tone {
-        Tone::Linear => "edof-t4w12-clear",
-        Tone::Srgb => "edof-t4w12-clear-light",
-    }
-}
-
 /// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one.
 pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
     let fits = |name: &str, tones: &[Tone]| {

@@ -4,8 +4,8 @@
 //! its Fourier transform is real and n numbers a side say everything. Blurring it with an even kernel of any size, however far
 //! beyond the picture it reaches, is one multiplication there. A round pupil, its field and its PSF are even as well.
 
-use ndarray::{Array2, ArrayView2};
 use edof_fft::{Complex, Fft, Real};
+use ndarray::{Array2, ArrayView2};
 use std::sync::Arc;
 
 /// Rows transformed at a time: with 16 `f32` a written cache line is filled at once.

@@ -1,7 +1,7 @@
 //! The lens: its generalised pupil for a mask, a defocus and a wavelength.
 
-use edof_spec::camera::Camera;
 use edof_fft::Complex64;
+use edof_spec::camera::Camera;
 
 /// exp(i(s·(ψ − ψ_focus)·(λ_ref/λ)·ρ² + φ_λ(ρ))) inside the unit circle, nothing outside; ρ is the normalised radius.
 #[derive(Debug, Clone)]

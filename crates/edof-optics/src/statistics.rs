@@ -1,9 +1,9 @@
 //! Second-order statistics of photographs: how a pixel's colour varies with that of its neighbours. All that a linear estimator
 //! knows of the world.
 
+use edof_fft::{Complex64, Real};
 use edof_spec::ColourFrame;
 use ndarray::{Array2, Axis, s};
-use edof_fft::{Complex64, Real};
 
 /// Side in pixels of the torus on which the statistics live.
 pub const SIDE: usize = 128;

@@ -28,15 +28,13 @@ pub struct Args {
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
 
-    /// Fixed-point net behind the coded lens, by name or weight file [default: edof-t4w12-outer-light, with --tone linear
-    /// edof-t4w12-outer]
-    #[arg(long, value_name = "NET")]
-    net: Option<String>,
+    /// Fixed-point net behind the coded lens, by name or weight file; the default's peer behind the clear lens is trained alike
+    #[arg(long, default_value = "edof-t4w12-outer", value_name = "NET")]
+    net: String,
 
-    /// Fixed-point net behind the clear lens [default: edof-t4w12-clear-light, with --tone linear
-    /// edof-t4w12-clear]
-    #[arg(long, value_name = "NET")]
-    clear_net: Option<String>,
+    /// Fixed-point net behind the clear lens
+    #[arg(long, default_value = "edof-t4w12-clear", value_name = "NET")]
+    clear_net: String,
 
     /// chart or leaves
     #[arg(long, default_value = "chart", value_name = "SCENE")]
@@ -64,8 +62,8 @@ pub struct Args {
 /// # Errors
 /// No weights, settings out of range, a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let (camera, coded) = method(args.net(), ui)?;
-    let (clear_camera, clear) = method(args.clear_net(), ui)?;
+    let (camera, coded) = method(&args.net, ui)?;
+    let (clear_camera, clear) = method(&args.clear_net, ui)?;
     super::scene::fits(args.width, args.height)?;
     let depths = four_depths(camera.psi_range);
     let scene = draw(args.scene.parse::<Builtin>()?, args.height, args.width, &depths, 1)?;
@@ -135,17 +133,9 @@ impl Args {
     fn check_files(&self, lenses: &[Lens<'_>], ui: &Ui) -> Result<(), Error> {
         let names =
             lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
-        let files = Files::new(ui).reads_all(weights::fixed_file(self.net()));
-        let files = files.reads_all(weights::fixed_file(self.clear_net()));
+        let files = Files::new(ui).reads_all(weights::fixed_file(&self.net));
+        let files = files.reads_all(weights::fixed_file(&self.clear_net));
         files.writes_into("--out", &self.out, FILES.map(String::from).into_iter().chain(names)).check()
-    }
-
-    fn net(&self) -> &str {
-        self.net.as_deref().unwrap_or(weights::default_for(self.tone))
-    }
-
-    fn clear_net(&self) -> &str {
-        self.clear_net.as_deref().unwrap_or(weights::clear_for(self.tone))
     }
 
     fn noise(&self) -> Noise {
@@ -157,10 +147,10 @@ impl Args {
 
     /// What was run, as the report states it.
     fn command_line(&self) -> String {
-        let Self { scene, tone, height, width, .. } = self;
-        let (noise, net, clear) = (self.noise(), self.net(), self.clear_net());
+        let Self { scene, tone, height, width, net, clear_net, .. } = self;
+        let noise = self.noise();
         format!(
-            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net} --clear-net {clear}"
+            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net} --clear-net {clear_net}"
         )
     }
 }

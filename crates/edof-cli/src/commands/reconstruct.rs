@@ -336,7 +336,8 @@ fn fits_camera(origin: &Origin, args: &Args, record: Option<&RawRecord>) -> Resu
     if stated.is_some() {
         return Err(Error::message(format!(
             "--weights {}: trained for the camera {trained}, whose lens or mask is not that of {}",
-            args.network(tone), camera.name
+            args.network(tone),
+            camera.name
         )));
     }
     let instead = match weights::trained_for(camera, tone) {
