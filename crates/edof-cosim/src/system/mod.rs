@@ -1,0 +1,20 @@
+//! A whole core in simulation: a camera at the receiver's pins, a screen at the transmitter's, a memory behind AXI, three clocks that have
+//! nothing to do with each other; and what the screen shows against the golden picture.
+//!
+//! | step | module | gives |
+//! |---|---|---|
+//! | expect | [`pictures`] | frames to send, and the picture that the screen must show for each |
+//! | stand around | [`pins`] | the camera and the screen |
+//! | run | [`rig`] | a core that runs between them, its [`Memory`](crate::bench::Memory) and its [`Host`](crate::bench::Host) |
+//! | run again | [`recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
+
+pub mod pictures;
+pub mod pins;
+pub mod recorded;
+pub mod rig;
+pub mod second;
+
+pub use pictures::{PictureError, TableWords, Torn, compare, drawn, longest_run, picture, sent};
+pub use pins::{Camera, Screen};
+pub use recorded::recorded;
+pub use rig::{Begin, Compiled, Periods, Rig, project};
