@@ -35,6 +35,39 @@ fn an_estimate_with_a_network_counts_what_is_not_zero() {
 }
 
 #[test]
+fn an_estimate_of_several_pictures_tells_the_mean_and_the_slowest() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let line = "estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 0,8 --noise 0.1";
+    let run = place.edof(&format!("{line} --json all.json")).done();
+    let report: Value = serde_json::from_slice(&std::fs::read(place.path("all.json")).unwrap()).unwrap();
+    let pictures = report["pictures"].as_array().unwrap();
+    assert_eq!(pictures[0]["picture"], "photo.png at psi 0");
+    let cycles = |picture: &Value| picture["cycles_per_patch"].as_f64().unwrap();
+    let (one, other) = (cycles(&pictures[0]), cycles(&pictures[1]));
+    assert_eq!(pictures.len(), 2);
+    assert_ne!(one, other);
+    assert!((cycles(&report) - (one + other) / 2.0).abs() < 1e-9);
+    assert_eq!(cycles(&report["slowest_picture"]), one.max(other));
+    assert!(run.out.contains("mean of 2 pictures; the slowest is photo.png at psi"), "{}", run.out);
+}
+
+#[test]
+fn noise_and_depth_of_pictures_reach_the_hardware() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let values = |options: &str| {
+        let line =
+            format!("estimate --design kc705 --weights edof-t4w12-outer --photo photo.png {options} --json");
+        let report: Value = serde_json::from_str(&place.edof(&line).done().out).unwrap();
+        report["stages"][1]["pairs_per_patch"].as_f64().unwrap()
+    };
+    assert!(values("--noise 0.1") > values("--noise 0"), "noise makes more values that are not zero");
+    assert_ne!(values("--noise 0 --psi 0"), values("--noise 0 --psi 8"));
+    place.edof("cosim --design tiny --psi 4000 --noise 0").refused(&["psi 4000: must lie within 200"]);
+}
+
+#[test]
 fn a_generated_design_is_whole_and_the_same_every_time() {
     let place = Place::new();
     place.edof("generate --design paper --weights paper-t4 --out one").done();

@@ -9,32 +9,70 @@ use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
 use edof_spec::provenance::Input;
-use edof_spec::{FixedNetwork, Geometry, RawFrame, Tone};
-use std::path::Path;
+use edof_spec::{FixedNetwork, Geometry, Noise, RawFrame, Tone};
+use std::path::PathBuf;
 
 /// Size of the built-in scene: 1536 patches at stride 8.
 const SCENE_SIZE: (usize, usize) = (256, 384);
 
-/// The raw frame of a photograph, or of a built-in scene of dead leaves, at the far end of the network's range, where blur is
-/// hardest, with the tone and the most noise of the first condition that the network was trained for.
-///
-/// # Errors
-/// A photograph that cannot be read or used.
-pub fn frame(network: &FixedNetwork, picture: Option<&Path>, seed: u64, ui: &Ui) -> Result<RawFrame, Error> {
-    let camera = &network.origin.camera;
-    let psi = camera.psi_range[1];
-    let scene = match picture {
-        Some(path) => {
-            let tone = network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone);
-            let (name, photograph) = (path.display().to_string(), photo::load(path)?);
-            ui.used(Input::photograph(&name, &photograph));
-            Scene::flat(name, tone.decoded(&photograph), psi)
+/// A picture behind a network's own camera.
+#[derive(Debug, Clone, Default)]
+pub struct Shot {
+    /// A photograph; without it, a built-in scene of dead leaves.
+    pub photo: Option<PathBuf>,
+    /// Its depth; without it, the far end of the network's range, where blur is hardest.
+    pub psi: Option<f64>,
+    /// Noise; without it, the most of the first condition that the network was trained for.
+    pub noise: Option<Noise>,
+    pub seed: u64,
+}
+
+impl Shot {
+    /// Every photograph (or the built-in scene) at every depth (or the usual one).
+    pub fn all(photos: &[PathBuf], psis: &[f64], noise: Option<Noise>) -> Vec<Self> {
+        let or_usual = |depths: Vec<Option<f64>>| if depths.is_empty() { vec![None] } else { depths };
+        let psis = or_usual(psis.iter().copied().map(Some).collect());
+        let at_depths = |photo: Option<&PathBuf>| {
+            let shot = |psi: &Option<f64>| Self { photo: photo.cloned(), psi: *psi, noise, seed: 0 };
+            psis.iter().map(shot).collect::<Vec<_>>()
+        };
+        if photos.is_empty() {
+            at_depths(None)
+        } else {
+            photos.iter().map(Some).flat_map(at_depths).collect()
         }
-        None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], seed)?,
-    };
-    let noise = network.origin.most_noise();
-    let sensor = Sensor { noise, seed, ..Sensor::default() };
-    Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
+    }
+
+    /// What results call it, at the depth where it is.
+    pub fn name(&self, network: &FixedNetwork) -> String {
+        let photo =
+            self.photo.as_ref().map_or_else(|| "dead leaves".into(), |path| path.display().to_string());
+        format!("{photo} at psi {}", self.depth(network))
+    }
+
+    fn depth(&self, network: &FixedNetwork) -> f64 {
+        self.psi.unwrap_or(network.origin.camera.psi_range[1])
+    }
+
+    /// The raw frame, with the tone of the first condition that the network was trained for.
+    ///
+    /// # Errors
+    /// A photograph that cannot be read or used, a depth that is out of the lens model's reach.
+    pub fn frame(&self, network: &FixedNetwork, ui: &Ui) -> Result<RawFrame, Error> {
+        let (camera, psi) = (&network.origin.camera, self.depth(network));
+        let scene = match &self.photo {
+            Some(path) => {
+                let tone = network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone);
+                let (name, photograph) = (path.display().to_string(), photo::load(path)?);
+                ui.used(Input::photograph(&name, &photograph));
+                Scene::flat(name, tone.decoded(&photograph), psi)
+            }
+            None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], self.seed)?,
+        };
+        let noise = self.noise.unwrap_or_else(|| network.origin.most_noise());
+        let sensor = Sensor { noise, seed: self.seed, ..Sensor::default() };
+        Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
+    }
 }
 
 /// All windows of a frame, in the order in which the hardware takes them.

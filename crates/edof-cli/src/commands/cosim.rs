@@ -7,7 +7,7 @@ use crate::interrupt;
 use crate::memory;
 use crate::ui::Ui;
 use crate::weights;
-use crate::windows;
+use crate::windows::{self, Shot};
 use edof_cosim::chain::device::Inputs;
 use edof_cosim::chain::second::{Recorded, icarus};
 use edof_cosim::chain::verilated::Compiled;
@@ -18,7 +18,7 @@ use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_hdl::project::{self, Project};
 use edof_spec::design::memory::Set;
 use edof_spec::draw::Draw;
-use edof_spec::{Design, FixedNetwork};
+use edof_spec::{Design, FixedNetwork, Noise};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -37,6 +37,7 @@ const WAVEFORM_CYCLES: u64 = 300;
 #[command(after_help = "Examples:
   edof cosim --design tiny --random 2000 --stalls 0.3
   edof cosim --design paper --weights paper-t4 --photo photo.png --patches 2000 --json result.json
+  edof cosim --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 4 --noise 0.01
   edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
@@ -50,6 +51,14 @@ pub struct Args {
     /// Picture whose windows are used; without it, a built-in scene of dead leaves
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     photo: Option<PathBuf>,
+
+    /// Depth of the picture [default: the far end of the network's range]
+    #[arg(long, allow_negative_numbers = true, conflicts_with = "random")]
+    psi: Option<f64>,
+
+    /// Noise of the picture, as edof capture takes it [default: the most that the network was trained for]
+    #[arg(long, conflicts_with = "random")]
+    noise: Option<Noise>,
 
     /// Use N drawn windows with extreme values in place of a picture
     #[arg(long, value_name = "N")]
@@ -140,7 +149,8 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
         };
         return Ok((0..count).map(patch).collect());
     }
-    let raw = windows::frame(network, args.photo.as_deref(), args.seed, ui)?;
+    let shot = Shot { photo: args.photo.clone(), psi: args.psi, noise: args.noise, seed: args.seed };
+    let raw = shot.frame(network, ui)?;
     let windows = windows::of(network, &raw)?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }

@@ -6,24 +6,26 @@ use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
-use crate::windows;
+use crate::windows::{self, Shot};
 use edof_cosim::chain::check::stage_names;
 use edof_golden::cycle::estimate::{StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_spec::design::memory::Set;
-use edof_spec::{Design, FixedNetwork};
+use edof_spec::{Design, FixedNetwork, Noise};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Tell what a design takes: cycles a patch, frames a second, and how much of the FPGA
 ///
 /// Without a network every value counts; with one, values that are zero on a picture are left out if the design skips zeros, and
-/// the picture is run through the cycle model. The picture is captured by the network's own camera at the far end of its range.
+/// pictures are run through the cycle model, each captured by the network's own camera. A scene with many values takes longer, and
+/// its bits are the same: of several pictures the mean over all patches is told, and the one that takes longest.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof estimate --design paper
-  edof estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --json estimate.json")]
+  edof estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --json estimate.json
+  edof estimate --design kc705 --weights edof-t4w12-outer --photo a.png --photo b.png --psi 0,4,8 --noise 0.01")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]
@@ -33,9 +35,17 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Picture to measure on; without it, a built-in scene of dead leaves
+    /// Picture to measure on, may be given several times; without one, a built-in scene of dead leaves
     #[arg(long, value_name = "FILE", requires = "weights")]
-    photo: Option<PathBuf>,
+    photo: Vec<PathBuf>,
+
+    /// Depths of the pictures, commas between them [default: the far end of the network's range]
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true, requires = "weights")]
+    psi: Vec<f64>,
+
+    /// Noise of the pictures, as edof capture takes it [default: the most that the network was trained for]
+    #[arg(long, requires = "weights")]
+    noise: Option<Noise>,
 }
 
 /// # Errors
@@ -46,18 +56,19 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
     ui.used(designs::input(&design));
-    let summary = match &args.weights {
+    let measured = match &args.weights {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);
-            Some(measure(&design, &weights::fixed(name)?, &args, ui)?)
+            Some(Measured::new(&design, &weights::fixed(name)?, &args, ui)?)
         }
         None => None,
     };
-    let pairs = summary.as_ref().map(Summary::mean_pairs);
+    let pairs = measured.as_ref().map(Measured::mean_pairs);
     let ahead = estimate(&design, pairs.as_deref());
-    let cycles = summary.as_ref().map_or(ahead.cycles_per_patch, Summary::cycles_per_patch);
-    let limiting = summary.as_ref().map_or_else(|| ahead.limiting_stage(), Summary::limiting_stage);
-    let frames = design.clock_mhz * 1e6 / (cycles * ahead.patches_per_frame as f64);
+    let cycles = measured.as_ref().map_or(ahead.cycles_per_patch, Measured::cycles_per_patch);
+    let limiting = measured.as_ref().map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage);
+    let rate = |cycles: f64| design.clock_mhz * 1e6 / (cycles * ahead.patches_per_frame as f64);
+    let frames = rate(cycles);
     let stages = resources::stages(&design);
     let total: Resources = stages.iter().copied().sum();
     let names = stage_names(stages.len());
@@ -79,6 +90,29 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         names[limiting],
         100.0 * share
     ))?;
+    let picture = |Picture { name, summary }: &Picture| {
+        json!({
+            "picture": name,
+            "patches": summary.counts.patches,
+            "cycles_per_patch": summary.cycles_per_patch(),
+            "most_cycles_per_patch": summary.most_cycles,
+            "frames_per_second": rate(summary.cycles_per_patch()),
+            "limiting_stage": names[summary.limiting_stage()],
+            "pairs_per_patch": summary.mean_pairs(),
+        })
+    };
+    if let Some(Measured(pictures)) = &measured
+        && pictures.len() > 1
+        && let Some(Picture { name, summary }) = worst(pictures)
+    {
+        let cycles = summary.cycles_per_patch();
+        ui.say(format!(
+            "mean of {} pictures; the slowest is {name}: {cycles:.1} cycles a patch, {:.1} frames a second; {} limits",
+            pictures.len(),
+            rate(cycles),
+            names[summary.limiting_stage()]
+        ))?;
+    }
     let per_stage: Vec<Value> = stages
         .iter()
         .enumerate()
@@ -101,26 +135,81 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "ff": total.ff,
         "clock_mhz": design.clock_mhz,
         "cycles_per_patch": cycles,
-        "most_cycles_per_patch": summary.as_ref().map(|s| s.most_cycles),
+        "most_cycles_per_patch": measured.as_ref().map(Measured::most_cycles),
         "frames_per_second": frames,
         "limiting_stage": names[limiting],
         "scarcest": scarcest,
         "share_of_scarcest": share,
         "stages": per_stage,
+        "slowest_picture": measured.as_ref().and_then(|measured| worst(&measured.0)).map(picture),
+        "pictures": measured.as_ref().map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
     }))
 }
 
-/// A picture through the cycle model.
-fn measure(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Summary, Error> {
-    let raw = windows::frame(network, args.photo.as_deref(), 0, ui)?;
-    let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
-    let model = Cycle::new(design, [network, network])?;
-    let mut summary = Summary::new(design);
-    for patch in model.run(patches) {
-        summary.add(&patch);
-        interrupt::check()?;
+/// A picture that went through the cycle model.
+struct Picture {
+    name: String,
+    summary: Summary,
+}
+
+/// Pictures through the cycle model, each by itself.
+struct Measured(Vec<Picture>);
+
+impl Measured {
+    fn new(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Self, Error> {
+        let model = Cycle::new(design, [network, network])?;
+        let shots = Shot::all(&args.photo, &args.psi, args.noise);
+        let bar = ui.progress(shots.len() as u64, "pictures measured");
+        let mut pictures = vec![];
+        for shot in &shots {
+            let raw = shot.frame(network, ui)?;
+            let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
+            let mut summary = Summary::new(design);
+            for patch in model.run(patches) {
+                summary.add(&patch);
+                interrupt::check()?;
+            }
+            pictures.push(Picture { name: shot.name(network), summary });
+            bar.set(pictures.len() as u64);
+        }
+        Ok(Self(pictures))
     }
-    Ok(summary)
+
+    /// Mean over all patches of all pictures.
+    fn mean(&self, of: impl Fn(&Summary) -> f64) -> f64 {
+        let weighed = |Picture { summary, .. }: &Picture| (summary.counts.patches as f64, of(summary));
+        let sums = self.0.iter().map(weighed);
+        let (patches, sum) = sums.fold((0.0, 0.0), |(n, sum), (patches, x)| (n + patches, sum + patches * x));
+        sum / f64::max(patches, 1.0)
+    }
+
+    fn cycles_per_patch(&self) -> f64 {
+        self.mean(Summary::cycles_per_patch)
+    }
+
+    fn stages(&self) -> std::ops::Range<usize> {
+        0..self.0.first().map_or(0, |picture| picture.summary.stages.len())
+    }
+
+    fn mean_pairs(&self) -> Vec<f64> {
+        self.stages().map(|stage| self.mean(|summary| summary.mean_pairs()[stage])).collect()
+    }
+
+    fn most_cycles(&self) -> u64 {
+        self.0.iter().map(|picture| picture.summary.most_cycles).max().unwrap_or(0)
+    }
+
+    /// The stage that would have needed the most cycles alone, all pictures together.
+    fn limiting_stage(&self) -> usize {
+        let alone = |stage: usize| -> f64 { self.0.iter().map(|p| p.summary.stages[stage].alone).sum() };
+        self.stages().fold(0, |most, stage| if alone(stage) > alone(most) { stage } else { most })
+    }
+}
+
+/// The picture that takes longest, the first of equal ones.
+fn worst(pictures: &[Picture]) -> Option<&Picture> {
+    let cycles = |picture: &Picture| picture.summary.cycles_per_patch();
+    pictures.iter().reduce(|worst, next| if cycles(next) > cycles(worst) { next } else { worst })
 }
 
 fn row(used: &Resources) -> String {
