@@ -47,5 +47,5 @@ pub fn video(
 pub fn cycles(design: &Design) -> usize {
     let ahead = estimate(design, None);
     let calculator = 1.2 * ahead.cycles_per_patch * ahead.patches_per_frame as f64;
-    calculator as usize + 6 * design.frame.width * design.frame.height + 2000
+    calculator as usize + 2 * design.frame.width * design.frame.height + 4000
 }
