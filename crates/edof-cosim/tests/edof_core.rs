@@ -6,12 +6,16 @@ mod common;
 mod support;
 
 use common::{committed, networks};
+use edof_cosim::bench::Behaviour;
 use edof_cosim::system::{self, Begin, Compiled, Rig, compare, drawn, longest_run};
-use edof_golden::{Curve, Display, Golden};
+use edof_golden::cycle::{Cycle, Patch, Summary};
+use edof_golden::video::figures::{CoreCycles, Periods, figures};
+use edof_golden::{Curve, Display, Golden, windows};
 use edof_spec::design::FrameSize;
+use edof_spec::design::memory::Set;
 use edof_spec::draw::Draw;
 use edof_spec::video::VideoTiming;
-use edof_spec::{Design, DisplayMode, FixedNetwork, RawFrame, Stride, Window};
+use edof_spec::{Design, DisplayMode, FixedNetwork, Geometry, RawFrame, Stride, Window};
 
 fn design(window: usize, stride: usize, (width, height): (usize, usize)) -> Design {
     let mut design = committed("tiny");
@@ -159,4 +163,43 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     rig.steps(draw.whole(1, 10_000) as usize).unwrap();
     rig.reset().unwrap();
     recovers(&mut rig, "reset");
+}
+
+fn all_windows(raw: &RawFrame, geometry: Geometry) -> impl Iterator<Item = Vec<i16>> {
+    let (rows, columns) = geometry.patches(raw.size().0, raw.size().1);
+    (0..rows * columns).map(move |i| windows::window(raw, geometry, i / columns, i % columns))
+}
+
+/// The figures ahead of a run and those of the run: with a calculator that waits for the camera, and one that the camera waits for.
+#[test]
+fn the_figures_stated_ahead_are_those_of_the_run() {
+    let setup = Setup::new(design(8, 8, (32, 24)));
+    let frames = drawn(setup.design.frame, 14, 3).unwrap();
+    let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
+    let model = Cycle::new(&setup.design, [&setup.sets[0], &setup.sets[0]]).unwrap();
+    let geometry = Geometry::new(setup.design.form.window, setup.design.frame.stride);
+    let mut summary = Summary::new(&setup.design);
+    let windows = all_windows(&frames[1], geometry);
+    let patches = windows.map(|window| Patch { window, set: Set::First });
+    model.run(patches).for_each(|run| summary.add(&run));
+    let cycles = CoreCycles::of(&setup.design, summary.cycles_per_patch(), summary.mean_latency());
+    let leisurely = system::leisurely(&setup.design);
+    let hurried = Periods { input: leisurely.core, output: leisurely.core, ..leisurely };
+    for periods in [leisurely, hurried] {
+        let begin = Begin { periods, behaviour: Behaviour::ideal(), ..Begin::leisurely(&setup.design, 3) };
+        let sent = frames.iter().map(system::sent).collect();
+        let mut rig = Rig::start(&setup.compiled, &begin, sent).unwrap();
+        rig.send(2).unwrap();
+        let since = rig.moment().unwrap();
+        rig.send(12).unwrap();
+        let shown = setup.shown(&rig, &pictures);
+        let found = rig.measured(&since, &begin, &shown).unwrap();
+        let ahead = figures(setup.design.frame, cycles, periods);
+        let near = |found: f64, ahead: f64| (found / ahead - 1.0).abs() < 0.1;
+        assert!(near(found.frames_per_second, ahead.frames_per_second), "{found:?} {ahead:?}");
+        assert!(near(found.written, ahead.written) && near(found.read, ahead.read), "{found:?} {ahead:?}");
+        let [least, most] = ahead.latency;
+        let within = |seconds: &f64| (0.95 * least..1.05 * most).contains(seconds);
+        assert!(!found.latency.is_empty() && found.latency.iter().all(within), "{found:?} {ahead:?}");
+    }
 }

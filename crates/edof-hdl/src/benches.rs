@@ -67,7 +67,8 @@ fn list(bench: &str, verilog: impl Iterator<Item = String>) -> (String, String) 
 }
 
 /// What the benches read: windows and their patches, frames and their pictures.
-pub(crate) const RECORDED: [&str; 4] = ["sim/windows.hex", "sim/patches.hex", "sim/frames.hex", "sim/pictures.hex"];
+pub(crate) const RECORDED: [&str; 4] =
+    ["sim/windows.hex", "sim/patches.hex", "sim/frames.hex", "sim/pictures.hex"];
 
 /// The calculator's bench, and its words.
 fn calculator_bench(calculator: &Project, recorded: &Recorded) -> Vec<(String, String)> {

@@ -112,12 +112,7 @@ pub fn compare(
     shown.iter().enumerate().map(|(number, (_, frame))| which(number, frame, pictures, width)).collect()
 }
 
-fn which(
-    number: usize,
-    frame: &[u16],
-    pictures: &[Vec<u16>],
-    width: usize,
-) -> Result<Option<usize>, Torn> {
+fn which(number: usize, frame: &[u16], pictures: &[Vec<u16>], width: usize) -> Result<Option<usize>, Torn> {
     if frame.iter().all(|pixel| *pixel == BLACK_PIXEL) {
         return Ok(None);
     }

@@ -36,8 +36,7 @@ pub fn video(
     frames: &[RawFrame],
 ) -> Result<RecordedVideo, PictureError> {
     let golden = Golden::new(network.clone())?;
-    let pictures =
-        frames.iter().map(|raw| picture(&golden, display, raw)).collect::<Result<_, _>>()?;
+    let pictures = frames.iter().map(|raw| picture(&golden, display, raw)).collect::<Result<_, _>>()?;
     let cycles = cycles(design);
     Ok(RecordedVideo { size: design.frame, frames: frames.iter().map(sent).collect(), pictures, cycles })
 }

@@ -9,11 +9,11 @@ use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Options, Start};
 use crate::{Error, Source, work};
 use edof_golden::Display;
+use edof_golden::video::figures::Periods;
 use edof_hdl::board::{EdofCore, Identity};
 use edof_hdl::kc705::table_images;
 use edof_hdl::project::{Project, ProjectError, images, of_circuit};
 use edof_spec::atomic::WorkFolder;
-use edof_spec::board::CORE_KILOHERTZ;
 use edof_spec::registers::map;
 use edof_spec::video::VideoTiming;
 use edof_spec::{Design, DisplayMode, FixedNetwork};
@@ -37,28 +37,15 @@ pub fn project(
     Ok(of_circuit(&mut core, files)?)
 }
 
-/// Periods of the clocks in picoseconds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Periods {
-    /// Core, memory, host.
-    pub core: u64,
-    /// The receiver's pixels.
-    pub input: u64,
-    /// The transmitter's pixels.
-    pub output: u64,
-}
-
-impl Periods {
-    /// The core's as on the board; pixels so slow that it keeps up with every frame, and the screen a little faster than the camera, so
-    /// that it shows every picture.
-    #[must_use]
-    pub fn leisurely(design: &Design) -> Self {
-        let timing = VideoTiming::of_frame(design.frame);
-        let core = 1_000_000_000 / u64::from(CORE_KILOHERTZ);
-        let pixels = (timing.line.total() * timing.frame.total()) as u64;
-        let input = core * cycles(design) as u64 / pixels;
-        Self { core, input, output: input * 97 / 100 }
-    }
+/// The core's clock as on the board; pixels so slow that it keeps up with every frame, and the screen a little faster than the camera, so that
+/// it shows every picture.
+#[must_use]
+pub fn leisurely(design: &Design) -> Periods {
+    let timing = VideoTiming::of_frame(design.frame);
+    let pixels = (timing.line.total() * timing.frame.total()) as u64;
+    let Periods { core, .. } = Periods::of_board(design.frame);
+    let input = core * cycles(design) as u64 / pixels;
+    Periods { core, input, output: input * 97 / 100 }
 }
 
 /// A core, compiled, its memory images on disk.
@@ -94,10 +81,10 @@ pub struct Begin {
 }
 
 impl Begin {
-    /// [`Periods::leisurely`], and a memory as hard to please as AXI allows.
+    /// [`leisurely`] clocks, and a memory as hard to please as AXI allows.
     #[must_use]
     pub fn leisurely(design: &Design, seed: u64) -> Self {
-        let (timing, periods) = (VideoTiming::of_frame(design.frame), Periods::leisurely(design));
+        let (timing, periods) = (VideoTiming::of_frame(design.frame), leisurely(design));
         Self { timing, periods, behaviour: Behaviour::hard(seed), seed }
     }
 }
@@ -116,12 +103,18 @@ pub struct Rig {
     pub memory: Memory,
     /// Behind the host's.
     pub host: Host,
+    /// When each of the camera's frames began, and each of the screen's ended, in picoseconds.
+    pub sent_at: Vec<u64>,
+    /// As of [`Screen::frames`].
+    pub shown_at: Vec<u64>,
 }
 
 /// Edges of reset.
 const RESET: usize = 400;
 /// Edges within which a host is answered, a frame is sent or shown: more, and the core hangs.
-const PATIENCE: usize = 40_000_000;
+const PATIENCE: usize = 100_000_000;
+/// Edges between two looks.
+const AT_ONCE: usize = 50;
 
 impl Rig {
     /// A core that was reset and sees a camera with these frames.
@@ -145,6 +138,8 @@ impl Rig {
             host: Host::new(source, "host", core, "reset_i", Pace::drawn(begin.seed))?,
             bench,
             input,
+            sent_at: vec![],
+            shown_at: vec![],
         };
         for port in ["dram_ready_i", "i2c_done_i"] {
             rig.bench.set(port, 1)?;
@@ -172,7 +167,11 @@ impl Rig {
     pub fn steps(&mut self, count: usize) -> Result<(), Error> {
         let actors: &mut [&mut dyn Actor] =
             &mut [&mut self.camera, &mut self.screen, &mut self.memory, &mut self.host];
-        self.bench.steps(count, actors)
+        self.bench.steps(count, actors)?;
+        let now = self.bench.time_ps();
+        self.sent_at.resize(self.camera.frame + 1, now);
+        self.shown_at.resize(self.screen.frames.len(), now);
+        Ok(())
     }
 
     /// Until something is so.
@@ -180,11 +179,11 @@ impl Rig {
     /// # Errors
     /// As [`Rig::steps`]; or it does not come to be.
     pub fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) -> Result<(), Error> {
-        for _ in 0..PATIENCE / 100 {
+        for _ in 0..PATIENCE / AT_ONCE {
             if is_so(self) {
                 return Ok(());
             }
-            self.steps(100)?;
+            self.steps(AT_ONCE)?;
         }
         Err(Error::Stopped(format!("{what}: not within {PATIENCE} edges")))
     }
