@@ -78,11 +78,13 @@ pub fn project(
 /// Images of the display tables and of the set-up tables.
 #[must_use]
 pub fn table_images(tables: &Tables) -> Vec<(String, String)> {
-    let all = [tables.luma, tables.colours[0], tables.colours[1], tables.colours[2]];
-    let display = TABLE_IMAGES.iter().zip(all).map(|(path, words)| {
+    // Codes of 8 bits, encoded light of 12.
+    let [red, green, blue] = tables.colours;
+    let all = [(tables.luma, 2), (red, 3), (green, 3), (blue, 3)];
+    let display = TABLE_IMAGES.iter().zip(all).map(|(path, (words, digits))| {
         let text = words.iter().fold(String::new(), |mut text, word| {
             // Writing to a String cannot fail.
-            let _ = writeln!(text, "{word:03x}");
+            let _ = writeln!(text, "{word:0digits$x}");
             text
         });
         (path.to_string(), text)

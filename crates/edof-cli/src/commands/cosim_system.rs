@@ -21,7 +21,7 @@ const BESIDES: usize = 2;
 #[derive(clap::Args)]
 pub struct Args {
     /// Run the whole core instead: raw frames at the receiver's pins, pictures at the transmitter's, by way of a memory
-    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "junit", "waveform"])]
+    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "junit", "waveform", "rtl"])]
     pub system: bool,
 
     /// Pictures that must be shown one after the other, each once or more
