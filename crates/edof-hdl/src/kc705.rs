@@ -61,8 +61,7 @@ pub fn project(
 ) -> Result<Kc705, ProjectError> {
     let calculator = project::calculator(design, sets)?;
     let small = Design { frame: recorded.video.size, ..design.clone() };
-    let mut tried = EdofCore::new(&small, sets, identity, tables.luma, tables.colours)?;
-    let tried = project::of_circuit(&mut tried, vec![])?;
+    let tried = bare_core(&small, sets, identity, tables)?;
     let core = EdofCore::new(design, sets, identity, tables.luma, tables.colours)?;
     let mut top = Kc705Core::new(core);
     top.connect_all();
@@ -73,6 +72,17 @@ pub fn project(
     let mut files = files(design, &core, &crossings, &benches);
     files.extend(benches.files);
     Ok(Kc705 { core, files })
+}
+
+/// The core without images. By itself, since a core is large on the stack.
+fn bare_core(
+    design: &Design,
+    sets: [&FixedNetwork; 2],
+    identity: &Identity,
+    tables: &Tables,
+) -> Result<Project, ProjectError> {
+    let mut core = EdofCore::new(design, sets, identity, tables.luma, tables.colours)?;
+    Ok(project::of_circuit(&mut core, vec![])?)
 }
 
 /// Images of the display tables and of the set-up tables.
