@@ -34,8 +34,6 @@ wait $! || { cat "$simulations"; fail "simulations differ or did not run"; }
 cat "$simulations"
 say "the contract on paper"
 ./scripts/test-oracle.sh
-say "a generated directory under FuseSoC"
-./scripts/test-fusesoc.sh
 say "examples in the documentation"
 cargo test --workspace --doc --locked
 say "all passed, $SECONDS seconds"

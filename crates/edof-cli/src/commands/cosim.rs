@@ -134,7 +134,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     };
     if args.system.system {
         let raw = args.shot().frame(&network, ui)?;
-        return cosim_system::run(&args.system, &design, network, &raw, (args.seed, args.icarus), ui);
+        return cosim_system::run(&args.system, &design, network, &raw, args.seed, ui);
     }
     let trial =
         Trial { patches: patches(&args, &design, &network, ui)?, design, network, drive: drive(&args)? };

@@ -6,12 +6,10 @@ use crate::files::Files;
 use crate::folder::{self, Contents};
 use crate::ui::Ui;
 use crate::weights;
-use edof_cosim::system::{self, TableWords};
 use edof_golden::display::Display;
 use edof_golden::scalar;
-use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
-use edof_hdl::kc705::{self, Kc705};
+use edof_hdl::kc705::{self, Kc705, Recorded, Tables};
 use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::json;
@@ -20,8 +18,8 @@ use std::path::{Path, PathBuf};
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories
 ///
-/// Verilog, memory images, constraints, and a build.tcl for Vivado; a Makefile and a FuseSoC core with test benches that need no more
-/// than a simulator, Verilator or Icarus; the register map; a README. The folder needs nothing else; the manifest holds the SHA-256 of every file. The same
+/// Verilog, memory images, constraints, and a build.tcl for Vivado; a Makefile and a FuseSoC core with a test bench that needs no more
+/// than a simulator; the register map; a README. The folder needs nothing else; the manifest holds the SHA-256 of every file. The same
 /// design and network give the same bytes.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -87,19 +85,22 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.json(&manifest)
 }
 
-/// The sources, with the display tables that a board starts with and words that its benches try it with.
+/// The sources, with the display tables that a board starts with and words that its calculator is tried with.
 fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, Error> {
-    design.check_network(network)?;
     let display = Display::default();
-    let words = TableWords::of(&display);
+    let luma: Vec<u64> = display.luma.entries().iter().map(|code| u64::from(*code)).collect();
+    let entries =
+        |i: usize| display.colours[i].entries().iter().map(|entry| u64::from(*entry)).collect::<Vec<_>>();
+    let colours = [entries(0), entries(1), entries(2)];
+    let tables = Tables { luma: &luma, colours: [&colours[0], &colours[1], &colours[2]] };
+    let (width, height) = (design.frame.width as u16, design.frame.height as u16);
     let identity = Identity {
         design_hash: first_bits(serde_json::to_string(design)?.as_bytes()),
         weights_hash: first_bits(network.float_hash.as_bytes()),
-        frame: (design.frame.width as u16, design.frame.height as u16),
+        frame: (width, height),
     };
-    let (windows, patches) = windows(design, network);
-    let recorded = Recorded { windows, patches, video: system::recorded(design, network, &display)? };
-    Ok(kc705::project(design, [network, network], &identity, &words.tables(), &recorded)?)
+    design.check_network(network)?;
+    Ok(kc705::project(design, [network, network], &identity, &tables, &recorded(design, network))?)
 }
 
 /// First 32 bits of the SHA-256.
@@ -108,8 +109,8 @@ fn first_bits(bytes: &[u8]) -> u32 {
     hash.iter().take(4).fold(0, |bits, byte| bits << 8 | u32::from(*byte))
 }
 
-/// Windows for the calculator's bench, and the patches that they become: some at the ends of their range, some of dim noise.
-fn windows(design: &Design, network: &FixedNetwork) -> (Vec<Vec<i16>>, Vec<Vec<i16>>) {
+/// Windows for the test bench: some at the ends of their range, some of dim noise.
+fn recorded(design: &Design, network: &FixedNetwork) -> Recorded {
     let (draw, pixels) = (&mut Draw::new(1), design.form.window.pixels());
     let window = |i: usize| match i % 3 {
         0 => edof_random::extreme_window(draw, pixels),
@@ -117,7 +118,7 @@ fn windows(design: &Design, network: &FixedNetwork) -> (Vec<Vec<i16>>, Vec<Vec<i
     };
     let windows: Vec<Vec<i16>> = (0..TRIED).map(window).collect();
     let patches = windows.iter().map(|window| scalar::run(network, window).output).collect();
-    (windows, patches)
+    Recorded { windows, patches }
 }
 
 /// Every file by its path in the folder.

@@ -2,13 +2,13 @@
 
 use super::pictures::TableWords;
 use super::pins::{Camera, Screen};
-use super::recorded::cycles;
 use crate::bench::axi_lite::Access;
 use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Memory, Pace};
 use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Options, Start};
 use crate::{Error, Source, work};
 use edof_golden::Display;
+use edof_golden::cycle::estimate;
 use edof_golden::video::figures::Periods;
 use edof_hdl::board::{EdofCore, Identity};
 use edof_hdl::kc705::table_images;
@@ -65,6 +65,13 @@ impl Compiled {
         write_images(project, images.path())?;
         Ok(Self { library, images })
     }
+}
+
+/// Cycles in which the core has surely done with a frame, in a memory that is late.
+fn cycles(design: &Design) -> usize {
+    let ahead = estimate(design, None);
+    let calculator = 1.2 * ahead.cycles_per_patch * ahead.patches_per_frame as f64;
+    calculator as usize + 2 * design.frame.width * design.frame.height + 4000
 }
 
 /// What a rig is started with.
