@@ -143,6 +143,44 @@ fn co_simulation_of_tiny_finds_no_difference_and_reports_it() {
 }
 
 #[test]
+fn co_simulation_finds_a_fault_in_the_files_of_a_folder() {
+    let place = Place::new();
+    place.edof("random-network --form one-sided,w8,t4,c16,r --out drawn.fixed.safetensors").done();
+    place.edof("generate --design tiny --weights drawn.fixed.safetensors --out built").done();
+    let line =
+        "cosim --design tiny --weights drawn.fixed.safetensors --random 20 --rtl built/rtl --junit cosim.xml";
+    place.edof(line).done();
+
+    // Results that do not fit end one too low.
+    let file = place.path("built/rtl/requantize.v");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert_eq!(text.matches("16'h7fff").count(), 1, "{text}");
+    std::fs::write(&file, text.replace("16'h7fff", "16'h7ffe")).unwrap();
+    let run = place.edof(&format!("{line} --json cosim.json --waveform fault"));
+
+    assert_eq!((run.code, run.out.as_str()), (Some(1), ""), "{}", run.err);
+    let told = run.err.lines().last().unwrap();
+    let words = ["edof: stage I (I to M1), patch ", "expected 32767, got 32766", "waveform fault."];
+    assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    let xml = std::fs::read_to_string(place.path("cosim.xml")).unwrap();
+    assert!(xml.contains("tests=\"1\" failures=\"1\"") && xml.contains("stage I"), "{xml}");
+    let json: Value = serde_json::from_slice(&std::fs::read(place.path("cosim.json")).unwrap()).unwrap();
+    assert_eq!((&json["differences"], &json["first_difference"]["stage"]), (&1.into(), &"I".into()));
+    let waveform = ["fst", "vcd"].map(|ending| place.path(&format!("fault.{ending}")));
+    let bytes = waveform.iter().filter_map(|file| std::fs::metadata(file).ok()).map(|file| file.len());
+    assert!(bytes.sum::<u64>() > 1_000);
+}
+
+#[test]
+fn a_folder_without_the_calculator_is_refused() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("empty")).unwrap();
+    place.edof("cosim --design tiny --random 5 --rtl empty").refused(&["empty/chain.v", "No such file"]);
+    place.write("empty/chain.v", "module chain (input wire clock_i);\nendmodule\n");
+    place.edof("cosim --design tiny --random 5 --rtl empty").refused(&["empty/chain.v: has no port reset_i"]);
+}
+
+#[test]
 fn stalls_without_end_are_refused() {
     Place::new().edof("cosim --design tiny --stalls 1").refused(&["--stalls 1", "0 to 0.99"]);
 }

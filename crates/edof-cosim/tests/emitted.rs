@@ -34,6 +34,9 @@ impl Logic for Summer {
     }
 }
 
+const STONE: &str =
+    "module stone (input wire clock_i, output wire [3:0] data_o);\n    pebble part ();\nendmodule\n";
+
 /// An instance of the leaf `stone`.
 #[derive(Circuit)]
 struct Stone {
@@ -47,7 +50,7 @@ impl Logic for Stone {
         self.data.connect();
     }
     fn hdl(&self) -> Verilog {
-        Leaf::new("stone").port("clock_i", "clock").port("data_o", "data").verilog()
+        Leaf::new("stone").source(STONE).port("clock_i", "clock").port("data_o", "data").verilog()
     }
 }
 
@@ -96,7 +99,7 @@ fn a_leaf_brings_the_leaves_that_it_stands_on() {
     let mut holder = Holder::default();
     holder.connect_all();
     let source = Source::emitted(&verilog::emit(&holder).unwrap(), |name| match name {
-        "stone" => Some("module stone;\n    pebble part ();\nendmodule\n".into()),
+        "stone" => Some(STONE.into()),
         "pebble" => Some("module pebble;\nendmodule\n".into()),
         _ => None,
     });

@@ -346,3 +346,121 @@ fn a_machine_with_parts_agrees_cycle_by_cycle() {
     let want: Vec<_> = rows.iter().map(&mut cycle).collect();
     agree(&emitted, &rows, &want);
 }
+
+/// One of a row: passes words both ways, each a cycle later, and changes those of one direction.
+#[derive(Circuit)]
+struct Link {
+    pub clock: Signal<In, Clock>,
+    pub reset: Signal<In, Bit>,
+    pub number: Signal<In, Bits<3>>,
+    pub from_next: Signal<In, Bits<8>>,
+    pub to_before: Signal<Out, Bits<8>>,
+    pub from_before: Signal<In, Bits<8>>,
+    pub to_next: Signal<Out, Bits<8>>,
+    pub unread: Signal<In, Bits<8>>,
+    step: Constant<Bits<8>>,
+    down: DFF<Bits<8>>,
+    up: DFF<Bits<8>>,
+}
+
+impl Logic for Link {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, down, up);
+        self.down.d.next = 0.into();
+        self.down.d.next = self.from_next.val() + self.step.val();
+        if (self.number.val() == 2) && self.from_before.val().get_bit(7) {
+            self.down.d.next = self.from_before.val();
+        }
+        self.up.d.next = self.from_before.val() ^ bit_cast::<8, 3>(self.number.val());
+        if self.reset.val() {
+            self.down.d.next = 0.into();
+            self.up.d.next = 0.into();
+        }
+        self.to_before.next = self.down.q.val();
+        self.to_next.next = self.up.q.val();
+    }
+}
+
+/// Two rows of links, which differ in a constant and in their length.
+#[derive(Circuit)]
+struct Links {
+    pub clock: Signal<In, Clock>,
+    pub reset: Signal<In, Bit>,
+    pub top: Signal<In, Bits<8>>,
+    pub bottom: Signal<In, Bits<8>>,
+    pub down: Signal<Out, Bits<8>>,
+    pub up: Signal<Out, Bits<8>>,
+    long: Vec<Link>,
+    short: Vec<Link>,
+    numbers: Vec<Constant<Bits<3>>>,
+}
+
+impl Default for Links {
+    fn default() -> Self {
+        let row = |count: usize, step: u64| {
+            let link = |_| Link::from_parts(LinkParts { step: Constant::new(step.into()) });
+            (0..count).map(link).collect()
+        };
+        Self::from_parts(LinksParts {
+            long: row(4, 3),
+            short: row(2, 91),
+            numbers: (0..4_u64).map(|number| Constant::new(number.into())).collect(),
+        })
+    }
+}
+
+impl Logic for Links {
+    #[hdl_gen]
+    fn update(&mut self) {
+        for i in 0..4 {
+            self.long[i].clock.next = self.clock.val();
+            self.long[i].reset.next = self.reset.val();
+            self.long[i].number.next = self.numbers[i].val();
+            self.long[i].unread.next = self.top.val();
+        }
+        for i in 0..3 {
+            self.long[i].from_next.next = self.long[i + 1].to_before.val();
+            self.long[i + 1].from_before.next = self.long[i].to_next.val();
+        }
+        for i in 0..2 {
+            self.short[i].clock.next = self.clock.val();
+            self.short[i].reset.next = self.reset.val();
+            self.short[i].number.next = self.numbers[i].val();
+            self.short[i].unread.next = self.top.val();
+        }
+        self.long[3].from_next.next = self.top.val();
+        self.long[0].from_before.next = self.short[1].to_next.val();
+        self.short[1].from_next.next = self.long[0].to_before.val();
+        self.short[0].from_next.next = self.short[1].to_before.val();
+        self.short[1].from_before.next = self.short[0].to_next.val();
+        self.short[0].from_before.next = self.bottom.val();
+        self.down.next = self.short[0].to_before.val();
+        self.up.next = self.long[3].to_next.val();
+    }
+}
+
+#[test]
+fn rows_of_parts_agree_cycle_by_cycle() {
+    let emitted = emit(&mut Links::default());
+    let top = &emitted.modules.last().unwrap().text;
+    assert_eq!((emitted.modules.len(), top.matches("endgenerate").count()), (2, 2), "{top}");
+    let mut rows = Random(6).rows(&emitted, 600);
+    rows.iter_mut().enumerate().for_each(|(n, row)| row[0] = u128::from(n == 0 || n % 97 == 50));
+    let mut circuit = Links::default();
+    circuit.connect_all();
+    let mut cycle = |row: &Vec<u128>| {
+        circuit.reset.next = row[0] == 1;
+        circuit.top.next = (row[1] as u64).into();
+        circuit.bottom.next = (row[2] as u64).into();
+        assert!(simulate(&mut circuit, 20));
+        let outputs = vec![circuit.down.val().to_u128(), circuit.up.val().to_u128()];
+        for edge in [true, false] {
+            circuit.clock.next = edge.into();
+            assert!(simulate(&mut circuit, 20));
+        }
+        outputs
+    };
+    let want: Vec<_> = rows.iter().map(&mut cycle).collect();
+    agree(&emitted, &rows, &want);
+}

@@ -24,9 +24,12 @@ fn mapped(design: &Design) -> Report {
 }
 
 fn without_images(text: &str) -> String {
-    let line = |line: &str| match line.trim_start().starts_with(".INIT(\"") {
-        true => "        .INIT(\"\")".to_string(),
-        false => line.to_string(),
+    let line = |line: &str| match line.split_once(".INIT(\"") {
+        Some((before, after)) => {
+            let (_, rest) = after.split_once('"').unwrap();
+            format!("{before}.INIT(\"\"{rest}")
+        }
+        None => line.to_string(),
     };
     text.lines().map(|l| line(l) + "\n").collect()
 }

@@ -13,6 +13,10 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
         let (key, doc) = (field.name.to_string(), field.doc.replace('\n', " "));
         quote!((#key, #doc))
     });
+    let role = match &circuit.role {
+        Some(field) => quote!(::std::string::ToString::to_string(&self.#field)),
+        None => sizes(circuit),
+    };
     quote! {
         impl #generics ::edof_hdl::describe::Circuit for #name #arguments #clause {
             fn describe(&self, key: &str, found: &mut ::edof_hdl::describe::Descriptions) {
@@ -20,6 +24,7 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
                     name: #text,
                     source: ::core::file!(),
                     header: #doc,
+                    role: #role,
                     fields: &[#(#said),*],
                 };
                 found.block(key, description, |found| {
@@ -28,4 +33,15 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
             }
         }
     }
+}
+
+/// `w8_n3` of a type with the numbers `W` and `N`, which tell its modules apart.
+fn sizes(circuit: &Circuit) -> TokenStream {
+    let names: Vec<_> = circuit.generics.const_params().map(|parameter| &parameter.ident).collect();
+    let text = names
+        .iter()
+        .map(|name| format!("{}{{}}", name.to_string().to_lowercase()))
+        .collect::<Vec<_>>()
+        .join("_");
+    quote!(::std::format!(#text #(, #names)*))
 }

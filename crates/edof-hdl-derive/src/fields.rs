@@ -22,6 +22,8 @@ pub struct Circuit<'a> {
     pub generics: &'a Generics,
     pub doc: String,
     pub fields: Vec<Part<'a>>,
+    /// The field that says which of several roles a block of this type has.
+    pub role: Option<Ident>,
 }
 
 /// One of its fields.
@@ -49,11 +51,11 @@ impl<'a> Circuit<'a> {
         let refuse = || syn::Error::new_spanned(&input.ident, "a circuit is a struct with named fields");
         let Data::Struct(data) = &input.data else { return Err(refuse()) };
         let Fields::Named(named) = &data.fields else { return Err(refuse()) };
-        let defaults = Defaults::of(&input.attrs)?;
+        let said = Said::of(&input.attrs)?;
         let part = |field: &'a Field| {
             let name = field.ident.as_ref().ok_or_else(refuse)?;
             let is_data = name.to_string().starts_with('_');
-            let start = defaults.start(&field.ty);
+            let start = said.start(&field.ty);
             Ok(Part { name, ty: &field.ty, doc: documentation(&field.attrs), is_data, start })
         };
         let fields = named.named.iter().map(part).collect::<syn::Result<_>>()?;
@@ -62,7 +64,7 @@ impl<'a> Circuit<'a> {
             let missing = "a circuit needs documentation: it becomes the header of its Verilog";
             return Err(syn::Error::new_spanned(&input.ident, missing));
         }
-        Ok(Self { name: &input.ident, generics: &input.generics, doc, fields })
+        Ok(Self { name: &input.ident, generics: &input.generics, doc, fields, role: said.role })
     }
 
     /// The fields that are hardware.
@@ -71,32 +73,36 @@ impl<'a> Circuit<'a> {
     }
 }
 
-/// `#[circuit(default)]` and `#[circuit(default(A, B))]`.
+/// `#[circuit(default)]`, `#[circuit(default(A, B))]`, `#[circuit(role(_field))]`.
 #[derive(Default)]
-struct Defaults {
+struct Said {
     all: bool,
     types: Vec<Ident>,
+    role: Option<Ident>,
 }
 
-impl Defaults {
+impl Said {
     fn of(attributes: &[Attribute]) -> syn::Result<Self> {
-        let mut defaults = Self::default();
+        let mut said = Self::default();
         for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("circuit")) {
             attribute.parse_nested_meta(|meta| {
-                if !meta.path.is_ident("default") {
-                    return Err(meta.error("`default` or `default(Type, …)` is expected"));
+                let in_brackets = meta.input.peek(syn::token::Paren);
+                match (meta.path.is_ident("default"), meta.path.is_ident("role"), in_brackets) {
+                    (true, _, false) => said.all = true,
+                    (true, _, true) => meta.parse_nested_meta(|ty| {
+                        said.types.push(ty.path.require_ident()?.clone());
+                        Ok(())
+                    })?,
+                    (_, true, true) => meta.parse_nested_meta(|field| {
+                        said.role = Some(field.path.require_ident()?.clone());
+                        Ok(())
+                    })?,
+                    _ => return Err(meta.error("`default`, `default(Type, …)` or `role(field)` is expected")),
                 }
-                if !meta.input.peek(syn::token::Paren) {
-                    defaults.all = true;
-                    return Ok(());
-                }
-                meta.parse_nested_meta(|ty| {
-                    defaults.types.push(ty.path.require_ident()?.clone());
-                    Ok(())
-                })
+                Ok(())
             })?;
         }
-        Ok(defaults)
+        Ok(said)
     }
 
     fn start(&self, ty: &Type) -> Start {

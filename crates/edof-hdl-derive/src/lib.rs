@@ -22,6 +22,9 @@ use syn::{DeriveInput, parse_macro_input};
 /// block gets `Default`. Otherwise it gets a private `fn from_parts(NameParts) -> Self`, and a private struct `NameParts` of the
 /// fields that are left. `#[circuit(default)]` on the struct says that each field has a `Default`; `#[circuit(default(A, B))]`
 /// that fields of the types `A` and `B` have one.
+///
+/// A module is called after the type. `#[circuit(role(_field))]` names a field whose text tells blocks of one type apart, for instance the
+/// stages of a chain; without it the const parameters of the type do.
 /// `edof_hdl::describe` shows one.
 #[proc_macro_derive(Circuit, attributes(circuit))]
 pub fn derive_circuit(input: TokenStream) -> TokenStream {

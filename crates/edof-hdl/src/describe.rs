@@ -42,7 +42,7 @@ use std::ops::BitXor;
 pub use edof_hdl_derive::Circuit;
 
 /// Name, source file, header and comments of a block.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Description {
     /// The Rust type's own name, without path and parameters, for instance `PairBuffer`.
     pub name: &'static str,
@@ -50,6 +50,8 @@ pub struct Description {
     pub source: &'static str,
     /// What a user of the block must know: the type's documentation.
     pub header: &'static str,
+    /// What tells blocks of one type apart, in the names of their modules; may be empty.
+    pub role: String,
     /// Fields that have documentation, and it, in one line each.
     pub fields: &'static [(&'static str, &'static str)],
 }
@@ -119,6 +121,6 @@ impl Descriptions {
     /// The description of the block with these keys, from the top down, dots between them.
     #[must_use]
     pub fn get(&self, path: &str) -> Option<Description> {
-        self.found.get(path).copied()
+        self.found.get(path).cloned()
     }
 }

@@ -1,8 +1,10 @@
 //! Instances of the hand-written Verilog leaves in `rtl/`: what rust-hdl has no word for.
 //!
 //! A leaf block is a rust-hdl block whose `hdl()` is [`Leaf::verilog`] and whose `update()` is the leaf's behavioural model.
-//! The backend prints it as one instance in its parent, and lists the leaf's file as needed.
+//! The backend prints it as one instance in its parent, and lists the leaf's file as needed. It carries the leaf's own text, to
+//! which the backend holds ports and parameters, and in which it sees which outputs follow which inputs within a cycle.
 
+use crate::leaves::LEAVES;
 use rust_hdl::prelude::{Verilog, Wrapper};
 
 /// First word of the code of a leaf, by which the backend knows it.
@@ -13,6 +15,8 @@ const MARK: &str = "leaf";
 pub struct Leaf {
     /// Name of the module and of its file, for instance `edof_ram`.
     pub module: String,
+    /// The file.
+    pub source: String,
     /// Parameters and their values as Verilog text.
     pub parameters: Vec<(String, String)>,
     /// Verilog port and the block's field that it is.
@@ -20,10 +24,18 @@ pub struct Leaf {
 }
 
 impl Leaf {
-    /// The leaf `module`, with no parameters and ports yet.
+    /// The leaf `module`, with no parameters and ports yet. Its file is one of [`LEAVES`](crate::project::LEAVES), unless [`Leaf::source`] gives another.
     #[must_use]
     pub fn new(module: &str) -> Self {
-        Self { module: module.into(), parameters: vec![], ports: vec![] }
+        let source = LEAVES.iter().find(|(name, _)| *name == module).map_or("", |(_, text)| text);
+        Self { module: module.into(), source: source.into(), parameters: vec![], ports: vec![] }
+    }
+
+    /// The text of a leaf that is not one of ours.
+    #[must_use]
+    pub fn source(mut self, text: &str) -> Self {
+        self.source = text.into();
+        self
     }
 
     /// A whole-number parameter.
@@ -53,7 +65,7 @@ impl Leaf {
         let mut code = format!("{MARK} {}\n", self.module);
         self.parameters.iter().for_each(|(name, value)| code += &format!("# {name} {value}\n"));
         self.ports.iter().for_each(|(port, field)| code += &format!(". {port} {field}\n"));
-        Verilog::Wrapper(Wrapper { code, cores: String::new() })
+        Verilog::Wrapper(Wrapper { code, cores: self.source.clone() })
     }
 
     /// Reads [`Leaf::verilog`] back; none where the code is something else.
@@ -61,7 +73,8 @@ impl Leaf {
     pub fn of(verilog: &Verilog) -> Option<Self> {
         let Verilog::Wrapper(wrapper) = verilog else { return None };
         let mut lines = wrapper.code.lines();
-        let mut leaf = Self::new(lines.next()?.strip_prefix(MARK)?.trim());
+        let module = lines.next()?.strip_prefix(MARK)?.trim().into();
+        let mut leaf = Self { module, source: wrapper.cores.clone(), parameters: vec![], ports: vec![] };
         for line in lines {
             let mut words = line.splitn(3, ' ');
             let list = match words.next()? {
@@ -86,6 +99,7 @@ mod tests {
             .text("INIT", "mem/a b.hex")
             .port("clock_i", "clock")
             .port("data_o", "data");
+        assert!(leaf.source.contains("module edof_ram"));
         assert_eq!(Leaf::of(&leaf.verilog()), Some(leaf));
         assert_eq!(Leaf::of(&Verilog::Empty), None);
     }

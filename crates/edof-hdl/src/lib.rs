@@ -22,6 +22,7 @@ pub mod crossing;
 pub mod describe;
 pub mod kc705;
 pub mod leaf;
+mod leaves;
 pub mod ports;
 pub mod project;
 pub mod resources;

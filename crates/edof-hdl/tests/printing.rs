@@ -88,26 +88,21 @@ module sequencer (
     localparam [1:0] PHASE_DRAIN = 2'd2;
 
     wire last;
-    reg  [1:0] phase_q;
-    reg  [1:0] phase_d;
-    reg  [3:0] count_q;
-    reg  [3:0] count_d;
+    reg  [1:0] phase_q, phase_d;
+    reg  [3:0] count_q, count_d;
 
     assign last = (count_q + 4'd1) == 4'd0;
     assign busy_o = phase_q != PHASE_IDLE;
 
     always @* begin
         phase_d = phase_q;
-        count_d = count_q;
         case (phase_q)
             PHASE_IDLE: begin
                 if (start_i) begin
                     phase_d = PHASE_FILL;
-                    count_d = 4'd0;
                 end
             end
             PHASE_FILL: begin
-                count_d = count_q + 4'd1;
                 if (last) begin
                     phase_d = PHASE_DRAIN;
                 end
@@ -116,6 +111,21 @@ module sequencer (
                 // Phase::Drain
                 phase_d = PHASE_IDLE;
             end
+        endcase
+    end
+
+    always @* begin
+        count_d = count_q;
+        case (phase_q)
+            PHASE_IDLE: begin
+                if (start_i) begin
+                    count_d = 4'd0;
+                end
+            end
+            PHASE_FILL: begin
+                count_d = count_q + 4'd1;
+            end
+            default: ;
         endcase
     end
 
@@ -193,25 +203,11 @@ fn parts_are_connected_without_wires() {
     let lane = |n: usize, b: usize| {
         format!(
             "    accumulator lanes_{n} (
-        .clock_i(clock_i),
-        .clear_i(1'b0),
-        .a_i(a_i),
-        \
-             .b_i(b_{b}_i),
-        .sum_o(sum_{n}_o)
+        .clock_i(clock_i), .clear_i(1'b0), .a_i(a_i), .b_i(b_{b}_i), .sum_o(sum_{n}_o)
     );"
         )
     };
-    assert_eq!(
-        body(&mut Pair::default()),
-        format!(
-            "{}
-
-{}",
-            lane(0, 1),
-            lane(1, 0)
-        )
-    );
+    assert_eq!(body(&mut Pair::default()), format!("{}\n{}", lane(0, 1), lane(1, 0)));
 }
 
 #[test]
@@ -221,7 +217,12 @@ fn products_are_signed_and_their_extension_is_spelled_out() {
     assert!(text.contains("acc_d = acc_q + {{16{acc_d_product[31]}}, acc_d_product};"), "{text}");
 }
 
-/// An instance of the leaf `edof_ram`.
+/// A leaf.
+const MEMORY: &str = "module a_memory #(parameter DEPTH = 4, parameter INIT = \"\") (
+    input wire clock_i, input wire [3:0] at_i, output reg [15:0] data_o
+); endmodule";
+
+/// An instance of the leaf `a_memory`.
 #[derive(Circuit)]
 struct Memory {
     pub clock: Signal<In, Clock>,
@@ -235,7 +236,7 @@ impl Logic for Memory {
         self.data.connect();
     }
     fn hdl(&self) -> Verilog {
-        let leaf = Leaf::new("edof_ram").parameter("DEPTH", 16).text("INIT", "mem/a.hex");
+        let leaf = Leaf::new("a_memory").source(MEMORY).parameter("DEPTH", 16).text("INIT", "mem/a.hex");
         leaf.port("clock_i", "clock").port("at_i", "at").port("data_o", "data").verilog()
     }
 }
@@ -268,25 +269,21 @@ fn leaves_are_instances() {
         body(&mut top),
         "    wire [15:0] memory_data;
     reg  [3:0] at_q;
-    wire [3:0] at_d;
 
-    edof_ram #(
-        .DEPTH(16),
-        .INIT(\"mem/a.hex\")
-    ) memory (
-        .clock_i(clock_i),
-        .at_i(at_q),
-        .data_o(memory_data)
+    a_memory #(.DEPTH(16), .INIT(\"mem/a.hex\")) memory (
+        .clock_i(clock_i), .at_i(at_q), .data_o(memory_data)
     );
 
-    assign at_d = at_q + 4'd1;
     assign data_o = memory_data[11:4];
 
     always @(posedge clock_i) begin
-        at_q <= at_d;
-    end"
+        at_q <= at_q + 4'd1;
+    end
+
+    // Not every bit of these is read.
+    wire unused = ^memory_data;"
     );
-    assert!(verilog::emit(&top).unwrap().leaves.contains("edof_ram"));
+    assert!(verilog::emit(&top).unwrap().leaves.contains("a_memory"));
 }
 
 /// A constant, a register that starts with it, a name that Verilog reserves, and an output that nobody reads.
@@ -325,22 +322,16 @@ impl Logic for Names {
 fn names_are_verilog_and_say_what_is_not_used() {
     assert_eq!(
         body(&mut Names::default()),
-        "    localparam [7:0] FIRST = 8'h2a;
+        "    localparam [7:0] FIRST = 8'd42;
 
     wire [7:0] logic_;
-    reg  [7:0] value_q = 8'h2a;
-    wire part_start;
-    wire part_busy_unused;
+    reg  [7:0] value_q = 8'd42;
+    wire part_start, part_busy_unused;
 
-    // Only a part of what follows is used.
-    /* verilator lint_off UNUSED */
     wire [7:0] always_o_shifted = value_q >> logic_;
-    /* verilator lint_on UNUSED */
 
     sequencer part (
-        .clock_i(clock_i),
-        .start_i(part_start),
-        .busy_o(part_busy_unused)
+        .clock_i(clock_i), .start_i(part_start), .busy_o(part_busy_unused)
     );
 
     assign part_start = value_q == FIRST;
@@ -349,7 +340,10 @@ fn names_are_verilog_and_say_what_is_not_used() {
 
     always @(posedge clock_i) begin
         value_q <= logic_;
-    end"
+    end
+
+    // Not every bit of these is read.
+    wire unused = ^always_o_shifted;"
     );
 }
 
@@ -414,8 +408,7 @@ fn interfaces_are_linked_and_joined() {
     assert_eq!(
         body(&mut Chain::default()),
         "    wire [7:0] parts_0_to_data;
-    wire parts_0_to_valid;
-    wire parts_1_from_ready;
+    wire parts_0_to_valid, parts_1_from_ready;
 
     pass parts_0 (
         .from_data_i(from_data_i),
@@ -436,3 +429,140 @@ fn interfaces_are_linked_and_joined() {
     );"
     );
 }
+
+/// Counts to a number of its own, and hands on what came in.
+#[derive(Circuit)]
+struct Link {
+    pub clock: Signal<In, Clock>,
+    /// Which link it is.
+    pub number: Signal<In, Bits<3>>,
+    pub from: Signal<In, Bits<8>>,
+    /// What came in a cycle ago.
+    pub to: Signal<Out, Bits<8>>,
+    pub never_read: Signal<In, Bit>,
+    /// What is added.
+    step: Constant<Bits<8>>,
+    value: DFF<Bits<8>>,
+}
+
+impl Link {
+    fn new(step: u64) -> Self {
+        Self::from_parts(LinkParts { step: Constant::new(step.into()) })
+    }
+}
+
+impl Logic for Link {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(self, clock, value);
+        self.value.d.next = 0.into();
+        self.value.d.next = self.from.val() + self.step.val();
+        if self.number.val() == 5 {
+            self.value.d.next = self.from.val();
+        }
+        self.to.next = self.value.q.val();
+    }
+}
+
+/// Two rows of links that differ in a constant, and one link alone.
+#[derive(Circuit)]
+struct Links {
+    pub clock: Signal<In, Clock>,
+    pub from: Signal<In, Bits<8>>,
+    pub to: Signal<Out, Bits<8>>,
+    pub of_one: Signal<Out, Bits<8>>,
+    links: Vec<Link>,
+    numbers: Vec<Constant<Bits<3>>>,
+    alone: Vec<Link>,
+}
+
+impl Logic for Links {
+    #[hdl_gen]
+    fn update(&mut self) {
+        for i in 0..4 {
+            self.links[i].clock.next = self.clock.val();
+            self.links[i].number.next = self.numbers[i].val();
+            self.links[i].never_read.next = true;
+        }
+        for i in 0..3 {
+            self.links[i].from.next = self.links[i + 1].to.val();
+        }
+        self.links[3].from.next = self.from.val();
+        self.to.next = self.links[0].to.val();
+        self.alone[0].clock.next = self.clock.val();
+        self.alone[0].number.next = 5.into();
+        self.alone[0].never_read.next = true;
+        self.alone[0].from.next = self.from.val();
+        self.of_one.next = self.alone[0].to.val();
+    }
+}
+
+fn links(step: u64, alone: u64) -> Links {
+    Links::from_parts(LinksParts {
+        links: (0..4).map(|_| Link::new(step)).collect(),
+        numbers: (0..4_u64).map(|number| Constant::new(number.into())).collect(),
+        alone: vec![Link::new(alone)],
+    })
+}
+
+#[test]
+fn equal_parts_in_a_row_are_a_loop_and_a_constant_that_differs_is_a_parameter() {
+    let mut top = links(1, 2);
+    top.connect_all();
+    let emitted = verilog::emit(&top).unwrap();
+    assert_eq!(emitted.modules.len(), 2);
+    assert!(emitted.modules[0].text.contains(LINK), "{}", emitted.modules[0].text);
+    assert_eq!(body(&mut top), LINKS);
+}
+
+#[test]
+fn a_constant_that_never_differs_is_no_parameter() {
+    let mut top = links(1, 1);
+    top.connect_all();
+    let text = &verilog::emit(&top).unwrap().modules[0].text;
+    assert!(
+        !text.contains("parameter") && text.contains("localparam [7:0] STEP = 8'd1; // What is added."),
+        "{text}"
+    );
+}
+
+const LINK: &str = "\
+module link #(
+    parameter [7:0] STEP = 8'd1 // What is added.
+) (
+    input  wire       clock_i,
+    input  wire [2:0] number_i, // Which link it is.
+    input  wire [7:0] from_i,
+    output wire [7:0] to_o      // What came in a cycle ago.
+);
+
+    reg  [7:0] value_q;
+
+    assign to_o = value_q;
+
+    always @(posedge clock_i) begin
+        value_q <= (number_i == 3'd5) ? from_i : (from_i + STEP);
+    end
+";
+
+const LINKS: &str = "    localparam LINKS = 4;
+
+    wire [7:0] links_to [0:LINKS];
+
+    genvar link;
+    generate
+        for (link = 0; link < LINKS; link = link + 1) begin : links
+            localparam [2:0] NUMBER = link;
+            link #(.STEP(8'd1)) element (
+                .clock_i(clock_i), .number_i(NUMBER), .from_i(links_to[link + 1]), .to_o(links_to[link])
+            );
+        end
+    endgenerate
+
+    link #(.STEP(8'd2)) alone (
+        .clock_i(clock_i), .number_i(3'd5), .from_i(from_i), .to_o(of_one_o)
+    );
+
+    assign to_o = links_to[0];
+
+    assign links_to[LINKS] = from_i;";

@@ -130,14 +130,115 @@ macro_rules! foreign {
 }
 
 foreign!(Custom, Verilog::Custom("assign y = 1;".into()));
-foreign!(Top, Leaf::new("edof_thing").verilog());
-foreign!(WrongLeaf, Leaf::new("edof_thing").port("y_o", "why").verilog());
+const THING: &str = "module edof_thing #(parameter N = 1) (input wire x_i, output wire [N-1:0] y_o);
+    assign y_o = {N{x_i}};
+endmodule";
 
-block!(Holder { y: Signal<Out, Bit>, part: WrongLeaf }
+foreign!(Top, Leaf::new("edof_thing").source(THING).verilog());
+
+/// A leaf of one bit in and one out, and a block that holds it.
+macro_rules! leaf {
+    ($leaf:ident, $holder:ident, $hdl:expr) => {
+        /// A leaf.
+        #[derive(Circuit)]
+        struct $leaf {
+            pub x: Signal<In, Bit>,
+            pub y: Signal<Out, Bit>,
+        }
+        impl Logic for $leaf {
+            fn update(&mut self) {}
+            fn connect(&mut self) {
+                self.y.connect();
+            }
+            fn hdl(&self) -> Verilog {
+                $hdl.verilog()
+            }
+        }
+        block!($holder { y: Signal<Out, Bit>, part: $leaf }
+            #[hdl_gen]
+            fn update(&mut self) {
+            self.part.x.next = self.part.y.val();
+            self.y.next = self.part.y.val();
+        });
+    };
+}
+
+fn thing() -> Leaf {
+    Leaf::new("edof_thing").source(THING)
+}
+
+leaf!(NoField, NoFieldHolder, thing().port("x_i", "x").port("y_o", "why"));
+leaf!(NoPort, NoPortHolder, thing().port("x_i", "x").port("z_o", "y"));
+leaf!(NoParameter, NoParameterHolder, thing().parameter("M", 2).port("x_i", "x").port("y_o", "y"));
+leaf!(TooWide, TooWideHolder, thing().parameter("N", 2).port("x_i", "x").port("y_o", "y"));
+leaf!(Backwards, BackwardsHolder, thing().port("x_i", "y").port("y_o", "x"));
+leaf!(Open, OpenHolder, thing().port("y_o", "y"));
+leaf!(NoText, NoTextHolder, Leaf::new("edof_unknown").port("y_o", "y"));
+leaf!(Looping, LoopingHolder, thing().port("x_i", "x").port("y_o", "y"));
+
+#[test]
+fn a_leaf_is_held_to_its_own_text() {
+    let refusals = [
+        (
+            refusal::<NoFieldHolder>(),
+            "the leaf `edof_thing` connects the field `why`, which the block does not have",
+        ),
+        (refusal::<NoPortHolder>(), "the leaf `edof_thing` has no port `z_o`"),
+        (refusal::<NoParameterHolder>(), "the leaf `edof_thing` has no parameter `M`"),
+        (
+            refusal::<TooWideHolder>(),
+            "the leaf `edof_thing` has `y_o` as output of 2 bits, the block has `y` as output of 1 bit",
+        ),
+        (
+            refusal::<BackwardsHolder>(),
+            "the leaf `edof_thing` has `x_i` as input of 1 bit, the block has `y` as output of 1 bit",
+        ),
+        (
+            refusal::<OpenHolder>(),
+            "the leaf `edof_thing` has the input `x_i`, which the block does not connect",
+        ),
+        (refusal::<NoTextHolder>(), "the text of its leaf cannot be read: it has no module"),
+    ];
+    for (found, wanted) in refusals {
+        assert_eq!(found, format!("top.part: {wanted}"));
+    }
+}
+
+#[test]
+fn a_loop_through_a_leaf_is_refused() {
+    let wanted = "top.part.x: depends on itself without a register between: part.x, part.y";
+    assert_eq!(refusal::<LoopingHolder>(), wanted);
+}
+
+/// Has the name of a leaf's module.
+#[derive(Circuit)]
+struct EdofThing {
+    pub x: Signal<In, Bit>,
+    pub y: Signal<Out, Bit>,
+}
+
+impl Logic for EdofThing {
     #[hdl_gen]
     fn update(&mut self) {
-    self.y.next = self.part.y.val();
+        self.y.next = !self.x.val();
+    }
+}
+
+block!(Namesakes { x: Signal<In, Bit>, y: Signal<Out, Bit>, block: EdofThing, leaf: Looping }
+    #[hdl_gen]
+    fn update(&mut self) {
+    self.block.x.next = self.x.val();
+    self.leaf.x.next = self.block.y.val();
+    self.y.next = self.leaf.y.val();
 });
+
+#[test]
+fn a_block_never_takes_the_name_of_a_leaf() {
+    let mut top = Namesakes::default();
+    top.connect_all();
+    let emitted = verilog::emit(&top).unwrap();
+    assert_eq!(emitted.modules[0].name, "edof_thing_2");
+}
 
 /// A pin.
 #[derive(Circuit)]
@@ -169,12 +270,39 @@ block!(Unknown { x: Signal<In, Bits<4>>, y: Signal<Out, Bit> }
     self.y.next = self.x.val() == LIMIT;
 });
 
-block!(Still { y: Signal<Out, Bits<2>> }
+#[derive(Copy, Clone, Debug, PartialEq, LogicState)]
+#[allow(dead_code, reason = "what can never be is what the block waits for")]
+enum Which {
+    One,
+    Two,
+}
+
+/// Waits for nothing.
+#[derive(Circuit)]
+struct Still {
+    pub y: Signal<Out, Bits<2>>,
+    which: Constant<Which>,
+}
+
+impl Default for Still {
+    fn default() -> Self {
+        Self::from_parts(StillParts { which: Constant::new(Which::One) })
+    }
+}
+
+impl Logic for Still {
     #[hdl_gen]
     fn update(&mut self) {
-    self.y.next = 0.into();
-    self.y.next = 1.into();
-});
+        match self.which.val() {
+            Which::One => {
+                self.y.next = 1.into();
+            }
+            Which::Two => {
+                self.y.next = 2.into();
+            }
+        }
+    }
+}
 
 block!(Leap { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In, Bit>, y: Signal<Out, Bit>, one: DFF<Bit>, other: DFF<Bit> }
     #[hdl_gen]
@@ -224,6 +352,13 @@ block!(MixedOut { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In
     self.y.next = self.parts[0].y.val() && self.parts[1].y.val();
 });
 
+const BRIDGE: &str =
+    "module edof_bridge (input wire fast_i, input wire slow_i, input wire x_i, output wire y_o);
+    reg q;
+    always @(posedge slow_i) q <= x_i;
+    assign y_o = q;
+endmodule";
+
 /// A leaf of two clocks that is no crossing.
 #[derive(Circuit)]
 struct Bridge {
@@ -239,7 +374,7 @@ impl Logic for Bridge {
         self.y.connect();
     }
     fn hdl(&self) -> Verilog {
-        let leaf = Leaf::new("edof_bridge").port("fast_i", "fast").port("slow_i", "slow");
+        let leaf = Leaf::new("edof_bridge").source(BRIDGE).port("fast_i", "fast").port("slow_i", "slow");
         leaf.port("x_i", "x").port("y_o", "y").verilog()
     }
 }
@@ -338,7 +473,6 @@ fn what_cannot_be_translated_is_refused_with_its_place() {
         refusal::<Owner>(),
         refusal::<Custom>(),
         refusal::<Top>(),
-        refusal::<Holder>(),
         refusal::<Pin>(),
         refusal::<NoBits>(),
         refusal::<Unknown>(),
@@ -359,7 +493,6 @@ fn what_cannot_be_translated_is_refused_with_its_place() {
         "top.part: has no description; #[derive(Circuit)] gives it one",
         "top: its hdl() is Verilog text; only #[hdl_gen] kernels, registers and leaves are translated",
         "top: is a leaf or a register and cannot be the top",
-        "top.part: the leaf `edof_thing` connects the field `why`, which the block does not have",
         "top.pin: bidirectional ports are not translated",
         "top.x: has no bits",
         "top.y: `LIMIT` is neither a signal, a state nor a loop variable; constants belong into a Constant<T>",

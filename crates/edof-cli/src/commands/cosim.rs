@@ -9,6 +9,7 @@ use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
 use edof_cosim::chain::device::Inputs;
+use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::chain::second::{Recorded, icarus};
 use edof_cosim::chain::verilated::Compiled;
 use edof_cosim::chain::{Drive, Outcome};
@@ -38,6 +39,7 @@ const WAVEFORM_CYCLES: u64 = 300;
   edof cosim --design tiny --random 2000 --stalls 0.3
   edof cosim --design paper --weights paper-t4 --photo photo.png --patches 2000 --json result.json
   edof cosim --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 4 --noise 0.01
+  edof cosim --design paper --weights paper-t4 --rtl build/paper/rtl
   edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
@@ -84,6 +86,10 @@ pub struct Args {
     #[arg(long)]
     icarus: bool,
 
+    /// Take the Verilog from this folder, as edof generate wrote it or as it was changed since, not fresh from the generator
+    #[arg(long, value_name = "DIR")]
+    rtl: Option<PathBuf>,
+
     /// Where the waveform of a difference goes, without extension
     #[arg(long, default_value = "cosim-difference", value_name = "FILE")]
     waveform: PathBuf,
@@ -116,6 +122,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         return Err(Error::message("--random, --patches 0: must be 1 or more, or nothing is compared"));
     }
     let project = project::calculator(&trial.design, [&trial.network, &trial.network])?;
+    let project = match &args.rtl {
+        Some(folder) => with_verilog_of(project, folder)?,
+        None => project,
+    };
     let outcome = trial.run(&project, &args, ui)?;
     let seconds = start.elapsed().as_secs_f64();
     tell(&args, &trial.design, &outcome, seconds, ui)?;

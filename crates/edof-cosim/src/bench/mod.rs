@@ -16,6 +16,7 @@ pub mod axi;
 pub mod axi_lite;
 pub mod clocks;
 pub mod pace;
+mod standing;
 pub mod stream;
 
 pub use axi::{Behaviour, Memory};
@@ -23,6 +24,8 @@ pub use axi_lite::Host;
 pub use clocks::{Bench, ClockId};
 pub use pace::Pace;
 pub use stream::{Beat, Receiver, Sender};
+
+pub(crate) use standing::Standing;
 
 use crate::verilator::Model;
 use crate::{Direction, Error, Source};
@@ -70,37 +73,6 @@ impl Source {
     #[must_use]
     pub fn drives(&self, port: usize) -> bool {
         self.ports.get(port).is_some_and(|port| port.direction == Direction::Out)
-    }
-}
-
-/// What stands on an offered channel, held until it is taken.
-#[derive(Debug, Default)]
-pub(crate) struct Standing(Option<Vec<u32>>);
-
-impl Standing {
-    /// Notes the channel before an edge; refuses an offer that was taken back or changed.
-    pub fn check(
-        &mut self,
-        model: &Model,
-        port: &str,
-        now: Option<&[u32]>,
-        taken: bool,
-    ) -> Result<(), Error> {
-        let broken = |rule: &str| Err(rule_broken(model, port, rule));
-        match (&self.0, now) {
-            (Some(_), None) => return broken("what was offered is no longer offered, and was not taken"),
-            (Some(before), Some(now)) if before != now => {
-                return broken("what is offered changed before it was taken");
-            }
-            _ => {}
-        }
-        self.0 = now.filter(|_| !taken).map(<[u32]>::to_vec);
-        Ok(())
-    }
-
-    /// Nothing stands: after a reset.
-    pub fn forget(&mut self) {
-        self.0 = None;
     }
 }
 

@@ -1,6 +1,7 @@
-//! What should pass each boundary, and the first thing that did not.
+//! What should pass each boundary, and the first thing that did not; and that what waits there does not change.
 
-use super::device::Beat;
+use super::device::{Beat, Offer, join};
+use crate::bench::Standing;
 use edof_golden::cycle::{PatchRun, Transfer};
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -22,6 +23,8 @@ pub enum Fault {
     Last,
     /// The mark of the set.
     Set,
+    /// A beat that changed or went while its receiver stalled.
+    Held,
     /// A counter at the end of the run.
     Counter,
 }
@@ -59,6 +62,7 @@ impl fmt::Display for Difference {
             Fault::Base => write!(f, "base: expected {expected}, got {got}"),
             Fault::Last => write!(f, "last: expected {expected}, got {got}"),
             Fault::Set => write!(f, "set: expected {expected}, got {got}"),
+            Fault::Held => write!(f, "offered {expected} and not taken, then {got}"),
             Fault::Counter => write!(f, "counter {element}: expected {expected}, got {got}"),
         }
     }
@@ -84,6 +88,11 @@ pub struct Boundary {
     expected: VecDeque<(u64, usize, Transfer)>,
     /// Beats that passed as they should.
     pub passed: u64,
+    /// What was offered and not taken.
+    standing: Standing,
+    stood: Option<Beat>,
+    /// Whether base words mean something here.
+    has_base: bool,
 }
 
 impl Boundary {
@@ -96,8 +105,19 @@ impl Boundary {
             last if last == stages => (format!("{} to patch", names[last - 1]), names[last - 1].clone()),
             b => (format!("{} to {}", names[b - 1], names[b]), names[b - 1].clone()),
         };
-        let boundary = |(name, stage)| Self { name, stage, expected: VecDeque::new(), passed: 0 };
-        (0..=stages).map(ends).map(boundary).collect()
+        let boundary = |boundary: usize| {
+            let (name, stage) = ends(boundary);
+            Self {
+                name,
+                stage,
+                expected: VecDeque::new(),
+                passed: 0,
+                standing: Standing::default(),
+                stood: None,
+                has_base: (1..stages - 1).contains(&boundary),
+            }
+        };
+        (0..=stages).map(boundary).collect()
     }
 
     /// Expects the beats of a patch more.
@@ -112,11 +132,30 @@ impl Boundary {
         self.expected.front().map(|(.., transfer)| transfer)
     }
 
-    /// Compares what passed in a cycle.
+    /// Compares what passes in a cycle, and sees that what does not pass stays as it is.
     ///
     /// # Errors
     /// The first difference.
-    pub fn see(&mut self, cycle: u64, seen: Option<Beat>) -> Result<(), Box<Difference>> {
+    pub fn see(&mut self, cycle: u64, offer: Offer) -> Result<(), Box<Difference>> {
+        self.holds(cycle, &offer)?;
+        self.passes(cycle, offer.passes())
+    }
+
+    fn holds(&mut self, cycle: u64, offer: &Offer) -> Result<(), Box<Difference>> {
+        let parts = offer.beat.map(|beat| {
+            let base = if self.has_base { join(beat.base) } else { 0 };
+            [join(beat.words), base, beat.last.into(), beat.set as u32]
+        });
+        if self.standing.broken(parts.as_ref().map(<[u32; 4]>::as_slice), offer.ready).is_none() {
+            self.stood = offer.beat;
+            return Ok(());
+        }
+        let word = |beat: Beat| i64::from(join(beat.words));
+        let before = self.stood.map_or(0, word);
+        Err(self.differs(Fault::Held, cycle, 0, before, offer.beat.map(word)))
+    }
+
+    fn passes(&mut self, cycle: u64, seen: Option<Beat>) -> Result<(), Box<Difference>> {
         let Some(due) = self.next().copied() else {
             return match seen {
                 Some(_) => Err(self.differs(Fault::Early, cycle, 0, i64::MAX, Some(cycle as i64))),

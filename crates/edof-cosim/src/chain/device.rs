@@ -32,13 +32,30 @@ pub struct Inputs {
     pub status_address: u32,
 }
 
+/// What stands on a stream in a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Offer {
+    /// The beat that its sender offers.
+    pub beat: Option<Beat>,
+    /// Whether its receiver takes one.
+    pub ready: bool,
+}
+
+impl Offer {
+    /// The beat that passes.
+    #[must_use]
+    pub fn passes(&self) -> Option<Beat> {
+        self.beat.filter(|_| self.ready)
+    }
+}
+
 /// What the chain shows in a cycle, before the clock's edge.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Outputs {
     /// Whether a beat of a window is taken.
     pub window_ready: bool,
-    /// What passes from each stage to the next.
-    pub between: Vec<Option<Beat>>,
+    /// What stands between each stage and the next.
+    pub between: Vec<Offer>,
     /// A beat of a patch.
     pub patch: Option<Beat>,
     /// The counter asked for.

@@ -1,7 +1,7 @@
 //! Patches through a circuit, compared with the cycle model as they pass.
 
 use super::check::{Boundary, Difference, Fault, stage_names};
-use super::device::{Beat, Device, Inputs, Outputs};
+use super::device::{Beat, Device, Inputs, Offer, Outputs};
 use crate::Error;
 use edof_golden::StageCounts;
 use edof_golden::cycle::{Cycle, Patch, PatchRun, Run, StallPattern, Stalls, Summary};
@@ -232,16 +232,16 @@ impl<I: Iterator<Item = Patch>> Reference<'_, '_, I> {
     }
 
     fn compare(&mut self, cycle: u64, inputs: &Inputs, outputs: &Outputs) -> Result<(), Box<Difference>> {
-        let window = inputs.window.filter(|_| outputs.window_ready);
-        let patch = outputs.patch.filter(|_| inputs.patch_ready);
-        let seen = std::iter::once(window).chain(outputs.between.iter().copied()).chain([patch]);
-        for (boundary, seen) in self.boundaries.iter_mut().zip(seen) {
-            boundary.see(cycle, seen)?;
+        let window = Offer { beat: inputs.window, ready: outputs.window_ready };
+        let patch = Offer { beat: outputs.patch, ready: inputs.patch_ready };
+        let offers = std::iter::once(window).chain(outputs.between.iter().copied()).chain([patch]);
+        for (boundary, offer) in self.boundaries.iter_mut().zip(offers) {
+            boundary.see(cycle, offer)?;
         }
-        if window.is_some() {
+        if window.passes().is_some() {
             self.source.taken();
         }
-        if patch.is_some_and(|beat| beat.last) {
+        if patch.passes().is_some_and(|beat| beat.last) {
             self.held -= 1;
         }
         Ok(())

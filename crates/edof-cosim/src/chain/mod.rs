@@ -5,6 +5,7 @@
 //! | circuit | [`device`] | what a chain shows and takes in one cycle, whoever simulates it |
 //! | | [`simulated`] | the chain in rust-hdl's own simulator |
 //! | | [`verilated`] | the chain as Verilog, in Verilator |
+//! | | [`folder`] | the Verilog of a folder in place of what is generated |
 //! | compare | [`check`] | the first difference: stage, patch, element, cycle, expected, got |
 //! | | [`second`] | what was run, once more in Icarus |
 //! | run | [`drive`] | patches through a circuit, with stalls, checked as they pass |
@@ -12,10 +13,11 @@
 pub mod check;
 pub mod device;
 pub mod drive;
+pub mod folder;
 pub mod second;
 pub mod simulated;
 pub mod verilated;
 
 pub use check::{Difference, Fault};
-pub use device::{Beat, Device, Inputs, Outputs};
+pub use device::{Beat, Device, Inputs, Offer, Outputs};
 pub use drive::{Drive, Outcome};

@@ -49,7 +49,7 @@ pub fn icarus(
     let expected = compiled.start(seed)?.model().run(&stimulus)?;
     let images = work::folder()?;
     verilated::write_images(project, images.path())?;
-    let observed = icarus::run(&with_cleared_memories(source.clone()), &stimulus, Some(images.path()))?;
+    let observed = icarus::run(&with_random_memories(source.clone()), &stimulus, Some(images.path()))?;
     let lead = inputs.iter().take_while(|inputs| inputs.reset).count();
     if let Some(port) = unknown(&source, &observed, &expected, lead)? {
         let problem = format!("{port} is unknown to it after reset");
@@ -68,14 +68,14 @@ fn unknown(
     let layout = Layout::outputs(source);
     for port in source.ports.iter().map(|port| port.name.as_str()) {
         let valid = if port.starts_with("between_") {
-            port.replace("_data_", "_transfer_")
-                .replace("_last_", "_transfer_")
-                .replace("_set_", "_transfer_")
+            port.replace("_data_", "_valid_").replace("_last_", "_valid_").replace("_set_", "_valid_")
         } else {
             port.replace("_data_o", "_valid_o").replace("_last_o", "_valid_o").replace("_set_o", "_valid_o")
         };
-        let is_control =
-            port.starts_with("between_transfer_") || port == "patch_valid_o" || port == "window_ready_o";
+        let is_control = port.starts_with("between_valid_")
+            || port.starts_with("between_ready_")
+            || port == "patch_valid_o"
+            || port == "window_ready_o";
         if port.ends_with("_i") || (valid == port && !is_control) {
             continue;
         }
@@ -90,14 +90,15 @@ fn unknown(
     Ok(None)
 }
 
-/// The chain for Icarus, its memories without an image full of zeros. An idle multiplier multiplies 0 by whatever weight the
-/// memories' leftovers point to: 0 in any circuit, but unknown to a simulator that starts with unknown memories.
+/// The design for Icarus, its memories without an image full of random words, as Verilator's are. An idle multiplier multiplies 0 by
+/// whatever weight the memories' leftovers point to: 0 in any circuit, but unknown to a simulator whose memories are unknown.
 #[must_use]
-pub fn with_cleared_memories(mut source: Source) -> Source {
+pub fn with_random_memories(mut source: Source) -> Source {
     let memory = "words [0:DEPTH-1];";
-    let clear = "for (row = 0; row < DEPTH; row = row + 1) if (words[row] === {WIDTH{1'bx}}) words[row] = 0;";
+    let fill = "\n integer row, place;\n initial for (row = 0; row < DEPTH; row = row + 1) if (words[row] === {WIDTH{1'bx}})\n \
+                for (place = 0; place < WIDTH; place = place + 1) words[row][place] = $random;\n";
     for (_, text) in source.files.iter_mut().filter(|(file, _)| file == "edof_ram.v") {
-        *text = text.replace(memory, &format!("{memory}\n integer row;\n initial {clear}"));
+        *text = text.replace(memory, &format!("{memory}{fill}"));
     }
     source
 }

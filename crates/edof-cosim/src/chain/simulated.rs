@@ -1,6 +1,6 @@
 //! The chain in rust-hdl's own simulator: slow, and the meaning that the Verilog must have.
 
-use super::device::{Beat, Device, Inputs, Outputs, join, set, split};
+use super::device::{Beat, Device, Inputs, Offer, Outputs, join, set, split};
 use crate::Error;
 use edof_hdl::blocks::chain::Chain;
 use edof_spec::design::memory::Set;
@@ -50,13 +50,14 @@ impl Device for Simulated {
         outputs.window_ready = chain.window_ready.val();
         outputs.status = chain.status.val().to_u32();
         outputs.between.clear();
-        outputs.between.extend((0..chain.between_transfer.len()).map(|gap| {
-            chain.between_transfer[gap].val().then(|| Beat {
+        outputs.between.extend((0..chain.between_valid.len()).map(|gap| Offer {
+            beat: chain.between_valid[gap].val().then(|| Beat {
                 words: split(chain.between_data[gap].val().to_u32()),
                 base: split(chain.between_base[gap].val().to_u32()),
                 last: chain.between_last[gap].val(),
                 set: set(chain.between_set[gap].val()),
-            })
+            }),
+            ready: chain.between_ready[gap].val(),
         }));
         outputs.patch = chain.patch_valid.val().then(|| Beat {
             words: split(chain.patch_data.val().to_u32()),

@@ -1,6 +1,6 @@
 //! The chain as Verilog, in Verilator.
 
-use super::device::{Beat, Device, Inputs, Outputs, join, set, split};
+use super::device::{Beat, Device, Inputs, Offer, Outputs, join, set, split};
 use crate::error::{Error, at};
 use crate::source::Source;
 use crate::verilator::{Library, Model, Options, Start};
@@ -69,7 +69,8 @@ struct Ports {
     write: [usize; 3],
     status_address: usize,
     status: usize,
-    between: Vec<Stream>,
+    /// Streams between stages, and their receivers' `ready`.
+    between: Vec<(Stream, usize)>,
 }
 
 struct Stream {
@@ -82,9 +83,9 @@ struct Stream {
 
 impl Stream {
     /// The ports of a stream: `name` and what its ports end in.
-    fn find(source: &Source, port: impl Fn(&str) -> String, valid: &str) -> Result<Self, Error> {
+    fn find(source: &Source, port: impl Fn(&str) -> String) -> Result<Self, Error> {
         Ok(Self {
-            valid: source.port(&port(valid))?,
+            valid: source.port(&port("valid"))?,
             data: source.port(&port("data"))?,
             base: source.port(&port("base")).ok(),
             last: source.port(&port("last"))?,
@@ -100,12 +101,15 @@ impl Verilated {
     /// The model has not the ports of a chain.
     pub fn new(model: Model, stages: usize) -> Result<Self, Error> {
         let source = model.library().source();
-        let between = |gap: usize| Stream::find(source, |p| format!("between_{p}_{gap}_o"), "transfer");
+        let between = |gap: usize| {
+            let ready = source.port(&format!("between_ready_{gap}_o"))?;
+            Ok((Stream::find(source, |p| format!("between_{p}_{gap}_o"))?, ready))
+        };
         let ports = Ports {
             reset: source.port("reset_i")?,
-            window: Stream::find(source, |p| format!("window_{p}_i"), "valid")?,
+            window: Stream::find(source, |p| format!("window_{p}_i"))?,
             window_ready: source.port("window_ready_o")?,
-            patch: Stream::find(source, |p| format!("patch_{p}_o"), "valid")?,
+            patch: Stream::find(source, |p| format!("patch_{p}_o"))?,
             patch_ready: source.port("patch_ready_i")?,
             write: [
                 source.port("write_valid_i")?,
@@ -114,7 +118,7 @@ impl Verilated {
             ],
             status_address: source.port("status_address_i")?,
             status: source.port("status_o")?,
-            between: (0..stages - 1).map(between).collect::<Result<_, _>>()?,
+            between: (0..stages - 1).map(between).collect::<Result<_, Error>>()?,
         };
         Ok(Self { model, ports })
     }
@@ -160,8 +164,9 @@ impl Device for Verilated {
         outputs.window_ready = model.peek(ports.window_ready)? != 0;
         outputs.status = model.peek(ports.status)? as u32;
         outputs.between.clear();
-        for stream in &ports.between {
-            outputs.between.push(beat(model, stream)?);
+        for (stream, ready) in &ports.between {
+            let offer = Offer { beat: beat(model, stream)?, ready: model.peek(*ready)? != 0 };
+            outputs.between.push(offer);
         }
         outputs.patch = beat(model, &ports.patch)?;
         model.tick()

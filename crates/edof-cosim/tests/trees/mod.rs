@@ -416,8 +416,13 @@ impl Logic for Table {
 
 impl Circuit for Table {
     fn describe(&self, key: &str, found: &mut Descriptions) {
-        let description =
-            Description { name: "Table", source: file!(), header: "Random expressions.", fields: &[] };
+        let description = Description {
+            name: "Table",
+            source: file!(),
+            header: "Random expressions.",
+            role: String::new(),
+            fields: &[],
+        };
         found.block(key, description, |_| {});
     }
 }

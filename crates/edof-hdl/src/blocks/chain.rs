@@ -8,7 +8,7 @@ use edof_spec::design::{Design, DesignError};
 use rust_hdl::prelude::*;
 
 /// The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.
-/// The outputs `between_*` show what passes between the stages, for observation; they cost nothing where they are left open.
+/// The outputs `between_*` show what stands between the stages, for observation; they cost nothing where they are left open.
 #[derive(Circuit)]
 pub struct Chain {
     /// Clock.
@@ -45,8 +45,10 @@ pub struct Chain {
     pub status_address: Signal<In, Bits<6>>,
     /// The counter, a cycle later.
     pub status: Signal<Out, Bits<32>>,
-    /// A beat passes from this stage to the next (observation only).
-    pub between_transfer: Vec<Signal<Out, Bit>>,
+    /// This stage offers a beat to the next (observation only).
+    pub between_valid: Vec<Signal<Out, Bit>>,
+    /// The next takes it.
+    pub between_ready: Vec<Signal<Out, Bit>>,
     /// Its two words.
     pub between_data: Vec<Signal<Out, Pair>>,
     /// Their base words.
@@ -66,7 +68,8 @@ impl Chain {
     pub fn new(design: &Design, sets: [&FixedNetwork; 2]) -> Self {
         let gaps = design.stages.len() - 1;
         Self::from_parts(ChainParts {
-            between_transfer: (0..gaps).map(|_| Signal::default()).collect(),
+            between_valid: (0..gaps).map(|_| Signal::default()).collect(),
+            between_ready: (0..gaps).map(|_| Signal::default()).collect(),
             between_data: (0..gaps).map(|_| Signal::default()).collect(),
             between_base: (0..gaps).map(|_| Signal::default()).collect(),
             between_last: (0..gaps).map(|_| Signal::default()).collect(),
@@ -127,7 +130,8 @@ impl Logic for Chain {
             self.stages[i + 1].last.next = self.stages[i].out_last.val();
             self.stages[i + 1].set.next = self.stages[i].out_set.val();
             self.stages[i].out_ready.next = self.stages[i + 1].ready.val();
-            self.between_transfer[i].next = self.stages[i].out_valid.val() && self.stages[i + 1].ready.val();
+            self.between_valid[i].next = self.stages[i].out_valid.val();
+            self.between_ready[i].next = self.stages[i + 1].ready.val();
             self.between_data[i].next = self.stages[i].out_data.val();
             self.between_base[i].next = self.stages[i].out_base.val();
             self.between_last[i].next = self.stages[i].out_last.val();

@@ -38,6 +38,7 @@ pub mod shrink;
 pub mod stage;
 pub mod window_ring;
 
+use edof_spec::design::{Kind, StagePlan};
 use rust_hdl::prelude::Bits;
 
 /// A 16-bit word of a vector, in two's complement.
@@ -56,3 +57,14 @@ pub(crate) const SLOT_ROWS: usize = 128;
 pub type Index = Bits<9>;
 /// An element's index above its value.
 pub type IndexedValue = Bits<25>;
+
+/// What tells stages apart, in the names of their modules.
+fn role(stage: &StagePlan) -> String {
+    match stage.kind {
+        Kind::I => "i",
+        Kind::M if stage.feeds_m => "m",
+        Kind::M => "m_last",
+        Kind::F => "f",
+    }
+    .into()
+}

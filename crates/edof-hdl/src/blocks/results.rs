@@ -6,7 +6,7 @@ use super::difference::Difference;
 use super::ram::{Ram, Shape};
 use super::requantize::Requantize;
 use super::shrink::Shrink;
-use super::{Pair, Row, Sum, Word};
+use super::{Pair, Row, Sum, Word, role};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::{Design, StagePlan, memory};
@@ -15,7 +15,7 @@ use rust_hdl::prelude::*;
 /// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
 /// shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), role(_role))]
 pub struct Results {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -109,6 +109,7 @@ pub struct Results {
     _result_is_sent: usize,
     _result_is_base: usize,
     _passes_base: usize,
+    _role: String,
 }
 
 impl Results {
@@ -157,6 +158,7 @@ impl Results {
             _result_is_sent: result_is_sent,
             _result_is_base: result_is_base,
             _passes_base: passes_base,
+            _role: role(stage),
         })
     }
 }

@@ -13,7 +13,7 @@ use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
-use super::{Descriptor, Pair, Row};
+use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
 use edof_spec::design::memory::Shifts;
@@ -23,7 +23,7 @@ use rust_hdl::prelude::*;
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
 /// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
 #[derive(Circuit)]
-#[circuit(default(Counters, Delay, Fifo, DenseOperands))]
+#[circuit(default(Counters, Delay, Fifo, DenseOperands), role(_role))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -122,6 +122,7 @@ pub struct Stage {
     _dense: usize,
     _linear: usize,
     _feeds_m: usize,
+    _role: String,
 }
 
 impl Stage {
@@ -149,6 +150,7 @@ impl Stage {
             _dense: dense,
             _linear: linear,
             _feeds_m: feeds_m,
+            _role: role(stage),
         })
     }
 }

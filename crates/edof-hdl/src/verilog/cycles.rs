@@ -1,7 +1,7 @@
-//! What depends on what within a cycle: finds loops without a register, and cuts processes that only look like one.
+//! What depends on what within a cycle: refuses loops without a register, and gives each target a process of its own.
 //!
 //! A block that drives a part's input and reads that part's output in one `always @*` is no loop if the two have nothing to
-//! do with each other, but a simulator that orders whole processes sees one. Such a process is cut by its targets.
+//! do with each other, but a simulator that orders whole processes sees one, across modules too, and may never come to rest.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,25 +17,10 @@ pub(super) type Path = (SignalId, SignalId);
 /// What each target of a process follows from.
 pub(super) type Sources = BTreeMap<SignalId, BTreeSet<SignalId>>;
 
-/// Cuts the processes that take part in a loop of whole processes; refuses loops of signals. `paths` are known to be;
-/// `possible` may be, through leaves.
-pub(super) fn cut(
-    scope: &Scope,
-    processes: Vec<Process>,
-    paths: &[Path],
-    possible: &[Path],
-) -> Result<Vec<Process>, EmitError> {
+/// One process for each target; refuses loops of signals. `paths` lead through parts.
+pub(super) fn cut(scope: &Scope, processes: Vec<Process>, paths: &[Path]) -> Result<Vec<Process>, EmitError> {
     let count = scope.signals.len();
-    let mut edges: Vec<Path> = paths.iter().chain(possible).copied().collect();
-    for (n, process) in processes.iter().enumerate() {
-        edges.extend(process.reads.difference(&process.targets).map(|read| (*read, count + n)));
-        edges.extend(process.targets.iter().map(|target| (count + n, *target)));
-    }
-    let looping = loops(count + processes.len(), &edges);
-    let cut = processes.into_iter().enumerate().flat_map(|(n, process)| {
-        if looping.contains(&(count + n)) { by_target(scope, process) } else { vec![process] }
-    });
-    let cut: Vec<Process> = cut.collect();
+    let cut: Vec<Process> = processes.into_iter().flat_map(|process| by_target(scope, process)).collect();
     let edges: Vec<Path> = signal_edges(scope, &cut).into_iter().chain(paths.iter().copied()).collect();
     let looping = loops(count, &edges);
     let Some(first) = looping.first() else { return Ok(cut) };
@@ -178,18 +163,17 @@ fn by_target(scope: &Scope, process: Process) -> Vec<Process> {
 }
 
 /// The statements that drive these targets.
-fn keep(statements: &[Statement], targets: &BTreeSet<SignalId>) -> Vec<Statement> {
+pub(super) fn keep(statements: &[Statement], targets: &BTreeSet<SignalId>) -> Vec<Statement> {
     let mut kept = vec![];
+    let mut comment = None;
     for statement in statements {
+        let before = kept.len();
         match statement {
-            Statement::Comment(_) => {}
+            Statement::Comment(_) => comment = Some(statement),
             Statement::Assign(assign) if targets.contains(&assign.target) => kept.push(statement.clone()),
             Statement::Assign(_) => {}
             Statement::If { test, then, otherwise } => {
-                let (then, otherwise) = (keep(then, targets), keep(otherwise, targets));
-                if !then.is_empty() || !otherwise.is_empty() {
-                    kept.push(Statement::If { test: test.clone(), then, otherwise });
-                }
+                kept.extend(condition(test, keep(then, targets), keep(otherwise, targets)));
             }
             Statement::Case { subject, arms, default } => {
                 let arms: Vec<Arm> = arms
@@ -203,6 +187,28 @@ fn keep(statements: &[Statement], targets: &BTreeSet<SignalId>) -> Vec<Statement
                 }
             }
         }
+        if kept.len() > before
+            && let Some(comment) = comment.take()
+        {
+            kept.insert(before, comment.clone());
+        }
     }
     kept
+}
+
+/// A condition of which only one side is left is turned so that this comes first, and joined with one that stands alone in it.
+fn condition(test: &Expression, then: Vec<Statement>, otherwise: Vec<Statement>) -> Option<Statement> {
+    if !then.is_empty() {
+        return Some(Statement::If { test: test.clone(), then, otherwise });
+    }
+    let not = Expression::new(test.ty, Node::Not(Box::new(test.clone())));
+    match <[Statement; 1]>::try_from(otherwise) {
+        Ok([Statement::If { test: also, then, otherwise }]) if otherwise.is_empty() => {
+            let test = Expression::new(test.ty, Node::Logical("&&", Box::new(not), Box::new(also)));
+            Some(Statement::If { test, then, otherwise })
+        }
+        Ok(one) => Some(Statement::If { test: not, then: one.into(), otherwise: vec![] }),
+        Err(none) if none.is_empty() => None,
+        Err(otherwise) => Some(Statement::If { test: not, then: otherwise, otherwise: vec![] }),
+    }
 }

@@ -13,6 +13,7 @@ use super::error::{EmitError, Fault, rust_path};
 use super::expression::Node;
 use super::kernel::{self, Statement};
 use super::scope::{Role, Scope, SignalId};
+use super::single::{plain, single_elements};
 use crate::crossing::marked;
 use crate::leaf::Leaf;
 
@@ -71,6 +72,12 @@ pub(super) fn check(top: &Tree) -> Result<Vec<Crossing>, EmitError> {
         }
     }
     Ok(summary.crossings)
+}
+
+/// Whether a way from one clock domain to another stands in a block.
+pub(super) fn crosses(tree: &Tree) -> bool {
+    let is_crossing = Leaf::of(&tree.hdl).is_some_and(|leaf| marked(&leaf.module).is_some());
+    is_crossing || tree.parts.iter().any(crosses)
 }
 
 fn block(tree: &Tree) -> Result<Summary, EmitError> {
@@ -144,6 +151,7 @@ impl<'a> View<'a> {
     }
 
     fn parts(&mut self) -> Result<(), EmitError> {
+        let single = single_elements(self.tree, self.scope);
         for part in &self.scope.parts {
             let tree = &self.tree.parts[part.index];
             let ids: BTreeMap<&str, SignalId> =
@@ -165,7 +173,7 @@ impl<'a> View<'a> {
                 }
             }
             self.edges.extend(summary.paths.iter().filter_map(|(from, to)| Some((id(from)?, id(to)?))));
-            let name = tree.key.replace('$', "_");
+            let name = plain(&tree.key, &single).replace('$', "_");
             for mut crossing in summary.crossings {
                 crossing.path.insert(0, name.clone());
                 for (_, clock) in &mut crossing.clocks {

@@ -31,6 +31,12 @@ pub enum Fault {
     /// A leaf that names a field it does not have.
     #[error("the leaf `{leaf}` connects the field `{port}`, which the block does not have")]
     LeafPort { leaf: String, port: String },
+    /// A leaf whose own text is not understood.
+    #[error("the text of its leaf cannot be read: {0}")]
+    LeafText(String),
+    /// A leaf whose text says something else than the block.
+    #[error("the leaf `{leaf}` {what}")]
+    LeafMisfit { leaf: String, what: String },
     /// A bidirectional port.
     #[error("bidirectional ports are not translated")]
     InOut,

@@ -42,6 +42,8 @@ pub(super) enum Node {
     Window(Box<Expression>, Box<Expression>),
     /// The operand with one bit replaced.
     Replace(Box<Expression>, Box<Expression>, Box<Expression>),
+    /// The second operand where the first is 1, else the third.
+    Choose(Box<Expression>, Box<Expression>, Box<Expression>),
 }
 
 impl Expression {
@@ -64,6 +66,11 @@ impl Expression {
             Node::Literal(value) => Some(*value),
             _ => None,
         }
+    }
+
+    /// The bit that a constant names; beyond all for what is none.
+    fn as_place(&self) -> usize {
+        self.constant().and_then(|at| usize::try_from(at).ok()).unwrap_or(usize::MAX)
     }
 
     /// The value at another width, extended by its own sign.
@@ -100,6 +107,10 @@ impl Expression {
             Node::Reinterpret(x) => x.resize(bits).reinterpret(ty.signed),
             Node::Slice(x, at) => Self::new(ty, Node::Slice(x, at)),
             Node::Window(x, at) => Self::new(ty, Node::Window(x, at)),
+            Node::Shift(">>", x, by) if by.constant().is_none() && stays_inside(&by, x.ty.bits + bits) => {
+                Self::new(ty, Node::Window(x, by))
+            }
+            Node::Shift(">>", x, by) if by.constant().is_some() => x.slice(bits, by.as_place()),
             _ => Self::new(ty, Node::Slice(Box::new(self), 0)),
         }
     }
@@ -120,6 +131,9 @@ impl Expression {
         }
         match self.node {
             _ if at == 0 => self.resize(bits),
+            Node::Shift(">>", x, by) if by.constant().is_some() => {
+                x.slice(bits, by.as_place().saturating_add(at))
+            }
             Node::Slice(x, deeper) => Self::new(ty, Node::Slice(x, at + deeper)),
             _ => Self::new(ty, Node::Slice(Box::new(self), at)),
         }
@@ -135,7 +149,7 @@ impl Expression {
             Node::Logical(_, x, y) | Node::Shift(_, x, y) | Node::Bit(x, y) | Node::Window(x, y) => {
                 vec![x, y]
             }
-            Node::Replace(x, y, z) => vec![x, y, z],
+            Node::Replace(x, y, z) | Node::Choose(x, y, z) => vec![x, y, z],
         }
     }
 
@@ -144,6 +158,11 @@ impl Expression {
         visit(self);
         self.operands().into_iter().for_each(|operand| operand.walk(visit));
     }
+}
+
+/// Whether the place is below `range` whatever its bits are.
+fn stays_inside(at: &Expression, range: usize) -> bool {
+    at.ty.bits < 16 && 1 << at.ty.bits <= range
 }
 
 /// The value in two's complement at the type's width.

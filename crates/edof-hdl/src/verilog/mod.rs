@@ -6,18 +6,22 @@
 //! | step | file | gives |
 //! |---|---|---|
 //! | collect | `collect` | the tree of blocks, their signals and kernels |
+//! | leaves | `leaf_text`, `leaf_check` | what leaves say of themselves, held to what blocks say of them |
 //! | name | `scope` | what every name in a kernel means |
 //! | type | `typing` | [expressions](self) in which every operand has its width and sign |
 //! | lower | `kernel` | typed statements, loops unrolled |
 //! | check | `flow` | no latch, nothing read before it is written, nothing left open |
-//! | split | `process` | plain assignments and `always @*` blocks |
+//! | split | `process`, `cycles` | a process for each target; no loop without a register |
 //! | separate | `domains` | nothing from one clock domain to another but by a leaf of [`crossing`](crate::crossing) |
-//! | order | `cycles` | no loop without a register, and no process that looks like one |
-//! | connect | `wiring` | signals that need no wire of their own |
-//! | print | `print`, `module` | the text of a module |
+//! | shorten | `simplify`, `live` | one assignment where it says all; nothing that leads nowhere |
+//! | connect | `wiring`, `arrays` | signals that need no wire of their own; loops over equal parts |
+//! | write | `draft`, `write`, `print` | a sheet: all of a module but what it is given |
+//! | share | `parameters`, `interface` | which values are parameters, because they differ from place to place |
+//! | put together | `sheet` | the text of a module |
 //!
-//! What comes out is Verilog-2001, one module for each distinct block: ports end in `_i` and `_o`, a register `x` is `x_q`
-//! fed by `x_d`, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
+//! What comes out is Verilog-2001, one module for each distinct block, with parameters where two differ in a
+//! constant alone: ports end in `_i` and `_o`, a register `x` is `x_q`,
+//! fed by `x_d` where more than one assignment says what it takes, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
 //! rust-hdl has no word for is a [leaf](crate::leaf). Registers have no start-up value unless they are a `DFFWithInit`:
 //! a kernel resets what it must. What cannot be translated exactly is refused with an [`EmitError`].
 //!
@@ -52,24 +56,37 @@
 //! assert!(emitted.modules[0].text.contains("assign full_o = (count_q + 8'd1) == 8'd0;"));
 //! ```
 
+mod arrays;
 mod collect;
 mod cycles;
 mod domains;
+mod draft;
 mod error;
 mod expression;
 mod flow;
+mod interface;
 mod kernel;
-mod module;
+mod kind;
+mod leaf_check;
+mod leaf_text;
+mod live;
 mod names;
+mod parameters;
 mod print;
 mod process;
 mod scope;
+mod sheet;
+mod simplify;
+mod single;
 mod source;
 mod types;
 mod typing;
+mod unread;
+mod value;
 mod wiring;
+mod write;
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use domains::Crossing;
 pub use error::{EmitError, Fault};
@@ -78,8 +95,10 @@ pub use types::Type;
 use crate::describe::Circuit;
 use crate::leaf::Leaf;
 use collect::Tree;
-use module::Kind;
-use names::{Names, snake_case};
+use kind::{Kind, Occurrence};
+use leaf_text::LeafText;
+use names::Names;
+use sheet::Sheet;
 
 /// A circuit as Verilog.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -140,63 +159,99 @@ pub fn emit(top: &dyn Circuit) -> Result<Emitted, EmitError> {
     if tree.is_register() || tree.start_value().is_some() || Leaf::of(&tree.hdl).is_some() {
         return Err(EmitError::block(&tree.path, Fault::NotATop));
     }
-    let crossings = domains::check(&tree)?;
     let mut emitter = Emitter::default();
-    let top = emitter.block(&tree)?;
-    Ok(Emitted {
-        top: emitter.modules[top].name.clone(),
-        ports: emitter.ports.swap_remove(top),
-        modules: emitter.modules,
-        leaves: emitter.leaves,
-        crossings,
-    })
+    emitter.leaves(&tree)?;
+    let crossings = domains::check(&tree)?;
+    let top = emitter.block(&tree, true)?;
+    Ok(emitter.emitted(&top, crossings))
 }
 
 #[derive(Default)]
 struct Emitter {
-    modules: Vec<Module>,
+    sheets: Vec<Sheet>,
+    /// The names that are taken inside each module.
+    inside: Vec<Names>,
     ports: Vec<Vec<Port>>,
     /// Which ports of each module follow which within a cycle.
     paths: Vec<Vec<(usize, usize)>>,
+    texts: BTreeMap<String, LeafText>,
     leaves: BTreeSet<String>,
     names: Names,
-    /// Module of each content, by type name and text without the name.
-    known: HashMap<(&'static str, String), usize>,
+    /// Module of each sheet.
+    known: HashMap<Sheet, usize>,
 }
 
 impl Emitter {
-    /// The module of a block: one that is known, or a new one.
-    fn block(&mut self, tree: &Tree) -> Result<usize, EmitError> {
+    /// Reads the leaves of a tree and holds each to its block; their names are theirs alone.
+    fn leaves(&mut self, tree: &Tree) -> Result<(), EmitError> {
+        for part in &tree.parts {
+            let Some(leaf) = Leaf::of(&part.hdl) else {
+                self.leaves(part)?;
+                continue;
+            };
+            let fault = |fault| EmitError::block(&part.path, fault);
+            if !self.texts.contains_key(&leaf.source) {
+                let text = LeafText::read(&leaf.source).map_err(|why| fault(Fault::LeafText(why)))?;
+                std::iter::once(&text.module).chain(&text.parts).for_each(|name| self.names.reserve(name));
+                self.texts.insert(leaf.source.clone(), text);
+            }
+            leaf_check::check(part, &leaf, &self.texts[&leaf.source]).map_err(fault)?;
+            self.leaves.insert(leaf.module);
+        }
+        Ok(())
+    }
+
+    /// The module of a block, one that is known or a new one, and the values that it has there.
+    fn block(&mut self, tree: &Tree, is_top: bool) -> Result<Occurrence, EmitError> {
         let fault = |fault| EmitError::block(&tree.path, fault);
         let description = tree.description.as_ref().ok_or_else(|| fault(Fault::Undescribed))?;
         let mut parts = vec![];
         for part in &tree.parts {
             let known = part.is_register() || part.start_value().is_some() || Leaf::of(&part.hdl).is_some();
-            parts.push(if known { None } else { Some(self.block(part)?) });
+            parts.push(if known { None } else { Some(self.block(part, false)?) });
         }
         let kinds: Vec<Option<Kind>> = (tree.parts.iter().zip(&parts))
-            .map(|(part, module)| match module {
-                Some(module) => Some(Kind::Module(
-                    &self.modules[*module].name,
-                    &self.ports[*module],
-                    &self.paths[*module],
-                )),
-                None => Leaf::of(&part.hdl).map(Kind::Leaf),
+            .map(|(part, occurrence)| match occurrence {
+                Some(occurrence) => {
+                    let (ports, paths) = (&self.ports[occurrence.class], &self.paths[occurrence.class]);
+                    Some(Kind::Module { occurrence, ports, paths })
+                }
+                None => Leaf::of(&part.hdl).map(|leaf| {
+                    let paths = self.texts.get(&leaf.source).map_or(vec![], |text| text.paths.clone());
+                    Kind::Leaf(leaf, paths)
+                }),
             })
             .collect();
-        let draft = module::draft(tree, description, &kinds)?;
-        let leaves = tree.parts.iter().filter_map(|part| Leaf::of(&part.hdl));
-        self.leaves.extend(leaves.map(|leaf| leaf.module));
-        let key = (description.name, draft.text);
-        if let Some(known) = self.known.get(&key) {
-            return Ok(*known);
+        let draft = draft::draft(tree, description, &kinds, is_top)?;
+        drop(kinds);
+        let class = match self.known.get(&draft.sheet) {
+            Some(known) => *known,
+            None => {
+                self.known.insert(draft.sheet.clone(), self.sheets.len());
+                self.sheets.push(draft.sheet);
+                self.inside.push(draft.names);
+                self.ports.push(draft.ports);
+                self.paths.push(draft.paths);
+                self.sheets.len() - 1
+            }
+        };
+        let parts = draft.instances.iter().map(|part| parts[*part].clone()).collect();
+        Ok(Occurrence { class, values: draft.values, parts })
+    }
+
+    fn emitted(mut self, top: &Occurrence, crossings: Vec<Crossing>) -> Emitted {
+        let interfaces = parameters::settle(&self.sheets, &mut self.inside, top);
+        let names: Vec<String> = self.sheets.iter().map(|sheet| self.names.take(&sheet.name)).collect();
+        let modules = self.sheets.iter().zip(&interfaces).zip(&names).map(|((sheet, interface), name)| {
+            let text = sheet.text(name, interface, &|class| names[class].clone());
+            Module { name: name.clone(), text }
+        });
+        Emitted {
+            modules: modules.collect(),
+            leaves: self.leaves,
+            top: names[top.class].clone(),
+            ports: self.ports.swap_remove(top.class),
+            crossings,
         }
-        let name = self.names.take(&snake_case(description.name));
-        let text = key.1.replace(module::NAME, &name);
-        self.known.insert(key, self.modules.len());
-        self.modules.push(Module { name, text });
-        self.ports.push(draft.ports);
-        self.paths.push(draft.paths);
-        Ok(self.modules.len() - 1)
     }
 }

@@ -28,6 +28,11 @@ pub(super) struct Names {
 }
 
 impl Names {
+    /// Nothing else gets this name.
+    pub fn reserve(&mut self, name: &str) {
+        self.taken.insert(name.into());
+    }
+
     /// A free name nearest to the wanted one: `$` becomes `_`, a reserved word gets a trailing `_`, a taken name a number.
     pub fn take(&mut self, wanted: &str) -> String {
         let mut plain = wanted.trim_start_matches("r#").replace(['$', '.'], "_");

@@ -12,24 +12,50 @@ use super::names::{Names, snake_case};
 use super::scope::{Role, Scope, SignalId, State};
 use super::types::Type;
 
-/// Text of an expression, whether it needs no parentheses, and whether Verilog takes it for signed.
+/// Text of an expression, what it is outside, and whether Verilog takes it for signed.
 struct Text {
     text: String,
-    atom: bool,
+    form: Form,
     signed: bool,
 }
 
+/// What stands outermost in an expression.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// A name, a literal, braces: complete in itself.
+    Atom,
+    /// `!` or `~` before an atom: needs no parentheses, but is as wide as what is around it.
+    Not,
+    /// Operands between which this stands, in any order of operations the same.
+    Chain(&'static str),
+    Operation,
+}
+
+/// Operations that need no parentheses between their like.
+const CHAINS: [&str; 6] = ["+", "&", "|", "^", "&&", "||"];
+
 impl Text {
     fn atom(text: String, signed: bool) -> Self {
-        Self { text, atom: true, signed }
+        Self { text, form: Form::Atom, signed }
     }
 
     fn operation(text: String, signed: bool) -> Self {
-        Self { text, atom: false, signed }
+        Self { text, form: Form::Operation, signed }
+    }
+
+    fn binary(op: &'static str, left: Self, right: Self) -> Self {
+        let signed = left.signed && right.signed;
+        let chains = CHAINS.contains(&op);
+        let left = if chains && left.form == Form::Chain(op) { left.text } else { left.operand() };
+        let form = if chains { Form::Chain(op) } else { Form::Operation };
+        Self { text: format!("{left} {op} {}", right.operand()), form, signed }
     }
 
     fn operand(self) -> String {
-        if self.atom { self.text } else { format!("({})", self.text) }
+        match self.form {
+            Form::Atom | Form::Not => self.text,
+            Form::Chain(_) | Form::Operation => format!("({})", self.text),
+        }
     }
 }
 
@@ -212,19 +238,26 @@ impl<'a> Printer<'a> {
     /// A factor is extended to the width of the product, so it must be complete in itself.
     fn factor(&mut self, factor: &Expression) -> String {
         let text = self.print(factor);
-        if text.atom && text.signed == factor.ty.signed { text.text } else { convert(text, factor.ty.signed) }
+        if text.form == Form::Atom && text.signed == factor.ty.signed {
+            text.text
+        } else {
+            convert(text, factor.ty.signed)
+        }
     }
 
     fn print(&mut self, expression: &Expression) -> Text {
         let ty = expression.ty;
         match &expression.node {
             Node::Signal(id) => self.signal(*id),
-            Node::Literal(value) => Text { text: literal(ty, *value), atom: *value >= 0, signed: ty.signed },
+            Node::Literal(value) if *value < 0 => Text::operation(literal(ty, *value), ty.signed),
+            Node::Literal(value) => Text::atom(literal(ty, *value), ty.signed),
             Node::State(state) => Text::atom(self.state(state), false),
             Node::Not(x) => {
                 let x = self.print(x);
                 let signed = x.signed && ty.bits > 1;
-                Text::operation(format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.operand()), signed)
+                let form = if x.form == Form::Atom { Form::Not } else { Form::Operation };
+                let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.operand());
+                Text { text, form, signed }
             }
             Node::Negate(x) => {
                 let x = self.print(x);
@@ -233,11 +266,12 @@ impl<'a> Printer<'a> {
             }
             Node::Reduce(_, x) if x.ty.bits == 1 => self.print(x),
             Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).operand()), false),
-            Node::Wrapping(op, x, y) => {
-                let (x, y) = (self.print(x), self.print(y));
-                let signed = x.signed && y.signed;
-                Text::operation(format!("{} {op} {}", x.operand(), y.operand()), signed)
-            }
+            Node::Wrapping(op, x, y) => match side_by_side(ty, op, x, y) {
+                Some((high, low)) => {
+                    Text::atom(format!("{{{}, {}}}", self.print(high).text, self.print(low).text), false)
+                }
+                None => Text::binary(op, self.print(x), self.print(y)),
+            },
             Node::Compare(op, x, y) => {
                 let ordered = !matches!(*op, "==" | "!=");
                 let mut side = |operand: &Expression| {
@@ -252,8 +286,12 @@ impl<'a> Printer<'a> {
                 Text::operation(format!("{x} {op} {y}"), false)
             }
             Node::Logical(op, x, y) => {
-                let (x, y) = (self.print(x).operand(), self.print(y).operand());
-                Text::operation(format!("{x} {op} {y}"), false)
+                Text { signed: false, ..Text::binary(op, self.print(x), self.print(y)) }
+            }
+            Node::Choose(test, x, y) => {
+                let (test, x, y) = (self.print(test), self.print(x), self.print(y));
+                let signed = x.signed && y.signed;
+                Text::operation(format!("{} ? {} : {}", test.operand(), x.operand(), y.operand()), signed)
             }
             Node::Shift(op, x, by) => {
                 let x = self.print(x);
@@ -385,6 +423,20 @@ impl<'a> Printer<'a> {
     fn depends(&self, id: SignalId) -> bool {
         matches!(self.resolved[id].node, Node::Signal(id) if self.driven.contains(&id))
     }
+}
+
+/// `(x << n) | y`, where y has n bits and x all others: x and y side by side.
+fn side_by_side<'e>(
+    ty: Type,
+    op: &str,
+    x: &'e Expression,
+    y: &'e Expression,
+) -> Option<(&'e Expression, &'e Expression)> {
+    let Node::Shift("<<", high, by) = &x.node else { return None };
+    let (Node::Resize(high), Node::Resize(low)) = (&high.node, &y.node) else { return None };
+    let unsigned = !ty.signed && !high.ty.signed && !low.ty.signed;
+    let fits = by.constant() == Some(low.ty.bits as i128) && high.ty.bits + low.ty.bits == ty.bits;
+    (op == "|" && unsigned && fits).then_some((high, low))
 }
 
 /// What a value in between is called after.

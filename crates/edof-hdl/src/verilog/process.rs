@@ -12,7 +12,7 @@ use super::kernel::{Assign, Statement};
 use super::scope::{Role, Scope, SignalId};
 
 /// Statements that run together.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Process {
     pub statements: Vec<Statement>,
     pub targets: BTreeSet<SignalId>,
@@ -25,6 +25,11 @@ impl Process {
         collect_targets(&statements, &mut targets);
         collect_reads(&statements, &mut reads);
         Self { statements, targets: targets.into_iter().collect(), reads }
+    }
+
+    /// Calls `visit` with everything that the process computes.
+    pub fn expressions<'a>(&'a self, visit: &mut dyn FnMut(&'a Expression)) {
+        each(&self.statements, visit);
     }
 
     /// The assignment that the process is, where it is one of a whole signal.
@@ -151,21 +156,25 @@ fn check_settled_reads(scope: &Scope, units: &[Process], groups: &[usize]) -> Re
     Ok(())
 }
 
-fn collect_reads(statements: &[Statement], reads: &mut BTreeSet<SignalId>) {
+fn each<'a>(statements: &'a [Statement], visit: &mut dyn FnMut(&'a Expression)) {
     for statement in statements {
         match statement {
             Statement::Comment(_) => {}
-            Statement::Assign(assign) => collect(&assign.value, reads),
+            Statement::Assign(assign) => visit(&assign.value),
             Statement::If { test, then, otherwise } => {
-                collect(test, reads);
-                [then, otherwise].iter().for_each(|block| collect_reads(block, reads));
+                visit(test);
+                [then, otherwise].into_iter().for_each(|block| each(block, visit));
             }
             Statement::Case { subject, arms, default } => {
-                collect(subject, reads);
-                arms.iter().map(|arm| &arm.body).chain(default).for_each(|block| collect_reads(block, reads));
+                visit(subject);
+                arms.iter().map(|arm| &arm.body).chain(default).for_each(|block| each(block, visit));
             }
         }
     }
+}
+
+fn collect_reads(statements: &[Statement], reads: &mut BTreeSet<SignalId>) {
+    each(statements, &mut |expression| collect(expression, reads));
 }
 
 fn collect(expression: &Expression, reads: &mut BTreeSet<SignalId>) {

@@ -140,12 +140,6 @@ impl Scope {
 
     fn add_part(&mut self, index: usize, part: &Tree) -> Result<(), EmitError> {
         let leaf = Leaf::of(&part.hdl);
-        if let Some(leaf) = &leaf
-            && let Some((_, port)) = leaf.ports.iter().find(|(_, port)| part.wire(port).is_none())
-        {
-            let fault = Fault::LeafPort { leaf: leaf.module.clone(), port: port.clone() };
-            return Err(EmitError::block(&part.path, fault));
-        }
         let is_port =
             |key: &str| leaf.as_ref().is_none_or(|leaf| leaf.ports.iter().any(|(_, port)| port == key));
         let mut ports = vec![];

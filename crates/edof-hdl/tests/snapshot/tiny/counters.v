@@ -4,20 +4,18 @@
 `default_nettype none
 
 module counters (
-    input  wire        clock_i,
-    input  wire        reset_i,
-    input  wire        enable_i,
-    input  wire [1:0]  nonzero_i,
-    input  wire [1:0]  results_i,
-    input  wire [1:0]  codes_i,
-    input  wire [1:0]  differences_i,
-    input  wire [1:0]  select_i,
-    output reg  [31:0] value_o
+    input  wire        clock_i,       // Clock.
+    input  wire        reset_i,       // Back to zero.
+    input  wire        enable_i,      // A beat enters the FIFO.
+    input  wire [1:0]  nonzero_i,     // Which of its two words are not zero.
+    input  wire [1:0]  results_i,     // Which results did not fit.
+    input  wire [1:0]  codes_i,       // Which thresholded codes did not fit.
+    input  wire [1:0]  differences_i, // Which differences did not fit.
+    input  wire [1:0]  select_i,      // Which counter to show: 0 non-zeros, 1 results, 2 codes, 3 differences.
+    output reg  [31:0] value_o        // It.
 );
 
-    wire [31:0] count_nonzero_count;
-    wire [31:0] count_results_count;
-    wire [31:0] count_codes_count;
+    wire [31:0] count_nonzero_count, count_results_count, count_codes_count;
     wire [31:0] count_differences_count;
 
     counter count_nonzero (

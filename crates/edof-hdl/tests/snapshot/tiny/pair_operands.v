@@ -4,88 +4,52 @@
 // From crates/edof-hdl/src/blocks/pair_operands.rs (PairOperands).
 `default_nettype none
 
-module pair_operands (
-    input  wire        clock_i,
-    input  wire        valid_a_i,
-    input  wire        valid_b_i,
-    input  wire        first_i,
-    input  wire        linear_i,
-    input  wire        odd_i,
-    input  wire        set_i,
-    input  wire [11:0] base_i,
-    input  wire [11:0] offset_i,
-    input  wire [24:0] even_pair_i,
-    input  wire [24:0] odd_pair_i,
-    input  wire [31:0] pixels_i,
-    input  wire [7:0]  shifts_0_i,
-    input  wire [7:0]  shifts_1_i,
-    output wire        step_first_o,
-    output wire [11:0] address_a_o,
-    output wire [11:0] address_b_o,
-    output wire [24:0] value_a_o,
-    output wire [24:0] value_b_o
+module pair_operands #(
+    parameter ALIGNS = 1'b0,
+    parameter TWO_ROWS = 1'b0
+) (
+    input  wire        clock_i,      // Clock.
+    input  wire        valid_a_i,    // There is a step, with a first value.
+    input  wire        valid_b_i,    // With a second one.
+    input  wire        first_i,      // It is the first of its pass.
+    input  wire        linear_i,     // It is one of the window's.
+    input  wire        odd_i,        // The odd one of two elements is meant.
+    input  wire        set_i,        // The vector's set.
+    input  wire [11:0] base_i,       // Row of weights of input 0.
+    input  wire [11:0] offset_i,     // What the row of weights of a pixel is after it.
+    input  wire [24:0] even_pair_i,  // The even pair, two cycles after the step.
+    input  wire [24:0] odd_pair_i,   // The odd one.
+    input  wire [31:0] pixels_i,     // Two pixels, likewise.
+    input  wire [7:0]  shifts_0_i,   // Left shifts of set 0: of codes, of pixels.
+    input  wire [7:0]  shifts_1_i,   // Of set 1.
+    output wire        step_first_o, // The step is the first of its pass.
+    output wire [11:0] address_a_o,  // Row of weights.
+    output wire [11:0] address_b_o,  // Of the second value.
+    output wire [24:0] value_a_o,    // Value.
+    output wire [24:0] value_b_o     // The second one.
 );
 
-    localparam ALIGNS = 1'h0;
-    localparam TWO_ROWS = 1'h0;
-
     reg  [5:0] flags;
-    reg  [24:0] pair_a;
-    reg  [15:0] pixel_a;
-    reg  [7:0] shifts;
-    reg  [24:0] wide_a;
-    reg  [24:0] wide_b;
+    wire [24:0] pair_a;
+    wire [15:0] pixel_a;
+    wire [7:0] shifts;
+    wire [24:0] wide_a, wide_b;
     wire [5:0] flags_to_2_later;
-    wire [23:0] rows_to_2_now;
-    wire [23:0] rows_to_2_later;
-    wire first_to_4_now;
-    wire first_to_4_later;
-    reg  [15:0] value_a_3_q;
-    reg  [15:0] value_a_3_d;
-    reg  [15:0] value_b_3_q;
-    reg  [15:0] value_b_3_d;
-    reg  [11:0] base_3_q;
-    wire [11:0] base_3_d;
-    reg  [11:0] offset_a_3_q;
-    reg  [11:0] offset_a_3_d;
-    reg  [11:0] offset_b_3_q;
-    reg  [11:0] offset_b_3_d;
+    wire [23:0] rows_to_2_now, rows_to_2_later;
+    reg  [15:0] value_a_3_q, value_a_3_d, value_b_3_q, value_b_3_d;
+    reg  [11:0] base_3_q, offset_a_3_q, offset_a_3_d, offset_b_3_q, offset_b_3_d;
     reg  [3:0] shift_3_q;
-    reg  [3:0] shift_3_d;
-    reg  [11:0] address_a_4_q;
-    wire [11:0] address_a_4_d;
-    reg  [11:0] address_b_4_q;
-    wire [11:0] address_b_4_d;
-    reg  [24:0] value_a_4_q;
-    reg  [24:0] value_a_4_d;
-    reg  [24:0] value_b_4_q;
-    reg  [24:0] value_b_4_d;
+    reg  [11:0] address_a_4_q, address_b_4_q;
+    reg  [24:0] value_a_4_q, value_b_4_q;
 
-    edof_delay #(
-        .WIDTH(6),
-        .CYCLES(2)
-    ) flags_to_2 (
-        .clock_i(clock_i),
-        .now_i(flags),
-        .later_o(flags_to_2_later)
+    edof_delay #(.WIDTH(6), .CYCLES(2)) flags_to_2 (
+        .clock_i(clock_i), .now_i(flags), .later_o(flags_to_2_later)
     );
-
-    edof_delay #(
-        .WIDTH(24),
-        .CYCLES(2)
-    ) rows_to_2 (
-        .clock_i(clock_i),
-        .now_i(rows_to_2_now),
-        .later_o(rows_to_2_later)
+    edof_delay #(.WIDTH(24), .CYCLES(2)) rows_to_2 (
+        .clock_i(clock_i), .now_i(rows_to_2_now), .later_o(rows_to_2_later)
     );
-
-    edof_delay #(
-        .WIDTH(1),
-        .CYCLES(2)
-    ) first_to_4 (
-        .clock_i(clock_i),
-        .now_i(first_to_4_now),
-        .later_o(first_to_4_later)
+    edof_delay #(.WIDTH(1), .CYCLES(2)) first_to_4 (
+        .clock_i(clock_i), .now_i(flags_to_2_later[0]), .later_o(step_first_o)
     );
 
     always @* begin
@@ -110,76 +74,53 @@ module pair_operands (
         end
     end
 
-    assign rows_to_2_now = ({12'd0, base_i} << 12) | {12'd0, offset_i};
+    assign rows_to_2_now = {base_i, offset_i};
+    assign pair_a = flags_to_2_later[4] ? odd_pair_i : even_pair_i;
+    assign pixel_a = flags_to_2_later[4] ? pixels_i[31:16] : pixels_i[15:0];
 
     always @* begin
-        pair_a = even_pair_i;
-        pixel_a = pixels_i[15:0];
-        if (flags_to_2_later[4]) begin
-            pair_a = odd_pair_i;
-            pixel_a = pixels_i[31:16];
+        value_a_3_d = pair_a[15:0];
+        if (flags_to_2_later[3]) begin
+            value_a_3_d = pixel_a;
+        end
+        if (!flags_to_2_later[1]) begin
+            value_a_3_d = 16'd0;
         end
     end
 
     always @* begin
-        value_a_3_d = pair_a[15:0];
         value_b_3_d = odd_pair_i[15:0];
-        offset_a_3_d = {3'd0, pair_a[24:16]};
-        offset_b_3_d = {3'd0, odd_pair_i[24:16]};
-        shift_3_d = shifts[3:0];
         if (flags_to_2_later[3]) begin
-            value_a_3_d = pixel_a;
             value_b_3_d = pixels_i[31:16];
-            offset_a_3_d = rows_to_2_later[11:0];
-            offset_b_3_d = rows_to_2_later[11:0] | 12'd1;
-            shift_3_d = shifts[7:4];
-        end
-        if (!flags_to_2_later[1]) begin
-            value_a_3_d = 16'd0;
-            offset_a_3_d = 12'd0;
         end
         if (!(TWO_ROWS && flags_to_2_later[2])) begin
             value_b_3_d = 16'd0;
+        end
+    end
+
+    always @* begin
+        offset_a_3_d = {3'd0, pair_a[24:16]};
+        if (flags_to_2_later[3]) begin
+            offset_a_3_d = rows_to_2_later[11:0];
+        end
+        if (!flags_to_2_later[1]) begin
+            offset_a_3_d = 12'd0;
+        end
+    end
+
+    always @* begin
+        offset_b_3_d = {3'd0, odd_pair_i[24:16]};
+        if (flags_to_2_later[3]) begin
+            offset_b_3_d = rows_to_2_later[11:0] | 12'd1;
+        end
+        if (!(TWO_ROWS && flags_to_2_later[2])) begin
             offset_b_3_d = 12'd0;
         end
     end
 
-    always @* begin
-        shifts = shifts_0_i;
-        if (flags_to_2_later[5]) begin
-            shifts = shifts_1_i;
-        end
-    end
-
-    assign base_3_d = rows_to_2_later[23:12];
-
-    always @* begin
-        wide_a = {9'd0, value_a_3_q};
-        if (value_a_3_q[15]) begin
-            wide_a = {9'd0, value_a_3_q} | 25'h1ff0000;
-        end
-    end
-
-    always @* begin
-        wide_b = {9'd0, value_b_3_q};
-        if (value_b_3_q[15]) begin
-            wide_b = {9'd0, value_b_3_q} | 25'h1ff0000;
-        end
-    end
-
-    always @* begin
-        value_a_4_d = wide_a;
-        value_b_4_d = wide_b;
-        if (ALIGNS) begin
-            value_a_4_d = wide_a << shift_3_q;
-            value_b_4_d = wide_b << shift_3_q;
-        end
-    end
-
-    assign address_a_4_d = base_3_q + offset_a_3_q;
-    assign address_b_4_d = base_3_q + offset_b_3_q;
-    assign first_to_4_now = flags_to_2_later[0];
-    assign step_first_o = first_to_4_later;
+    assign shifts = flags_to_2_later[5] ? shifts_1_i : shifts_0_i;
+    assign wide_a = value_a_3_q[15] ? ({9'd0, value_a_3_q} | 25'h1ff0000) : {9'd0, value_a_3_q};
+    assign wide_b = value_b_3_q[15] ? ({9'd0, value_b_3_q} | 25'h1ff0000) : {9'd0, value_b_3_q};
     assign address_a_o = address_a_4_q;
     assign address_b_o = address_b_4_q;
     assign value_a_o = value_a_4_q;
@@ -188,14 +129,14 @@ module pair_operands (
     always @(posedge clock_i) begin
         value_a_3_q <= value_a_3_d;
         value_b_3_q <= value_b_3_d;
-        base_3_q <= base_3_d;
+        base_3_q <= rows_to_2_later[23:12];
         offset_a_3_q <= offset_a_3_d;
         offset_b_3_q <= offset_b_3_d;
-        shift_3_q <= shift_3_d;
-        address_a_4_q <= address_a_4_d;
-        address_b_4_q <= address_b_4_d;
-        value_a_4_q <= value_a_4_d;
-        value_b_4_q <= value_b_4_d;
+        shift_3_q <= flags_to_2_later[3] ? shifts[7:4] : shifts[3:0];
+        address_a_4_q <= base_3_q + offset_a_3_q;
+        address_b_4_q <= base_3_q + offset_b_3_q;
+        value_a_4_q <= ALIGNS ? (wide_a << shift_3_q) : wide_a;
+        value_b_4_q <= ALIGNS ? (wide_b << shift_3_q) : wide_b;
     end
 endmodule
 

@@ -3,57 +3,73 @@
 // From crates/edof-hdl/src/blocks/registers.rs (Registers).
 `default_nettype none
 
-module registers (
-    input  wire        clock_i,
-    input  wire        reset_i,
-    input  wire        write_enable_i,
-    input  wire [11:0] write_row_i,
-    input  wire [31:0] write_data_i,
-    output wire [19:0] shifts_0_o,
-    output wire [19:0] shifts_1_o,
-    output wire        skip_zeros_o
+module registers #(
+    parameter [19:0] START_0 = 20'd12,
+    parameter [19:0] START_1 = 20'd12
+) (
+    input  wire        clock_i,        // Clock.
+    input  wire        reset_i,        // Back to the values of the generated design.
+    input  wire        write_enable_i, // Writes a register.
+    input  wire [11:0] write_row_i,    // Which: 0 and 1 are the shifts of each set, 2 is control.
+    input  wire [31:0] write_data_i,   // Its new value.
+    output wire [19:0] shifts_0_o,     // Shifts of set 0 (`edof_spec::design::memory::Shifts::word`).
+    output wire [19:0] shifts_1_o,     // Shifts of set 1.
+    output wire        skip_zeros_o    // Whether zeros are left out.
 );
 
-    localparam [19:0] START_0 = 20'hc;
-    localparam [19:0] START_1 = 20'hc;
-    localparam START_SKIP = 1'h1;
+    localparam START_SKIP = 1'b1;
 
-    reg  [19:0] shifts_0_q_q;
-    reg  [19:0] shifts_0_q_d;
-    reg  [19:0] shifts_1_q_q;
-    reg  [19:0] shifts_1_q_d;
-    reg  skip_q_q;
-    reg  skip_q_d;
+    reg  [19:0] shifts_0_q, shifts_0_d, shifts_1_q, shifts_1_d;
+    reg  skip_q, skip_d;
 
     always @* begin
-        shifts_0_q_d = shifts_0_q_q;
-        shifts_1_q_d = shifts_1_q_q;
-        skip_q_d = skip_q_q;
+        shifts_0_d = shifts_0_q;
         if (write_enable_i) begin
             if (write_row_i == 12'd0) begin
-                shifts_0_q_d = write_data_i[19:0];
-            end else if (write_row_i == 12'd1) begin
-                shifts_1_q_d = write_data_i[19:0];
-            end else if (write_row_i == 12'd2) begin
-                skip_q_d = write_data_i[0];
+                shifts_0_d = write_data_i[19:0];
             end
         end
         if (reset_i) begin
-            shifts_0_q_d = START_0;
-            shifts_1_q_d = START_1;
-            skip_q_d = START_SKIP;
+            shifts_0_d = START_0;
         end
     end
 
-    assign shifts_0_o = shifts_0_q_q;
-    assign shifts_1_o = shifts_1_q_q;
-    assign skip_zeros_o = skip_q_q;
+    always @* begin
+        shifts_1_d = shifts_1_q;
+        if (write_enable_i) begin
+            if ((!(write_row_i == 12'd0)) && (write_row_i == 12'd1)) begin
+                shifts_1_d = write_data_i[19:0];
+            end
+        end
+        if (reset_i) begin
+            shifts_1_d = START_1;
+        end
+    end
+
+    always @* begin
+        skip_d = skip_q;
+        if (write_enable_i) begin
+            if ((!(write_row_i == 12'd0)) && ((!(write_row_i == 12'd1)) && (write_row_i == 12'd2))) begin
+                skip_d = write_data_i[0];
+            end
+        end
+        if (reset_i) begin
+            skip_d = START_SKIP;
+        end
+    end
+
+    assign shifts_0_o = shifts_0_q;
+    assign shifts_1_o = shifts_1_q;
+    assign skip_zeros_o = skip_q;
 
     always @(posedge clock_i) begin
-        shifts_0_q_q <= shifts_0_q_d;
-        shifts_1_q_q <= shifts_1_q_d;
-        skip_q_q <= skip_q_d;
+        shifts_0_q <= shifts_0_d;
+        shifts_1_q <= shifts_1_d;
+        skip_q <= skip_d;
     end
+
+    // Not every bit of these is read.
+    wire unused = ^write_data_i;
 endmodule
 
 `default_nettype wire

@@ -1,0 +1,190 @@
+// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
+// shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
+//
+// From crates/edof-hdl/src/blocks/results.rs (Results).
+`default_nettype none
+
+module results_i (
+    input  wire        clock_i,               // Clock.
+    input  wire        take_i,                // Two sums are taken, and stand on the inputs seven cycles later.
+    input  wire [7:0]  beat_i,                // Which two of their vector.
+    input  wire        last_i,                // Whether they are its last.
+    input  wire        set_i,                 // Its set.
+    input  wire [47:0] sum_even_i,            // The even sum, seven cycles after `take`.
+    input  wire [47:0] sum_odd_i,             // The odd one.
+    input  wire [19:0] shifts_0_i,            // Shifts of set 0.
+    input  wire [19:0] shifts_1_i,            // Shifts of set 1.
+    input  wire        write_thresholds_i,    // Writes two thresholds.
+    input  wire [11:0] write_row_i,           // Where.
+    input  wire [31:0] write_data_i,          // What.
+    output wire        push_o,                // A beat is done, 23 cycles after `take`.
+    output wire [31:0] data_o,                // Its two words.
+    output wire [31:0] base_o,                // Their base words for the next stage.
+    output wire        done_last_o,           // Whether it is its vector's last.
+    output wire        done_set_o,            // Its set.
+    output wire [1:0]  nonzero_o,             // Which words are not zero.
+    output wire [1:0]  result_saturated_o,    // Which results did not fit.
+    output wire [1:0]  code_saturated_o,      // Which thresholded codes did not fit.
+    output wire [1:0]  difference_saturated_o // Which differences did not fit.
+);
+
+    localparam [11:0] SET_ROWS = 12'd8;
+
+    reg  [2:0] marks;
+    wire [31:0] result, code;
+    wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
+    wire [8:0] place_to_15_now, place_to_15_later;
+    reg  [11:0] threshold_row_q, threshold_row_d, shifts_q;
+    wire [15:0] requantize_even_result;
+    wire requantize_even_saturated;
+    wire [15:0] requantize_odd_result;
+    wire requantize_odd_saturated;
+    reg  [1:0] result_flags_now;
+    wire [31:0] thresholds_read_data;
+    wire [15:0] shrink_even_result;
+    wire shrink_even_saturated;
+    wire [15:0] shrink_odd_result;
+    wire shrink_odd_saturated;
+    reg  [1:0] code_flags_now;
+
+    wire [31:0] _value = 32'd0;
+
+    edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
+        .clock_i(clock_i), .now_i(marks), .later_o(marks_to_5_later)
+    );
+    edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
+        .clock_i(clock_i), .now_i(marks_to_5_later), .later_o(marks_to_6_later)
+    );
+    edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
+        .clock_i(clock_i), .now_i(marks_to_6_later), .later_o(marks_to_23_later)
+    );
+    edof_delay #(.WIDTH(9), .CYCLES(15)) place_to_15 (
+        .clock_i(clock_i), .now_i(place_to_15_now), .later_o(place_to_15_later)
+    );
+
+    requantize #(.BASE_BITS(48'd0)) requantize_even (
+        .clock_i(clock_i),
+        .sum_i(sum_even_i),
+        .base_i(_value[15:0]),
+        .base_shift_i(shifts_q[11:6]),
+        .result_shift_i(shifts_q[5:0]),
+        .result_o(requantize_even_result),
+        .saturated_o(requantize_even_saturated)
+    );
+
+    requantize #(.BASE_BITS(48'd0)) requantize_odd (
+        .clock_i(clock_i),
+        .sum_i(sum_odd_i),
+        .base_i(_value[31:16]),
+        .base_shift_i(shifts_q[11:6]),
+        .result_shift_i(shifts_q[5:0]),
+        .result_o(requantize_odd_result),
+        .saturated_o(requantize_odd_saturated)
+    );
+
+    edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
+        .clock_i(clock_i), .now_i(result_flags_now), .later_o(result_saturated_o)
+    );
+
+    edof_ram #(
+        .WIDTH(32),
+        .DEPTH(16),
+        .BLOCK(0),
+        .INIT("mem/stage0_thresholds.hex")
+    ) thresholds (
+        .clock_i(clock_i),
+        .read_address_i(threshold_row_q),
+        .read_data_o(thresholds_read_data),
+        .write_enable_i(write_thresholds_i),
+        .write_address_i(write_row_i),
+        .write_data_i(write_data_i)
+    );
+
+    shrink shrink_even (
+        .clock_i(clock_i),
+        .code_i(requantize_even_result),
+        .threshold_i(thresholds_read_data[15:0]),
+        .result_o(shrink_even_result),
+        .saturated_o(shrink_even_saturated)
+    );
+
+    shrink shrink_odd (
+        .clock_i(clock_i),
+        .code_i(requantize_odd_result),
+        .threshold_i(thresholds_read_data[31:16]),
+        .result_o(shrink_odd_result),
+        .saturated_o(shrink_odd_saturated)
+    );
+
+    edof_delay #(.WIDTH(2), .CYCLES(3)) code_flags (
+        .clock_i(clock_i), .now_i(code_flags_now), .later_o(code_saturated_o)
+    );
+    edof_delay #(.WIDTH(32), .CYCLES(3)) codes_to_23 (
+        .clock_i(clock_i), .now_i(code), .later_o(data_o)
+    );
+    edof_delay #(.WIDTH(32), .CYCLES(6)) results_to_23 (
+        .clock_i(clock_i), .now_i(result), .later_o(base_o)
+    );
+
+    always @* begin
+        marks = 3'd0;
+        if (take_i) begin
+            marks = marks | 3'd1;
+        end
+        if (last_i) begin
+            marks = marks | 3'd2;
+        end
+        if (set_i) begin
+            marks = marks | 3'd4;
+        end
+    end
+
+    assign place_to_15_now = set_i ? ({1'b0, beat_i} | 9'h100) : {1'b0, beat_i};
+    assign result = {requantize_odd_result, requantize_even_result};
+
+    always @* begin
+        result_flags_now = 2'd0;
+        if (requantize_even_saturated && requantize_odd_saturated) begin
+            result_flags_now = 2'd3;
+        end else if (requantize_even_saturated) begin
+            result_flags_now = 2'd1;
+        end else if (requantize_odd_saturated) begin
+            result_flags_now = 2'd2;
+        end
+    end
+
+    always @* begin
+        threshold_row_d = {4'd0, place_to_15_later[7:0]};
+        if (place_to_15_later[8]) begin
+            threshold_row_d = {4'd0, place_to_15_later[7:0]} + SET_ROWS;
+        end
+    end
+
+    always @* begin
+        code_flags_now = 2'd0;
+        if (shrink_even_saturated && shrink_odd_saturated) begin
+            code_flags_now = 2'd3;
+        end else if (shrink_even_saturated) begin
+            code_flags_now = 2'd1;
+        end else if (shrink_odd_saturated) begin
+            code_flags_now = 2'd2;
+        end
+    end
+
+    assign code = {shrink_odd_result, shrink_even_result};
+    assign difference_saturated_o = 2'd0;
+    assign push_o = marks_to_23_later[0];
+    assign done_last_o = marks_to_23_later[1];
+    assign done_set_o = marks_to_23_later[2];
+    assign nonzero_o = ((|data_o[15:0]) && (|data_o[31:16])) ? 2'd3 : ((|data_o) ? 2'd1 : 2'd0);
+
+    always @(posedge clock_i) begin
+        threshold_row_q <= threshold_row_d;
+        shifts_q <= marks_to_6_later[2] ? shifts_1_i[11:0] : shifts_0_i[11:0];
+    end
+
+    // Not every bit of these is read.
+    wire unused = ^{shifts_0_i, shifts_1_i, _value};
+endmodule
+
+`default_nettype wire

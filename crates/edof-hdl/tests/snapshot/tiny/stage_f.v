@@ -1,0 +1,324 @@
+// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
+// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
+//
+// From crates/edof-hdl/src/blocks/stage.rs (Stage).
+`default_nettype none
+
+module stage_f (
+    input  wire        clock_i,          // Clock.
+    input  wire        reset_i,          // Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
+    input  wire        valid_i,          // A beat stands on the input.
+    output wire        ready_o,          // It is taken in this cycle, if there is one.
+    input  wire [31:0] data_i,           // Its two words.
+    input  wire        last_i,           // Whether it is its vector's last.
+    input  wire        set_i,            // The vector's set.
+    input  wire        window_valid_i,   // Two pixels stand on the window input (F with a linear path).
+    output wire        window_ready_o,   // They are taken in this cycle, if there are any.
+    input  wire [31:0] window_data_i,    // They.
+    input  wire        window_last_i,    // Whether they are their window's last.
+    output wire        out_valid_o,      // A beat stands on the output.
+    input  wire        out_ready_i,      // The receiver takes it.
+    output wire [31:0] out_data_o,       // Its two words.
+    output wire [31:0] out_base_o,       // Their base words.
+    output wire        out_last_o,       // Whether it is its vector's last.
+    output wire        out_set_o,        // The vector's set.
+    input  wire        write_valid_i,    // A word is to be written (`edof_spec::design::memory::address`).
+    input  wire [24:0] write_address_i,  // Where.
+    input  wire [31:0] write_data_i,     // What.
+    input  wire [5:0]  status_address_i, // Stage and counter to show.
+    output wire [31:0] status_o          // The counter, a cycle later; 0 from all other stages.
+);
+
+    localparam [3:0] ID = 4'd3;
+    localparam BOTH_PORTS = 1'b1;
+
+    reg  [33:0] finished_word;
+    wire selected;
+    reg  [51:0] weights_word;
+    wire reset_store_later, reset_ring_later, reset_sequencer_later, reset_drain_later;
+    wire reset_results_later_unused, reset_out_later, reset_registers_later, pairs_arrived;
+    wire [11:0] pairs_descriptor;
+    wire [24:0] pairs_even_pair, pairs_odd_pair;
+    wire pair_operands_step_first;
+    wire [11:0] pair_operands_address_a, pair_operands_address_b;
+    wire [24:0] pair_operands_value_a, pair_operands_value_b;
+    wire [31:0] ring_read_pixels;
+    wire sequencer_begins, sequencer_valid_a, sequencer_valid_b, sequencer_first, sequencer_linear;
+    wire sequencer_odd, sequencer_set;
+    wire [8:0] sequencer_read_row;
+    wire [6:0] sequencer_read_pixels;
+    wire [11:0] sequencer_base, sequencer_offset;
+    wire sequencer_pass_issued, sequencer_finished;
+    wire [47:0] macc_sum_even, macc_sum_odd;
+    wire drain_may_start, drain_copy, drain_take;
+    wire [7:0] drain_beat;
+    wire drain_last, drain_taken_set, results_push;
+    wire [31:0] results_data, results_base_unused;
+    wire results_done_last, results_done_set;
+    wire [1:0] results_nonzero, results_result_saturated, results_code_saturated;
+    wire [1:0] results_difference_saturated;
+    wire [33:0] fifo_front_data;
+    wire [19:0] registers_shifts_0, registers_shifts_1;
+    wire registers_skip_zeros;
+    wire [31:0] counters_value;
+    reg  [31:0] status_q;
+    reg  write_1_q;
+    reg  [24:0] address_1_q;
+    reg  [31:0] data_1_q;
+    reg  weights_2_q, thresholds_2_q, previous_2_q, registers_2_q;
+    reg  [18:0] address_2_q;
+    reg  [31:0] data_2_q;
+    wire [51:0] weights_to_6_later;
+
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_store (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_store_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_ring (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_ring_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_sequencer (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_sequencer_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_drain (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_drain_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_results (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_results_later_unused)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_out (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_out_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_registers_later)
+    );
+
+    pair_store #(.TWO_ROWS(1'b1)) pairs (
+        .clock_i(clock_i),
+        .reset_i(reset_store_later),
+        .skip_zeros_i(registers_skip_zeros),
+        .valid_i(valid_i),
+        .ready_o(ready_o),
+        .even_i(data_i[15:0]),
+        .odd_i(data_i[31:16]),
+        .last_i(last_i),
+        .set_i(set_i),
+        .arrived_o(pairs_arrived),
+        .descriptor_o(pairs_descriptor),
+        .read_row_i(sequencer_read_row),
+        .even_pair_o(pairs_even_pair),
+        .odd_pair_o(pairs_odd_pair),
+        .finished_i(sequencer_finished)
+    );
+
+    pair_operands #(.ALIGNS(1'b1), .TWO_ROWS(1'b1)) pair_operands (
+        .clock_i(clock_i),
+        .valid_a_i(sequencer_valid_a),
+        .valid_b_i(sequencer_valid_b),
+        .first_i(sequencer_first),
+        .linear_i(sequencer_linear),
+        .odd_i(sequencer_odd),
+        .set_i(sequencer_set),
+        .base_i(sequencer_base),
+        .offset_i(sequencer_offset),
+        .even_pair_i(pairs_even_pair),
+        .odd_pair_i(pairs_odd_pair),
+        .pixels_i(ring_read_pixels),
+        .shifts_0_i(registers_shifts_0[19:12]),
+        .shifts_1_i(registers_shifts_1[19:12]),
+        .step_first_o(pair_operands_step_first),
+        .address_a_o(pair_operands_address_a),
+        .address_b_o(pair_operands_address_b),
+        .value_a_o(pair_operands_value_a),
+        .value_b_o(pair_operands_value_b)
+    );
+
+    window_ring ring (
+        .clock_i(clock_i),
+        .reset_i(reset_ring_later),
+        .valid_i(window_valid_i),
+        .ready_o(window_ready_o),
+        .pixels_i(window_data_i),
+        .last_i(window_last_i),
+        .read_pair_i(sequencer_read_pixels),
+        .read_pixels_o(ring_read_pixels),
+        .finished_i(sequencer_finished)
+    );
+
+    sequencer #(
+        .TWO_ROWS(1'b1),
+        .HAS_LINEAR(1'b1),
+        .LINEAR_BEFORE_LAST(8'd31),
+        .CODES(12'd16),
+        .PASS_ROWS(12'd80),
+        .SET_ROWS(12'd320),
+        .LAST_PASS(6'd3)
+    ) sequencer (
+        .clock_i(clock_i),
+        .reset_i(reset_sequencer_later),
+        .arrived_i(pairs_arrived),
+        .descriptor_i(pairs_descriptor),
+        .may_start_i(drain_may_start),
+        .steal_i(weights_2_q && BOTH_PORTS),
+        .begins_o(sequencer_begins),
+        .valid_a_o(sequencer_valid_a),
+        .valid_b_o(sequencer_valid_b),
+        .first_o(sequencer_first),
+        .linear_o(sequencer_linear),
+        .odd_o(sequencer_odd),
+        .set_o(sequencer_set),
+        .read_row_o(sequencer_read_row),
+        .read_pixels_o(sequencer_read_pixels),
+        .base_o(sequencer_base),
+        .offset_o(sequencer_offset),
+        .pass_issued_o(sequencer_pass_issued),
+        .finished_o(sequencer_finished)
+    );
+
+    edof_macc_array #(
+        .BANKS(8),
+        .DEPTH(640),
+        .ROWS(2),
+        .DENSE(0),
+        .SUM(48),
+        .INIT("mem/stage3_bank")
+    ) macc (
+        .clock_i(clock_i),
+        .first_i(pair_operands_step_first),
+        .address_a_i(pair_operands_address_a),
+        .address_b_i(pair_operands_address_b),
+        .value_a_i(pair_operands_value_a),
+        .value_b_i(pair_operands_value_b),
+        .value_c_i(25'd0),
+        .value_d_i(25'd0),
+        .copy_i(drain_copy),
+        .shift_i(drain_take),
+        .sum_even_o(macc_sum_even),
+        .sum_odd_o(macc_sum_odd),
+        .write_enable_i(weights_to_6_later[0] && !reset_i),
+        .write_bank_i(weights_to_6_later[51:46]),
+        .write_half_i(weights_to_6_later[33]),
+        .write_row_i(weights_to_6_later[45:34]),
+        .write_data_i(weights_to_6_later[32:1])
+    );
+
+    drain #(
+        .BEFORE_LAST_TAKE(8'd15),
+        .RELEASE_AT(8'd7),
+        .LAST_BEAT(8'd63),
+        .WANTED_CREDITS(8'd16)
+    ) drain (
+        .clock_i(clock_i),
+        .reset_i(reset_drain_later),
+        .begins_i(sequencer_begins),
+        .pass_issued_i(sequencer_pass_issued),
+        .set_i(sequencer_set),
+        .returned_i(out_valid_o && out_ready_i),
+        .may_start_o(drain_may_start),
+        .copy_o(drain_copy),
+        .take_o(drain_take),
+        .beat_o(drain_beat),
+        .last_o(drain_last),
+        .taken_set_o(drain_taken_set)
+    );
+
+    results_f results (
+        .clock_i(clock_i),
+        .take_i(drain_take),
+        .beat_i(drain_beat),
+        .last_i(drain_last),
+        .set_i(drain_taken_set),
+        .sum_even_i(macc_sum_even),
+        .sum_odd_i(macc_sum_odd),
+        .shifts_0_i(registers_shifts_0),
+        .shifts_1_i(registers_shifts_1),
+        .push_o(results_push),
+        .data_o(results_data),
+        .base_o(results_base_unused),
+        .done_last_o(results_done_last),
+        .done_set_o(results_done_set),
+        .nonzero_o(results_nonzero),
+        .result_saturated_o(results_result_saturated),
+        .code_saturated_o(results_code_saturated),
+        .difference_saturated_o(results_difference_saturated)
+    );
+
+    edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
+        .clock_i(clock_i),
+        .reset_i(reset_out_later),
+        .push_i(results_push),
+        .data_i(finished_word),
+        .valid_o(out_valid_o),
+        .ready_i(out_ready_i),
+        .data_o(fifo_front_data)
+    );
+
+    registers #(.START_0(20'h10002), .START_1(20'h10002)) registers (
+        .clock_i(clock_i),
+        .reset_i(reset_registers_later),
+        .write_enable_i(registers_2_q),
+        .write_row_i(address_2_q[12:1]),
+        .write_data_i(data_2_q),
+        .shifts_0_o(registers_shifts_0),
+        .shifts_1_o(registers_shifts_1),
+        .skip_zeros_o(registers_skip_zeros)
+    );
+
+    counters counters (
+        .clock_i(clock_i),
+        .reset_i(reset_registers_later),
+        .enable_i(results_push),
+        .nonzero_i(results_nonzero),
+        .results_i(results_result_saturated),
+        .codes_i(results_code_saturated),
+        .differences_i(results_difference_saturated),
+        .select_i(status_address_i[1:0]),
+        .value_o(counters_value)
+    );
+
+    edof_delay #(.WIDTH(52), .CYCLES(4)) weights_to_6 (
+        .clock_i(clock_i), .now_i(weights_word), .later_o(weights_to_6_later)
+    );
+
+    always @* begin
+        finished_word = {2'd0, results_data} << 2;
+        if (results_done_last) begin
+            finished_word = finished_word | 34'd1;
+        end
+        if (results_done_set) begin
+            finished_word = finished_word | 34'd2;
+        end
+    end
+
+    assign out_data_o = fifo_front_data[33:2];
+    assign out_last_o = fifo_front_data[0];
+    assign out_set_o = fifo_front_data[1];
+    assign out_base_o = 32'd0;
+    assign selected = write_1_q && (address_1_q[24:21] == ID);
+
+    always @* begin
+        weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1);
+        if (weights_2_q) begin
+            weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1) | 52'd1;
+        end
+    end
+
+    assign status_o = status_q;
+
+    always @(posedge clock_i) begin
+        status_q <= (status_address_i[5:2] == ID) ? counters_value : 32'd0;
+        write_1_q <= write_valid_i;
+        address_1_q <= write_address_i;
+        data_1_q <= write_data_i;
+        weights_2_q <= selected && (address_1_q[20:19] == 2'd0);
+        thresholds_2_q <= selected && (address_1_q[20:19] == 2'd1);
+        previous_2_q <= selected && (address_1_q[20:19] == 2'd2);
+        registers_2_q <= selected && (address_1_q[20:19] == 2'd3);
+        address_2_q <= address_1_q[18:0];
+        data_2_q <= data_1_q;
+    end
+
+    // Not every bit of these is read.
+    wire unused = ^{thresholds_2_q, previous_2_q};
+endmodule
+
+`default_nettype wire

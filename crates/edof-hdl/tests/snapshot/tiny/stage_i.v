@@ -1,0 +1,321 @@
+// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
+// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
+//
+// From crates/edof-hdl/src/blocks/stage.rs (Stage).
+`default_nettype none
+
+module stage_i (
+    input  wire        clock_i,          // Clock.
+    input  wire        reset_i,          // Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
+    input  wire        valid_i,          // A beat stands on the input.
+    output wire        ready_o,          // It is taken in this cycle, if there is one.
+    input  wire [31:0] data_i,           // Its two words.
+    input  wire        last_i,           // Whether it is its vector's last.
+    input  wire        set_i,            // The vector's set.
+    output wire        window_ready_o,   // They are taken in this cycle, if there are any.
+    output wire        out_valid_o,      // A beat stands on the output.
+    input  wire        out_ready_i,      // The receiver takes it.
+    output wire [31:0] out_data_o,       // Its two words.
+    output wire [31:0] out_base_o,       // Their base words.
+    output wire        out_last_o,       // Whether it is its vector's last.
+    output wire        out_set_o,        // The vector's set.
+    input  wire        write_valid_i,    // A word is to be written (`edof_spec::design::memory::address`).
+    input  wire [24:0] write_address_i,  // Where.
+    input  wire [31:0] write_data_i,     // What.
+    input  wire [5:0]  status_address_i, // Stage and counter to show.
+    output wire [31:0] status_o          // The counter, a cycle later; 0 from all other stages.
+);
+
+    localparam [3:0] ID = 4'd0;
+    localparam BOTH_PORTS = 1'b0;
+
+    reg  [33:0] finished_word;
+    wire selected;
+    reg  [51:0] weights_word;
+    wire reset_store_later, reset_ring_later_unused, reset_sequencer_later, reset_drain_later;
+    wire reset_results_later_unused, reset_out_later, reset_registers_later, vectors_arrived;
+    wire [11:0] vectors_descriptor;
+    wire [31:0] vectors_pair_a, vectors_pair_b, vectors_pair_c, vectors_pair_d;
+    wire dense_operands_step_first;
+    wire [11:0] dense_operands_address;
+    wire [24:0] dense_operands_value_a, dense_operands_value_b, dense_operands_value_c;
+    wire [24:0] dense_operands_value_d;
+    wire sequencer_begins, sequencer_valid_a, sequencer_valid_b_unused, sequencer_first;
+    wire sequencer_linear_unused, sequencer_odd, sequencer_set;
+    wire [8:0] sequencer_read_row;
+    wire [6:0] sequencer_read_pixels_unused;
+    wire [11:0] sequencer_base, sequencer_offset;
+    wire sequencer_pass_issued, sequencer_finished;
+    wire [47:0] macc_sum_even, macc_sum_odd;
+    wire drain_may_start, drain_copy, drain_take;
+    wire [7:0] drain_beat;
+    wire drain_last, drain_taken_set, results_push;
+    wire [31:0] results_data, results_base;
+    wire results_done_last, results_done_set;
+    wire [1:0] results_nonzero, results_result_saturated, results_code_saturated;
+    wire [1:0] results_difference_saturated;
+    wire [33:0] fifo_front_data;
+    wire base_fifo_front_valid_unused;
+    wire [19:0] registers_shifts_0, registers_shifts_1;
+    wire registers_skip_zeros_unused;
+    wire [31:0] counters_value;
+    reg  [31:0] status_q;
+    reg  write_1_q;
+    reg  [24:0] address_1_q;
+    reg  [31:0] data_1_q;
+    reg  weights_2_q, thresholds_2_q, previous_2_q, registers_2_q;
+    reg  [18:0] address_2_q;
+    reg  [31:0] data_2_q;
+    wire [51:0] weights_to_6_later;
+
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_store (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_store_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_ring (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_ring_later_unused)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_sequencer (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_sequencer_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_drain (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_drain_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_results (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_results_later_unused)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_out (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_out_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
+        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_registers_later)
+    );
+
+    dense_store vectors (
+        .clock_i(clock_i),
+        .reset_i(reset_store_later),
+        .valid_i(valid_i),
+        .ready_o(ready_o),
+        .data_i(data_i),
+        .last_i(last_i),
+        .set_i(set_i),
+        .arrived_o(vectors_arrived),
+        .descriptor_o(vectors_descriptor),
+        .read_row_i(sequencer_read_row),
+        .pair_a_o(vectors_pair_a),
+        .pair_b_o(vectors_pair_b),
+        .pair_c_o(vectors_pair_c),
+        .pair_d_o(vectors_pair_d),
+        .finished_i(sequencer_finished)
+    );
+
+    dense_operands dense_operands (
+        .clock_i(clock_i),
+        .valid_i(sequencer_valid_a),
+        .first_i(sequencer_first),
+        .odd_i(sequencer_odd),
+        .base_i(sequencer_base),
+        .offset_i(sequencer_offset),
+        .pair_a_i(vectors_pair_a),
+        .pair_b_i(vectors_pair_b),
+        .pair_c_i(vectors_pair_c),
+        .pair_d_i(vectors_pair_d),
+        .step_first_o(dense_operands_step_first),
+        .address_o(dense_operands_address),
+        .value_a_o(dense_operands_value_a),
+        .value_b_o(dense_operands_value_b),
+        .value_c_o(dense_operands_value_c),
+        .value_d_o(dense_operands_value_d)
+    );
+
+    sequencer #(
+        .TWO_ROWS(1'b0),
+        .HAS_LINEAR(1'b0),
+        .LINEAR_BEFORE_LAST(8'd0),
+        .CODES(12'd0),
+        .PASS_ROWS(12'd32),
+        .SET_ROWS(12'd32),
+        .LAST_PASS(6'd0)
+    ) sequencer (
+        .clock_i(clock_i),
+        .reset_i(reset_sequencer_later),
+        .arrived_i(vectors_arrived),
+        .descriptor_i(vectors_descriptor),
+        .may_start_i(drain_may_start),
+        .steal_i(weights_2_q && BOTH_PORTS),
+        .begins_o(sequencer_begins),
+        .valid_a_o(sequencer_valid_a),
+        .valid_b_o(sequencer_valid_b_unused),
+        .first_o(sequencer_first),
+        .linear_o(sequencer_linear_unused),
+        .odd_o(sequencer_odd),
+        .set_o(sequencer_set),
+        .read_row_o(sequencer_read_row),
+        .read_pixels_o(sequencer_read_pixels_unused),
+        .base_o(sequencer_base),
+        .offset_o(sequencer_offset),
+        .pass_issued_o(sequencer_pass_issued),
+        .finished_o(sequencer_finished)
+    );
+
+    edof_macc_array #(
+        .BANKS(4),
+        .DEPTH(64),
+        .ROWS(2),
+        .DENSE(1),
+        .SUM(48),
+        .INIT("mem/stage0_bank")
+    ) macc (
+        .clock_i(clock_i),
+        .first_i(dense_operands_step_first),
+        .address_a_i(dense_operands_address),
+        .address_b_i(12'd0),
+        .value_a_i(dense_operands_value_a),
+        .value_b_i(dense_operands_value_b),
+        .value_c_i(dense_operands_value_c),
+        .value_d_i(dense_operands_value_d),
+        .copy_i(drain_copy),
+        .shift_i(drain_take),
+        .sum_even_o(macc_sum_even),
+        .sum_odd_o(macc_sum_odd),
+        .write_enable_i(weights_to_6_later[0] && !reset_i),
+        .write_bank_i(weights_to_6_later[51:46]),
+        .write_half_i(weights_to_6_later[33]),
+        .write_row_i(weights_to_6_later[45:34]),
+        .write_data_i(weights_to_6_later[32:1])
+    );
+
+    drain #(
+        .BEFORE_LAST_TAKE(8'd7),
+        .RELEASE_AT(8'd7),
+        .LAST_BEAT(8'd7),
+        .WANTED_CREDITS(8'd8)
+    ) drain (
+        .clock_i(clock_i),
+        .reset_i(reset_drain_later),
+        .begins_i(sequencer_begins),
+        .pass_issued_i(sequencer_pass_issued),
+        .set_i(sequencer_set),
+        .returned_i(out_valid_o && out_ready_i),
+        .may_start_o(drain_may_start),
+        .copy_o(drain_copy),
+        .take_o(drain_take),
+        .beat_o(drain_beat),
+        .last_o(drain_last),
+        .taken_set_o(drain_taken_set)
+    );
+
+    results_i results (
+        .clock_i(clock_i),
+        .take_i(drain_take),
+        .beat_i(drain_beat),
+        .last_i(drain_last),
+        .set_i(drain_taken_set),
+        .sum_even_i(macc_sum_even),
+        .sum_odd_i(macc_sum_odd),
+        .shifts_0_i(registers_shifts_0),
+        .shifts_1_i(registers_shifts_1),
+        .write_thresholds_i(thresholds_2_q && !reset_i),
+        .write_row_i(address_2_q[12:1]),
+        .write_data_i(data_2_q),
+        .push_o(results_push),
+        .data_o(results_data),
+        .base_o(results_base),
+        .done_last_o(results_done_last),
+        .done_set_o(results_done_set),
+        .nonzero_o(results_nonzero),
+        .result_saturated_o(results_result_saturated),
+        .code_saturated_o(results_code_saturated),
+        .difference_saturated_o(results_difference_saturated)
+    );
+
+    edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
+        .clock_i(clock_i),
+        .reset_i(reset_out_later),
+        .push_i(results_push),
+        .data_i(finished_word),
+        .valid_o(out_valid_o),
+        .ready_i(out_ready_i),
+        .data_o(fifo_front_data)
+    );
+
+    edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
+        .clock_i(clock_i),
+        .reset_i(reset_out_later),
+        .push_i(results_push),
+        .data_i(results_base),
+        .valid_o(base_fifo_front_valid_unused),
+        .ready_i(out_ready_i),
+        .data_o(out_base_o)
+    );
+
+    registers #(.START_0(20'd12), .START_1(20'd12)) registers (
+        .clock_i(clock_i),
+        .reset_i(reset_registers_later),
+        .write_enable_i(registers_2_q),
+        .write_row_i(address_2_q[12:1]),
+        .write_data_i(data_2_q),
+        .shifts_0_o(registers_shifts_0),
+        .shifts_1_o(registers_shifts_1),
+        .skip_zeros_o(registers_skip_zeros_unused)
+    );
+
+    counters counters (
+        .clock_i(clock_i),
+        .reset_i(reset_registers_later),
+        .enable_i(results_push),
+        .nonzero_i(results_nonzero),
+        .results_i(results_result_saturated),
+        .codes_i(results_code_saturated),
+        .differences_i(results_difference_saturated),
+        .select_i(status_address_i[1:0]),
+        .value_o(counters_value)
+    );
+
+    edof_delay #(.WIDTH(52), .CYCLES(4)) weights_to_6 (
+        .clock_i(clock_i), .now_i(weights_word), .later_o(weights_to_6_later)
+    );
+
+    assign window_ready_o = 1'b1;
+
+    always @* begin
+        finished_word = {2'd0, results_data} << 2;
+        if (results_done_last) begin
+            finished_word = finished_word | 34'd1;
+        end
+        if (results_done_set) begin
+            finished_word = finished_word | 34'd2;
+        end
+    end
+
+    assign out_data_o = fifo_front_data[33:2];
+    assign out_last_o = fifo_front_data[0];
+    assign out_set_o = fifo_front_data[1];
+    assign selected = write_1_q && (address_1_q[24:21] == ID);
+
+    always @* begin
+        weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1);
+        if (weights_2_q) begin
+            weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1) | 52'd1;
+        end
+    end
+
+    assign status_o = status_q;
+
+    always @(posedge clock_i) begin
+        status_q <= (status_address_i[5:2] == ID) ? counters_value : 32'd0;
+        write_1_q <= write_valid_i;
+        address_1_q <= write_address_i;
+        data_1_q <= write_data_i;
+        weights_2_q <= selected && (address_1_q[20:19] == 2'd0);
+        thresholds_2_q <= selected && (address_1_q[20:19] == 2'd1);
+        previous_2_q <= selected && (address_1_q[20:19] == 2'd2);
+        registers_2_q <= selected && (address_1_q[20:19] == 2'd3);
+        address_2_q <= address_1_q[18:0];
+        data_2_q <= data_1_q;
+    end
+
+    // Not every bit of these is read.
+    wire unused = ^previous_2_q;
+endmodule
+
+`default_nettype wire
