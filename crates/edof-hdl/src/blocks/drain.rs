@@ -7,8 +7,9 @@ use rust_hdl::prelude::*;
 
 /// When sums are copied out of the multipliers, and when the copies are taken, two a cycle.
 /// A pass's sums stand ready seven cycles after its last step and are copied with the last take of the drain before, or later. A drain
-/// begins when all that it takes has room in the FIFO, and then takes in every cycle: two at least, as there are four lanes at least. Two passes may be between their start and their release:
-/// the next one's sums come so late that a drain may still have some takes to go. Copy and take leave a cycle after they are decided.
+/// begins when all that it takes has room in the FIFO, and then takes in every cycle, two times at least. Two passes may be between
+/// their start and their release: the next one's sums come so late that a drain may still have some takes to go.
+/// Copy and take leave a cycle after they are decided.
 #[derive(Circuit)]
 #[circuit(default(Delay))]
 pub struct Drain {
