@@ -47,17 +47,22 @@ module edof_macc_array #(
         .later_o(first_later)
     );
 
-    // The host's writes on their way: bit 19 valid, 18 to 13 bank, 12 half, 11 to 0 row; what is written follows a cycle later.
+    // The host's writes on their way: bit 18 to 13 bank, 12 half, 11 to 0 row; what is written follows a cycle later. There is none at
+    // first, so that no image is spoilt.
     localparam GROUPS = (BANKS + 7) / 8;
-    wire [20*GROUPS-1:0] writes;
+    wire [GROUPS-1:0] writes;
+    wire [19*GROUPS-1:0] places;
     wire [32*GROUPS-1:0] written;
     genvar group;
     generate
         for (group = 0; group < GROUPS; group = group + 1) begin : groups
-            edof_delay #(.WIDTH(20), .CYCLES(1)) place (
+            (* keep = "true", dont_touch = "true" *) reg write_q = 1'b0;
+            (* keep *) always @(posedge clock_i) write_q <= write_enable_i;
+            assign writes[group] = write_q;
+            edof_delay #(.WIDTH(19), .CYCLES(1)) place (
                 .clock_i(clock_i),
-                .now_i({write_enable_i, write_bank_i, write_half_i, write_row_i}),
-                .later_o(writes[20*group +: 20])
+                .now_i({write_bank_i, write_half_i, write_row_i}),
+                .later_o(places[19*group +: 19])
             );
             edof_delay #(.WIDTH(32), .CYCLES(2)) data (
                 .clock_i(clock_i),
@@ -94,10 +99,10 @@ module edof_macc_array #(
                 .drain_odd_i(odd[bank+1]),
                 .drain_even_o(even[bank]),
                 .drain_odd_o(odd[bank]),
-                .write_i(writes[20*(bank/8)+19]),
-                .write_bank_i(writes[20*(bank/8)+13 +: 6]),
-                .write_half_i(writes[20*(bank/8)+12]),
-                .write_address_i(writes[20*(bank/8) +: 12]),
+                .write_i(writes[bank/8]),
+                .write_bank_i(places[19*(bank/8)+13 +: 6]),
+                .write_half_i(places[19*(bank/8)+12]),
+                .write_address_i(places[19*(bank/8) +: 12]),
                 .write_data_q_i(written[32*(bank/8) +: 32])
             );
         end
