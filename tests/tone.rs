@@ -125,3 +125,18 @@ fn tones_and_noises_that_there_are_not_are_refused_as_wrong_usage() {
         assert_eq!(place.files(), ["photo.png"]);
     }
 }
+
+#[test]
+fn a_frame_of_light_is_restored_by_the_network_for_light() {
+    let place = Place::new();
+    for (tone, network) in [("srgb", "edof-t4w12-outer-light.fixed"), ("linear", "edof-t4w12-outer.fixed")] {
+        let line = format!(
+            "capture leaves-4 --size 64x48 --camera ring-outer --tone {tone} --no-measure --out raw.png"
+        );
+        place.edof(&line).done();
+        place.edof("reconstruct raw.png --out sharp.png --json made.json").done();
+        assert_eq!(read_json(&place, "made.json")["result"]["method"], network, "{tone}");
+        place.edof("reconstruct raw.png --weights edof-t4w12-outer --out sharp.png --json made.json").done();
+        assert_eq!(read_json(&place, "made.json")["result"]["method"], "edof-t4w12-outer.fixed", "{tone}");
+    }
+}
