@@ -4,6 +4,7 @@ pub mod capture;
 pub mod cosim;
 pub mod demo;
 pub mod estimate;
+pub mod explore;
 pub mod generate;
 pub mod optics;
 pub mod quantize;
