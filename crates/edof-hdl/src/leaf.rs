@@ -24,7 +24,7 @@ pub struct Leaf {
 }
 
 impl Leaf {
-    /// The leaf `module`, with no parameters and ports yet. Its file is one of [`LEAVES`](crate::project::LEAVES), unless [`Leaf::source`] gives another.
+    /// The leaf `module`, with no parameters and ports yet. Its file is one of [`LEAVES`], unless [`Leaf::source`] gives another.
     #[must_use]
     pub fn new(module: &str) -> Self {
         let source = LEAVES.iter().find(|(name, _)| *name == module).map_or("", |(_, text)| text);
