@@ -57,6 +57,14 @@ impl Text {
             Form::Chain(_) | Form::Operation => format!("({})", self.text),
         }
     }
+
+    /// What stands after a sign: no two signs stand side by side.
+    fn primary(self) -> String {
+        match self.form {
+            Form::Atom => self.text,
+            _ => format!("({})", self.text),
+        }
+    }
 }
 
 /// A value between two steps of an expression.
@@ -256,16 +264,16 @@ impl<'a> Printer<'a> {
                 let x = self.print(x);
                 let signed = x.signed && ty.bits > 1;
                 let form = if x.form == Form::Atom { Form::Not } else { Form::Operation };
-                let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.operand());
+                let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.primary());
                 Text { text, form, signed }
             }
             Node::Negate(x) => {
                 let x = self.print(x);
                 let signed = x.signed;
-                Text::operation(format!("-{}", x.operand()), signed)
+                Text::operation(format!("-{}", x.primary()), signed)
             }
             Node::Reduce(_, x) if x.ty.bits == 1 => self.print(x),
-            Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).operand()), false),
+            Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).primary()), false),
             Node::Wrapping(op, x, y) => match side_by_side(ty, op, x, y) {
                 Some((high, low)) => {
                     Text::atom(format!("{{{}, {}}}", self.print(high).text, self.print(low).text), false)
