@@ -27,10 +27,11 @@ module edof_fifo #(
     wire moves = !valid_q || ready_i;
     wire waits = pushed_q != popped_q;
 
-    always @(posedge clock_i) begin
-        if (push_i) memory[pushed_q[BITS-1:0]] <= data_i;
-        if (moves) front_q <= memory[popped_q[BITS-1:0]];
-    end
+    always @(posedge clock_i) if (push_i) memory[pushed_q[BITS-1:0]] <= data_i;
+
+    // What stands here in reset is of no meaning; with three inputs the enable is too large for Yosys to take it, and with it ready_i,
+    // into the logic before each bit.
+    always @(posedge clock_i) if (moves || reset_i) front_q <= memory[popped_q[BITS-1:0]];
 
     (* keep *) always @(posedge clock_i) begin
         if (reset_i) pushed_q <= {(BITS + 1){1'b0}};

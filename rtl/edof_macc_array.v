@@ -3,7 +3,8 @@
 //
 // Counted from a step's address_*_i, value_*_i and first_i (all in one cycle), its product is in its sum seven cycles later at the
 // latest edge that a copy_i three cycles later still sees. Sums that a shift_i hands on stand on sum_*_o seven cycles after it.
-// A write in the cycle of a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2).
+// A write in the cycle before a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2).
+// Writes reach the banks in registers of their own for every eight of them.
 `default_nettype none
 
 module edof_macc_array #(
@@ -45,8 +46,31 @@ module edof_macc_array #(
         .now_i(first_i),
         .later_o(first_later)
     );
-    reg [31:0] write_data_q;
-    always @(posedge clock_i) write_data_q <= write_data_i;
+
+    // The host's writes on their way: bit 18 to 13 bank, 12 half, 11 to 0 row; what is written follows a cycle later. There is none at
+    // first, so that no image is spoilt.
+    localparam GROUPS = (BANKS + 7) / 8;
+    wire [GROUPS-1:0] writes;
+    wire [19*GROUPS-1:0] places;
+    wire [32*GROUPS-1:0] written;
+    genvar group;
+    generate
+        for (group = 0; group < GROUPS; group = group + 1) begin : groups
+            (* keep = "true", dont_touch = "true" *) reg write_q = 1'b0;
+            (* keep *) always @(posedge clock_i) write_q <= write_enable_i;
+            assign writes[group] = write_q;
+            edof_delay #(.WIDTH(19), .CYCLES(1)) place (
+                .clock_i(clock_i),
+                .now_i({write_bank_i, write_half_i, write_row_i}),
+                .later_o(places[19*group +: 19])
+            );
+            edof_delay #(.WIDTH(32), .CYCLES(2)) data (
+                .clock_i(clock_i),
+                .now_i(write_data_i),
+                .later_o(written[32*group +: 32])
+            );
+        end
+    endgenerate
 
     wire [ROWS*SUM-1:0] even [0:BANKS];
     wire [ROWS*SUM-1:0] odd [0:BANKS];
@@ -75,11 +99,11 @@ module edof_macc_array #(
                 .drain_odd_i(odd[bank+1]),
                 .drain_even_o(even[bank]),
                 .drain_odd_o(odd[bank]),
-                .write_i(write_enable_i),
-                .write_bank_i(write_bank_i),
-                .write_half_i(write_half_i),
-                .write_address_i(write_row_i),
-                .write_data_q_i(write_data_q)
+                .write_i(writes[bank/8]),
+                .write_bank_i(places[19*(bank/8)+13 +: 6]),
+                .write_half_i(places[19*(bank/8)+12]),
+                .write_address_i(places[19*(bank/8) +: 12]),
+                .write_data_q_i(written[32*(bank/8) +: 32])
             );
         end
     endgenerate

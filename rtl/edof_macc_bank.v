@@ -7,12 +7,18 @@
 // likewise hands on two lanes towards drain_*_o, and takes two from drain_*_i: one holding register for each multiplier, so that
 // nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0.
 //
-// The register behind a memory is the block RAM's own output register to Vivado; Yosys has none, and `keep` on its process stops it
-// from making it a second input register of the multiplier, to which the way from the memory would be too long.
-// A write begins as none, so that no image is spoilt before reset has come through. Control comes in registers of this bank's own, for copy and shift even of each multiplier's: `keep` and its like stop Yosys and
-// Vivado from merging them. Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
+// The register behind a memory is the block RAM's own output register to Vivado, which is left free to take it. Yosys has none, and
+// would make it a second input register of the multiplier, to which the way from the memory is too long: `EDOF_KEEP_IN_YOSYS stops it.
+// A write begins as none, so that no image is spoilt before reset has come through. Control comes in registers of this bank's own,
+// for copy and shift even of each multiplier's: `keep` and its like stop Yosys and Vivado from merging them. Images lie below
+// `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
+`endif
+`ifdef YOSYS
+`define EDOF_KEEP_IN_YOSYS (* keep *)
+`else
+`define EDOF_KEEP_IN_YOSYS
 `endif
 `default_nettype none
 
@@ -72,14 +78,15 @@ module edof_macc_bank #(
                 write_low_q <= mine && !write_half_i;
                 write_high_q <= mine && write_half_i;
             end
-            reg [63:0] read_a_q, read_b_q, row_a_q, row_b_q;
+            reg [63:0] read_a_q, read_b_q;
+            `EDOF_KEEP_IN_YOSYS reg [63:0] row_a_q, row_b_q;
             always @(posedge clock_i) begin
                 if (write_low_q) weights[address_a_q][31:0] <= write_data_q_i;
                 if (write_high_q) weights[address_a_q][63:32] <= write_data_q_i;
                 read_a_q <= weights[address_a_q];
             end
             always @(posedge clock_i) read_b_q <= weights[address_b_q];
-            (* keep *) always @(posedge clock_i) begin
+            always @(posedge clock_i) begin
                 row_a_q <= read_a_q;
                 row_b_q <= read_b_q;
             end
@@ -101,13 +108,14 @@ module edof_macc_bank #(
                     write_low_q <= this_part && !write_half_i;
                     write_high_q <= this_part && write_half_i;
                 end
-                reg [63:0] read_q, row_q;
+                reg [63:0] read_q;
+                `EDOF_KEEP_IN_YOSYS reg [63:0] row_q;
                 always @(posedge clock_i) begin
                     if (write_low_q) weights[write_row_q][31:0] <= write_data_q_i;
                     if (write_high_q) weights[write_row_q][63:32] <= write_data_q_i;
                     read_q <= weights[address_q];
                 end
-                (* keep *) always @(posedge clock_i) row_q <= read_q;
+                always @(posedge clock_i) row_q <= read_q;
                 assign rows[64*part +: 64] = row_q;
             end
         end

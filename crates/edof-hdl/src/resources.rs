@@ -140,8 +140,10 @@ fn multipliers(plan: &StagePlan, sum_bits: usize) -> Resources {
         let ramb36e1 = words * depth.div_ceil(512);
         Resources { dsp48e1: 0, ramb36e1, ramb18e1: 0, lut: hold + 3 * words, ff: hold + kept + 2 * words }
     };
-    let shared = Resources::logic(289, 759 + rows * (2 * 25 + 2 * sum_bits));
-    Resources { dsp48e1: plan.dsps(), ..bank * plan.banks() + shared }
+    let shared = Resources::logic(289, 727 + rows * (2 * 25 + 2 * sum_bits));
+    // The host's writes come to every eight banks in registers of their own.
+    let writes = Resources::logic(0, 20 + 2 * 32) * plan.banks().div_ceil(8);
+    Resources { dsp48e1: plan.dsps(), ..bank * plan.banks() + shared + writes }
 }
 
 /// Four slots of vectors in block RAM: pairs of 25 bits, or the parts of dense vectors.

@@ -19,7 +19,7 @@ const MEASURE: usize = 1200;
 pub struct StageCycles {
     /// Multipliers: one step after the other.
     pub multiply: f64,
-    /// Drain: two sums a cycle, and a cycle to copy them, each pass.
+    /// Drain: two sums a cycle, each pass.
     pub drain: f64,
     /// Multipliers and drain together: two passes at most are between their first step and their release.
     pub turn: f64,
@@ -37,7 +37,7 @@ impl StageCycles {
         let (passes, beats) = (stage.passes() as f64, stage.drain_beats() as f64);
         Self {
             multiply: passes * steps.max(PASS_SPACING as f64),
-            drain: passes * (beats + 1.0).max(credit_cycles(stage.drain_beats())),
+            drain: passes * beats.max(credit_cycles(stage.drain_beats())),
             turn: passes * (steps + to_release as f64) / 2.0,
             slots: (stage.beats_in() as f64 + ARRIVAL_LATENCY as f64 - 1.0 + passes * steps) / SLOTS as f64,
             wires: stage.beats_in().max(stage.beats_out()) as f64,

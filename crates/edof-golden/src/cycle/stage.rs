@@ -33,7 +33,7 @@ pub struct StageUse {
 /// A stage between two vectors.
 ///
 /// Its base ring never makes it wait: with all slots full and three passes in DSPs and drain, fewer than `BASE_VECTORS` bases are
-/// held. Every field is the first cycle in which something is free: one more than the cycle that the contract's recurrences name.
+/// held. Every field is the first cycle in which something is free: mostly one more than the cycle that the contract's recurrences name.
 #[derive(Debug, Clone)]
 pub struct StageClock {
     plan: StagePlan,
@@ -47,7 +47,7 @@ pub struct StageClock {
     spacing: u64,
     /// Releases of the last pass and the one before, with `RELEASE_LATENCY`.
     released: [u64; 2],
-    /// The drain: `take_last[n−1] + 1`.
+    /// The holding registers: `take_last[n−1]`, whose take may be the copy's cycle.
     drain: u64,
     /// The output: `out[j−1] + 1`.
     output: u64,
@@ -108,7 +108,7 @@ impl StageClock {
             let taken = self.drain(copy, receiver.stalls, out);
             let released = taken + release(self.plan.drain_beats()) + RELEASE_LATENCY;
             self.released = [released, self.released[0]];
-            self.drain = taken + self.plan.drain_beats() as u64;
+            self.drain = taken + self.plan.drain_beats() as u64 - 1;
         }
         self.slots[self.vectors as usize % SLOTS] = self.multipliers;
         self.vectors += 1;

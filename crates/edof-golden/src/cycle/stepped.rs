@@ -195,7 +195,7 @@ impl Stage {
 
     /// One cycle, with or without a beat in, a beat out and a step; tells whether a vector's last pass finished.
     fn step(&mut self, beat_in: bool, beat_out: bool, stolen: bool) -> bool {
-        let copies = self.sums > 0 && self.holding == 0;
+        let copies = self.sums > 0 && (self.holding == 0 || (self.takes_on && self.holding == 1));
         let begins = self.holding > 0 && !self.takes_on && self.credits >= self.holding;
         self.takes_on |= begins;
         let (last_step, finished) = self.sequence(stolen);

@@ -6,9 +6,10 @@ use edof_spec::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
 /// When sums are copied out of the multipliers, and when the copies are taken, two a cycle.
-/// A pass's sums stand ready seven cycles after its last step and are copied once the drain of the pass before is over. A drain begins
-/// when all that it takes has room in the FIFO, and then takes in every cycle. Two passes may be between their start and their release:
-/// the next one's sums come so late that a drain may still have some takes to go. Copy and take leave a cycle after they are decided.
+/// A pass's sums stand ready seven cycles after its last step and are copied with the last take of the drain before, or later. A drain
+/// begins when all that it takes has room in the FIFO, and then takes in every cycle, two times at least. Two passes may be between
+/// their start and their release: the next one's sums come so late that a drain may still have some takes to go.
+/// Copy and take leave a cycle after they are decided.
 #[derive(Circuit)]
 #[circuit(default(Delay))]
 pub struct Drain {
@@ -97,23 +98,12 @@ impl Logic for Drain {
             self.passed.next = 1.into();
         }
         self.on_the_way.now.next = self.passed.val();
-        self.copies.next = self.sum_ready.q.val() && !self.busy.q.val();
+        self.copies.next =
+            self.sum_ready.q.val() && (!self.busy.q.val() || (self.on.q.val() && self.at_last.q.val()));
         self.takes.next = self.on.q.val() || (self.loaded.q.val() && self.enough.q.val());
         self.releases.next = self.takes.val() && (self.rest.q.val() == self.release_at.val());
 
-        // A pass whose sums stand ready, are copied, are taken.
-        if self.copies.val() {
-            self.sum_ready.d.next = false;
-            self.busy.d.next = true;
-            self.loaded.d.next = true;
-            self.rest.d.next = self.before_last_take.val();
-            self.at_last.d.next = !self.before_last_take.val().any();
-            self.drain_set.d.next = self.sum_set.q.val();
-        }
-        if self.on_the_way.later.val().get_bit(0) {
-            self.sum_ready.d.next = true;
-            self.sum_set.d.next = self.on_the_way.later.val().get_bit(1);
-        }
+        // A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of the next.
         if self.takes.val() {
             self.loaded.d.next = false;
             self.on.d.next = true;
@@ -128,6 +118,18 @@ impl Logic for Drain {
                 self.beat_q.d.next = 0.into();
             }
         }
+        if self.copies.val() {
+            self.sum_ready.d.next = false;
+            self.busy.d.next = true;
+            self.loaded.d.next = true;
+            self.rest.d.next = self.before_last_take.val();
+            self.at_last.d.next = !self.before_last_take.val().any();
+            self.drain_set.d.next = self.sum_set.q.val();
+        }
+        if self.on_the_way.later.val().get_bit(0) {
+            self.sum_ready.d.next = true;
+            self.sum_set.d.next = self.on_the_way.later.val().get_bit(1);
+        }
 
         // Passes that have begun and are not released; room in the FIFO.
         if self.begins.val() && !self.releases.val() {
@@ -140,7 +142,9 @@ impl Logic for Drain {
         } else if self.returned.val() && !self.takes.val() {
             self.credits.d.next = self.credits.q.val() + 1;
         }
-        self.enough.d.next = self.credits.q.val() >= self.wanted_credits.val();
+        // A drain may begin in the cycle after the last take of the one before: that one's credit is spent.
+        self.enough.d.next = (self.credits.q.val() > self.wanted_credits.val())
+            || ((self.credits.q.val() == self.wanted_credits.val()) && !self.takes.val());
         self.may_start.next = !self.open.q.val().get_bit(1);
 
         // A cycle later.

@@ -87,7 +87,8 @@ struct State {
     steps: [Step; 6],
     /// Rows that lie in the memories' output registers, of each bank and word.
     read: [Vec<u64>; 5],
-    write: Write,
+    /// Writes of the last two cycles, the newest first.
+    writes: [Write; 2],
     /// Of each lane, its rows.
     sums: Vec<Vec<i64>>,
     hold: Vec<Vec<i64>>,
@@ -140,16 +141,17 @@ impl MaccArray {
         new.steps[0] = step;
         new.copy = [self.copy.val(), old.copy[0]];
         new.shift = [self.shift.val(), old.shift[0]];
-        new.write = Write {
+        let write_now = Write {
             enable: self.write_enable.val(),
             bank: self.write_bank.val().to_u64() as usize,
             half: self.write_half.val(),
             row: self.write_row.val().to_u64() as usize,
             data: self.write_data.val().to_u64(),
         };
+        new.writes = [write_now, old.writes[0]];
         new.read.rotate_right(1);
         new.read[0] = read(sizes, &old, &weights);
-        write(sizes, &old.write, &mut weights);
+        write(sizes, &old.writes[1], &mut weights);
         new.weights = weights;
         // Products of the step of six cycles ago, whose rows have come through memory, output and input register.
         let (step, rows) = (&old.steps[4], &old.read[3]);
@@ -179,8 +181,9 @@ fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
     let [a, b] = old.steps[0].addresses;
     (0..sizes.banks)
         .flat_map(|bank| {
-            let written = old.write.enable && old.write.bank == bank;
-            let a = if !sizes.dense && sizes.rows == 2 && written { old.write.row } else { a };
+            let write = &old.writes[1];
+            let written = write.enable && write.bank == bank;
+            let a = if !sizes.dense && sizes.rows == 2 && written { write.row } else { a };
             (0..sizes.rows).map(move |row| match (sizes.dense, row) {
                 (true, part) => (bank * sizes.rows + part, a),
                 (false, 0) => (bank, a),

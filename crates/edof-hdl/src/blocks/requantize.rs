@@ -36,7 +36,7 @@ pub struct Requantize {
     sum_to_4: Delay<48, 4>,
     shift_to_6: Delay<6, 6>,
     fine_1: DFF<Sum>,
-    coarse_1: DFF<Bits<6>>,
+    coarse_to_1: Delay<6, 1>,
     half_1: DFF<Sum>,
     aligned_2: DFF<Sum>,
     half_2: DFF<Sum>,
@@ -81,7 +81,6 @@ impl Logic for Requantize {
             self,
             clock,
             fine_1,
-            coarse_1,
             half_1,
             aligned_2,
             half_2,
@@ -95,6 +94,7 @@ impl Logic for Requantize {
             saturated_q
         );
         self.sum_to_4.clock.next = self.clock.val();
+        self.coarse_to_1.clock.next = self.clock.val();
         self.shift_to_6.clock.next = self.clock.val();
         self.with_half.clock.next = self.clock.val();
         self.total.clock.next = self.clock.val();
@@ -105,9 +105,9 @@ impl Logic for Requantize {
             self.extended.next = bit_cast::<48, 16>(self.base.val()) | self.sign_bits.val();
         }
         self.fine_1.d.next = self.extended.val() << (self.base_shift.val() & 7);
-        self.coarse_1.d.next = self.base_shift.val() & 0x38;
+        self.coarse_to_1.now.next = self.base_shift.val() & 0x38;
         self.half_1.d.next = (self.one.val() << self.result_shift.val()) >> 1;
-        self.aligned_2.d.next = (self.fine_1.q.val() << self.coarse_1.q.val()) & self.base_bits.val();
+        self.aligned_2.d.next = (self.fine_1.q.val() << self.coarse_to_1.later.val()) & self.base_bits.val();
         self.half_2.d.next = self.half_1.q.val();
 
         // Cycles 3 to 6: the total.

@@ -103,7 +103,7 @@ pub struct Stage {
     registers_2: DFF<Bit>,
     address_2: DFF<Bits<19>>,
     data_2: DFF<Bits<32>>,
-    weights_to_6: Delay<52, 4>,
+    weights_to_5: Delay<52, 3>,
     resets: Signal<Local, Bits<1>>,
     ready_in: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
@@ -179,7 +179,7 @@ impl Logic for Stage {
         self.fifo.clock.next = self.clock.val();
         self.registers.clock.next = self.clock.val();
         self.counters.clock.next = self.clock.val();
-        self.weights_to_6.clock.next = self.clock.val();
+        self.weights_to_5.clock.next = self.clock.val();
 
         // Each part has a register for its reset.
         self.resets.next = 0.into();
@@ -379,13 +379,13 @@ impl Logic for Stage {
                 | (bit_cast::<52, 32>(self.data_2.q.val()) << 1)
                 | 1;
         }
-        self.weights_to_6.now.next = self.weights_word.val();
+        self.weights_to_5.now.next = self.weights_word.val();
         // What registers hold at first is nothing that was written.
-        self.macc.write_enable.next = self.weights_to_6.later.val().get_bit(0) && !self.reset.val();
-        self.macc.write_bank.next = self.weights_to_6.later.val().get_bits::<6>(46);
-        self.macc.write_row.next = self.weights_to_6.later.val().get_bits::<12>(34);
-        self.macc.write_half.next = self.weights_to_6.later.val().get_bit(33);
-        self.macc.write_data.next = self.weights_to_6.later.val().get_bits::<32>(1);
+        self.macc.write_enable.next = self.weights_to_5.later.val().get_bit(0) && !self.reset.val();
+        self.macc.write_bank.next = self.weights_to_5.later.val().get_bits::<6>(46);
+        self.macc.write_row.next = self.weights_to_5.later.val().get_bits::<12>(34);
+        self.macc.write_half.next = self.weights_to_5.later.val().get_bit(33);
+        self.macc.write_data.next = self.weights_to_5.later.val().get_bits::<32>(1);
         self.results.write_thresholds.next = self.thresholds_2.q.val() && !self.reset.val();
         self.results.write_previous.next = self.previous_2.q.val() && !self.reset.val();
         self.results.write_row.next = self.address_2.q.val().get_bits::<12>(1);

@@ -25,5 +25,5 @@ pub const STEAL_LATENCY: u64 = 2;
 /// sums reach the DSPs only later.
 #[must_use]
 pub const fn release(drain_beats: usize) -> u64 {
-    (drain_beats as u64).saturating_sub(1 + SUM_LATENCY)
+    (drain_beats as u64).saturating_sub(2 + SUM_LATENCY)
 }

@@ -1,7 +1,8 @@
 // When sums are copied out of the multipliers, and when the copies are taken, two a cycle.
-// A pass's sums stand ready seven cycles after its last step and are copied once the drain of the pass before is over. A drain begins
-// when all that it takes has room in the FIFO, and then takes in every cycle. Two passes may be between their start and their release:
-// the next one's sums come so late that a drain may still have some takes to go. Copy and take leave a cycle after they are decided.
+// A pass's sums stand ready seven cycles after its last step and are copied with the last take of the drain before, or later. A drain
+// begins when all that it takes has room in the FIFO, and then takes in every cycle, two times at least. Two passes may be between
+// their start and their release: the next one's sums come so late that a drain may still have some takes to go.
+// Copy and take leave a cycle after they are decided.
 //
 // From crates/edof-hdl/src/blocks/drain.rs (Drain).
 `default_nettype none
@@ -47,7 +48,7 @@ module drain #(
     );
 
     assign passed = (pass_issued_i && set_i) ? 2'd3 : (pass_issued_i ? 2'd1 : 2'd0);
-    assign copies = sum_ready_q && !busy_q;
+    assign copies = sum_ready_q && (!busy_q || (on_q && at_last_q));
     assign takes = on_q || (loaded_q && enough_q);
     assign releases = takes && (rest_q == RELEASE_AT);
 
@@ -78,13 +79,13 @@ module drain #(
 
     always @* begin
         busy_d = busy_q;
-        if (copies) begin
-            busy_d = 1'b1;
-        end
         if (takes) begin
             if (at_last_q) begin
                 busy_d = 1'b0;
             end
+        end
+        if (copies) begin
+            busy_d = 1'b1;
         end
         if (reset_i) begin
             busy_d = 1'b0;
@@ -93,11 +94,11 @@ module drain #(
 
     always @* begin
         loaded_d = loaded_q;
-        if (copies) begin
-            loaded_d = 1'b1;
-        end
         if (takes) begin
             loaded_d = 1'b0;
+        end
+        if (copies) begin
+            loaded_d = 1'b1;
         end
         if (reset_i) begin
             loaded_d = 1'b0;
@@ -156,12 +157,12 @@ module drain #(
         busy_q <= busy_d;
         loaded_q <= loaded_d;
         on_q <= on_d;
-        rest_q <= takes ? (rest_q - 8'd1) : (copies ? BEFORE_LAST_TAKE : rest_q);
-        at_last_q <= takes ? (rest_q == 8'd1) : (copies ? (!(|BEFORE_LAST_TAKE)) : at_last_q);
+        rest_q <= copies ? BEFORE_LAST_TAKE : (takes ? (rest_q - 8'd1) : rest_q);
+        at_last_q <= copies ? (!(|BEFORE_LAST_TAKE)) : (takes ? (rest_q == 8'd1) : at_last_q);
         beat_q <= beat_d;
         drain_set_q <= copies ? sum_set_q : drain_set_q;
         credits_q <= credits_d;
-        enough_q <= credits_q >= WANTED_CREDITS;
+        enough_q <= (credits_q > WANTED_CREDITS) || ((credits_q == WANTED_CREDITS) && !takes);
         copy_q <= copies;
         take_q <= takes;
         taken_beat_q <= beat_q;

@@ -27,7 +27,7 @@ module requantize #(
     wire [47:0] extended, fine_fill, coarse_fill, outside, sum_to_4_later;
     wire [5:0] shift_to_6_later;
     reg  [47:0] fine_1_q;
-    reg  [5:0] coarse_1_q;
+    wire [5:0] coarse_to_1_now, coarse_to_1_later;
     reg  [47:0] half_1_q, aligned_2_q, half_2_q;
     wire [47:0] with_half_sum, total_sum;
     reg  [47:0] fine_7_q;
@@ -44,6 +44,9 @@ module requantize #(
     edof_delay #(.WIDTH(6), .CYCLES(6)) shift_to_6 (
         .clock_i(clock_i), .now_i(result_shift_i), .later_o(shift_to_6_later)
     );
+    edof_delay #(.WIDTH(6), .CYCLES(1)) coarse_to_1 (
+        .clock_i(clock_i), .now_i(coarse_to_1_now), .later_o(coarse_to_1_later)
+    );
     edof_add with_half (
         .clock_i(clock_i), .a_i(aligned_2_q), .b_i(half_2_q), .sum_o(with_half_sum)
     );
@@ -52,6 +55,7 @@ module requantize #(
     );
 
     assign extended = base_i[15] ? ({32'd0, base_i} | SIGN_BITS) : {32'd0, base_i};
+    assign coarse_to_1_now = base_shift_i & 6'h38;
     assign fine_fill = total_sum[47] ? (~(ONES >> (shift_to_6_later & 6'd7))) : 48'd0;
     assign coarse_fill = fine_7_q[47] ? (~(ONES >> coarse_7_q)) : 48'd0;
     assign outside = shifted_8_q[47] ? (~shifted_8_q & BEYOND) : (shifted_8_q & BEYOND);
@@ -60,9 +64,8 @@ module requantize #(
 
     always @(posedge clock_i) begin
         fine_1_q <= extended << (base_shift_i & 6'd7);
-        coarse_1_q <= base_shift_i & 6'h38;
         half_1_q <= (ONE << result_shift_i) >> 1;
-        aligned_2_q <= (fine_1_q << coarse_1_q) & BASE_BITS;
+        aligned_2_q <= (fine_1_q << coarse_to_1_later) & BASE_BITS;
         half_2_q <= half_1_q;
         fine_7_q <= (total_sum >> (shift_to_6_later & 6'd7)) | fine_fill;
         coarse_7_q <= shift_to_6_later & 6'h38;

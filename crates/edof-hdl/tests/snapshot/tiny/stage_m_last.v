@@ -65,7 +65,7 @@ module stage_m_last (
     reg  weights_2_q, thresholds_2_q, previous_2_q, registers_2_q;
     reg  [18:0] address_2_q;
     reg  [31:0] data_2_q;
-    wire [51:0] weights_to_6_later;
+    wire [51:0] weights_to_5_later;
 
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_store (
         .clock_i(clock_i), .now_i(reset_i), .later_o(reset_store_later)
@@ -179,11 +179,11 @@ module stage_m_last (
         .shift_i(drain_take),
         .sum_even_o(macc_sum_even),
         .sum_odd_o(macc_sum_odd),
-        .write_enable_i(weights_to_6_later[0] && !reset_i),
-        .write_bank_i(weights_to_6_later[51:46]),
-        .write_half_i(weights_to_6_later[33]),
-        .write_row_i(weights_to_6_later[45:34]),
-        .write_data_i(weights_to_6_later[32:1])
+        .write_enable_i(weights_to_5_later[0] && !reset_i),
+        .write_bank_i(weights_to_5_later[51:46]),
+        .write_half_i(weights_to_5_later[33]),
+        .write_row_i(weights_to_5_later[45:34]),
+        .write_data_i(weights_to_5_later[32:1])
     );
 
     drain #(
@@ -266,8 +266,8 @@ module stage_m_last (
         .value_o(counters_value)
     );
 
-    edof_delay #(.WIDTH(52), .CYCLES(4)) weights_to_6 (
-        .clock_i(clock_i), .now_i(weights_word), .later_o(weights_to_6_later)
+    edof_delay #(.WIDTH(52), .CYCLES(3)) weights_to_5 (
+        .clock_i(clock_i), .now_i(weights_word), .later_o(weights_to_5_later)
     );
 
     assign window_ready_o = 1'b1;
