@@ -18,7 +18,8 @@ module edof_bench;
     initial $readmemh("sim/windows.hex", windows);
     initial $readmemh("sim/patches.hex", patches);
 
-    reg reset = 1'b1;
+    // It rises after the start: a block that waits for a change of its inputs must see one.
+    reg reset = 1'b0;
     reg window_valid = 1'b0;
     wire window_ready;
     integer sent = 0;
@@ -37,9 +38,9 @@ module edof_bench;
     always @(posedge clock) begin
         cycle <= cycle + 1;
         lot <= {lot[30:0], lot[31] ^ lot[21] ^ lot[1] ^ lot[0]};
-        reset <= cycle < 64;
+        reset <= cycle >= 4 && cycle < 64;
         patch_ready <= lot[3:0] != 4'd0;
-        if (!reset) begin
+        if (cycle > 64) begin
             if (!window_valid || window_ready) window_valid <= (sent + (window_valid ? 1 : 0) < WINDOWS * WINDOW_BEATS) && (lot[6:4] != 3'd0);
             if (window_valid && window_ready) sent <= sent + 1;
             if (patch_valid && patch_ready) begin

@@ -68,7 +68,8 @@ module edof_macc_bank #(
         if (DENSE == 0 && ROWS == 2) begin : two_ports
             // The write shares port A, so that both ports of the block RAM can read.
             (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
-            initial if (INIT != "") $readmemh({`EDOF_DIR, INIT, TENS, ONES, "_0.hex"}, weights);
+            localparam IMAGE = {`EDOF_DIR, INIT, TENS, ONES, "_0.hex"};
+            initial if (INIT != "") $readmemh(IMAGE, weights);
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_a_q;
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
             (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
@@ -102,7 +103,8 @@ module edof_macc_bank #(
                 localparam [7:0] PART = 8'd48 + part;
                 wire this_part = mine && (WORDS == 1 || (write_address_i & (12'd1 << PART_BITS) - 12'd1) == part);
                 (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
-                initial if (INIT != "") $readmemh({`EDOF_DIR, INIT, TENS, ONES, "_", PART, ".hex"}, weights);
+                localparam IMAGE = {`EDOF_DIR, INIT, TENS, ONES, "_", PART, ".hex"};
+                initial if (INIT != "") $readmemh(IMAGE, weights);
                 (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
                 (* keep *) always @(posedge clock_i) begin
                     write_low_q <= this_part && !write_half_i;

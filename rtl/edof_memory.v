@@ -22,9 +22,10 @@ module edof_memory #(
     input  wire [WIDTH-1:0] write_data_i
 );
     localparam BITS = $clog2(DEPTH);
+    localparam IMAGE = {`EDOF_DIR, INIT};
 
     (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
-    initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
+    initial if (INIT != "") $readmemh(IMAGE, words);
 
     reg [WIDTH-1:0] read_q;
     always @(posedge clock_i) begin

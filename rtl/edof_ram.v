@@ -23,19 +23,20 @@ module edof_ram #(
     input  wire [WIDTH-1:0] write_data_i
 );
     localparam BITS = $clog2(DEPTH);
+    localparam IMAGE = {`EDOF_DIR, INIT};
 
     reg [WIDTH-1:0] read_q;
     generate
         if (BLOCK != 0) begin : in_block
             (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
-            initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
+            initial if (INIT != "") $readmemh(IMAGE, words);
             always @(posedge clock_i) begin
                 if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
                 read_q <= words[read_address_i[BITS-1:0]];
             end
         end else begin : in_luts
             (* ram_style = "distributed" *) reg [WIDTH-1:0] words [0:DEPTH-1];
-            initial if (INIT != "") $readmemh({`EDOF_DIR, INIT}, words);
+            initial if (INIT != "") $readmemh(IMAGE, words);
             always @(posedge clock_i) begin
                 if (write_enable_i) words[write_address_i[BITS-1:0]] <= write_data_i;
                 read_q <= words[read_address_i[BITS-1:0]];

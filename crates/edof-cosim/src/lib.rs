@@ -10,6 +10,7 @@
 //! | map | [`yosys`] | the cells of a 7-series FPGA that the design becomes |
 //! | compare | [`chain`] | the calculator against the cycle model, at every boundary |
 //! | surround | [`bench`](mod@bench) | any block with streams and AXI ports, in several clock domains |
+//! | everything | [`system`] | the whole core, from the receiver's pins to the transmitter's |
 //! | tell | [`junit`], [`error`] | a report for CI, and what can go wrong |
 //!
 //! A counter, driven by hand:
@@ -43,6 +44,7 @@ pub mod junit;
 pub mod lint;
 pub mod rows;
 pub mod source;
+pub mod system;
 pub mod tool;
 pub mod verilator;
 mod work;

@@ -66,15 +66,42 @@ fn spoil(file: &Path) {
     std::fs::write(file, text.replacen(line, &other, 1)).unwrap();
 }
 
-#[test]
-fn the_directory_tries_itself_and_finds_a_wrong_word() {
+/// A folder with everything on the path but the programs whose names begin so.
+fn path_without(place: &Place, beginnings: &[&str]) -> PathBuf {
+    let folder = place.path("path");
+    std::fs::create_dir(&folder).unwrap();
+    let all = std::env::var_os("PATH").unwrap();
+    for program in std::env::split_paths(&all).filter_map(|path| std::fs::read_dir(path).ok()).flatten() {
+        let program = program.unwrap();
+        let name = program.file_name().into_string().unwrap();
+        if !beginnings.iter().any(|beginning| name.starts_with(beginning)) {
+            // The first of a name is the one that counts.
+            let _ = std::os::unix::fs::symlink(program.path(), folder.join(name));
+        }
+    }
+    folder
+}
+
+/// `make sim` where only one simulator is installed, then with a wrong word.
+fn tries_itself(simulator: &str, missing: &[&str]) {
     let place = Place::new();
     let folder = generated(&place);
-    let output = run("make", &["sim"], &folder);
+    let path = path_without(&place, missing);
+    let output = Command::new("make").arg("sim").current_dir(&folder).env("PATH", path).output().unwrap();
     assert!(output.status.success() && said(&output).contains("PASS: 12 patches"), "{}", said(&output));
     spoil(&folder.join("sim/patches.hex"));
-    let output = run("build/verilator/bench", &[], &folder);
+    let output = run(&format!("build/{simulator}/bench"), &[], &folder);
     assert!(!output.status.success() && said(&output).contains("FAIL: patch"), "{}", said(&output));
+}
+
+#[test]
+fn the_directory_tries_itself_with_verilator_alone_and_finds_a_wrong_word() {
+    tries_itself("verilator", &["iverilog", "vvp"]);
+}
+
+#[test]
+fn the_directory_tries_itself_with_icarus_alone_and_finds_a_wrong_word() {
+    tries_itself("icarus", &["verilator"]);
 }
 
 #[test]

@@ -74,27 +74,16 @@ pub fn project(
     let mut top = Kc705Core::new(core);
     top.connect_all();
     let crossings = emit(&top)?.crossings;
-    let images = project::images(design, sets).into_iter().chain(images(tables)).collect();
-    let mut core = project::of_circuit(&mut top, images)?;
-    core.verilog
-        .iter_mut()
-        .filter(|(name, _)| name == "edof_ram.v")
-        .for_each(|(_, text)| *text = cleared(text));
+    let images = project::images(design, sets).into_iter().chain(table_images(tables)).collect();
+    let core = project::of_circuit(&mut top, images)?;
     let mut files = files(design, &core, &crossings);
     files.extend(bench(&calculator, recorded));
     Ok(Kc705 { core, files })
 }
 
-/// The memory leaf, starting with zeros where it has no image, as it does in an FPGA: a simulator of four states needs to be told.
-fn cleared(ram: &str) -> String {
-    let memory = "words [0:DEPTH-1];";
-    let zeros = "for (row = 0; row < DEPTH; row = row + 1) words[row] = {WIDTH{1'b0}};";
-    let clear = format!("{memory}\n            integer row;\n            initial if (INIT == \"\") {zeros}");
-    ram.replace(memory, &clear)
-}
-
 /// Images of the display tables and of the set-up tables.
-fn images(tables: &Tables) -> Vec<(String, String)> {
+#[must_use]
+pub fn table_images(tables: &Tables) -> Vec<(String, String)> {
     let all = [tables.luma, tables.colours[0], tables.colours[1], tables.colours[2]];
     let display = TABLE_IMAGES.iter().zip(all).map(|(path, words)| {
         let text = words.iter().fold(String::new(), |mut text, word| {

@@ -1,5 +1,6 @@
 //! `edof cosim`: the generated Verilog against the cycle model.
 
+use super::cosim_system;
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
@@ -34,13 +35,18 @@ const WAVEFORM_CYCLES: u64 = 300;
 /// Patches are windows of a picture behind the network's own camera, or drawn at random with extreme values. Registers and
 /// memories start with random contents. Every stage boundary is compared in every cycle, and the counters at the end; the first
 /// difference ends the run with exit status 1, and is shown in a waveform.
+///
+/// With --system it is the whole core that runs, from the receiver's pins to the transmitter's: three clocks that drift, a memory that is
+/// late, and every picture on the screen bit for bit that of edof reconstruct --board.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof cosim --design tiny --random 2000 --stalls 0.3
   edof cosim --design paper --weights paper-t4 --photo photo.png --patches 2000 --json result.json
   edof cosim --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 4 --noise 0.01
   edof cosim --design paper --weights paper-t4 --rtl build/paper/rtl
-  edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml")]
+  edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml
+  edof cosim --system --design tiny --window 12 --stride 4 --size 32x16 --display luma
+  edof cosim --system --design kc705 --weights edof-t4w12-outer --photo photo.png --size 256x256 --frames 1")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]
@@ -97,6 +103,16 @@ pub struct Args {
     /// Write the result as JUnit XML too
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
+
+    #[command(flatten)]
+    system: cosim_system::Args,
+}
+
+impl Args {
+    /// The picture that is asked for.
+    fn shot(&self) -> Shot {
+        Shot { photo: self.photo.clone(), psi: self.psi, noise: self.noise, seed: self.seed }
+    }
 }
 
 /// # Errors
@@ -107,7 +123,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = files.reads_all(&args.photo).may_write("--junit", args.junit.as_ref());
     files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
-    let design = designs::load(&args.design)?;
+    let design = args.system.design(designs::load(&args.design)?)?;
     ui.used(designs::input(&design));
     let network = match &args.weights {
         Some(name) => {
@@ -116,6 +132,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         }
         None => edof_random::for_design(&design, args.seed),
     };
+    if args.system.system {
+        let raw = args.shot().frame(&network, ui)?;
+        return cosim_system::run(&args.system, &design, network, &raw, args.seed, ui);
+    }
     let trial =
         Trial { patches: patches(&args, &design, &network, ui)?, design, network, drive: drive(&args)? };
     if trial.patches.is_empty() {
@@ -159,8 +179,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
         };
         return Ok((0..count).map(patch).collect());
     }
-    let shot = Shot { photo: args.photo.clone(), psi: args.psi, noise: args.noise, seed: args.seed };
-    let raw = shot.frame(network, ui)?;
+    let raw = args.shot().frame(network, ui)?;
     let windows = windows::of(network, &raw)?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }

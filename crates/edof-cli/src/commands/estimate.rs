@@ -10,6 +10,7 @@ use crate::windows::{self, Shot};
 use edof_cosim::chain::check::stage_names;
 use edof_golden::cycle::estimate::{StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
+use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_spec::design::memory::Set;
 use edof_spec::{Design, FixedNetwork, Noise};
@@ -90,6 +91,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         names[limiting],
         100.0 * share
     ))?;
+    let board =
+        board(&design, cycles, measured.as_ref().map_or(ahead.latency as f64, Measured::mean_latency));
+    ui.say(format!(
+        "from HDMI in to HDMI out: {:.1} frames a second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
+        board.frames_per_second,
+        1e3 * board.latency[0],
+        1e3 * board.latency[1],
+        board.written / 1e6,
+        board.read / 1e6
+    ))?;
     let picture = |Picture { name, summary }: &Picture| {
         json!({
             "picture": name,
@@ -138,12 +149,25 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "most_cycles_per_patch": measured.as_ref().map(Measured::most_cycles),
         "frames_per_second": frames,
         "limiting_stage": names[limiting],
+        "board": {
+            "frames_per_second": board.frames_per_second,
+            "memory_written_per_second": board.written,
+            "memory_read_per_second": board.read,
+            "latency_seconds": board.latency,
+        },
         "scarcest": scarcest,
         "share_of_scarcest": share,
         "stages": per_stage,
         "slowest_picture": measured.as_ref().and_then(|measured| worst(&measured.0)).map(picture),
         "pictures": measured.as_ref().map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
     }))
+}
+
+/// The whole board at the design's clock, a camera and a screen of its frames' standard timing.
+fn board(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Figures {
+    let core = (1e6 / design.clock_mhz) as u64;
+    let periods = Periods { core, ..Periods::of_board(design.frame) };
+    figures(design.frame, CoreCycles::of(design, cycles_a_patch, patch_latency), periods)
 }
 
 /// A picture that went through the cycle model.
@@ -185,6 +209,10 @@ impl Measured {
 
     fn cycles_per_patch(&self) -> f64 {
         self.mean(Summary::cycles_per_patch)
+    }
+
+    fn mean_latency(&self) -> f64 {
+        self.mean(Summary::mean_latency)
     }
 
     fn stages(&self) -> std::ops::Range<usize> {

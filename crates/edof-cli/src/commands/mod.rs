@@ -2,8 +2,10 @@
 
 pub mod capture;
 pub mod cosim;
+mod cosim_system;
 pub mod demo;
 pub mod estimate;
+pub mod explore;
 pub mod generate;
 pub mod optics;
 pub mod quantize;

@@ -3,6 +3,7 @@
 //! What lies between them has no need of a model of its own: [`crate::windows`], [`crate::overlap_add`] and [`crate::display`] say what
 //! comes out, and streams may come at any time.
 
+pub mod figures;
 pub mod video_in;
 pub mod video_out;
 

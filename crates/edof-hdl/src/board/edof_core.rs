@@ -1,6 +1,7 @@
 //! Everything between the pins' clocks and the memory, for any board.
 
 use super::axi_pair::AxiPair;
+use super::clock_watch::ClockWatch;
 use super::frames::Frames;
 use super::read_agent::ReadAgent;
 use super::registers::{BoardRegisters, Identity};
@@ -26,7 +27,7 @@ const CROSSING: usize = 5;
 /// domain has its own that follows it. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_spec::registers`), both in the
 /// memory's clock. Nothing here knows of a vendor or a board.
 #[derive(Circuit)]
-#[circuit(default(ResetSync, BusSync, AxiPair))]
+#[circuit(default(ResetSync, ClockWatch, BusSync, AxiPair))]
 pub struct EdofCore {
     /// Clock of memory, calculator and host.
     pub clock: Signal<In, Clock>,
@@ -73,6 +74,7 @@ pub struct EdofCore {
     /// The register `status`, for lamps.
     pub status: Signal<Out, Bits<8>>,
     resets: [ResetSync; 3],
+    watch: ClockWatch,
     video_in: VideoIn,
     input_fifo: PixelFifo,
     input_status: BusSync<96>,
@@ -140,6 +142,10 @@ impl Logic for EdofCore {
         self.resets[0].clock.next = self.input_clock.val();
         self.resets[1].clock.next = self.clock.val();
         self.resets[2].clock.next = self.screen_clock.val();
+        self.watch.clock.next = self.clock.val();
+        self.watch.reset.next = self.resets[1].domain_reset.val();
+        self.watch.watched.next = self.input_clock.val();
+        self.watch.watched_reset.next = self.resets[0].domain_reset.val();
         self.video_in.clock.next = self.input_clock.val();
         self.video_in.reset.next = self.resets[0].domain_reset.val();
         self.input_fifo.from_clock.next = self.input_clock.val();
@@ -261,10 +267,11 @@ impl Logic for EdofCore {
         if self.dram_ready.val() {
             self.state.next = self.state.val() | 1;
         }
-        if self.input_status.arrived.val().get_bit(77) {
+        // Without its clock the receiver's side says what it said last.
+        if self.input_status.arrived.val().get_bit(77) && !self.watch.stopped.val() {
             self.state.next = self.state.val() | 2;
         }
-        if self.input_status.arrived.val().get_bit(78) {
+        if self.input_status.arrived.val().get_bit(78) && !self.watch.stopped.val() {
             self.state.next = self.state.val() | 4;
         }
         if self.screen_status.arrived.val().get_bits::<32>(32).any() {

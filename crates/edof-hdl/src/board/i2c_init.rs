@@ -94,7 +94,8 @@ impl I2cInit {
     #[must_use]
     pub fn new(kilohertz: u32, table: &[Entry], image: &str) -> Self {
         let words: Vec<u64> = table.iter().map(|entry| entry.action.word().into()).collect();
-        let shape = Shape { image: Some(image.into()), ..Shape::distributed(TABLE_DEPTH) };
+        // Block RAM: a memory that nobody writes is no LUT RAM to Yosys.
+        let shape = Shape { image: Some(image.into()), ..Shape::block(TABLE_DEPTH) };
         Self::from_parts(I2cInitParts {
             quarter: Constant::new((u64::from(kilohertz) / 400).into()),
             millisecond: Constant::new((u64::from(kilohertz) - 1).into()),

@@ -5,6 +5,7 @@
 //! | [`write_agent`] | a stream of pixels into one of three frame buffers |
 //! | [`read_agent`] | the newest complete frame buffer as a stream of pixels |
 //! | [`axi_pair`] | two agents each way on one memory |
+//! | [`clock_watch`] | whether a clock runs |
 //! | [`registers`] | what the host sees and sets |
 //! | [`i2c_init`] | sets up the video chips |
 //! | [`uart_receiver`], [`uart_sender`] | bytes of a serial line |
@@ -17,6 +18,7 @@
 //! reader which it reads. The writer takes the one that is neither, so there is always one, and nobody waits for the other.
 
 pub mod axi_pair;
+pub mod clock_watch;
 pub mod edof_core;
 pub mod embedded_syncs;
 pub mod frames;
@@ -30,6 +32,7 @@ pub mod uart_sender;
 pub mod write_agent;
 
 pub use axi_pair::AxiPair;
+pub use clock_watch::ClockWatch;
 pub use edof_core::EdofCore;
 pub use embedded_syncs::EmbeddedSyncs;
 pub use frames::Frames;

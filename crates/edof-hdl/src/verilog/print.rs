@@ -57,6 +57,11 @@ impl Text {
             Form::Chain(_) | Form::Operation => format!("({})", self.text),
         }
     }
+
+    /// After one sign there is no second one in Verilog.
+    fn unary_operand(self) -> String {
+        if self.form == Form::Atom { self.text } else { format!("({})", self.text) }
+    }
 }
 
 /// A value between two steps of an expression.
@@ -253,19 +258,25 @@ impl<'a> Printer<'a> {
             Node::Literal(value) => Text::atom(literal(ty, *value), ty.signed),
             Node::State(state) => Text::atom(self.state(state), false),
             Node::Not(x) => {
+                // Of one bit, so that nothing hangs on the width around it.
+                if let (1, Node::Not(twice)) = (ty.bits, &x.node)
+                    && twice.ty == ty
+                {
+                    return self.print(twice);
+                }
                 let x = self.print(x);
                 let signed = x.signed && ty.bits > 1;
                 let form = if x.form == Form::Atom { Form::Not } else { Form::Operation };
-                let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.operand());
+                let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.unary_operand());
                 Text { text, form, signed }
             }
             Node::Negate(x) => {
                 let x = self.print(x);
                 let signed = x.signed;
-                Text::operation(format!("-{}", x.operand()), signed)
+                Text::operation(format!("-{}", x.unary_operand()), signed)
             }
             Node::Reduce(_, x) if x.ty.bits == 1 => self.print(x),
-            Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).operand()), false),
+            Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).unary_operand()), false),
             Node::Wrapping(op, x, y) => match side_by_side(ty, op, x, y) {
                 Some((high, low)) => {
                     Text::atom(format!("{{{}, {}}}", self.print(high).text, self.print(low).text), false)

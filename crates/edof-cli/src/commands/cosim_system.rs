@@ -1,0 +1,158 @@
+//! `edof cosim --system`: the whole core, from the receiver's pins to the transmitter's.
+
+use crate::error::Error;
+use crate::interrupt;
+use crate::ui::Ui;
+use edof_cosim::system::{self, Begin, Compiled, Rig};
+use edof_cosim::verilator::Options;
+use edof_golden::{Curve, Display, Golden};
+use edof_spec::design::FrameSize;
+use edof_spec::{Design, DisplayMode, FixedNetwork, RawFrame, Stride, Window};
+use ndarray::s;
+use serde_json::json;
+use std::time::Instant;
+
+/// Pixels by which one frame lies beside the next in the picture.
+const SHIFT: usize = 2;
+/// Frames that are sent besides those that must be shown: the first is lost while the receiver waits for its vertical sync.
+const BESIDES: usize = 2;
+
+/// What `--system` takes besides.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Run the whole core instead: raw frames at the receiver's pins, pictures at the transmitter's, by way of a memory
+    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "icarus", "junit", "waveform", "rtl"])]
+    pub system: bool,
+
+    /// Pictures that must be shown one after the other, each once or more
+    #[arg(long, default_value_t = 5, requires = "system", value_name = "N")]
+    frames: usize,
+
+    /// How words become codes: colour or luma
+    #[arg(long, default_value_t, requires = "system", value_name = "MODE")]
+    display: DisplayMode,
+
+    /// Stride between patches in place of the design's: 2, 4 or 8
+    #[arg(long, requires = "system", value_name = "PIXELS")]
+    stride: Option<usize>,
+
+    /// Window in place of the design's: 8, 12 or 16; the network is then a drawn one
+    #[arg(long, requires = "system", conflicts_with = "weights", value_name = "PIXELS")]
+    window: Option<usize>,
+
+    /// Size of frames in place of the design's
+    #[arg(long, requires = "system", value_name = "WIDTHxHEIGHT", value_parser = size)]
+    size: Option<(usize, usize)>,
+}
+
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let sides = text.split_once('x').map(|(width, height)| (width.parse(), height.parse()));
+    match sides {
+        Some((Ok(width), Ok(height))) => Ok((width, height)),
+        _ => Err("must be a width and a height, as in 64x48".into()),
+    }
+}
+
+impl Args {
+    /// The design with what was asked for in place of its own.
+    ///
+    /// # Errors
+    /// One that cannot be built.
+    pub fn design(&self, mut design: Design) -> Result<Design, Error> {
+        let stride = self.stride.map_or(Ok(design.frame.stride), Stride::new)?;
+        let (width, height) = self.size.unwrap_or((design.frame.width, design.frame.height));
+        design.form.window = self.window.map_or(Ok(design.form.window), Window::new)?;
+        design.frame = FrameSize { width, height, stride };
+        design.check()?;
+        Ok(design)
+    }
+}
+
+/// # Errors
+/// A network or picture that cannot be used, a simulator that is missing, or a picture that is not the golden one.
+pub fn run(
+    args: &Args,
+    design: &Design,
+    network: FixedNetwork,
+    raw: &RawFrame,
+    seed: u64,
+    ui: &Ui,
+) -> Result<(), Error> {
+    let start = Instant::now();
+    if args.frames < 1 {
+        return Err(Error::message("--frames 0: must be 1 or more, or nothing is compared"));
+    }
+    let network = FixedNetwork { stride: design.frame.stride, ..network };
+    let frames = crops(raw, design.frame, args.frames + BESIDES)?;
+    let display = Display::new(args.display, Curve::default());
+    let golden = Golden::new(network.clone())?;
+    let pictures =
+        frames.iter().map(|raw| system::picture(&golden, &display, raw)).collect::<Result<Vec<_>, _>>()?;
+    let project = system::project(design, [&network, &network], &display)?;
+    ui.note(format!("compiling {} modules with Verilator", project.verilog.len()));
+    let options = Options { cache: Options::user_cache(), ..Options::default() };
+    let compiled = Compiled::new(&project, &options)?;
+    interrupt::check()?;
+
+    let mut rig =
+        Rig::start(&compiled, &Begin::leisurely(design, seed), frames.iter().map(system::sent).collect())?;
+    rig.control(args.display, 0)?;
+    let bar = ui.progress(frames.len() as u64, "frames sent");
+    for frame in 1..frames.len() {
+        rig.send(frame)?;
+        bar.set(frame as u64);
+        interrupt::check()?;
+    }
+    // The last one is sent and shown.
+    rig.show(3)?;
+    drop(bar);
+
+    let shown = system::compare(&rig.screen.frames, &pictures, design.frame.width)?;
+    let run = system::longest_run(&shown);
+    if run < args.frames {
+        let problem = format!("{run} pictures were shown one after the other, expected {}", args.frames);
+        return Err(Error::message(format!("{problem}: those of frames {shown:?}")));
+    }
+    let seconds = rig.bench.time_ps() as f64 * 1e-12;
+    let traffic = [&rig.memory.written, &rig.memory.read]
+        .map(|side| side.bursts.iter().map(|(_, words)| words).sum::<u64>() * rig.memory.word_bytes());
+    let [written, read] = traffic.map(|bytes| bytes as f64 / seconds / 1e6);
+    ui.say(format!(
+        "{}: {run} pictures one after the other from pins to pins, every code as golden; memory {written:.1} MB/s written, {read:.1} MB/s read",
+        design.name
+    ))?;
+    ui.json(&json!({
+        "design": design.name,
+        "frame": design.frame,
+        "window": design.form.window,
+        "display": args.display,
+        "frames_sent": frames.len(),
+        "pictures_in_a_row": run,
+        "shown": shown,
+        "differences": 0,
+        "memory_bytes": { "written": traffic[0], "read": traffic[1] },
+        "simulated_seconds": seconds,
+        "seed": seed,
+        "seconds": start.elapsed().as_secs_f64(),
+    }))
+}
+
+/// Frames of the design's size out of a larger one, each a bit beside the one before.
+fn crops(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<Vec<RawFrame>, Error> {
+    let (height, width) = raw.size();
+    let reach = SHIFT * (count - 1);
+    let needed = (frame.width + reach, frame.height + reach);
+    if width < needed.0 || height < needed.1 {
+        return Err(Error::message(format!(
+            "picture {width}x{height}: must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size",
+            needed.0, needed.1, frame.width, frame.height
+        )));
+    }
+    let values = raw.values();
+    let crop = |i: usize| {
+        let at = SHIFT * i;
+        let part = values.slice(s![at..at + frame.height, at..at + frame.width]).to_owned();
+        RawFrame::from_values(part, raw.depth(), raw.phase())
+    };
+    Ok((0..count).map(crop).collect::<Result<_, _>>()?)
+}

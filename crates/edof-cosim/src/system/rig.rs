@@ -1,0 +1,245 @@
+//! A core that runs between a camera and a screen.
+
+use super::pictures::TableWords;
+use super::pins::{Camera, Screen};
+use crate::bench::axi_lite::Access;
+use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Memory, Pace};
+use crate::chain::verilated::write_images;
+use crate::verilator::{Library, Options, Start};
+use crate::{Error, Source, work};
+use edof_golden::Display;
+use edof_golden::cycle::estimate;
+use edof_golden::video::figures::Periods;
+use edof_hdl::board::{EdofCore, Identity};
+use edof_hdl::kc705::table_images;
+use edof_hdl::project::{Project, ProjectError, images, of_circuit};
+use edof_spec::atomic::WorkFolder;
+use edof_spec::registers::map;
+use edof_spec::video::VideoTiming;
+use edof_spec::{Design, DisplayMode, FixedNetwork};
+
+/// The core of a design (`edof_hdl::board::EdofCore`) with its images: its sets of weights start with these networks, the display with
+/// these tables.
+///
+/// # Errors
+/// [`ProjectError`]: what does not fit what.
+pub fn project(
+    design: &Design,
+    sets: [&FixedNetwork; 2],
+    display: &Display,
+) -> Result<Project, ProjectError> {
+    let words = TableWords::of(display);
+    let tables = words.tables();
+    let frame = (design.frame.width as u16, design.frame.height as u16);
+    let identity = Identity { design_hash: 0, weights_hash: 0, frame };
+    let mut core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
+    let files = images(design, sets).into_iter().chain(table_images(&tables)).collect();
+    Ok(of_circuit(&mut core, files)?)
+}
+
+/// The core's clock as on the board; pixels so slow that it keeps up with every frame, and the screen a little faster than the camera, so that
+/// it shows every picture.
+#[must_use]
+pub fn leisurely(design: &Design) -> Periods {
+    let timing = VideoTiming::of_frame(design.frame);
+    let pixels = (timing.line.total() * timing.frame.total()) as u64;
+    let Periods { core, .. } = Periods::of_board(design.frame);
+    let input = core * cycles(design) as u64 / pixels;
+    Periods { core, input, output: input * 97 / 100 }
+}
+
+/// A core, compiled, its memory images on disk.
+pub struct Compiled {
+    library: Library,
+    images: WorkFolder,
+}
+
+impl Compiled {
+    /// Compiles a core, its synchronisers by lot an edge late.
+    ///
+    /// # Errors
+    /// A tool is missing or refuses the text, or a file cannot be written.
+    pub fn new(project: &Project, options: &Options) -> Result<Self, Error> {
+        let library = Library::build(&Source::from(project).metastable(), options)?;
+        let images = work::folder()?;
+        write_images(project, images.path())?;
+        Ok(Self { library, images })
+    }
+}
+
+/// Cycles in which the core has surely done with a frame, in a memory that is late.
+fn cycles(design: &Design) -> usize {
+    let ahead = estimate(design, None);
+    let calculator = 1.2 * ahead.cycles_per_patch * ahead.patches_per_frame as f64;
+    calculator as usize + 2 * design.frame.width * design.frame.height + 4000
+}
+
+/// What a rig is started with.
+#[derive(Debug, Clone)]
+pub struct Begin {
+    /// Timing of the receiver and the transmitter.
+    pub timing: VideoTiming,
+    /// The clocks.
+    pub periods: Periods,
+    /// The memory.
+    pub behaviour: Behaviour,
+    /// Start-up contents, phases, drift, stalls.
+    pub seed: u64,
+}
+
+impl Begin {
+    /// [`leisurely`] clocks, and a memory as hard to please as AXI allows.
+    #[must_use]
+    pub fn leisurely(design: &Design, seed: u64) -> Self {
+        let (timing, periods) = (VideoTiming::of_frame(design.frame), leisurely(design));
+        Self { timing, periods, behaviour: Behaviour::hard(seed), seed }
+    }
+}
+
+/// A core that runs.
+pub struct Rig {
+    /// The clocks.
+    pub bench: Bench,
+    /// The receiver's.
+    pub input: ClockId,
+    /// What sends frames.
+    pub camera: Camera,
+    /// What shows them.
+    pub screen: Screen,
+    /// Behind the memory's port.
+    pub memory: Memory,
+    /// Behind the host's.
+    pub host: Host,
+    /// When each of the camera's frames began, and each of the screen's ended, in picoseconds.
+    pub sent_at: Vec<u64>,
+    /// As of [`Screen::frames`].
+    pub shown_at: Vec<u64>,
+}
+
+/// Edges of reset.
+const RESET: usize = 400;
+/// Edges within which a host is answered, a frame is sent or shown: more, and the core hangs.
+const PATIENCE: usize = 100_000_000;
+/// Edges between two looks.
+const AT_ONCE: usize = 50;
+
+impl Rig {
+    /// A core that was reset and sees a camera with these frames.
+    ///
+    /// # Errors
+    /// The ports are not those of a core, or the simulation stops.
+    pub fn start(compiled: &Compiled, begin: &Begin, frames: Vec<Vec<u16>>) -> Result<Self, Error> {
+        let source = compiled.library.source();
+        let memory_dir = Some(compiled.images.path().to_path_buf());
+        let model = compiled.library.start(&Start { seed: begin.seed, memory_dir })?;
+        let mut bench = Bench::new(model, begin.seed);
+        let core = bench.clock("clock_i", begin.periods.core)?;
+        let input = bench.clock("input_clock_i", begin.periods.input)?;
+        let output = bench.clock("screen_clock_i", begin.periods.output)?;
+        let size = (begin.timing.frame.active, begin.timing.line.active);
+        let bundles = (Some("dram_write"), Some("dram_read"));
+        let mut rig = Self {
+            camera: Camera::new(source, "input", input, begin.timing, frames)?,
+            screen: Screen::new(source, "screen", output, "reset_i", size)?,
+            memory: Memory::new(source, bundles, core, "reset_i", begin.behaviour.clone(), begin.seed)?,
+            host: Host::new(source, "host", core, "reset_i", Pace::drawn(begin.seed))?,
+            bench,
+            input,
+            sent_at: vec![],
+            shown_at: vec![],
+        };
+        for port in ["dram_ready_i", "i2c_done_i"] {
+            rig.bench.set(port, 1)?;
+        }
+        rig.reset()?;
+        Ok(rig)
+    }
+
+    /// Resets the core; the camera goes on.
+    ///
+    /// # Errors
+    /// As [`Rig::steps`].
+    pub fn reset(&mut self) -> Result<(), Error> {
+        self.bench.set("reset_i", 1)?;
+        self.steps(RESET)?;
+        self.bench.set("reset_i", 0)?;
+        // Each domain's reset lasts longer than the request.
+        self.steps(RESET)
+    }
+
+    /// So many edges of the clocks.
+    ///
+    /// # Errors
+    /// A rule of a port was broken, or the simulation stops.
+    pub fn steps(&mut self, count: usize) -> Result<(), Error> {
+        let actors: &mut [&mut dyn Actor] =
+            &mut [&mut self.camera, &mut self.screen, &mut self.memory, &mut self.host];
+        self.bench.steps(count, actors)?;
+        let now = self.bench.time_ps();
+        self.sent_at.resize(self.camera.frame + 1, now);
+        self.shown_at.resize(self.screen.frames.len(), now);
+        Ok(())
+    }
+
+    /// Until something is so.
+    ///
+    /// # Errors
+    /// As [`Rig::steps`]; or it does not come to be.
+    pub fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) -> Result<(), Error> {
+        for _ in 0..PATIENCE / AT_ONCE {
+            if is_so(self) {
+                return Ok(());
+            }
+            self.steps(AT_ONCE)?;
+        }
+        Err(Error::Stopped(format!("{what}: not within {PATIENCE} edges")))
+    }
+
+    /// Until so many more frames were shown.
+    ///
+    /// # Errors
+    /// As [`Rig::until`].
+    pub fn show(&mut self, frames: usize) -> Result<(), Error> {
+        let wanted = self.screen.frames.len() + frames;
+        self.until("a frame on the screen", |rig| rig.screen.frames.len() >= wanted)
+    }
+
+    /// Until the camera sends the frame of that number.
+    ///
+    /// # Errors
+    /// As [`Rig::until`].
+    pub fn send(&mut self, frame: usize) -> Result<(), Error> {
+        self.until("a frame of the camera", |rig| rig.camera.frame >= frame)
+    }
+
+    /// The host writes the display's mode and the set of weights, and lets the calculator run.
+    ///
+    /// # Errors
+    /// As [`Rig::register`].
+    pub fn control(&mut self, mode: DisplayMode, set: usize) -> Result<(), Error> {
+        let word = 1 | u32::from(mode == DisplayMode::Colour) << 1 | (set as u32) << 2;
+        self.access(Access::Write(address("control")?, word)).map(drop)
+    }
+
+    /// The host reads the register of that name.
+    ///
+    /// # Errors
+    /// There is none, or as [`Rig::until`].
+    pub fn register(&mut self, name: &str) -> Result<u32, Error> {
+        self.access(Access::Read(address(name)?))
+    }
+
+    fn access(&mut self, access: Access) -> Result<u32, Error> {
+        let before = self.host.answers.len();
+        self.host.wanted.push_back(access);
+        self.until("an answer to the host", |rig| rig.host.answers.len() > before)?;
+        let answer = self.host.answers[before];
+        let refused = || Error::Stopped(format!("the host's {access:?} was refused"));
+        answer.is_good.then_some(answer.word).ok_or_else(refused)
+    }
+}
+
+fn address(name: &str) -> Result<u32, Error> {
+    let found = map::register(name).map(|register| register.address);
+    found.ok_or_else(|| Error::Port(format!("no register is called {name}")))
+}

@@ -1,0 +1,113 @@
+//! What the whole board reaches, from the receiver's pins to the transmitter's, ahead of any run.
+//!
+//! A raw frame is complete in memory before the calculator takes it, and a picture before the screen does. A camera that is faster than the
+//! calculator loses frames, a screen that is faster shows pictures again; so both pixel clocks run on, and the calculator takes the newest
+//! frame whenever it is free.
+
+use edof_spec::board::CORE_KILOHERTZ;
+use edof_spec::design::{Design, FrameSize};
+use edof_spec::geometry::{Geometry, PATCH};
+use edof_spec::video::VideoTiming;
+
+/// The clocks around a core, in picoseconds a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Periods {
+    /// Core, memory, host.
+    pub core: u64,
+    /// The receiver's pixels.
+    pub input: u64,
+    /// The transmitter's pixels.
+    pub output: u64,
+}
+
+impl Periods {
+    /// The board's for frames of a size.
+    #[must_use]
+    pub fn of_board(size: FrameSize) -> Self {
+        let pixel = 1_000_000_000 / VideoTiming::of_frame(size).pixel_khz as u64;
+        Self { core: 1_000_000_000 / u64::from(CORE_KILOHERTZ), input: pixel, output: pixel }
+    }
+}
+
+/// Figures of a whole board.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// New pictures a second: the camera's frames, or as many as the calculator can.
+    pub frames_per_second: f64,
+    /// Bytes a second that are written to the memory: raw frames as they come, pictures as they are made.
+    pub written: f64,
+    /// Bytes a second that are read: raw frames as they are taken, pictures as they are shown.
+    pub read: f64,
+    /// Least and most seconds from a frame's first pixel at the receiver to its picture's first pixel at the transmitter.
+    pub latency: [f64; 2],
+}
+
+/// What a core takes for a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoreCycles {
+    /// From frame to frame where they come one after the other.
+    pub frame: f64,
+    /// From a frame's first pixel to the last one of its picture.
+    pub latency: f64,
+}
+
+impl CoreCycles {
+    /// Of a design whose calculator takes so many cycles a patch, and so many from a patch's first beat to its last: the calculator limits,
+    /// a pixel is a cycle; it waits for the rows of its first window, and the last row of patches leaves after it.
+    #[must_use]
+    pub fn of(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Self {
+        let (size, window) = (design.frame, design.form.window);
+        let (rows, columns) = Geometry::new(window, size.stride).patches(size.height, size.width);
+        let frame = (cycles_a_patch * (rows * columns) as f64).max((size.width * size.height) as f64);
+        let rows_around = (window.side() + PATCH) / 2 + PATCH;
+        Self { frame, latency: frame + patch_latency + (rows_around * size.width) as f64 }
+    }
+}
+
+/// The figures of a board whose core takes so long for its frames.
+#[must_use]
+pub fn figures(size: FrameSize, cycles: CoreCycles, periods: Periods) -> Figures {
+    let timing = VideoTiming::of_frame(size);
+    let pixels = (timing.line.total() * timing.frame.total()) as f64;
+    let seconds = |period: u64, cycles: f64| period as f64 * 1e-12 * cycles;
+    let (camera, screen) = (seconds(periods.input, pixels), seconds(periods.output, pixels));
+    let core = seconds(periods.core, cycles.frame);
+    let made = 1.0 / camera.max(core);
+    let bytes = (2 * size.width * size.height) as f64;
+    let received = seconds(periods.input, (timing.line.total() * timing.frame.active) as f64);
+    // A frame may wait for the one before it, and a picture for the screen.
+    let waits = if core > camera { core } else { 0.0 } + screen;
+    let least = received + seconds(periods.core, cycles.latency);
+    Figures {
+        frames_per_second: made,
+        written: bytes * (1.0 / camera + made),
+        read: bytes * (made + 1.0 / screen),
+        latency: [least, least + waits],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_spec::Stride;
+
+    const SIZE: FrameSize = FrameSize { width: 1920, height: 1080, stride: Stride::PATCH };
+
+    #[test]
+    fn a_calculator_that_is_fast_enough_makes_a_picture_of_every_frame() {
+        let found = figures(SIZE, CoreCycles { frame: 3e6, latency: 3.1e6 }, Periods::of_board(SIZE));
+        assert!((found.frames_per_second - 60.0).abs() < 0.1, "{found:?}");
+        // Two frames of 4 MB each way.
+        assert!(
+            (found.written / found.read - 1.0).abs() < 1e-9 && (found.written / 497.7e6 - 1.0).abs() < 0.01
+        );
+        assert!(found.latency[0] > 0.030 && found.latency[1] < 0.049, "{found:?}");
+    }
+
+    #[test]
+    fn a_slow_calculator_sets_the_rate_and_a_frame_waits_for_it() {
+        let found = figures(SIZE, CoreCycles { frame: 4e6, latency: 4.1e6 }, Periods::of_board(SIZE));
+        assert!((found.frames_per_second - 50.0).abs() < 1e-9);
+        assert!((found.latency[1] - found.latency[0] - 0.020 - 1.0 / 60.0).abs() < 1e-4);
+    }
+}
