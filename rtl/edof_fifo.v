@@ -29,9 +29,11 @@ module edof_fifo #(
 
     always @(posedge clock_i) if (push_i) memory[pushed_q[BITS-1:0]] <= data_i;
 
-    // What stands here in reset is of no meaning; with three inputs the enable is too large for Yosys to take it, and with it ready_i,
-    // into the logic before each bit.
-    always @(posedge clock_i) if (moves || reset_i) front_q <= memory[popped_q[BITS-1:0]];
+    // What stands here in reset is of no meaning, nor in the cycle after it; with three inputs the enable is too large for Yosys to
+    // take it, and with it ready_i, into the logic before each bit.
+    (* keep = "true", dont_touch = "true" *) reg reset_q;
+    (* keep *) always @(posedge clock_i) reset_q <= reset_i;
+    always @(posedge clock_i) if (moves || reset_q) front_q <= memory[popped_q[BITS-1:0]];
 
     (* keep *) always @(posedge clock_i) begin
         if (reset_i) pushed_q <= {(BITS + 1){1'b0}};

@@ -68,6 +68,29 @@ fn noise_and_depth_of_pictures_reach_the_hardware() {
 }
 
 #[test]
+fn foldings_of_a_network_are_told_that_nothing_beats() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let line =
+        "explore --weights edof-t4w12-outer,edof-t4w12 --photo photo.png --psi 4 --fps 20 --json front.json";
+    let run = place.edof(line).done();
+    let report: Value = serde_json::from_slice(&std::fs::read(place.path("front.json")).unwrap()).unwrap();
+    let front = report["front"].as_array().unwrap();
+    assert_eq!(run.out.lines().count(), 1 + front.len(), "{}", run.out);
+    let figures = |one: &Value| {
+        let used = &one["resources"];
+        let ramb = used["ramb36e1"].as_f64().unwrap() + used["ramb18e1"].as_f64().unwrap() / 2.0;
+        let figure = |value: &Value| value.as_f64().unwrap();
+        [-figure(&one["psnr_db"]), figure(&one["cycles_per_patch"]), figure(&used["dsp48e1"]), ramb]
+    };
+    let points: Vec<[f64; 4]> = front.iter().map(figures).collect();
+    let beats = |a: &[f64; 4], b: &[f64; 4]| a != b && a.iter().zip(b).all(|(a, b)| a <= b);
+    assert!(!points.is_empty() && points.iter().all(|one| !points.iter().any(|other| beats(other, one))));
+    assert!(front.iter().all(|one| one["frames_per_second"].as_f64().unwrap() >= 20.0));
+    place.edof("explore --weights edof-t4w12-outer --fps 0").refused(&["--fps 0: must be more than 0"]);
+}
+
+#[test]
 fn a_generated_design_is_whole_and_the_same_every_time() {
     let place = Place::new();
     place.edof("generate --design paper --weights paper-t4 --out one").done();

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::ui::Ui;
 use edof_golden::windows;
 use edof_io::photo;
-use edof_optics::capture::{Approximation, capture};
+use edof_optics::capture::{Approximation, Capture, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
@@ -54,25 +54,37 @@ impl Shot {
         self.psi.unwrap_or(network.origin.camera.psi_range[1])
     }
 
-    /// The raw frame, with the tone of the first condition that the network was trained for.
+    /// The raw frame.
+    ///
+    /// # Errors
+    /// As [`Shot::taken`].
+    pub fn frame(&self, network: &FixedNetwork, ui: &Ui) -> Result<RawFrame, Error> {
+        Ok(self.taken(network, ui)?.raw)
+    }
+
+    /// The raw frame and what it is a picture of, with the [`tone`] of the network.
     ///
     /// # Errors
     /// A photograph that cannot be read or used, a depth that is out of the lens model's reach.
-    pub fn frame(&self, network: &FixedNetwork, ui: &Ui) -> Result<RawFrame, Error> {
+    pub fn taken(&self, network: &FixedNetwork, ui: &Ui) -> Result<Capture, Error> {
         let (camera, psi) = (&network.origin.camera, self.depth(network));
         let scene = match &self.photo {
             Some(path) => {
-                let tone = network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone);
                 let (name, photograph) = (path.display().to_string(), photo::load(path)?);
                 ui.used(Input::photograph(&name, &photograph));
-                Scene::flat(name, tone.decoded(&photograph), psi)
+                Scene::flat(name, tone(network).decoded(&photograph), psi)
             }
             None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], self.seed)?,
         };
         let noise = self.noise.unwrap_or_else(|| network.origin.most_noise());
         let sensor = Sensor { noise, seed: self.seed, ..Sensor::default() };
-        Ok(capture(&scene, camera, &sensor, &Approximation::default())?.raw)
+        Ok(capture(&scene, camera, &sensor, &Approximation::default())?)
     }
+}
+
+/// The tone of the first condition that a network was trained for.
+pub fn tone(network: &FixedNetwork) -> Tone {
+    network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone)
 }
 
 /// All windows of a frame, in the order in which the hardware takes them.

@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use testbench::{BOTH, Random, emit, run};
 use trees::{Table, Tree, expressions};
 
-/// Expressions in one module, and modules. A simulator takes longer than twice as long for a module of twice the size.
-const BATCH: usize = 625;
-const BATCHES: usize = 16;
+/// Expressions in one module, and modules.
+const BATCH: usize = 2_500;
+const BATCHES: usize = 4;
 const ROWS: usize = 40;
 
 #[test]

@@ -5,6 +5,7 @@ pub mod cosim;
 mod cosim_system;
 pub mod demo;
 pub mod estimate;
+pub mod explore;
 pub mod generate;
 pub mod optics;
 pub mod quantize;

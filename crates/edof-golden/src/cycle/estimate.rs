@@ -105,7 +105,7 @@ pub fn estimate(design: &Design, pairs: Option<&[f64]>) -> Estimate {
 }
 
 /// Steps of a pass for a mean number of pairs: where two are taken at once, half of all vectors have an odd number.
-fn mean_steps(stage: &StagePlan, pairs: f64) -> f64 {
+pub(super) fn mean_steps(stage: &StagePlan, pairs: f64) -> f64 {
     let pairs = if stage.is_dense() { stage.inputs as f64 } else { pairs };
     let rows = stage.rows as f64;
     let odd =

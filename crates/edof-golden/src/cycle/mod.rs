@@ -10,6 +10,7 @@
 //! | run | [`run`] | patches in, [`PatchRun`]s out, one after the other |
 //! | figures | [`summary`] | cycles a patch, latency, counters, which stage limits |
 //! | ahead | [`mod@estimate`] | the same from a design alone, or with mean numbers of non-zeros |
+//! | search | [`explore`] | foldings of a design, from the cheapest to the fastest |
 //! | proof | [`stepped`] | the same cycles from a machine that steps through every cycle: slow, for tests |
 //!
 //! Between stages nothing is random and nothing changes within a vector, so that the cycles follow from a few maxima a beat:
@@ -40,6 +41,7 @@
 
 pub mod chain;
 pub mod estimate;
+pub mod explore;
 pub mod run;
 pub mod stage;
 pub mod stall;

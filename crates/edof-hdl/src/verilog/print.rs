@@ -369,7 +369,10 @@ impl<'a> Printer<'a> {
     /// An index with as many bits as its range needs. Rust panics at those that this cuts off.
     fn place(&mut self, at: &Expression, range: usize) -> String {
         let bits = usize::BITS as usize - (range - 1).leading_zeros() as usize;
-        self.print(&at.clone().resize(bits.max(1))).text
+        let at = at.clone().resize(bits.max(1));
+        let text = self.print(&at);
+        // Icarus takes a sign before an index for wider than the index is.
+        if text.form == Form::Not { self.between(&at, false) } else { text.text }
     }
 
     fn replace(&mut self, x: &Expression, at: &Expression, bit: &Expression) -> Text {

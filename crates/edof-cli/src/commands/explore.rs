@@ -1,0 +1,237 @@
+//! `edof explore`: which foldings of which networks are worth building.
+
+use crate::designs;
+use crate::error::Error;
+use crate::files::Files;
+use crate::interrupt;
+use crate::ui::Ui;
+use crate::weights;
+use crate::windows::{self, Shot};
+use edof_golden::Golden;
+use edof_golden::cycle::explore::{cycles_per_patch, foldings, front};
+use edof_golden::cycle::{Cycle, Patch};
+use edof_hdl::resources::{self, Resources, XC7K325T};
+use edof_spec::colour::OUTPUTS_422;
+use edof_spec::design::memory::Set;
+use edof_spec::design::{FrameSize, StageSize};
+use edof_spec::{Design, FixedNetwork, Geometry, Noise};
+use edof_study::metrics::{BORDER, psnr, shown};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Try foldings of networks on real pictures, and print those that nothing beats in quality, cycles, multipliers and block RAM
+///
+/// Each network is run on every picture at every depth behind its own camera; how many values each stage multiplies of each patch
+/// then decides how many cycles a folding takes. Clock and picture size are those of a design; the device is an XC7K325T.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof explore --weights edof-t4w12-outer
+  edof explore --weights edof-t4w12,edof-t4w12-outer --photo a.png --photo b.png --psi 0,4,8 --fps 60")]
+pub struct Args {
+    /// Quantized networks, by name or file
+    #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',', required = true)]
+    weights: Vec<String>,
+
+    /// Design that gives clock and picture: tiny, paper, kc705, or a JSON file
+    #[arg(long, value_name = "NAME|FILE", default_value = "kc705")]
+    design: String,
+
+    /// Frames a second that are wanted; slower foldings are told only where none is as fast
+    #[arg(long, default_value_t = 60.0)]
+    fps: f64,
+
+    /// Device that it must fit
+    #[arg(long, value_parser = ["xc7k325t"], default_value = "xc7k325t")]
+    device: String,
+
+    /// Picture to measure on, may be given several times; without one, a built-in scene of dead leaves
+    #[arg(long, value_name = "FILE")]
+    photo: Vec<PathBuf>,
+
+    /// Depths of the pictures, commas between them [default: the far end of the network's range]
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    psi: Vec<f64>,
+
+    /// Noise of the pictures, as edof capture takes it [default: the most that the network was trained for]
+    #[arg(long)]
+    noise: Option<Noise>,
+}
+
+/// Of each patch of a picture, the pairs that every stage multiplies.
+type Picture = Vec<Vec<usize>>;
+
+/// A folding of a network.
+struct Found {
+    network: String,
+    db: f64,
+    folding: String,
+    cycles: f64,
+    worst_cycles: f64,
+    frames: f64,
+    used: Resources,
+}
+
+impl Found {
+    fn ramb36(&self) -> f64 {
+        self.used.ramb36e1 as f64 + self.used.ramb18e1 as f64 / 2.0
+    }
+
+    /// What is better where it is less.
+    fn figures(&self) -> [f64; 4] {
+        [-self.db, self.cycles, self.used.dsp48e1 as f64, self.ramb36()]
+    }
+}
+
+/// # Errors
+/// A network, design or picture that cannot be used, or nothing that fits the device.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = args
+        .weights
+        .iter()
+        .fold(Files::new(ui).reads(&args.design), |files, name| files.reads_all(weights::fixed_file(name)));
+    files.reads_all(&args.photo).check()?;
+    if !(args.fps > 0.0 && args.fps.is_finite()) {
+        return Err(Error::message(format!("--fps {}: must be more than 0", args.fps)));
+    }
+    let base = designs::load(&args.design)?;
+    ui.used(designs::input(&base));
+    let mut found = vec![];
+    for name in &args.weights {
+        ui.used(weights::fixed_input(name)?);
+        found.extend(of_network(&args, &base, name, &weights::fixed(name)?, ui)?);
+    }
+    if found.is_empty() {
+        return Err(Error::message(format!(
+            "no folding of {} fits {}",
+            args.weights.join(", "),
+            args.device
+        )));
+    }
+    let fast = found.iter().any(|one| one.frames >= args.fps);
+    found.retain(|one| !fast || one.frames >= args.fps);
+    let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
+    let mut kept: Vec<Found> =
+        found.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect();
+    kept.sort_by(|a, b| b.db.total_cmp(&a.db).then(a.used.dsp48e1.cmp(&b.used.dsp48e1)));
+
+    ui.say("   dB  cycles   worst  frames/s  DSP48E1  RAMB36E1  network, lanes x rows")?;
+    for one in &kept {
+        let Found { network, db, folding, cycles, worst_cycles, frames, used } = one;
+        let ramb36 = one.ramb36();
+        ui.say(format!(
+            "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {:7}  {ramb36:8.1}  {network}, {folding}",
+            used.dsp48e1
+        ))?;
+    }
+    if !fast {
+        ui.say(format!(
+            "none of them reaches {} frames a second at {} MHz (planned)",
+            args.fps, base.clock_mhz
+        ))?;
+    }
+    let told = |one: &Found| {
+        json!({
+            "weights": one.network,
+            "psnr_db": one.db,
+            "stages": one.folding,
+            "cycles_per_patch": one.cycles,
+            "worst_picture_cycles_per_patch": one.worst_cycles,
+            "frames_per_second": one.frames,
+            "resources": one.used,
+        })
+    };
+    ui.json(&json!({
+        "design": base.name,
+        "device": args.device,
+        "fps": args.fps,
+        "reached": fast,
+        "front": kept.iter().map(told).collect::<Vec<_>>(),
+    }))
+}
+
+/// All foldings of a network that fit the device.
+fn of_network(
+    args: &Args,
+    base: &Design,
+    name: &str,
+    network: &FixedNetwork,
+    ui: &Ui,
+) -> Result<Vec<Found>, Error> {
+    let (db, pictures) = measure(args, network, &any_folding(base, network)?, ui)?;
+    let patches: usize = pictures.iter().map(Vec::len).sum();
+    let mean = |stage: usize| {
+        pictures.iter().flatten().map(|pairs| pairs[stage]).sum::<usize>() as f64 / patches.max(1) as f64
+    };
+    let pairs: Vec<f64> = (0..network.form.layers).map(mean).collect();
+    let mut found = vec![];
+    for design in foldings(&any_folding(base, network)?, &pairs) {
+        interrupt::check()?;
+        let used: Resources = resources::stages(&design).into_iter().sum();
+        if used.fullest(&XC7K325T).1 > 1.0 {
+            continue;
+        }
+        let each: Vec<f64> = pictures.iter().map(|patches| cycles_per_patch(&design, patches)).collect();
+        let weighted = each.iter().zip(&pictures).map(|(cycles, patches)| cycles * patches.len() as f64);
+        let cycles = weighted.sum::<f64>() / patches.max(1) as f64;
+        let geometry = Geometry::new(design.form.window, design.frame.stride);
+        let (rows, columns) = geometry.patches(design.frame.height, design.frame.width);
+        let sizes = design.stages.iter().map(|size| format!("{}x{}", size.lanes, size.rows));
+        found.push(Found {
+            network: name.into(),
+            db,
+            folding: sizes.collect::<Vec<_>>().join(" "),
+            cycles,
+            worst_cycles: each.iter().copied().fold(0.0, f64::max),
+            frames: design.clock_mhz * 1e6 / (cycles * (rows * columns) as f64),
+            used,
+        });
+    }
+    Ok(found)
+}
+
+/// A design for the network, of any folding.
+fn any_folding(base: &Design, network: &FixedNetwork) -> Result<Design, Error> {
+    let last = network.form.layers - 1;
+    let lanes = |stage: usize| if stage == last { OUTPUTS_422 } else { network.form.codes };
+    let stages = (0..=last).map(|stage| StageSize { lanes: lanes(stage), rows: 1 });
+    let design = Design {
+        name: network.origin.name.clone(),
+        form: network.form,
+        code_bits: network.code_bits,
+        skip_zeros: true,
+        stages: stages.collect(),
+        frame: FrameSize { stride: network.stride, ..base.frame },
+        ..base.clone()
+    };
+    design.check()?;
+    Ok(design)
+}
+
+/// Mean PSNR over the pictures, and of each patch of each picture the pairs that every stage multiplies.
+fn measure(
+    args: &Args,
+    network: &FixedNetwork,
+    design: &Design,
+    ui: &Ui,
+) -> Result<(f64, Vec<Picture>), Error> {
+    let golden = Golden::new(network.clone())?;
+    let model = Cycle::new(design, [network, network])?;
+    let shots = Shot::all(&args.photo, &args.psi, args.noise);
+    let bar = ui.progress(shots.len() as u64, "pictures measured");
+    let tone = windows::tone(network);
+    let (mut db, mut pictures) = (0.0, vec![]);
+    for shot in &shots {
+        let taken = shot.taken(network, ui)?;
+        let frame = golden.frame(&taken.raw)?.colour();
+        db += psnr(&shown(&taken.sharp, tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
+        let patches = windows::of(network, &taken.raw)?.map(|window| Patch { window, set: Set::First });
+        let mut pairs = vec![];
+        for patch in model.run(patches) {
+            pairs.push(patch.times.stages.iter().map(|used| used.pairs as usize).collect());
+            interrupt::check()?;
+        }
+        pictures.push(pairs);
+        bar.set(pictures.len() as u64);
+    }
+    Ok((db, pictures))
+}
