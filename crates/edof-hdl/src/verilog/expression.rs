@@ -107,7 +107,7 @@ impl Expression {
             Node::Reinterpret(x) => x.resize(bits).reinterpret(ty.signed),
             Node::Slice(x, at) => Self::new(ty, Node::Slice(x, at)),
             Node::Window(x, at) => Self::new(ty, Node::Window(x, at)),
-            Node::Shift(">>", x, by) if by.constant().is_none() && stays_inside(&by, x.ty.bits + bits) => {
+            Node::Shift(">>", x, by) if by.constant().is_none() && stays_inside(&by, x.ty.bits + 1) => {
                 Self::new(ty, Node::Window(x, by))
             }
             Node::Shift(">>", x, by) if by.constant().is_some() => x.slice(bits, by.as_place()),
@@ -160,7 +160,7 @@ impl Expression {
     }
 }
 
-/// Whether the place is below `range` whatever its bits are.
+/// Whether the place is below `range` whatever its bits are. A window may begin where its operand ends, not further on.
 fn stays_inside(at: &Expression, range: usize) -> bool {
     at.ty.bits < 16 && 1 << at.ty.bits <= range
 }
