@@ -37,10 +37,10 @@ for program in crates/*/tests/*.rs tests/*.rs; do
     esac
 done
 said=$(mktemp)
-cargo test --workspace --locked "${simulations[@]}" >"$said" 2>&1 &
+cargo test --workspace --no-fail-fast --locked "${simulations[@]}" >"$said" 2>&1 &
 # shellcheck disable=SC2064 # this process, this file
 trap "kill $! 2>/dev/null || true; rm -f '$said'" EXIT
-cargo test --workspace --locked "${others[@]}"
+cargo test --workspace --no-fail-fast --locked "${others[@]}"
 wait $! || { cat "$said"; fail "simulations differ or did not run"; }
 cat "$said"
 say "the contract on paper"

@@ -19,6 +19,7 @@
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
+mod cosim_system;
 mod designs;
 mod error;
 mod files;

@@ -1,6 +1,6 @@
 //! `edof cosim`: the generated Verilog against the cycle model.
 
-use super::cosim_system;
+use crate::cosim_system;
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;

@@ -2,7 +2,6 @@
 
 pub mod capture;
 pub mod cosim;
-mod cosim_system;
 pub mod demo;
 pub mod estimate;
 pub mod explore;

@@ -19,6 +19,7 @@ const BESIDES: usize = 2;
 
 /// What `--system` takes besides.
 #[derive(clap::Args)]
+#[group(skip)]
 pub struct Args {
     /// Run the whole core instead: raw frames at the receiver's pins, pictures at the transmitter's, by way of a memory
     #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "icarus", "junit", "waveform", "rtl"])]
