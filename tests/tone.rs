@@ -131,7 +131,7 @@ fn a_frame_of_light_is_restored_by_the_network_for_light() {
     let place = Place::new();
     for (tone, network) in [("srgb", "edof-t4w12-outer-light.fixed"), ("linear", "edof-t4w12-outer.fixed")] {
         let line = format!(
-            "capture leaves-4 --size 64x48 --camera ring-outer --tone {tone} --no-measure --out raw.png"
+            "capture leaves-4 --size 96x64 --camera ring-outer --tone {tone} --no-measure --out raw.png"
         );
         place.edof(&line).done();
         place.edof("reconstruct raw.png --out sharp.png --json made.json").done();

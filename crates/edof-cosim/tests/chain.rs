@@ -73,10 +73,11 @@ fn agrees_in_every_word_and_cycle(design: Design) {
     }
 }
 
-/// One test for each form, and the list of all.
+/// One test for each form, and the list of all. Those of many layers take minutes each.
 macro_rules! forms {
-    ($($name:ident: $shrinkage:ident $recurrence:ident, R $r:literal, window $window:literal, bits $bits:literal, tied $tied:literal, $stages:expr;)*) => {
+    ($($(#[$soak:meta])? $name:ident: $shrinkage:ident $recurrence:ident, R $r:literal, window $window:literal, bits $bits:literal, tied $tied:literal, $stages:expr;)*) => {
         $(#[test]
+        $(#[$soak])?
         fn $name() {
             agrees_in_every_word_and_cycle(forms()[stringify!($name)].design());
         })*
@@ -107,14 +108,20 @@ forms! {
     four_layers_of_twelve_bits: OneSided Direct, R true, window 12, bits 12, tied false, [(16, 2), (16, 1), (8, 2), (64, 2)];
     four_layers_of_differences: TwoSided Difference, R false, window 8, bits 16, tied false, [(16, 1), (8, 2), (16, 1), (128, 1)];
     five_layers_tied: TwoSided Difference, R true, window 8, bits 16, tied true, [(8, 1), (8, 1), (8, 2), (16, 2), (128, 2)];
+    #[ignore = "minutes: scripts/soak.sh"]
     six_layers_of_eight_bits: OneSided Direct, R false, window 8, bits 8, tied true, [(16, 1), (16, 2), (16, 1), (8, 1), (8, 2), (64, 1)];
+    #[ignore = "minutes: scripts/soak.sh"]
     seven_layers: TwoSided Direct, R true, window 8, bits 16, tied false, [(8, 2), (16, 1), (8, 1), (16, 2), (8, 2), (16, 1), (32, 2)];
+    #[ignore = "minutes: scripts/soak.sh"]
     eight_layers_folded_four_times: OneSided Difference, R false, window 8, bits 16, tied false,
         [(4, 2), (4, 1), (8, 2), (4, 2), (16, 1), (4, 1), (4, 2), (32, 1)];
+    #[ignore = "minutes: scripts/soak.sh"]
     nine_layers_of_large_windows: OneSided Difference, R true, window 12, bits 14, tied true,
         [(8, 2), (8, 2), (16, 2), (8, 2), (16, 2), (16, 1), (8, 1), (8, 1), (64, 2)];
+    #[ignore = "minutes: scripts/soak.sh"]
     ten_layers: TwoSided Direct, R false, window 8, bits 16, tied false,
         [(8, 1), (16, 1), (8, 1), (16, 1), (8, 1), (8, 2), (16, 2), (8, 2), (16, 2), (64, 1)];
+    #[ignore = "minutes: scripts/soak.sh"]
     ten_layers_of_differences: TwoSided Difference, R true, window 8, bits 16, tied false,
         [(16, 2), (8, 1), (8, 2), (8, 1), (8, 2), (16, 1), (16, 2), (8, 1), (8, 2), (64, 2)];
 }

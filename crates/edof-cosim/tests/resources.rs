@@ -83,6 +83,7 @@ fn tiny_takes_what_was_estimated() {
 }
 
 #[test]
+#[ignore = "minutes: scripts/soak.sh"]
 fn paper_takes_what_was_estimated() {
     assert_as_estimated(&committed("paper"));
 }
@@ -93,6 +94,7 @@ fn kc705_takes_what_was_estimated() {
 }
 
 #[test]
+#[ignore = "minutes: scripts/soak.sh"]
 fn the_difference_form_takes_what_was_estimated() {
     let tiny = committed("tiny");
     let form = Form { recurrence: Recurrence::Difference, linear_path: false, ..tiny.form };

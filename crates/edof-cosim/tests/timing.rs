@@ -1,5 +1,5 @@
 //! The longest path of logic and the most loads of every stage of the committed designs, flat, as Yosys maps and times it. `tiny`
-//! here; the others take half an hour, and are for `scripts/test-timing.sh`.
+//! here; the others take half an hour, and are for `scripts/soak.sh`.
 
 mod common;
 mod support;
@@ -42,13 +42,13 @@ fn tiny_is_short_of_path_and_load() {
 }
 
 #[test]
-#[ignore = "minutes: scripts/test-timing.sh"]
+#[ignore = "minutes: scripts/soak.sh"]
 fn paper_is_short_of_path_and_load() {
     keeps_its_limits("paper");
 }
 
 #[test]
-#[ignore = "minutes: scripts/test-timing.sh"]
+#[ignore = "minutes: scripts/soak.sh"]
 fn kc705_is_short_of_path_and_load() {
     keeps_its_limits("kc705");
 }
