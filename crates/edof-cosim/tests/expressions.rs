@@ -11,16 +11,28 @@ use trees::{Table, Tree, expressions};
 
 /// Expressions in one module, and modules.
 const BATCH: usize = 2_500;
-const BATCHES: usize = 4;
 const ROWS: usize = 40;
 
 #[test]
 fn random_expressions_mean_what_rust_means() {
+    compare_batches(0..2);
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn more_random_expressions_mean_what_rust_means() {
+    compare_batches(2..8);
+}
+
+/// Compares these batches out of one sequence that is the same each time.
+fn compare_batches(wanted: std::ops::Range<usize>) {
     let mut runner = TestRunner::deterministic();
     let strategy = expressions();
-    let batches: Vec<Vec<Tree>> = (0..BATCHES)
-        .map(|_| (0..BATCH).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect())
-        .collect();
+    let drawn = (0..wanted.end).map(|_| {
+        (0..BATCH).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect::<Vec<Tree>>()
+    });
+    let first = wanted.start;
+    let batches: Vec<Vec<Tree>> = drawn.skip(first).collect();
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for _ in 0..2 {
@@ -28,7 +40,7 @@ fn random_expressions_mean_what_rust_means() {
                 loop {
                     let batch = next.fetch_add(1, Ordering::Relaxed);
                     let Some(trees) = batches.get(batch) else { return };
-                    compare(trees, batch as u64 + 1);
+                    compare(trees, (first + batch) as u64 + 1);
                 }
             });
         }
