@@ -89,6 +89,7 @@ fn paper_takes_what_was_estimated() {
 }
 
 #[test]
+#[ignore = "minutes: scripts/soak.sh"]
 fn kc705_takes_what_was_estimated() {
     assert_as_estimated(&committed("kc705"));
 }
