@@ -128,9 +128,12 @@ enum Gamma {
 /// A frame, network or option that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let file = if args.float { weights::float_file } else { weights::fixed_file };
-    let network = args.weights.as_deref().and_then(file);
+    // Which default it is, the frame's record says.
+    let networks =
+        args.weights.as_deref().map_or(Tone::ALL.map(weights::default_for).to_vec(), |name| vec![name]);
+    let networks = networks.into_iter().filter_map(file);
     let record = record::path_of(&args.raw);
-    let files = Files::new(ui).reads(&args.raw).reads(record).reads_all(network).reads_all(&args.camera);
+    let files = Files::new(ui).reads(&args.raw).reads(record).reads_all(networks).reads_all(&args.camera);
     let words = args.words.as_deref().map(words::file);
     files
         .writes_picture("--out", &args.out)?
