@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Makes all networks that come with the program again, from the one recipe that `edof train` follows without options: three
-# seeds each, the best on validation windows kept; then quantizes them. Photographs: the study's and those in shared/data/more
-# (EDOF_KODAK, EDOF_MORE). No accelerator is needed; the time is printed network by network. With names as arguments, only these.
-# A run that was stopped goes on where it stood. The bytes depend on the processor's kind, not on how many threads it has.
+# Makes all networks that come with the program again, by one recipe (docs/decisions/0005-training.md): the one that `edof train`
+# follows without options, with three seeds; the best on validation windows goes on for a second round in which easy and hard
+# windows weigh alike; then it is quantized. Photographs: the study's and those in shared/data/more (EDOF_KODAK, EDOF_MORE). No
+# accelerator is needed; the time is printed network by network. With names as arguments, only these. A run that was stopped goes on
+# where it stood. The bytes depend on the processor's kind, not on how many threads it has.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
@@ -16,11 +17,15 @@ networks=(
     "edof-t4w12-outer-light edof-t4w12 ring-outer --tone srgb"
 )
 seeds=1,2,3
+second_round=(--weighting mse --steps 20000)
 # Ranges of all codes are measured on the study's training photographs.
 calibration=${EDOF_KODAK:-../shared/data/kodak}
 
 cargo build --release --locked --package edof-cli
 edof="${CARGO_TARGET_DIR:-target}/release/edof"
+# Networks after their first round.
+first="${CARGO_TARGET_DIR:-target}/first-round"
+mkdir -p "$first"
 
 wanted() {
     local name=$1
@@ -34,7 +39,10 @@ for line in "${networks[@]}"; do
     begun=$SECONDS
     say "$name: training"
     # shellcheck disable=SC2086 # options are several words
-    "$edof" train --form "$form" --camera "$camera" ${options:-} --seed "$seeds" \
+    [ -e "$first/$name.safetensors" ] || "$edof" train --form "$form" --camera "$camera" ${options:-} --seed "$seeds" \
+        --out "$first/$name.safetensors" --resume
+    # shellcheck disable=SC2086
+    "$edof" train --from "$first/$name.safetensors" --camera "$camera" ${options:-} "${second_round[@]}" \
         --out "weights/$name.safetensors" --resume
     say "$name: quantizing"
     "$edof" quantize "weights/$name.safetensors" --images "$calibration" --out "weights/$name.fixed.safetensors"

@@ -42,6 +42,8 @@ pub struct Run {
     pub photos: Vec<Input>,
     /// ψ of each blur.
     pub psis: Vec<f64>,
+    /// The network that it began from, where it was one.
+    pub from: Option<Input>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -153,11 +155,12 @@ fn bytes(values: &[f32]) -> Vec<u8> {
 }
 
 fn same_run(path: &Path, found: &Run, asked: &Run) -> Result<(), CheckpointError> {
-    let fields: [(&'static str, String, String); 4] = [
+    let fields: [(&'static str, String, String); 5] = [
         ("recipe", json(&found.recipe), json(&asked.recipe)),
         ("camera", found.camera.clone(), asked.camera.clone()),
         ("photos", json(&found.photos), json(&asked.photos)),
         ("psi", json(&found.psis), json(&asked.psis)),
+        ("from", json(&found.from), json(&asked.from)),
     ];
     match fields.into_iter().find(|(_, found, asked)| found != asked) {
         Some((field, found, asked)) => {

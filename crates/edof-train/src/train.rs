@@ -5,7 +5,7 @@ use crate::budget::Steering;
 use crate::dataset::{Batch, Dataset};
 use crate::initial::{SAMPLES, initial};
 use crate::noise::Conditions;
-use crate::parameters::{Layout, unflatten};
+use crate::parameters::{Layout, flatten, unflatten};
 use crate::pass::Pass;
 use crate::precondition::Precondition;
 use crate::random::Random;
@@ -126,6 +126,32 @@ impl<'a> Trainer<'a> {
     pub fn new(recipe: Recipe, dataset: &'a Dataset, threads: usize) -> Result<Self, RecipeError> {
         recipe.check_with(dataset)?;
         let network = start(&recipe, dataset);
+        Self::begin(recipe, dataset, threads, network)
+    }
+
+    /// A new run that begins with the weights of `network`, whatever the recipe's start.
+    ///
+    /// # Errors
+    /// [`RecipeError`], also where the network has another form than the recipe.
+    pub fn from_network(
+        recipe: Recipe,
+        dataset: &'a Dataset,
+        threads: usize,
+        network: &Network,
+    ) -> Result<Self, RecipeError> {
+        recipe.check_with(dataset)?;
+        if network.form != recipe.form {
+            return Err(value("form", format!("{:?}", network.form), "the recipe's"));
+        }
+        Self::begin(recipe, dataset, threads, flatten(network))
+    }
+
+    fn begin(
+        recipe: Recipe,
+        dataset: &'a Dataset,
+        threads: usize,
+        network: Vec<f32>,
+    ) -> Result<Self, RecipeError> {
         let mut weights = network.clone();
         condition(&recipe, dataset).to_trained(&network, &mut weights);
         let state = State {

@@ -1,7 +1,7 @@
 //! Training as a whole: it learns, it repeats, it goes on where it was stopped, whatever the threads.
 
 use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::provenance::Input;
+use edof_spec::provenance::{Input, Provenance};
 use edof_spec::{Camera, ColourFrame, Tone, Window};
 use edof_train::augment::Augmentation;
 use edof_train::budget::Budget;
@@ -91,6 +91,25 @@ fn training_gains_over_its_start_for_both_shrinkages_and_both_starts() {
 }
 
 #[test]
+fn a_run_from_a_network_begins_as_good_as_that_network_and_gets_better() {
+    let recipe = Recipe { budget: None, ..long(recipe(Shrinkage::OneSided)) };
+    let dataset = &of(&[1, 2, 3, 4].map(drawn), &recipe);
+    let mut first = Trainer::new(recipe.clone(), dataset, 2).unwrap();
+    run_to(&mut first, 1500);
+    let camera = Camera::resolve("clear").unwrap();
+    let network = first.best("first", &camera, Provenance::default());
+    let mut second = Trainer::from_network(recipe.clone(), dataset, 2, &network).unwrap();
+    // Training coordinates and back are float arithmetic.
+    assert!((second.validate().db() - first.state.best.db).abs() < 1e-3);
+    run_to(&mut second, 1500);
+    let gain = second.state.best.db - first.state.best.db;
+    assert!(gain > 0.05, "grew by {gain} dB");
+    let other = Recipe { form: Form { codes: 32, ..recipe.form }, ..recipe };
+    let refused = Trainer::from_network(other, dataset, 2, &network).unwrap_err().to_string();
+    assert!(refused.starts_with("form ") && refused.ends_with("must be the recipe's"), "{refused}");
+}
+
+#[test]
 fn training_gains_in_the_tone_of_pictures_and_in_both_tones_at_once() {
     for tones in [vec![Tone::Srgb], Tone::ALL.to_vec()] {
         let recipe =
@@ -119,7 +138,7 @@ fn lambda_moves_until_the_budget_is_nearly_met() {
 
 fn run_of(recipe: &Recipe, photo: &ColourFrame, name: &str) -> Run {
     let photos = vec![Input::photograph(name, photo)];
-    Run { recipe: recipe.clone(), camera: "clear".into(), photos, psis: PSIS.to_vec() }
+    Run { recipe: recipe.clone(), camera: "clear".into(), photos, psis: PSIS.to_vec(), from: None }
 }
 
 #[test]

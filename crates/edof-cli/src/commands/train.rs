@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
-use crate::{form, interrupt, memory};
+use crate::{form, interrupt, memory, weights};
 use edof_io::photo;
 use edof_spec::network::{Form, Network};
 use edof_spec::provenance::{Input, Provenance};
@@ -39,11 +39,12 @@ const STUDY_PREFIX: &str = "kodim";
   edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors
   edof train --form two-sided,w8,t4 --camera ring-2018 --images photos/ --steps 8000 --out quick.safetensors
   edof train --form edof-t4w12 --camera ring-outer --tone both --non-zeros 65,65,58 --seed 1,2,3 --out mine.safetensors
-  edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors --resume")]
+  edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors --resume
+  edof train --from edof-t4w12-outer --camera my-lens.json --steps 10000 --out weights/mine.safetensors")]
 pub struct Args {
     /// The network's form: paper-t4, edof-t4w12, or words as in one-sided,w12,t4,c192,r
-    #[arg(long, value_parser = form::parse, long_help = form::HELP)]
-    form: Form,
+    #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "from")]
+    form: Option<Form>,
 
     /// Camera: a preset such as ring-outer, or a JSON file
     #[arg(long)]
@@ -152,6 +153,10 @@ pub struct Args {
     #[arg(long)]
     budget_rate: Option<f32>,
 
+    /// Go on from a trained network's weights, by name or file, with a new schedule; its form is taken where --form is not given
+    #[arg(long, value_name = "NETWORK", conflicts_with = "start")]
+    from: Option<String>,
+
     /// Where to start: whitened inputs, or the paper's ISTA with a learned dictionary
     #[arg(long, value_parser = ["whitened", "dictionary"])]
     start: Option<String>,
@@ -180,15 +185,17 @@ pub struct Args {
 /// # Errors
 /// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
 pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
-    let recipes = recipes(args)?;
+    let from = args.from.as_deref().map(Beginning::load).transpose()?;
+    let recipes = recipes(args, from.as_ref())?;
     let seeds: Vec<(Recipe, PathBuf)> =
         recipes.into_iter().map(|recipe| (recipe.clone(), checkpoint_file(args, recipe.seed))).collect();
-    let files = Files::new(ui).reads(&args.camera);
+    let files = Files::new(ui).reads(&args.camera).reads_all(args.from.as_deref().and_then(weights::float_file));
     let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
     let mut camera = Camera::resolve(&args.camera)?;
     camera.psi_range = args.psi.unwrap_or(camera.psi_range);
     ui.used(Input::camera(&camera));
+    from.iter().for_each(|from| ui.used(from.input.clone()));
     if let Some((_, file)) = seeds.iter().find(|(_, file)| file.exists() && !args.resume) {
         return Err(Error::message(format!(
             "{}: left by an earlier run; go on with it by --resume, or delete it",
@@ -210,8 +217,9 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
             camera: camera.to_json(),
             photos: photos.clone(),
             psis: psis.clone(),
+            from: from.as_ref().map(|from| from.input.clone()),
         };
-        results.push(one_seed(&dataset, &run, file, args, ui)?);
+        results.push(one_seed(&dataset, &run, from.as_ref(), file, args, ui)?);
     }
     let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
     let chosen = others
@@ -242,19 +250,33 @@ impl Trained<'_> {
     }
 }
 
+/// A trained network to go on from.
+struct Beginning {
+    network: Network,
+    input: Input,
+}
+
+impl Beginning {
+    fn load(name: &str) -> Result<Self, Error> {
+        Ok(Self { network: weights::float(name)?, input: weights::float_input(name)? })
+    }
+}
+
 fn one_seed<'a>(
     dataset: &'a Dataset,
     run: &Run,
+    from: Option<&Beginning>,
     file: &Path,
     args: &Args,
     ui: &Ui,
 ) -> Result<Trained<'a>, Error> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.unwrap_or(cores);
-    let mut trainer = if file.exists() {
-        Trainer::resume(run.recipe.clone(), dataset, threads, checkpoint::load(file, run)?)?
-    } else {
-        Trainer::new(run.recipe.clone(), dataset, threads)?
+    let recipe = run.recipe.clone();
+    let mut trainer = match from {
+        _ if file.exists() => Trainer::resume(recipe, dataset, threads, checkpoint::load(file, run)?)?,
+        Some(from) => Trainer::from_network(recipe, dataset, threads, &from.network)?,
+        None => Trainer::new(recipe, dataset, threads)?,
     };
     checkpoint::save(file, run, &trainer.state)?;
     let (begun, first, mut history) = (Instant::now(), trainer.state.step, vec![]);
@@ -342,8 +364,15 @@ fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &Progress) -
 }
 
 /// One recipe for each seed.
-fn recipes(args: &Args) -> Result<Vec<Recipe>, Error> {
-    let mut recipe = Recipe::new(args.form);
+fn recipes(args: &Args, from: Option<&Beginning>) -> Result<Vec<Recipe>, Error> {
+    let form = match (args.form, from.map(|from| from.network.form)) {
+        (Some(form), Some(found)) if form != found => {
+            let name = args.from.as_deref().unwrap_or_default();
+            return Err(Error::message(format!("--from {name}: its form is {}, not --form", form::words(&found))));
+        }
+        (form, found) => form.or(found).unwrap_or_else(|| unreachable!("the options ask for one of them")),
+    };
+    let mut recipe = Recipe::new(form);
     set(&mut recipe.conditions.noise, args.noise);
     set(&mut recipe.conditions.gain, args.gain);
     set(&mut recipe.conditions.noiseless, args.noiseless);
@@ -562,7 +591,11 @@ fn command(args: &Args, r: &Recipe) -> String {
         Weighting::Root => "root",
         Weighting::Mse => "mse",
     };
-    let start = if r.start == Start::Dictionary { "dictionary" } else { "whitened" };
+    let start = match &args.from {
+        Some(from) => format!("--from {from}"),
+        None if r.start == Start::Dictionary => "--start dictionary".to_owned(),
+        None => "--start whitened".to_owned(),
+    };
     let tone = match r.tones[..] {
         [tone] => tone.to_string(),
         _ => "both".to_owned(),
@@ -584,7 +617,7 @@ fn command(args: &Args, r: &Recipe) -> String {
         format!("--hue {} --scale {} --weighting {weighting}", a.hue, a.scale),
         format!("--steps {} --batch {} --rate {}", r.steps, r.batch, r.rate),
         format!("--output-rate {} --threshold-rate {}", r.output_rate, r.threshold_rate),
-        format!("--lambda {} --non-zeros {budget} --start {start}", joined(&r.lambda)),
+        format!("--lambda {} --non-zeros {budget} {start}", joined(&r.lambda)),
         format!("--seed {seeds} --validate-every {} --patience {}", r.validate_every, r.patience),
         format!("--out {}.safetensors", name(args)),
     ];
