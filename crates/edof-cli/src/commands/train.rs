@@ -189,7 +189,8 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let recipes = recipes(args, from.as_ref())?;
     let seeds: Vec<(Recipe, PathBuf)> =
         recipes.into_iter().map(|recipe| (recipe.clone(), checkpoint_file(args, recipe.seed))).collect();
-    let files = Files::new(ui).reads(&args.camera).reads_all(args.from.as_deref().and_then(weights::float_file));
+    let files =
+        Files::new(ui).reads(&args.camera).reads_all(args.from.as_deref().and_then(weights::float_file));
     let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
     let mut camera = Camera::resolve(&args.camera)?;
@@ -368,7 +369,10 @@ fn recipes(args: &Args, from: Option<&Beginning>) -> Result<Vec<Recipe>, Error> 
     let form = match (args.form, from.map(|from| from.network.form)) {
         (Some(form), Some(found)) if form != found => {
             let name = args.from.as_deref().unwrap_or_default();
-            return Err(Error::message(format!("--from {name}: its form is {}, not --form", form::words(&found))));
+            return Err(Error::message(format!(
+                "--from {name}: its form is {}, not --form",
+                form::words(&found)
+            )));
         }
         (form, found) => form.or(found).unwrap_or_else(|| unreachable!("the options ask for one of them")),
     };
@@ -592,7 +596,7 @@ fn command(args: &Args, r: &Recipe) -> String {
         Weighting::Mse => "mse",
     };
     let start = match &args.from {
-        Some(from) => format!("--from {from}"),
+        Some(from) => format!("--from {}", Path::new(from).file_name().unwrap_or_default().display()),
         None if r.start == Start::Dictionary => "--start dictionary".to_owned(),
         None => "--start whitened".to_owned(),
     };
