@@ -98,6 +98,11 @@ impl Unknowns {
 /// Flags of everything that goes into a library: no symbol of it is seen by other libraries, and how it stops is ours.
 const CFLAGS: &str = "-fPIC -fvisibility=hidden -fno-gnu-unique -w -DVL_USER_FATAL -DVL_USER_WARN -DVL_USER_STOP -DVL_USER_FINISH";
 
+/// What stands for `-O1`: without two passes that take nearly half of the compiler's time on Verilator's text and win nothing there.
+const QUICK: &str = "-O1 -fno-tree-pre -fno-tree-fre";
+/// Bytes of C++ below which a model is compiled as one file.
+const SMALL: u64 = 6 << 20;
+
 /// Verilator's own makefile knows which objects there are and how they are compiled. `make runtime.o` gives its library in
 /// one piece, which all models with the same kind of waveform share; `make model.so` what Rust loads.
 const MAKEFILE: &str = "\
@@ -127,7 +132,7 @@ fn inputs(source: &Source, options: &Options, tools: &str) -> Vec<String> {
     let mut parts = vec![tools.into(), CFLAGS.into(), MAKEFILE.into(), SHIM.into(), ports_inc(source)];
     parts.push(source.top.clone());
     parts.extend(verilator_options(options).into_iter().map(String::from));
-    parts.push(options.optimize.to_string());
+    parts.extend([options.optimize.to_string(), QUICK.into(), SMALL.to_string()]);
     source.files.iter().for_each(|(name, text)| parts.extend([name.clone(), text.clone()]));
     parts
 }
@@ -176,8 +181,28 @@ fn runtime(options: &Options, tools: &str, work: &Path) -> Result<Product, Error
 }
 
 fn make(work: &Path, options: &Options, target: &str, variable: &str) -> Result<(), Error> {
+    let fast = match options.optimize {
+        1 => QUICK.to_owned(),
+        level => format!("-O{}", level.min(3)),
+    };
     let mut command = tool::command("make", work);
     command.args(["-s", "-f", "model.mk", target, variable, "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]);
-    command.arg(format!("-j{}", options.jobs.max(1))).arg(format!("OPT_FAST=-O{}", options.optimize.min(3)));
+    command.arg(format!("-j{}", options.jobs.max(1))).arg(format!("OPT_FAST={fast}"));
+    if is_small(work)? {
+        // One file for the compiler: the headers of a small model take it longer than the rest.
+        command.arg("VM_PARALLEL_BUILDS=0");
+    }
     tool::run(&mut command).map(drop)
+}
+
+/// Whether all C++ of the model is less than several compilers are worth.
+fn is_small(work: &Path) -> Result<bool, Error> {
+    let mut bytes = 0;
+    for file in fs::read_dir(work).map_err(at(work))? {
+        let file = file.map_err(at(work))?;
+        if file.path().extension().is_some_and(|e| e == "cpp") {
+            bytes += file.metadata().map_err(at(work))?.len();
+        }
+    }
+    Ok(bytes < SMALL)
 }
