@@ -67,7 +67,7 @@ fn run_to(trainer: &mut Trainer<'_>, step: u64) -> State {
 /// A schedule long enough to gain in, on the photograph as it is.
 fn long(recipe: Recipe) -> Recipe {
     let (conditions, augmentation) = (Conditions::plain(0.015), Augmentation::NONE);
-    Recipe { steps: 1500, rate: 5e-3, validate_every: 500, conditions, augmentation, ..recipe }
+    Recipe { steps: 1500, batch: 128, rate: 5e-3, validate_every: 500, conditions, augmentation, ..recipe }
 }
 
 /// Gain in dB over the start, on windows that training has not seen, of photographs enough not to learn by heart.
@@ -112,8 +112,14 @@ fn a_run_from_a_network_begins_as_good_as_that_network_and_gets_better() {
 #[test]
 fn training_gains_in_the_tone_of_pictures_and_in_both_tones_at_once() {
     for tones in [vec![Tone::Srgb], Tone::ALL.to_vec()] {
-        let recipe =
-            Recipe { tones, steps: 1500, rate: 5e-3, validate_every: 500, ..recipe(Shrinkage::OneSided) };
+        let recipe = Recipe {
+            tones,
+            steps: 1500,
+            batch: 128,
+            rate: 5e-3,
+            validate_every: 500,
+            ..recipe(Shrinkage::OneSided)
+        };
         let gain = gain(recipe.clone());
         assert!(gain > 0.1, "{:?}: grew by {gain} dB", recipe.tones);
     }
