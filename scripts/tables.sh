@@ -7,7 +7,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 
 # Those trained for the paper's convention; of real light also those trained for it.
-declare -A nets=([linear]=paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear)
+declare -A nets
+nets[linear]="paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear"
 nets[srgb]=${nets[linear]},edof-t4w12-outer-light
 [ $# -gt 0 ] || set -- linear srgb
 for tone in "$@"; do
