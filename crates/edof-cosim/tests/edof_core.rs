@@ -48,9 +48,13 @@ impl Setup {
         frames.iter().map(|raw| system::picture(&golden, &display, raw).unwrap()).collect()
     }
 
+    fn begin(&self, seed: u64) -> Begin {
+        Begin::leisurely(&self.design, seed)
+    }
+
     fn start(&self, frames: &[RawFrame], seed: u64) -> Rig {
         let sent = frames.iter().map(system::sent).collect();
-        Rig::start(&self.compiled, &Begin::leisurely(&self.design, seed), sent).unwrap()
+        Rig::start(&self.compiled, &self.begin(seed), sent).unwrap()
     }
 
     /// The numbers of the pictures on the screen, none for a black one; every one of them whole.
@@ -68,7 +72,8 @@ const ERRORS: [&str; 6] = [
     "output_underruns",
 ];
 
-/// Frames one after the other, in both modes and with both sets of weights: five or more are shown in order, bit for bit.
+/// Frames one after the other, in both modes and with both sets of weights: five or more are shown in order, bit for bit, and no FIFO gets
+/// fuller than the model says.
 fn frames_are_shown(window: usize, stride: usize, size: (usize, usize)) {
     let setup = Setup::new(design(window, stride, size));
     for (mode, set, seed) in [(DisplayMode::Colour, 0, 1), (DisplayMode::Luma, 1, 2)] {
@@ -84,6 +89,9 @@ fn frames_are_shown(window: usize, stride: usize, size: (usize, usize)) {
             assert_eq!(rig.register(name).unwrap(), 0, "{name}");
         }
         assert_eq!(rig.register("input_size").unwrap(), size.0 as u32 | (size.1 as u32) << 16);
+        for fifo in rig.fifos(&setup.begin(seed)).unwrap() {
+            assert!(fifo.most > 0 && fifo.most <= fifo.limit && fifo.limit <= fifo.depth, "{fifo:?}");
+        }
         // The memory is ready, the signal is there and fits, and pictures leave.
         assert_eq!(rig.register("status").unwrap() & 0b1111, 0b1111);
     }

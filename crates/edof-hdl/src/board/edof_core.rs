@@ -18,9 +18,6 @@ use edof_spec::design::{Design, DesignError};
 use edof_spec::video::VideoTiming;
 use rust_hdl::prelude::*;
 
-/// Pixels between clock domains, as a power of two.
-const CROSSING: usize = 5;
-
 /// Everything between the pins' clocks and the memory: frames in, into DRAM, through the calculator, into DRAM again, and out to a screen.
 ///
 /// Three clocks: that of the incoming pixels, that of the memory and the calculator, that of the screen. `reset` may come at any time; each
@@ -116,16 +113,17 @@ impl EdofCore {
             burst: board::BURST_WORDS,
             depth: board::AGENT_WORDS,
         };
+        let crossing = board::CROSSING_PIXELS.ilog2() as usize;
         let (raw, picture) = (frames(board::RAW_BUFFERS), frames(board::PICTURE_BUFFERS));
         Ok(Self::from_parts(EdofCoreParts {
             video_in: VideoIn::new(design.frame, board::patience(timing)),
-            input_fifo: PixelFifo::new(CROSSING),
+            input_fifo: PixelFifo::new(crossing),
             raw_writer: WriteAgent::new(&raw),
             raw_reader: ReadAgent::new(&raw, false),
             core: StreamCore::new(design, sets, luma, colours)?,
             picture_writer: WriteAgent::new(&picture),
             picture_reader: ReadAgent::new(&picture, true),
-            output_fifo: PixelFifo::new(CROSSING),
+            output_fifo: PixelFifo::new(crossing),
             video_out: VideoOut::new(timing),
             registers: BoardRegisters::new(identity),
         }))

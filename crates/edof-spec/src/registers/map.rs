@@ -2,12 +2,21 @@
 
 use super::{Access, Field, Register, Window};
 use crate::design::memory::ADDRESS_BITS;
-use crate::display::LUMA_ENTRIES;
+use crate::display::{DisplayMode, LUMA_ENTRIES};
 
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
 pub const VERSION: u32 = 0x0001_0000;
+
+/// Address of `control`.
+pub const CONTROL: u32 = 0x14;
+
+/// The word of `control` with which frames are reconstructed, shown in that mode, with that set of weights.
+#[must_use]
+pub fn running(mode: DisplayMode, set: usize) -> u32 {
+    1 | u32::from(mode == DisplayMode::Colour) << 1 | (set as u32) << 2
+}
 
 const fn constant(
     name: &'static str,
@@ -74,7 +83,7 @@ pub const REGISTERS: &[Register] = &[
     ),
     control(
         "control",
-        0x14,
+        CONTROL,
         0b11,
         &[
             bit("run", 0, "Frames are reconstructed. Off: the picture stands still."),
