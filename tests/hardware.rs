@@ -236,7 +236,9 @@ fn a_demo_without_a_simulator_generates_its_board_and_says_that_it_was_not_tried
     let (board, report) = board_of_the_demo(&place);
     let told = board["not_simulated"].as_str().unwrap();
     assert!(told.contains("is not installed") && report.contains(told), "{told}");
-    assert!(place.path("out/board/rtl/kc705_top.v").is_file() && place.path("out/board/manifest.json").is_file());
+    assert!(
+        place.path("out/board/rtl/kc705_top.v").is_file() && place.path("out/board/manifest.json").is_file()
+    );
 }
 
 #[test]

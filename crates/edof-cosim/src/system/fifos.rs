@@ -28,7 +28,7 @@ const READERS: [&str; 2] = ["raw_reader", "picture_reader"];
 const QUEUES: [(&str, &str); 5] = [
     ("windows", "core.windows.queue"),
     ("pairs", "core.lines.pairs.queue"),
-    ("overlap", "core.lines.overlap_0.queue"),
+    ("overlap", "core.lines.overlap.queue"),
     ("raster", "core.lines.raster.queue"),
     ("display", "core.display.queue"),
 ];

@@ -51,7 +51,7 @@ const BLOCKS: [(&str, Domain); 17] = [
     ("screen_status", Domain::Core),
 ];
 /// Only where patches overlap.
-const OVERLAP: (&str, Domain) = ("core/lines/overlap_0", Domain::Core);
+const OVERLAP: (&str, Domain) = ("core/lines/overlap", Domain::Core);
 
 /// The blocks of a design's core around the calculator's stages; its reset synchronisers have no logic.
 #[must_use]
