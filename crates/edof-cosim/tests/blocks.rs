@@ -25,6 +25,7 @@ use edof_hdl::blocks::results::Results;
 use edof_hdl::blocks::sequencer::Sequencer;
 use edof_hdl::blocks::shrink::Shrink;
 use edof_hdl::blocks::stage::Stage;
+use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
 use edof_hdl::describe::Circuit;
 use edof_spec::design::memory::{self, Shifts, Space};
@@ -34,7 +35,8 @@ use edof_spec::{Design, FixedNetwork};
 use rust_hdl::prelude::*;
 
 ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);
-ported!(Requantize, Results, Sequencer, Shrink, Stage, WindowRing, LeavesTop, RamTop, FifoTop, MaccTop);
+ported!(Requantize, Results, Sequencer, Shrink, Stage, WindowGuard, WindowRing);
+ported!(LeavesTop, RamTop, FifoTop, MaccTop);
 
 /// Cycles of reset at the start of every stimulus.
 const RESET: u64 = 48;
@@ -123,6 +125,32 @@ fn counters() {
         b.codes.next = word(draw);
         b.differences.next = word(draw);
         b.select.next = word(draw);
+        b.snapshot.next = draw.whole(0, 60) == 0;
+    });
+}
+
+#[test]
+fn window_guard() {
+    let stage = committed("tiny").stage(0);
+    let beats = stage.beats_in() as i64;
+    let qualified = [("out_data", "out_valid"), ("out_last", "out_valid"), ("out_set", "out_valid")];
+    let mut left = 0;
+    agree(WindowGuard::new(&stage), RESET as usize, &qualified, move |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 700) == 0;
+        b.reset_counters.next = last.cycle < RESET || draw.whole(0, 700) == 0;
+        b.snapshot.next = draw.whole(0, 300) == 0;
+        if last.all(&["valid", "ready"]) || !last.is("valid") {
+            // Half of all windows are too short or too long.
+            if left == 0 {
+                left = if bit(draw) { beats } else { draw.whole(1, 2 * beats) };
+                b.set.next = bit(draw);
+            }
+            b.valid.next = last.cycle > RESET && draw.whole(0, 3) > 0;
+            left -= i64::from(b.valid.next);
+            b.last.next = left == 0;
+            b.data.next = word(draw);
+        }
+        b.out_ready.next = draw.whole(0, 3) > 0;
     });
 }
 
@@ -515,6 +543,7 @@ fn stage() {
         let qualified = ["out_data", "out_base", "out_last", "out_set"].map(|port| (port, "out_valid"));
         agree_with_images(block, RESET as usize, &qualified, &images(design, &sets), move |b, draw, last| {
             b.reset.next = last.cycle < RESET;
+            b.flush.next = false;
             let busy = last.cycle > RESET + 2;
             let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
             let pixel =

@@ -1,35 +1,45 @@
 //! The chain in rust-hdl's own simulator against the cycle model: every word and every cycle.
 
-use edof_cosim::chain::simulated::Simulated;
-use edof_cosim::chain::{Drive, Outcome};
-use edof_golden::cycle::{Cycle, Patch, Stalls};
-use edof_hdl::blocks::chain::Chain;
-use edof_spec::Design;
-use edof_spec::design::memory::Set;
-use edof_spec::draw::Draw;
+mod common;
+mod support;
 
-fn run(design: &Design, count: usize, drive: &Drive, seed: u64) -> Outcome {
-    let networks = [1, 2].map(|set| edof_random::for_design(design, seed + set));
-    let sets = [&networks[0], &networks[1]];
-    let draw = &mut Draw::new(seed);
-    let pixels = design.form.window.pixels();
-    let patches = (0..count).map(|_| Patch {
-        set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
-        window: edof_random::extreme_window(draw, pixels),
-    });
-    let patches: Vec<Patch> = patches.collect();
-    let mut device = Simulated::new(Chain::checked(design, sets).unwrap());
-    drive.run(Cycle::new(design, sets).unwrap(), patches, &mut device, &mut |_| ()).unwrap()
-}
+use common::{committed, expect_clean, misfits, networks, patches};
+use edof_cosim::chain::simulated::Simulated;
+use edof_cosim::chain::{Beat, Device, Drive, Inputs, Outputs};
+use edof_golden::cycle::{Cycle, Stalls};
+use edof_hdl::blocks::chain::Chain;
+use edof_spec::design::memory::Set;
 
 #[test]
 fn tiny_agrees_in_every_word_and_cycle() {
-    let design = Design::from_json(include_str!("../../../designs/tiny.json")).unwrap();
-    for (seed, skip, stalled) in [(1, true, 0), (2, false, 0), (3, true, 90), (4, false, 200)] {
+    let design = committed("tiny");
+    for (seed, skip, stalled) in [(1, true, 0), (2, false, 90), (3, true, 200)] {
+        let networks = networks(&design, seed);
+        let sets = networks.each_ref();
         let stalls = Some(Stalls::drawn(seed, stalled));
         let drive = Drive { skip_zeros: Some(skip), stalls, ..Drive::default() };
-        let outcome = run(&design, 6, &drive, seed);
-        assert!(outcome.difference.is_none(), "{}", outcome.difference.unwrap());
+        let mut device = Simulated::new(Chain::checked(&design, sets).unwrap());
+        let model = Cycle::new(&design, sets).unwrap();
+        let outcome = drive.run(model, patches(&design, 6, seed), &mut device, &mut |_| ()).unwrap();
+        expect_clean(&outcome);
         assert_eq!(outcome.beats, 6 * (32 + 8 + 8 + 8 + 64));
+    }
+}
+
+#[test]
+fn after_a_flush_windows_of_any_length_give_what_the_model_says() {
+    let design = committed("tiny");
+    let networks = networks(&design, 5);
+    let sets = networks.each_ref();
+    let mut device = Simulated::new(Chain::checked(&design, sets).unwrap());
+    for (seed, cycles) in [(1, 0), (2, 250)] {
+        // A beat that is no window's last in every cycle; at first registers hold anything.
+        let beat = Beat { words: [seed as i16, 9], base: [0; 2], last: false, set: Set::Second };
+        let inputs = Inputs { window: Some(beat), ..Inputs::default() };
+        (0..cycles).for_each(|_| device.cycle(&inputs, &mut Outputs::default()).unwrap());
+        let drive = Drive { flush: seed > 1, stalls: Some(Stalls::drawn(seed, 60)), ..Drive::default() };
+        let patches = misfits(patches(&design, 5, seed), seed);
+        let model = Cycle::new(&design, sets).unwrap();
+        expect_clean(&drive.run(model, patches, &mut device, &mut |_| ()).unwrap());
     }
 }

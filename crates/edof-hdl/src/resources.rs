@@ -86,16 +86,21 @@ impl Sum for Resources {
 /// What each stage of a design takes.
 ///
 /// ```
-/// use edof_hdl::resources::{XC7K325T, stages};
+/// use edof_hdl::resources::{XC7K325T, stages, whole};
 /// let design = edof_spec::Design::from_json(include_str!("../../../designs/kc705.json"))?;
-/// let all: edof_hdl::resources::Resources = stages(&design).into_iter().sum();
-/// assert_eq!(all.dsp48e1, 800);
-/// assert_eq!(all.fullest(&XC7K325T).0, "dsp48e1");
+/// assert_eq!(stages(&design).iter().map(|stage| stage.dsp48e1).sum::<usize>(), 800);
+/// assert_eq!(whole(&design).fullest(&XC7K325T).0, "dsp48e1");
 /// # Ok::<(), edof_spec::design::DesignError>(())
 /// ```
 #[must_use]
 pub fn stages(design: &Design) -> Vec<Resources> {
     design.stages().map(|plan| stage(&plan, design.accumulator_bits as usize)).collect()
+}
+
+/// What the whole calculator takes: its stages, and what makes windows whole before them.
+#[must_use]
+pub fn whole(design: &Design) -> Resources {
+    stages(design).into_iter().sum::<Resources>() + Resources::logic(82, 15 + 2 * 71 + 36)
 }
 
 /// One stage, its sums `sum_bits` wide.
@@ -188,7 +193,7 @@ fn results(plan: &StagePlan) -> Resources {
 }
 
 const fn registers_and_counters() -> Resources {
-    Resources::logic(6 + 48, 41 + 140)
+    Resources::logic(6 + 48 + 4 * 32, 41 + 4 * 71)
 }
 
 /// LUT RAM whose read is registered.

@@ -71,7 +71,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let rate = |cycles: f64| design.clock_mhz * 1e6 / (cycles * ahead.patches_per_frame as f64);
     let frames = rate(cycles);
     let stages = resources::stages(&design);
-    let total: Resources = stages.iter().copied().sum();
+    let total = resources::whole(&design);
     let names = stage_names(stages.len());
 
     ui.say("stage  lanes x rows  values  cycles  DSP48E1  RAMB36E1  RAMB18E1      LUT       FF")?;

@@ -166,7 +166,7 @@ fn of_network(
     let mut found = vec![];
     for design in foldings(&any_folding(base, network)?, &pairs) {
         interrupt::check()?;
-        let used: Resources = resources::stages(&design).into_iter().sum();
+        let used = resources::whole(&design);
         if used.fullest(&XC7K325T).1 > 1.0 {
             continue;
         }

@@ -20,15 +20,17 @@ pub struct Beat {
 /// What the chain is given in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Inputs {
-    /// Forget everything.
+    /// Forget every vector and what was written to registers.
     pub reset: bool,
+    /// Forget every vector, and nothing else.
+    pub flush: bool,
     /// A beat of a window.
     pub window: Option<Beat>,
     /// Whether a beat of a patch is taken.
     pub patch_ready: bool,
     /// A word to write: address ([`edof_spec::design::memory::address`]) and value.
     pub write: Option<(u32, u32)>,
-    /// Stage (4 bits) and counter (2 bits) to show.
+    /// What to show: [`status_address`].
     pub status_address: u32,
 }
 
@@ -60,6 +62,8 @@ pub struct Outputs {
     pub patch: Option<Beat>,
     /// The counter asked for.
     pub status: u32,
+    /// Whether a window was too short or too long since the last reset or snapshot.
+    pub window_fault: bool,
 }
 
 /// Something that behaves as a chain.
@@ -69,6 +73,12 @@ pub trait Device {
     /// # Errors
     /// The simulation stops.
     fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error>;
+}
+
+/// Where a stage, or the whole chain, shows a counter.
+#[must_use]
+pub const fn status_address(stage: usize, counter: usize) -> u32 {
+    ((stage << 2) | counter) as u32
 }
 
 /// The low half of a port's word is the even element.

@@ -1,7 +1,7 @@
 //! Patches through a circuit, compared with the cycle model as they pass.
 
 use super::check::{Boundary, Difference, Fault, stage_names};
-use super::device::{Beat, Device, Inputs, Offer, Outputs};
+use super::device::{Beat, Device, Inputs, Offer, Outputs, status_address};
 use crate::Error;
 use edof_golden::StageCounts;
 use edof_golden::cycle::{Cycle, Patch, PatchRun, Run, StallPattern, Stalls, Summary};
@@ -11,8 +11,12 @@ use std::collections::VecDeque;
 
 /// Cycles of reset: enough for every pipeline to run dry.
 const RESET_CYCLES: usize = 48;
-/// Cycles after reset or a write until all that they change is changed.
+/// The cycle of a flush in which the counters start anew: what was under way has been counted.
+const COUNTED: usize = RESET_CYCLES - 4;
+/// Cycles after a write until all that it changes is changed.
 const SETTLE_CYCLES: usize = 8;
+/// Cycles after reset or flush until windows are taken.
+const IDLE_CYCLES: usize = 2;
 /// While patches run, a word is written every so many cycles.
 const WRITE_EVERY: u64 = 3;
 /// Cycles after the last patch in which nothing may come.
@@ -21,6 +25,8 @@ const QUIET_CYCLES: u64 = 50;
 /// How patches are driven.
 #[derive(Debug, Clone, Default)]
 pub struct Drive {
+    /// Begins with a flush in place of a reset: what was written before stays.
+    pub flush: bool,
     /// Whether zeros are left out, where that is not what the design says.
     pub skip_zeros: Option<bool>,
     /// Stalls of source and sink.
@@ -100,74 +106,103 @@ impl Drive {
                 && writes.peek().is_none()
                 && *end.get_or_insert(cycle + QUIET_CYCLES) <= cycle
             {
-                break self.counters(&reference.summary.counts.stages, cycle, device)?;
+                break self.counters(&reference.summary, cycle, device)?;
             }
         };
         let beats = reference.boundaries.iter().map(|b| b.passed).sum();
         Ok(Outcome { summary: reference.summary, beats, lead, cycles: cycle, difference })
     }
 
-    /// Resets the circuit and writes what is to be written; tells how many cycles that took.
+    /// Resets or flushes the circuit and writes what is to be written; tells how many cycles that took.
     fn begin(&self, stages: usize, device: &mut impl Device) -> Result<u64, Error> {
         let mut outputs = Outputs::default();
         let mut cycles = RESET_CYCLES as u64;
-        for _ in 0..RESET_CYCLES {
-            device.cycle(&Inputs { reset: true, ..Inputs::default() }, &mut outputs)?;
+        for cycle in 0..RESET_CYCLES {
+            let write = (self.flush && cycle == COUNTED).then_some((memory::SNAPSHOT, 0));
+            let inputs = Inputs { reset: !self.flush, flush: self.flush, write, ..Inputs::default() };
+            device.cycle(&inputs, &mut outputs)?;
         }
         let skip = self.skip_zeros.iter().flat_map(|skip| {
             let control = |stage| memory::address(stage, Space::Register { row: 2 });
             (0..stages).map(move |stage| (control(stage), u32::from(*skip) * memory::CONTROL_SKIP))
         });
-        let writes = skip.chain(self.writes.iter().copied()).map(Some);
-        for write in writes.chain(std::iter::repeat_n(None, SETTLE_CYCLES)) {
+        let mut writes: Vec<_> = skip.chain(self.writes.iter().copied()).map(Some).collect();
+        let idle = if writes.is_empty() { IDLE_CYCLES } else { SETTLE_CYCLES };
+        writes.resize(writes.len() + idle, None);
+        for write in writes {
             device.cycle(&Inputs { write, ..Inputs::default() }, &mut outputs)?;
             cycles += 1;
         }
         Ok(cycles)
     }
 
-    /// Compares the counters of all stages.
+    /// Compares the counters of all stages and of the whole chain.
     fn counters(
         &self,
-        stages: &[StageCounts],
+        summary: &Summary,
         cycle: u64,
         device: &mut impl Device,
     ) -> Result<Option<Difference>, Error> {
         let mut outputs = Outputs::default();
-        for (stage, counts) in stages.iter().enumerate() {
-            let last = stage + 1 == stages.len();
-            let expected = [
-                counts.nonzeros,
-                counts.saturated_results,
-                counts.saturated_codes,
-                counts.saturated_differences,
-            ];
-            for (counter, expected) in expected.into_iter().enumerate() {
-                // F sends no pairs: the model does not count its non-zero results.
-                if last && counter == 0 {
-                    continue;
-                }
-                let status_address = ((stage << 2) | counter) as u32;
-                for _ in 0..2 {
-                    device.cycle(&Inputs { status_address, ..Inputs::default() }, &mut outputs)?;
-                }
-                if u64::from(outputs.status) != expected & 0xffff_ffff {
-                    let name = stage_names(stages.len()).swap_remove(stage);
-                    return Ok(Some(Difference {
-                        fault: Fault::Counter,
-                        boundary: "counters".into(),
-                        stage: name,
-                        patch: 0,
-                        element: counter,
-                        cycle,
-                        expected: expected as i64,
-                        got: Some(outputs.status.into()),
-                    }));
-                }
+        for write in [Some((memory::SNAPSHOT, 0))].into_iter().chain([None; SETTLE_CYCLES]) {
+            device.cycle(&Inputs { write, ..Inputs::default() }, &mut outputs)?;
+        }
+        for Counted { stage, name, counter, expected } in counted(summary) {
+            let status_address = status_address(stage, counter);
+            for _ in 0..2 {
+                device.cycle(&Inputs { status_address, ..Inputs::default() }, &mut outputs)?;
+            }
+            if u64::from(outputs.status) != expected & 0xffff_ffff {
+                return Ok(Some(Difference {
+                    fault: Fault::Counter,
+                    boundary: "counters".into(),
+                    stage: name,
+                    patch: 0,
+                    element: counter,
+                    cycle,
+                    expected: expected as i64,
+                    got: Some(outputs.status.into()),
+                }));
             }
         }
         Ok(None)
     }
+}
+
+/// A counter, and what it must show.
+struct Counted {
+    stage: usize,
+    name: String,
+    counter: usize,
+    expected: u64,
+}
+
+/// What all counters must show after a run.
+fn counted(summary: &Summary) -> Vec<Counted> {
+    let stages = &summary.counts.stages;
+    let of_stage = |counts: &StageCounts| {
+        [counts.nonzeros, counts.saturated_results, counts.saturated_codes, counts.saturated_differences]
+    };
+    let mut all: Vec<Counted> = vec![];
+    for ((stage, counts), name) in stages.iter().enumerate().zip(stage_names(stages.len())) {
+        // F sends no pairs: the model does not count its non-zero results.
+        let first = usize::from(stage + 1 == stages.len());
+        let counters = of_stage(counts).into_iter().enumerate().skip(first);
+        all.extend(counters.map(|(counter, expected)| Counted {
+            stage,
+            name: name.clone(),
+            counter,
+            expected,
+        }));
+    }
+    let windows = [summary.too_short, summary.too_long].into_iter().enumerate();
+    all.extend(windows.map(|(counter, expected)| Counted {
+        stage: memory::WHOLE_CHAIN,
+        name: "windows".into(),
+        counter,
+        expected,
+    }));
+    all
 }
 
 /// More vectors than a stage ever holds: in its slots, three in its multipliers and drain, and what its credits let out.

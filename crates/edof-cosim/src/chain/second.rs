@@ -115,6 +115,7 @@ pub fn rows(source: &Source, inputs: &[Inputs]) -> Result<Rows, Error> {
         let (address, data) = input.write.unwrap_or_default();
         let values = [
             ("reset_i", u64::from(input.reset)),
+            ("flush_i", u64::from(input.flush)),
             ("window_valid_i", u64::from(beat.is_some())),
             ("window_data_i", beat.map_or(0, |beat| join(beat.words).into())),
             ("window_last_i", beat.map_or(0, |beat| beat.last.into())),

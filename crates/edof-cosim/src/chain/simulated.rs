@@ -32,6 +32,7 @@ impl Device for Simulated {
     fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error> {
         let chain = &mut self.chain;
         chain.reset.next = inputs.reset;
+        chain.flush.next = inputs.flush;
         chain.window_valid.next = inputs.window.is_some();
         if let Some(beat) = inputs.window {
             chain.window_data.next = u64::from(join(beat.words)).into();
@@ -49,6 +50,7 @@ impl Device for Simulated {
         let chain = &self.chain;
         outputs.window_ready = chain.window_ready.val();
         outputs.status = chain.status.val().to_u32();
+        outputs.window_fault = chain.window_fault.val();
         outputs.between.clear();
         outputs.between.extend((0..chain.between_valid.len()).map(|gap| Offer {
             beat: chain.between_valid[gap].val().then(|| Beat {

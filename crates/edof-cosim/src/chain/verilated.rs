@@ -62,6 +62,7 @@ pub struct Verilated {
 
 struct Ports {
     reset: usize,
+    flush: usize,
     window: Stream,
     window_ready: usize,
     patch: Stream,
@@ -69,6 +70,7 @@ struct Ports {
     write: [usize; 3],
     status_address: usize,
     status: usize,
+    window_fault: usize,
     /// Streams between stages, and their receivers' `ready`.
     between: Vec<(Stream, usize)>,
 }
@@ -107,6 +109,7 @@ impl Verilated {
         };
         let ports = Ports {
             reset: source.port("reset_i")?,
+            flush: source.port("flush_i")?,
             window: Stream::find(source, |p| format!("window_{p}_i"))?,
             window_ready: source.port("window_ready_o")?,
             patch: Stream::find(source, |p| format!("patch_{p}_o"))?,
@@ -118,6 +121,7 @@ impl Verilated {
             ],
             status_address: source.port("status_address_i")?,
             status: source.port("status_o")?,
+            window_fault: source.port("window_fault_o")?,
             between: (0..stages - 1).map(between).collect::<Result<_, Error>>()?,
         };
         Ok(Self { model, ports })
@@ -147,6 +151,7 @@ impl Device for Verilated {
     fn cycle(&mut self, inputs: &Inputs, outputs: &mut Outputs) -> Result<(), Error> {
         let (model, ports) = (&mut self.model, &self.ports);
         model.poke(ports.reset, inputs.reset.into())?;
+        model.poke(ports.flush, inputs.flush.into())?;
         model.poke(ports.window.valid, inputs.window.is_some().into())?;
         if let Some(beat) = inputs.window {
             model.poke(ports.window.data, join(beat.words).into())?;
@@ -163,6 +168,7 @@ impl Device for Verilated {
 
         outputs.window_ready = model.peek(ports.window_ready)? != 0;
         outputs.status = model.peek(ports.status)? as u32;
+        outputs.window_fault = model.peek(ports.window_fault)? != 0;
         outputs.between.clear();
         for (stream, ready) in &ports.between {
             let offer = Offer { beat: beat(model, stream)?, ready: model.peek(*ready)? != 0 };

@@ -101,6 +101,22 @@ pub fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
     (0..count).map(patch).collect()
 }
 
+/// The same patches, but that of a third of them the window is too short or too long.
+pub fn misfits(mut patches: Vec<Patch>, seed: u64) -> Vec<Patch> {
+    let draw = &mut Draw::new(seed);
+    for patch in &mut patches {
+        let beats = patch.window.len() / 2;
+        let wrong = match draw.whole(0, 3) {
+            0 => [1, beats - 1, beats + 1][draw.whole(0, 2) as usize],
+            _ => draw.whole(1, 2 * beats as i64) as usize,
+        };
+        if draw.whole(0, 2) == 0 {
+            patch.window.resize_with(2 * wrong, || draw.whole(0, 0x7fff) as i16);
+        }
+    }
+    patches
+}
+
 /// The same patches, all for one set.
 pub fn for_set(set: Set, patches: Vec<Patch>) -> Vec<Patch> {
     patches.into_iter().map(|patch| Patch { set, ..patch }).collect()

@@ -14,7 +14,7 @@ use edof_spec::design::timing::STEAL_LATENCY;
 /// When the beats of one patch are transferred.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PatchTimes {
-    /// The cycle of each beat at each boundary: 0 the window into I, 1…T−1 between stages, T the result out of F.
+    /// The cycle of each beat at each boundary: 0 the window as it comes, 1…T−1 between stages, T the result out of F.
     pub boundaries: Vec<Vec<u64>>,
     /// What I, each M, F did for it.
     pub stages: Vec<StageUse>,
@@ -48,6 +48,8 @@ pub struct Chain {
     stalls: Stalls,
     /// First cycle in which the source may present the next beat.
     source: u64,
+    /// First cycle in which the chain may take the next window's first beat: what was missing of the one before is filled up.
+    filled: u64,
     /// First cycle in which each place of F's window ring is free; patch k takes place k mod `kept_windows`.
     windows: Vec<u64>,
     patches: usize,
@@ -74,6 +76,7 @@ impl Chain {
             plans,
             stalls,
             source: 0,
+            filled: 0,
             patches: 0,
         }
     }
@@ -86,15 +89,21 @@ impl Chain {
 
     /// The next patch, of which stage s keeps `pairs[s]` pairs.
     pub fn next(&mut self, pairs: &[usize]) -> PatchTimes {
+        self.next_of(self.plans[0].beats_in(), pairs)
+    }
+
+    /// [`Chain::next`], whose window comes in `beats` beats, too few or too many.
+    pub fn next_of(&mut self, beats: usize, pairs: &[usize]) -> PatchTimes {
         let mut boundaries = Vec::with_capacity(self.stages.len() + 1);
         let mut used = Vec::with_capacity(self.stages.len());
-        boundaries.push(self.window_in());
+        let (window, window_whole) = self.window_in(beats);
+        boundaries.push(window);
         for (s, pairs) in pairs.iter().enumerate().take(self.stages.len()) {
             let receiver = match self.stages.get(s + 1) {
                 Some(next) => Receiver { from: next.ready_from(), stalls: StallPattern::NEVER },
                 None => Receiver { from: 0, stalls: self.stalls.sink },
             };
-            let last_in = boundaries[s].last().copied().unwrap_or(0);
+            let last_in = if s == 0 { window_whole } else { boundaries[s].last().copied().unwrap_or(0) };
             let mut out = Vec::with_capacity(self.plans[s].beats_out());
             used.push(self.stages[s].take(last_in, *pairs, receiver, &mut out));
             boundaries.push(out);
@@ -103,16 +112,22 @@ impl Chain {
         PatchTimes { boundaries, stages: used }
     }
 
-    /// The window's beats: taken when the source presents them and both I and F's ring have room.
-    fn window_in(&mut self) -> Vec<u64> {
+    /// The window's beats: taken when the source presents them and both I and F's ring have room. What is missing is filled up after
+    /// them, what is too much is taken whatever room there is. With them the cycle of the beat that makes the window whole.
+    fn window_in(&mut self, beats: usize) -> (Vec<u64>, u64) {
+        let whole = self.plans[0].beats_in();
         let ring = self.place().map_or(0, |place| self.windows[place]);
-        let room = self.stages[0].ready_from().max(ring);
-        let beat = |_| {
-            let taken = self.stalls.source.next_go(self.source).max(room);
+        let room = self.stages[0].ready_from().max(ring).max(self.filled);
+        let beat = |beat| {
+            let from = if beat < whole { room } else { 0 };
+            let taken = self.stalls.source.next_go(self.source).max(from);
             self.source = taken + 1;
             taken
         };
-        (0..self.plans[0].beats_in()).map(beat).collect()
+        let taken: Vec<u64> = (0..beats).map(beat).collect();
+        let last = taken[beats.min(whole) - 1] + whole.saturating_sub(beats) as u64;
+        self.filled = last + 1;
+        (taken, last)
     }
 
     fn window_done(&mut self) {

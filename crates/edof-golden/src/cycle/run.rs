@@ -5,8 +5,8 @@ use super::transfer::{Patch, PatchRun};
 use super::{CycleError, Stalls};
 use crate::Trace;
 use crate::fast::{Batch, Fast};
-use edof_spec::design::StagePlan;
 use edof_spec::design::memory::Set;
+use edof_spec::design::{BEAT, StagePlan};
 use edof_spec::{Design, FixedNetwork};
 use std::collections::VecDeque;
 
@@ -69,7 +69,7 @@ impl Cycle {
     /// Runs patches from reset on; each is given when it is asked for. Up to [`Batch::PATCHES`] are taken ahead.
     ///
     /// # Panics
-    /// When a window does not hold as many words as the design's windows have pixels.
+    /// When a window holds no word, or an odd number of them.
     pub fn run<I: IntoIterator<Item = Patch>>(&self, patches: I) -> Run<'_, I::IntoIter> {
         Run {
             model: self,
@@ -84,11 +84,14 @@ impl Cycle {
     fn traces(&self, patches: &[Patch]) -> Vec<Trace> {
         let pixels = self.design.form.window.pixels();
         let of_set = |set: Set| {
-            let windows = patches.iter().filter(|patch| patch.set == set).flat_map(|patch| {
-                assert_eq!(patch.window.len(), pixels, "words of a window");
-                &patch.window
-            });
-            self.sets[set as usize].traces(&windows.copied().collect::<Vec<_>>()).into_iter()
+            let mut windows = Vec::with_capacity(pixels * patches.len());
+            for (index, patch) in patches.iter().filter(|patch| patch.set == set).enumerate() {
+                let words = patch.window.len();
+                assert!(words > 0 && words.is_multiple_of(BEAT), "{words} words of a window");
+                windows.extend_from_slice(&patch.window[..words.min(pixels)]);
+                windows.resize(pixels * (index + 1), 0);
+            }
+            self.sets[set as usize].traces(&windows).into_iter()
         };
         let mut traces = [of_set(Set::First), of_set(Set::Second)];
         patches.iter().filter_map(|patch| traces[patch.set as usize].next()).collect()
@@ -100,7 +103,7 @@ impl Cycle {
 pub struct Run<'a, I> {
     model: &'a Cycle,
     patches: I,
-    ready: VecDeque<(Set, Trace)>,
+    ready: VecDeque<(Patch, Trace)>,
     chain: Chain,
     index: u64,
 }
@@ -111,15 +114,17 @@ impl<I: Iterator<Item = Patch>> Iterator for Run<'_, I> {
     fn next(&mut self) -> Option<PatchRun> {
         if self.ready.is_empty() {
             let batch: Vec<Patch> = self.patches.by_ref().take(Batch::PATCHES).collect();
-            self.ready = batch.iter().map(|patch| patch.set).zip(self.model.traces(&batch)).collect();
+            let traces = self.model.traces(&batch);
+            self.ready = batch.into_iter().zip(traces).collect();
         }
-        let (set, trace) = self.ready.pop_front()?;
+        let (Patch { window, set }, trace) = self.ready.pop_front()?;
         let kept = |stage: &StagePlan| kept_pairs(stage, &trace, self.model.skip_zeros);
         let pairs: Vec<usize> = self.chain.plans().iter().map(kept).collect();
-        let times = self.chain.next(&pairs);
+        let times = self.chain.next_of(window.len() / BEAT, &pairs);
+        let misfit = (window.len() != trace.input.len()).then_some(window);
         let index = self.index;
         self.index += 1;
-        Some(PatchRun { index, set, recurrence: self.model.design.form.recurrence, trace, times })
+        Some(PatchRun { index, set, recurrence: self.model.design.form.recurrence, misfit, trace, times })
     }
 }
 

@@ -17,16 +17,17 @@ use std::collections::{BTreeSet, VecDeque};
 /// # Panics
 /// When a stage would have to hold more bases than [`BASE_VECTORS`]: a flaw of the contract, which lets no beat wait for them.
 ///
-/// In each cycle of `writes` a word is written to an address.
+/// In each cycle of `writes` a word is written to an address; each trace's window comes in as many beats as `windows` says.
 #[must_use]
 pub fn run(
     design: &Design,
     skip_zeros: bool,
     stalls: Stalls,
     writes: &[(u64, u32)],
+    windows: &[usize],
     traces: &[Trace],
 ) -> Vec<Vec<u64>> {
-    let mut machine = Machine::new(design, skip_zeros, traces);
+    let mut machine = Machine::new(design, skip_zeros, windows, traces);
     let stolen: BTreeSet<(u64, usize)> = writes
         .iter()
         .filter_map(|(cycle, address)| Some((cycle + STEAL_LATENCY, stolen_from(design, *address)?)))
@@ -34,7 +35,8 @@ pub fn run(
     let results: usize = traces.iter().map(|trace| trace.output.len() / BEAT).sum();
     let mut cycles = vec![vec![]; design.stages.len() + 1];
     for cycle in 0.. {
-        if cycles.last().is_none_or(|out: &Vec<u64>| out.len() == results) {
+        // A last window that is too long may still come when its result is out.
+        if machine.left.is_empty() && cycles.last().is_none_or(|out: &Vec<u64>| out.len() == results) {
             break;
         }
         let transfers = machine
@@ -51,10 +53,22 @@ struct Machine {
     stages: Vec<Stage>,
     /// Whether the source presents a beat.
     pending: bool,
-    /// Beats that the source has not sent yet.
-    left: usize,
+    /// Beats of each window that the source has not sent yet.
+    left: VecDeque<usize>,
+    guard: Guard,
     /// F's window ring.
     ring: Ring,
+}
+
+/// What makes windows whole.
+struct Guard {
+    beats_of_window: usize,
+    /// Beats of the window that goes on.
+    beats: usize,
+    /// Whether the window is filled up.
+    fills: bool,
+    /// Whether the rest of the window is thrown away.
+    drops: bool,
 }
 
 /// F's window ring.
@@ -68,13 +82,14 @@ struct Ring {
 }
 
 impl Machine {
-    fn new(design: &Design, skip_zeros: bool, traces: &[Trace]) -> Self {
+    fn new(design: &Design, skip_zeros: bool, windows: &[usize], traces: &[Trace]) -> Self {
         let stages: Vec<Stage> = design.stages().map(|plan| Stage::new(plan, skip_zeros, traces)).collect();
         let beats_of_window = stages[0].plan.beats_in();
         let places = stages.last().map_or(0, |f| f.plan.kept_windows);
         Self {
             pending: false,
-            left: traces.len() * beats_of_window,
+            left: windows.iter().copied().collect(),
+            guard: Guard { beats_of_window, beats: 0, fills: false, drops: false },
             ring: Ring { places, held: 0, beats: 0, beats_of_window },
             stages,
         }
@@ -83,19 +98,49 @@ impl Machine {
     /// One cycle: whether a transfer happened at each boundary.
     fn step(&mut self, source_goes: bool, sink_goes: bool, stolen: impl Fn(usize) -> bool) -> Vec<bool> {
         // All wires follow from registers and from the two ends.
-        let presented = self.pending || (self.left > 0 && source_goes);
-        let valid = |b: usize| if b == 0 { presented } else { self.stages[b - 1].fifo > 0 };
+        let presented = self.pending || (!self.left.is_empty() && source_goes);
+        let Guard { fills, drops, .. } = self.guard;
+        let valid =
+            |b: usize| if b == 0 { fills || (presented && !drops) } else { self.stages[b - 1].fifo > 0 };
         let ready =
             |b: usize| self.stages.get(b).map_or(sink_goes, Stage::ready) && (b > 0 || self.ring.ready());
-        let transfers: Vec<bool> = (0..=self.stages.len()).map(|b| valid(b) && ready(b)).collect();
+        let mut transfers: Vec<bool> = (0..=self.stages.len()).map(|b| valid(b) && ready(b)).collect();
+        let taken = presented && (drops || (transfers[0] && !fills));
         // All registers change at once.
-        self.pending = presented && !transfers[0];
-        self.left -= usize::from(transfers[0]);
+        self.pending = presented && !taken;
+        let last = taken && self.sent();
+        self.guard.step(transfers[0], taken, last);
         let stages = self.stages.iter_mut().enumerate();
         let finished = stages.map(|(s, stage)| stage.step(transfers[s], transfers[s + 1], stolen(s)));
         let f_finished = finished.fold(false, |_, finished| finished);
         self.ring.step(transfers[0], f_finished);
+        transfers[0] = taken;
         transfers
+    }
+
+    /// A beat is sent; tells whether it was its window's last.
+    fn sent(&mut self) -> bool {
+        let Some(left) = self.left.front_mut() else { return false };
+        *left -= 1;
+        let last = *left == 0;
+        if last {
+            self.left.pop_front();
+        }
+        last
+    }
+}
+
+impl Guard {
+    /// A beat goes on or not, one of the source is taken or not, as the last that it sends of its window or not.
+    fn step(&mut self, goes: bool, taken: bool, last: bool) {
+        let at_end = self.beats + 1 == self.beats_of_window;
+        if goes {
+            self.beats = if at_end { 0 } else { self.beats + 1 };
+            self.drops = at_end && taken && !last;
+            self.fills = !at_end && (self.fills || last);
+        } else if taken && last {
+            self.drops = false;
+        }
     }
 }
 

@@ -11,6 +11,10 @@ use edof_spec::design::StagePlan;
 pub struct Summary {
     /// Patches, and the counters of every stage.
     pub counts: Counts,
+    /// Windows that were too short.
+    pub too_short: u64,
+    /// Windows that were too long.
+    pub too_long: u64,
     /// I, each M, F.
     pub stages: Vec<StageSummary>,
     /// Most cycles from one result's last beat to the next's; 0 before the second patch.
@@ -54,6 +58,8 @@ impl Summary {
         };
         Self {
             counts: Counts::new(design.form.layers),
+            too_short: 0,
+            too_long: 0,
             stages: design.stages().map(empty).collect(),
             most_cycles: 0,
             fewest_cycles: u64::MAX,
@@ -77,6 +83,9 @@ impl Summary {
         self.latencies += patch.times.latency();
         self.most_latency = self.most_latency.max(patch.times.latency());
         self.counts.add(&patch.trace.stages);
+        let (came, whole) = (patch.words(0).len(), patch.trace.input.len());
+        self.too_short += u64::from(came < whole);
+        self.too_long += u64::from(came > whole);
         for (stage, used) in self.stages.iter_mut().zip(&patch.times.stages) {
             stage.pairs += used.pairs;
             stage.steps += used.steps;

@@ -9,7 +9,8 @@ use edof_spec::network::Recurrence;
 /// A patch that goes into the chain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Patch {
-    /// Input words of its window (0…32767), row by row.
+    /// Input words of its window (0…32767), row by row, an even number. One that is too short is filled up with zeros, of one that is too
+    /// long the rest is thrown away.
     pub window: Vec<i16>,
     /// Which set of weights it uses.
     pub set: Set,
@@ -24,6 +25,8 @@ pub struct PatchRun {
     pub set: Set,
     /// What M layers add to.
     pub recurrence: Recurrence,
+    /// Its window as it came, where that was too short or too long.
+    pub misfit: Option<Vec<i16>>,
     /// Its words.
     pub trace: Trace,
     /// Its cycles.
@@ -56,7 +59,7 @@ impl PatchRun {
     #[must_use]
     pub fn words(&self, boundary: usize) -> &[i16] {
         match boundary {
-            0 => &self.trace.input,
+            0 => self.misfit.as_ref().unwrap_or(&self.trace.input),
             b => self.trace.layers.get(b - 1).map_or(&self.trace.output, |codes| &codes.sent),
         }
     }

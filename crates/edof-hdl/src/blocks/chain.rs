@@ -2,8 +2,10 @@
 
 use super::Pair;
 use super::stage::Stage;
+use super::window_guard::WindowGuard;
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
+use edof_spec::design::memory::WHOLE_CHAIN;
 use edof_spec::design::{Design, DesignError};
 use rust_hdl::prelude::*;
 
@@ -13,8 +15,10 @@ use rust_hdl::prelude::*;
 pub struct Chain {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
+    /// Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
     pub reset: Signal<In, Bit>,
+    /// Forgets every vector and nothing else; held likewise.
+    pub flush: Signal<In, Bit>,
     /// Two pixels of a window stand on the input.
     pub window_valid: Signal<In, Bit>,
     /// They are taken in this cycle, if there are any.
@@ -41,10 +45,12 @@ pub struct Chain {
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
-    /// Stage (4 bits) and counter (2 bits) to show.
+    /// Stage (4 bits; 15 for the windows that come in) and counter (2 bits) to show.
     pub status_address: Signal<In, Bits<6>>,
-    /// The counter, a cycle later.
+    /// The counter as the last snapshot found it, a cycle later.
     pub status: Signal<Out, Bits<32>>,
+    /// A window was too short or too long, since the last reset or snapshot of the counters.
+    pub window_fault: Signal<Out, Bit>,
     /// This stage offers a beat to the next (observation only).
     pub between_valid: Vec<Signal<Out, Bit>>,
     /// The next takes it.
@@ -57,7 +63,14 @@ pub struct Chain {
     pub between_last: Vec<Signal<Out, Bit>>,
     /// The vector's set.
     pub between_set: Vec<Signal<Out, Bit>>,
+    guard: WindowGuard,
     stages: Vec<Stage>,
+    whole_chain: Constant<Bits<4>>,
+    guard_reset: DFF<Bit>,
+    guard_reset_counters: DFF<Bit>,
+    guard_snapshot_1: DFF<Bit>,
+    guard_snapshot: DFF<Bit>,
+    guard_status: DFF<Bits<32>>,
     shown: Signal<Local, Bits<32>>,
     _count: usize,
 }
@@ -74,6 +87,8 @@ impl Chain {
             between_base: (0..gaps).map(|_| Signal::default()).collect(),
             between_last: (0..gaps).map(|_| Signal::default()).collect(),
             between_set: (0..gaps).map(|_| Signal::default()).collect(),
+            guard: WindowGuard::new(&design.stage(0)),
+            whole_chain: Constant::new((WHOLE_CHAIN as u64).into()),
             stages: design.stages().map(|stage| Stage::new(design, &stage, sets)).collect(),
             _count: gaps + 1,
         })
@@ -95,31 +110,57 @@ impl Chain {
 impl Logic for Chain {
     #[hdl_gen]
     fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            guard_reset,
+            guard_reset_counters,
+            guard_snapshot_1,
+            guard_snapshot,
+            guard_status
+        );
         for i in 0..self._count {
             self.stages[i].clock.next = self.clock.val();
             self.stages[i].reset.next = self.reset.val();
+            self.stages[i].flush.next = self.flush.val();
             self.stages[i].write_valid.next = self.write_valid.val();
             self.stages[i].write_address.next = self.write_address.val();
             self.stages[i].write_data.next = self.write_data.val();
             self.stages[i].status_address.next = self.status_address.val();
         }
 
-        // Windows go to I, and to F.
+        // Windows, whole ones, go to I, and to F.
+        self.guard.clock.next = self.clock.val();
+        self.guard_reset.d.next = self.reset.val() || self.flush.val();
+        self.guard_reset_counters.d.next = self.reset.val();
+        self.guard_snapshot_1.d.next = self.write_valid.val()
+            && (self.write_address.val().get_bits::<4>(21) == self.whole_chain.val())
+            && (self.write_address.val().get_bits::<2>(19) == 3);
+        self.guard_snapshot.d.next = self.guard_snapshot_1.q.val();
+        self.guard.snapshot.next = self.guard_snapshot.q.val();
+        self.guard.reset.next = self.guard_reset.q.val();
+        self.guard.reset_counters.next = self.guard_reset_counters.q.val();
+        self.guard.valid.next = self.window_valid.val();
+        self.guard.data.next = self.window_data.val();
+        self.guard.last.next = self.window_last.val();
+        self.guard.set.next = self.window_set.val();
+        self.window_ready.next = self.guard.ready.val();
+        self.window_fault.next = self.guard.fault.val();
         for i in 0..(self._count - 1) {
             self.stages[i].window_valid.next = false;
             self.stages[i].window_data.next = 0.into();
             self.stages[i].window_last.next = false;
         }
-        self.stages[0].data.next = self.window_data.val();
+        self.stages[0].data.next = self.guard.out_data.val();
         self.stages[0].base.next = 0.into();
-        self.stages[0].last.next = self.window_last.val();
-        self.stages[0].set.next = self.window_set.val();
+        self.stages[0].last.next = self.guard.out_last.val();
+        self.stages[0].set.next = self.guard.out_set.val();
         for i in (self._count - 1)..self._count {
-            self.stages[0].valid.next = self.window_valid.val() && self.stages[i].window_ready.val();
-            self.stages[i].window_valid.next = self.window_valid.val() && self.stages[0].ready.val();
-            self.stages[i].window_data.next = self.window_data.val();
-            self.stages[i].window_last.next = self.window_last.val();
-            self.window_ready.next = self.stages[0].ready.val() && self.stages[i].window_ready.val();
+            self.stages[0].valid.next = self.guard.out_valid.val() && self.stages[i].window_ready.val();
+            self.stages[i].window_valid.next = self.guard.out_valid.val() && self.stages[0].ready.val();
+            self.stages[i].window_data.next = self.guard.out_data.val();
+            self.stages[i].window_last.next = self.guard.out_last.val();
+            self.guard.out_ready.next = self.stages[0].ready.val() && self.stages[i].window_ready.val();
         }
 
         // From stage to stage.
@@ -148,7 +189,14 @@ impl Logic for Chain {
         }
 
         // The host.
-        self.shown.next = 0.into();
+        self.guard_status.d.next = 0.into();
+        if self.status_address.val().get_bits::<4>(2) == self.whole_chain.val() {
+            self.guard_status.d.next = self.guard.too_short.val();
+            if self.status_address.val().get_bit(0) {
+                self.guard_status.d.next = self.guard.too_long.val();
+            }
+        }
+        self.shown.next = self.guard_status.q.val();
         for i in 0..self._count {
             self.shown.next = self.shown.val() | self.stages[i].status.val();
         }

@@ -4,7 +4,8 @@ use super::delay::Delay;
 use crate::describe::Circuit;
 use rust_hdl::prelude::*;
 
-/// Counts up to two a cycle; its reset comes through a register of its own.
+/// Counts up to two a cycle, and shows what it had counted when it was last told to. Reset and snapshot come through registers of
+/// their own.
 #[derive(Circuit)]
 #[circuit(default)]
 pub struct Counter {
@@ -16,32 +17,52 @@ pub struct Counter {
     pub enable: Signal<In, Bit>,
     /// What: as many as there are ones.
     pub events: Signal<In, Bits<2>>,
-    /// How many there were.
+    /// Shows what was counted so far, and counts anew.
+    pub snapshot: Signal<In, Bit>,
+    /// How many there were between the last two snapshots; before the second, since reset.
     pub count: Signal<Out, Bits<32>>,
-    reset_q: Delay<1, 1>,
+    marks_q: Delay<4, 1>,
     more: DFF<Bits<2>>,
     count_q: DFF<Bits<32>>,
+    shown: DFF<Bits<32>>,
+    marks: Signal<Local, Bits<4>>,
+    kept: Signal<Local, Bits<32>>,
 }
 
 impl Logic for Counter {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, more, count_q);
-        self.reset_q.clock.next = self.clock.val();
-        self.reset_q.now.next = 0.into();
+        dff_setup!(self, clock, more, count_q, shown);
+        // Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
+        self.marks_q.clock.next = self.clock.val();
+        self.marks.next = 0.into();
         if self.reset.val() {
-            self.reset_q.now.next = 1.into();
+            self.marks.next = self.marks.val() | 5;
         }
+        if self.snapshot.val() {
+            self.marks.next = self.marks.val() | 10;
+        }
+        self.marks_q.now.next = self.marks.val();
         self.more.d.next = 0.into();
         if self.enable.val() {
             self.more.d.next = bit_cast::<2, 1>(self.events.val().get_bits::<1>(0))
                 + bit_cast::<2, 1>(self.events.val().get_bits::<1>(1));
         }
-        self.count_q.d.next = self.count_q.q.val() + bit_cast::<32, 2>(self.more.q.val());
-        if self.reset_q.later.val().get_bit(0) {
+        self.kept.next = self.count_q.q.val();
+        if self.marks_q.later.val().get_bit(1) {
+            self.kept.next = 0.into();
+        }
+        self.count_q.d.next = self.kept.val() + bit_cast::<32, 2>(self.more.q.val());
+        if self.marks_q.later.val().get_bit(0) {
             self.count_q.d.next = 0.into();
         }
-        self.count.next = self.count_q.q.val();
+        if self.marks_q.later.val().get_bit(3) {
+            self.shown.d.next = self.count_q.q.val();
+        }
+        if self.marks_q.later.val().get_bit(2) {
+            self.shown.d.next = 0.into();
+        }
+        self.count.next = self.shown.q.val();
     }
 }
 
@@ -63,6 +84,8 @@ pub struct Counters {
     pub codes: Signal<In, Bits<2>>,
     /// Which differences did not fit.
     pub differences: Signal<In, Bits<2>>,
+    /// Copies all counters to be shown and starts them anew.
+    pub snapshot: Signal<In, Bit>,
     /// Which counter to show: 0 non-zeros, 1 results, 2 codes, 3 differences.
     pub select: Signal<In, Bits<2>>,
     /// It.
@@ -78,18 +101,22 @@ impl Logic for Counters {
     fn update(&mut self) {
         self.count_nonzero.clock.next = self.clock.val();
         self.count_nonzero.reset.next = self.reset.val();
+        self.count_nonzero.snapshot.next = self.snapshot.val();
         self.count_nonzero.enable.next = self.enable.val();
         self.count_nonzero.events.next = self.nonzero.val();
         self.count_results.clock.next = self.clock.val();
         self.count_results.reset.next = self.reset.val();
+        self.count_results.snapshot.next = self.snapshot.val();
         self.count_results.enable.next = self.enable.val();
         self.count_results.events.next = self.results.val();
         self.count_codes.clock.next = self.clock.val();
         self.count_codes.reset.next = self.reset.val();
+        self.count_codes.snapshot.next = self.snapshot.val();
         self.count_codes.enable.next = self.enable.val();
         self.count_codes.events.next = self.codes.val();
         self.count_differences.clock.next = self.clock.val();
         self.count_differences.reset.next = self.reset.val();
+        self.count_differences.snapshot.next = self.snapshot.val();
         self.count_differences.enable.next = self.enable.val();
         self.count_differences.events.next = self.differences.val();
         self.value.next = self.count_nonzero.count.val();

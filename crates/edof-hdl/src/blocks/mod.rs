@@ -11,6 +11,7 @@
 //! | [`requantize`], [`shrink`], [`difference`] | from a sum to the words that go on |
 //! | [`results`] | the pipeline of these, with bases and thresholds |
 //! | [`counters`], [`registers`] | what the host sees and sets |
+//! | [`window_guard`] | whole windows, whatever comes |
 //! | [`stage`] | all of the above: I, M or F |
 //! | [`chain`] | the stages of a design |
 //!
@@ -36,6 +37,7 @@ pub mod results;
 pub mod sequencer;
 pub mod shrink;
 pub mod stage;
+pub mod window_guard;
 pub mod window_ring;
 
 use edof_spec::design::{Kind, StagePlan};

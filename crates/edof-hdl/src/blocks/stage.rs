@@ -16,7 +16,7 @@ use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
-use edof_spec::design::memory::Shifts;
+use edof_spec::design::memory::{Shifts, WHOLE_CHAIN};
 use edof_spec::design::{Design, StagePlan};
 use rust_hdl::prelude::*;
 
@@ -27,8 +27,10 @@ use rust_hdl::prelude::*;
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
+    /// Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
     pub reset: Signal<In, Bit>,
+    /// Forgets every vector and nothing else; held likewise.
+    pub flush: Signal<In, Bit>,
     /// A beat stands on the input.
     pub valid: Signal<In, Bit>,
     /// It is taken in this cycle, if there is one.
@@ -72,6 +74,7 @@ pub struct Stage {
     /// The counter, a cycle later; 0 from all other stages.
     pub status: Signal<Out, Bits<32>>,
     id: Constant<Bits<4>>,
+    whole_chain: Constant<Bits<4>>,
     both_ports: Constant<Bit>,
     reset_store: Delay<1, 1>,
     reset_ring: Delay<1, 1>,
@@ -103,8 +106,10 @@ pub struct Stage {
     registers_2: DFF<Bit>,
     address_2: DFF<Bits<19>>,
     data_2: DFF<Bits<32>>,
+    snapshot_2: DFF<Bit>,
     weights_to_5: Delay<52, 3>,
     resets: Signal<Local, Bits<1>>,
+    register_resets: Signal<Local, Bits<1>>,
     ready_in: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
     descriptor: Signal<Local, Descriptor>,
@@ -134,6 +139,7 @@ impl Stage {
         let sums = design.accumulator_bits;
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
+            whole_chain: Constant::new((WHOLE_CHAIN as u64).into()),
             both_ports: Constant::new(stage.reads_both_ports()),
             pairs: (dense..1).map(|_| PairStore::new(stage)).collect(),
             pair_operands: (dense..1).map(|_| PairOperands::new(stage)).collect(),
@@ -170,7 +176,8 @@ impl Logic for Stage {
             previous_2,
             registers_2,
             address_2,
-            data_2
+            data_2,
+            snapshot_2
         );
         self.sequencer.clock.next = self.clock.val();
         self.macc.clock.next = self.clock.val();
@@ -183,8 +190,12 @@ impl Logic for Stage {
 
         // Each part has a register for its reset.
         self.resets.next = 0.into();
-        if self.reset.val() {
+        if self.reset.val() || self.flush.val() {
             self.resets.next = 1.into();
+        }
+        self.register_resets.next = 0.into();
+        if self.reset.val() {
+            self.register_resets.next = 1.into();
         }
         self.reset_store.clock.next = self.clock.val();
         self.reset_store.now.next = self.resets.val();
@@ -199,7 +210,7 @@ impl Logic for Stage {
         self.reset_out.clock.next = self.clock.val();
         self.reset_out.now.next = self.resets.val();
         self.reset_registers.clock.next = self.clock.val();
-        self.reset_registers.now.next = self.resets.val();
+        self.reset_registers.now.next = self.register_resets.val();
         self.sequencer.reset.next = self.reset_sequencer.later.val().get_bit(0);
         self.drain.reset.next = self.reset_drain.later.val().get_bit(0);
         self.results.reset.next = self.reset_results.later.val().get_bit(0);
@@ -372,6 +383,9 @@ impl Logic for Stage {
         self.registers_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 3);
         self.address_2.d.next = self.address_1.q.val().get_bits::<19>(0);
         self.data_2.d.next = self.data_1.q.val();
+        self.snapshot_2.d.next = self.write_1.q.val()
+            && (self.address_1.q.val().get_bits::<4>(21) == self.whole_chain.val())
+            && (self.address_1.q.val().get_bits::<2>(19) == 3);
         self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val()) << 33)
             | (bit_cast::<52, 32>(self.data_2.q.val()) << 1);
         if self.weights_2.q.val() {
@@ -393,6 +407,7 @@ impl Logic for Stage {
         self.registers.write_enable.next = self.registers_2.q.val();
         self.registers.write_row.next = self.address_2.q.val().get_bits::<12>(1);
         self.registers.write_data.next = self.data_2.q.val();
+        self.counters.snapshot.next = self.snapshot_2.q.val();
         self.counters.select.next = self.status_address.val().get_bits::<2>(0);
         self.status_q.d.next = 0.into();
         if self.status_address.val().get_bits::<4>(2) == self.id.val() {

@@ -112,6 +112,7 @@ impl Logic for StreamCore {
         self.display.clock.next = self.clock.val();
         self.windows.reset.next = self.reset.val();
         self.calculator.reset.next = self.reset.val();
+        self.calculator.flush.next = false;
         self.lines.reset.next = self.reset.val();
         self.display.reset.next = self.reset.val();
 

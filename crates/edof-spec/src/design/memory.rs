@@ -49,6 +49,12 @@ pub enum Space {
 /// Register 2, bit 0: skip zeros.
 pub const CONTROL_SKIP: u32 = 1;
 
+/// Stage number that no stage has: the chain as a whole. Its counters are of windows that were too short (0) and too long (1).
+pub const WHOLE_CHAIN: usize = 15;
+
+/// A write of anything to this address copies all counters of all stages to where they are shown, and starts them anew.
+pub const SNAPSHOT: u32 = address(WHOLE_CHAIN, Space::Register { row: 0 });
+
 /// Bits of [`address`]: stage, space, bank, row, half.
 pub const ADDRESS_BITS: [u32; 5] = [4, 2, 6, 12, 1];
 
