@@ -6,6 +6,7 @@ mod support;
 
 use common::committed;
 use edof_cosim::yosys::timing::{self, StageTiming};
+use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::project;
 use std::path::Path;
 
@@ -39,6 +40,15 @@ fn keeps_its_limits(name: &str) {
 #[test]
 fn tiny_is_short_of_path_and_load() {
     keeps_its_limits("tiny");
+}
+
+/// The only logic between two boundaries' registers.
+#[test]
+fn what_makes_windows_whole_is_short_of_path_and_load() {
+    let design = committed("kc705");
+    let project = project::of_circuit(&mut WindowGuard::new(&design.stage(0)), vec![]).unwrap();
+    let found = timing::whole(&project, None).unwrap();
+    assert!(found.delay_ps <= DELAY_PS && found.control_loads <= CONTROL_LOADS, "{found:#?}");
 }
 
 #[test]
