@@ -98,9 +98,23 @@ module edof_macc_array #(
     assign odd[BANKS] = {(ROWS * SUM){1'b0}};
 
     // What is read for the host is handed down from eight banks to eight.
-    wire [63:0] back [0:BANKS];
-    assign back[BANKS] = 64'd0;
+    wire [64*8*GROUPS-1:0] read;
+    wire [63:0] back [0:GROUPS];
+    assign back[GROUPS] = 64'd0;
     assign read_data_o = back[0];
+    generate
+        for (group = 0; group < GROUPS; group = group + 1) begin : gathered
+            wire [64*8-1:0] of = read[64*8*group +: 64*8];
+            reg [63:0] back_q;
+            always @(posedge clock_i)
+                back_q <= back[group+1] | of[0 +: 64] | of[64 +: 64] | of[128 +: 64] | of[192 +: 64]
+                        | of[256 +: 64] | of[320 +: 64] | of[384 +: 64] | of[448 +: 64];
+            assign back[group] = back_q;
+        end
+        if (8 * GROUPS > BANKS) begin : no_banks
+            assign read[64*8*GROUPS-1:64*BANKS] = {(64 * (8 * GROUPS - BANKS)){1'b0}};
+        end
+    endgenerate
 
     genvar bank;
     genvar word;
@@ -108,23 +122,21 @@ module edof_macc_array #(
         for (bank = 0; bank < BANKS; bank = bank + 1) begin : banks
             localparam [5:0] NUMBER = bank;
             wire [64*WORDS-1:0] rows;
-            wire [63:0] read [0:WORDS];
-            assign read[0] = back[bank+1];
-            for (word = 0; word < WORDS; word = word + 1) begin : words
-                localparam [11:0] PART = word;
-                wire [18:0] place = places_later[bank/8];
-                wire mine = place[18] && place[17:12] == NUMBER && (place[11:0] & (12'd1 << PART_BITS) - 12'd1) == PART;
-                wire [1:0] mine_q;
-                edof_delay #(.WIDTH(2), .CYCLES(1)) select (.clock_i(clock_i), .now_i({2{mine}}), .later_o(mine_q));
-                assign read[word+1] = read[word] | (rows[64*word +: 64] & {{32{mine_q[1]}}, {32{mine_q[0]}}});
+            wire [64*4-1:0] words_read;
+            for (word = 0; word < 4; word = word + 1) begin : words
+                if (word < WORDS) begin : some
+                    localparam [11:0] PART = word;
+                    wire [18:0] place = places_later[bank/8];
+                    wire mine = place[18] && place[17:12] == NUMBER && (place[11:0] & (12'd1 << PART_BITS) - 12'd1) == PART;
+                    wire [1:0] mine_q;
+                    edof_delay #(.WIDTH(2), .CYCLES(1)) select (.clock_i(clock_i), .now_i({2{mine}}), .later_o(mine_q));
+                    assign words_read[64*word +: 64] = rows[64*word +: 64] & {{32{mine_q[1]}}, {32{mine_q[0]}}};
+                end else begin : none
+                    assign words_read[64*word +: 64] = 64'd0;
+                end
             end
-            if (bank % 8 == 0) begin : first_of_eight
-                reg [63:0] back_q;
-                always @(posedge clock_i) back_q <= read[WORDS];
-                assign back[bank] = back_q;
-            end else begin : others
-                assign back[bank] = read[WORDS];
-            end
+            assign read[64*bank +: 64] =
+                words_read[0 +: 64] | words_read[64 +: 64] | words_read[128 +: 64] | words_read[192 +: 64];
             edof_macc_bank #(
                 .BANK(bank),
                 .DEPTH(DEPTH),

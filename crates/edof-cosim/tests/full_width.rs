@@ -55,12 +55,15 @@ fn places(stage: &StagePlan) -> Vec<Space> {
 #[test]
 fn every_bit_of_an_address_of_kc705_is_looked_at_in_writing_and_in_reading() {
     let design = committed("kc705");
-    let setup = Setup::new(design, 1);
+    let networks = [1, 2].map(|seed| edof_random::for_design(&design, seed));
+    let setup = Setup::new_with(design, networks);
     let (mut device, draw) = (setup.start(1), &mut Draw::new(1));
     reset(&mut device);
     let stages: Vec<StagePlan> = setup.design.stages().collect();
-    let mut words: Vec<Vec<(Space, u64)>> =
-        stages.iter().map(|stage| places(stage).into_iter().map(|place| (place, draw.bits())).collect()).collect();
+    let mut words: Vec<Vec<(Space, u64)>> = stages
+        .iter()
+        .map(|stage| places(stage).into_iter().map(|place| (place, draw.bits())).collect())
+        .collect();
     for (stage, words) in words.iter().enumerate() {
         for (place, word) in words {
             let Space::Weights { bank, row, .. } = *place else { panic!("{place:?}") };
@@ -77,7 +80,9 @@ fn every_bit_of_an_address_of_kc705_is_looked_at_in_writing_and_in_reading() {
             write(&mut device, stage, Space::Register { row: READ_REGISTER }, read_command(place, 1));
         }
         (0..READ_LATENCY + READ_PERIOD).for_each(|_| drop(cycle(&mut device, &Inputs::default())));
-        for (stage, (place, word)) in now.into_iter().enumerate().filter_map(|(stage, one)| Some((stage, one?))) {
+        for (stage, (place, word)) in
+            now.into_iter().enumerate().filter_map(|(stage, one)| Some((stage, one?)))
+        {
             let mut shown = |part| Traffic::none().shown(&mut device, draw, read_back_address(stage, part));
             assert_eq!(shown(ReadBack::Busy), 0);
             let found = u64::from(shown(ReadBack::Low)) | u64::from(shown(ReadBack::High)) << 32;

@@ -54,7 +54,8 @@ impl Host {
             cycles += 2;
             assert!(cycles <= most, "stage {stage}: {from:?} takes longer than it may");
         }
-        let word = u64::from(self.shown(stage, ReadBack::Low)) | u64::from(self.shown(stage, ReadBack::High)) << 32;
+        let word =
+            u64::from(self.shown(stage, ReadBack::Low)) | u64::from(self.shown(stage, ReadBack::High)) << 32;
         (self.shown(stage, ReadBack::Crc), word)
     }
 }
@@ -90,7 +91,10 @@ fn every_word_that_can_be_written_can_be_read_back() {
             for stage in setup.design.stages() {
                 let at = stage.index;
                 for _ in 0..12 {
-                    let (bank, row) = (host.draw.whole(0, stage.banks() as i64 - 1) as usize, any_row(&mut host.draw, &stage));
+                    let (bank, row) = (
+                        host.draw.whole(0, stage.banks() as i64 - 1) as usize,
+                        any_row(&mut host.draw, &stage),
+                    );
                     let word = host.draw.bits();
                     for half in 0..2 {
                         host.write(at, Space::Weights { bank, row, half }, (word >> (32 * half)) as u32);
@@ -100,7 +104,11 @@ fn every_word_that_can_be_written_can_be_read_back() {
                 }
                 for (before, there) in [(false, stage.shrinks()), (true, stage.sends_difference)] {
                     for row in (0..2 * stage.beats_out()).filter(|row| there && row % 3 == 0) {
-                        let space = if before { Space::PreviousThresholds { row } } else { Space::Thresholds { row } };
+                        let space = if before {
+                            Space::PreviousThresholds { row }
+                        } else {
+                            Space::Thresholds { row }
+                        };
                         let word = host.draw.bits() as u32;
                         host.write(at, space, word);
                         let read = host.read(at, space, 1);
@@ -110,7 +118,11 @@ fn every_word_that_can_be_written_can_be_read_back() {
                 for (row, mask) in [(0, (1 << 20) - 1), (1, (1 << 20) - 1), (2, memory::CONTROL_SKIP)] {
                     let word = host.draw.bits() as u32 & mask;
                     host.write(at, Space::Register { row }, word);
-                    assert_eq!(host.read(at, Space::Register { row }, 1).1, word.into(), "{stage:?}: register {row}");
+                    assert_eq!(
+                        host.read(at, Space::Register { row }, 1).1,
+                        word.into(),
+                        "{stage:?}: register {row}"
+                    );
                 }
             }
         }
@@ -181,7 +193,8 @@ fn one_wrong_bit_in_a_bank_is_found_by_its_crc() {
         let from = Space::Weights { bank: 1, row: 0, half: 0 };
         assert_eq!(host.read(stage.index, from, rows.len()).0, right);
         for _ in 0..3 {
-            let (row, bit) = (host.draw.whole(0, rows.len() as i64 - 1) as usize, host.draw.whole(0, 63) as usize);
+            let (row, bit) =
+                (host.draw.whole(0, rows.len() as i64 - 1) as usize, host.draw.whole(0, 63) as usize);
             let put = |host: &mut Host, word: u64| {
                 let half = bit / 32;
                 host.write(stage.index, Space::Weights { bank: 1, row, half }, (word >> (32 * half)) as u32);
@@ -214,9 +227,14 @@ fn a_flush_ends_a_read_and_the_next_one_is_right() {
         // And one command ends another.
         host.command(1, from, 9);
         (0..host.draw.whole(0, 700)).for_each(|_| host.cycle(None));
-        assert_eq!(host.read(1, Space::Weights { bank: 0, row: 1, half: 0 }, 1), (reading::crc([rows[1]]), rows[1]));
+        assert_eq!(
+            host.read(1, Space::Weights { bank: 0, row: 1, half: 0 }, 1),
+            (reading::crc([rows[1]]), rows[1])
+        );
     }
     write(&mut host.device, 1, Space::Register { row: 0 }, 0);
     let drive = Drive { stalls: Some(Stalls::drawn(1, 50)), ..Drive::default() };
-    expect_clean(&drive.run(setup.model(), patches(&setup.design, 5, 1), &mut host.device, &mut |_| ()).unwrap());
+    expect_clean(
+        &drive.run(setup.model(), patches(&setup.design, 5, 1), &mut host.device, &mut |_| ()).unwrap(),
+    );
 }

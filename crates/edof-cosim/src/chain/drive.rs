@@ -188,7 +188,12 @@ fn counted(summary: &Summary) -> Vec<Counted> {
         // F sends no pairs: the model does not count its non-zero results.
         let first = usize::from(stage + 1 == stages.len());
         let counters = of_stage(counts).into_iter().enumerate().skip(first);
-        all.extend(counters.map(|(counter, expected)| Counted { stage, name: name.clone(), counter, expected }));
+        all.extend(counters.map(|(counter, expected)| Counted {
+            stage,
+            name: name.clone(),
+            counter,
+            expected,
+        }));
     }
     let windows = [summary.too_short, summary.too_long].into_iter().enumerate();
     all.extend(windows.map(|(counter, expected)| Counted {

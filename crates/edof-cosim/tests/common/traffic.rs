@@ -72,7 +72,8 @@ impl Traffic {
         self.offered |= draw.whole(0, 9) >= self.stalled;
         let window = self.beats.get(self.sent).filter(|_| self.offered).copied();
         let patch_ready = draw.whole(0, 9) >= self.stalled;
-        let outputs = cycle(device, &Inputs { window, patch_ready, write, status_address, ..Inputs::default() });
+        let outputs =
+            cycle(device, &Inputs { window, patch_ready, write, status_address, ..Inputs::default() });
         if window.is_some() && outputs.window_ready {
             (self.sent, self.offered) = (self.sent + 1, false);
         }

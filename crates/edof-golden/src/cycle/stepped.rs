@@ -97,7 +97,8 @@ impl Machine {
         // All wires follow from registers and from the two ends.
         let presented = self.pending || (!self.left.is_empty() && source_goes);
         let Guard { fills, drops, .. } = self.guard;
-        let valid = |b: usize| if b == 0 { fills || (presented && !drops) } else { self.stages[b - 1].fifo > 0 };
+        let valid =
+            |b: usize| if b == 0 { fills || (presented && !drops) } else { self.stages[b - 1].fifo > 0 };
         let ready =
             |b: usize| self.stages.get(b).map_or(sink_goes, Stage::ready) && (b > 0 || self.ring.ready());
         let mut transfers: Vec<bool> = (0..=self.stages.len()).map(|b| valid(b) && ready(b)).collect();

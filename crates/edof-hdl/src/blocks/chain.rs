@@ -111,7 +111,13 @@ impl Logic for Chain {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, guard_reset, guard_reset_counters, guard_snapshot_1, guard_snapshot, guard_status
+            self,
+            clock,
+            guard_reset,
+            guard_reset_counters,
+            guard_snapshot_1,
+            guard_snapshot,
+            guard_status
         );
         for i in 0..self._count {
             self.stages[i].clock.next = self.clock.val();

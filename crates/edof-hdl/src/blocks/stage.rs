@@ -443,8 +443,8 @@ impl Logic for Stage {
         self.counters.snapshot.next = self.snapshot_2.q.val();
 
         // Reads back.
-        self.reader.starts.next =
-            self.registers_2.q.val() && (self.address_2.q.val().get_bits::<12>(1) == self.read_register.val());
+        self.reader.starts.next = self.registers_2.q.val()
+            && (self.address_2.q.val().get_bits::<12>(1) == self.read_register.val());
         self.reader.command.next = self.data_2.q.val();
         self.reader.taken.next = self.reads.val();
         self.reader.weights.next = self.macc.read_data.val();

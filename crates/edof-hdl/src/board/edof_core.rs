@@ -203,8 +203,7 @@ impl Logic for EdofCore {
         self.runs.next = self.registers.control.val().get_bit(0);
         // After a flush what is left of the frame is thrown away.
         self.flushes.next = self.registers.control.val().get_bit(4);
-        self.skips.next =
-            self.flushes.val() || (self.realigns.q.val() && !self.raw_reader.pixels.user.val());
+        self.skips.next = self.flushes.val() || (self.realigns.q.val() && !self.raw_reader.pixels.user.val());
         if self.flushes.val() {
             self.realigns.d.next = true;
         } else if self.raw_reader.pixels.valid.val() && self.raw_reader.pixels.user.val() {

@@ -68,7 +68,8 @@ pub fn crc(rows: impl IntoIterator<Item = u64>) -> u32 {
 pub fn bank_rows(network: &FixedNetwork, stage: &StagePlan, bank: usize) -> Vec<u64> {
     let parts: Vec<Vec<u64>> =
         (0..stage.row_words()).map(|part| weight_words(network, stage, bank, part)).collect();
-    let numbers = (0..stage.weight_rows()).flat_map(|row| (0..1 << row_bits(stage)).map(move |part| (row, part)));
+    let numbers =
+        (0..stage.weight_rows()).flat_map(|row| (0..1 << row_bits(stage)).map(move |part| (row, part)));
     numbers.map(|(row, part)| parts.get(part).map_or(0, |words: &Vec<u64>| words[row])).collect()
 }
 
@@ -91,7 +92,9 @@ pub fn stolen(design: &Design, stage: usize, writes: &[(u64, u32, u32)]) -> BTre
         .filter(|(_, address, _)| space(*address) == 3 && row(*address) == READ_REGISTER)
         .map(|(cycle, _, command)| (*cycle, *command))
         .collect();
-    for (index, (cycle, command)) in commands.iter().enumerate().filter(|(_, (_, command))| command >> 30 == 0) {
+    for (index, (cycle, command)) in
+        commands.iter().enumerate().filter(|(_, (_, command))| command >> 30 == 0)
+    {
         let end = commands.get(index + 1).map_or(u64::MAX, |(next, _)| next + STEAL_LATENCY + 1);
         let mut due = cycle + READ_LATENCY;
         for _ in 0..=(command & 0xfff) {

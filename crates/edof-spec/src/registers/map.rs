@@ -102,7 +102,11 @@ pub const REGISTERS: &[Register] = &[
             bit("i2c_done", 4, "All video chips are set up."),
             bit("i2c_failed", 5, "One did not answer: see `i2c`."),
             bit("weight_set", 6, "The set of weights of the last patch."),
-            bit("window_fault", 7, "A window was too short or too long since the counters of the stages were last asked for."),
+            bit(
+                "window_fault",
+                7,
+                "A window was too short or too long since the counters of the stages were last asked for.",
+            ),
         ],
         "How the board is.",
     ),
