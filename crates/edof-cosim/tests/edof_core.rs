@@ -196,7 +196,7 @@ fn a_flush_drops_the_frame_under_way_and_a_reset_what_was_written_to_registers_t
     for held in [10, 3_000] {
         rig.steps(7_001).unwrap();
         rig.access(Access::Write(control.address, control.reset | 1 << 4)).unwrap();
-        rig.steps(100 + held).unwrap();
+        rig.steps(400 + held).unwrap();
         rig.access(Access::Write(control.address, control.reset)).unwrap();
         let sent = rig.camera.frame;
         rig.send(sent + 3).unwrap();

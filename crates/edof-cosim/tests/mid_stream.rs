@@ -108,7 +108,7 @@ fn counters_are_read_and_cleared_as_one_set_and_lose_nothing() {
         for _ in 0..draw.whole(0, 300) {
             faults += u64::from(traffic.cycle(&mut device, draw, None, 0).window_fault);
         }
-        traffic.cycle(&mut device, draw, Some((SNAPSHOT, draw.bits() as u32)), 0);
+        traffic.cycle(&mut device, draw, Some((SNAPSHOT, snapshots)), 0);
         (0..6).for_each(|_| drop(traffic.cycle(&mut device, draw, None, 0)));
         let first = shown(&mut device, &mut traffic, draw, stages);
         // They stand still while the stream goes on.
