@@ -14,7 +14,7 @@ use edof_spec::design::reading;
 #[test]
 fn tiny_agrees_in_every_word_and_cycle() {
     let design = committed("tiny");
-    for (seed, skip, stalled) in [(1, true, 0), (2, false, 0), (3, true, 90), (4, false, 200)] {
+    for (seed, skip, stalled) in [(1, true, 0), (2, false, 90), (3, true, 200)] {
         let networks = networks(&design, seed);
         let sets = networks.each_ref();
         let stalls = Some(Stalls::drawn(seed, stalled));
@@ -33,7 +33,7 @@ fn after_a_flush_windows_of_any_length_give_what_the_model_says() {
     let networks = networks(&design, 5);
     let sets = networks.each_ref();
     let mut device = Simulated::new(Chain::checked(&design, sets).unwrap());
-    for (seed, cycles) in [(1, 0), (2, 150), (3, 260)] {
+    for (seed, cycles) in [(1, 0), (2, 250)] {
         // A beat that is no window's last in every cycle; at first registers hold anything.
         let beat = Beat { words: [seed as i16, 9], base: [0; 2], last: false, set: Set::Second };
         let inputs = Inputs { window: Some(beat), ..Inputs::default() };
@@ -50,7 +50,7 @@ fn after_a_flush_windows_of_any_length_give_what_the_model_says() {
             writes_while_running: (0..4).map(command).collect(),
             ..Drive::default()
         };
-        let patches = misfits(patches(&design, 7, seed), seed);
+        let patches = misfits(patches(&design, 5, seed), seed);
         let model = Cycle::new(&design, sets).unwrap();
         expect_clean(&drive.run(model, patches, &mut device, &mut |_| ()).unwrap());
     }

@@ -61,6 +61,7 @@ fn what_is_written_in_a_flush_is_written() {
 fn a_reset_in_mid_stream_restores_shifts_and_skip_too() {
     let setup = Setup::new(committed("tiny"), 1);
     let mut device = setup.start(1);
+    (0..48).for_each(|_| drop(cycle(&mut device, &Inputs { reset: true, ..Inputs::default() })));
     let draw = &mut Draw::new(2);
     for seed in 0..30 {
         write(&mut device, 1, Space::Register { row: 0 }, 5);

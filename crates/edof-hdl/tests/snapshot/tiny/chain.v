@@ -6,7 +6,8 @@
 
 module chain (
     input  wire        clock_i,           // Clock.
-    input  wire        reset_i,           // Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
+    input  wire        reset_i,           // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
+    input  wire        flush_i,           // Forgets every vector and nothing else; held likewise.
     input  wire        window_valid_i,    // Two pixels of a window stand on the input.
     output wire        window_ready_o,    // They are taken in this cycle, if there are any.
     input  wire [31:0] window_data_i,     // They, the even one low.
@@ -20,8 +21,9 @@ module chain (
     input  wire        write_valid_i,     // A word is to be written (`edof_spec::design::memory::address`).
     input  wire [24:0] write_address_i,   // Where.
     input  wire [31:0] write_data_i,      // What.
-    input  wire [5:0]  status_address_i,  // Stage (4 bits) and counter (2 bits) to show.
-    output wire [31:0] status_o,          // The counter, a cycle later.
+    input  wire [5:0]  status_address_i,  // Stage (4 bits; 15 for the windows that come in) and counter (2 bits) to show.
+    output wire [31:0] status_o,          // The counter as the last snapshot found it, a cycle later.
+    output wire        window_fault_o,    // A window was too short or too long, since the last reset or snapshot of the counters.
     output wire        between_valid_0_o, // This stage offers a beat to the next (observation only).
     output wire        between_valid_1_o,
     output wire        between_valid_2_o,
@@ -42,7 +44,13 @@ module chain (
     output wire        between_set_2_o
 );
 
-    wire [31:0] shown;
+    localparam [3:0] WHOLE_CHAIN = 4'd15;
+
+    reg  [31:0] shown;
+    wire guard_out_valid;
+    wire [31:0] guard_out_data;
+    wire guard_out_last, guard_out_set;
+    wire [31:0] guard_too_short, guard_too_long;
     wire stages_0_valid, stages_0_ready, stages_0_window_ready_unused;
     wire [31:0] stages_0_status;
     wire stages_1_window_ready_unused;
@@ -51,15 +59,38 @@ module chain (
     wire [31:0] stages_2_status;
     wire stages_3_window_valid, stages_3_window_ready;
     wire [31:0] stages_3_out_base_unused, stages_3_status;
+    reg  guard_reset_q, guard_reset_counters_q, guard_snapshot_1_q, guard_snapshot_q;
+    reg  [31:0] guard_status_q, guard_status_d;
+
+    window_guard guard (
+        .clock_i(clock_i),
+        .reset_i(guard_reset_q),
+        .reset_counters_i(guard_reset_counters_q),
+        .valid_i(window_valid_i),
+        .ready_o(window_ready_o),
+        .data_i(window_data_i),
+        .last_i(window_last_i),
+        .set_i(window_set_i),
+        .out_valid_o(guard_out_valid),
+        .out_ready_i(stages_0_ready && stages_3_window_ready),
+        .out_data_o(guard_out_data),
+        .out_last_o(guard_out_last),
+        .out_set_o(guard_out_set),
+        .fault_o(window_fault_o),
+        .snapshot_i(guard_snapshot_q),
+        .too_short_o(guard_too_short),
+        .too_long_o(guard_too_long)
+    );
 
     stage_i stages_0 (
         .clock_i(clock_i),
         .reset_i(reset_i),
+        .flush_i(flush_i),
         .valid_i(stages_0_valid),
         .ready_o(stages_0_ready),
-        .data_i(window_data_i),
-        .last_i(window_last_i),
-        .set_i(window_set_i),
+        .data_i(guard_out_data),
+        .last_i(guard_out_last),
+        .set_i(guard_out_set),
         .window_ready_o(stages_0_window_ready_unused),
         .out_valid_o(between_valid_0_o),
         .out_ready_i(between_ready_0_o),
@@ -77,6 +108,7 @@ module chain (
     stage_m stages_1 (
         .clock_i(clock_i),
         .reset_i(reset_i),
+        .flush_i(flush_i),
         .valid_i(between_valid_0_o),
         .ready_o(between_ready_0_o),
         .data_i(between_data_0_o),
@@ -100,6 +132,7 @@ module chain (
     stage_m_last stages_2 (
         .clock_i(clock_i),
         .reset_i(reset_i),
+        .flush_i(flush_i),
         .valid_i(between_valid_1_o),
         .ready_o(between_ready_1_o),
         .data_i(between_data_1_o),
@@ -123,6 +156,7 @@ module chain (
     stage_f stages_3 (
         .clock_i(clock_i),
         .reset_i(reset_i),
+        .flush_i(flush_i),
         .valid_i(between_valid_2_o),
         .ready_o(between_ready_2_o),
         .data_i(between_data_2_o),
@@ -130,8 +164,8 @@ module chain (
         .set_i(between_set_2_o),
         .window_valid_i(stages_3_window_valid),
         .window_ready_o(stages_3_window_ready),
-        .window_data_i(window_data_i),
-        .window_last_i(window_last_i),
+        .window_data_i(guard_out_data),
+        .window_last_i(guard_out_last),
         .out_valid_o(patch_valid_o),
         .out_ready_i(patch_ready_i),
         .out_data_o(patch_data_o),
@@ -145,11 +179,36 @@ module chain (
         .status_o(stages_3_status)
     );
 
-    assign stages_0_valid = window_valid_i && stages_3_window_ready;
-    assign stages_3_window_valid = window_valid_i && stages_0_ready;
-    assign window_ready_o = stages_0_ready && stages_3_window_ready;
-    assign shown = stages_0_status | stages_1_status | stages_2_status | stages_3_status;
+    assign stages_0_valid = guard_out_valid && stages_3_window_ready;
+    assign stages_3_window_valid = guard_out_valid && stages_0_ready;
+
+    always @* begin
+        guard_status_d = 32'd0;
+        if (status_address_i[5:2] == WHOLE_CHAIN) begin
+            guard_status_d = guard_too_short;
+            if (status_address_i[0]) begin
+                guard_status_d = guard_too_long;
+            end
+        end
+    end
+
+    always @* begin
+        shown = guard_status_q;
+        shown = shown | stages_0_status;
+        shown = shown | stages_1_status;
+        shown = shown | stages_2_status;
+        shown = shown | stages_3_status;
+    end
+
     assign status_o = shown;
+
+    always @(posedge clock_i) begin
+        guard_reset_q <= reset_i || flush_i;
+        guard_reset_counters_q <= reset_i;
+        guard_snapshot_1_q <= write_valid_i && (write_address_i[24:21] == WHOLE_CHAIN) && (write_address_i[20:19] == 2'd3);
+        guard_snapshot_q <= guard_snapshot_1_q;
+        guard_status_q <= guard_status_d;
+    end
 endmodule
 
 `default_nettype wire

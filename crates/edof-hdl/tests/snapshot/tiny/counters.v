@@ -11,6 +11,7 @@ module counters (
     input  wire [1:0]  results_i,     // Which results did not fit.
     input  wire [1:0]  codes_i,       // Which thresholded codes did not fit.
     input  wire [1:0]  differences_i, // Which differences did not fit.
+    input  wire        snapshot_i,    // Copies all counters to be shown and starts them anew.
     input  wire [1:0]  select_i,      // Which counter to show: 0 non-zeros, 1 results, 2 codes, 3 differences.
     output reg  [31:0] value_o        // It.
 );
@@ -23,6 +24,7 @@ module counters (
         .reset_i(reset_i),
         .enable_i(enable_i),
         .events_i(nonzero_i),
+        .snapshot_i(snapshot_i),
         .count_o(count_nonzero_count)
     );
 
@@ -31,6 +33,7 @@ module counters (
         .reset_i(reset_i),
         .enable_i(enable_i),
         .events_i(results_i),
+        .snapshot_i(snapshot_i),
         .count_o(count_results_count)
     );
 
@@ -39,6 +42,7 @@ module counters (
         .reset_i(reset_i),
         .enable_i(enable_i),
         .events_i(codes_i),
+        .snapshot_i(snapshot_i),
         .count_o(count_codes_count)
     );
 
@@ -47,6 +51,7 @@ module counters (
         .reset_i(reset_i),
         .enable_i(enable_i),
         .events_i(differences_i),
+        .snapshot_i(snapshot_i),
         .count_o(count_differences_count)
     );
 

@@ -6,7 +6,8 @@
 
 module stage_m (
     input  wire        clock_i,          // Clock.
-    input  wire        reset_i,          // Forgets every vector; held for 48 cycles or more, and two more pass until something can be taken.
+    input  wire        reset_i,          // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
+    input  wire        flush_i,          // Forgets every vector and nothing else; held likewise.
     input  wire        valid_i,          // A beat stands on the input.
     output wire        ready_o,          // It is taken in this cycle, if there is one.
     input  wire [31:0] data_i,           // Its two words.
@@ -28,8 +29,10 @@ module stage_m (
 );
 
     localparam [3:0] ID = 4'd1;
+    localparam [3:0] WHOLE_CHAIN = 4'd15;
     localparam BOTH_PORTS = 1'b0;
 
+    wire resets;
     reg  [33:0] finished_word;
     wire selected;
     reg  [51:0] weights_word;
@@ -66,25 +69,26 @@ module stage_m (
     reg  weights_2_q, thresholds_2_q, previous_2_q, registers_2_q;
     reg  [18:0] address_2_q;
     reg  [31:0] data_2_q;
+    reg  snapshot_2_q;
     wire [51:0] weights_to_5_later;
 
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_store (
-        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_store_later)
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_store_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_ring (
-        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_ring_later_unused)
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_ring_later_unused)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_sequencer (
-        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_sequencer_later)
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_sequencer_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_drain (
-        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_drain_later)
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_drain_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_results (
-        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_results_later)
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_results_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_out (
-        .clock_i(clock_i), .now_i(reset_i), .later_o(reset_out_later)
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_out_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
         .clock_i(clock_i), .now_i(reset_i), .later_o(reset_registers_later)
@@ -273,6 +277,7 @@ module stage_m (
         .results_i(results_result_saturated),
         .codes_i(results_code_saturated),
         .differences_i(results_difference_saturated),
+        .snapshot_i(snapshot_2_q),
         .select_i(status_address_i[1:0]),
         .value_o(counters_value)
     );
@@ -281,6 +286,7 @@ module stage_m (
         .clock_i(clock_i), .now_i(weights_word), .later_o(weights_to_5_later)
     );
 
+    assign resets = reset_i || flush_i;
     assign window_ready_o = 1'b1;
 
     always @* begin
@@ -318,6 +324,7 @@ module stage_m (
         registers_2_q <= selected && (address_1_q[20:19] == 2'd3);
         address_2_q <= address_1_q[18:0];
         data_2_q <= data_1_q;
+        snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
     end
 
     // Not every bit of these is read.
