@@ -39,7 +39,7 @@ pub enum Space {
         /// Word.
         row: usize,
     },
-    /// A register: 0 and 1 are the shifts of each set, 2 is control, 3 reads ([`super::reading`]).
+    /// A register: 0 and 1 are the shifts of each set, 2 is control, 3 takes commands to read back.
     Register {
         /// Which.
         row: usize,
