@@ -202,7 +202,7 @@ fn results(plan: &StagePlan) -> Resources {
 }
 
 const fn registers_and_counters() -> Resources {
-    Resources::logic(6 + 48, 41 + 4 * 71)
+    Resources::logic(6 + 48 + 4 * 32, 41 + 4 * 71)
 }
 
 /// LUT RAM whose read is registered.
