@@ -120,7 +120,7 @@ fn every_word_that_can_be_written_can_be_read_back() {
                     host.write(at, Space::Register { row }, word);
                     assert_eq!(
                         host.read(at, Space::Register { row }, 1).1,
-                        word.into(),
+                        u64::from(word),
                         "{stage:?}: register {row}"
                     );
                 }
@@ -147,7 +147,7 @@ fn memories_start_with_the_networks_and_registers_with_their_shifts() {
                 let read = host.read(stage.index, first, words.len());
                 assert_eq!(read, (reading::crc(words.iter().copied()), words[words.len() - 1]), "{stage:?}");
                 let shifts = host.read(stage.index, Space::Register { row: set }, 1).1;
-                assert_eq!(shifts, Shifts::of(network, &stage).word().into());
+                assert_eq!(shifts, u64::from(Shifts::of(network, &stage).word()));
             }
         }
     }
