@@ -133,9 +133,10 @@ fn counters() {
 
 #[test]
 fn reader() {
-    agree(Reader::new(), RESET as usize, &[], |b, draw, last| {
+    // From the first command on all is known.
+    agree(Reader::new(), RESET as usize + 5, &[], |b, draw, last| {
         b.reset.next = last.cycle < RESET || draw.whole(0, 1500) == 0;
-        b.starts.next = last.cycle > RESET && draw.whole(0, 500) == 0;
+        b.starts.next = last.cycle == RESET + 2 || last.cycle > RESET && draw.whole(0, 500) == 0;
         b.command.next = (draw.bits() >> 44 << 12 | draw.whole(0, 2) as u64).into();
         b.taken.next = last.is("wants_weights") && draw.whole(0, 3) == 0;
         b.weights.next = if draw.whole(0, 100) == 0 { word(draw) } else { 0.into() };
