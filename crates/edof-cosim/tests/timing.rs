@@ -8,6 +8,7 @@ use common::committed;
 use edof_cosim::system;
 use edof_cosim::yosys::timing::{self, PartTiming};
 use edof_golden::Display;
+use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::board::blocks;
 use edof_hdl::project;
 use std::collections::BTreeSet;
@@ -46,6 +47,15 @@ fn keeps_its_limits(name: &str) {
 #[test]
 fn tiny_is_short_of_path_and_load() {
     keeps_its_limits("tiny");
+}
+
+/// The only logic between two boundaries' registers.
+#[test]
+fn what_makes_windows_whole_is_short_of_path_and_load() {
+    let design = committed("kc705");
+    let project = project::of_circuit(&mut WindowGuard::new(&design.stage(0)), vec![]).unwrap();
+    let found = timing::whole(&project, None).unwrap();
+    assert!(found.delay_ps <= DELAY_PS && found.control_loads <= CONTROL_LOADS, "{found:#?}");
 }
 
 #[test]

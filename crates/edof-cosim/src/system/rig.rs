@@ -228,7 +228,11 @@ impl Rig {
         self.access(Access::Read(address(name)?))
     }
 
-    fn access(&mut self, access: Access) -> Result<u32, Error> {
+    /// The host reads or writes; what it reads, or 0.
+    ///
+    /// # Errors
+    /// The board refuses, or as [`Rig::until`].
+    pub fn access(&mut self, access: Access) -> Result<u32, Error> {
         let before = self.host.answers.len();
         self.host.wanted.push_back(access);
         self.until("an answer to the host", |rig| rig.host.answers.len() > before)?;

@@ -114,6 +114,19 @@ pub fn parts(
     modules.iter().map(of).collect()
 }
 
+/// A whole design as one: for a block by itself.
+///
+/// # Errors
+/// As [`parts`].
+pub fn whole(project: &Project, cache: Option<&Path>) -> Result<PartTiming, Error> {
+    let work = work::folder()?;
+    let design = elaborated(project, work.path())?;
+    let text = std::fs::read_to_string(&design).map_err(at(&design))?;
+    let version = tool::run(tool::command("yosys", work.path()).arg("-V"))?;
+    let module = format!("\\{}", project.top);
+    of_module(&design, &module, &cache::key([FORMAT, &version, &text, &module]), cache)
+}
+
 /// The design with all parameters and memory images in place, before anything is mapped.
 fn elaborated(project: &Project, work: &Path) -> Result<PathBuf, Error> {
     let source = Source::from(project);

@@ -1,6 +1,8 @@
 //! Designs, networks and patches for runs of a whole chain, and the chain itself, compiled.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod traffic;
+
 use crate::support;
 use edof_cosim::Error;
 use edof_cosim::chain::verilated::{Compiled, Verilated};
