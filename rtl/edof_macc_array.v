@@ -4,7 +4,9 @@
 // Counted from a step's address_*_i, value_*_i and first_i (all in one cycle), its product is in its sum seven cycles later at the
 // latest edge that a copy_i three cycles later still sees. Sums that a shift_i hands on stand on sum_*_o seven cycles after it.
 // A write in the cycle before a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2).
-// Writes reach the banks in registers of their own for every eight of them.
+// A read_enable_i there reads a row for the host in that step's place, everywhere; its word stands on read_data_o five cycles later,
+// and one more for each eight banks before it, for one cycle. At all other times that is 0.
+// Writes and reads reach the banks in registers of their own for every eight of them, and so what was read comes back.
 `default_nettype none
 
 module edof_macc_array #(
@@ -31,8 +33,13 @@ module edof_macc_array #(
     input  wire        [5:0]  write_bank_i,
     input  wire               write_half_i,
     input  wire        [11:0] write_row_i,
-    input  wire        [31:0] write_data_i
+    input  wire        [31:0] write_data_i,
+    input  wire               read_enable_i,
+    output wire        [63:0] read_data_o
 );
+    localparam WORDS = (DENSE != 0) ? ROWS : 1;
+    localparam PART_BITS = $clog2(WORDS);
+
     wire [99:0] values = {value_d_i, value_c_i, value_b_i, value_a_i};
     wire [25*ROWS-1:0] values_later;
     edof_delay #(.WIDTH(25 * ROWS), .CYCLES(2)) value_delay (
@@ -51,6 +58,8 @@ module edof_macc_array #(
     // first, so that no image is spoilt.
     localparam GROUPS = (BANKS + 7) / 8;
     wire [GROUPS-1:0] writes;
+    wire [GROUPS-1:0] reads;
+    wire [18:0] places_later [0:GROUPS-1];
     wire [19*GROUPS-1:0] places;
     wire [32*GROUPS-1:0] written;
     genvar group;
@@ -59,6 +68,17 @@ module edof_macc_array #(
             (* keep = "true", dont_touch = "true" *) reg write_q = 1'b0;
             (* keep *) always @(posedge clock_i) write_q <= write_enable_i;
             assign writes[group] = write_q;
+            edof_delay #(.WIDTH(1), .CYCLES(1)) read (
+                .clock_i(clock_i),
+                .now_i(read_enable_i),
+                .later_o(reads[group])
+            );
+            // What was read, when the row is there: bit 18 that it was, 17 to 12 bank, 11 to 0 row.
+            edof_delay #(.WIDTH(19), .CYCLES(2)) place_later (
+                .clock_i(clock_i),
+                .now_i({reads[group], places[19*group+13 +: 6], places[19*group +: 12]}),
+                .later_o(places_later[group])
+            );
             edof_delay #(.WIDTH(19), .CYCLES(1)) place (
                 .clock_i(clock_i),
                 .now_i({write_bank_i, write_half_i, write_row_i}),
@@ -77,9 +97,46 @@ module edof_macc_array #(
     assign even[BANKS] = {(ROWS * SUM){1'b0}};
     assign odd[BANKS] = {(ROWS * SUM){1'b0}};
 
+    // What is read for the host is handed down from eight banks to eight.
+    wire [64*8*GROUPS-1:0] read;
+    wire [63:0] back [0:GROUPS];
+    assign back[GROUPS] = 64'd0;
+    assign read_data_o = back[0];
+    generate
+        for (group = 0; group < GROUPS; group = group + 1) begin : gathered
+            wire [64*8-1:0] of = read[64*8*group +: 64*8];
+            reg [63:0] back_q;
+            always @(posedge clock_i)
+                back_q <= back[group+1] | of[0 +: 64] | of[64 +: 64] | of[128 +: 64] | of[192 +: 64]
+                        | of[256 +: 64] | of[320 +: 64] | of[384 +: 64] | of[448 +: 64];
+            assign back[group] = back_q;
+        end
+        if (8 * GROUPS > BANKS) begin : no_banks
+            assign read[64*8*GROUPS-1:64*BANKS] = {(64 * (8 * GROUPS - BANKS)){1'b0}};
+        end
+    endgenerate
+
     genvar bank;
+    genvar word;
     generate
         for (bank = 0; bank < BANKS; bank = bank + 1) begin : banks
+            localparam [5:0] NUMBER = bank;
+            wire [64*WORDS-1:0] rows;
+            wire [64*4-1:0] words_read;
+            for (word = 0; word < 4; word = word + 1) begin : words
+                if (word < WORDS) begin : some
+                    localparam [11:0] PART = word;
+                    wire [18:0] place = places_later[bank/8];
+                    wire mine = place[18] && place[17:12] == NUMBER && (place[11:0] & (12'd1 << PART_BITS) - 12'd1) == PART;
+                    wire [1:0] mine_q;
+                    edof_delay #(.WIDTH(2), .CYCLES(1)) select (.clock_i(clock_i), .now_i({2{mine}}), .later_o(mine_q));
+                    assign words_read[64*word +: 64] = rows[64*word +: 64] & {{32{mine_q[1]}}, {32{mine_q[0]}}};
+                end else begin : none
+                    assign words_read[64*word +: 64] = 64'd0;
+                end
+            end
+            assign read[64*bank +: 64] =
+                words_read[0 +: 64] | words_read[64 +: 64] | words_read[128 +: 64] | words_read[192 +: 64];
             edof_macc_bank #(
                 .BANK(bank),
                 .DEPTH(DEPTH),
@@ -99,6 +156,8 @@ module edof_macc_array #(
                 .drain_odd_i(odd[bank+1]),
                 .drain_even_o(even[bank]),
                 .drain_odd_o(odd[bank]),
+                .rows_o(rows),
+                .read_i(reads[bank/8]),
                 .write_i(writes[bank/8]),
                 .write_bank_i(places[19*(bank/8)+13 +: 6]),
                 .write_half_i(places[19*(bank/8)+12]),

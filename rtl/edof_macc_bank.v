@@ -5,7 +5,8 @@
 // with this product. A cycle without work has values 0. Counted from address_*_i, value_i follows two cycles later and first_i four;
 // six cycles later the product is in its sum. copy_i copies the sums to the holding registers two cycles later, of which shift_i
 // likewise hands on two lanes towards drain_*_o, and takes two from drain_*_i: one holding register for each multiplier, so that
-// nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0.
+// nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0, as read_i
+// does everywhere: it reads a row for the host. What was read, by word a or all words, stands on rows_o.
 //
 // The register behind a memory is the block RAM's own output register to Vivado, which is left free to take it. Yosys has none, and
 // would make it a second input register of the multiplier, to which the way from the memory is too long: `EDOF_KEEP_IN_YOSYS stops it.
@@ -41,6 +42,8 @@ module edof_macc_bank #(
     input  wire [ROWS*SUM-1:0] drain_odd_i,
     output wire [ROWS*SUM-1:0] drain_even_o,
     output wire [ROWS*SUM-1:0] drain_odd_o,
+    output wire [64*((DENSE != 0) ? ROWS : 1)-1:0] rows_o,
+    input  wire                read_i,
     input  wire                write_i,
     input  wire [5:0]          write_bank_i,
     input  wire                write_half_i,
@@ -54,10 +57,12 @@ module edof_macc_bank #(
     localparam [7:0] ONES = 8'd48 + BANK % 10;
 
     wire mine = write_i && (write_bank_i == BANK[5:0]);
+    wire mine_back = read_i && (write_bank_i == BANK[5:0]);
     wire [BITS-1:0] write_row = write_address_i[PART_BITS +: BITS];
 
     // Rows and values on their way to the multipliers: word k of DENSE, else word a, and word b.
     wire [64*ROWS-1:0] rows;
+    assign rows_o = rows[64*WORDS-1:0];
     (* keep = "true", dont_touch = "true" *) reg [25*ROWS-1:0] value_q;
     (* keep *) always @(posedge clock_i) value_q <= value_i;
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg first_q;
@@ -74,7 +79,7 @@ module edof_macc_bank #(
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
             (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
             (* keep *) always @(posedge clock_i) begin
-                address_a_q <= mine ? write_row : address_a_i[BITS-1:0];
+                address_a_q <= (mine || mine_back) ? write_row : address_a_i[BITS-1:0];
                 address_b_q <= address_b_i[BITS-1:0];
                 write_low_q <= mine && !write_half_i;
                 write_high_q <= mine && write_half_i;
@@ -96,7 +101,7 @@ module edof_macc_bank #(
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_q;
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] write_row_q;
             (* keep *) always @(posedge clock_i) begin
-                address_q <= address_a_i[BITS-1:0];
+                address_q <= mine_back ? write_row : address_a_i[BITS-1:0];
                 write_row_q <= write_row;
             end
             for (part = 0; part < WORDS; part = part + 1) begin : parts

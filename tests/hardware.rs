@@ -214,3 +214,43 @@ fn a_co_simulation_of_nothing_is_refused() {
         Place::new().edof(line).refused(&["must be 1 or more"]);
     }
 }
+
+/// A demo of the design tiny with a drawn network.
+fn demo_of_tiny(place: &Place) -> Command {
+    place.edof("random-network --form one-sided,w8,t4,c16,r --out drawn.fixed.safetensors").done();
+    place.command(
+        "demo --design tiny --net drawn.fixed.safetensors --clear-net drawn.fixed.safetensors --height 96 --width 128 --json demo.json",
+    )
+}
+
+fn board_of_the_demo(place: &Place) -> (Value, String) {
+    let data: Value = serde_json::from_slice(&std::fs::read(place.path("demo.json")).unwrap()).unwrap();
+    (data["board"].clone(), std::fs::read_to_string(place.path("out/report.html")).unwrap())
+}
+
+#[test]
+fn a_demo_without_a_simulator_generates_its_board_and_says_that_it_was_not_tried() {
+    let place = Place::new();
+    let run = demo_of_tiny(&place).env("PATH", "").output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let (board, report) = board_of_the_demo(&place);
+    let told = board["not_simulated"].as_str().unwrap();
+    assert!(told.contains("is not installed") && report.contains(told), "{told}");
+    assert!(
+        place.path("out/board/rtl/kc705_top.v").is_file() && place.path("out/board/manifest.json").is_file()
+    );
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn the_demo_and_the_system_show_what_the_board_would() {
+    let place = Place::new();
+    let run = demo_of_tiny(&place).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let (board, report) = board_of_the_demo(&place);
+    assert_eq!((&board["design"], &board["differences"]), (&"tiny".into(), &0.into()));
+    assert!(report.contains("every code as golden"));
+    // The core of the demo's crop, which is compiled by now, once more in Icarus.
+    let line = "cosim --system --design tiny --weights drawn.fixed.safetensors --size 64x64 --frames 1 --icarus --display luma";
+    assert!(place.edof(line).done().out.contains("Icarus: PASS: 3 pictures"));
+}

@@ -3,9 +3,10 @@
 use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
-use edof_cosim::system::{self, Begin, Compiled, Rig};
+use edof_cosim::system::{self, Begin, Compiled, Rig, recorded, second};
 use edof_cosim::verilator::Options;
 use edof_golden::{Curve, Display, Golden};
+use edof_hdl::project::Project;
 use edof_spec::design::FrameSize;
 use edof_spec::{Design, DisplayMode, FixedNetwork, RawFrame, Stride, Window};
 use ndarray::s;
@@ -22,7 +23,7 @@ const BESIDES: usize = 2;
 #[group(skip)]
 pub struct Args {
     /// Run the whole core instead: raw frames at the receiver's pins, pictures at the transmitter's, by way of a memory
-    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "icarus", "junit", "waveform", "rtl"])]
+    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "junit", "waveform", "rtl"])]
     pub system: bool,
 
     /// Pictures that must be shown one after the other, each once or more
@@ -77,6 +78,7 @@ pub fn run(
     network: FixedNetwork,
     raw: &RawFrame,
     seed: u64,
+    icarus: bool,
     ui: &Ui,
 ) -> Result<(), Error> {
     let start = Instant::now();
@@ -86,18 +88,84 @@ pub fn run(
     let network = FixedNetwork { stride: design.frame.stride, ..network };
     let frames = crops(raw, design.frame, args.frames + BESIDES)?;
     let display = Display::new(args.display, Curve::default());
+    let passed = through(design, &network, &display, &frames, seed, ui)?;
+    let (run, shown) = (passed.in_a_row(), &passed.shown);
+    if run < args.frames {
+        let problem = format!("{run} pictures were shown one after the other, expected {}", args.frames);
+        return Err(Error::message(format!("{problem}: those of frames {shown:?}")));
+    }
+    let [written, read] = passed.traffic.map(|bytes| bytes as f64 / passed.seconds / 1e6);
+    ui.say(format!(
+        "{}: {run} pictures one after the other from pins to pins, every code as golden; memory {written:.1} MB/s written, {read:.1} MB/s read",
+        design.name
+    ))?;
+    if icarus {
+        ui.note("running the same frames in Icarus");
+        let recorded = recorded::video(design, &frames, passed.pictures, args.display);
+        ui.say(format!("Icarus: {}", second::icarus(&passed.project, &recorded)?))?;
+    }
+    ui.json(&json!({
+        "design": design.name,
+        "frame": design.frame,
+        "window": design.form.window,
+        "display": args.display,
+        "frames_sent": frames.len(),
+        "pictures_in_a_row": run,
+        "shown": shown,
+        "differences": 0,
+        "icarus": icarus,
+        "memory_bytes": { "written": passed.traffic[0], "read": passed.traffic[1] },
+        "simulated_seconds": passed.seconds,
+        "seed": seed,
+        "seconds": start.elapsed().as_secs_f64(),
+    }))
+}
+
+/// What came of frames that passed through a core.
+pub struct Passed {
+    /// The core.
+    project: Project,
+    /// What each frame must become.
+    pictures: Vec<Vec<u16>>,
+    /// Which picture each frame on the screen was, none where it was black.
+    pub shown: Vec<Option<usize>>,
+    /// Bytes that were written to the memory, and read.
+    traffic: [u64; 2],
+    /// Simulated time.
+    seconds: f64,
+}
+
+impl Passed {
+    /// Most pictures that were shown one after the other.
+    pub fn in_a_row(&self) -> usize {
+        system::longest_run(&self.shown)
+    }
+}
+
+/// Sends frames through the core of a design in Verilator, each once, and compares every code on the screen.
+///
+/// # Errors
+/// A network that cannot run, a simulator that is missing, or a picture that is none of the golden ones.
+pub fn through(
+    design: &Design,
+    network: &FixedNetwork,
+    display: &Display,
+    frames: &[RawFrame],
+    seed: u64,
+    ui: &Ui,
+) -> Result<Passed, Error> {
     let golden = Golden::new(network.clone())?;
     let pictures =
-        frames.iter().map(|raw| system::picture(&golden, &display, raw)).collect::<Result<Vec<_>, _>>()?;
-    let project = system::project(design, [&network, &network], &display)?;
+        frames.iter().map(|raw| system::picture(&golden, display, raw)).collect::<Result<Vec<_>, _>>()?;
+    let project = system::project(design, [network, network], display)?;
     ui.note(format!("compiling {} modules with Verilator", project.verilog.len()));
     let options = Options { cache: Options::user_cache(), ..Options::default() };
     let compiled = Compiled::new(&project, &options)?;
     interrupt::check()?;
 
-    let mut rig =
-        Rig::start(&compiled, &Begin::leisurely(design, seed), frames.iter().map(system::sent).collect())?;
-    rig.control(args.display, 0)?;
+    let sent = frames.iter().map(system::sent).collect();
+    let mut rig = Rig::start(&compiled, &Begin::leisurely(design, seed), sent)?;
+    rig.control(display.mode, 0)?;
     let bar = ui.progress(frames.len() as u64, "frames sent");
     for frame in 1..frames.len() {
         rig.send(frame)?;
@@ -109,33 +177,9 @@ pub fn run(
     drop(bar);
 
     let shown = system::compare(&rig.screen.frames, &pictures, design.frame.width)?;
-    let run = system::longest_run(&shown);
-    if run < args.frames {
-        let problem = format!("{run} pictures were shown one after the other, expected {}", args.frames);
-        return Err(Error::message(format!("{problem}: those of frames {shown:?}")));
-    }
-    let seconds = rig.bench.time_ps() as f64 * 1e-12;
     let traffic = [&rig.memory.written, &rig.memory.read]
         .map(|side| side.bursts.iter().map(|(_, words)| words).sum::<u64>() * rig.memory.word_bytes());
-    let [written, read] = traffic.map(|bytes| bytes as f64 / seconds / 1e6);
-    ui.say(format!(
-        "{}: {run} pictures one after the other from pins to pins, every code as golden; memory {written:.1} MB/s written, {read:.1} MB/s read",
-        design.name
-    ))?;
-    ui.json(&json!({
-        "design": design.name,
-        "frame": design.frame,
-        "window": design.form.window,
-        "display": args.display,
-        "frames_sent": frames.len(),
-        "pictures_in_a_row": run,
-        "shown": shown,
-        "differences": 0,
-        "memory_bytes": { "written": traffic[0], "read": traffic[1] },
-        "simulated_seconds": seconds,
-        "seed": seed,
-        "seconds": start.elapsed().as_secs_f64(),
-    }))
+    Ok(Passed { project, pictures, shown, traffic, seconds: rig.bench.time_ps() as f64 * 1e-12 })
 }
 
 /// Frames of the design's size out of a larger one, each a bit beside the one before.
@@ -149,11 +193,14 @@ fn crops(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<Vec<RawFrame>
             needed.0, needed.1, frame.width, frame.height
         )));
     }
-    let values = raw.values();
-    let crop = |i: usize| {
-        let at = SHIFT * i;
-        let part = values.slice(s![at..at + frame.height, at..at + frame.width]).to_owned();
-        RawFrame::from_values(part, raw.depth(), raw.phase())
-    };
-    Ok((0..count).map(crop).collect::<Result<_, _>>()?)
+    (0..count).map(|i| crop(raw, (SHIFT * i, SHIFT * i), frame)).collect()
+}
+
+/// A frame of that size out of a larger one, its first pixel in that even row and column.
+///
+/// # Errors
+/// A size that no raw frame has.
+pub fn crop(raw: &RawFrame, (row, column): (usize, usize), size: FrameSize) -> Result<RawFrame, Error> {
+    let part = raw.values().slice(s![row..row + size.height, column..column + size.width]).to_owned();
+    Ok(RawFrame::from_values(part, raw.depth(), raw.phase())?)
 }

@@ -25,6 +25,15 @@ impl Error {
         error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
     }
 
+    /// A program of the system that is not installed, if that is why.
+    pub fn missing_tool(&self) -> Option<&str> {
+        let Self::Failed(error) = self else { return None };
+        match error.downcast_ref::<edof_cosim::Error>() {
+            Some(edof_cosim::Error::ToolMissing { tool }) => Some(tool),
+            _ => None,
+        }
+    }
+
     /// Exit status of the program.
     pub const fn exit_code(&self) -> u8 {
         match self {

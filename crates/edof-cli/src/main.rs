@@ -13,6 +13,8 @@
 //! | what is written about a run into its results | [`provenance`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
+//! | the sources of a bitstream | [`sources`] |
+//! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | windows to feed the hardware with | [`windows`] |
 //! | words at stage boundaries for NumPy | [`words`] |
 //!
@@ -20,6 +22,7 @@
 
 mod commands;
 mod cosim_system;
+mod demo_board;
 mod designs;
 mod error;
 mod files;
@@ -28,6 +31,7 @@ mod form;
 mod interrupt;
 mod memory;
 mod provenance;
+mod sources;
 mod ui;
 mod weights;
 mod windows;

@@ -5,13 +5,14 @@
 
 mod support;
 
-use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Memory, Pace, Receiver, Sender};
+use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Mark, Memory, Pace, Receiver, Sender};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source, lint};
 use edof_hdl::board::{AxiPair, Frames, ReadAgent, WriteAgent};
 use edof_hdl::describe::Circuit;
 use edof_hdl::ports::{AxiReadMaster, AxiWriteMaster, StreamIn, StreamOut};
 use edof_spec::draw::Draw;
+use edof_spec::fifos::agent_words;
 use rust_hdl::prelude::*;
 use std::path::Path;
 
@@ -83,10 +84,25 @@ const BURST: usize = 16;
 
 fn frames(set: u32) -> Frames {
     let buffers = [0, 1, 2].map(|buffer| 0x1000 * (4 * set + buffer));
-    Frames { width: WIDTH, height: HEIGHT, buffers, burst: BURST, depth: 64 }
+    Frames { width: WIDTH, height: HEIGHT, buffers, burst: BURST, depth: DEPTH }
 }
 
+/// Words that each of them may hold.
+const DEPTH: usize = 64;
+
+/// The agents, and how full each ever was.
 fn source() -> Source {
+    let mark = |i: usize| {
+        let agent = |kind: &str, taken: &str| {
+            let counts = ["put", taken].map(|count| format!("{kind}s_{i}.{count}_q"));
+            Mark::between(&format!("{kind}_{i}"), "clock_i", [&counts[0], &counts[1]], 12)
+        };
+        [agent("writer", "sent"), agent("reader", "got")]
+    };
+    plain().watched("reset_i", &[mark(0), mark(1)].concat())
+}
+
+fn plain() -> Source {
     let sets = [0, 1];
     let mut agents = Agents::from_parts(AgentsParts {
         writers: sets.map(|set| WriteAgent::new(&frames(set))),
@@ -307,6 +323,31 @@ fn a_late_memory_repeats_frames_and_tears_none() {
     }
 }
 
+/// A word of four pixels a cycle apart, in memories that are more and more often late.
+#[test]
+fn agents_hold_no_more_than_the_model_says_for_a_memory_that_late() {
+    let (source, mut beyond_a_burst) = (source(), false);
+    for (seed, percent, latency) in [(1, 100, (1, 1)), (2, 90, (1, 10)), (3, 80, (5, 20))] {
+        let pace = Pace::percent(percent, seed);
+        let mut rig =
+            Rig::new(&source, Behaviour { pace, latency, errors: 0, reorders: true }, seed).unwrap();
+        for number in 1..30 {
+            rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
+        }
+        rig.finish().unwrap();
+        let late = rig.memory.written.most_late;
+        let limit = agent_words(BURST, late, 4);
+        for i in 0..2 {
+            let most = rig.count(&format!("most_writer_{i}_o")) as usize;
+            assert!(most >= BURST && most <= limit.min(DEPTH), "{most} of {limit}, {late} cycles late");
+            beyond_a_burst |= most > agent_words(BURST, 0, 4);
+            let most = rig.count(&format!("most_reader_{i}_o")) as usize;
+            assert!(most > BURST && most <= DEPTH, "{most}");
+        }
+    }
+    assert!(beyond_a_burst, "how late the memory is made no difference");
+}
+
 #[test]
 fn after_a_reset_at_any_moment_frames_are_whole_again() {
     let source = source();
@@ -382,5 +423,5 @@ fn a_writer_that_shows_what_it_still_writes_tears_frames() {
 #[test]
 fn the_agents_are_clean() {
     let waivers = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rtl/waivers.vlt");
-    lint::clean(&source(), Some(&waivers)).unwrap();
+    lint::clean(&plain(), Some(&waivers)).unwrap();
 }

@@ -19,6 +19,7 @@ use edof_hdl::blocks::macc_array::MaccArray;
 use edof_hdl::blocks::pair_operands::PairOperands;
 use edof_hdl::blocks::pair_store::PairStore;
 use edof_hdl::blocks::ram::{Ram, Shape};
+use edof_hdl::blocks::reader::Reader;
 use edof_hdl::blocks::registers::Registers;
 use edof_hdl::blocks::requantize::Requantize;
 use edof_hdl::blocks::results::Results;
@@ -29,13 +30,14 @@ use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
 use edof_hdl::describe::Circuit;
 use edof_spec::design::memory::{self, Shifts, Space};
+use edof_spec::design::reading;
 use edof_spec::draw::Draw;
 use edof_spec::network::{Recurrence, Shrinkage};
 use edof_spec::{Design, FixedNetwork};
 use rust_hdl::prelude::*;
 
 ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);
-ported!(Requantize, Results, Sequencer, Shrink, Stage, WindowGuard, WindowRing);
+ported!(Reader, Requantize, Results, Sequencer, Shrink, Stage, WindowGuard, WindowRing);
 ported!(LeavesTop, RamTop, FifoTop, MaccTop);
 
 /// Cycles of reset at the start of every stimulus.
@@ -126,6 +128,23 @@ fn counters() {
         b.differences.next = word(draw);
         b.select.next = word(draw);
         b.snapshot.next = draw.whole(0, 60) == 0;
+    });
+}
+
+#[test]
+fn reader() {
+    // From the first command on all is known.
+    agree(Reader::new(), RESET as usize + 5, &[], |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 1500) == 0;
+        b.starts.next = last.cycle == RESET + 2 || last.cycle > RESET && draw.whole(0, 500) == 0;
+        b.command.next = (draw.bits() >> 44 << 12 | draw.whole(0, 2) as u64).into();
+        b.taken.next = last.is("wants_weights") && draw.whole(0, 3) == 0;
+        b.weights.next = if draw.whole(0, 100) == 0 { word(draw) } else { 0.into() };
+        b.thresholds_valid.next = last.is("wants_thresholds") && draw.whole(0, 30) == 0;
+        b.thresholds.next = word(draw);
+        b.previous.next = word(draw);
+        b.register.next = word(draw);
+        b.select.next = word(draw);
     });
 }
 
@@ -365,6 +384,8 @@ fn results() {
             b.write_previous.next = draw.whole(0, 20) == 0;
             b.write_row.next = (draw.whole(0, 2 * beats as i64 - 1) as u64).into();
             b.write_data.next = word(draw);
+            b.read_wanted.next = bit(draw);
+            b.read_row.next = row(draw, 2 * beats as i64);
         });
     }
 }
@@ -471,6 +492,8 @@ struct MaccTop {
     pub write_half: Signal<In, Bit>,
     pub write_row: Signal<In, Bits<12>>,
     pub write_data: Signal<In, Bits<32>>,
+    pub read_enable: Signal<In, Bit>,
+    pub read_data: Signal<Out, Bits<64>>,
     macc: MaccArray,
 }
 
@@ -494,6 +517,8 @@ impl Logic for MaccTop {
         self.macc.write_half.next = self.write_half.val();
         self.macc.write_row.next = self.write_row.val();
         self.macc.write_data.next = self.write_data.val();
+        self.macc.read_enable.next = self.read_enable.val();
+        self.read_data.next = self.macc.read_data.val();
     }
 }
 
@@ -522,6 +547,7 @@ fn macc_array() {
             b.copy.next = draw.whole(0, 9) == 0;
             b.shift.next = bit(draw);
             b.write_enable.next = last.cycle > 20 && !works && bit(draw);
+            b.read_enable.next = last.cycle > 20 && !b.write_enable.next && draw.whole(0, 4) == 0;
             b.write_bank.next = (draw.whole(0, stage.banks() as i64) as u64).into();
             b.write_half.next = bit(draw);
             let part = draw.whole(0, parts - 1) as u64;
@@ -574,6 +600,17 @@ fn stage() {
             };
             b.write_address.next = u64::from(memory::address(stage, space)).into();
             b.write_data.next = word(draw);
+            // Now and then something is read back: weights, thresholds or a register, of rows that there are.
+            if draw.whole(0, 49) == 0 {
+                let register = Space::Register { row: reading::READ_REGISTER };
+                let from = match draw.whole(0, 2) {
+                    0 => space,
+                    1 => Space::Thresholds { row: draw.whole(0, plan.beats_out() as i64) as usize },
+                    _ => Space::Register { row: draw.whole(0, 2) as usize },
+                };
+                b.write_address.next = u64::from(memory::address(plan.index, register)).into();
+                b.write_data.next = u64::from(reading::read_command(from, 1)).into();
+            }
             b.status_address.next = word(draw);
         });
     }

@@ -4,13 +4,16 @@ mod common;
 mod support;
 
 use common::committed;
+use edof_cosim::system::{self, TableWords};
 use edof_golden::{Display, scalar};
+use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
-use edof_hdl::kc705::{self, Recorded, Tables};
+use edof_hdl::kc705::{self, Kc705};
 use edof_spec::draw::Draw;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 /// A folder of its own, gone afterwards.
 struct Place(tempfile::TempDir);
@@ -25,23 +28,28 @@ impl Place {
     }
 }
 
-/// The sources of `tiny` with a drawn network, in the folder `out`.
-fn generated(place: &Place) -> PathBuf {
+/// The sources of `tiny` with a drawn network.
+fn project() -> Kc705 {
     let design = committed("tiny");
     let network = edof_random::for_design(&design, 1);
     let display = Display::default();
-    let luma: Vec<u64> = display.luma.entries().iter().map(|code| u64::from(*code)).collect();
-    let colour: Vec<u64> = display.colours[0].entries().iter().map(|entry| u64::from(*entry)).collect();
-    let tables = Tables { luma: &luma, colours: [&colour; 3] };
+    let words = TableWords::of(&display);
     let draw = &mut Draw::new(1);
     let windows: Vec<Vec<i16>> = (0..12).map(|_| edof_random::extreme_window(draw, 64)).collect();
     let patches = windows.iter().map(|window| scalar::run(&network, window).output).collect();
     let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
-    let recorded = Recorded { windows, patches };
-    let project = kc705::project(&design, [&network, &network], &identity, &tables, &recorded).unwrap();
+    let video = system::recorded(&design, &network, &display).unwrap();
+    let recorded = Recorded { windows, patches, video };
+    kc705::project(&design, [&network, &network], &identity, &words.tables(), &recorded).unwrap()
+}
+
+/// The same in the folder `out`.
+fn generated(place: &Place) -> PathBuf {
+    static PROJECT: LazyLock<Kc705> = LazyLock::new(project);
     let folder = place.path("out");
-    let verilog = project.core.verilog.into_iter().map(|(name, text)| (format!("rtl/{name}"), text));
-    for (path, text) in verilog.chain(project.core.memory).chain(project.files) {
+    let verilog = PROJECT.core.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text));
+    let others = PROJECT.core.memory.iter().chain(&PROJECT.files).map(|(path, text)| (path.clone(), text));
+    for (path, text) in verilog.chain(others) {
         let path = folder.join(path);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, text).unwrap();
@@ -82,25 +90,31 @@ fn path_without(place: &Place, beginnings: &[&str]) -> PathBuf {
     folder
 }
 
-/// `make sim` where only one simulator is installed, then with a wrong word.
+/// `make sim` where only one simulator is installed, then with a wrong word of a patch and a wrong pixel of a picture.
 fn tries_itself(simulator: &str, missing: &[&str]) {
     let place = Place::new();
     let folder = generated(&place);
     let path = path_without(&place, missing);
     let output = Command::new("make").arg("sim").current_dir(&folder).env("PATH", path).output().unwrap();
-    assert!(output.status.success() && said(&output).contains("PASS: 12 patches"), "{}", said(&output));
-    spoil(&folder.join("sim/patches.hex"));
-    let output = run(&format!("build/{simulator}/bench"), &[], &folder);
-    assert!(!output.status.success() && said(&output).contains("FAIL: patch"), "{}", said(&output));
+    let told = said(&output);
+    assert!(output.status.success(), "{told}");
+    assert!(told.contains("PASS: 12 patches") && told.contains("PASS: 5 pictures"), "{told}");
+    for (bench, words, complaint) in
+        [("bench", "patches", "FAIL: patch"), ("core_bench", "pictures", "FAIL: a frame")]
+    {
+        spoil(&folder.join(format!("sim/{words}.hex")));
+        let output = run(&format!("build/{simulator}/{bench}"), &[], &folder);
+        assert!(!output.status.success() && said(&output).contains(complaint), "{}", said(&output));
+    }
 }
 
 #[test]
-fn the_directory_tries_itself_with_verilator_alone_and_finds_a_wrong_word() {
+fn the_directory_tries_itself_with_verilator_alone_and_finds_wrong_words() {
     tries_itself("verilator", &["iverilog", "vvp"]);
 }
 
 #[test]
-fn the_directory_tries_itself_with_icarus_alone_and_finds_a_wrong_word() {
+fn the_directory_tries_itself_with_icarus_alone_and_finds_wrong_words() {
     tries_itself("icarus", &["verilator"]);
 }
 

@@ -8,7 +8,8 @@ use edof_cosim::chain::simulated::Simulated;
 use edof_cosim::chain::{Beat, Device, Drive, Inputs, Outputs};
 use edof_golden::cycle::{Cycle, Stalls};
 use edof_hdl::blocks::chain::Chain;
-use edof_spec::design::memory::Set;
+use edof_spec::design::memory::{self, Set, Space};
+use edof_spec::design::reading;
 
 #[test]
 fn tiny_agrees_in_every_word_and_cycle() {
@@ -37,7 +38,18 @@ fn after_a_flush_windows_of_any_length_give_what_the_model_says() {
         let beat = Beat { words: [seed as i16, 9], base: [0; 2], last: false, set: Set::Second };
         let inputs = Inputs { window: Some(beat), ..Inputs::default() };
         (0..cycles).for_each(|_| device.cycle(&inputs, &mut Outputs::default()).unwrap());
-        let drive = Drive { flush: seed > 1, stalls: Some(Stalls::drawn(seed, 60)), ..Drive::default() };
+        // A row of weights of every stage is read back meanwhile.
+        let from = Space::Weights { bank: 0, row: 3, half: 0 };
+        let command = |stage| {
+            let register = Space::Register { row: reading::READ_REGISTER };
+            (memory::address(stage, register), reading::read_command(from, 2))
+        };
+        let drive = Drive {
+            flush: seed > 1,
+            stalls: Some(Stalls::drawn(seed, 60)),
+            writes_while_running: (0..4).map(command).collect(),
+            ..Drive::default()
+        };
         let patches = misfits(patches(&design, 5, seed), seed);
         let model = Cycle::new(&design, sets).unwrap();
         expect_clean(&drive.run(model, patches, &mut device, &mut |_| ()).unwrap());

@@ -7,13 +7,17 @@ mod support;
 
 use common::{committed, networks};
 use edof_cosim::bench::Behaviour;
+use edof_cosim::bench::axi_lite::Access;
+use edof_cosim::chain::device::status_address;
 use edof_cosim::system::{self, Begin, Compiled, Rig, compare, drawn, longest_run};
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Periods, figures};
 use edof_golden::{Curve, Display, Golden, windows};
 use edof_spec::design::FrameSize;
-use edof_spec::design::memory::Set;
+use edof_spec::design::memory::{self, Set, Shifts, Space};
+use edof_spec::design::reading::{READ_BACK, READ_REGISTER, ReadBack, crc, read_back_address, read_command};
 use edof_spec::draw::Draw;
+use edof_spec::registers::map::{self, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
 use edof_spec::video::VideoTiming;
 use edof_spec::{Design, DisplayMode, FixedNetwork, Geometry, RawFrame, Stride, Window};
 
@@ -48,9 +52,13 @@ impl Setup {
         frames.iter().map(|raw| system::picture(&golden, &display, raw).unwrap()).collect()
     }
 
+    fn begin(&self, seed: u64) -> Begin {
+        Begin::leisurely(&self.design, seed)
+    }
+
     fn start(&self, frames: &[RawFrame], seed: u64) -> Rig {
         let sent = frames.iter().map(system::sent).collect();
-        Rig::start(&self.compiled, &Begin::leisurely(&self.design, seed), sent).unwrap()
+        Rig::start(&self.compiled, &self.begin(seed), sent).unwrap()
     }
 
     /// The numbers of the pictures on the screen, none for a black one; every one of them whole.
@@ -68,7 +76,8 @@ const ERRORS: [&str; 6] = [
     "output_underruns",
 ];
 
-/// Frames one after the other, in both modes and with both sets of weights: five or more are shown in order, bit for bit.
+/// Frames one after the other, in both modes and with both sets of weights: five or more are shown in order, bit for bit, and no FIFO gets
+/// fuller than the model says.
 fn frames_are_shown(window: usize, stride: usize, size: (usize, usize)) {
     let setup = Setup::new(design(window, stride, size));
     for (mode, set, seed) in [(DisplayMode::Colour, 0, 1), (DisplayMode::Luma, 1, 2)] {
@@ -84,6 +93,9 @@ fn frames_are_shown(window: usize, stride: usize, size: (usize, usize)) {
             assert_eq!(rig.register(name).unwrap(), 0, "{name}");
         }
         assert_eq!(rig.register("input_size").unwrap(), size.0 as u32 | (size.1 as u32) << 16);
+        for fifo in rig.fifos(&setup.begin(seed)).unwrap() {
+            assert!(fifo.most > 0 && fifo.most <= fifo.limit && fifo.limit <= fifo.depth, "{fifo:?}");
+        }
         // The memory is ready, the signal is there and fits, and pictures leave.
         assert_eq!(rig.register("status").unwrap() & 0b1111, 0b1111);
     }
@@ -163,6 +175,52 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     rig.steps(draw.whole(1, 10_000) as usize).unwrap();
     rig.reset().unwrap();
     recovers(&mut rig, "reset");
+}
+
+/// What stage 1 reads back of a register, as the host sees it.
+fn shifts(rig: &mut Rig, set: usize) -> u32 {
+    let command = read_command(Space::Register { row: set }, 1);
+    let register = memory::address(1, Space::Register { row: READ_REGISTER });
+    rig.access(Access::Write(WEIGHTS.word(register), command)).unwrap();
+    let shown = |part| Access::Read(STAGE_READS.word(read_back_address(1, part) & !READ_BACK));
+    while rig.access(shown(ReadBack::Busy)).unwrap() == 1 {}
+    let word = rig.access(shown(ReadBack::Low)).unwrap();
+    assert_eq!(rig.access(shown(ReadBack::Crc)).unwrap(), crc([word.into()]));
+    word
+}
+
+#[test]
+fn a_flush_drops_the_frame_under_way_and_a_reset_what_was_written_to_registers_too() {
+    let setup = Setup::new(design(8, 8, (32, 24)));
+    let frames = drawn(setup.design.frame, 30, 5).unwrap();
+    let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
+    let mut rig = setup.start(&frames, 5);
+    let generated = Shifts::of(&setup.sets[1], &setup.design.stage(1)).word();
+    assert_eq!(shifts(&mut rig, 1), generated);
+    let written = generated ^ 0x5_30c3;
+    let address = memory::address(1, Space::Register { row: 1 });
+    rig.access(Access::Write(WEIGHTS.word(address), written)).unwrap();
+    let control = map::register("control").unwrap();
+    for held in [10, 3_000] {
+        rig.steps(7_001).unwrap();
+        rig.access(Access::Write(control.address, control.reset | 1 << 4)).unwrap();
+        rig.steps(400 + held).unwrap();
+        rig.access(Access::Write(control.address, control.reset)).unwrap();
+        let sent = rig.camera.frame;
+        rig.send(sent + 3).unwrap();
+        rig.show(2).unwrap();
+        let last = setup.shown(&rig, &pictures).last().copied().flatten();
+        assert!(last.is_some_and(|number| number > sent), "frame {sent} was sent, {last:?} is shown");
+        assert_eq!(shifts(&mut rig, 1), written);
+    }
+    // The counters are those of a calculator that works, with no window of the wrong length.
+    rig.access(Access::Write(WEIGHTS.word(memory::SNAPSHOT), 0)).unwrap();
+    let count = |stage: usize, counter| Access::Read(STAGE_COUNTERS.word(status_address(stage, counter)));
+    assert!(rig.access(count(1, 0)).unwrap() > 0);
+    assert_eq!([0, 1].map(|kind| rig.access(count(memory::WHOLE_CHAIN, kind)).unwrap()), [0; 2]);
+    assert_eq!(rig.register("status").unwrap() >> 7 & 1, 0);
+    rig.reset().unwrap();
+    assert_eq!(shifts(&mut rig, 1), generated);
 }
 
 fn all_windows(raw: &RawFrame, geometry: Geometry) -> impl Iterator<Item = Vec<i16>> {

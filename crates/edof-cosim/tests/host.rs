@@ -10,7 +10,7 @@ use edof_hdl::board::{BoardRegisters, Identity, UartBus};
 use edof_hdl::describe::Circuit;
 use edof_hdl::ports::AxiLiteMaster;
 use edof_spec::draw::Draw;
-use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, WEIGHTS, register};
+use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS, register};
 use edof_spec::registers::{self, Window};
 use rust_hdl::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
@@ -111,10 +111,12 @@ impl Registers {
     }
 
     fn read(&self, address: u32) -> Option<u32> {
-        if (STAGE_COUNTERS.address..STAGE_COUNTERS.address + STAGE_COUNTERS.bytes).contains(&address)
-            && address.is_multiple_of(4)
-        {
-            return Some(stage_counter((address - STAGE_COUNTERS.address) / 4));
+        // What was read back lies above the counters of all stages.
+        for (window, first) in [(&STAGE_COUNTERS, 0), (&STAGE_READS, 64)] {
+            let inside = (window.address..window.address + window.bytes).contains(&address);
+            if inside && address.is_multiple_of(4) {
+                return Some(stage_counter(first + (address - window.address) / 4));
+            }
         }
         let found = REGISTERS.iter().find(|register| register.address == address)?;
         Some(match found.name {
@@ -154,14 +156,14 @@ impl Actor for Stages {
 
 /// An address where something is, or nearly.
 fn address(draw: &mut Draw) -> u32 {
-    let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS];
+    let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS];
     match draw.whole(0, 9) {
         0..=4 => REGISTERS[draw.whole(0, REGISTERS.len() as i64 - 1) as usize].address,
         5 => 4 * draw.whole(0, 0x80) as u32,
         6 => draw.bits() as u32,
         7 => REGISTERS[draw.whole(0, 9) as usize].address + draw.whole(0, 3) as u32,
         _ => {
-            let window = &windows[draw.whole(0, 2) as usize];
+            let window = &windows[draw.whole(0, 3) as usize];
             window.word(draw.whole(0, i64::from(window.bytes / 4) - 1) as u32)
         }
     }

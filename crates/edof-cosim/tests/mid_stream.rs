@@ -3,67 +3,14 @@
 mod common;
 mod support;
 
+use common::traffic::{Traffic, cycle, reset, write};
 use common::{Setup, committed, expect_clean, misfits, moderate, patches};
 use edof_cosim::chain::device::status_address;
-use edof_cosim::chain::verilated::Verilated;
-use edof_cosim::chain::{Beat, Device, Drive, Inputs, Outputs};
-use edof_golden::cycle::{Patch, Stalls, Summary};
+use edof_cosim::chain::{Device, Drive, Inputs};
+use edof_golden::cycle::{Stalls, Summary};
 use edof_spec::Design;
 use edof_spec::design::memory::{self, SNAPSHOT, Set, Space, WHOLE_CHAIN};
 use edof_spec::draw::Draw;
-
-fn cycle(device: &mut impl Device, inputs: &Inputs) -> Outputs {
-    let mut outputs = Outputs::default();
-    device.cycle(inputs, &mut outputs).unwrap();
-    outputs
-}
-
-fn write(device: &mut impl Device, stage: usize, space: Space, word: u32) {
-    cycle(device, &Inputs { write: Some((memory::address(stage, space), word)), ..Inputs::default() });
-}
-
-/// Beats of patches' windows, offered and taken as chance has it.
-struct Traffic {
-    beats: Vec<Beat>,
-    sent: usize,
-    offered: bool,
-    stalled: i64,
-}
-
-impl Traffic {
-    /// Both ends do nothing in `stalled` of ten cycles.
-    fn new(patches: &[Patch], stalled: i64) -> Self {
-        let beats = patches.iter().flat_map(|patch| {
-            let count = patch.window.len() / 2;
-            patch.window.chunks(2).enumerate().map(move |(k, words)| Beat {
-                words: [words[0], words[1]],
-                base: [0; 2],
-                last: k + 1 == count,
-                set: patch.set,
-            })
-        });
-        Self { beats: beats.collect(), sent: 0, offered: false, stalled }
-    }
-
-    /// A cycle with a word to write, and something to show.
-    fn cycle(
-        &mut self,
-        device: &mut impl Device,
-        draw: &mut Draw,
-        write: Option<(u32, u32)>,
-        status_address: u32,
-    ) -> Outputs {
-        self.offered |= draw.whole(0, 9) >= self.stalled;
-        let window = self.beats.get(self.sent).filter(|_| self.offered).copied();
-        let patch_ready = draw.whole(0, 9) >= self.stalled;
-        let inputs = Inputs { window, patch_ready, write, status_address, ..Inputs::default() };
-        let outputs = cycle(device, &inputs);
-        if window.is_some() && outputs.window_ready {
-            (self.sent, self.offered) = (self.sent + 1, false);
-        }
-        outputs
-    }
-}
 
 /// Windows of any length for some hundred cycles, at any pace: an end that leaves anything in any place.
 fn disturb(device: &mut impl Device, design: &Design, draw: &mut Draw) {
@@ -141,11 +88,7 @@ fn windows_of_the_wrong_length_are_counted_and_the_next_one_is_right() {
 fn shown(device: &mut impl Device, traffic: &mut Traffic, draw: &mut Draw, stages: usize) -> Vec<u64> {
     let of_stages = (0..stages).flat_map(|stage| (0..4).map(move |counter| (stage, counter)));
     let addresses = of_stages.chain([(WHOLE_CHAIN, 0), (WHOLE_CHAIN, 1)]);
-    let show = |(stage, counter)| {
-        let address = status_address(stage, counter);
-        traffic.cycle(device, draw, None, address);
-        traffic.cycle(device, draw, None, address).status.into()
-    };
+    let show = |(stage, counter)| traffic.shown(device, draw, status_address(stage, counter)).into();
     addresses.map(show).collect()
 }
 
@@ -158,9 +101,8 @@ fn counters_are_read_and_cleared_as_one_set_and_lose_nothing() {
     let mut summary = Summary::new(&setup.design);
     setup.model().run(patches.clone()).for_each(|run| summary.add(&run));
     let (draw, mut traffic) = (&mut Draw::new(4), Traffic::new(&patches, 2));
-    let mut device: Verilated = setup.start(1);
-    (0..48).for_each(|_| drop(cycle(&mut device, &Inputs { reset: true, ..Inputs::default() })));
-    (0..2).for_each(|_| drop(cycle(&mut device, &Inputs::default())));
+    let mut device = setup.start(1);
+    reset(&mut device);
     let (mut sums, mut snapshots, mut faults) = (vec![0; 4 * stages + 2], 0, 0);
     let mut quiet = 0;
     while quiet < 3000 {
@@ -174,7 +116,7 @@ fn counters_are_read_and_cleared_as_one_set_and_lose_nothing() {
         assert_eq!(shown(&mut device, &mut traffic, draw, stages), first);
         sums.iter_mut().zip(&first).for_each(|(sum, count)| *sum += count);
         snapshots += 1;
-        quiet = if traffic.sent < traffic.beats.len() { 0 } else { quiet + 100 };
+        quiet = if traffic.is_over() { quiet + 100 } else { 0 };
     }
     assert!(snapshots > 50 && faults > 0);
     let of_stages = summary.counts.stages.iter().flat_map(|counts| {

@@ -76,7 +76,7 @@ fn frames_are_as_golden(window: usize, stride: usize, size: (usize, usize)) {
         let display = Display { mode, ..start.clone() };
         let draw = &mut Draw::new(seed);
         let mut bench = core.start(seed);
-        for port in ["write_valid_i", "table_write_i", "clear_i"] {
+        for port in ["write_valid_i", "table_write_i", "clear_i", "flush_i"] {
             bench.poke(port, 0);
         }
         bench.poke("set_i", set as u64);

@@ -1,25 +1,33 @@
-//! The longest path of logic and the most loads of every stage of the committed designs, flat, as Yosys maps and times it. `tiny`
-//! here; the others take half an hour, and are for `scripts/soak.sh`.
+//! The longest path of logic and the most loads of every stage of the committed designs, and the longest path of every block of the core
+//! around them, flat, as Yosys maps and times it. `tiny`'s stages here; all else takes half an hour, and is for `scripts/soak.sh`.
 
 mod common;
 mod support;
 
 use common::committed;
-use edof_cosim::yosys::timing::{self, StageTiming};
+use edof_cosim::system;
+use edof_cosim::yosys::timing::{self, PartTiming};
+use edof_golden::Display;
+use edof_hdl::blocks::window_guard::WindowGuard;
+use edof_hdl::board::blocks;
 use edof_hdl::project;
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// Worst path of logic that a stage may have: half of the period at 200 MHz, the other half is for wires.
 const DELAY_PS: u64 = 2500;
 /// Loads that a net of control may lead to.
 const CONTROL_LOADS: usize = 64;
 
-fn stages(name: &str) -> Vec<StageTiming> {
+fn cache() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("timing")
+}
+
+fn stages(name: &str) -> Vec<PartTiming> {
     let design = committed(name);
     let network = edof_random::for_design(&design, 1);
     let project = project::calculator(&design, [&network, &network]).unwrap();
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("timing");
-    timing::stages(&project, design.stages.len(), Some(&cache), &|_, _| ()).unwrap()
+    timing::parts(&project, &timing::stages(design.stages.len()), Some(&cache()), &|_, _| ()).unwrap()
 }
 
 fn keeps_its_limits(name: &str) {
@@ -41,6 +49,15 @@ fn tiny_is_short_of_path_and_load() {
     keeps_its_limits("tiny");
 }
 
+/// The only logic between two boundaries' registers.
+#[test]
+fn what_makes_windows_whole_is_short_of_path_and_load() {
+    let design = committed("kc705");
+    let project = project::of_circuit(&mut WindowGuard::new(&design.stage(0)), vec![]).unwrap();
+    let found = timing::whole(&project, None).unwrap();
+    assert!(found.delay_ps <= DELAY_PS && found.control_loads <= CONTROL_LOADS, "{found:#?}");
+}
+
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn paper_is_short_of_path_and_load() {
@@ -51,4 +68,59 @@ fn paper_is_short_of_path_and_load() {
 #[ignore = "minutes: scripts/soak.sh"]
 fn kc705_is_short_of_path_and_load() {
     keeps_its_limits("kc705");
+}
+
+/// The core of a design with a drawn network.
+fn core(name: &str) -> project::Project {
+    let design = committed(name);
+    let network = edof_random::for_design(&design, 1);
+    system::project(&design, [&network, &network], &Display::default()).unwrap()
+}
+
+/// Every block of the core around the calculator.
+fn blocks_keep_their_limits(name: &str) {
+    let blocks = blocks::around_the_calculator(&committed(name));
+    let paths: Vec<String> = blocks.iter().map(|block| block.path.clone()).collect();
+    let found = timing::parts(&core(name), &paths, Some(&cache()), &|_, _| ()).unwrap();
+    let long = blocks.iter().zip(&found).filter(|(block, found)| found.delay_ps > block.domain.limit_ps());
+    let told: Vec<String> = long
+        .map(|(block, found)| format!("{}: {} ps, {:#?}", block.path, found.delay_ps, found.path))
+        .collect();
+    assert!(told.is_empty(), "{name}: {}", told.join("\n"));
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn the_blocks_of_tiny_are_short_of_path() {
+    blocks_keep_their_limits("tiny");
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn the_blocks_of_kc705_are_short_of_path() {
+    blocks_keep_their_limits("kc705");
+}
+
+/// Names of the instances in a module, those of reset synchronisers left out.
+fn instances(core: &project::Project, module: &str) -> Vec<String> {
+    let (_, text) = core.verilog.iter().find(|(name, _)| *name == format!("{module}.v")).unwrap();
+    let begins = |line: &&str| line.ends_with(" (") && !line.starts_with("module");
+    let of_logic = |line: &&str| !line.contains("edof_reset_sync");
+    let name = |line: &str| line.trim_end_matches(" (").split_whitespace().last().unwrap().to_string();
+    text.lines().map(str::trim).filter(begins).filter(of_logic).map(name).collect()
+}
+
+#[test]
+fn every_block_of_the_core_is_timed() {
+    let core = core("tiny");
+    let inside = |path: &str, module: &str| -> Vec<String> {
+        instances(&core, module).into_iter().map(|name| format!("{path}{name}")).collect()
+    };
+    let parted = ["core", "core/calculator", "core/lines"];
+    let all =
+        [inside("", "edof_core"), inside("core/", "stream_core"), inside("core/lines/", "lines")].concat();
+    let all: BTreeSet<String> = all.into_iter().filter(|path| !parted.contains(&path.as_str())).collect();
+    let timed: BTreeSet<String> =
+        blocks::around_the_calculator(&committed("tiny")).into_iter().map(|block| block.path).collect();
+    assert_eq!(all, timed);
 }

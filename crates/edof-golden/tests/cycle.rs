@@ -4,6 +4,7 @@
 use edof_golden::cycle::{Cycle, Patch, PatchRun, StallPattern, Stalls, Summary, estimate, stepped};
 use edof_golden::{Trace, scalar};
 use edof_spec::design::memory::{Set, Space, address};
+use edof_spec::design::reading::{READ_REGISTER, read_command};
 use edof_spec::design::{FrameSize, StageSize};
 use edof_spec::draw::Draw;
 use edof_spec::network::{Form, Recurrence, Shrinkage};
@@ -100,8 +101,9 @@ fn network(design: &Design, seed: u64) -> FixedNetwork {
     network
 }
 
-/// Weights that are written while patches run, in a third of all cases none, else in a tenth to a half of all cycles.
-fn writes(design: &Design, seed: u64) -> Vec<(u64, u32)> {
+/// Weights that are written while patches run, and now and then read back, in a third of all cases none, else in a tenth to a half of
+/// all cycles.
+fn writes(design: &Design, seed: u64) -> Vec<(u64, u32, u32)> {
     let draw = &mut Draw::new(seed);
     let between = [i64::MAX, 2, 10][draw.whole(0, 2) as usize];
     if between == i64::MAX {
@@ -111,7 +113,12 @@ fn writes(design: &Design, seed: u64) -> Vec<(u64, u32)> {
     let write = |_| {
         cycle += draw.whole(1, 2 * between - 1) as u64;
         let stage = draw.whole(0, design.stages.len() as i64 - 1) as usize;
-        (cycle, address(stage, Space::Weights { bank: 0, row: 0, half: 0 }))
+        let weights = Space::Weights { bank: 0, row: 0, half: 0 };
+        if draw.whole(0, 20) == 0 {
+            let register = Space::Register { row: READ_REGISTER };
+            return (cycle, address(stage, register), read_command(weights, draw.whole(1, 5) as usize));
+        }
+        (cycle, address(stage, weights), 0)
     };
     (0..3000).map(write).collect()
 }

@@ -11,11 +11,13 @@
 //! | block | [`board`] | memory, host, and all of it together |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`], [`kc705`] | the files of a generated design, and of a board's |
+//! | try | [`benches`] | what a generated design tries itself with, in Verilog alone |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
 
 // So that `#[derive(Circuit)]` can name this crate from within, too.
 extern crate self as edof_hdl;
 
+pub mod benches;
 pub mod blocks;
 pub mod board;
 pub mod crossing;

@@ -117,6 +117,8 @@ fn stage(plan: &StagePlan, sum_bits: usize) -> Resources {
         // The FIFO.
         Resources::logic(140, 51),
         registers_and_counters(),
+        // What is read back, and its CRC.
+        Resources::logic(279, 188),
     ];
     if plan.feeds_m {
         parts.push(Resources::logic(130, 49));
@@ -146,9 +148,16 @@ fn multipliers(plan: &StagePlan, sum_bits: usize) -> Resources {
         Resources { dsp48e1: 0, ramb36e1, ramb18e1: 0, lut: hold + 3 * words, ff: hold + kept + 2 * words }
     };
     let shared = Resources::logic(289, 727 + rows * (2 * 25 + 2 * sum_bits));
-    // The host's writes come to every eight banks in registers of their own.
-    let writes = Resources::logic(0, 20 + 2 * 32) * plan.banks().div_ceil(8);
-    Resources { dsp48e1: plan.dsps(), ..bank * plan.banks() + shared + writes }
+    // The host's writes come to every eight banks in registers of their own, and what it reads goes back: two inputs for each word.
+    let group = |banks: usize| {
+        let inputs = 2 * banks * plan.row_words();
+        let select = 4 * banks * plan.row_words();
+        Resources::logic(64 * inputs.div_ceil(5) + select, 20 + 2 * 32 + 1 + 2 * 19 + 64 + select / 2)
+    };
+    let groups = (0..plan.banks()).step_by(8).map(|first| group((plan.banks() - first).min(8)));
+    let address = Resources::logic(if plan.reads_both_ports() { 1 } else { address_bits + 2 }, 0);
+    let banks = (bank + address) * plan.banks() + groups.sum::<Resources>();
+    Resources { dsp48e1: plan.dsps(), ..banks + shared }
 }
 
 /// Four slots of vectors in block RAM: pairs of 25 bits, or the parts of dense vectors.

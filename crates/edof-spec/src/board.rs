@@ -3,6 +3,7 @@
 //! Frames lie in sets of three buffers of 16-bit pixels: raw frames, and pictures in the codes of the wire.
 
 use crate::design::{Design, DesignError};
+use crate::fifos;
 use crate::video::VideoTiming;
 
 /// Bits of a word of the DRAM's port.
@@ -11,8 +12,14 @@ pub const WORD_BITS: usize = 512;
 pub const WORD_PIXELS: usize = WORD_BITS / 16;
 /// Words of a burst: 4 KiB, the most that a burst may have.
 pub const BURST_WORDS: usize = 64;
-/// Words that an agent holds, in LUT RAM: two bursts, one of which lasts for 2048 pixels while the other is on its way.
-pub const AGENT_WORDS: usize = 2 * BURST_WORDS;
+/// Cycles that the memory may take for a burst, from the offer of its address to its last word, so that no pixel is late: a burst of
+/// another agent before it, both ways, a refresh, and as much again.
+pub const MEMORY_LATE: u64 = 512;
+/// Words that an agent holds, in LUT RAM: a pixel a cycle at most.
+pub const AGENT_WORDS: usize =
+    fifos::agent_words(BURST_WORDS, MEMORY_LATE, WORD_PIXELS as u64).next_power_of_two();
+/// Pixels between clock domains, in LUT RAM: for pixel clocks up to the memory's.
+pub const CROSSING_PIXELS: usize = fifos::crossing_words(1, 1).next_power_of_two();
 /// Bytes of a frame buffer.
 pub const BUFFER_BYTES: u32 = 1 << 22;
 /// Byte addresses of the buffers of raw frames.

@@ -18,6 +18,7 @@
 //! | video timing | [`video`] |
 //! | the hardware for a form of network: stages, memories, cycles | [`design`] |
 //! | the board's numbers: memory, clocks, host | [`board`] |
+//! | how full its FIFOs get | [`fifos`] |
 //! | what the host sees of the board | [`registers`] |
 //! | how the video chips are set up | [`i2c`] |
 //! | how a result came to be | [`provenance`] |
@@ -40,6 +41,7 @@ pub mod colour;
 pub mod design;
 pub mod display;
 pub mod draw;
+pub mod fifos;
 pub mod fixed_network;
 pub mod frame;
 pub mod geometry;

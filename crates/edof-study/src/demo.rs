@@ -9,7 +9,9 @@ use crate::tables::Table;
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, ColourFrame, Noise, ReconstructError, Reconstruction, Reconstructor, Tone};
+use edof_spec::{
+    Camera, ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor, Tone,
+};
 use ndarray::Array2;
 use serde::Serialize;
 
@@ -68,6 +70,9 @@ pub struct Demo {
     /// The scene without blur.
     #[serde(skip)]
     pub truth: ColourFrame,
+    /// What the sensor gave behind each lens.
+    #[serde(skip)]
+    pub raws: Vec<RawFrame>,
 }
 
 /// A demonstration that cannot be given.
@@ -93,16 +98,17 @@ pub enum DemoError {
 /// [`DemoError`].
 pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>], tone: Tone) -> Result<Demo, DemoError> {
     let truth = Truth::of(scene, tone);
-    let mut pictures = vec![];
+    let (mut pictures, mut raws) = (vec![], vec![]);
     for lens in lenses {
         let raw = capture(scene, &lens.camera, sensor, &Approximation::default())?.raw;
         for (treatment, method) in &lens.methods {
             pictures.push(truth.judge(lens, treatment, method.name(), method.reconstruct(&raw)?)?);
         }
+        raws.push(raw);
     }
     let ((height, width), scene) = (truth.light.size(), scene.name.clone());
     let (noise, depth) = (sensor.noise, sensor.depth);
-    Ok(Demo { scene, height, width, noise, tone, depth, pictures, truth: truth.light })
+    Ok(Demo { scene, height, width, noise, tone, depth, pictures, truth: truth.light, raws })
 }
 
 /// The scene without blur, as light and as it is looked at, and where each depth is seen.

@@ -46,6 +46,7 @@ const WAVEFORM_CYCLES: u64 = 300;
   edof cosim --design paper --weights paper-t4 --rtl build/paper/rtl
   edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml
   edof cosim --system --design tiny --window 12 --stride 4 --size 32x16 --display luma
+  edof cosim --system --design tiny --size 32x16 --icarus
   edof cosim --system --design kc705 --weights edof-t4w12-outer --photo photo.png --size 256x256 --frames 1")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
@@ -88,7 +89,7 @@ pub struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Run the same inputs in Icarus too and compare all outputs; slow
+    /// Run the same inputs in Icarus too and compare all outputs, or all pictures; slow
     #[arg(long)]
     icarus: bool,
 
@@ -134,7 +135,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     };
     if args.system.system {
         let raw = args.shot().frame(&network, ui)?;
-        return cosim_system::run(&args.system, &design, network, &raw, args.seed, ui);
+        return cosim_system::run(&args.system, &design, network, &raw, args.seed, args.icarus, ui);
     }
     let trial =
         Trial { patches: patches(&args, &design, &network, ui)?, design, network, drive: drive(&args)? };

@@ -1,9 +1,10 @@
 //! `edof demo`: the whole program at once.
 
+use crate::demo_board::{Board, Told};
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
-use crate::{interrupt, weights};
+use crate::{designs, interrupt, weights};
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_optics::draw::{Builtin, draw, four_depths};
@@ -11,12 +12,14 @@ use edof_optics::sensor::Sensor;
 use edof_spec::{Camera, Noise, Reconstructor, Tone};
 use edof_study::demo::{self, Demo, Lens};
 use edof_study::picture;
+use serde_json::Value;
 use std::path::PathBuf;
 
 /// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
 ///
 /// Writes report.html with all pictures side by side, the pictures themselves as PNG files, and overview.png with all of
-/// them in one: the scene, then the lenses in the order of the table, three in a row.
+/// them in one: the scene, then the lenses in the order of the table, three in a row. The sources of a board's bitstream with the
+/// network behind the coded lens go to its folder board, and a crop through their Verilog into the report, where Verilator is installed.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -50,6 +53,10 @@ pub struct Args {
     #[arg(long, value_name = "NOISE")]
     noise: Option<Noise>,
 
+    /// Board to generate and to try: tiny, paper, kc705, a JSON file, or none [default: kc705, if the network fits it]
+    #[arg(long, value_name = "NAME|FILE")]
+    design: Option<String>,
+
     /// Rows of the scene, even
     #[arg(long, default_value_t = 480, value_name = "PIXELS")]
     height: usize,
@@ -69,20 +76,47 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let scene = draw(args.scene.parse::<Builtin>()?, args.height, args.width, &depths, 1)?;
     let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
 
+    let board = board(&args, ui)?;
     let malvar = Malvar::default();
     let lenses = lenses(&malvar, (camera, &coded), (clear_camera, &clear))?;
-    args.check_files(&lenses, ui)?;
+    args.check_files(&lenses, board.as_ref(), ui)?;
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
     let result = demo::run(&scene, &sensor, &lenses, args.tone)?;
     interrupt::check()?;
     drop(progress);
+    // The last lens is the coded one.
+    let coded = result.raws.last().zip(board);
+    let told = coded.map(|(raw, board)| board.tell(raw, &args.out, ui)).transpose()?;
 
-    save(&result, &args, ui)?;
+    save(&result, told.as_ref(), &args, ui)?;
     ui.say(result.to_text())?;
+    told.iter().try_for_each(|told| ui.say(told.to_text()))?;
     ui.say(format_args!("pictures side by side: {}", args.out.join("report.html").display()))?;
-    ui.json(&result)
+    let mut data = serde_json::to_value(&result)?;
+    data["board"] = told.map_or(Value::Null, |told| told.to_json());
+    ui.json(&data)
 }
+
+/// The board that is asked for; the usual one only where the network fits it.
+fn board(args: &Args, ui: &Ui) -> Result<Option<Board>, Error> {
+    if args.design.as_deref() == Some(NO_DESIGN) {
+        return Ok(None);
+    }
+    let design = designs::load(args.design.as_deref().unwrap_or(DESIGN))?;
+    let network = weights::fixed(&args.net)?;
+    if let (None, Err(misfit)) = (&args.design, design.check_network(&network)) {
+        ui.note(format_args!("no board: {misfit}"));
+        return Ok(None);
+    }
+    ui.used(designs::input(&design));
+    Board::of(design, network).map(Some)
+}
+
+/// The usual design.
+const DESIGN: &str = "kc705";
+/// In place of a design's name.
+const NO_DESIGN: &str = "none";
 
 /// What is written besides a picture for each treatment behind each lens.
 const FILES: [&str; 3] = ["report.html", "overview.png", "scene.png"];
@@ -110,9 +144,11 @@ fn lenses<'a>(
 }
 
 /// The report, every picture, and all of them in one.
-fn save(result: &Demo, args: &Args, ui: &Ui) -> Result<(), Error> {
-    let [report, overview, scene] = FILES.map(|name| args.out.join(name));
-    result.report(&ui.signed(&args.command_line()))?.save(&report)?;
+fn save(result: &Demo, board: Option<&Told>, args: &Args, ui: &Ui) -> Result<(), Error> {
+    let [file, overview, scene] = FILES.map(|name| args.out.join(name));
+    let mut report = result.report(&ui.signed(&args.command_line(board.is_some())))?;
+    board.map_or(Ok(()), |board| board.add_to(&mut report))?;
+    report.save(&file)?;
     let shots = result.pictures.iter().map(|p| (args.out.join(file_name(&p.lens, &p.treatment)), &p.frame));
     for (file, light) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
         edof_spec::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
@@ -130,11 +166,13 @@ fn method(net: &str, ui: &Ui) -> Result<(Camera, GoldenReconstructor), Error> {
 
 impl Args {
     /// Refuses before the work what could not be written after it.
-    fn check_files(&self, lenses: &[Lens<'_>], ui: &Ui) -> Result<(), Error> {
+    fn check_files(&self, lenses: &[Lens<'_>], board: Option<&Board>, ui: &Ui) -> Result<(), Error> {
         let names =
             lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
         let files = Files::new(ui).reads_all(weights::fixed_file(&self.net));
         let files = files.reads_all(weights::fixed_file(&self.clear_net));
+        let files = files.reads_all(&self.design);
+        let files = files.writes_into("--out", &self.out, board.iter().flat_map(|board| board.names()));
         files.writes_into("--out", &self.out, FILES.map(String::from).into_iter().chain(names)).check()
     }
 
@@ -146,11 +184,13 @@ impl Args {
     }
 
     /// What was run, as the report states it.
-    fn command_line(&self) -> String {
+    fn command_line(&self, with_board: bool) -> String {
         let Self { scene, tone, height, width, net, clear_net, .. } = self;
-        let noise = self.noise();
+        let usual = if with_board { DESIGN } else { NO_DESIGN };
+        let (noise, design) = (self.noise(), self.design.as_deref().unwrap_or(usual));
         format!(
-            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net} --clear-net {clear_net}"
+            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net} --clear-net {clear_net} \
+             --design {design}"
         )
     }
 }

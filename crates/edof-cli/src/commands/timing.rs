@@ -1,4 +1,4 @@
-//! `edof timing`: the worst path of logic of every stage, by Yosys.
+//! `edof timing`: the worst path of logic of every stage and of every block around them, by Yosys.
 
 use crate::designs;
 use crate::error::Error;
@@ -6,17 +6,19 @@ use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
 use edof_cosim::chain::check::stage_names;
+use edof_cosim::system;
 use edof_cosim::yosys::fan_out::FanOut;
-use edof_cosim::yosys::timing::{self, StageTiming};
-use edof_hdl::project;
+use edof_cosim::yosys::timing::{self, PartTiming};
+use edof_golden::Display;
+use edof_hdl::board::blocks::{self, Block};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Tell the longest path of logic of every stage of a design, and the nets that lead to the most loads
+/// Tell the longest path of logic of every stage of a design and of every other block of its core, and the nets that lead to the most loads
 ///
-/// Each stage is mapped flat for 7-series by Yosys, from the generated files as they are, and timed by Yosys with the delays of its
+/// Each part is mapped flat for 7-series by Yosys, from the generated files as they are, and timed by Yosys with the delays of its
 /// Xilinx library. A big stage takes minutes; results are kept. Wires take no time in it, so that half of the period must be left to
-/// them: it tells which paths are too long, not at which clock a board will run.
+/// them, in the block's own clock domain: it tells which paths are too long, not at which clock a board will run.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof timing --design tiny
@@ -49,36 +51,50 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         }
         None => edof_random::for_design(&design, 1),
     };
-    let project = project::calculator(&design, [&network, &network])?;
-    let count = design.stages.len();
-    let bar = ui.progress(count as u64, "stages mapped");
+    let project = system::project(&design, [&network, &network], &Display::default())?;
+    let (stages, others) = (blocks::stages(&design), blocks::around_the_calculator(&design));
+    let paths: Vec<String> = stages.iter().chain(&others).map(|block| block.path.clone()).collect();
+    let bar = ui.progress(paths.len() as u64, "blocks mapped");
     let cache: Option<PathBuf> = timing::user_cache().filter(|_| !args.again);
-    let stages = timing::stages(&project, count, cache.as_deref(), &|done, _| bar.set(done as u64))?;
+    let found = timing::parts(&project, &paths, cache.as_deref(), &|done, _| bar.set(done as u64))?;
     drop(bar);
 
-    let names = stage_names(count);
-    let period = 1e3 / design.clock_mhz;
-    for (name, stage) in names.iter().zip(&stages) {
+    let (of_stages, of_others) = found.split_at(stages.len());
+    let names = stage_names(stages.len());
+    for (name, stage) in names.iter().zip(of_stages) {
         tell(name, stage, ui)?;
     }
-    let worst = stages.iter().map(|stage| stage.delay_ps).max().unwrap_or(0) as f64 / 1e3;
+    for (block, timing) in others.iter().zip(of_others) {
+        tell(&format!("{} (at most {} ps)", block.path, block.domain.limit_ps()), timing, ui)?;
+    }
+    let period = 1e3 / design.clock_mhz;
+    let worst = of_stages.iter().map(|stage| stage.delay_ps).max().unwrap_or(0) as f64 / 1e3;
     ui.say(format!(
-        "worst {worst:.2} ns of logic, {:.0} % of the {period:.2} ns at {} MHz (planned); wires are not in it",
+        "worst stage {worst:.2} ns of logic, {:.0} % of the {period:.2} ns at {} MHz (planned); wires are not in it",
         100.0 * worst / period,
         design.clock_mhz
     ))?;
-    let stage = |(name, stage): (&String, &StageTiming)| json!({ "stage": name, "timing": stage });
+    let long = |(block, timing): &(&Block, &PartTiming)| timing.delay_ps > block.domain.limit_ps();
+    let long: Vec<&str> =
+        others.iter().zip(of_others).filter(long).map(|(block, _)| block.path.as_str()).collect();
+    ui.say(match long[..] {
+        [] => "no other block has a path longer than half of the period of its clock".into(),
+        _ => format!("longer than half of the period of their clocks: {}", long.join(", ")),
+    })?;
+    let stage = |(name, stage): (&String, &PartTiming)| json!({ "stage": name, "timing": stage });
+    let other = |(block, timing): (&Block, &PartTiming)| json!({ "block": block.path, "limit_ps": block.domain.limit_ps(), "timing": timing });
     ui.json(&json!({
         "design": design.name,
         "weights": args.weights,
         "clock_mhz": design.clock_mhz,
         "worst_ns": worst,
-        "stages": names.iter().zip(&stages).map(stage).collect::<Vec<_>>(),
+        "stages": names.iter().zip(of_stages).map(stage).collect::<Vec<_>>(),
+        "blocks": others.iter().zip(of_others).map(other).collect::<Vec<_>>(),
     }))
 }
 
-fn tell(name: &str, stage: &StageTiming, ui: &Ui) -> Result<(), Error> {
-    let StageTiming { delay_ps, levels, dsps, registered_dsps, .. } = stage;
+fn tell(name: &str, stage: &PartTiming, ui: &Ui) -> Result<(), Error> {
+    let PartTiming { delay_ps, levels, dsps, registered_dsps, .. } = stage;
     ui.say(format!(
         "{name}: {:.3} ns, {levels} levels; {registered_dsps} of {dsps} multipliers with all registers",
         *delay_ps as f64 / 1e3

@@ -90,6 +90,8 @@ struct Burst {
     words: u64,
     /// Cycle before which it is not answered.
     due: u64,
+    /// Cycle in which its address was offered.
+    offered: u64,
 }
 
 /// What passed through one side of a memory.
@@ -101,6 +103,8 @@ pub struct Traffic {
     pub errors: usize,
     /// Most bursts that were not answered at a time.
     pub most_outstanding: usize,
+    /// Most cycles from the offer of a burst's address to its last word.
+    pub most_late: u64,
 }
 
 /// A word, and which of its bytes are written.
@@ -110,6 +114,7 @@ struct Writing {
     name: String,
     ports: WritePorts,
     standing: [Standing; 2],
+    offered: Option<u64>,
     announced: VecDeque<Burst>,
     words: VecDeque<(Vec<u32>, u64, bool)>,
     complete: VecDeque<(Burst, Vec<Strobed>)>,
@@ -120,6 +125,7 @@ struct Reading {
     name: String,
     ports: ReadPorts,
     standing: Standing,
+    offered: Option<u64>,
     asked: VecDeque<Burst>,
     answers: bool,
 }
@@ -222,6 +228,7 @@ impl Memory {
     fn reset(&mut self) {
         if let Some(side) = &mut self.writing {
             side.standing.iter_mut().for_each(Standing::forget);
+            side.offered = None;
             side.announced.clear();
             side.words.clear();
             side.complete.clear();
@@ -229,6 +236,7 @@ impl Memory {
         }
         if let Some(side) = &mut self.reading {
             side.standing.forget();
+            side.offered = None;
             side.asked.clear();
             side.answers = false;
         }
@@ -241,6 +249,7 @@ impl Writing {
             name: name.into(),
             ports: WritePorts::of(source, name)?,
             standing: Default::default(),
+            offered: None,
             announced: VecDeque::new(),
             words: VecDeque::new(),
             complete: VecDeque::new(),
@@ -256,6 +265,7 @@ impl Reading {
             name: name.into(),
             ports,
             standing: Standing::default(),
+            offered: None,
             asked: VecDeque::new(),
             answers: false,
         })
@@ -294,9 +304,16 @@ impl Address {
             Some((_, rule)) => {
                 Err(rule_broken(model, port, &format!("{rule}: address {address:#x}, {words} words")))
             }
-            None => Ok(Burst { id, address, words, due: 0 }),
+            None => Ok(Burst { id, address, words, due: 0, offered: 0 }),
         }
     }
+}
+
+/// Since when an address is offered, which is forgotten once it is taken.
+fn since(begun: &mut Option<u64>, offered: bool, taken: bool, now: u64) -> u64 {
+    let since = begun.unwrap_or(now);
+    *begun = (offered && !taken).then_some(since);
+    since
 }
 
 impl Actor for Memory {
@@ -346,10 +363,11 @@ impl Memory {
         let taken = offered && model.peek(p.aw_ready)? == 1;
         let address = Address::read(model, fields)?;
         side.standing[0].check(model, &side.name, offered.then_some(&address.words()[..]), taken)?;
+        let since = since(&mut side.offered, offered, taken, self.cycle);
         if taken {
             let burst = address.burst(model, &side.name, self.word_bytes())?;
             self.written.bursts.push((burst.address, burst.words));
-            side.announced.push_back(burst);
+            side.announced.push_back(Burst { offered: since, ..burst });
         }
 
         let offered = model.peek(p.w_valid)? == 1;
@@ -388,6 +406,7 @@ impl Memory {
             if side.words.len() < count {
                 break;
             }
+            self.written.most_late = self.written.most_late.max(self.cycle - burst.offered);
             let words = side.words.drain(..count).map(|(word, strobe, _)| (word, strobe)).collect();
             let due = self.due();
             if let Some(burst) = side.announced.pop_front() {
@@ -438,11 +457,12 @@ impl Memory {
         if side.answers && model.peek(p.r_ready)? == 1 {
             side.answers = false;
         }
+        let offered = since(&mut side.offered, offered, taken, self.cycle);
         if taken {
             let burst = address.burst(model, &side.name, self.word_bytes())?;
             self.read.bursts.push((burst.address, burst.words));
             let due = self.due();
-            side.asked.push_back(Burst { due, ..burst });
+            side.asked.push_back(Burst { due, offered, ..burst });
         }
         self.read.most_outstanding = self.read.most_outstanding.max(side.asked.len());
         Ok(())
@@ -465,6 +485,7 @@ impl Memory {
             model.poke(p.r_id, burst.id)?;
             model.poke(p.r_last, (burst.words == 0).into())?;
             if burst.words == 0 {
+                self.read.most_late = self.read.most_late.max(self.cycle - burst.offered);
                 side.asked.remove(at);
             }
             model.poke(p.r_resp, if fails { 2 } else { 0 })?;

@@ -8,6 +8,7 @@
 //! | [`Memory`] | [`axi`] | AXI4: latency, stalls, errors, and other orders where the standard allows them |
 //! | [`Host`] | [`axi_lite`] | AXI4-Lite |
 //! | [`Pace`] | [`pace`] | when one of them pauses |
+//! | [`Mark`] | [`marks`] | the most that something inside ever was |
 //!
 //! Whoever lives beside the block is an [`Actor`] of one clock: it reads the ports right before its clock rises, and drives them right
 //! after. The transaction model is the test's own: what the receivers and the memory have got is compared with it.
@@ -15,6 +16,7 @@
 pub mod axi;
 pub mod axi_lite;
 pub mod clocks;
+pub mod marks;
 pub mod pace;
 mod standing;
 pub mod stream;
@@ -22,6 +24,7 @@ pub mod stream;
 pub use axi::{Behaviour, Memory};
 pub use axi_lite::Host;
 pub use clocks::{Bench, ClockId};
+pub use marks::Mark;
 pub use pace::Pace;
 pub use stream::{Beat, Receiver, Sender};
 

@@ -74,8 +74,8 @@ impl Drive {
             Some(skip) => model.skip_zeros(skip),
             None => model,
         };
-        let addresses = self.writes_while_running.iter().map(|(address, _)| *address);
-        let model = model.writes((0..).step_by(WRITE_EVERY as usize).zip(addresses).collect());
+        let writes = (0..).step_by(WRITE_EVERY as usize).zip(&self.writes_while_running);
+        let model = model.writes(writes.map(|(cycle, (address, word))| (cycle, *address, *word)).collect());
         let stages = design.stages.len();
         let lead = self.begin(stages, device)?;
         let mut reference = Reference {

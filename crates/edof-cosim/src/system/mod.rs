@@ -6,14 +6,19 @@
 //! | expect | [`pictures`] | frames to send, and the picture that the screen must show for each |
 //! | stand around | [`pins`] | the camera and the screen |
 //! | run | [`rig`] | a core that runs between them, its [`Memory`](crate::bench::Memory) and its [`Host`](crate::bench::Host) |
-//! | measure | [`measured`] | frames a second, what passed through the memory, latency |
+//! | measure | [`measured`], [`fifos`] | frames a second, what passed through the memory, latency; how full FIFOs got |
+//! | run again | [`recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
+pub mod fifos;
 pub mod measured;
 pub mod pictures;
 pub mod pins;
+pub mod recorded;
 pub mod rig;
+pub mod second;
 
 pub use measured::Measured;
-pub use pictures::{TableWords, Torn, compare, drawn, longest_run, picture, sent};
+pub use pictures::{PictureError, TableWords, Torn, compare, drawn, longest_run, picture, sent};
 pub use pins::{Camera, Screen};
+pub use recorded::recorded;
 pub use rig::{Begin, Compiled, Rig, leisurely, project};

@@ -6,10 +6,25 @@ use edof_golden::{Display, Golden};
 use edof_hdl::kc705::Tables;
 use edof_spec::design::FrameSize;
 use edof_spec::draw::Draw;
+use edof_spec::fixed_network::FixedNetworkError;
 use edof_spec::frame::FrameError;
 use edof_spec::geometry::GeometryError;
 use edof_spec::{CfaPhase, RawFrame};
 use ndarray::Array2;
+
+/// Frames that have no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// A size that no raw frame has.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// A frame that is too small for the network.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A network that cannot run exactly.
+    #[error(transparent)]
+    Network(#[from] FixedNetworkError),
+}
 
 /// A display's tables as memory words.
 #[derive(Debug, Clone, PartialEq, Eq)]

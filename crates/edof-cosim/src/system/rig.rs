@@ -1,14 +1,15 @@
 //! A core that runs between a camera and a screen.
 
+use super::fifos;
 use super::pictures::TableWords;
 use super::pins::{Camera, Screen};
+use super::recorded::cycles;
 use crate::bench::axi_lite::Access;
-use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Memory, Pace};
+use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Mark, Memory, Pace};
 use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Options, Start};
 use crate::{Error, Source, work};
 use edof_golden::Display;
-use edof_golden::cycle::estimate;
 use edof_golden::video::figures::Periods;
 use edof_hdl::board::{EdofCore, Identity};
 use edof_hdl::kc705::table_images;
@@ -52,26 +53,22 @@ pub fn leisurely(design: &Design) -> Periods {
 pub struct Compiled {
     library: Library,
     images: WorkFolder,
+    marks: Vec<Mark>,
 }
 
 impl Compiled {
-    /// Compiles a core, its synchronisers by lot an edge late.
+    /// Compiles a core, its synchronisers by lot an edge late, its FIFOs watched.
     ///
     /// # Errors
     /// A tool is missing or refuses the text, or a file cannot be written.
     pub fn new(project: &Project, options: &Options) -> Result<Self, Error> {
-        let library = Library::build(&Source::from(project).metastable(), options)?;
+        let marks = fifos::marks(project);
+        let source = Source::from(project).metastable().watched("reset_i", &marks);
+        let library = Library::build(&source, options)?;
         let images = work::folder()?;
         write_images(project, images.path())?;
-        Ok(Self { library, images })
+        Ok(Self { library, images, marks })
     }
-}
-
-/// Cycles in which the core has surely done with a frame, in a memory that is late.
-fn cycles(design: &Design) -> usize {
-    let ahead = estimate(design, None);
-    let calculator = 1.2 * ahead.cycles_per_patch * ahead.patches_per_frame as f64;
-    calculator as usize + 2 * design.frame.width * design.frame.height + 4000
 }
 
 /// What a rig is started with.
@@ -114,6 +111,8 @@ pub struct Rig {
     pub sent_at: Vec<u64>,
     /// As of [`Screen::frames`].
     pub shown_at: Vec<u64>,
+    /// What is watched.
+    pub(super) marks: Vec<Mark>,
 }
 
 /// Edges of reset.
@@ -147,6 +146,7 @@ impl Rig {
             input,
             sent_at: vec![],
             shown_at: vec![],
+            marks: compiled.marks.clone(),
         };
         for port in ["dram_ready_i", "i2c_done_i"] {
             rig.bench.set(port, 1)?;
@@ -217,8 +217,7 @@ impl Rig {
     /// # Errors
     /// As [`Rig::register`].
     pub fn control(&mut self, mode: DisplayMode, set: usize) -> Result<(), Error> {
-        let word = 1 | u32::from(mode == DisplayMode::Colour) << 1 | (set as u32) << 2;
-        self.access(Access::Write(address("control")?, word)).map(drop)
+        self.access(Access::Write(map::CONTROL, map::running(mode, set))).map(drop)
     }
 
     /// The host reads the register of that name.
@@ -229,7 +228,11 @@ impl Rig {
         self.access(Access::Read(address(name)?))
     }
 
-    fn access(&mut self, access: Access) -> Result<u32, Error> {
+    /// The host reads or writes; what it reads, or 0.
+    ///
+    /// # Errors
+    /// The board refuses, or as [`Rig::until`].
+    pub fn access(&mut self, access: Access) -> Result<u32, Error> {
         let before = self.host.answers.len();
         self.host.wanted.push_back(access);
         self.until("an answer to the host", |rig| rig.host.answers.len() > before)?;

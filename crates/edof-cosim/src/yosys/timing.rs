@@ -1,6 +1,6 @@
-//! Static timing of a design, one stage at a time: the worst path of logic alone, and the nets that lead to the most loads.
+//! Static timing of a design, one part at a time: the worst path of logic alone, and the nets that lead to the most loads.
 //!
-//! Each stage is mapped flat from the emitted files as they are, and Yosys' own `sta` adds the delays that its Xilinx library states
+//! Each part is mapped flat from the emitted files as they are, and Yosys' own `sta` adds the delays that its Xilinx library states
 //! for cells, with set-up and clock-to-output. There is no placement, so that wires take no time, the clock no skew and a net of a
 //! thousand loads no longer than one of two: such a figure tells which paths are long, not at which clock a board runs.
 
@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Nets of highest fan-out that are told of each stage.
 pub const NETS: usize = 10;
-/// Stages that are mapped at once, at most: a big one takes 400 MB.
+/// Parts that are mapped at once, at most: a big one takes 400 MB.
 const AT_ONCE: usize = 2;
 /// Changes with what is read out of a run, so that older results in the cache are not taken for it.
 const FORMAT: &str = "timing 2";
@@ -31,9 +31,9 @@ pub fn user_cache() -> Option<PathBuf> {
     cache::of_user("timing")
 }
 
-/// One stage.
+/// One part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StageTiming {
+pub struct PartTiming {
     /// Its module.
     pub module: String,
     /// Delay of the worst path in picoseconds, from clock edge to set-up. A port counts as a register.
@@ -63,21 +63,28 @@ pub struct Step {
     pub net: String,
 }
 
-/// The stages of a generated design, in their order. Equal stages are mapped once. `cache` keeps results under the hash of
-/// everything that went in; `done` is told how many of how many stages there are.
+/// Where the stages of a calculator that is the top are: paths for [`parts`].
+#[must_use]
+pub fn stages(count: usize) -> Vec<String> {
+    (0..count).map(|stage| format!("stages_{stage}")).collect()
+}
+
+/// Parts of a generated design, each by the names of instances from the top down to it, with `/` between them. Equal ones are mapped once.
+/// `cache` keeps results under the hash of everything that went in; `done` is told how many of how many there are.
 ///
 /// # Errors
-/// Yosys is missing, refuses the design, or tells what cannot be read.
-pub fn stages(
+/// Yosys is missing, refuses the design, or tells what cannot be read; there is no such part.
+pub fn parts(
     project: &Project,
-    count: usize,
+    paths: &[String],
     cache: Option<&Path>,
     done: &(dyn Fn(usize, usize) + Sync),
-) -> Result<Vec<StageTiming>, Error> {
+) -> Result<Vec<PartTiming>, Error> {
     let work = work::folder()?;
     let design = elaborated(project, work.path())?;
     let text = std::fs::read_to_string(&design).map_err(at(&design))?;
-    let modules = (0..count).map(|stage| module_of(&text, project, stage)).collect::<Result<Vec<_>, _>>()?;
+    let modules =
+        paths.iter().map(|path| module_of(&text, &project.top, path)).collect::<Result<Vec<_>, _>>()?;
     let mut wanted = modules.clone();
     wanted.sort();
     wanted.dedup();
@@ -110,8 +117,8 @@ pub fn stages(
 /// A whole design as one: for a block by itself.
 ///
 /// # Errors
-/// As [`stages`].
-pub fn whole(project: &Project, cache: Option<&Path>) -> Result<StageTiming, Error> {
+/// As [`parts`].
+pub fn whole(project: &Project, cache: Option<&Path>) -> Result<PartTiming, Error> {
     let work = work::folder()?;
     let design = elaborated(project, work.path())?;
     let text = std::fs::read_to_string(&design).map_err(at(&design))?;
@@ -135,21 +142,22 @@ fn elaborated(project: &Project, work: &Path) -> Result<PathBuf, Error> {
     Ok(work.join("design.il"))
 }
 
-/// The module of stage `stage`: the type of the top's cell of that name.
-fn module_of(rtlil: &str, project: &Project, stage: usize) -> Result<String, Error> {
-    let top = format!("module \\{}", project.top);
-    let cell = format!("\\stages_{stage}");
-    let lines = rtlil.lines().skip_while(|line| *line != top).take_while(|line| *line != "end");
-    let mut words = lines.map(|line| line.split_whitespace().collect::<Vec<_>>());
-    words
-        .find_map(|words| match words[..] {
+/// The module of a part.
+fn module_of(rtlil: &str, top: &str, path: &str) -> Result<String, Error> {
+    path.split('/').try_fold(format!("\\{top}"), |module, name| {
+        let begin = format!("module {module}");
+        let lines = rtlil.lines().skip_while(|line| *line != begin).take_while(|line| *line != "end");
+        let cell = format!("\\{name}");
+        let mut words = lines.map(|line| line.split_whitespace().collect::<Vec<_>>());
+        let kind = words.find_map(|words| match words[..] {
             ["cell", kind, name] if name == cell => Some(kind.to_string()),
             _ => None,
-        })
-        .ok_or_else(|| unreadable(format!("no cell {cell} in the top, {}", project.top)))
+        });
+        kind.ok_or_else(|| unreadable(format!("no cell {name} of {path} in {module}")))
+    })
 }
 
-fn of_module(design: &Path, module: &str, key: &str, cache: Option<&Path>) -> Result<StageTiming, Error> {
+fn of_module(design: &Path, module: &str, key: &str, cache: Option<&Path>) -> Result<PartTiming, Error> {
     let name = format!("{key}.json");
     let product = cache::obtain(cache, &name, |work| {
         let timing = mapped(design, module, work)?;
@@ -162,7 +170,7 @@ fn of_module(design: &Path, module: &str, key: &str, cache: Option<&Path>) -> Re
 }
 
 /// Maps a module flat and times it.
-fn mapped(design: &Path, module: &str, work: &Path) -> Result<StageTiming, Error> {
+fn mapped(design: &Path, module: &str, work: &Path) -> Result<PartTiming, Error> {
     let script = format!(
         "read_rtlil \"{}\"\n\
          hierarchy -top {module}\n\
@@ -182,7 +190,7 @@ fn mapped(design: &Path, module: &str, work: &Path) -> Result<StageTiming, Error
     let nets = netlist.fan_out().ok_or_else(missing)?;
     let dsps = netlist.report().ok_or_else(missing)?.dsps;
     let of_kind = |control: bool| nets.iter().filter(move |net| net.control == control);
-    Ok(StageTiming {
+    Ok(PartTiming {
         module: module.trim_start_matches('\\').into(),
         delay_ps,
         levels: path.iter().filter(|step| report::is_logic(&step.cell)).count(),

@@ -1,6 +1,8 @@
 //! Designs, networks and patches for runs of a whole chain, and the chain itself, compiled.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod traffic;
+
 use crate::support;
 use edof_cosim::Error;
 use edof_cosim::chain::verilated::{Compiled, Verilated};
@@ -8,7 +10,7 @@ use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::scalar;
 use edof_hdl::project::{self, Project};
-use edof_spec::design::memory::Set;
+use edof_spec::design::memory::{SNAPSHOT, Set};
 use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork};
 use std::path::{Path, PathBuf};
@@ -180,7 +182,7 @@ pub struct Recorded<D> {
     pub inputs: Vec<Inputs>,
     /// Words of patches that were taken.
     pub words: Vec<i16>,
-    /// Cycle of the last write.
+    /// Cycle of the last write, but for those that only look at the counters.
     pub last_write: usize,
 }
 
@@ -200,7 +202,7 @@ impl<D: Device> Device for Recorded<D> {
         self.device.cycle(inputs, outputs)?;
         let taken = outputs.patch.filter(|_| inputs.patch_ready && !inputs.reset);
         self.words.extend(taken.iter().flat_map(|beat| beat.words));
-        if inputs.write.is_some() {
+        if inputs.write.is_some_and(|(address, _)| address != SNAPSHOT) {
             self.last_write = self.inputs.len();
         }
         self.inputs.push(*inputs);

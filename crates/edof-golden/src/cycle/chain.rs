@@ -8,8 +8,7 @@ use super::stage::{Receiver, StageClock, StageUse};
 use super::{StallPattern, Stalls};
 use edof_spec::Design;
 use edof_spec::design::StagePlan;
-use edof_spec::design::memory::stolen_from;
-use edof_spec::design::timing::STEAL_LATENCY;
+use edof_spec::design::reading::stolen;
 
 /// When the beats of one patch are transferred.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,16 +61,13 @@ impl Chain {
         Self::with_writes(design, stalls, &[])
     }
 
-    /// [`Chain::new`], and in each cycle of `writes` (in order) a word is written to an address.
+    /// [`Chain::new`], and in each cycle of `writes` (in order) a word is written: cycle, address, word.
     #[must_use]
-    pub fn with_writes(design: &Design, stalls: Stalls, writes: &[(u64, u32)]) -> Self {
+    pub fn with_writes(design: &Design, stalls: Stalls, writes: &[(u64, u32, u32)]) -> Self {
         let plans: Vec<StagePlan> = design.stages().collect();
-        let stolen = |plan: &StagePlan| -> Vec<u64> {
-            let from = writes.iter().filter(|(_, address)| stolen_from(design, *address) == Some(plan.index));
-            from.map(|(cycle, _)| cycle + STEAL_LATENCY).collect()
-        };
+        let clock = |plan: &StagePlan| StageClock::new(*plan, stolen(design, plan.index, writes));
         Self {
-            stages: plans.iter().map(|plan| StageClock::new(*plan, &stolen(plan))).collect(),
+            stages: plans.iter().map(clock).collect(),
             windows: vec![0; plans.last().map_or(0, |f| f.kept_windows)],
             plans,
             stalls,

@@ -17,7 +17,7 @@ pub struct Cycle {
     sets: [Fast; 2],
     skip_zeros: bool,
     stalls: Stalls,
-    writes: Vec<(u64, u32)>,
+    writes: Vec<(u64, u32, u32)>,
 }
 
 impl Cycle {
@@ -54,9 +54,9 @@ impl Cycle {
         Self { stalls, ..self }
     }
 
-    /// With words written while it runs: cycle (in order) and address. They change cycles only; both sets stay what they are.
+    /// With words written while it runs: cycle (in order), address, word. They change cycles only; both sets stay what they are.
     #[must_use]
-    pub fn writes(self, writes: Vec<(u64, u32)>) -> Self {
+    pub fn writes(self, writes: Vec<(u64, u32, u32)>) -> Self {
         Self { writes, ..self }
     }
 

@@ -6,7 +6,7 @@ use edof_spec::design::timing::{
     ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING, RELEASE_LATENCY, SLOTS,
     SUM_LATENCY, release,
 };
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 /// Who takes a stage's results.
 #[derive(Debug, Clone, Copy)]
@@ -59,9 +59,9 @@ pub struct StageClock {
 }
 
 impl StageClock {
-    /// A stage after reset, from which writes take the cycles `stolen`, in order.
+    /// A stage after reset, from which the host takes the cycles `stolen`.
     #[must_use]
-    pub fn new(plan: StagePlan, stolen: &[u64]) -> Self {
+    pub fn new(plan: StagePlan, stolen: BTreeSet<u64>) -> Self {
         Self {
             plan,
             vectors: 0,
@@ -73,7 +73,7 @@ impl StageClock {
             output: 0,
             credits: [0; DRAIN_CREDITS],
             oldest: 0,
-            stolen: stolen.iter().copied().collect(),
+            stolen: stolen.into_iter().collect(),
         }
     }
 
@@ -115,7 +115,7 @@ impl StageClock {
         used
     }
 
-    /// The last of a pass's steps, one in each cycle from `start` on that no write takes.
+    /// The last of a pass's steps, one in each cycle from `start` on that the host does not take.
     fn last_step(&mut self, start: u64, steps: u64) -> u64 {
         while self.stolen.front().is_some_and(|cycle| *cycle < start) {
             self.stolen.pop_front();

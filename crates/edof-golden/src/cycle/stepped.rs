@@ -4,10 +4,10 @@
 use super::Stalls;
 use crate::Trace;
 use edof_spec::Design;
-use edof_spec::design::memory::stolen_from;
+use edof_spec::design::reading::stolen;
 use edof_spec::design::timing::{
     ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING,
-    RELEASE_LATENCY, SLOTS, STEAL_LATENCY, SUM_LATENCY, release,
+    RELEASE_LATENCY, SLOTS, SUM_LATENCY, release,
 };
 use edof_spec::design::{BEAT, StagePlan};
 use std::collections::{BTreeSet, VecDeque};
@@ -23,15 +23,13 @@ pub fn run(
     design: &Design,
     skip_zeros: bool,
     stalls: Stalls,
-    writes: &[(u64, u32)],
+    writes: &[(u64, u32, u32)],
     windows: &[usize],
     traces: &[Trace],
 ) -> Vec<Vec<u64>> {
     let mut machine = Machine::new(design, skip_zeros, windows, traces);
-    let stolen: BTreeSet<(u64, usize)> = writes
-        .iter()
-        .filter_map(|(cycle, address)| Some((cycle + STEAL_LATENCY, stolen_from(design, *address)?)))
-        .collect();
+    let stolen: Vec<BTreeSet<u64>> =
+        (0..design.stages.len()).map(|stage| stolen(design, stage, writes)).collect();
     let results: usize = traces.iter().map(|trace| trace.output.len() / BEAT).sum();
     let mut cycles = vec![vec![]; design.stages.len() + 1];
     for cycle in 0.. {
@@ -40,7 +38,7 @@ pub fn run(
             break;
         }
         let transfers = machine
-            .step(stalls.source.go(cycle), stalls.sink.go(cycle), |stage| stolen.contains(&(cycle, stage)));
+            .step(stalls.source.go(cycle), stalls.sink.go(cycle), |stage| stolen[stage].contains(&cycle));
         for (cycles, transfer) in cycles.iter_mut().zip(transfers) {
             cycles.extend(transfer.then_some(cycle));
         }

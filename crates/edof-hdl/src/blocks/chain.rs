@@ -45,9 +45,9 @@ pub struct Chain {
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
-    /// Stage (4 bits; 15 for the windows that come in) and counter (2 bits) to show.
-    pub status_address: Signal<In, Bits<6>>,
-    /// The counter as the last snapshot found it, a cycle later.
+    /// What to show: bit 6 counters or what was read back, then stage (4 bits; 15 for the windows that come in), then which (2 bits).
+    pub status_address: Signal<In, Bits<7>>,
+    /// It, a cycle later; counters as the last snapshot found them.
     pub status: Signal<Out, Bits<32>>,
     /// A window was too short or too long, since the last reset or snapshot of the counters.
     pub window_fault: Signal<Out, Bit>,

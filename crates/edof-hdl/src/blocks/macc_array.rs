@@ -45,9 +45,16 @@ pub struct MaccArray {
     pub write_row: Signal<In, Row>,
     /// Two weights.
     pub write_data: Signal<In, Bits<32>>,
+    /// Reads that row of that bank for the host, in place of the step's; not in a cycle of a write.
+    pub read_enable: Signal<In, Bit>,
+    /// Its word for one cycle, five cycles later or up to ten, the higher the bank; else 0.
+    pub read_data: Signal<Out, Bits<64>>,
     _sizes: Sizes,
     _state: State,
 }
+
+/// Banks that share the registers of what the host writes and reads.
+const GROUP: usize = 8;
 
 #[derive(Debug, Clone)]
 struct Sizes {
@@ -68,10 +75,11 @@ struct Step {
     values: [i64; 4],
 }
 
-/// A write on its way.
+/// A write on its way, or a row that is read back.
 #[derive(Debug, Clone, Copy, Default)]
 struct Write {
     enable: bool,
+    read: bool,
     bank: usize,
     half: bool,
     row: usize,
@@ -87,8 +95,10 @@ struct State {
     steps: [Step; 6],
     /// Rows that lie in the memories' output registers, of each bank and word.
     read: [Vec<u64>; 5],
-    /// Writes of the last two cycles, the newest first.
-    writes: [Write; 2],
+    /// Writes and reads of the last four cycles, the newest first.
+    writes: [Write; 4],
+    /// What each group of banks hands on of a row that is read back.
+    back: Vec<u64>,
     /// Of each lane, its rows.
     sums: Vec<Vec<i64>>,
     hold: Vec<Vec<i64>>,
@@ -119,6 +129,7 @@ impl MaccArray {
             _state: State {
                 weights: memories.map(|(bank, part)| words(bank, part).collect()).collect(),
                 read: std::array::from_fn(|_| vec![0; stage.banks() * stage.rows]),
+                back: vec![0; stage.banks().div_ceil(GROUP)],
                 sums: lanes.clone(),
                 hold: lanes,
                 ..State::default()
@@ -143,12 +154,15 @@ impl MaccArray {
         new.shift = [self.shift.val(), old.shift[0]];
         let write_now = Write {
             enable: self.write_enable.val(),
+            read: self.read_enable.val(),
             bank: self.write_bank.val().to_u64() as usize,
             half: self.write_half.val(),
             row: self.write_row.val().to_u64() as usize,
             data: self.write_data.val().to_u64(),
         };
-        new.writes = [write_now, old.writes[0]];
+        new.writes.rotate_right(1);
+        new.writes[0] = write_now;
+        new.back = back(sizes, &old);
         new.read.rotate_right(1);
         new.read[0] = read(sizes, &old, &weights);
         write(sizes, &old.writes[1], &mut weights);
@@ -175,15 +189,15 @@ impl MaccArray {
     }
 }
 
-/// The rows that the step of a cycle ago reads; a write takes its place at a port of two that read.
+/// The rows that the step of a cycle ago reads; a write takes its place at a port of two that read, a row that is read back at any.
 fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
     let word = |memory: usize, row: usize| weights[memory].get(row).copied().unwrap_or(0);
     let [a, b] = old.steps[0].addresses;
     (0..sizes.banks)
         .flat_map(|bank| {
             let write = &old.writes[1];
-            let written = write.enable && write.bank == bank;
-            let a = if !sizes.dense && sizes.rows == 2 && written { write.row } else { a };
+            let takes_port = write.read || (write.enable && !sizes.dense && sizes.rows == 2);
+            let a = if takes_port && write.bank == bank { write.row >> sizes.part_bits } else { a };
             (0..sizes.rows).map(move |row| match (sizes.dense, row) {
                 (true, part) => (bank * sizes.rows + part, a),
                 (false, 0) => (bank, a),
@@ -192,6 +206,18 @@ fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
         })
         .map(|(memory, row)| word(memory, row))
         .collect()
+}
+
+/// The row that is read back, from group to group.
+fn back(sizes: &Sizes, old: &State) -> Vec<u64> {
+    let mut back: Vec<u64> = old.back.iter().skip(1).copied().chain([0]).collect();
+    let Write { read, bank, row, .. } = old.writes[3];
+    let part = row & ((1 << sizes.part_bits) - 1);
+    let parts = if sizes.dense { sizes.rows } else { 1 };
+    if read && bank < sizes.banks && part < parts {
+        back[bank / GROUP] |= old.read[1][bank * sizes.rows + part];
+    }
+    back
 }
 
 fn write(sizes: &Sizes, write: &Write, weights: &mut [Vec<u64>]) {
@@ -225,11 +251,13 @@ impl Logic for MaccArray {
         let low = |sum: i64| (sum as u64 & ((1 << 48) - 1)).into();
         self.sum_even.next = low(self._state.leaving[4][0]);
         self.sum_odd.next = low(self._state.leaving[4][1]);
+        self.read_data.next = self._state.back.first().copied().unwrap_or(0).into();
     }
 
     fn connect(&mut self) {
         self.sum_even.connect();
         self.sum_odd.connect();
+        self.read_data.connect();
     }
 
     fn hdl(&self) -> Verilog {
@@ -257,6 +285,8 @@ impl Logic for MaccArray {
             .port("write_half_i", "write_half")
             .port("write_row_i", "write_row")
             .port("write_data_i", "write_data")
+            .port("read_enable_i", "read_enable")
+            .port("read_data_o", "read_data")
             .verilog()
     }
 }

@@ -11,6 +11,7 @@
 //! | [`requantize`], [`shrink`], [`difference`] | from a sum to the words that go on |
 //! | [`results`] | the pipeline of these, with bases and thresholds |
 //! | [`counters`], [`registers`] | what the host sees and sets |
+//! | [`reader`] | what the host reads back, and its CRC |
 //! | [`window_guard`] | whole windows, whatever comes |
 //! | [`stage`] | all of the above: I, M or F |
 //! | [`chain`] | the stages of a design |
@@ -31,6 +32,7 @@ pub mod macc_array;
 pub mod pair_operands;
 pub mod pair_store;
 pub mod ram;
+pub mod reader;
 pub mod registers;
 pub mod requantize;
 pub mod results;

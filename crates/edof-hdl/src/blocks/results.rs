@@ -49,6 +49,16 @@ pub struct Results {
     pub write_row: Signal<In, Row>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
+    /// Two thresholds are to be read back in a cycle in which no beat needs any.
+    pub read_wanted: Signal<In, Bit>,
+    /// Which.
+    pub read_row: Signal<In, Row>,
+    /// They are here.
+    pub read_valid: Signal<Out, Bit>,
+    /// They.
+    pub read_thresholds: Signal<Out, Bits<32>>,
+    /// Those of the stage before.
+    pub read_previous: Signal<Out, Bits<32>>,
     /// A beat is done, 23 cycles after `take`.
     pub push: Signal<Out, Bit>,
     /// Its two words.
@@ -71,7 +81,9 @@ pub struct Results {
     marks_to_5: Delay<3, 5>,
     marks_to_6: Delay<3, 1>,
     marks_to_23: Delay<3, 17>,
-    place_to_15: Delay<9, 15>,
+    place_to_15: Delay<10, 15>,
+    read_16: DFF<Bit>,
+    read_17: DFF<Bit>,
     threshold_row: DFF<Row>,
     shifts: DFF<Bits<12>>,
     requantize_even: Requantize,
@@ -92,6 +104,7 @@ pub struct Results {
     results_to_23: Vec<Delay<32, 6>>,
     base_to_23: Vec<Delay<32, 16>>,
     marks: Signal<Local, Bits<3>>,
+    place: Signal<Local, Bits<10>>,
     base_word: Signal<Local, Pair>,
     result: Signal<Local, Pair>,
     code_even: Signal<Local, Word>,
@@ -166,7 +179,7 @@ impl Results {
 impl Logic for Results {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, threshold_row, shifts);
+        dff_setup!(self, clock, threshold_row, shifts, read_16, read_17);
         self.marks_to_5.clock.next = self.clock.val();
         self.marks_to_6.clock.next = self.clock.val();
         self.marks_to_23.clock.next = self.clock.val();
@@ -189,10 +202,14 @@ impl Logic for Results {
         self.marks_to_5.now.next = self.marks.val();
         self.marks_to_6.now.next = self.marks_to_5.later.val();
         self.marks_to_23.now.next = self.marks_to_6.later.val();
-        self.place_to_15.now.next = bit_cast::<9, 8>(self.beat.val());
+        self.place.next = bit_cast::<10, 8>(self.beat.val());
         if self.set.val() {
-            self.place_to_15.now.next = bit_cast::<9, 8>(self.beat.val()) | 0x100;
+            self.place.next = self.place.val() | 0x100;
         }
+        if self.take.val() {
+            self.place.next = self.place.val() | 0x200;
+        }
+        self.place_to_15.now.next = self.place.val();
 
         // Cycles 7 to 17: base and rounding.
         self.base_word.next = 0.into();
@@ -234,12 +251,23 @@ impl Logic for Results {
             self.threshold_row.d.next =
                 bit_cast::<12, 8>(self.place_to_15.later.val().get_bits::<8>(0)) + self.set_rows.val();
         }
+        self.read_16.d.next = self.read_wanted.val();
+        if self.place_to_15.later.val().get_bit(9) {
+            self.read_16.d.next = false;
+        } else {
+            self.threshold_row.d.next = self.read_row.val();
+        }
+        self.read_17.d.next = self.read_16.q.val();
+        self.read_valid.next = self.read_17.q.val();
+        self.read_thresholds.next = 0.into();
+        self.read_previous.next = 0.into();
         self.code_even.next = 0.into();
         self.code_odd.next = 0.into();
         self.code_saturated.next = 0.into();
         for i in 0..self._shrinks {
             self.thresholds[i].clock.next = self.clock.val();
             self.thresholds[i].read_address.next = self.threshold_row.q.val();
+            self.read_thresholds.next = self.thresholds[i].read_data.val();
             self.thresholds[i].write_enable.next = self.write_thresholds.val();
             self.thresholds[i].write_address.next = self.write_row.val();
             self.thresholds[i].write_data.next = self.write_data.val();
@@ -286,6 +314,7 @@ impl Logic for Results {
             self.base_to_17[i].now.next = self.base_word.val();
             self.previous_thresholds[i].clock.next = self.clock.val();
             self.previous_thresholds[i].read_address.next = self.threshold_row.q.val();
+            self.read_previous.next = self.previous_thresholds[i].read_data.val();
             self.previous_thresholds[i].write_enable.next = self.write_previous.val();
             self.previous_thresholds[i].write_address.next = self.write_row.val();
             self.previous_thresholds[i].write_data.next = self.write_data.val();

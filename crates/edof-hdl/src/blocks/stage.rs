@@ -9,6 +9,7 @@ use super::fifo::Fifo;
 use super::macc_array::MaccArray;
 use super::pair_operands::PairOperands;
 use super::pair_store::PairStore;
+use super::reader::Reader;
 use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
@@ -16,14 +17,15 @@ use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
 use edof_spec::FixedNetwork;
-use edof_spec::design::memory::{Shifts, WHOLE_CHAIN};
+use edof_spec::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN};
+use edof_spec::design::reading::READ_REGISTER;
 use edof_spec::design::{Design, StagePlan};
 use rust_hdl::prelude::*;
 
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
 /// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
 #[derive(Circuit)]
-#[circuit(default(Counters, Delay, Fifo, DenseOperands), role(_role))]
+#[circuit(default(Counters, Delay, Fifo, DenseOperands, Reader), role(_role))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -69,13 +71,15 @@ pub struct Stage {
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
-    /// Stage and counter to show.
-    pub status_address: Signal<In, Bits<6>>,
-    /// The counter, a cycle later; 0 from all other stages.
+    /// What to show: bit 6 counters or what was read back, then stage (4 bits), then which (2 bits).
+    pub status_address: Signal<In, Bits<7>>,
+    /// It, a cycle later; 0 from all other stages.
     pub status: Signal<Out, Bits<32>>,
     id: Constant<Bits<4>>,
     whole_chain: Constant<Bits<4>>,
     both_ports: Constant<Bit>,
+    read_register: Constant<Row>,
+    skip_bit: Constant<Bits<20>>,
     reset_store: Delay<1, 1>,
     reset_ring: Delay<1, 1>,
     reset_sequencer: Delay<1, 1>,
@@ -83,6 +87,7 @@ pub struct Stage {
     reset_results: Delay<1, 1>,
     reset_out: Delay<1, 1>,
     reset_registers: Delay<1, 1>,
+    reset_reader: Delay<1, 1>,
     pairs: Vec<PairStore>,
     pair_operands: Vec<PairOperands>,
     vectors: Vec<DenseStore>,
@@ -96,6 +101,7 @@ pub struct Stage {
     base_fifo: Vec<Fifo<32>>,
     registers: Registers,
     counters: Counters,
+    reader: Reader,
     status_q: DFF<Bits<32>>,
     write_1: DFF<Bit>,
     address_1: DFF<Bits<25>>,
@@ -107,7 +113,9 @@ pub struct Stage {
     address_2: DFF<Bits<19>>,
     data_2: DFF<Bits<32>>,
     snapshot_2: DFF<Bit>,
-    weights_to_5: Delay<52, 3>,
+    read_2: DFF<Bit>,
+    steal_2: DFF<Bit>,
+    weights_to_5: Delay<53, 3>,
     resets: Signal<Local, Bits<1>>,
     register_resets: Signal<Local, Bits<1>>,
     ready_in: Signal<Local, Bit>,
@@ -122,7 +130,10 @@ pub struct Stage {
     value_d: Signal<Local, Bits<25>>,
     finished_word: Signal<Local, Bits<34>>,
     selected: Signal<Local, Bit>,
-    weights_word: Signal<Local, Bits<52>>,
+    reads: Signal<Local, Bit>,
+    weights_word: Signal<Local, Bits<53>>,
+    weights_marks: Signal<Local, Bits<53>>,
+    asked: Signal<Local, Bits<32>>,
     _sparse: usize,
     _dense: usize,
     _linear: usize,
@@ -140,6 +151,8 @@ impl Stage {
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
             whole_chain: Constant::new((WHOLE_CHAIN as u64).into()),
+            read_register: Constant::new((READ_REGISTER as u64).into()),
+            skip_bit: Constant::new(u64::from(CONTROL_SKIP).into()),
             both_ports: Constant::new(stage.reads_both_ports()),
             pairs: (dense..1).map(|_| PairStore::new(stage)).collect(),
             pair_operands: (dense..1).map(|_| PairOperands::new(stage)).collect(),
@@ -177,7 +190,9 @@ impl Logic for Stage {
             registers_2,
             address_2,
             data_2,
-            snapshot_2
+            snapshot_2,
+            read_2,
+            steal_2
         );
         self.sequencer.clock.next = self.clock.val();
         self.macc.clock.next = self.clock.val();
@@ -187,6 +202,7 @@ impl Logic for Stage {
         self.registers.clock.next = self.clock.val();
         self.counters.clock.next = self.clock.val();
         self.weights_to_5.clock.next = self.clock.val();
+        self.reader.clock.next = self.clock.val();
 
         // Each part has a register for its reset.
         self.resets.next = 0.into();
@@ -211,6 +227,9 @@ impl Logic for Stage {
         self.reset_out.now.next = self.resets.val();
         self.reset_registers.clock.next = self.clock.val();
         self.reset_registers.now.next = self.register_resets.val();
+        self.reset_reader.clock.next = self.clock.val();
+        self.reset_reader.now.next = self.resets.val();
+        self.reader.reset.next = self.reset_reader.later.val().get_bit(0);
         self.sequencer.reset.next = self.reset_sequencer.later.val().get_bit(0);
         self.drain.reset.next = self.reset_drain.later.val().get_bit(0);
         self.results.reset.next = self.reset_results.later.val().get_bit(0);
@@ -271,7 +290,7 @@ impl Logic for Stage {
         self.sequencer.arrived.next = self.arrived.val();
         self.sequencer.descriptor.next = self.descriptor.val();
         self.sequencer.may_start.next = self.drain.may_start.val();
-        self.sequencer.steal.next = self.weights_2.q.val() && self.both_ports.val();
+        self.sequencer.steal.next = self.steal_2.q.val();
         self.first.next = false;
         self.address_a.next = 0.into();
         self.address_b.next = 0.into();
@@ -371,7 +390,7 @@ impl Logic for Stage {
         self.counters.codes.next = self.results.code_saturated.val();
         self.counters.differences.next = self.results.difference_saturated.val();
 
-        // The host. A weight that both ports read takes the place of a step, four cycles after that was due.
+        // The host. A weight that both ports read, or a row that is read back, takes the place of a step, four cycles after that was due.
         self.write_1.d.next = self.write_valid.val();
         self.address_1.d.next = self.write_address.val();
         self.data_1.d.next = self.write_data.val();
@@ -383,23 +402,37 @@ impl Logic for Stage {
         self.registers_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 3);
         self.address_2.d.next = self.address_1.q.val().get_bits::<19>(0);
         self.data_2.d.next = self.data_1.q.val();
+        // A row is read back in a cycle without a write, whatever that would write.
+        self.reads.next = self.reader.wants_weights.val() && !self.write_1.q.val();
+        self.read_2.d.next = self.reads.val();
+        if self.reads.val() {
+            self.address_2.d.next = (bit_cast::<19, 6>(self.reader.bank.val()) << 13)
+                | (bit_cast::<19, 12>(self.reader.row.val()) << 1);
+        }
+        self.steal_2.d.next = self.reads.val()
+            || (self.both_ports.val()
+                && self.selected.val()
+                && (self.address_1.q.val().get_bits::<2>(19) == 0));
         self.snapshot_2.d.next = self.write_1.q.val()
             && (self.address_1.q.val().get_bits::<4>(21) == self.whole_chain.val())
             && (self.address_1.q.val().get_bits::<2>(19) == 3);
-        self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val()) << 33)
-            | (bit_cast::<52, 32>(self.data_2.q.val()) << 1);
+        // Bit 0 writes, bit 1 reads.
+        self.weights_word.next = (bit_cast::<53, 19>(self.address_2.q.val()) << 34)
+            | (bit_cast::<53, 32>(self.data_2.q.val()) << 2);
+        self.weights_marks.next = 0.into();
         if self.weights_2.q.val() {
-            self.weights_word.next = (bit_cast::<52, 19>(self.address_2.q.val()) << 33)
-                | (bit_cast::<52, 32>(self.data_2.q.val()) << 1)
-                | 1;
+            self.weights_marks.next = 1.into();
+        } else if self.read_2.q.val() {
+            self.weights_marks.next = 2.into();
         }
-        self.weights_to_5.now.next = self.weights_word.val();
+        self.weights_to_5.now.next = self.weights_word.val() | self.weights_marks.val();
         // What registers hold at first is nothing that was written.
         self.macc.write_enable.next = self.weights_to_5.later.val().get_bit(0) && !self.reset.val();
-        self.macc.write_bank.next = self.weights_to_5.later.val().get_bits::<6>(46);
-        self.macc.write_row.next = self.weights_to_5.later.val().get_bits::<12>(34);
-        self.macc.write_half.next = self.weights_to_5.later.val().get_bit(33);
-        self.macc.write_data.next = self.weights_to_5.later.val().get_bits::<32>(1);
+        self.macc.read_enable.next = self.weights_to_5.later.val().get_bit(1);
+        self.macc.write_bank.next = self.weights_to_5.later.val().get_bits::<6>(47);
+        self.macc.write_row.next = self.weights_to_5.later.val().get_bits::<12>(35);
+        self.macc.write_half.next = self.weights_to_5.later.val().get_bit(34);
+        self.macc.write_data.next = self.weights_to_5.later.val().get_bits::<32>(2);
         self.results.write_thresholds.next = self.thresholds_2.q.val() && !self.reset.val();
         self.results.write_previous.next = self.previous_2.q.val() && !self.reset.val();
         self.results.write_row.next = self.address_2.q.val().get_bits::<12>(1);
@@ -408,10 +441,36 @@ impl Logic for Stage {
         self.registers.write_row.next = self.address_2.q.val().get_bits::<12>(1);
         self.registers.write_data.next = self.data_2.q.val();
         self.counters.snapshot.next = self.snapshot_2.q.val();
+
+        // Reads back.
+        self.reader.starts.next = self.registers_2.q.val()
+            && (self.address_2.q.val().get_bits::<12>(1) == self.read_register.val());
+        self.reader.command.next = self.data_2.q.val();
+        self.reader.taken.next = self.reads.val();
+        self.reader.weights.next = self.macc.read_data.val();
+        self.results.read_wanted.next = self.reader.wants_thresholds.val();
+        self.results.read_row.next = self.reader.row.val();
+        self.reader.thresholds_valid.next = self.results.read_valid.val();
+        self.reader.thresholds.next = self.results.read_thresholds.val();
+        self.reader.previous.next = self.results.read_previous.val();
+        self.reader.register.next = self.registers.shifts_0.val();
+        if self.reader.row.val().get_bit(1) {
+            self.reader.register.next = 0.into();
+            if self.registers.skip_zeros.val() {
+                self.reader.register.next = self.skip_bit.val();
+            }
+        } else if self.reader.row.val().get_bit(0) {
+            self.reader.register.next = self.registers.shifts_1.val();
+        }
+        self.reader.select.next = self.status_address.val().get_bits::<2>(0);
         self.counters.select.next = self.status_address.val().get_bits::<2>(0);
+        self.asked.next = self.counters.value.val();
+        if self.status_address.val().get_bit(6) {
+            self.asked.next = self.reader.value.val();
+        }
         self.status_q.d.next = 0.into();
         if self.status_address.val().get_bits::<4>(2) == self.id.val() {
-            self.status_q.d.next = self.counters.value.val();
+            self.status_q.d.next = self.asked.val();
         }
         self.status.next = self.status_q.q.val();
     }

@@ -18,9 +18,6 @@ use edof_spec::design::{Design, DesignError};
 use edof_spec::video::VideoTiming;
 use rust_hdl::prelude::*;
 
-/// Pixels between clock domains, as a power of two.
-const CROSSING: usize = 5;
-
 /// Everything between the pins' clocks and the memory: frames in, into DRAM, through the calculator, into DRAM again, and out to a screen.
 ///
 /// Three clocks: that of the incoming pixels, that of the memory and the calculator, that of the screen. `reset` may come at any time; each
@@ -92,6 +89,9 @@ pub struct EdofCore {
     shown: Signal<Local, Bits<64>>,
     state: Signal<Local, Bits<32>>,
     runs: Signal<Local, Bit>,
+    flushes: Signal<Local, Bit>,
+    skips: Signal<Local, Bit>,
+    realigns: DFF<Bit>,
 }
 
 impl EdofCore {
@@ -116,16 +116,17 @@ impl EdofCore {
             burst: board::BURST_WORDS,
             depth: board::AGENT_WORDS,
         };
+        let crossing = board::CROSSING_PIXELS.ilog2() as usize;
         let (raw, picture) = (frames(board::RAW_BUFFERS), frames(board::PICTURE_BUFFERS));
         Ok(Self::from_parts(EdofCoreParts {
             video_in: VideoIn::new(design.frame, board::patience(timing)),
-            input_fifo: PixelFifo::new(CROSSING),
+            input_fifo: PixelFifo::new(crossing),
             raw_writer: WriteAgent::new(&raw),
             raw_reader: ReadAgent::new(&raw, false),
             core: StreamCore::new(design, sets, luma, colours)?,
             picture_writer: WriteAgent::new(&picture),
             picture_reader: ReadAgent::new(&picture, true),
-            output_fifo: PixelFifo::new(CROSSING),
+            output_fifo: PixelFifo::new(crossing),
             video_out: VideoOut::new(timing),
             registers: BoardRegisters::new(identity),
         }))
@@ -135,6 +136,7 @@ impl EdofCore {
 impl Logic for EdofCore {
     #[hdl_gen]
     fn update(&mut self) {
+        dff_setup!(self, clock, realigns);
         // Clocks and resets.
         for i in 0..3 {
             self.resets[i].reset.next = self.reset.val();
@@ -197,9 +199,23 @@ impl Logic for EdofCore {
         self.raw_writer.reading.next = self.raw_reader.reading.val();
         self.raw_reader.newest.next = self.raw_writer.newest.val();
         self.runs.next = self.registers.control.val().get_bit(0);
-        self.core.pixels_valid.next = self.raw_reader.pixels.valid.val() && self.runs.val();
+        // After a flush what is left of the frame is thrown away.
+        self.flushes.next = self.registers.control.val().get_bit(4);
+        self.skips.next = self.flushes.val() || (self.realigns.q.val() && !self.raw_reader.pixels.user.val());
+        if self.flushes.val() {
+            self.realigns.d.next = true;
+        } else if self.raw_reader.pixels.valid.val() && self.raw_reader.pixels.user.val() {
+            self.realigns.d.next = false;
+        }
+        if self.resets[1].domain_reset.val() {
+            self.realigns.d.next = false;
+        }
+        self.core.flush.next = self.flushes.val();
+        self.core.pixels_valid.next =
+            self.raw_reader.pixels.valid.val() && self.runs.val() && !self.skips.val();
         self.core.pixels_data.next = self.raw_reader.pixels.data.val();
-        self.raw_reader.pixels.ready.next = self.core.pixels_ready.val() && self.runs.val();
+        self.raw_reader.pixels.ready.next =
+            self.skips.val() || (self.core.pixels_ready.val() && self.runs.val());
         self.core.set.next = self.registers.control.val().get_bit(2);
         self.core.colour.next = self.registers.control.val().get_bit(1);
         self.core.clear.next = false;
@@ -285,6 +301,9 @@ impl Logic for EdofCore {
         }
         if self.core.set_used.val() {
             self.state.next = self.state.val() | 64;
+        }
+        if self.core.window_fault.val() {
+            self.state.next = self.state.val() | 128;
         }
         self.status.next = self.state.val().get_bits::<8>(0);
         self.registers.status.next = self.state.val();

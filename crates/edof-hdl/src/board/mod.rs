@@ -13,11 +13,13 @@
 //! | [`embedded_syncs`] | syncs that come inside of the pixels |
 //! | [`edof_core`] | all of it, for any board |
 //! | [`kc705_core`] | and what the KC705 has around it |
+//! | [`blocks`] | the blocks of the core, and how long their paths may be |
 //!
 //! The two agents of a set of buffers tell each other which buffer is whose: the writer says which is the newest complete one, the
 //! reader which it reads. The writer takes the one that is neither, so there is always one, and nobody waits for the other.
 
 pub mod axi_pair;
+pub mod blocks;
 pub mod clock_watch;
 pub mod edof_core;
 pub mod embedded_syncs;

@@ -2,7 +2,7 @@
 
 use crate::describe::Circuit;
 use crate::ports::AxiLiteSlave;
-use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, WEIGHTS};
+use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
 use rust_hdl::prelude::*;
 
 /// Where an access stands.
@@ -14,7 +14,7 @@ enum Phase {
     Write,
     /// Tells how the write went.
     WriteAnswer,
-    /// Finds the register, or waits for the counter of a stage.
+    /// Finds the register, or waits for what a stage shows.
     Read,
     /// Joins what was found.
     ReadJoin,
@@ -89,8 +89,8 @@ pub struct BoardRegisters {
     pub control: Signal<Out, Bits<32>>,
     /// Holds what is written.
     pub scratch: Signal<Out, Bits<32>>,
-    /// Stage (4 bits) and counter (2) to show.
-    pub stage_address: Signal<Out, Bits<6>>,
+    /// What of the calculator's stages to show: bit 6 what was read back, or a counter; stage (4 bits); which (2).
+    pub stage_address: Signal<Out, Bits<7>>,
     /// It, in the next cycle.
     pub stage_counter: Signal<In, Bits<32>>,
     /// A word for a display table is offered.
@@ -112,8 +112,8 @@ pub struct BoardRegisters {
     indices: Vec<Constant<Bits<6>>>,
     masks: Vec<Constant<Bits<32>>>,
     start: Vec<Constant<Bits<32>>>,
-    window_bases: [Constant<Bits<32>>; 3],
-    window_masks: [Constant<Bits<32>>; 3],
+    window_bases: [Constant<Bits<32>>; 4],
+    window_masks: [Constant<Bits<32>>; 4],
     phase: DFF<Phase>,
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
@@ -128,7 +128,8 @@ pub struct BoardRegisters {
     known: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
     in_area: Signal<Local, Bit>,
-    in_window: [Signal<Local, Bit>; 3],
+    in_window: [Signal<Local, Bit>; 4],
+    stage_word: Signal<Local, Bits<7>>,
     takes_write: Signal<Local, Bit>,
     takes_read: Signal<Local, Bit>,
     _count: usize,
@@ -156,7 +157,7 @@ impl BoardRegisters {
             "weights_hash" => identity.weights_hash,
             _ => reset,
         };
-        let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS];
+        let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS];
         Self::from_parts(BoardRegistersParts {
             indices: REGISTERS
                 .iter()
@@ -196,7 +197,7 @@ impl Logic for BoardRegisters {
             self.is_bad.d.next = self.bus.ar_addr.val().get_bits::<2>(0).any();
         }
         self.in_area.next = !self.address.q.val().get_bits::<24>(8).any();
-        for i in 0..3 {
+        for i in 0..4 {
             self.in_window[i].next =
                 (self.address.q.val() & self.window_masks[i].val()) == self.window_bases[i].val();
         }
@@ -242,7 +243,7 @@ impl Logic for BoardRegisters {
         }
         self.found.d.next = self.selected.val();
         self.found_any.d.next = self.known.val() && self.in_area.val();
-        self.is_stage.d.next = self.in_window[0].val();
+        self.is_stage.d.next = self.in_window[0].val() || self.in_window[3].val();
 
         self.written.next = false;
         self.table_valid.next = false;
@@ -328,7 +329,11 @@ impl Logic for BoardRegisters {
         self.weights_hash.next = self.controls[0].q.val();
         self.control.next = self.controls[1].q.val();
         self.scratch.next = self.controls[2].q.val();
-        self.stage_address.next = self.address.q.val().get_bits::<6>(2);
+        self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2));
+        if self.in_window[3].val() {
+            self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2)) | 0x40;
+        }
+        self.stage_address.next = self.stage_word.val();
         self.table_address.next = self.address.q.val().get_bits::<17>(2);
         self.table_data.next = self.word.q.val().get_bits::<12>(0);
         self.weight_address.next = self.address.q.val().get_bits::<25>(2);

@@ -6,7 +6,7 @@ use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
 /// Words in the leaf's LUT RAM; one more stands on the output.
-const DEPTH: usize = 32;
+pub const DEPTH: usize = 32;
 
 /// Thirty-two words that wait for their receiver, and one on the output. A pipeline that ends here takes in only while there is room:
 /// so many words as there is slack may follow, and nothing in the pipeline has to stall.

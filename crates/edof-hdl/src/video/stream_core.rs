@@ -16,8 +16,10 @@ use rust_hdl::prelude::*;
 pub struct StreamCore {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets the picture; weights and tables stay. Held for 48 cycles or more.
+    /// Forgets the picture, and of what was written the calculator's registers; weights and tables stay. Held for 48 cycles or more.
     pub reset: Signal<In, Bit>,
+    /// Forgets the picture too, but nothing that was written and no counter of the calculator. Held likewise.
+    pub flush: Signal<In, Bit>,
     /// A raw pixel word stands on the input.
     pub pixels_valid: Signal<In, Bit>,
     /// It is taken in this cycle, if there is one.
@@ -44,10 +46,12 @@ pub struct StreamCore {
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,
-    /// Stage (4 bits) and counter (2 bits) to show.
-    pub status_address: Signal<In, Bits<6>>,
-    /// The counter.
+    /// What of the calculator to show.
+    pub status_address: Signal<In, Bits<7>>,
+    /// It, a cycle later.
     pub status: Signal<Out, Bits<32>>,
+    /// A window was too short or too long.
+    pub window_fault: Signal<Out, Bit>,
     /// Writes an entry of a display table.
     pub table_write: Signal<In, Bit>,
     /// Which: 0 luma, 1 red, 2 green, 3 blue.
@@ -70,6 +74,7 @@ pub struct StreamCore {
     pub busy_cycles: Signal<Out, Bits<32>>,
     /// The set of weights of the last patch.
     pub set_used: Signal<Out, Bit>,
+    forgets: Signal<Local, Bit>,
     set_q: DFF<Bit>,
     patch_done: DFF<Bit>,
     busy: DFF<Bit>,
@@ -110,11 +115,12 @@ impl Logic for StreamCore {
         self.calculator.clock.next = self.clock.val();
         self.lines.clock.next = self.clock.val();
         self.display.clock.next = self.clock.val();
-        self.windows.reset.next = self.reset.val();
+        self.forgets.next = self.reset.val() || self.flush.val();
+        self.windows.reset.next = self.forgets.val();
         self.calculator.reset.next = self.reset.val();
-        self.calculator.flush.next = false;
-        self.lines.reset.next = self.reset.val();
-        self.display.reset.next = self.reset.val();
+        self.calculator.flush.next = self.flush.val();
+        self.lines.reset.next = self.forgets.val();
+        self.display.reset.next = self.forgets.val();
 
         self.windows.pixels_valid.next = self.pixels_valid.val();
         self.pixels_ready.next = self.windows.pixels_ready.val();
@@ -151,6 +157,7 @@ impl Logic for StreamCore {
         self.calculator.write_data.next = self.write_data.val();
         self.calculator.status_address.next = self.status_address.val();
         self.status.next = self.calculator.status.val();
+        self.window_fault.next = self.calculator.window_fault.val();
         self.display.table_write.next = self.table_write.val();
         self.display.table_select.next = self.table_select.val();
         self.display.table_address.next = self.table_address.val();

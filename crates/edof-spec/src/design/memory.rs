@@ -39,7 +39,7 @@ pub enum Space {
         /// Word.
         row: usize,
     },
-    /// A register: 0 and 1 are the shifts of each set, 2 is control.
+    /// A register: 0 and 1 are the shifts of each set, 2 is control, 3 takes commands to read back.
     Register {
         /// Which.
         row: usize,
@@ -185,14 +185,6 @@ pub fn weight_image(stage: &StagePlan, bank: usize, part: usize) -> String {
 #[must_use]
 pub fn weight_images(stage: &StagePlan) -> String {
     format!("mem/stage{}_bank", stage.index)
-}
-
-/// The stage whose multipliers a write takes a cycle from, if it is such a write.
-#[must_use]
-pub fn stolen_from(design: &Design, address: u32) -> Option<usize> {
-    let (stage, space) = ((address >> 21) as usize, (address >> 19) & 3);
-    let reads_both = |index| design.stage(index).reads_both_ports();
-    (space == 0 && stage < design.stages.len() && reads_both(stage)).then_some(stage)
 }
 
 /// Path of a threshold memory's image.

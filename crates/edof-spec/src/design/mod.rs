@@ -7,6 +7,7 @@
 //! | what lies where in weight and threshold memories, and how they are written | [`memory`] |
 
 pub mod memory;
+pub mod reading;
 pub mod stage;
 pub mod timing;
 

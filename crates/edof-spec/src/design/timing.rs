@@ -20,6 +20,10 @@ pub const SLOTS: usize = 4;
 pub const BASE_VECTORS: usize = 8;
 /// From a write of a weight that both ports read to the cycle without a step that it takes.
 pub const STEAL_LATENCY: u64 = 2;
+/// From a command to read weights to the first cycle without a step that it takes.
+pub const READ_LATENCY: u64 = 68;
+/// From a row of weights that is read to the next.
+pub const READ_PERIOD: u64 = 256;
 
 /// Cycles from a pass's first take until it is released: the pass after the next may start while its drain ends, because that pass's
 /// sums reach the DSPs only later.

@@ -2,12 +2,21 @@
 
 use super::{Access, Field, Register, Window};
 use crate::design::memory::ADDRESS_BITS;
-use crate::display::LUMA_ENTRIES;
+use crate::display::{DisplayMode, LUMA_ENTRIES};
 
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0001_0000;
+pub const VERSION: u32 = 0x0001_0001;
+
+/// Address of `control`.
+pub const CONTROL: u32 = 0x14;
+
+/// The word of `control` with which frames are reconstructed, shown in that mode, with that set of weights.
+#[must_use]
+pub fn running(mode: DisplayMode, set: usize) -> u32 {
+    1 | u32::from(mode == DisplayMode::Colour) << 1 | (set as u32) << 2
+}
 
 const fn constant(
     name: &'static str,
@@ -74,13 +83,19 @@ pub const REGISTERS: &[Register] = &[
     ),
     control(
         "control",
-        0x14,
+        CONTROL,
         0b11,
         &[
             bit("run", 0, "Frames are reconstructed. Off: the picture stands still."),
             bit("colour", 1, "Display in colour; off: luma only."),
             bit("weight_set", 2, "The set of weights for the frames that begin from now on."),
             bit("i2c_restart", 3, "A change from 0 to 1 sets up the video chips once more."),
+            bit(
+                "flush",
+                4,
+                "Drops the frame that is under way and leaves all that was written as it is; for 48 cycles or more. Pictures go on with the \
+                 next frame after it.",
+            ),
         ],
         "What the host decides.",
     ),
@@ -96,6 +111,11 @@ pub const REGISTERS: &[Register] = &[
             bit("i2c_done", 4, "All video chips are set up."),
             bit("i2c_failed", 5, "One did not answer: see `i2c`."),
             bit("weight_set", 6, "The set of weights of the last patch."),
+            bit(
+                "window_fault",
+                7,
+                "A window was too short or too long since the counters of the stages were last asked for.",
+            ),
         ],
         "How the board is.",
     ),
@@ -157,7 +177,20 @@ pub const STAGE_COUNTERS: Window = Window {
     address: 0x100,
     bytes: 0x100,
     access: Access::Status,
-    doc: "Word 4·stage + counter. Counters: 0 non-zero words sent, 1 saturated results, 2 saturated codes, 3 saturated differences.",
+    doc: "Word 4·stage + counter. Counters: 0 non-zero words sent, 1 saturated results, 2 saturated codes, 3 saturated differences; of stage \
+          15, which is the whole calculator, 0 windows that were too short, 1 too long. All of them as they were when anything was last \
+          written to register 0 of stage 15 (`weights`), which starts them anew.",
+};
+
+/// What the calculator's stages read back.
+pub const STAGE_READS: Window = Window {
+    name: "stage_reads",
+    address: 0x200,
+    bytes: 0x100,
+    access: Access::Status,
+    doc: "Word 4·stage + part. Parts: 0 CRC-32 of the rows that were read, 1 and 2 low and high half of the last one, 3 whether the stage still \
+          reads. A command written to register 3 of the stage (`weights`) has it read: space (2 bits), bank (6), first row (12), rows after \
+          it (12).",
 };
 
 /// Tables of the display step.
@@ -176,11 +209,11 @@ pub const WEIGHTS: Window = Window {
     bytes: 4 << (ADDRESS_BITS[0] + ADDRESS_BITS[1] + ADDRESS_BITS[2] + ADDRESS_BITS[3] + ADDRESS_BITS[4]),
     access: Access::WriteOnly,
     doc: "Word {stage (4 bits), space (2), bank (6), row (12), half (1)}. Spaces: 0 weights, 1 thresholds, 2 thresholds of the stage \
-          before, 3 registers (0 and 1 shifts of each set, 2 control).",
+          before, 3 registers (0 and 1 shifts of each set, 2 control, 3 command to read back).",
 };
 
 /// Every window, by address.
-pub const WINDOWS: &[Window] = &[STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS];
+pub const WINDOWS: &[Window] = &[STAGE_COUNTERS, STAGE_READS, DISPLAY_TABLES, WEIGHTS];
 
 /// A register by its name.
 #[must_use]
@@ -235,6 +268,6 @@ mod tests {
     fn every_write_of_a_network_has_a_place_in_its_window() {
         assert_eq!(WEIGHTS.word_bits(), ADDRESS_BITS.iter().sum::<u32>());
         assert_eq!(DISPLAY_TABLES.word_bits(), 17);
-        assert_eq!(STAGE_COUNTERS.word_bits(), 6);
+        assert_eq!([STAGE_COUNTERS, STAGE_READS].map(|window| window.word_bits()), [6; 2]);
     }
 }

@@ -21,8 +21,8 @@ module chain (
     input  wire        write_valid_i,     // A word is to be written (`edof_spec::design::memory::address`).
     input  wire [24:0] write_address_i,   // Where.
     input  wire [31:0] write_data_i,      // What.
-    input  wire [5:0]  status_address_i,  // Stage (4 bits; 15 for the windows that come in) and counter (2 bits) to show.
-    output wire [31:0] status_o,          // The counter as the last snapshot found it, a cycle later.
+    input  wire [6:0]  status_address_i,  // What to show: bit 6 counters or what was read back, then stage (4 bits; 15 for the windows that come in), then which (2 bits).
+    output wire [31:0] status_o,          // It, a cycle later; counters as the last snapshot found them.
     output wire        window_fault_o,    // A window was too short or too long, since the last reset or snapshot of the counters.
     output wire        between_valid_0_o, // This stage offers a beat to the next (observation only).
     output wire        between_valid_1_o,

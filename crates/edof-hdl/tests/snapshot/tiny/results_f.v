@@ -14,6 +14,11 @@ module results_f (
     input  wire [47:0] sum_odd_i,             // The odd one.
     input  wire [19:0] shifts_0_i,            // Shifts of set 0.
     input  wire [19:0] shifts_1_i,            // Shifts of set 1.
+    input  wire        read_wanted_i,         // Two thresholds are to be read back in a cycle in which no beat needs any.
+    input  wire [11:0] read_row_i,            // Which.
+    output wire        read_valid_o,          // They are here.
+    output wire [31:0] read_thresholds_o,     // They.
+    output wire [31:0] read_previous_o,       // Those of the stage before.
     output wire        push_o,                // A beat is done, 23 cycles after `take`.
     output wire [31:0] data_o,                // Its two words.
     output wire [31:0] base_o,                // Their base words for the next stage.
@@ -28,9 +33,11 @@ module results_f (
     localparam [11:0] SET_ROWS = 12'd64;
 
     reg  [2:0] marks;
+    reg  [9:0] place;
     wire [31:0] result;
     wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
-    wire [8:0] place_to_15_now, place_to_15_later;
+    wire [9:0] place_to_15_later;
+    reg  read_16_q, read_17_q;
     reg  [11:0] threshold_row_q, threshold_row_d, shifts_q;
     wire [15:0] requantize_even_result;
     wire requantize_even_saturated;
@@ -49,8 +56,8 @@ module results_f (
     edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
         .clock_i(clock_i), .now_i(marks_to_6_later), .later_o(marks_to_23_later)
     );
-    edof_delay #(.WIDTH(9), .CYCLES(15)) place_to_15 (
-        .clock_i(clock_i), .now_i(place_to_15_now), .later_o(place_to_15_later)
+    edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
+        .clock_i(clock_i), .now_i(place), .later_o(place_to_15_later)
     );
 
     requantize #(.BASE_BITS(48'd0)) requantize_even (
@@ -93,7 +100,16 @@ module results_f (
         end
     end
 
-    assign place_to_15_now = set_i ? ({1'b0, beat_i} | 9'h100) : {1'b0, beat_i};
+    always @* begin
+        place = {2'd0, beat_i};
+        if (set_i) begin
+            place = place | 10'h100;
+        end
+        if (take_i) begin
+            place = place | 10'h200;
+        end
+    end
+
     assign result = {requantize_odd_result, requantize_even_result};
 
     always @* begin
@@ -112,8 +128,14 @@ module results_f (
         if (place_to_15_later[8]) begin
             threshold_row_d = {4'd0, place_to_15_later[7:0]} + SET_ROWS;
         end
+        if (!place_to_15_later[9]) begin
+            threshold_row_d = read_row_i;
+        end
     end
 
+    assign read_valid_o = read_17_q;
+    assign read_thresholds_o = 32'd0;
+    assign read_previous_o = 32'd0;
     assign code_saturated_o = 2'd0;
     assign difference_saturated_o = 2'd0;
     assign base_o = 32'd0;
@@ -123,6 +145,8 @@ module results_f (
     assign nonzero_o = ((|data_o[15:0]) && (|data_o[31:16])) ? 2'd3 : ((|data_o) ? 2'd1 : 2'd0);
 
     always @(posedge clock_i) begin
+        read_16_q <= place_to_15_later[9] ? 1'b0 : read_wanted_i;
+        read_17_q <= read_16_q;
         threshold_row_q <= threshold_row_d;
         shifts_q <= marks_to_6_later[2] ? shifts_1_i[11:0] : shifts_0_i[11:0];
     end

@@ -17,6 +17,11 @@ module results_i (
     input  wire        write_thresholds_i,    // Writes two thresholds.
     input  wire [11:0] write_row_i,           // Where.
     input  wire [31:0] write_data_i,          // What.
+    input  wire        read_wanted_i,         // Two thresholds are to be read back in a cycle in which no beat needs any.
+    input  wire [11:0] read_row_i,            // Which.
+    output wire        read_valid_o,          // They are here.
+    output wire [31:0] read_thresholds_o,     // They.
+    output wire [31:0] read_previous_o,       // Those of the stage before.
     output wire        push_o,                // A beat is done, 23 cycles after `take`.
     output wire [31:0] data_o,                // Its two words.
     output wire [31:0] base_o,                // Their base words for the next stage.
@@ -31,16 +36,17 @@ module results_i (
     localparam [11:0] SET_ROWS = 12'd8;
 
     reg  [2:0] marks;
+    reg  [9:0] place;
     wire [31:0] result, code;
     wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
-    wire [8:0] place_to_15_now, place_to_15_later;
+    wire [9:0] place_to_15_later;
+    reg  read_16_q, read_17_q;
     reg  [11:0] threshold_row_q, threshold_row_d, shifts_q;
     wire [15:0] requantize_even_result;
     wire requantize_even_saturated;
     wire [15:0] requantize_odd_result;
     wire requantize_odd_saturated;
     reg  [1:0] result_flags_now;
-    wire [31:0] thresholds_read_data;
     wire [15:0] shrink_even_result;
     wire shrink_even_saturated;
     wire [15:0] shrink_odd_result;
@@ -58,8 +64,8 @@ module results_i (
     edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
         .clock_i(clock_i), .now_i(marks_to_6_later), .later_o(marks_to_23_later)
     );
-    edof_delay #(.WIDTH(9), .CYCLES(15)) place_to_15 (
-        .clock_i(clock_i), .now_i(place_to_15_now), .later_o(place_to_15_later)
+    edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
+        .clock_i(clock_i), .now_i(place), .later_o(place_to_15_later)
     );
 
     requantize #(.BASE_BITS(48'd0)) requantize_even (
@@ -94,7 +100,7 @@ module results_i (
     ) thresholds (
         .clock_i(clock_i),
         .read_address_i(threshold_row_q),
-        .read_data_o(thresholds_read_data),
+        .read_data_o(read_thresholds_o),
         .write_enable_i(write_thresholds_i),
         .write_address_i(write_row_i),
         .write_data_i(write_data_i)
@@ -103,7 +109,7 @@ module results_i (
     shrink shrink_even (
         .clock_i(clock_i),
         .code_i(requantize_even_result),
-        .threshold_i(thresholds_read_data[15:0]),
+        .threshold_i(read_thresholds_o[15:0]),
         .result_o(shrink_even_result),
         .saturated_o(shrink_even_saturated)
     );
@@ -111,7 +117,7 @@ module results_i (
     shrink shrink_odd (
         .clock_i(clock_i),
         .code_i(requantize_odd_result),
-        .threshold_i(thresholds_read_data[31:16]),
+        .threshold_i(read_thresholds_o[31:16]),
         .result_o(shrink_odd_result),
         .saturated_o(shrink_odd_saturated)
     );
@@ -139,7 +145,16 @@ module results_i (
         end
     end
 
-    assign place_to_15_now = set_i ? ({1'b0, beat_i} | 9'h100) : {1'b0, beat_i};
+    always @* begin
+        place = {2'd0, beat_i};
+        if (set_i) begin
+            place = place | 10'h100;
+        end
+        if (take_i) begin
+            place = place | 10'h200;
+        end
+    end
+
     assign result = {requantize_odd_result, requantize_even_result};
 
     always @* begin
@@ -158,7 +173,13 @@ module results_i (
         if (place_to_15_later[8]) begin
             threshold_row_d = {4'd0, place_to_15_later[7:0]} + SET_ROWS;
         end
+        if (!place_to_15_later[9]) begin
+            threshold_row_d = read_row_i;
+        end
     end
+
+    assign read_valid_o = read_17_q;
+    assign read_previous_o = 32'd0;
 
     always @* begin
         code_flags_now = 2'd0;
@@ -179,6 +200,8 @@ module results_i (
     assign nonzero_o = ((|data_o[15:0]) && (|data_o[31:16])) ? 2'd3 : ((|data_o) ? 2'd1 : 2'd0);
 
     always @(posedge clock_i) begin
+        read_16_q <= place_to_15_later[9] ? 1'b0 : read_wanted_i;
+        read_17_q <= read_16_q;
         threshold_row_q <= threshold_row_d;
         shifts_q <= marks_to_6_later[2] ? shifts_1_i[11:0] : shifts_0_i[11:0];
     end

@@ -26,20 +26,24 @@ module stage_f (
     input  wire        write_valid_i,    // A word is to be written (`edof_spec::design::memory::address`).
     input  wire [24:0] write_address_i,  // Where.
     input  wire [31:0] write_data_i,     // What.
-    input  wire [5:0]  status_address_i, // Stage and counter to show.
-    output wire [31:0] status_o          // The counter, a cycle later; 0 from all other stages.
+    input  wire [6:0]  status_address_i, // What to show: bit 6 counters or what was read back, then stage (4 bits), then which (2 bits).
+    output wire [31:0] status_o          // It, a cycle later; 0 from all other stages.
 );
 
     localparam [3:0] ID = 4'd3;
     localparam [3:0] WHOLE_CHAIN = 4'd15;
     localparam BOTH_PORTS = 1'b1;
+    localparam [11:0] READ_REGISTER = 12'd3;
+    localparam [19:0] SKIP_BIT = 20'd1;
 
     wire resets;
     reg  [33:0] finished_word;
-    wire selected;
-    reg  [51:0] weights_word;
+    wire selected, reads;
+    wire [52:0] weights_word, weights_marks;
+    wire [31:0] asked;
     wire reset_store_later, reset_ring_later, reset_sequencer_later, reset_drain_later;
-    wire reset_results_later_unused, reset_out_later, reset_registers_later, pairs_arrived;
+    wire reset_results_later_unused, reset_out_later, reset_registers_later, reset_reader_later;
+    wire pairs_arrived;
     wire [11:0] pairs_descriptor;
     wire [24:0] pairs_even_pair, pairs_odd_pair;
     wire pair_operands_step_first;
@@ -53,9 +57,12 @@ module stage_f (
     wire [11:0] sequencer_base, sequencer_offset;
     wire sequencer_pass_issued, sequencer_finished;
     wire [47:0] macc_sum_even, macc_sum_odd;
+    wire [63:0] macc_read_data;
     wire drain_may_start, drain_copy, drain_take;
     wire [7:0] drain_beat;
-    wire drain_last, drain_taken_set, results_push;
+    wire drain_last, drain_taken_set, results_read_valid;
+    wire [31:0] results_read_thresholds, results_read_previous;
+    wire results_push;
     wire [31:0] results_data, results_base_unused;
     wire results_done_last, results_done_set;
     wire [1:0] results_nonzero, results_result_saturated, results_code_saturated;
@@ -64,15 +71,21 @@ module stage_f (
     wire [19:0] registers_shifts_0, registers_shifts_1;
     wire registers_skip_zeros;
     wire [31:0] counters_value;
+    wire reader_starts, reader_wants_weights;
+    wire [5:0] reader_bank;
+    wire [11:0] reader_row;
+    wire reader_wants_thresholds;
+    reg  [19:0] reader_register;
+    wire [31:0] reader_value;
     reg  [31:0] status_q;
     reg  write_1_q;
     reg  [24:0] address_1_q;
     reg  [31:0] data_1_q;
     reg  weights_2_q, thresholds_2_q, previous_2_q, registers_2_q;
-    reg  [18:0] address_2_q;
+    reg  [18:0] address_2_q, address_2_d;
     reg  [31:0] data_2_q;
-    reg  snapshot_2_q;
-    wire [51:0] weights_to_5_later;
+    reg  snapshot_2_q, read_2_q, steal_2_q;
+    wire [52:0] weights_to_5_now, weights_to_5_later;
 
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_store (
         .clock_i(clock_i), .now_i(resets), .later_o(reset_store_later)
@@ -94,6 +107,9 @@ module stage_f (
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
         .clock_i(clock_i), .now_i(reset_i), .later_o(reset_registers_later)
+    );
+    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_reader (
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_reader_later)
     );
 
     pair_store #(.TWO_ROWS(1'b1)) pairs (
@@ -162,7 +178,7 @@ module stage_f (
         .arrived_i(pairs_arrived),
         .descriptor_i(pairs_descriptor),
         .may_start_i(drain_may_start),
-        .steal_i(weights_2_q && BOTH_PORTS),
+        .steal_i(steal_2_q),
         .begins_o(sequencer_begins),
         .valid_a_o(sequencer_valid_a),
         .valid_b_o(sequencer_valid_b),
@@ -199,10 +215,12 @@ module stage_f (
         .sum_even_o(macc_sum_even),
         .sum_odd_o(macc_sum_odd),
         .write_enable_i(weights_to_5_later[0] && !reset_i),
-        .write_bank_i(weights_to_5_later[51:46]),
-        .write_half_i(weights_to_5_later[33]),
-        .write_row_i(weights_to_5_later[45:34]),
-        .write_data_i(weights_to_5_later[32:1])
+        .write_bank_i(weights_to_5_later[52:47]),
+        .write_half_i(weights_to_5_later[34]),
+        .write_row_i(weights_to_5_later[46:35]),
+        .write_data_i(weights_to_5_later[33:2]),
+        .read_enable_i(weights_to_5_later[1]),
+        .read_data_o(macc_read_data)
     );
 
     drain #(
@@ -235,6 +253,11 @@ module stage_f (
         .sum_odd_i(macc_sum_odd),
         .shifts_0_i(registers_shifts_0),
         .shifts_1_i(registers_shifts_1),
+        .read_wanted_i(reader_wants_thresholds),
+        .read_row_i(reader_row),
+        .read_valid_o(results_read_valid),
+        .read_thresholds_o(results_read_thresholds),
+        .read_previous_o(results_read_previous),
         .push_o(results_push),
         .data_o(results_data),
         .base_o(results_base_unused),
@@ -280,8 +303,27 @@ module stage_f (
         .value_o(counters_value)
     );
 
-    edof_delay #(.WIDTH(52), .CYCLES(3)) weights_to_5 (
-        .clock_i(clock_i), .now_i(weights_word), .later_o(weights_to_5_later)
+    reader reader (
+        .clock_i(clock_i),
+        .reset_i(reset_reader_later),
+        .starts_i(reader_starts),
+        .command_i(data_2_q),
+        .wants_weights_o(reader_wants_weights),
+        .taken_i(reads),
+        .bank_o(reader_bank),
+        .row_o(reader_row),
+        .weights_i(macc_read_data),
+        .wants_thresholds_o(reader_wants_thresholds),
+        .thresholds_valid_i(results_read_valid),
+        .thresholds_i(results_read_thresholds),
+        .previous_i(results_read_previous),
+        .register_i(reader_register),
+        .select_i(status_address_i[1:0]),
+        .value_o(reader_value)
+    );
+
+    edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
+        .clock_i(clock_i), .now_i(weights_to_5_now), .later_o(weights_to_5_later)
     );
 
     assign resets = reset_i || flush_i;
@@ -303,16 +345,35 @@ module stage_f (
     assign selected = write_1_q && (address_1_q[24:21] == ID);
 
     always @* begin
-        weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1);
-        if (weights_2_q) begin
-            weights_word = ({33'd0, address_2_q} << 33) | ({20'd0, data_2_q} << 1) | 52'd1;
+        address_2_d = address_1_q[18:0];
+        if (reads) begin
+            address_2_d = ({13'd0, reader_bank} << 13) | ({7'd0, reader_row} << 1);
         end
     end
 
+    assign reads = reader_wants_weights && !write_1_q;
+    assign weights_word = ({34'd0, address_2_q} << 34) | ({21'd0, data_2_q} << 2);
+    assign weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
+    assign weights_to_5_now = weights_word | weights_marks;
+    assign reader_starts = registers_2_q && (address_2_q[12:1] == READ_REGISTER);
+
+    always @* begin
+        reader_register = registers_shifts_0;
+        if (reader_row[1]) begin
+            reader_register = 20'd0;
+            if (registers_skip_zeros) begin
+                reader_register = SKIP_BIT;
+            end
+        end else if (reader_row[0]) begin
+            reader_register = registers_shifts_1;
+        end
+    end
+
+    assign asked = status_address_i[6] ? reader_value : counters_value;
     assign status_o = status_q;
 
     always @(posedge clock_i) begin
-        status_q <= (status_address_i[5:2] == ID) ? counters_value : 32'd0;
+        status_q <= (status_address_i[5:2] == ID) ? asked : 32'd0;
         write_1_q <= write_valid_i;
         address_1_q <= write_address_i;
         data_1_q <= write_data_i;
@@ -320,9 +381,11 @@ module stage_f (
         thresholds_2_q <= selected && (address_1_q[20:19] == 2'd1);
         previous_2_q <= selected && (address_1_q[20:19] == 2'd2);
         registers_2_q <= selected && (address_1_q[20:19] == 2'd3);
-        address_2_q <= address_1_q[18:0];
+        address_2_q <= address_2_d;
         data_2_q <= data_1_q;
         snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
+        read_2_q <= reads;
+        steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     end
 
     // Not every bit of these is read.

@@ -1,0 +1,152 @@
+//! The board in `edof demo`: the sources of its bitstream, and a crop of the coded lens's frame through its Verilog, from pins to pins.
+
+use crate::cosim_system;
+use crate::error::Error;
+use crate::sources::Sources;
+use crate::ui::Ui;
+use edof_golden::{Display, Golden};
+use edof_spec::design::FrameSize;
+use edof_spec::{ColourFrame, Design, FixedNetwork, RawFrame, Tone};
+use edof_study::picture::{enlarged, png};
+use edof_study::report::{Figure, Report};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Folder of the sources, in the demo's.
+pub const FOLDER: &str = "board";
+/// Rows and columns of the crop: it takes seconds, and is more than a few patches.
+const SIDE: usize = 64;
+/// The first frame is lost while the receiver waits for its vertical sync.
+const TIMES: usize = 2;
+/// Each pixel of the crop is shown so large.
+const ENLARGED: usize = 4;
+
+/// A board with a network.
+pub struct Board {
+    design: Design,
+    network: FixedNetwork,
+    sources: Sources,
+}
+
+/// What became of the crop.
+enum Tried {
+    /// The screen showed the golden picture.
+    Shown { picture: ColourFrame, seconds: f64 },
+    /// It was not simulated.
+    LeftOut(String),
+}
+
+/// What there is to tell of a board.
+pub struct Told {
+    summary: String,
+    design: String,
+    tried: Tried,
+}
+
+impl Board {
+    /// # Errors
+    /// Design and network do not fit each other.
+    pub fn of(design: Design, network: FixedNetwork) -> Result<Self, Error> {
+        let sources = Sources::of(&design, &network)?;
+        Ok(Self { design, network, sources })
+    }
+
+    /// What is written into the demo's folder.
+    pub fn names(&self) -> impl Iterator<Item = PathBuf> {
+        self.sources.names().map(|name| Path::new(FOLDER).join(name))
+    }
+
+    /// Writes the sources into the demo's folder, and tries their Verilog with the middle of a raw frame.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, or a picture that is not the golden one. A simulator that is missing is none.
+    pub fn tell(&self, raw: &RawFrame, out: &Path, ui: &Ui) -> Result<Told, Error> {
+        let folder = out.join(FOLDER);
+        self.sources.write(&folder, false)?;
+        let (summary, design) = (self.sources.summary(&folder), self.design.name.clone());
+        ui.note(&summary);
+        let tried = match self.tried(raw, ui) {
+            Err(error) => {
+                let tool = error.missing_tool().map(str::to_owned);
+                let tool = tool.ok_or(error)?;
+                Tried::LeftOut(format!("{tool} is not installed, so that its Verilog was not simulated"))
+            }
+            Ok(tried) => tried,
+        };
+        Ok(Told { summary, design, tried })
+    }
+
+    fn tried(&self, raw: &RawFrame, ui: &Ui) -> Result<Tried, Error> {
+        let (height, width) = raw.size();
+        if height < SIDE || width < SIDE {
+            return Ok(Tried::LeftOut(format!(
+                "the picture is smaller than the {SIDE}x{SIDE} pixels that are simulated"
+            )));
+        }
+        let frame = FrameSize { width: SIDE, height: SIDE, ..self.design.frame };
+        let design = Design { frame, ..self.design.clone() };
+        let middle = |length: usize| (length - SIDE) / 4 * 2;
+        let crop = cosim_system::crop(raw, (middle(height), middle(width)), frame)?;
+        let (display, start) = (Display::default(), Instant::now());
+        let golden = Golden::new(self.network.clone())?;
+        let picture = golden.frame(&crop)?.picture(&display).0.shown_frame();
+        let passed = cosim_system::through(&design, &self.network, &display, &vec![crop; TIMES], 1, ui)?;
+        if passed.in_a_row() == 0 {
+            return Err(Error::message(format!(
+                "{}: no picture was shown on the board's screen",
+                design.name
+            )));
+        }
+        Ok(Tried::Shown { picture, seconds: start.elapsed().as_secs_f64() })
+    }
+}
+
+impl Told {
+    /// In a terminal.
+    pub fn to_text(&self) -> String {
+        format!("{}\n{}: {}", self.summary, self.design, self.tried())
+    }
+
+    fn tried(&self) -> String {
+        match &self.tried {
+            Tried::Shown { seconds, .. } => format!(
+                "{SIDE}x{SIDE} pixels through its Verilog, from HDMI in through DRAM to HDMI out: every code as golden ({seconds:.0} s)"
+            ),
+            Tried::LeftOut(why) => why.clone(),
+        }
+    }
+
+    /// As data.
+    pub fn to_json(&self) -> Value {
+        match &self.tried {
+            Tried::Shown { seconds, .. } => {
+                json!({ "design": self.design, "crop": [SIDE, SIDE], "differences": 0, "seconds": seconds })
+            }
+            Tried::LeftOut(why) => json!({ "design": self.design, "not_simulated": why }),
+        }
+    }
+
+    /// At the end of the demo's report.
+    ///
+    /// # Errors
+    /// A picture that cannot be encoded.
+    pub fn add_to(&self, report: &mut Report) -> Result<(), Error> {
+        report.heading("The board");
+        report.paragraph(&format!(
+            "The sources of its bitstream are beside this page. {}. {}.",
+            self.summary,
+            self.tried()
+        ));
+        if let Tried::Shown { picture, .. } = &self.tried {
+            let figure = Figure {
+                title: format!("What the simulated {} shows", self.design),
+                note: format!("the middle {SIDE}×{SIDE} pixels of the coded lens's frame, enlarged"),
+                // Already encoded.
+                png: png(&enlarged(picture, ENLARGED), Tone::Linear)?,
+            };
+            report.figures(&[figure]);
+        }
+        Ok(())
+    }
+}

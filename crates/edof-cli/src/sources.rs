@@ -1,0 +1,120 @@
+//! The sources of a bitstream: everything that `edof generate` and `edof demo` write for a board.
+
+use crate::error::Error;
+use crate::folder::{self, Contents};
+use edof_cosim::system::{self, TableWords};
+use edof_golden::display::Display;
+use edof_golden::scalar;
+use edof_hdl::benches::Recorded;
+use edof_hdl::board::Identity;
+use edof_hdl::kc705::{self, Kc705};
+use edof_spec::draw::Draw;
+use edof_spec::{Design, FixedNetwork};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// The design's top module.
+const TOP: &str = "kc705_top";
+/// Windows that the test bench tries.
+const TRIED: usize = 12;
+
+/// Top of the list of files.
+const LIST_HEADER: &str = "\
+Files of the design, for tools that are started in this folder.
+From elsewhere, tell where the memory images are: define EDOF_DIR as \"/path/to/this/folder/\".";
+
+/// The files of a folder, in memory.
+pub struct Sources {
+    contents: Contents,
+    about: Value,
+    /// Modules, their bytes, memory images.
+    counts: [usize; 3],
+}
+
+impl Sources {
+    /// Those of a design; both sets of weights start with the network.
+    ///
+    /// # Errors
+    /// They do not fit each other.
+    pub fn of(design: &Design, network: &FixedNetwork) -> Result<Self, Error> {
+        let project = project(design, network)?;
+        let about = json!({
+            "design": design,
+            "weights": { "name": network.origin.name, "float_sha256": network.float_hash },
+            "top": TOP,
+        });
+        let core = &project.core;
+        let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
+        let counts = [core.verilog.len(), verilog, core.memory.len()];
+        Ok(Self { contents: contents(&project), about, counts })
+    }
+
+    /// Paths of all files in the folder.
+    pub fn names(&self) -> impl Iterator<Item = &Path> {
+        self.contents.keys().map(PathBuf::as_path).chain([Path::new(folder::MANIFEST)])
+    }
+
+    /// Writes them; gives the manifest.
+    ///
+    /// # Errors
+    /// As [`folder::write`].
+    pub fn write(&self, out: &Path, force: bool) -> Result<Value, Error> {
+        let manifest = folder::manifest(self.about.clone(), &self.contents);
+        folder::write(out, self.contents.clone(), &manifest, force)?;
+        Ok(manifest)
+    }
+
+    /// What was written where.
+    pub fn summary(&self, out: &Path) -> String {
+        let [modules, bytes, images] = self.counts;
+        format!(
+            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images",
+            out.display(),
+            bytes / 1000
+        )
+    }
+}
+
+/// The sources, with the display tables that a board starts with and words that its benches try it with.
+fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, Error> {
+    design.check_network(network)?;
+    let display = Display::default();
+    let words = TableWords::of(&display);
+    let identity = Identity {
+        design_hash: first_bits(serde_json::to_string(design)?.as_bytes()),
+        weights_hash: first_bits(network.float_hash.as_bytes()),
+        frame: (design.frame.width as u16, design.frame.height as u16),
+    };
+    let (windows, patches) = windows(design, network);
+    let recorded = Recorded { windows, patches, video: system::recorded(design, network, &display)? };
+    Ok(kc705::project(design, [network, network], &identity, &words.tables(), &recorded)?)
+}
+
+/// First 32 bits of the SHA-256.
+fn first_bits(bytes: &[u8]) -> u32 {
+    let hash = Sha256::digest(bytes);
+    hash.iter().take(4).fold(0, |bits, byte| bits << 8 | u32::from(*byte))
+}
+
+/// Windows for the calculator's bench, and the patches that they become: some at the ends of their range, some of dim noise.
+fn windows(design: &Design, network: &FixedNetwork) -> (Vec<Vec<i16>>, Vec<Vec<i16>>) {
+    let (draw, pixels) = (&mut Draw::new(1), design.form.window.pixels());
+    let window = |i: usize| match i % 3 {
+        0 => edof_random::extreme_window(draw, pixels),
+        _ => (0..pixels).map(|_| draw.whole(0, 4_000) as i16).collect(),
+    };
+    let windows: Vec<Vec<i16>> = (0..TRIED).map(window).collect();
+    let patches = windows.iter().map(|window| scalar::run(network, window).output).collect();
+    (windows, patches)
+}
+
+/// Every file by its path in the folder.
+fn contents(project: &Kc705) -> Contents {
+    let core = &project.core;
+    let verilog = core.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text.clone()));
+    let names = core.verilog.iter().map(|(name, _)| format!("rtl/{name}\n"));
+    let list = LIST_HEADER.lines().map(|line| format!("// {line}\n")).chain(names).collect();
+    let all = verilog.chain(core.memory.iter().chain(&project.files).cloned());
+    all.chain([("files.f".to_string(), list)]).map(|(path, text)| (path.into(), text)).collect()
+}

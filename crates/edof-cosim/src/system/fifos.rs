@@ -1,0 +1,89 @@
+//! The FIFOs of a core: how full each may get, ahead of a run, and how full it was.
+
+use super::rig::{Begin, Rig};
+use crate::Error;
+use crate::bench::Mark;
+use edof_hdl::project::Project;
+use edof_hdl::video::queue;
+use edof_spec::board::{AGENT_WORDS, BURST_WORDS, CROSSING_PIXELS, WORD_PIXELS};
+use edof_spec::fifos::{agent_words, crossing_words};
+
+/// A FIFO of a core and how full it got.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fifo {
+    /// What it is called here.
+    pub name: String,
+    /// Most words that were in it.
+    pub most: usize,
+    /// Most that the model says.
+    pub limit: usize,
+    /// Words that it has.
+    pub depth: usize,
+}
+
+const CROSSINGS: [&str; 2] = ["input_fifo", "output_fifo"];
+const WRITERS: [&str; 2] = ["raw_writer", "picture_writer"];
+const READERS: [&str; 2] = ["raw_reader", "picture_reader"];
+/// Queues at the ends of pipelines; not all designs have the third.
+const QUEUES: [(&str, &str); 5] = [
+    ("windows", "core.windows.queue"),
+    ("pairs", "core.lines.pairs.queue"),
+    ("overlap", "core.lines.overlap.queue"),
+    ("raster", "core.lines.raster.queue"),
+    ("display", "core.display.queue"),
+];
+
+/// What to watch in a core.
+pub(super) fn marks(core: &Project) -> Vec<Mark> {
+    let clock = "clock_i";
+    let crossing = |name: &&str| {
+        let [put, taken] = ["write", "read"].map(|side| format!("{name}.fifo.{side}_q"));
+        Mark::between(name, clock, [&put, &taken], CROSSING_PIXELS.ilog2() as usize + 1)
+    };
+    let agent = |taken: &'static str| {
+        move |name: &&str| {
+            let [put, taken] = ["put", taken].map(|count| format!("{name}.{count}_q"));
+            Mark::between(name, clock, [&put, &taken], 12)
+        }
+    };
+    let overlaps = core.verilog.iter().any(|(name, _)| name.starts_with("overlap_add"));
+    let there = |(name, _): &&(&str, &str)| *name != "overlap" || overlaps;
+    let queue = |(name, path): &(&str, &str)| {
+        let [put, taken] = ["pushed", "popped"].map(|count| format!("{path}.{count}_q"));
+        Mark::between(name, clock, [&put, &taken], queue::DEPTH.ilog2() as usize + 1)
+    };
+    let crossings = CROSSINGS.iter().map(crossing);
+    let agents = WRITERS.iter().map(agent("sent")).chain(READERS.iter().map(agent("got")));
+    crossings.chain(agents).chain(QUEUES.iter().filter(there).map(queue)).collect()
+}
+
+impl Rig {
+    /// Every FIFO, as full as it was since the last reset, beside what the model says for these clocks and for how late the memory was.
+    ///
+    /// # Errors
+    /// The simulation stops.
+    pub fn fifos(&mut self, begin: &Begin) -> Result<Vec<Fifo>, Error> {
+        let late = self.memory.written.most_late.max(self.memory.read.most_late);
+        let periods = begin.periods;
+        let pixel_cycles = |period: u64| (period / periods.core).max(1);
+        let word = |pixel_cycles: u64| WORD_PIXELS as u64 * pixel_cycles;
+        let writer = |cycles: u64| agent_words(BURST_WORDS, late, word(cycles)).min(AGENT_WORDS);
+        let limit = |name: &str| match name {
+            "input_fifo" => (crossing_words(periods.input, periods.core), CROSSING_PIXELS),
+            // Full whenever the screen is slower.
+            "output_fifo" => (CROSSING_PIXELS, CROSSING_PIXELS),
+            "raw_writer" => (writer(pixel_cycles(periods.input)), AGENT_WORDS),
+            "picture_writer" => (writer(1), AGENT_WORDS),
+            // They ask for as much as they have room for.
+            "raw_reader" | "picture_reader" => (AGENT_WORDS, AGENT_WORDS),
+            _ => (queue::DEPTH, queue::DEPTH),
+        };
+        let mut found = vec![];
+        for mark in self.marks.clone() {
+            let most = self.bench.get(&mark.port())? as usize;
+            let (limit, depth) = limit(&mark.name);
+            found.push(Fifo { name: mark.name, most, limit, depth });
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,69 @@
+//! The blocks of the core, where they are in it, and how long their paths of logic may be.
+
+use edof_spec::{Design, Stride};
+
+/// A clock of the core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Domain {
+    /// Memory, calculator, host.
+    Core,
+    /// Incoming pixels, or the screen's.
+    Pixel,
+}
+
+impl Domain {
+    /// Picoseconds of logic alone that a path may have: half of the period, the other half is for wires; at 200 MHz, and at 148.5 MHz.
+    #[must_use]
+    pub const fn limit_ps(self) -> u64 {
+        match self {
+            Self::Core => 2500,
+            Self::Pixel => 3300,
+        }
+    }
+}
+
+/// A block.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Block {
+    /// The names of instances from [`super::EdofCore`] down to it, with `/` between them.
+    pub path: String,
+    /// Its clock; of one that has two, the faster one.
+    pub domain: Domain,
+}
+
+const BLOCKS: [(&str, Domain); 17] = [
+    ("video_in", Domain::Pixel),
+    ("input_fifo", Domain::Core),
+    ("input_status", Domain::Core),
+    ("watch", Domain::Core),
+    ("raw_writer", Domain::Core),
+    ("raw_reader", Domain::Core),
+    ("core/windows", Domain::Core),
+    ("core/lines/pairs", Domain::Core),
+    ("core/lines/raster", Domain::Core),
+    ("core/display", Domain::Core),
+    ("picture_writer", Domain::Core),
+    ("picture_reader", Domain::Core),
+    ("memory", Domain::Core),
+    ("registers", Domain::Core),
+    ("output_fifo", Domain::Core),
+    ("video_out", Domain::Pixel),
+    ("screen_status", Domain::Core),
+];
+/// Only where patches overlap.
+const OVERLAP: (&str, Domain) = ("core/lines/overlap", Domain::Core);
+
+/// The blocks of a design's core around the calculator's stages; its reset synchronisers have no logic.
+#[must_use]
+pub fn around_the_calculator(design: &Design) -> Vec<Block> {
+    let overlap = (design.frame.stride != Stride::PATCH).then_some(OVERLAP);
+    let block = |(path, domain): (&str, Domain)| Block { path: path.into(), domain };
+    BLOCKS.into_iter().chain(overlap).map(block).collect()
+}
+
+/// The stages of its calculator.
+#[must_use]
+pub fn stages(design: &Design) -> Vec<Block> {
+    let stage = |i: usize| Block { path: format!("core/calculator/stages_{i}"), domain: Domain::Core };
+    (0..design.stages.len()).map(stage).collect()
+}
