@@ -7,7 +7,7 @@
 //! | stand around | [`pins`] | the camera and the screen |
 //! | run | [`rig`] | a core that runs between them, its [`Memory`](crate::bench::Memory) and its [`Host`](crate::bench::Host) |
 //! | measure | [`measured`], [`fifos`] | frames a second, what passed through the memory, latency; how full FIFOs got |
-//! | run again | [`recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
+//! | run again | [`mod@recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
 pub mod fifos;
 pub mod measured;
