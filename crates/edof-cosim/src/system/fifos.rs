@@ -1,8 +1,7 @@
 //! The FIFOs of a core: how full each may get, ahead of a run, and how full it was.
 
-use super::rig::{Begin, Rig};
-use crate::Error;
 use crate::bench::Mark;
+use edof_golden::video::figures::Periods;
 use edof_hdl::project::Project;
 use edof_hdl::video::queue;
 use edof_spec::board::{AGENT_WORDS, BURST_WORDS, CROSSING_PIXELS, WORD_PIXELS};
@@ -57,33 +56,19 @@ pub(super) fn marks(core: &Project) -> Vec<Mark> {
     crossings.chain(agents).chain(QUEUES.iter().filter(there).map(queue)).collect()
 }
 
-impl Rig {
-    /// Every FIFO, as full as it was since the last reset, beside what the model says for these clocks and for how late the memory was.
-    ///
-    /// # Errors
-    /// The simulation stops.
-    pub fn fifos(&mut self, begin: &Begin) -> Result<Vec<Fifo>, Error> {
-        let late = self.memory.written.most_late.max(self.memory.read.most_late);
-        let periods = begin.periods;
-        let pixel_cycles = |period: u64| (period / periods.core).max(1);
-        let word = |pixel_cycles: u64| WORD_PIXELS as u64 * pixel_cycles;
-        let writer = |cycles: u64| agent_words(BURST_WORDS, late, word(cycles)).min(AGENT_WORDS);
-        let limit = |name: &str| match name {
-            "input_fifo" => (crossing_words(periods.input, periods.core), CROSSING_PIXELS),
-            // Full whenever the screen is slower.
-            "output_fifo" => (CROSSING_PIXELS, CROSSING_PIXELS),
-            "raw_writer" => (writer(pixel_cycles(periods.input)), AGENT_WORDS),
-            "picture_writer" => (writer(1), AGENT_WORDS),
-            // They ask for as much as they have room for.
-            "raw_reader" | "picture_reader" => (AGENT_WORDS, AGENT_WORDS),
-            _ => (queue::DEPTH, queue::DEPTH),
-        };
-        let mut found = vec![];
-        for mark in self.marks.clone() {
-            let most = self.bench.get(&mark.port())? as usize;
-            let (limit, depth) = limit(&mark.name);
-            found.push(Fifo { name: mark.name, most, limit, depth });
-        }
-        Ok(found)
+/// What the model says that a FIFO holds at most, and what it has room for, with these clocks and a memory that was so many cycles late.
+pub(super) fn limit(name: &str, periods: Periods, late: u64) -> (usize, usize) {
+    let pixel_cycles = |period: u64| (period / periods.core).max(1);
+    let word = |pixel_cycles: u64| WORD_PIXELS as u64 * pixel_cycles;
+    let writer = |cycles: u64| agent_words(BURST_WORDS, late, word(cycles)).min(AGENT_WORDS);
+    match name {
+        "input_fifo" => (crossing_words(periods.input, periods.core), CROSSING_PIXELS),
+        // Full whenever the screen is slower.
+        "output_fifo" => (CROSSING_PIXELS, CROSSING_PIXELS),
+        "raw_writer" => (writer(pixel_cycles(periods.input)), AGENT_WORDS),
+        "picture_writer" => (writer(1), AGENT_WORDS),
+        // They ask for as much as they have room for.
+        "raw_reader" | "picture_reader" => (AGENT_WORDS, AGENT_WORDS),
+        _ => (queue::DEPTH, queue::DEPTH),
     }
 }

@@ -1,6 +1,6 @@
 //! A core that runs between a camera and a screen.
 
-use super::fifos;
+use super::fifos::{self, Fifo};
 use super::pictures::TableWords;
 use super::pins::{Camera, Screen};
 use super::recorded::cycles;
@@ -239,6 +239,21 @@ impl Rig {
         let answer = self.host.answers[before];
         let refused = || Error::Stopped(format!("the host's {access:?} was refused"));
         answer.is_good.then_some(answer.word).ok_or_else(refused)
+    }
+
+    /// Every FIFO, as full as it was since the last reset, beside what the model says for these clocks and for how late the memory was.
+    ///
+    /// # Errors
+    /// The simulation stops.
+    pub fn fifos(&mut self, begin: &Begin) -> Result<Vec<Fifo>, Error> {
+        let late = self.memory.written.most_late.max(self.memory.read.most_late);
+        let mut found = vec![];
+        for mark in self.marks.clone() {
+            let most = self.bench.get(&mark.port())? as usize;
+            let (limit, depth) = fifos::limit(&mark.name, begin.periods, late);
+            found.push(Fifo { name: mark.name, most, limit, depth });
+        }
+        Ok(found)
     }
 }
 
