@@ -76,10 +76,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let scene = draw(args.scene.parse::<Builtin>()?, args.height, args.width, &depths, 1)?;
     let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
 
-    let board = board(&args, ui)?;
+    let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
     let malvar = Malvar::default();
     let lenses = lenses(&malvar, (camera, &coded), (clear_camera, &clear))?;
     args.check_files(&lenses, board.as_ref(), ui)?;
+    misfit.iter().for_each(|misfit| ui.note(format_args!("no board: {misfit}")));
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
     let result = demo::run(&scene, &sensor, &lenses, args.tone)?;
@@ -98,19 +99,18 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.json(&data)
 }
 
-/// The board that is asked for; the usual one only where the network fits it.
-fn board(args: &Args, ui: &Ui) -> Result<Option<Board>, Error> {
+/// The board that is asked for, or why there is none: the usual one is made only where the network fits it.
+fn board(args: &Args, ui: &Ui) -> Result<Result<Option<Board>, String>, Error> {
     if args.design.as_deref() == Some(NO_DESIGN) {
-        return Ok(None);
+        return Ok(Ok(None));
     }
     let design = designs::load(args.design.as_deref().unwrap_or(DESIGN))?;
     let network = weights::fixed(&args.net)?;
     if let (None, Err(misfit)) = (&args.design, design.check_network(&network)) {
-        ui.note(format_args!("no board: {misfit}"));
-        return Ok(None);
+        return Ok(Err(misfit.to_string()));
     }
     ui.used(designs::input(&design));
-    Board::of(design, network).map(Some)
+    Ok(Ok(Some(Board::of(design, network)?)))
 }
 
 /// The usual design.
