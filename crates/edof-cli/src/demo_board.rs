@@ -93,9 +93,8 @@ impl Board {
         let picture = golden.frame(&crop)?.picture(&display).0.shown_frame();
         let passed = cosim_system::through(&design, &self.network, &display, &vec![crop; TIMES], 1, ui)?;
         if passed.in_a_row() == 0 {
-            return Err(Error::message(format!(
-                "{}: no picture was shown on the board's screen",
-                design.name
+            return Ok(Tried::LeftOut(format!(
+                "its Verilog took {TIMES} frames, and none was on the screen by then; edof cosim --system goes on for longer"
             )));
         }
         Ok(Tried::Shown { picture, seconds: start.elapsed().as_secs_f64() })
