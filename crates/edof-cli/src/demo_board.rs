@@ -18,7 +18,7 @@ pub const FOLDER: &str = "board";
 /// Rows and columns of the crop: it takes seconds, and is more than a few patches.
 const SIDE: usize = 64;
 /// The first frame is lost while the receiver waits for its vertical sync.
-const TIMES: usize = 2;
+const TIMES: usize = 5;
 /// Each pixel of the crop is shown so large.
 const ENLARGED: usize = 4;
 
