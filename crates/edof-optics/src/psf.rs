@@ -4,6 +4,7 @@
 //! grid fine enough that the field's squared magnitude does not alias. The PSF's own transform, the OTF, times the footprint of a
 //! square pixel, folded at the sensor's sampling frequency and transformed back, is the light that each pixel collects, exactly.
 
+use crate::bank;
 use crate::cosine::{EvenTransform, fold_rows, period};
 use crate::depth::geometric_blur_um;
 use crate::pupil::Pupil;
@@ -50,7 +51,8 @@ impl Settings {
     }
 }
 
-/// Light that a point gives to the pixels around its own; even about its centre along rows and along columns.
+/// Light that a point gives to the pixels around its own. Those of a lens and its mask are even about their centre along rows and
+/// along columns; others ([`mod@bank`]) need not be.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Psf {
@@ -76,11 +78,6 @@ pub enum PsfError {
     /// No centre pixel.
     #[error("kernel {height}x{width}: must be square with an odd side")]
     Shape { height: usize, width: usize },
-    /// Not even.
-    #[error(
-        "kernel: row {row}, column {column} differs from its mirror image, must be even about the centre along both axes"
-    )]
-    Uneven { row: usize, column: usize },
     /// Creates or loses light.
     #[error("kernel: sums to {0}, must sum to 1")]
     Sum(f32),
@@ -90,7 +87,7 @@ impl Psf {
     /// A PSF from a kernel of one's own.
     ///
     /// # Errors
-    /// [`PsfError`] if the kernel has no centre, is not even along both axes or does not sum to 1 within 10⁻³.
+    /// [`PsfError`] if the kernel has no centre or does not sum to 1 within 10⁻³.
     pub fn new(kernel: Array2<f32>) -> Result<Self, PsfError> {
         let (height, width) = kernel.dim();
         if height != width || height % 2 == 0 {
@@ -100,21 +97,7 @@ impl Psf {
         if sum.is_nan() || (sum - 1.0).abs() > 1e-3 {
             return Err(PsfError::Sum(sum));
         }
-        let last = height - 1;
-        let uneven = kernel.indexed_iter().find(|((r, c), v)| {
-            [(last - r, *c), (*r, last - c)].iter().any(|&at| (kernel[at] - **v).abs() > 1e-6)
-        });
-        if let Some(((row, column), _)) = uneven {
-            return Err(PsfError::Uneven { row, column });
-        }
-        Ok(Self {
-            kernel,
-            energy_kept: 1.0,
-            support: height,
-            energy_beyond: 0.0,
-            wavelengths_nm: vec![],
-            wavelength_error: 0.0,
-        })
+        Ok(Self::given(kernel))
     }
 
     /// Pixels along one side of the kernel.
@@ -132,25 +115,91 @@ impl Psf {
         part.iter().map(|&v| f64::from(v)).sum::<f64>()
             / self.kernel.iter().map(|&v| f64::from(v)).sum::<f64>()
     }
+
+    /// A kernel that sums to 1, of odd side: it is what it is.
+    fn given(kernel: Array2<f32>) -> Self {
+        Self {
+            support: kernel.nrows(),
+            kernel,
+            energy_kept: 1.0,
+            energy_beyond: 0.0,
+            wavelengths_nm: vec![],
+            wavelength_error: 0.0,
+        }
+    }
+
+    /// Whether the kernel is its own mirror image upside down, left to right, and about the diagonal, to 10⁻⁴ of its peak.
+    #[must_use]
+    pub fn symmetries(&self) -> [bool; 3] {
+        let (kernel, last) = (&self.kernel, self.side() - 1);
+        let peak = kernel.iter().fold(0.0f32, |peak, v| peak.max(*v));
+        let same = |other: &dyn Fn(usize, usize) -> (usize, usize)| {
+            kernel.indexed_iter().all(|((r, c), v)| (kernel[other(r, c)] - v).abs() <= 1e-4 * peak)
+        };
+        [same(&|r, c| (last - r, c)), same(&|r, c| (r, last - c)), same(&|r, c| (c, r))]
+    }
 }
 
-/// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength).
+/// PSFs that a camera has none of.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum NoPsf {
+    /// Blur larger than any support, or no number.
+    #[error("psi {psi}: must lie within {MOST_DEFOCUS} of the focus of camera {camera}, at {focus}")]
+    Focus { psi: f64, camera: String, focus: f64 },
+    /// Beyond the ends of its PSF bank.
+    #[error("psi {psi}: the PSF bank of camera {camera}, {file}, reaches from {low} to {high}")]
+    Bank { psi: f64, camera: String, file: String, low: f64, high: f64 },
+    /// A bank that was not read: it lies elsewhere.
+    #[error(
+        "camera {camera}: its PSFs are those of {file} (SHA-256 {sha256}), found neither beside the network nor here"
+    )]
+    Missing { camera: String, file: String, sha256: String },
+}
+
+/// Whether a camera has PSFs for an object at `psi`.
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
+    let (name, focus) = (camera.name.clone(), camera.focus_psi);
+    let Some(bank) = &camera.psf_bank else {
+        let near = (psi - focus).abs() <= MOST_DEFOCUS;
+        return if near { Ok(()) } else { Err(NoPsf::Focus { psi, camera: name, focus }) };
+    };
+    let file = bank.file.clone();
+    let Some(kernels) = &bank.kernels else {
+        return Err(NoPsf::Missing { camera: name, file, sha256: bank.sha256.clone() });
+    };
+    let [low, high] = bank::ends(kernels);
+    let inside = (low..=high).contains(&psi);
+    if inside { Ok(()) } else { Err(NoPsf::Bank { psi, camera: name, file, low, high }) }
+}
+
+/// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength): those of the camera's bank,
+/// whole whatever the settings, if it has one; else those that follow from its lens and mask.
 ///
 /// ```
 /// use edof_optics::psf::{Settings, channel_psfs};
-/// let [red, _, blue] = channel_psfs(&edof_spec::Camera::resolve("ring-2018")?, 1.0, &Settings::default());
+/// let [red, _, blue] = channel_psfs(&edof_spec::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
 /// let middle = |psf: &edof_optics::psf::Psf| psf.kernel[(psf.side() / 2, psf.side() / 2)];
 /// assert!(middle(&red) > middle(&blue), "red is in focus at psi 1");
-/// # Ok::<(), edof_spec::camera::CameraError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[must_use]
-pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> [Psf; 3] {
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> Result<[Psf; 3], NoPsf> {
+    check(camera, psi)?;
+    if let Some(kernels) = camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref()) {
+        return Ok(bank::at(kernels, psi).map(Psf::given));
+    }
     let psfs: Vec<Psf> =
         Channel::ALL.par_iter().map(|&channel| psf(camera, channel, psi, settings)).collect();
-    <[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs"))
+    Ok(<[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs")))
 }
 
-/// PSF of one channel for an object at `psi`, at most [`MOST_DEFOCUS`] from the camera's focus.
+/// PSF of one channel for an object at `psi`, at most [`MOST_DEFOCUS`] from the camera's focus, as it follows from lens and mask.
 #[must_use]
 pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
     let spectrum = camera.spectrum(channel);

@@ -1,6 +1,7 @@
 //! A camera: lens, phase mask, focus and sensor, and the JSON files that describe one.
 
 use crate::cfa::Channel;
+use crate::psf_bank::{BankError, PsfBank};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -34,10 +35,16 @@ pub struct Camera {
     pub defocus_sign: Sign,
     /// ψ at which the lens is focused (the clear aperture's sharpest depth).
     pub focus_psi: f64,
+    /// Distance in metres at which ψ is zero, where the camera knows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_m: Option<f64>,
     /// Range of ψ that the camera is meant for.
     pub psi_range: [f64; 2],
     /// Rings of the phase mask; none for a clear aperture.
     pub rings: Vec<Ring>,
+    /// PSFs of one's own in place of those that follow from lens and mask.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psf_bank: Option<PsfBank>,
     /// Where the numbers come from and how sure we are.
     pub source: String,
 }
@@ -169,6 +176,9 @@ pub enum CameraError {
     /// A number is out of range.
     #[error("camera {camera}: {field} is {value}, expected {expected}")]
     Value { camera: String, field: &'static str, value: String, expected: &'static str },
+    /// PSFs of its own that cannot be used.
+    #[error(transparent)]
+    Bank(#[from] BankError),
     /// Neither a preset nor a file.
     #[error("camera '{name}': no such file, and not one of the presets {presets}")]
     Unknown { name: String, presets: String },
@@ -194,7 +204,7 @@ impl Camera {
     /// ```
     ///
     /// # Errors
-    /// [`CameraError`]: unknown name, unreadable file, wrong text, a number out of range.
+    /// [`CameraError`]: unknown name, unreadable file, wrong text, a number out of range, a PSF bank that cannot be used.
     pub fn resolve(name_or_path: &str) -> Result<Self, CameraError> {
         if let Some((name, text)) = PRESETS.iter().find(|(name, _)| *name == name_or_path) {
             return Self::from_json(text, name);
@@ -207,10 +217,23 @@ impl Camera {
             });
         }
         let text = read(path).map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
-        Self::from_json(&text, name_or_path)
+        let mut camera = Self::from_json(&text, name_or_path)?;
+        camera.read_bank(path.parent().unwrap_or(Path::new("")))?;
+        Ok(camera)
     }
 
-    /// A camera from JSON text; `origin` names it in errors.
+    /// Reads the PSFs of its own, if it has any, from a folder.
+    ///
+    /// # Errors
+    /// [`BankError`].
+    pub fn read_bank(&mut self, folder: &Path) -> Result<(), BankError> {
+        match &mut self.psf_bank {
+            Some(bank) => bank.read(folder, &self.name, self.pixel_pitch_um),
+            None => Ok(()),
+        }
+    }
+
+    /// A camera from JSON text, without reading a PSF bank that it may name; `origin` names it in errors.
     ///
     /// # Errors
     /// [`CameraError::Parse`] or [`CameraError::Value`].
@@ -234,6 +257,7 @@ impl Camera {
             name: other.name.clone(),
             source: other.source.clone(),
             psi_range: other.psi_range,
+            nominal_m: other.nominal_m,
             ..self.clone()
         };
         renamed == *other
@@ -267,6 +291,9 @@ impl Camera {
             if !(value.is_finite() && value > 0.0) {
                 return refuse(field, value.to_string(), "a positive number");
             }
+        }
+        if let Some(metres) = self.nominal_m.filter(|metres| metres.is_nan() || *metres <= 0.0) {
+            return refuse("nominal_m", metres.to_string(), "a distance of more than 0 m");
         }
         let [low, high] = self.psi_range;
         if !(low.is_finite() && high.is_finite() && low <= high) {
