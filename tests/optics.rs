@@ -4,7 +4,7 @@ mod support;
 
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_spec::{Camera, CfaPhase};
+use edof_spec::{Camera, CfaPhase, ColourFrame};
 use ndarray::{Array3, Array4, s};
 use ndarray_npy::{NpzReader, NpzWriter};
 use serde_json::Value;
@@ -196,20 +196,22 @@ fn a_photograph_with_a_depth_map_is_captured_and_reconstructed() {
         .edof("capture photo.png --camera clear --psi 0 --no-measure --out flat.png --light flat-light.png")
         .done();
     let flat = photo::load(&place.path("flat-light.png")).unwrap();
-    let moved = |columns: std::ops::Range<usize>| {
+    let moved = |light: &ColourFrame, columns: std::ops::Range<usize>| {
         let part = s![.., .., columns];
         (&light.planes.slice(part) - &flat.planes.slice(part)).mapv(f32::abs).mean().unwrap()
     };
     assert!(
-        moved(0..40) > 10.0 * moved(60..96),
+        moved(&light, 0..40) > 10.0 * moved(&light, 60..96),
         "near is blurred, far is not: {} {}",
-        moved(0..40),
-        moved(60..96)
+        moved(&light, 0..40),
+        moved(&light, 60..96)
     );
     let (metres, _) = capture("--range 3.1109m:10m --nominal 10");
     assert!((metres[1].as_f64().unwrap() - 8.0).abs() < 1e-3 && metres[0].as_f64().unwrap().abs() < 1e-9);
-    let (distances, _) = capture("--range 10m:3.1109m --nominal 10 --map-of distance");
+    // The same map as one of distances: white is far.
+    let (distances, light) = capture("--range 3.1109m:10m --nominal 10 --map-of distance");
     assert!((distances[1].as_f64().unwrap() - 8.0).abs() < 1e-3, "{distances}");
+    assert!(moved(&light, 60..96) > 10.0 * moved(&light, 0..40));
     place.edof("reconstruct raw.png --weights net.safetensors --out out.png").done();
 }
 

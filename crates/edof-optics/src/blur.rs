@@ -3,7 +3,7 @@
 use crate::cosine::{EvenTransform, Parity, fold_rows_as, period};
 use crate::psf::Psf;
 use edof_spec::ColourFrame;
-use ndarray::{Array2, ArrayView2, Axis, s};
+use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 
 /// Plans for blurring planes of one size. A plane's spectrum can be blurred by many PSFs, a PSF's transfer can blur many planes;

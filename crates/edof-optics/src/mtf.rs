@@ -43,15 +43,15 @@ impl Otf {
     }
 }
 
-/// The OTF of a channel for an object at `psi`. Of a bank's PSF that is not even it is the magnitude, and it ends where pixels
-/// see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it is divided out.
+/// The OTF of a channel for an object at `psi`. Of a bank or an aberrated lens it is taken from the PSF: the magnitude, where that is
+/// not even, and it ends where pixels see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it is divided out.
 ///
 /// # Errors
 /// [`NoPsf`].
 pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<Otf, NoPsf> {
     psf::check(camera, psi)?;
     let step_per_mm = 1e3 / (SUPPORT as f64 * camera.pixel_pitch_um);
-    if camera.psf_bank.is_some() {
+    if camera.psf_bank.is_some() || !camera.aberrations.is_empty() {
         let psf = &channel_psfs(camera, psi, &Settings::default())?[channel.plane()];
         return Ok(Otf { step_per_mm, values: contrast_of(psf, footprint) });
     }

@@ -4,6 +4,8 @@
 //! grid fine enough that the field's squared magnitude does not alias. The PSF's own transform, the OTF, times the footprint of a
 //! square pixel, folded at the sensor's sampling frequency and transformed back, is the light that each pixel collects, exactly.
 
+mod wavefront;
+
 use crate::bank;
 use crate::cosine::{EvenTransform, fold_rows, period};
 use crate::depth::geometric_blur_um;
@@ -203,18 +205,43 @@ pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> Result<[P
 #[must_use]
 pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
     let spectrum = camera.spectrum(channel);
-    let (support, energy_beyond) = support(camera, wavelengths(spectrum, 1)[0], psi, settings);
-    let (quarter, wavelengths_nm, wavelength_error) = summed(camera, spectrum, psi, support, settings);
-    let (half, energy_kept) = if settings.cuts_kernels() {
-        smallest_square(&quarter, settings.energy)
-    } else {
-        (quarter.nrows() - 2, 1.0)
-    };
-    let side = 2 * half + 1;
-    let kernel = Array2::from_shape_fn((side, side), |(r, c)| quarter[(r.abs_diff(half), c.abs_diff(half))]);
-    let sum = kernel.sum();
-    let kernel = kernel.mapv(|v| (v / sum) as f32);
+    let middle = wavelengths(spectrum, 1)[0];
+    let (support, energy_beyond) = support(camera, middle, psi, settings);
+    if !camera.aberrations.is_empty() {
+        let support = wavefront::support(camera, middle, support);
+        let at = |nm: f64| wavefront::whole_psf(camera, nm, psi, support);
+        let (whole, wavelengths_nm, wavelength_error) = summed(spectrum, settings, at, |plane| plane.sum());
+        let (half, energy_kept) = cut(&wavefront::square_sums(&whole), settings);
+        let offset = |i: usize| (i + support - half) % support;
+        let kernel = scaled(2 * half + 1, |r, c| whole[(offset(r), offset(c))]);
+        return Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error };
+    }
+    let at = |nm: f64| quarter_psf(camera, nm, psi, support);
+    let (quarter, wavelengths_nm, wavelength_error) = summed(spectrum, settings, at, whole_sum);
+    let mut sums = square_sums(&quarter);
+    // The last row and column of the support stand for both of its edges and belong to no square.
+    sums.pop();
+    let (half, energy_kept) = cut(&sums, settings);
+    let kernel = scaled(2 * half + 1, |r, c| quarter[(r.abs_diff(half), c.abs_diff(half))]);
     Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error }
+}
+
+/// A kernel of that side that sums to 1.
+fn scaled(side: usize, light: impl Fn(usize, usize) -> f64) -> Array2<f32> {
+    let kernel = Array2::from_shape_fn((side, side), |(r, c)| light(r, c));
+    let sum = kernel.sum();
+    kernel.mapv(|v| (v / sum) as f32)
+}
+
+/// Half side of the smallest centred square that keeps as much light as is asked for, and the share that it keeps; `sums` are those
+/// over the squares of sides 1, 3, 5 ….
+fn cut(sums: &[f64], settings: &Settings) -> (usize, f64) {
+    let (last, total) = (sums.len() - 1, sums[sums.len() - 1]);
+    if !settings.cuts_kernels() {
+        return (last, 1.0);
+    }
+    let half = sums.iter().position(|&s| s >= settings.energy * total).unwrap_or(last);
+    (half, sums[half] / total)
 }
 
 /// Side of the support in pixels, and the share of energy estimated beyond it.
@@ -238,15 +265,14 @@ fn support(camera: &Camera, wavelength_nm: f64, psi: f64, settings: &Settings) -
 /// The most wavelengths a channel is sampled at.
 const MOST_WAVELENGTHS: usize = 27;
 
-/// Quarter PSF of a spectrum: as many wavelengths as the tolerance needs, tripled until the PSF no longer moves.
+/// PSF of a spectrum: as many wavelengths as the tolerance needs, tripled until the PSF no longer moves. `at` gives that of one
+/// wavelength, `light` the sum over a plane.
 fn summed(
-    camera: &Camera,
     spectrum: &Spectrum,
-    psi: f64,
-    support: usize,
     settings: &Settings,
+    at: impl Fn(f64) -> Array2<f64>,
+    light: impl Fn(&Array2<f64>) -> f64,
 ) -> (Array2<f64>, Vec<f64>, f64) {
-    let at = |nm: f64| quarter_psf(camera, nm, psi, support);
     let (mut nodes, mut error) = (wavelengths(spectrum, 1), 0.0);
     let mut mean = at(nodes[0]);
     if !has_width(spectrum) {
@@ -258,7 +284,7 @@ fn summed(
         let mut sum = &mean * nodes.len() as f64;
         finer.iter().enumerate().filter(|(i, _)| i % 3 != 1).for_each(|(_, &nm)| sum += &at(nm));
         let next = sum / finer.len() as f64;
-        error = whole_sum(&(&next - &mean).mapv(f64::abs)) / 2.0;
+        error = light(&(&next - &mean).mapv(f64::abs)) / 2.0;
         (nodes, mean) = (finer, next);
         if settings.cuts_wavelengths() && error <= settings.wavelength_tolerance {
             break;
@@ -408,14 +434,4 @@ fn square_sums(quarter: &Array2<f64>) -> Vec<f64> {
             sum
         })
         .collect()
-}
-
-/// Half side of the smallest centred square that keeps a share `energy` of the light, and the share it keeps. The last row and
-/// column of the support stand for both of its edges and belong to no square.
-fn smallest_square(quarter: &Array2<f64>, energy: f64) -> (usize, f64) {
-    let sums = square_sums(quarter);
-    let usable = sums.len() - 1;
-    let total: f64 = sums[usable - 1];
-    let half = sums[..usable].iter().position(|&s| s >= energy * total).unwrap_or(usable - 1);
-    (half, sums[half] / total)
 }

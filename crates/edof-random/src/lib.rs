@@ -182,6 +182,8 @@ fn origin(name: &str) -> Origin {
         nominal_m: None,
         psi_range: [0.0, 8.0],
         rings: vec![],
+        profile: None,
+        aberrations: vec![],
         psf_bank: None,
         source: "drawn".into(),
     };

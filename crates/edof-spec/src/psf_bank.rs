@@ -133,7 +133,7 @@ impl Kernels {
         let mut take = |array: &'static str| {
             arrays.remove(array).ok_or_else(|| KernelsError::Missing { array, found: found.clone() })
         };
-        let made = || {
+        let mut made = || {
             let (psi, psf, pitch) = (take("psi")?, take("psf")?, take("pixel_pitch_um").ok());
             let shape = |array, of: &ArrayD<f64>, expected: &str| KernelsError::Shape {
                 array,

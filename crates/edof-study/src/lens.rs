@@ -15,10 +15,11 @@ const CHANNELS: [(&str, &str); 3] = [("red", "#d62728"), ("green", "#2ca02c"), (
 const SHOWN: usize = 31;
 const ENLARGED: usize = 4;
 
-/// The same lens, sensor and focus without the mask, and without aberrations.
+/// The same lens, sensor and focus without the mask; computed, whatever PSFs the camera has of its own.
 #[must_use]
 pub fn without_mask(camera: &Camera) -> Camera {
-    Camera { name: format!("{} without mask", camera.name), rings: vec![], psf_bank: None, ..camera.clone() }
+    let name = format!("{} without mask", camera.name);
+    Camera { name, rings: vec![], profile: None, psf_bank: None, ..camera.clone() }
 }
 
 /// Figure 1(a): green's response over spatial frequency, as a share of the cut-off, at each ψ; negative where contrast is
@@ -59,7 +60,7 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         Ok(CHANNELS.into_iter().enumerate().map(curve).collect())
     };
     let mut series = curves(camera, Mark::Line, "")?;
-    if !camera.rings.is_empty() || camera.psf_bank.is_some() {
+    if !camera.rings.is_empty() || camera.profile.is_some() || camera.psf_bank.is_some() {
         series.extend(curves(&without_mask(camera), Mark::Dotted, ", no mask")?);
     }
     Ok(Plot {

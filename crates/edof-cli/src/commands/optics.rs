@@ -359,6 +359,12 @@ impl Design {
         let mut base = Camera::resolve(&self.camera)?;
         // Another mask has other PSFs.
         base.psf_bank = None;
+        if !base.aberrations.is_empty() {
+            return Err(Error::message(format!(
+                "--camera {}: has aberrations; masks are designed for lenses without",
+                self.camera
+            )));
+        }
         base.psi_range = match self.psi_range[..] {
             [] => base.psi_range,
             [low, high] => [low, high],
