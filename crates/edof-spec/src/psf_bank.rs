@@ -210,9 +210,8 @@ impl PsfBank {
         if !self.sha256.is_empty() && self.sha256 != found {
             return Err(BankError::Changed { path, camera, found, stated: self.sha256.clone() });
         }
-        if let Some(pitch) =
-            kernels.pixel_pitch_um.filter(|pitch| !((pitch / pixel_pitch_um - 1.0).abs() <= 1e-3))
-        {
+        let same = |pitch: f64| (pitch / pixel_pitch_um - 1.0).abs() <= 1e-3;
+        if let Some(pitch) = kernels.pixel_pitch_um.filter(|pitch| !same(*pitch)) {
             return Err(BankError::Pitch { path, camera, found: pitch, expected: pixel_pitch_um });
         }
         (self.sha256, self.kernels) = (found, Some(Arc::new(kernels)));
