@@ -3,8 +3,7 @@
 //! The transaction model: what comes out are whole frames that went in, in order, none older than one that came before; what was
 //! broken or answered by an error never comes out; the counters say how many there were of each.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Mark, Memory, Pace, Receiver, Sender};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source, lint};

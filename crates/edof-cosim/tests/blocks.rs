@@ -1,11 +1,7 @@
 //! Every block, given the same stimulus in rust-hdl's simulation, in Verilator and in Icarus: the same outputs in every cycle.
 
-mod common;
-mod differential;
-mod support;
-
-use common::{committed, networks};
-use differential::{agree, agree_with_images, bit, ported, word};
+use crate::common::{committed, networks};
+use crate::differential::{agree, agree_with_images, bit, ported, word};
 use edof_hdl::blocks::add::Add;
 use edof_hdl::blocks::base_ring::BaseRing;
 use edof_hdl::blocks::counters::Counters;

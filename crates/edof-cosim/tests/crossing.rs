@@ -1,7 +1,6 @@
 //! The ways between clock domains: clocks that have nothing to do with each other, changes seen an edge later by lot, resets at any time.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Pace, Receiver, Sender};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};

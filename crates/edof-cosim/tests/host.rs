@@ -1,7 +1,6 @@
 //! The host's way to the board: registers behind AXI4-Lite, and a serial line in UARTBone's frames before them.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::axi_lite::{Access, Answer};
 use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace};
 use edof_cosim::verilator::{Library, Model, Start};

@@ -1,12 +1,8 @@
 //! Every block and leaf of the video side, given the same stimulus in rust-hdl's simulation, in Verilator and in Icarus: the same outputs in
 //! every cycle.
 
-mod common;
-mod differential;
-mod support;
-
-use common::committed;
-use differential::{Last, agree, agree_with_images, bit, ported, word};
+use crate::common::committed;
+use crate::differential::{Last, agree, agree_with_images, bit, ported, word};
 use edof_hdl::describe::Circuit;
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
 use edof_hdl::video::overlap_add::OverlapAdd;
