@@ -43,15 +43,21 @@ const CRATES: &[Row] = &[
     },
     Row { name: "edof-hdl-derive", uses: &[], tests_use: &[], knows_nothing_of: &["edof-spec"] },
     Row {
+        name: "edof-verilog",
+        uses: &["edof-hdl-derive"],
+        tests_use: &[],
+        knows_nothing_of: &["edof-spec"],
+    },
+    Row {
         name: "edof-hdl",
-        uses: &["edof-spec", "edof-hdl-derive"],
+        uses: &["edof-spec", "edof-verilog"],
         tests_use: &[],
         knows_nothing_of: &["edof-train", "edof-golden", "edof-io", "edof-optics"],
     },
     Row {
         name: "edof-cosim",
         uses: &["edof-spec", "edof-golden", "edof-hdl"],
-        tests_use: &["edof-random"],
+        tests_use: &["edof-random", "edof-verilog"],
         knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {
@@ -265,7 +271,11 @@ fn every_file_of_tests_is_part_of_its_program() {
         for entry in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
             let part = entry.file_stem().unwrap().to_str().unwrap();
             let is_rust = entry.extension().is_some_and(|e| e == "rs") && part != program;
-            assert!(!is_rust || known.contains(&*format!("{part};")), "{} is no part of {program}", entry.display());
+            assert!(
+                !is_rust || known.contains(&*format!("{part};")),
+                "{} is no part of {program}",
+                entry.display()
+            );
         }
     }
 }

@@ -8,10 +8,10 @@ use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Mark, Memory, Pace, Recei
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source, lint};
 use edof_hdl::board::{AxiPair, Frames, ReadAgent, WriteAgent};
-use edof_hdl::describe::Circuit;
 use edof_hdl::ports::{AxiReadMaster, AxiWriteMaster, StreamIn, StreamOut};
 use edof_spec::draw::Draw;
 use edof_spec::fifos::agent_words;
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 use std::path::Path;
 

@@ -24,12 +24,12 @@ use edof_hdl::blocks::shrink::Shrink;
 use edof_hdl::blocks::stage::Stage;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
-use edof_hdl::describe::Circuit;
 use edof_spec::design::memory::{self, Shifts, Space};
 use edof_spec::design::reading;
 use edof_spec::draw::Draw;
 use edof_spec::network::{Recurrence, Shrinkage};
 use edof_spec::{Design, FixedNetwork};
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
 ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);

@@ -3,9 +3,9 @@
 use crate::support::build;
 use edof_cosim::verilator::Start;
 use edof_cosim::{Layout, Source, icarus, lint};
-use edof_hdl::describe::Circuit;
 use edof_hdl::leaf::Leaf;
 use edof_hdl::verilog;
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
 /// Sums what comes in.

@@ -6,11 +6,11 @@ use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::board::{BoardRegisters, Identity, UartBus};
-use edof_hdl::describe::Circuit;
 use edof_hdl::ports::AxiLiteMaster;
 use edof_spec::draw::Draw;
 use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS, register};
 use edof_spec::registers::{self, Window};
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
 

@@ -4,8 +4,8 @@
 use std::process::Command;
 
 use crate::testbench::{BOTH, Random, emit, run};
-use edof_hdl::describe::Circuit;
 use edof_hdl::verilog::Emitted;
+use edof_verilog::describe::Circuit;
 use rust_hdl::core::simulate::simulate;
 use rust_hdl::prelude::*;
 

@@ -1,7 +1,7 @@
 //! The seven expressions that rust-hdl's own printer translates wrongly, and its simulation as the judge.
 
 use crate::testbench::{BOTH, Random, emit, run};
-use edof_hdl::describe::Circuit;
+use edof_verilog::describe::Circuit;
 use rust_hdl::core::simulate::simulate;
 use rust_hdl::prelude::*;
 
