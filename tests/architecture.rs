@@ -106,7 +106,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     // Pictures. The golden pipeline's tests read photographs.
     ("image", &["edof-io", "edof-study", "edof-golden"]),
     ("libloading", &["edof-cosim"]),
-    ("rust-hdl", &["edof-hdl", "edof-cosim"]),
+    ("rust-hdl", &["edof-verilog", "edof-hdl", "edof-cosim"]),
     ("syn", &["edof-hdl-derive"]),
 ];
 
