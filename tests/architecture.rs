@@ -34,7 +34,7 @@ const CRATES: &[Row] = &[
         tests_use: &[],
         knows_nothing_of: NETWORKS,
     },
-    Row { name: "edof-deblur", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: NETWORKS },
+    Row { name: "edof-deblur", uses: &["edof-spec", "edof-fft"], tests_use: &[], knows_nothing_of: NETWORKS },
     Row {
         name: "edof-golden",
         uses: &["edof-spec"],
