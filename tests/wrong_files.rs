@@ -1,9 +1,7 @@
 //! Every file that a command reads, replaced by each kind of wrong one, and every option with values that it cannot have: exit status
 //! 1 or 2, one line that names it, nothing written, in no time and little memory.
 
-mod support;
-
-use support::Place;
+use crate::support::Place;
 
 /// Commands with a gap for the file that is wrong.
 const COMMANDS: [&str; 38] = [
