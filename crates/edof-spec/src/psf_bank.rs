@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_bank_is_known_by_its_kernels_and_depths() {
-        let hash = |psis: &[f64], psf| kernels(psis, psf).unwrap().sha256();
+        let hash = |psis: &[f64], psf: &Array4<f64>| kernels(psis, psf).unwrap().sha256();
         let (one, mut other) = (arrays(5, 5), arrays(5, 5));
         assert_eq!(hash(&[0.0, 4.0], &one), hash(&[0.0, 4.0], &arrays(9, 7)));
         assert_ne!(hash(&[0.0, 4.0], &one), hash(&[0.0, 5.0], &one));
