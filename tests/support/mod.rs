@@ -34,7 +34,11 @@ impl Place {
     /// takes neither. (The program as it is tested is hardly optimised.)
     pub fn edof_within_bounds(&self, line: &str) -> Run {
         let mut command = self.prepared(Command::new("sh"));
-        command.args(["-c", "ulimit -v 1048576 -t 3; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_edof")]);
+        command.args([
+            "-c",
+            "ulimit -v 1048576; ulimit -t 3; exec \"$0\" \"$@\"",
+            env!("CARGO_BIN_EXE_edof"),
+        ]);
         command.args(line.split_whitespace()).output().unwrap().into()
     }
 

@@ -260,6 +260,6 @@ mod tests {
         let camera = Camera::resolve("clear-mid").unwrap();
         let far = draw(Builtin::Chart, 64, 96, &[300.0], 0).unwrap();
         let error = capture(&far, &camera, &Sensor::default(), &Approximation::default()).unwrap_err();
-        assert_eq!(error.to_string(), "psi 300: must lie within 200 of the camera's focus at 4");
+        assert_eq!(error.to_string(), "psi 300: must lie within 200 of the focus of camera clear-mid, at 4");
     }
 }
