@@ -14,6 +14,7 @@ use edof_spec::provenance::Input;
 use edof_spec::{Camera, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
+use std::io::Read;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -96,6 +97,9 @@ pub enum StudyError {
     Other { path: PathBuf, found: String, wanted: String },
 }
 
+/// More than any file of rows has.
+const MOST_BYTES: u64 = 256 << 20;
+
 /// The rows that there are, in their file.
 #[derive(Debug)]
 pub struct Journal {
@@ -111,11 +115,14 @@ impl Journal {
     /// # Errors
     /// [`StudyError::Read`], [`StudyError::Line`] or [`StudyError::Other`].
     pub fn open(path: &Path, header: Header) -> Result<Self, StudyError> {
-        let text = match std::fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        let mut text = String::new();
+        // Devices may never end.
+        let read = std::fs::File::open(path).and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text));
+        match read {
+            Ok(_) => {}
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
             Err(source) => return Err(StudyError::Read { path: path.to_owned(), source }),
-        };
+        }
         let wrong = |line: usize, error: serde_json::Error| StudyError::Line {
             path: path.to_owned(),
             line: line + 1,
