@@ -193,7 +193,7 @@ const OPTIONS: [(&str, &[&str]); 18] = [
             "--depth-map raw.png --range 8",
             "--depth-map raw.png --range a:b",
             "--depth-map raw.png --range 8:0",
-            "--psi 1 --layers 4",
+            "--psi 1 --layers x",
             "--psi 1 --json o.png",
         ],
     ),

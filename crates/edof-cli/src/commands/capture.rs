@@ -69,11 +69,11 @@ pub struct Args {
 
     /// What the depth map's values are proportional to: nearness, between white and black as psi is (one over the distance), or
     /// distance, between black (NEAR) and white (FAR), as range finders and renderers give it
-    #[arg(long, value_enum, default_value_t = MapOf::Nearness, requires = "depth_map")]
+    #[arg(long, value_enum, default_value_t = MapOf::Nearness)]
     map_of: MapOf,
 
     /// Most layers that the photograph is cut into
-    #[arg(long, default_value_t = 16, value_name = "N", requires = "depth_map")]
+    #[arg(long, default_value_t = 16, value_name = "N")]
     layers: usize,
 
     /// Bits a pixel of the sensor, 8 to 16
