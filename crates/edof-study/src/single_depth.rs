@@ -7,9 +7,10 @@ use crate::kodak::{Conditions, KodakError, Row as Measured, Setup, Trial};
 use crate::method::Method;
 use crate::photos::Photo;
 use crate::spec::{Case, MethodSpec, PrepareError};
-use edof_optics::psf::{MOST_DEFOCUS, Settings, channel_psfs};
+use edof_optics::psf::{Settings, channel_psfs};
 use edof_spec::atomic::{self, WriteError};
-use edof_spec::provenance::{Input, sha256};
+use edof_spec::digest::sha256;
+use edof_spec::provenance::Input;
 use edof_spec::{Camera, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -227,13 +228,9 @@ pub fn run(
     let setup = Setup { camera: plan.camera.clone(), entries: vec![] };
     let mut done = 0;
     for &psi in &plan.psi {
-        let defocus = (psi - plan.camera.focus_psi).abs();
-        if defocus.is_nan() || defocus > MOST_DEFOCUS {
-            return Err(KodakError::Psi { psi, camera: plan.camera.name.clone() }.into());
-        }
         let conditions =
             Conditions { tone: Tone::Linear, psi: vec![psi], noise: plan.noise.clone(), optics: plan.optics };
-        let psfs = channel_psfs(&plan.camera, psi, &plan.optics);
+        let psfs = channel_psfs(&plan.camera, psi, &plan.optics).map_err(KodakError::from)?;
         let mut prepared: HashMap<(usize, usize), (Box<dyn Reconstructor>, f64)> = HashMap::new();
         for (photo, hash) in photos.iter().zip(&hashes) {
             let is_missing = |&(n, m): &(usize, usize)| {
