@@ -56,6 +56,12 @@ const CRATES: &[Row] = &[
         knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {
+        name: "edof-board",
+        uses: &["edof-spec", "edof-golden"],
+        tests_use: &["edof-random"],
+        knows_nothing_of: &["edof-train", "edof-hdl", "edof-optics", "edof-random"],
+    },
+    Row {
         name: "edof-train",
         uses: &["edof-spec", "edof-numerics", "edof-sparse", "edof-optics"],
         tests_use: &["edof-random"],
@@ -84,6 +90,7 @@ const CRATES: &[Row] = &[
             "edof-golden",
             "edof-hdl",
             "edof-cosim",
+            "edof-board",
             "edof-train",
             "edof-quantize",
             "edof-study",
@@ -102,6 +109,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("image", &["edof-io", "edof-study", "edof-golden"]),
     ("libloading", &["edof-cosim"]),
     ("rust-hdl", &["edof-hdl", "edof-cosim"]),
+    ("serialport", &["edof-board"]),
     ("syn", &["edof-hdl-derive"]),
 ];
 
