@@ -6,6 +6,6 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_simulators
-cargo test --workspace --locked --no-fail-fast --test all_photos --test chain --test expressions --test full_width --test hardware --test resources --test timing -- --ignored --test-threads 2
+cargo test --workspace --locked --no-fail-fast --test circuits --test program --test all_photos -- --ignored --test-threads 2
 ./scripts/test-fusesoc.sh
 say "all passed"

@@ -30,13 +30,12 @@ beside() {
     "$@" >"$logs/$name" 2>&1 &
     jobs[$name]=$!
 }
+failed=()
 wait_for() {
-    local failed=0
-    wait "${jobs[$1]}" || failed=1
+    wait "${jobs[$1]}" || failed+=("$1")
     unset "jobs[$1]"
     say "$1"
     cat "$logs/$1"
-    [ "$failed" = 0 ] || fail "$1: failed"
 }
 stop() {
     [ "${#jobs[@]}" = 0 ] || kill "${jobs[@]}" 2>/dev/null || true
@@ -51,28 +50,21 @@ export PROPTEST_RNG_SEED=${PROPTEST_RNG_SEED:-2018}
 say "building"
 cargo test --workspace --lib --bins --tests --examples --locked --no-run
 
-# Three lists of programs, side by side: many programs keep only one core busy. All of them name programs of the whole workspace:
-# for a package alone cargo would choose other features and build everything again.
-circuits=(blocks board chain chain_in_rust edof_core full_width planted_faults stream_core video_blocks)
-simulations=() tools=() others=(--lib --bins --examples)
-for program in crates/*/tests/*.rs tests/*.rs; do
-    name=$(basename "$program" .rs)
-    case $program in
-    crates/edof-cosim/*)
-        if [[ " ${circuits[*]} " == *" $name "* ]]; then simulations+=(--test "$name"); else tools+=(--test "$name"); fi
-        ;;
-    *) others+=(--test "$name") ;;
-    esac
+# Circuits in simulation beside all else, whose programs come one after another. Programs are named of the whole workspace: for a
+# package alone cargo would choose other features and build everything again.
+others=(--lib --bins --examples)
+for program in tests/program.rs crates/*/tests/*.rs; do
+    [[ $program == crates/edof-cosim/* ]] || others+=(--test "$(basename "$program" .rs)")
 done
 tests() { cargo test --workspace --no-fail-fast --locked "$@"; }
-beside "tests of circuits" tests "${simulations[@]}"
-beside "tests of tools and parts" tests "${tools[@]}"
+beside "tests of circuits" tests --test circuits
+# Whoever runs this waits for minutes, and is told everything that failed.
 say "tests of all else"
-tests "${others[@]}"
+tests "${others[@]}" || failed+=("tests of all else")
 say "the contract on paper"
-EDOF=${CARGO_TARGET_DIR:-target}/debug/edof ./scripts/test-oracle.sh
+EDOF=${CARGO_TARGET_DIR:-target}/debug/edof ./scripts/test-oracle.sh || failed+=("the contract on paper")
 say "examples in the documentation"
-cargo test --workspace --doc --locked
-wait_for "tests of tools and parts"
+cargo test --workspace --doc --locked || failed+=("examples in the documentation")
 wait_for "tests of circuits"
+[ "${#failed[@]}" = 0 ] || fail "failed: $(printf '%s; ' "${failed[@]}")"
 say "all passed, $SECONDS seconds"

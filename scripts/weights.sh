@@ -17,7 +17,7 @@ networks=(
     "edof-t4w12-outer-light edof-t4w12 ring-outer --tone srgb"
 )
 seeds=1,2,3
-second_round=(--weighting mse --steps 20000)
+second_round=(--weighting mse --steps 40000)
 # Ranges of all codes are measured on the study's training photographs.
 calibration=${EDOF_KODAK:-../shared/data/kodak}
 

@@ -1,9 +1,8 @@
 //! The invariants of ARCHITECTURE.md that manifests can hold: which crate may name which, and that what is named is used.
 
-mod workspace;
-
+use crate::workspace;
+use crate::workspace::{Kind, Package, packages, sources};
 use std::collections::BTreeSet;
-use workspace::{Kind, Package, packages, sources};
 
 /// What a crate may name of ours.
 struct Row {
@@ -35,7 +34,7 @@ const CRATES: &[Row] = &[
         tests_use: &[],
         knows_nothing_of: NETWORKS,
     },
-    Row { name: "edof-deblur", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: NETWORKS },
+    Row { name: "edof-deblur", uses: &["edof-spec", "edof-fft"], tests_use: &[], knows_nothing_of: NETWORKS },
     Row {
         name: "edof-golden",
         uses: &["edof-spec"],
@@ -44,15 +43,21 @@ const CRATES: &[Row] = &[
     },
     Row { name: "edof-hdl-derive", uses: &[], tests_use: &[], knows_nothing_of: &["edof-spec"] },
     Row {
+        name: "edof-verilog",
+        uses: &["edof-hdl-derive"],
+        tests_use: &[],
+        knows_nothing_of: &["edof-spec"],
+    },
+    Row {
         name: "edof-hdl",
-        uses: &["edof-spec", "edof-hdl-derive"],
+        uses: &["edof-spec", "edof-verilog"],
         tests_use: &[],
         knows_nothing_of: &["edof-train", "edof-golden", "edof-io", "edof-optics"],
     },
     Row {
         name: "edof-cosim",
         uses: &["edof-spec", "edof-golden", "edof-hdl"],
-        tests_use: &["edof-random"],
+        tests_use: &["edof-random", "edof-verilog"],
         knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {
@@ -108,7 +113,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     // Pictures. The golden pipeline's tests read photographs.
     ("image", &["edof-io", "edof-study", "edof-golden"]),
     ("libloading", &["edof-cosim"]),
-    ("rust-hdl", &["edof-hdl", "edof-cosim"]),
+    ("rust-hdl", &["edof-verilog", "edof-hdl", "edof-cosim"]),
     ("serialport", &["edof-board"]),
     ("syn", &["edof-hdl-derive"]),
 ];
@@ -266,13 +271,20 @@ fn every_dependency_of_the_workspace_is_named_by_a_crate() {
 }
 
 #[test]
-fn every_whole_program_test_is_run() {
-    let known: BTreeSet<String> = packages().into_iter().flat_map(|package| package.targets).collect();
-    let tests =
-        std::fs::read_dir(workspace::root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
-    for test in tests.filter(|path| path.extension().is_some_and(|e| e == "rs")) {
-        let test = test.canonicalize().unwrap().display().to_string();
-        assert!(known.contains(&test), "{test} is no [[test]] of crates/edof-cli/Cargo.toml");
+fn every_file_of_tests_is_part_of_its_program() {
+    for (folder, program) in [("tests", "program"), ("crates/edof-cosim/tests", "circuits")] {
+        let folder = workspace::root().join(folder);
+        let text = std::fs::read_to_string(folder.join(program).with_extension("rs")).unwrap();
+        let known: BTreeSet<&str> = text.lines().filter_map(|line| line.strip_prefix("mod ")).collect();
+        for entry in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            let part = entry.file_stem().unwrap().to_str().unwrap();
+            let is_rust = entry.extension().is_some_and(|e| e == "rs") && part != program;
+            assert!(
+                !is_rust || known.contains(&*format!("{part};")),
+                "{} is no part of {program}",
+                entry.display()
+            );
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 //! Everything that a user can get wrong: one clear line, a non-zero exit status, no panic, no file left.
 
-mod support;
-
-use support::{Place, forge};
+use crate::support;
+use crate::support::{Place, forge};
 
 const RECONSTRUCT: &str = "reconstruct raw.png --weights net.safetensors --out out.png";
 

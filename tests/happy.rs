@@ -1,14 +1,12 @@
 //! What the program is for, done by the real binary on small inputs.
 
-mod support;
-
+use crate::support::Place;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use edof_spec::Tone;
 use serde_json::json;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
-use support::Place;
 
 #[test]
 fn a_network_that_copies_gives_the_raw_pixels_back() {

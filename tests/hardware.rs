@@ -1,10 +1,8 @@
 //! `generate`, `estimate` and `cosim`, by the real binary.
 
-mod support;
-
+use crate::support::Place;
 use serde_json::Value;
 use std::process::Command;
-use support::Place;
 
 fn design(change: impl Fn(&mut Value)) -> String {
     let mut design: Value = serde_json::from_str(include_str!("../designs/tiny.json")).unwrap();

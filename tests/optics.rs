@@ -1,12 +1,10 @@
 //! Optics, scenes and captures by the real binary.
 
-mod support;
-
+use crate::support::Place;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use edof_spec::{Camera, CfaPhase};
 use serde_json::Value;
-use support::Place;
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()

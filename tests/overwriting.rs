@@ -1,8 +1,7 @@
 //! No command writes over what it reads, nor one output over another; and a generated folder replaces only what it wrote itself.
 
-mod support;
-
-use support::Place;
+use crate::support;
+use crate::support::Place;
 
 /// One of everything that a command reads.
 fn ready() -> Place {

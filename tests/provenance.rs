@@ -1,11 +1,9 @@
 //! Every result says how it came to be; frames know what they are.
 
-mod support;
-
+use crate::support::Place;
 use edof_spec::provenance::InputKind;
 use edof_spec::weight_file::{load_fixed, load_network};
 use serde_json::Value;
-use support::Place;
 
 const TRAIN: &str = "train --form one-sided,w8,t3,c16 --camera clear --images photos --photos all --depths 2 --steps 4 \
                      --batch 64 --validate-every 2";

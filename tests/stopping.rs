@@ -2,10 +2,8 @@
 
 #![cfg(target_os = "linux")]
 
-mod support;
-
+use crate::support::Place;
 use std::process::{Child, Command, Stdio};
-use support::Place;
 
 fn ready() -> Place {
     let place = Place::new();

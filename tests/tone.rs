@@ -1,12 +1,10 @@
 //! Light and its encoding, and noise, by the real binary.
 
-mod support;
-
+use crate::support::Place;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use edof_spec::{ColourFrame, Tone};
 use serde_json::{Value, json};
-use support::Place;
 
 /// Sensor values of a raw frame of 12 bits.
 fn sensor_values(place: &Place, name: &str) -> Vec<u16> {

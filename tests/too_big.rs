@@ -1,8 +1,7 @@
 //! Numbers that no machine or lens can serve are refused in one line, before any work.
 
-mod support;
-
-use support::Place;
+use crate::support;
+use crate::support::Place;
 
 #[test]
 fn jobs_that_no_machine_can_hold() {

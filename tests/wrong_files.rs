@@ -1,8 +1,6 @@
 //! Every file that a command reads, replaced by each kind of wrong one: exit status 1, one line that names it, nothing written.
 
-mod support;
-
-use support::Place;
+use crate::support::Place;
 
 /// Commands with a gap for the file that is wrong.
 const COMMANDS: [&str; 28] = [

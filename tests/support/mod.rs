@@ -1,7 +1,5 @@
 //! The real binary in a folder of its own.
 
-#![allow(dead_code, missing_docs)]
-
 use edof_spec::fixed_network::{FixedMatrix, FixedNetwork};
 use edof_spec::network::{Form, Network, Origin, Recurrence, Shrinkage};
 use edof_spec::overlap::Overlap;

@@ -3,16 +3,15 @@
 //! The transaction model: what comes out are whole frames that went in, in order, none older than one that came before; what was
 //! broken or answered by an error never comes out; the counters say how many there were of each.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Mark, Memory, Pace, Receiver, Sender};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source, lint};
 use edof_hdl::board::{AxiPair, Frames, ReadAgent, WriteAgent};
-use edof_hdl::describe::Circuit;
 use edof_hdl::ports::{AxiReadMaster, AxiWriteMaster, StreamIn, StreamOut};
 use edof_spec::draw::Draw;
 use edof_spec::fifos::agent_words;
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 use std::path::Path;
 

@@ -1,11 +1,7 @@
 //! Every block, given the same stimulus in rust-hdl's simulation, in Verilator and in Icarus: the same outputs in every cycle.
 
-mod common;
-mod differential;
-mod support;
-
-use common::{committed, networks};
-use differential::{agree, agree_with_images, bit, ported, word};
+use crate::common::{committed, networks};
+use crate::differential::{agree, agree_with_images, bit, ported, word};
 use edof_hdl::blocks::add::Add;
 use edof_hdl::blocks::base_ring::BaseRing;
 use edof_hdl::blocks::counters::Counters;
@@ -28,12 +24,12 @@ use edof_hdl::blocks::shrink::Shrink;
 use edof_hdl::blocks::stage::Stage;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
-use edof_hdl::describe::Circuit;
 use edof_spec::design::memory::{self, Shifts, Space};
 use edof_spec::design::reading;
 use edof_spec::draw::Draw;
 use edof_spec::network::{Recurrence, Shrinkage};
 use edof_spec::{Design, FixedNetwork};
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
 ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);

@@ -1,9 +1,6 @@
 //! The generated directory of a board: it builds and tries itself with nothing but tools, and its parts fit each other.
 
-mod common;
-mod support;
-
-use common::committed;
+use crate::common::committed;
 use edof_cosim::system::{self, TableWords};
 use edof_golden::{Display, scalar};
 use edof_hdl::benches::Recorded;

@@ -1,9 +1,7 @@
 //! A whole chain in Icarus and in Verilator: the same outputs in every cycle.
 
-mod common;
-mod support;
-
-use common::{Recorded, Setup, committed, expect_clean, misfits, patches};
+use crate::common::{Recorded, Setup, committed, expect_clean, misfits, patches};
+use crate::support;
 use edof_cosim::chain::Drive;
 use edof_cosim::chain::second::{rows, with_random_memories};
 use edof_cosim::chain::verilated::write_images;

@@ -1,9 +1,7 @@
 //! The generated Verilog in Verilator against the cycle model: every word and every cycle, in every form of a small design.
 
-mod common;
-mod support;
-
-use common::{Recorded, Setup, committed, expect_clean, patches};
+use crate::common;
+use crate::common::{Recorded, Setup, committed, expect_clean, patches};
 use edof_cosim::chain::Drive;
 use edof_golden::cycle::Stalls;
 use edof_golden::{Counts, scalar};

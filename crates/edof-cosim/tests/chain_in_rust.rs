@@ -1,9 +1,6 @@
 //! The chain in rust-hdl's own simulator against the cycle model: every word and every cycle.
 
-mod common;
-mod support;
-
-use common::{committed, expect_clean, misfits, networks, patches};
+use crate::common::{committed, expect_clean, misfits, networks, patches};
 use edof_cosim::chain::simulated::Simulated;
 use edof_cosim::chain::{Beat, Device, Drive, Inputs, Outputs};
 use edof_golden::cycle::{Cycle, Stalls};

@@ -1,14 +1,13 @@
 //! The ways between clock domains: clocks that have nothing to do with each other, changes seen an edge later by lot, resets at any time.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Pace, Receiver, Sender};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
 use edof_hdl::crossing::{BusSync, PixelFifo, PulseSync, ResetSync, Sync};
-use edof_hdl::describe::Circuit;
 use edof_spec::draw::Draw;
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
 /// Periods in picoseconds: the board's own, nearly equal ones, and far apart ones.

@@ -2,10 +2,8 @@
 //! synchronisers that see changes by lot, a memory that is as hard to please as AXI allows. Every picture that is shown is, bit for bit, what
 //! `edof reconstruct --board` writes for one of the frames.
 
-mod common;
-mod support;
-
-use common::{committed, networks};
+use crate::common::{committed, networks};
+use crate::support;
 use edof_cosim::bench::Behaviour;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::chain::device::status_address;

@@ -1,7 +1,6 @@
 //! Syncs that come inside of the pixels: what comes out are the pixels between the codes, and blanking where the codes say so.
 
-mod support;
-
+use crate::support;
 use edof_cosim::Source;
 use edof_cosim::verilator::{Library, Start};
 use edof_hdl::board::EmbeddedSyncs;

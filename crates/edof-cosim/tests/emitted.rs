@@ -1,14 +1,12 @@
 //! A circuit in Rust goes through the backend into both simulators.
 
-mod support;
-
+use crate::support::build;
 use edof_cosim::verilator::Start;
 use edof_cosim::{Layout, Source, icarus, lint};
-use edof_hdl::describe::Circuit;
 use edof_hdl::leaf::Leaf;
 use edof_hdl::verilog;
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
-use support::build;
 
 /// Sums what comes in.
 #[derive(Circuit)]

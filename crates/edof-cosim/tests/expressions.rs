@@ -1,13 +1,10 @@
 //! Random typed expressions, computed by Rust, Icarus and Verilator.
 
-mod testbench;
-mod trees;
-
+use crate::testbench::{BOTH, Random, emit, run};
+use crate::trees::{Table, Tree, expressions};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use testbench::{BOTH, Random, emit, run};
-use trees::{Table, Tree, expressions};
 
 /// Expressions in one module, and modules.
 const BATCH: usize = 2_500;

@@ -1,10 +1,7 @@
 //! The committed designs at full width, with a trained network in one set and an extreme one in the other.
 
-mod common;
-mod support;
-
-use common::traffic::{Traffic, cycle, reset, write};
-use common::{Setup, committed, expect_clean, patches, root};
+use crate::common::traffic::{Traffic, cycle, reset, write};
+use crate::common::{Setup, committed, expect_clean, patches, root};
 use edof_cosim::chain::{Drive, Inputs};
 use edof_golden::cycle::Stalls;
 use edof_spec::design::StagePlan;

@@ -1,9 +1,6 @@
 //! The text of generated designs.
 
-mod common;
-mod support;
-
-use common::{committed, root};
+use crate::common::{committed, root};
 use edof_hdl::project::{self, Project};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

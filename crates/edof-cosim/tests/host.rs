@@ -1,17 +1,16 @@
 //! The host's way to the board: registers behind AXI4-Lite, and a serial line in UARTBone's frames before them.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::axi_lite::{Access, Answer};
 use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::board::{BoardRegisters, Identity, UartBus};
-use edof_hdl::describe::Circuit;
 use edof_hdl::ports::AxiLiteMaster;
 use edof_spec::draw::Draw;
 use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS, register};
 use edof_spec::registers::{self, Window};
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
 

@@ -1,7 +1,6 @@
 //! The set-up of chips on an I2C bus: what they got is what the table says, whatever they refuse at first.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::{Actor, Bench, ClockId};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};

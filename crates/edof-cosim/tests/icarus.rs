@@ -1,11 +1,9 @@
 //! Icarus and Verilator give the same outputs.
 
-mod support;
-
+use crate::support::{build, counter, images, machine, wide};
 use edof_cosim::verilator::Start;
 use edof_cosim::{Layout, Rows, Source, icarus};
 use std::path::Path;
-use support::{build, counter, images, machine, wide};
 
 /// Random rows, after two cycles of reset, which is the first input.
 fn stimulus(source: &Source, cycles: usize, seed: u64) -> Rows {

@@ -1,15 +1,13 @@
 //! Real kernels, one for each thing that a kernel can say: rust-hdl's own simulation, Icarus and Verilator agree, and
 //! Verilator has nothing to say against the text.
 
-mod testbench;
-
 use std::process::Command;
 
-use edof_hdl::describe::Circuit;
+use crate::testbench::{BOTH, Random, emit, run};
 use edof_hdl::verilog::Emitted;
+use edof_verilog::describe::Circuit;
 use rust_hdl::core::simulate::simulate;
 use rust_hdl::prelude::*;
-use testbench::{BOTH, Random, emit, run};
 
 /// A signed number of `bits` bits from its pattern.
 fn signed_value(pattern: u128, bits: usize) -> i64 {

@@ -1,9 +1,7 @@
 //! Verilator's warnings.
 
-mod support;
-
+use crate::support::{counter, machine, wide};
 use edof_cosim::{Error, lint};
-use support::{counter, machine, wide};
 
 /// The counter with an eight-bit sum put into seven bits.
 fn planted() -> edof_cosim::Source {

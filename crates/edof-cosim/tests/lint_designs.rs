@@ -1,9 +1,6 @@
 //! All emitted files of the committed designs are clean, but for what `rtl/waivers.vlt` lists.
 
-mod common;
-mod support;
-
-use common::{committed, root};
+use crate::common::{committed, root};
 use edof_cosim::{Source, lint};
 use edof_hdl::project;
 use edof_spec::{Design, FixedNetwork, weight_file};

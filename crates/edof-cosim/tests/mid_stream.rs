@@ -1,10 +1,7 @@
 //! What may happen to a chain in mid-stream: flush, reset, windows of the wrong length, a look at its counters.
 
-mod common;
-mod support;
-
-use common::traffic::{Traffic, cycle, reset, write};
-use common::{Setup, committed, expect_clean, misfits, moderate, patches};
+use crate::common::traffic::{Traffic, cycle, reset, write};
+use crate::common::{Setup, committed, expect_clean, misfits, moderate, patches};
 use edof_cosim::chain::device::status_address;
 use edof_cosim::chain::{Device, Drive, Inputs};
 use edof_golden::cycle::{Stalls, Summary};

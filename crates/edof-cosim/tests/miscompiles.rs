@@ -1,11 +1,9 @@
 //! The seven expressions that rust-hdl's own printer translates wrongly, and its simulation as the judge.
 
-mod testbench;
-
-use edof_hdl::describe::Circuit;
+use crate::testbench::{BOTH, Random, emit, run};
+use edof_verilog::describe::Circuit;
 use rust_hdl::core::simulate::simulate;
 use rust_hdl::prelude::*;
-use testbench::{BOTH, Random, emit, run};
 
 /// The seven rows.
 #[derive(Circuit)]

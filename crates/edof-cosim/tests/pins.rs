@@ -1,9 +1,7 @@
 //! The blocks at the pins, cycle by cycle against their models, and the promises that their users build on: frames come whole or are
 //! seen to be broken, whatever happens to the cable.
 
-mod streams;
-mod support;
-
+use crate::streams::{Bench, Compiled};
 use edof_golden::video::{Pins, VideoIn as InModel, VideoOut as OutModel};
 use edof_hdl::video::video_in::VideoIn;
 use edof_hdl::video::video_out::VideoOut;
@@ -11,7 +9,6 @@ use edof_spec::Stride;
 use edof_spec::design::FrameSize;
 use edof_spec::draw::Draw;
 use edof_spec::video::{Axis, VideoTiming};
-use streams::{Bench, Compiled};
 
 const FRAME: FrameSize = FrameSize { width: 18, height: 12, stride: Stride::PATCH };
 const PATIENCE: u32 = 3_000;

@@ -1,9 +1,6 @@
 //! Faults planted in the generated files, each found where it is.
 
-mod common;
-mod support;
-
-use common::{Setup, committed, moderate, patches};
+use crate::common::{Setup, committed, moderate, patches};
 use edof_cosim::chain::{Difference, Drive, Fault};
 use edof_golden::cycle::Stalls;
 use edof_hdl::project::Project;

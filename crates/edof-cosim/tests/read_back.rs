@@ -1,10 +1,7 @@
 //! What the host wrote, read back from a chain that works or does not, and the CRC of its banks.
 
-mod common;
-mod support;
-
-use common::traffic::{Traffic, cycle, reset, write};
-use common::{Setup, committed, expect_clean, for_set, moderate, patches};
+use crate::common::traffic::{Traffic, cycle, reset, write};
+use crate::common::{Setup, committed, expect_clean, for_set, moderate, patches};
 use edof_cosim::chain::verilated::Verilated;
 use edof_cosim::chain::{Drive, Inputs};
 use edof_golden::cycle::Stalls;

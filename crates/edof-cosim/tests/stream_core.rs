@@ -1,10 +1,7 @@
 //! Whole frames from raw pixels to codes, in Verilator, against the golden pipeline: what `edof reconstruct --board` writes.
 
-mod common;
-mod streams;
-mod support;
-
-use common::{committed, networks};
+use crate::common::{committed, networks};
+use crate::streams::{Beat, Compiled, Pauses, assert_beats};
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project;
 use edof_hdl::video::display::TABLE_IMAGES;
@@ -13,7 +10,6 @@ use edof_spec::design::FrameSize;
 use edof_spec::draw::Draw;
 use edof_spec::{CfaPhase, Design, DisplayMode, FixedNetwork, RawFrame, Stride, Window};
 use ndarray::Array2;
-use streams::{Beat, Compiled, Pauses, assert_beats};
 
 fn design(window: usize, stride: usize, (height, width): (usize, usize)) -> Design {
     let mut design = committed("tiny");

@@ -1,7 +1,6 @@
 //! Registers in a stream: every beat once and in order, and what the bench says of a stream that takes its offers back.
 
-mod support;
-
+use crate::support;
 use edof_cosim::bench::{Beat, Bench, Pace, Receiver, Sender};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source};

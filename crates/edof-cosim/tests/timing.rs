@@ -1,10 +1,7 @@
 //! The longest path of logic and the most loads of every stage of the committed designs, and the longest path of every block of the core
 //! around them, flat, as Yosys maps and times it. `tiny`'s stages here; all else takes half an hour, and is for `scripts/soak.sh`.
 
-mod common;
-mod support;
-
-use common::committed;
+use crate::common::committed;
 use edof_cosim::system;
 use edof_cosim::yosys::timing::{self, PartTiming};
 use edof_golden::Display;

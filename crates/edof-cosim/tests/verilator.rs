@@ -1,12 +1,10 @@
 //! Small designs through Verilator.
 
-mod support;
-
+use crate::support::{build, build_traced, counter, fresh_cache, images, machine, options, wide};
 use edof_cosim::verilator::{Library, Model, Start, Waveform};
 use edof_cosim::{Direction, Error, Rows, Source};
 use std::collections::BTreeSet;
 use std::path::Path;
-use support::{build, build_traced, counter, fresh_cache, images, machine, options, wide};
 
 fn start(library: &Library, seed: u64) -> Model {
     library.start(&Start { seed, ..Start::default() }).unwrap()

@@ -1,11 +1,9 @@
 //! The video side, block by block, against the golden pipeline: random pictures, random pauses on every stream, random contents of all
 //! registers and memories at the start.
 
-mod common;
-mod streams;
-mod support;
-
-use common::committed;
+use crate::common::committed;
+use crate::streams;
+use crate::streams::{Beat, Compiled, Pauses, assert_beats};
 use edof_golden::gamma::{ColourTable, LumaTable};
 use edof_golden::overlap_add::overlap_add;
 use edof_golden::trace::Counts;
@@ -18,7 +16,6 @@ use edof_spec::design::FrameSize;
 use edof_spec::draw::Draw;
 use edof_spec::{CfaPhase, Design, DisplayMode, Frame422, Geometry, RawFrame, Stride, Window};
 use ndarray::Array2;
-use streams::{Beat, Compiled, Pauses, assert_beats};
 
 /// Two 16-bit words as a port has them, the first low.
 fn pair(words: [i16; 2]) -> u64 {

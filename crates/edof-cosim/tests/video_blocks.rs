@@ -1,13 +1,8 @@
 //! Every block and leaf of the video side, given the same stimulus in rust-hdl's simulation, in Verilator and in Icarus: the same outputs in
 //! every cycle.
 
-mod common;
-mod differential;
-mod support;
-
-use common::committed;
-use differential::{Last, agree, agree_with_images, bit, ported, word};
-use edof_hdl::describe::Circuit;
+use crate::common::committed;
+use crate::differential::{Last, agree, agree_with_images, bit, ported, word};
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
 use edof_hdl::video::overlap_add::OverlapAdd;
 use edof_hdl::video::patch_pairs::PatchPairs;
@@ -21,6 +16,7 @@ use edof_spec::design::FrameSize;
 use edof_spec::draw::Draw;
 use edof_spec::video::{Axis, VideoTiming};
 use edof_spec::{Design, Stride};
+use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
 ported!(Display, OverlapAdd, PatchPairs, RasterReorder, VideoIn, VideoOut, WindowReorder, QueueTop, ScaleTop);

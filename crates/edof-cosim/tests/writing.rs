@@ -1,9 +1,7 @@
 //! A second network written to a running circuit.
 
-mod common;
-mod support;
-
-use common::{Recorded, Setup, committed, expect_clean, for_set, moderate, patches};
+use crate::common;
+use crate::common::{Recorded, Setup, committed, expect_clean, for_set, moderate, patches};
 use edof_cosim::chain::{Drive, Outcome};
 use edof_golden::cycle::Stalls;
 use edof_spec::Design;

@@ -1,9 +1,7 @@
 //! Small designs mapped to a 7-series FPGA.
 
-mod support;
-
+use crate::support::{counter, images, macc, machine};
 use edof_cosim::yosys::{Options, synthesize};
-use support::{counter, images, macc, machine};
 
 #[test]
 fn a_multiply_accumulate_is_one_dsp_with_its_accumulator_inside() {

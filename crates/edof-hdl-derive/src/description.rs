@@ -18,9 +18,9 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
         None => sizes(circuit),
     };
     quote! {
-        impl #generics ::edof_hdl::describe::Circuit for #name #arguments #clause {
-            fn describe(&self, key: &str, found: &mut ::edof_hdl::describe::Descriptions) {
-                let description = ::edof_hdl::describe::Description {
+        impl #generics ::edof_verilog::describe::Circuit for #name #arguments #clause {
+            fn describe(&self, key: &str, found: &mut ::edof_verilog::describe::Descriptions) {
+                let description = ::edof_verilog::describe::Description {
                     name: #text,
                     source: ::core::file!(),
                     header: #doc,
@@ -28,7 +28,7 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
                     fields: &[#(#said),*],
                 };
                 found.block(key, description, |found| {
-                    #(::edof_hdl::describe::Circuit::describe(&self.#fields, #keys, found);)*
+                    #(::edof_verilog::describe::Circuit::describe(&self.#fields, #keys, found);)*
                 });
             }
         }

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | read | `fields` | the fields, their documentation, which of them start by themselves |
 //! | walk | `block` | rust-hdl's `Block` |
-//! | say | `description` | `edof_hdl::describe::Circuit`: name, source, header, comments |
+//! | say | `description` | `edof_verilog::describe::Circuit`: name, source, header, comments |
 //! | make | `make` | `from_parts`, or `Default` |
 
 mod block;
@@ -25,7 +25,7 @@ use syn::{DeriveInput, parse_macro_input};
 ///
 /// A module is called after the type. `#[circuit(role(_field))]` names a field whose text tells blocks of one type apart, for instance the
 /// stages of a chain; without it the const parameters of the type do.
-/// `edof_hdl::describe` shows one.
+/// `edof_verilog::describe` shows one.
 #[proc_macro_derive(Circuit, attributes(circuit))]
 pub fn derive_circuit(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);

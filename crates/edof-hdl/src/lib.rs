@@ -1,4 +1,4 @@
-//! The board's circuits, written in rust-hdl, and the backend that prints them as Verilog.
+//! The board's circuits, written in rust-hdl; `edof_verilog` prints them as Verilog.
 //!
 //! | step | module | gives |
 //! |---|---|---|
@@ -14,19 +14,14 @@
 //! | try | [`benches`] | what a generated design tries itself with, in Verilog alone |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
 
-// So that `#[derive(Circuit)]` can name this crate from within, too.
-extern crate self as edof_hdl;
-
 pub mod benches;
 pub mod blocks;
 pub mod board;
 pub mod crossing;
-pub mod describe;
 pub mod kc705;
-pub mod leaf;
-mod leaves;
 pub mod ports;
 pub mod project;
 pub mod resources;
-pub mod verilog;
 pub mod video;
+
+pub use edof_verilog::{self as verilog, describe, leaf};

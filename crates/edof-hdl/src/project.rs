@@ -8,7 +8,7 @@ use edof_spec::{FixedNetwork, fixed_network::FixedNetworkError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-pub use crate::leaves::LEAVES;
+pub use edof_verilog::leaves::LEAVES;
 
 /// A generated design.
 #[derive(Debug, Clone, PartialEq, Eq)]

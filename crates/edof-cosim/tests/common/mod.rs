@@ -1,6 +1,4 @@
 //! Designs, networks and patches for runs of a whole chain, and the chain itself, compiled.
-#![allow(dead_code, reason = "each test file uses its part")]
-
 pub mod traffic;
 
 use crate::support;

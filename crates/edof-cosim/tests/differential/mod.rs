@@ -1,6 +1,4 @@
 //! A block driven in rust-hdl's simulation, and the same stimulus through its Verilog.
-#![allow(dead_code, reason = "each test file uses its part")]
-
 use crate::support;
 use edof_cosim::chain::second::with_random_memories;
 use edof_cosim::verilator::{Library, Start};

@@ -1,7 +1,5 @@
 //! A block in Verilator, its streams fed and emptied with random pauses, and every stream held to its rule: valid never falls, nor do
 //! the words change, without a transfer.
-#![allow(dead_code, reason = "each test file uses its part")]
-
 use crate::support;
 use edof_cosim::Source;
 use edof_cosim::verilator::{Library, Model, Start};

@@ -1,6 +1,4 @@
 //! Small hand-written designs, and one cache for all tests.
-#![allow(dead_code, reason = "each test file uses its part")]
-
 use edof_cosim::verilator::{Library, Options, Waveform};
 use edof_cosim::{Port, Source};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,5 @@
 //! A testbench that both simulators run: inputs row by row from a file, outputs printed row by row.
 
-#![allow(dead_code)]
-
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;

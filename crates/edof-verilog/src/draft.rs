@@ -1,0 +1,258 @@
+//! One block as a module whose values are still open: what two blocks have in common is one [`Sheet`].
+
+use std::collections::{BTreeSet, HashMap};
+
+use rust_hdl::prelude::Verilog;
+
+use crate::arrays::{self, Array, Pin};
+use crate::collect::Tree;
+use crate::cycles::{self, Path};
+use crate::describe::Description;
+use crate::error::{EmitError, Fault, rust_path};
+use crate::expression::Expression;
+use crate::kind::{Kind, pins_of};
+use crate::names::Names;
+use crate::print::Printer;
+use crate::process::{self, Process};
+use crate::scope::{Part, Role, Scope, SignalId};
+use crate::sheet::Sheet;
+use crate::single::{plain, single_elements};
+use crate::value::Value;
+use crate::wiring::Wiring;
+use crate::write::{Writer, count_name};
+use crate::{Direction, Port};
+use crate::{flow, kernel, live, simplify};
+
+/// A block as a module.
+pub(crate) struct Draft {
+    pub sheet: Sheet,
+    /// Values of the sheet's slots: constants, then the parameters of leaves.
+    pub values: Vec<Value>,
+    pub ports: Vec<Port>,
+    /// Which of the ports follow which within a cycle.
+    pub paths: Vec<(usize, usize)>,
+    /// The names that are taken in the module.
+    pub names: Names,
+    /// The tree's part that each instance of the sheet stands for.
+    pub instances: Vec<usize>,
+}
+
+/// The sheet of a block whose parts have theirs; `kinds` has one entry for each part of the tree. The top keeps inputs that it does not read.
+pub(crate) fn draft(
+    tree: &Tree,
+    description: &Description,
+    kinds: &[Option<Kind>],
+    is_top: bool,
+) -> Result<Draft, EmitError> {
+    let kernel = match &tree.hdl {
+        Verilog::Combinatorial(kernel) => kernel,
+        other => return Err(EmitError::block(&tree.path, Fault::NotAKernel(what(other)))),
+    };
+    let scope = Scope::of(tree)?;
+    let statements = kernel::lower(&scope, kernel)?;
+    flow::check(&scope, &statements)?;
+    let paths = paths_of_parts(&scope, kinds);
+    let processes = cycles::cut(&scope, process::split(&scope, statements)?, &paths)?;
+    let processes: Vec<Process> =
+        processes.into_iter().map(|process| simplify::simplify(&scope, process)).collect();
+    let (processes, live) = live::prune(&scope, processes, &dropped(&scope, kinds));
+    let paths = cycles::paths(&scope, &processes, &paths);
+    let reads: BTreeSet<SignalId> =
+        processes.iter().flat_map(|process| process.reads.iter().copied()).collect();
+
+    let wired = Wired::of(&scope, tree, kinds, processes, &reads)?;
+    let mut names = Names::default();
+    let has_port = |id: SignalId| is_top || scope.signals[id].role != Role::Input || live.contains(&id);
+    let ports_of: Vec<SignalId> = (0..scope.signals.len())
+        .filter(|id| matches!(scope.signals[*id].role, Role::Input | Role::Output) && has_port(*id))
+        .collect();
+    let single = single_elements(tree, &scope);
+    let signal_names = name_signals(&scope, kinds, &single, &ports_of, &reads, &wired.arrays, &mut names);
+    let writer = Writer {
+        tree,
+        scope: &scope,
+        description,
+        wiring: &wired.wiring,
+        processes: &wired.processes,
+        arrays: &wired.arrays,
+        ports: &ports_of,
+        single: &single,
+        kinds,
+        printer: Printer::new(&scope, &wired.resolved, &signal_names, &mut names),
+    };
+    let (sheet, values, instances) = writer.sheet()?;
+    let number = |id: SignalId| ports_of.iter().position(|port| *port == id);
+    let paths = paths.into_iter().filter_map(|(from, to)| Some((number(from)?, number(to)?))).collect();
+    Ok(Draft { sheet, values, ports: ports(&scope, &ports_of, &signal_names), paths, names, instances })
+}
+
+/// The processes that are left when parts are connected, and what stands for what.
+struct Wired {
+    wiring: Wiring,
+    processes: Vec<Process>,
+    resolved: Vec<Expression>,
+    arrays: Vec<Array>,
+}
+
+impl Wired {
+    fn of(
+        scope: &Scope,
+        tree: &Tree,
+        kinds: &[Option<Kind>],
+        processes: Vec<Process>,
+        reads: &BTreeSet<SignalId>,
+    ) -> Result<Self, EmitError> {
+        let mut candidates = arrays::candidates(scope, tree, kinds);
+        loop {
+            let own = arrays::outputs(scope, candidates.iter().flat_map(|(_, parts)| parts));
+            let mut left = processes.clone();
+            let wiring = Wiring::find(scope, &mut left, &own, reads)?;
+            let resolved: Vec<Expression> =
+                (0..scope.signals.len()).map(|id| wiring.resolve(scope, id)).collect::<Result<_, _>>()?;
+            let all = candidates.len();
+            let arrays: Vec<Array> =
+                candidates.iter().filter_map(|array| Array::of(scope, array, kinds, &resolved)).collect();
+            if arrays.len() == all {
+                return Ok(Self { wiring, processes: left, resolved, arrays });
+            }
+            // What is no loop is connected anew, without wires of its own.
+            candidates.retain(|(key, _)| arrays.iter().any(|array| array.key == *key));
+        }
+    }
+}
+
+/// Inputs of parts whose module does not read them.
+fn dropped(scope: &Scope, kinds: &[Option<Kind>]) -> BTreeSet<SignalId> {
+    let of_part = |part: &Part| -> Vec<SignalId> {
+        let pins: Vec<SignalId> = match &kinds[part.index] {
+            Some(kind) => pins_of(part, kind).into_iter().map(|pin| pin.1).collect(),
+            None => vec![],
+        };
+        let inputs = part.ports.iter().map(|port| port.1);
+        inputs.filter(|id| !pins.contains(id) && scope.signals[*id].role == Role::PartInput).collect()
+    };
+    scope.parts.iter().flat_map(of_part).collect()
+}
+
+/// Which outputs of parts follow which of their inputs within a cycle.
+fn paths_of_parts(scope: &Scope, kinds: &[Option<Kind>]) -> Vec<Path> {
+    let of_part = |part: &Part| -> Vec<Path> {
+        let Some(kind) = &kinds[part.index] else { return vec![] };
+        let pins = pins_of(part, kind);
+        match kind {
+            Kind::Module { paths, .. } => {
+                paths.iter().map(|(from, to)| (pins[*from].1, pins[*to].1)).collect()
+            }
+            Kind::Leaf(_, paths) => {
+                let id = |name: &str| pins.iter().find(|pin| pin.0 == name).map(|pin| pin.1);
+                paths.iter().filter_map(|(from, to)| Some((id(from)?, id(to)?))).collect()
+            }
+        }
+    };
+    scope.parts.iter().flat_map(of_part).collect()
+}
+
+fn what(hdl: &Verilog) -> &'static str {
+    match hdl {
+        Verilog::Empty => "empty",
+        Verilog::Combinatorial(_) => "a kernel",
+        Verilog::Custom(_) => "Verilog text",
+        Verilog::Blackbox(_) => "a black box",
+        Verilog::Wrapper(_) => "a wrapper",
+    }
+}
+
+/// `_i` and `_o` for ports, `_q` and `_d` for registers, capitals for constants, `part_port` for wires between.
+fn name_signals(
+    scope: &Scope,
+    kinds: &[Option<Kind>],
+    single: &[String],
+    ports: &[SignalId],
+    reads: &BTreeSet<SignalId>,
+    arrays: &[Array],
+    names: &mut Names,
+) -> Vec<String> {
+    let mut given = vec![String::new(); scope.signals.len()];
+    arrays.iter().for_each(|array| names.reserve(&count_name(array)));
+    let in_array = name_array_outputs(scope, kinds, reads, arrays, names);
+    let mut name = |wanted: &dyn Fn(SignalId, &str, &Role) -> Option<String>| {
+        for (id, signal) in scope.signals.iter().enumerate() {
+            // Ports keep their numbers: whoever looks for one does not count them.
+            let key =
+                if ports.contains(&id) { signal.key.as_str().into() } else { plain(&signal.key, single) };
+            if let Some(wanted) = wanted(id, &key, &signal.role) {
+                given[id] = names.take(&wanted);
+            }
+        }
+    };
+    name(&|id, key, role| match role {
+        Role::Input if ports.contains(&id) => Some(format!("{key}_i")),
+        Role::Output => Some(format!("{key}_o")),
+        _ => None,
+    });
+    let field = |key: &str, port: &str| {
+        let field = key.strip_suffix(port).unwrap_or(key);
+        field.strip_suffix("_q").unwrap_or(field).to_string()
+    };
+    name(&|_, key, role| match role {
+        Role::Register => Some(field(key, "$q") + "_q"),
+        Role::Next => Some(field(key, "$d") + "_d"),
+        Role::Constant(_) => Some(key.to_uppercase()),
+        Role::Local => Some(key.into()),
+        _ => None,
+    });
+    name(&|id, key, role| match role {
+        Role::PartOutput if in_array.contains_key(&id) => None,
+        Role::PartOutput if !reads.contains(&id) => Some(format!("{key}_unused")),
+        Role::PartInput | Role::PartOutput => Some(key.into()),
+        _ => None,
+    });
+    in_array.into_iter().for_each(|(id, name)| given[id] = name);
+    given
+}
+
+/// `banks_sum[3]`: the outputs of an array's parts are one array of wires.
+fn name_array_outputs(
+    scope: &Scope,
+    kinds: &[Option<Kind>],
+    reads: &BTreeSet<SignalId>,
+    arrays: &[Array],
+    names: &mut Names,
+) -> HashMap<SignalId, String> {
+    let mut given = HashMap::new();
+    for array in arrays {
+        let elements: Vec<Vec<SignalId>> =
+            (0..array.parts.len()).map(|element| array.signals(scope, kinds, element)).collect();
+        for (n, pin) in array.pins.iter().enumerate() {
+            let Pin::Output { next } = pin else { continue };
+            let key = &scope.signals[elements[0][n]].key;
+            let port = key.strip_prefix(&format!("{}$0$", array.key)).unwrap_or(key);
+            let is_read = elements.iter().any(|signals| reads.contains(&signals[n]));
+            let name = names.take(&format!("{}_{port}{}", array.key, if is_read { "" } else { "_unused" }));
+            // Where each reads the one before, the first element is what the first part reads.
+            let first = usize::from(*next == Some(false));
+            given.extend(
+                elements
+                    .iter()
+                    .enumerate()
+                    .map(|(i, signals)| (signals[n], format!("{name}[{}]", i + first))),
+            );
+        }
+    }
+    given
+}
+
+fn ports(scope: &Scope, ports: &[SignalId], names: &[String]) -> Vec<Port> {
+    let port = |id: &SignalId| {
+        let signal = &scope.signals[*id];
+        Port {
+            field: rust_path(&signal.key),
+            name: names[*id].clone(),
+            direction: if signal.role == Role::Input { Direction::Input } else { Direction::Output },
+            bits: signal.ty.bits,
+            signed: signal.ty.signed,
+            is_clock: signal.is_clock,
+        }
+    };
+    ports.iter().map(port).collect()
+}

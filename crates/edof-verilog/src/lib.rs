@@ -1,0 +1,265 @@
+//! Verilog from rust-hdl circuits that means exactly what the Rust means.
+//!
+//! rust-hdl 0.46 gives every kernel as a syntax tree and every signal with its width, but its own printer loses the types:
+//! literals become 32-bit numbers, parentheses and wrapping go missing. [`emit`] prints the same tree again, typed.
+//!
+//! | step | file | gives |
+//! |---|---|---|
+//! | collect | `collect` | the tree of blocks, their signals and kernels |
+//! | leaves | `leaf_text`, `leaf_check` | what leaves say of themselves, held to what blocks say of them |
+//! | name | `scope` | what every name in a kernel means |
+//! | type | `typing` | [expressions](self) in which every operand has its width and sign |
+//! | lower | `kernel` | typed statements, loops unrolled |
+//! | check | `flow` | no latch, nothing read before it is written, nothing left open |
+//! | split | `process`, `cycles` | a process for each target; no loop without a register |
+//! | separate | `domains` | nothing from one clock domain to another but by a leaf of `edof_hdl::crossing` |
+//! | shorten | `simplify`, `live` | one assignment where it says all; nothing that leads nowhere |
+//! | connect | `wiring`, `arrays` | signals that need no wire of their own; loops over equal parts |
+//! | write | `draft`, `write`, `print` | a sheet: all of a module but what it is given |
+//! | share | `parameters`, `interface` | which values are parameters, because they differ from place to place |
+//! | put together | `sheet` | the text of a module |
+//!
+//! What comes out is Verilog-2001, one module for each distinct block, with parameters where two differ in a
+//! constant alone: ports end in `_i` and `_o`, a register `x` is `x_q`,
+//! fed by `x_d` where more than one assignment says what it takes, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
+//! rust-hdl has no word for is a [leaf](crate::leaf). Registers have no start-up value unless they are a `DFFWithInit`:
+//! a kernel resets what it must. What cannot be translated exactly is refused with an [`EmitError`].
+//!
+//! ```
+//! use edof_verilog::describe::Circuit;
+//! use rust_hdl::prelude::*;
+//!
+//! /// Counts enabled cycles; full in the last of 256.
+//! #[derive(Circuit)]
+//! struct Counter {
+//!     pub clock: Signal<In, Clock>,
+//!     pub enable: Signal<In, Bit>,
+//!     pub full: Signal<Out, Bit>,
+//!     count: DFF<Bits<8>>,
+//! }
+//!
+//! impl Logic for Counter {
+//!     #[hdl_gen]
+//!     fn update(&mut self) {
+//!         dff_setup!(self, clock, count);
+//!         if self.enable.val() {
+//!             self.count.d.next = self.count.q.val() + 1;
+//!         }
+//!         self.full.next = self.count.q.val() + 1 == 0;
+//!     }
+//! }
+//!
+//! let mut counter = Counter::default();
+//! counter.connect_all();
+//! let emitted = edof_verilog::emit(&counter).unwrap();
+//! assert_eq!(emitted.top, "counter");
+//! assert!(emitted.modules[0].text.contains("assign full_o = (count_q + 8'd1) == 8'd0;"));
+//! ```
+
+mod arrays;
+// So that `#[derive(Circuit)]` can name this crate from within, too.
+extern crate self as edof_verilog;
+
+pub mod describe;
+pub mod leaf;
+
+mod collect;
+mod cycles;
+mod domains;
+mod draft;
+mod error;
+mod expression;
+mod flow;
+mod interface;
+mod kernel;
+mod kind;
+mod leaf_check;
+mod leaf_text;
+pub mod leaves;
+mod live;
+mod marked;
+mod names;
+mod parameters;
+mod print;
+mod process;
+mod scope;
+mod sheet;
+mod simplify;
+mod single;
+mod source;
+mod types;
+mod typing;
+mod unread;
+mod value;
+mod wiring;
+mod write;
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+pub use domains::Crossing;
+pub use error::{EmitError, Fault};
+pub use types::Type;
+
+use crate::describe::Circuit;
+use crate::leaf::Leaf;
+use collect::Tree;
+use kind::{Kind, Occurrence};
+use leaf_text::LeafText;
+use names::Names;
+use sheet::Sheet;
+
+/// A circuit as Verilog.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Emitted {
+    /// The modules, parts before what they are parts of.
+    pub modules: Vec<Module>,
+    /// Names of the hand-written leaves that the modules instantiate.
+    pub leaves: BTreeSet<String>,
+    /// Name of the top module.
+    pub top: String,
+    /// Ports of the top module.
+    pub ports: Vec<Port>,
+    /// Where something passes from one clock domain to another.
+    pub crossings: Vec<Crossing>,
+}
+
+/// A module: the content of one file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Module {
+    /// The module's name, and its file's without `.v`.
+    pub name: String,
+    /// The Verilog.
+    pub text: String,
+}
+
+/// A port of a module.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Port {
+    /// The field in Rust, for instance `stream.ready` or `lanes[3]`.
+    pub field: String,
+    /// The port in Verilog, for instance `stream_ready_o`.
+    pub name: String,
+    /// Into the module or out of it.
+    pub direction: Direction,
+    /// Width in bits.
+    pub bits: usize,
+    /// Two's complement.
+    pub signed: bool,
+    /// Declared as `Clock`.
+    pub is_clock: bool,
+}
+
+/// Which way a port points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Into the module.
+    Input,
+    /// Out of the module.
+    Output,
+}
+
+/// Prints a circuit on which `connect_all` was called.
+///
+/// # Errors
+/// What cannot be translated exactly: see [`Fault`].
+pub fn emit(top: &dyn Circuit) -> Result<Emitted, EmitError> {
+    let tree = Tree::of(top);
+    if tree.is_register() || tree.start_value().is_some() || Leaf::of(&tree.hdl).is_some() {
+        return Err(EmitError::block(&tree.path, Fault::NotATop));
+    }
+    let mut emitter = Emitter::default();
+    emitter.leaves(&tree)?;
+    let crossings = domains::check(&tree)?;
+    let top = emitter.block(&tree, true)?;
+    Ok(emitter.emitted(&top, crossings))
+}
+
+#[derive(Default)]
+struct Emitter {
+    sheets: Vec<Sheet>,
+    /// The names that are taken inside each module.
+    inside: Vec<Names>,
+    ports: Vec<Vec<Port>>,
+    /// Which ports of each module follow which within a cycle.
+    paths: Vec<Vec<(usize, usize)>>,
+    texts: BTreeMap<String, LeafText>,
+    leaves: BTreeSet<String>,
+    names: Names,
+    /// Module of each sheet.
+    known: HashMap<Sheet, usize>,
+}
+
+impl Emitter {
+    /// Reads the leaves of a tree and holds each to its block; their names are theirs alone.
+    fn leaves(&mut self, tree: &Tree) -> Result<(), EmitError> {
+        for part in &tree.parts {
+            let Some(leaf) = Leaf::of(&part.hdl) else {
+                self.leaves(part)?;
+                continue;
+            };
+            let fault = |fault| EmitError::block(&part.path, fault);
+            if !self.texts.contains_key(&leaf.source) {
+                let text = LeafText::read(&leaf.source).map_err(|why| fault(Fault::LeafText(why)))?;
+                std::iter::once(&text.module).chain(&text.parts).for_each(|name| self.names.reserve(name));
+                self.texts.insert(leaf.source.clone(), text);
+            }
+            leaf_check::check(part, &leaf, &self.texts[&leaf.source]).map_err(fault)?;
+            self.leaves.insert(leaf.module);
+        }
+        Ok(())
+    }
+
+    /// The module of a block, one that is known or a new one, and the values that it has there.
+    fn block(&mut self, tree: &Tree, is_top: bool) -> Result<Occurrence, EmitError> {
+        let fault = |fault| EmitError::block(&tree.path, fault);
+        let description = tree.description.as_ref().ok_or_else(|| fault(Fault::Undescribed))?;
+        let mut parts = vec![];
+        for part in &tree.parts {
+            let known = part.is_register() || part.start_value().is_some() || Leaf::of(&part.hdl).is_some();
+            parts.push(if known { None } else { Some(self.block(part, false)?) });
+        }
+        let kinds: Vec<Option<Kind>> = (tree.parts.iter().zip(&parts))
+            .map(|(part, occurrence)| match occurrence {
+                Some(occurrence) => {
+                    let (ports, paths) = (&self.ports[occurrence.class], &self.paths[occurrence.class]);
+                    Some(Kind::Module { occurrence, ports, paths })
+                }
+                None => Leaf::of(&part.hdl).map(|leaf| {
+                    let paths = self.texts.get(&leaf.source).map_or(vec![], |text| text.paths.clone());
+                    Kind::Leaf(leaf, paths)
+                }),
+            })
+            .collect();
+        let draft = draft::draft(tree, description, &kinds, is_top)?;
+        drop(kinds);
+        let class = match self.known.get(&draft.sheet) {
+            Some(known) => *known,
+            None => {
+                self.known.insert(draft.sheet.clone(), self.sheets.len());
+                self.sheets.push(draft.sheet);
+                self.inside.push(draft.names);
+                self.ports.push(draft.ports);
+                self.paths.push(draft.paths);
+                self.sheets.len() - 1
+            }
+        };
+        let parts = draft.instances.iter().map(|part| parts[*part].clone()).collect();
+        Ok(Occurrence { class, values: draft.values, parts })
+    }
+
+    fn emitted(mut self, top: &Occurrence, crossings: Vec<Crossing>) -> Emitted {
+        let interfaces = parameters::settle(&self.sheets, &mut self.inside, top);
+        let names: Vec<String> = self.sheets.iter().map(|sheet| self.names.take(&sheet.name)).collect();
+        let modules = self.sheets.iter().zip(&interfaces).zip(&names).map(|((sheet, interface), name)| {
+            let text = sheet.text(name, interface, &|class| names[class].clone());
+            Module { name: name.clone(), text }
+        });
+        Emitted {
+            modules: modules.collect(),
+            leaves: self.leaves,
+            top: names[top.class].clone(),
+            ports: self.ports.swap_remove(top.class),
+            crossings,
+        }
+    }
+}

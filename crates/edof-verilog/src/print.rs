@@ -1,0 +1,494 @@
+//! Typed expressions and statements as Verilog text.
+//!
+//! Every operand has the width of its operation, so Verilog's rule of the widest operand never applies. Where Rust changes
+//! a width, the text says so: `{1'd0, a + b}` (inside braces an operand keeps its own width), a slice, or, for what has no
+//! such form, a signal of the right width in between.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use crate::expression::{Expression, Node};
+use crate::kernel::{Assign, Label, Statement};
+use crate::names::{Names, snake_case};
+use crate::scope::{Role, Scope, SignalId, State};
+use crate::types::Type;
+
+/// Text of an expression, what it is outside, and whether Verilog takes it for signed.
+struct Text {
+    text: String,
+    form: Form,
+    signed: bool,
+}
+
+/// What stands outermost in an expression.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// A name, a literal, braces: complete in itself.
+    Atom,
+    /// `!` or `~` before an atom: needs no parentheses, but is as wide as what is around it.
+    Not,
+    /// Operands between which this stands, in any order of operations the same.
+    Chain(&'static str),
+    Operation,
+}
+
+/// Operations that need no parentheses between their like.
+const CHAINS: [&str; 6] = ["+", "&", "|", "^", "&&", "||"];
+
+impl Text {
+    fn atom(text: String, signed: bool) -> Self {
+        Self { text, form: Form::Atom, signed }
+    }
+
+    fn operation(text: String, signed: bool) -> Self {
+        Self { text, form: Form::Operation, signed }
+    }
+
+    fn binary(op: &'static str, left: Self, right: Self) -> Self {
+        let signed = left.signed && right.signed;
+        let chains = CHAINS.contains(&op);
+        let left = if chains && left.form == Form::Chain(op) { left.text } else { left.operand() };
+        let form = if chains { Form::Chain(op) } else { Form::Operation };
+        Self { text: format!("{left} {op} {}", right.operand()), form, signed }
+    }
+
+    fn operand(self) -> String {
+        match self.form {
+            Form::Atom | Form::Not => self.text,
+            Form::Chain(_) | Form::Operation => format!("({})", self.text),
+        }
+    }
+
+    /// After one sign there is no second one in Verilog.
+    fn unary_operand(self) -> String {
+        if self.form == Form::Atom { self.text } else { format!("({})", self.text) }
+    }
+}
+
+/// A value between two steps of an expression.
+#[derive(Debug)]
+pub(crate) struct Between {
+    pub name: String,
+    pub ty: Type,
+    /// The value, where it is a wire; none where a process assigns it.
+    pub value: Option<String>,
+    /// Only some of its bits are read.
+    pub in_part: bool,
+}
+
+/// Prints the expressions and statements of one module.
+pub(crate) struct Printer<'a> {
+    pub scope: &'a Scope,
+    /// What each signal is called, after all direct connections.
+    pub resolved: &'a [Expression],
+    pub signal_names: &'a [String],
+    pub names: &'a mut Names,
+    /// Constants that the text names.
+    pub constants: BTreeSet<SignalId>,
+    /// States that the text names, and their names.
+    pub states: BTreeMap<(String, usize), (String, State)>,
+    pub between: Vec<Between>,
+    known: HashMap<(Type, String), usize>,
+    /// What the process at hand drives, its values in between, and those that the next statement needs.
+    driven: BTreeSet<SignalId>,
+    steps: Vec<usize>,
+    pending: Vec<String>,
+    subject: String,
+}
+
+impl<'a> Printer<'a> {
+    pub fn new(
+        scope: &'a Scope,
+        resolved: &'a [Expression],
+        signal_names: &'a [String],
+        names: &'a mut Names,
+    ) -> Self {
+        Self {
+            scope,
+            resolved,
+            signal_names,
+            names,
+            constants: BTreeSet::new(),
+            states: BTreeMap::new(),
+            between: vec![],
+            known: HashMap::new(),
+            driven: BTreeSet::new(),
+            steps: vec![],
+            pending: vec![],
+            subject: String::new(),
+        }
+    }
+
+    /// The value of a whole signal, outside of any process.
+    pub fn value(&mut self, value: &Expression, target: &str) -> String {
+        self.subject = target.into();
+        self.driven.clear();
+        self.root(value)
+    }
+
+    /// The lines of an `always @*` block.
+    pub fn process(&mut self, statements: &[Statement], driven: &BTreeSet<SignalId>) -> Vec<String> {
+        self.driven.clone_from(driven);
+        self.steps.clear();
+        let mut body = vec![];
+        self.block(statements, &mut body, 1);
+        let mut lines = vec!["always @* begin".to_string()];
+        for &step in &self.steps {
+            let Between { name, ty, .. } = &self.between[step];
+            lines.push(format!("    {name} = {};", literal(*ty, 0)));
+        }
+        lines.extend(body);
+        lines.push("end".into());
+        lines
+    }
+
+    fn block(&mut self, statements: &[Statement], lines: &mut Vec<String>, depth: usize) {
+        statements.iter().for_each(|statement| self.statement(statement, lines, depth));
+    }
+
+    fn statement(&mut self, statement: &Statement, lines: &mut Vec<String>, depth: usize) {
+        let indent = "    ".repeat(depth);
+        match statement {
+            Statement::Comment(text) => lines.extend(comment(text).map(|line| format!("{indent}{line}"))),
+            Statement::Assign(assign) => {
+                let line = self.assign(assign);
+                self.flush(lines, &indent);
+                lines.push(format!("{indent}{line}"));
+            }
+            Statement::If { test, then, otherwise } => {
+                let test = self.test(test);
+                self.flush(lines, &indent);
+                lines.push(format!("{indent}if ({test}) begin"));
+                self.block(then, lines, depth + 1);
+                self.otherwise(otherwise, lines, depth);
+            }
+            Statement::Case { subject, arms, default } => {
+                let test = self.test(subject);
+                self.flush(lines, &indent);
+                lines.push(format!("{indent}case ({test})"));
+                for arm in arms {
+                    let label = match &arm.label {
+                        Label::State(state) => self.state(state),
+                        Label::Number(number) => literal(subject.ty, *number),
+                    };
+                    self.arm(&label, &arm.body, lines, depth + 1);
+                }
+                self.arm("default", default.as_deref().unwrap_or_default(), lines, depth + 1);
+                lines.push(format!("{indent}endcase"));
+            }
+        }
+    }
+
+    fn otherwise(&mut self, otherwise: &[Statement], lines: &mut Vec<String>, depth: usize) {
+        let indent = "    ".repeat(depth);
+        if let [Statement::If { test, then, otherwise }] = otherwise {
+            let test = self.test(test);
+            if self.pending.is_empty() {
+                lines.push(format!("{indent}end else if ({test}) begin"));
+                self.block(then, lines, depth + 1);
+                return self.otherwise(otherwise, lines, depth);
+            }
+            // What the test needs is computed first.
+            lines.push(format!("{indent}end else begin"));
+            self.flush(lines, &format!("{indent}    "));
+            lines.push(format!("{indent}    if ({test}) begin"));
+            self.block(then, lines, depth + 2);
+            self.otherwise(otherwise, lines, depth + 1);
+        } else if !otherwise.is_empty() {
+            lines.push(format!("{indent}end else begin"));
+            self.block(otherwise, lines, depth + 1);
+        }
+        lines.push(format!("{indent}end"));
+    }
+
+    fn arm(&mut self, label: &str, body: &[Statement], lines: &mut Vec<String>, depth: usize) {
+        let indent = "    ".repeat(depth);
+        if body.is_empty() {
+            return lines.push(format!("{indent}{label}: ;"));
+        }
+        lines.push(format!("{indent}{label}: begin"));
+        self.block(body, lines, depth + 1);
+        lines.push(format!("{indent}end"));
+    }
+
+    fn flush(&mut self, lines: &mut Vec<String>, indent: &str) {
+        lines.extend(self.pending.drain(..).map(|step| format!("{indent}{step}")));
+    }
+
+    fn test(&mut self, test: &Expression) -> String {
+        self.subject = "test".into();
+        self.root(test)
+    }
+
+    fn assign(&mut self, assign: &Assign) -> String {
+        let name = self.signal_names[assign.target].clone();
+        self.subject.clone_from(&name);
+        let value = self.root(&assign.value);
+        let whole = self.scope.signals[assign.target].ty.bits == assign.value.ty.bits;
+        let place = assign.at.filter(|_| !whole).map_or(String::new(), |at| range(at, assign.value.ty.bits));
+        format!("{name}{place} = {value};")
+    }
+
+    /// A value that goes into a signal of its own width: only here Verilog's context is as wide as a product.
+    fn root(&mut self, value: &Expression) -> String {
+        match &value.node {
+            Node::Product(left, right) => {
+                let (left, right) = (self.factor(left), self.factor(right));
+                format!("{left} * {right}")
+            }
+            Node::Reinterpret(inner) => self.root(inner),
+            _ => self.print(value).text,
+        }
+    }
+
+    /// A factor is extended to the width of the product, so it must be complete in itself.
+    fn factor(&mut self, factor: &Expression) -> String {
+        let text = self.print(factor);
+        if text.form == Form::Atom && text.signed == factor.ty.signed {
+            text.text
+        } else {
+            convert(text, factor.ty.signed)
+        }
+    }
+
+    fn print(&mut self, expression: &Expression) -> Text {
+        let ty = expression.ty;
+        match &expression.node {
+            Node::Signal(id) => self.signal(*id),
+            Node::Literal(value) if *value < 0 => Text::operation(literal(ty, *value), ty.signed),
+            Node::Literal(value) => Text::atom(literal(ty, *value), ty.signed),
+            Node::State(state) => Text::atom(self.state(state), false),
+            Node::Not(x) => {
+                // Of one bit, so that nothing hangs on the width around it.
+                if let (1, Node::Not(twice)) = (ty.bits, &x.node)
+                    && twice.ty == ty
+                {
+                    return self.print(twice);
+                }
+                let x = self.print(x);
+                let signed = x.signed && ty.bits > 1;
+                let form = if x.form == Form::Atom { Form::Not } else { Form::Operation };
+                let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.unary_operand());
+                Text { text, form, signed }
+            }
+            Node::Negate(x) => {
+                let x = self.print(x);
+                let signed = x.signed;
+                Text::operation(format!("-{}", x.unary_operand()), signed)
+            }
+            Node::Reduce(_, x) if x.ty.bits == 1 => self.print(x),
+            Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).unary_operand()), false),
+            Node::Wrapping(op, x, y) => match side_by_side(ty, op, x, y) {
+                Some((high, low)) => {
+                    Text::atom(format!("{{{}, {}}}", self.print(high).text, self.print(low).text), false)
+                }
+                None => Text::binary(op, self.print(x), self.print(y)),
+            },
+            Node::Compare(op, x, y) => {
+                let ordered = !matches!(*op, "==" | "!=");
+                let mut side = |operand: &Expression| {
+                    let text = self.print(operand);
+                    if ordered && text.signed != operand.ty.signed {
+                        convert(text, operand.ty.signed)
+                    } else {
+                        text.operand()
+                    }
+                };
+                let (x, y) = (side(x), side(y));
+                Text::operation(format!("{x} {op} {y}"), false)
+            }
+            Node::Logical(op, x, y) => {
+                Text { signed: false, ..Text::binary(op, self.print(x), self.print(y)) }
+            }
+            Node::Choose(test, x, y) => {
+                let (test, x, y) = (self.print(test), self.print(x), self.print(y));
+                let signed = x.signed && y.signed;
+                Text::operation(format!("{} ? {} : {}", test.operand(), x.operand(), y.operand()), signed)
+            }
+            Node::Shift(op, x, by) => {
+                let x = self.print(x);
+                let signed = x.signed;
+                let by = by.constant().map_or_else(|| self.print(by).operand(), |by| by.to_string());
+                Text::operation(format!("{} {op} {by}", x.operand()), signed)
+            }
+            Node::Resize(x) => self.extend(x, ty.bits - x.ty.bits),
+            Node::Reinterpret(x) => self.print(x),
+            Node::Product(..) => Text::atom(self.between(expression, false), ty.signed),
+            Node::Bit(x, at) => self.bit(x, at),
+            Node::Slice(x, at) => {
+                Text::atom(format!("{}{}", self.selectable(x, true), range(*at, ty.bits)), false)
+            }
+            Node::Window(x, at) => {
+                let wide = (**x).clone().reinterpret(false).resize(x.ty.bits + ty.bits);
+                let (name, at) = (self.selectable(&wide, false), self.place(at, wide.ty.bits));
+                Text::atom(format!("{name}[{at} +: {}]", ty.bits), false)
+            }
+            Node::Replace(x, at, bit) => self.replace(x, at, bit),
+        }
+    }
+
+    fn signal(&mut self, id: SignalId) -> Text {
+        let expression = self.resolved[id].clone();
+        let Node::Signal(id) = expression.node else { return self.print(&expression) };
+        let signal = &self.scope.signals[id];
+        if matches!(signal.role, Role::Constant(_)) {
+            self.constants.insert(id);
+        }
+        Text::atom(self.signal_names[id].clone(), signal.ty.signed)
+    }
+
+    fn state(&mut self, state: &State) -> String {
+        let key = (state.label.0.clone(), state.value);
+        if let Some((name, _)) = self.states.get(&key) {
+            return name.clone();
+        }
+        let wanted = format!("{}_{}", snake_case(&state.label.0), snake_case(&state.label.1)).to_uppercase();
+        let name = self.names.take(&wanted);
+        self.states.insert(key, (name.clone(), state.clone()));
+        name
+    }
+
+    fn extend(&mut self, x: &Expression, by: usize) -> Text {
+        if !x.ty.signed {
+            let low = self.print(x).text;
+            return Text::atom(format!("{{{}, {low}}}", literal(Type::bits(by), 0)), false);
+        }
+        let name = self.selectable(x, false);
+        let sign = if x.ty.bits == 1 { name.clone() } else { format!("{name}[{}]", x.ty.bits - 1) };
+        Text::atom(format!("{{{{{by}{{{sign}}}}}, {name}}}"), false)
+    }
+
+    fn bit(&mut self, x: &Expression, at: &Expression) -> Text {
+        if x.ty.bits == 1 {
+            return Text::atom(self.print(x).operand(), false);
+        }
+        let name = self.selectable(x, true);
+        let at = at.constant().map_or_else(|| self.place(at, x.ty.bits), |at| at.to_string());
+        Text::atom(format!("{name}[{at}]"), false)
+    }
+
+    /// An index with as many bits as its range needs. Rust panics at those that this cuts off.
+    fn place(&mut self, at: &Expression, range: usize) -> String {
+        let bits = usize::BITS as usize - (range - 1).leading_zeros() as usize;
+        let at = at.clone().resize(bits.max(1));
+        let text = self.print(&at);
+        // Icarus takes a sign before an index for wider than the index is.
+        if text.form == Form::Not { self.between(&at, false) } else { text.text }
+    }
+
+    fn replace(&mut self, x: &Expression, at: &Expression, bit: &Expression) -> Text {
+        let ty = x.ty;
+        if ty.bits == 1 {
+            return Text::atom(self.print(bit).operand(), false);
+        }
+        if let Some(at) = at.constant() {
+            let (name, at) = (self.selectable(x, true), at as usize);
+            let above = (at + 1 < ty.bits).then(|| format!("{name}{}", range(at + 1, ty.bits - at - 1)));
+            let below = (at > 0).then(|| format!("{name}{}", range(0, at)));
+            let parts: Vec<_> = above.into_iter().chain([self.print(bit).text]).chain(below).collect();
+            return Text::atom(format!("{{{}}}", parts.join(", ")), false);
+        }
+        let shifted = |what: Expression| {
+            Box::new(Expression::new(ty, Node::Shift("<<", Box::new(what), Box::new(at.clone()))))
+        };
+        let hole = Expression::new(ty, Node::Not(shifted(Expression::literal(ty, 1))));
+        let rest = Expression::new(ty, Node::Wrapping("&", Box::new(x.clone()), Box::new(hole)));
+        self.print(&Expression::new(
+            ty,
+            Node::Wrapping("|", Box::new(rest), shifted(bit.clone().resize(ty.bits))),
+        ))
+    }
+
+    /// The name of a signal that has this value and of which bits can be taken.
+    fn selectable(&mut self, x: &Expression, in_part: bool) -> String {
+        if let Node::Signal(id) = x.node
+            && let Node::Signal(id) = self.resolved[id].node
+            && !matches!(self.scope.signals[id].role, Role::Constant(_))
+        {
+            return self.signal_names[id].clone();
+        }
+        if let Node::Reinterpret(inner) = &x.node {
+            return self.selectable(inner, in_part);
+        }
+        self.between(x, in_part)
+    }
+
+    /// The name of a value in between: a wire, or a step of the process where it depends on what the process drives.
+    fn between(&mut self, x: &Expression, in_part: bool) -> String {
+        let mut in_process = false;
+        x.walk(&mut |part| in_process |= matches!(part.node, Node::Signal(id) if self.depends(id)));
+        let text = self.root(x);
+        let key = (x.ty, text);
+        if let Some(&known) = self.known.get(&key).filter(|_| !in_process) {
+            self.between[known].in_part &= in_part;
+            return self.between[known].name.clone();
+        }
+        let name = self.names.take(&format!("{}_{}", self.subject, kind(x)));
+        let (index, (ty, text)) = (self.between.len(), key.clone());
+        if in_process {
+            self.pending.push(format!("{name} = {text};"));
+            self.steps.push(index);
+        } else {
+            self.known.insert(key, index);
+        }
+        self.between.push(Between { name: name.clone(), ty, value: (!in_process).then_some(text), in_part });
+        name
+    }
+
+    fn depends(&self, id: SignalId) -> bool {
+        matches!(self.resolved[id].node, Node::Signal(id) if self.driven.contains(&id))
+    }
+}
+
+/// `(x << n) | y`, where y has n bits and x all others: x and y side by side.
+fn side_by_side<'e>(
+    ty: Type,
+    op: &str,
+    x: &'e Expression,
+    y: &'e Expression,
+) -> Option<(&'e Expression, &'e Expression)> {
+    let Node::Shift("<<", high, by) = &x.node else { return None };
+    let (Node::Resize(high), Node::Resize(low)) = (&high.node, &y.node) else { return None };
+    let unsigned = !ty.signed && !high.ty.signed && !low.ty.signed;
+    let fits = by.constant() == Some(low.ty.bits as i128) && high.ty.bits + low.ty.bits == ty.bits;
+    (op == "|" && unsigned && fits).then_some((high, low))
+}
+
+/// What a value in between is called after.
+fn kind(x: &Expression) -> &'static str {
+    match &x.node {
+        Node::Product(..) => "product",
+        Node::Wrapping("+", ..) => "sum",
+        Node::Wrapping("-", ..) => "difference",
+        Node::Shift(..) => "shifted",
+        Node::Resize(_) => "wide",
+        Node::Negate(_) => "negated",
+        _ => "value",
+    }
+}
+
+fn convert(text: Text, signed: bool) -> String {
+    format!("{}({})", if signed { "$signed" } else { "$unsigned" }, text.text)
+}
+
+/// `[7:0]`, `[3]`.
+fn range(at: usize, bits: usize) -> String {
+    if bits == 1 { format!("[{at}]") } else { format!("[{}:{at}]", at + bits - 1) }
+}
+
+/// A sized literal.
+pub(crate) fn literal(ty: Type, value: i128) -> String {
+    let bits = ty.bits;
+    match (ty.signed, value) {
+        (false, _) if bits == 1 => format!("1'b{value}"),
+        (false, 0..10) => format!("{bits}'d{value}"),
+        (false, _) => format!("{bits}'h{value:x}"),
+        (true, 0..) => format!("{bits}'sd{value}"),
+        (true, _) => format!("-{bits}'sd{}", value.unsigned_abs()),
+    }
+}
+
+/// A kernel's comment, line by line, without the quotes that the macro leaves.
+pub(crate) fn comment(text: &str) -> impl Iterator<Item = String> + '_ {
+    let inner = text.trim().trim_matches('"');
+    inner.lines().map(|line| format!("// {}", line.trim()).trim_end().to_string())
+}

@@ -1,0 +1,16 @@
+//! All tests of the whole program, in one program of their own: what they share is compiled and linked once.
+
+mod architecture;
+mod bad_input;
+mod happy;
+mod hardware;
+mod optics;
+mod overwriting;
+mod provenance;
+mod saturations;
+mod stopping;
+mod support;
+mod tone;
+mod too_big;
+mod workspace;
+mod wrong_files;
