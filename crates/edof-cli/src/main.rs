@@ -76,6 +76,7 @@ Examples:
   edof cosim --design tiny                             the generated Verilog against the cycle model
   edof generate --design paper --weights paper-t4 --out build/paper
   edof timing --design tiny                            the longest path of logic of every stage
+  edof board load edof-t4w12-outer-light               weights onto a board at a serial port
 
 Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
 2 wrong usage, 130 stopped by Ctrl-C.";
@@ -97,6 +98,7 @@ enum Command {
     Generate(commands::generate::Args),
     RandomNetwork(commands::random_network::Args),
     Timing(commands::timing::Args),
+    Board(commands::board::Args),
 }
 
 fn main() -> ExitCode {
@@ -132,6 +134,7 @@ fn run() -> Result<(), Error> {
         Command::Generate(args) => commands::generate::run(args, &ui),
         Command::RandomNetwork(args) => commands::random_network::run(args, &ui),
         Command::Timing(args) => commands::timing::run(args, &ui),
+        Command::Board(args) => commands::board::run(&args, &ui),
     }
 }
 

@@ -302,12 +302,14 @@ impl Inside {
     fn frame(&mut self) {
         self.count("input_frames", 1);
         self.count("output_frames", 1);
-        match self.begun.take() {
+        let control = self.control();
+        // Without it the frame under way stands still.
+        let runs = control & map::RUN != 0;
+        match self.begun.take_if(|_| runs) {
             Some(key) => self.end(key),
             None => self.count("output_late", 1),
         }
-        let control = self.control();
-        if control & map::RUN != 0 && control & map::FLUSH == 0 {
+        if runs && control & map::FLUSH == 0 {
             self.count("raw_frames", 1);
             self.begun = Some(self.key(usize::from(control & map::WEIGHT_SET != 0)));
         }

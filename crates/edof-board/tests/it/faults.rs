@@ -184,8 +184,8 @@ fn survive_all(seeds: std::ops::Range<u64>) {
 }
 
 #[test]
-fn no_fault_of_300_is_lost() {
-    survive_all(0..300);
+fn no_fault_of_200_is_lost() {
+    survive_all(0..200);
 }
 
 #[test]
