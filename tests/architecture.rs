@@ -80,7 +80,16 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-study",
-        uses: &["edof-spec", "edof-io", "edof-optics", "edof-deblur", "edof-golden", "edof-train"],
+        uses: &[
+            "edof-spec",
+            "edof-numerics",
+            "edof-sparse",
+            "edof-io",
+            "edof-optics",
+            "edof-deblur",
+            "edof-golden",
+            "edof-train",
+        ],
         tests_use: &["edof-random"],
         knows_nothing_of: &["edof-hdl"],
     },

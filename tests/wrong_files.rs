@@ -3,7 +3,7 @@
 use crate::support::Place;
 
 /// Commands with a gap for the file that is wrong.
-const COMMANDS: [&str; 28] = [
+const COMMANDS: [&str; 32] = [
     "reconstruct {} --weights net.fixed.safetensors --out o.png",
     "reconstruct raw.png --weights {} --out o.png",
     "reconstruct raw.png --float --weights {} --out o.png",
@@ -20,6 +20,10 @@ const COMMANDS: [&str; 28] = [
     "quantize net.safetensors --images {} --out o",
     "study kodak --images photos --nets {}",
     "study kodak --images {} --nets net.safetensors",
+    "study single-depth --rows o --camera clear --images photos --nets {}",
+    "study single-depth --rows o --camera clear --images {} --nets net.safetensors",
+    "study single-depth --rows o --camera clear --images photos --nets net.safetensors --dictionary {}",
+    "study dictionary --images {} --out o",
     "demo --net {} --out o",
     "demo --clear-net {} --out o",
     "estimate --design {}",

@@ -163,7 +163,7 @@ pub fn run(
 }
 
 /// One photograph at one depth behind one camera.
-struct Trial<'a> {
+pub(crate) struct Trial<'a> {
     setup: &'a Setup,
     photo: &'a Photo,
     psi: f64,
@@ -173,7 +173,7 @@ struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    fn new(setup: &'a Setup, photo: &'a Photo, psi: f64, conditions: &'a Conditions) -> Self {
+    pub(crate) fn new(setup: &'a Setup, photo: &'a Photo, psi: f64, conditions: &'a Conditions) -> Self {
         Self { setup, photo, psi, conditions, light: conditions.tone.decoded(&photo.frame) }
     }
 
@@ -192,7 +192,8 @@ impl<'a> Trial<'a> {
         done.into_par_iter().map(|(noise, method, result)| self.row(noise, method, &result)).collect()
     }
 
-    fn shots(&self, psfs: &[Psf; 3]) -> Result<Vec<(Noise, RawFrame)>, KodakError> {
+    /// What the sensor gives at each noise level.
+    pub(crate) fn shots(&self, psfs: &[Psf; 3]) -> Result<Vec<(Noise, RawFrame)>, KodakError> {
         let blurred = blur_frame(&self.light, psfs);
         self.conditions
             .noise
@@ -202,7 +203,13 @@ impl<'a> Trial<'a> {
             .map_err(|source| KodakError::Sensor { image: self.image(), source })
     }
 
-    fn row(&self, noise: Noise, method: &Method, result: &Reconstruction) -> Result<Row, KodakError> {
+    /// What a reconstruction is worth.
+    pub(crate) fn row(
+        &self,
+        noise: Noise,
+        method: &Method,
+        result: &Reconstruction,
+    ) -> Result<Row, KodakError> {
         let tone = self.conditions.tone;
         let compared = |truth: &ColourFrame, estimate: &ColourFrame| {
             Quality::of(truth, estimate, BORDER)

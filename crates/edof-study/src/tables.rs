@@ -238,7 +238,7 @@ fn work_cells(work: &Work) -> [String; 4] {
 }
 
 /// What tables call a noise.
-fn noise_words(noise: Noise) -> String {
+pub(crate) fn noise_words(noise: Noise) -> String {
     match noise {
         Noise::None => "no noise".to_owned(),
         Noise::Gaussian { sigma } => format!("σ = {sigma}"),
