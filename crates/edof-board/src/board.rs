@@ -48,6 +48,8 @@ pub struct Answer {
     pub row: u64,
 }
 
+/// Times that what answers with another id is asked again.
+const STALE: usize = 2;
 /// Looks at a stage that reads before it is given up.
 const MOST_LOOKS: usize = 2_000;
 
@@ -66,7 +68,15 @@ impl<L: Line> Board<L> {
     pub fn open(line: L, patience: Duration) -> Result<Self, Error> {
         let mut link = Link::new(line, patience);
         let port = link.name();
-        let words = link.read(0, 5)?;
+        let mut words = link.read(0, 5)?;
+        for _ in 0..STALE {
+            if words[0] == map::ID {
+                break;
+            }
+            // Perhaps the answers to a host before, which has ended.
+            link.settle()?;
+            words = link.read(0, 5)?;
+        }
         let [id, version, design_hash, size, weights_hash] = [0, 1, 2, 3, 4].map(|word| words[word]);
         if id != map::ID {
             return Err(Error::Stranger { port, found: id });

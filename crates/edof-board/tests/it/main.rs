@@ -4,4 +4,5 @@ mod common;
 mod dry_run;
 mod faults;
 mod loading;
+mod page;
 mod registers;

@@ -119,6 +119,14 @@ fn who_is_no_board_is_told_from_silence() {
 }
 
 #[test]
+fn answers_that_a_host_before_did_not_take_are_not_taken_for_ones_own() {
+    let design = tiny();
+    let mut simulated = board(&design, &network(&design, 1));
+    simulated.send(&edof_board::protocol::read(map::STATUS + 0x1000, 60)).unwrap();
+    assert_eq!(open(&mut simulated).get(place("id")).unwrap(), map::ID);
+}
+
+#[test]
 fn a_frame_that_was_cut_off_by_a_host_before_does_not_disturb_the_next() {
     let design = tiny();
     let network = network(&design, 1);
