@@ -49,7 +49,7 @@ impl Drop for Sim {
 }
 
 fn board(place: &Place, line: &str) -> String {
-    place.edof(&format!("board {line} --port board --patience 5")).done().out
+    place.edof(&format!("board {line} --port board")).done().out
 }
 
 fn drawn(place: &Place, name: &str, seed: u64) {
@@ -77,7 +77,7 @@ fn weights_go_onto_a_simulated_board_and_its_picture_changes_to_theirs() {
     assert!(board(&place, "dump").contains("weights_hash"));
     board(&place, "skip off");
     board(&place, "bank a");
-    let run = place.edof("board verify new.fixed.safetensors --port board --patience 5");
+    let run = place.edof("board verify new.fixed.safetensors --port board");
     run.refused(&["bank a does not hold"]);
     board(&place, "bank b");
     board(&place, "display luma");
@@ -111,9 +111,7 @@ fn what_cannot_be_loaded_is_told_in_one_line() {
     place.edof("board set scratch many --port nowhere").refused(&["value 'many'"]);
     place.edof("board load paper-t4 --dry-run").refused(&["--dry-run: without --port it needs --design"]);
     let sim = Sim::start(&place, "");
-    place
-        .edof("board load paper-t4 --port board --patience 5")
-        .refused(&["paper-t4 does not fit design tiny"]);
+    place.edof("board load paper-t4 --port board").refused(&["paper-t4 does not fit design tiny"]);
     drop(sim);
 }
 

@@ -52,6 +52,8 @@ pub struct Answer {
 const STALE: usize = 2;
 /// Looks at a stage that reads before it is given up.
 const MOST_LOOKS: usize = 2_000;
+/// After so many the line is let come to rest.
+const LOOKS: usize = 50;
 
 /// A board at the other end of a line.
 pub struct Board<L> {
@@ -68,6 +70,7 @@ impl<L: Line> Board<L> {
     pub fn open(line: L, patience: Duration) -> Result<Self, Error> {
         let mut link = Link::new(line, patience);
         let port = link.name();
+        link.wait_out()?;
         let mut words = link.read(0, 5)?;
         for _ in 0..STALE {
             if words[0] == map::ID {
@@ -309,10 +312,15 @@ impl<L: Line> Board<L> {
 
     /// What the stages show once none of them reads any more.
     fn shown(&mut self, stages: usize) -> Result<Vec<u32>, Error> {
-        for _ in 0..MOST_LOOKS {
+        for look in 1..=MOST_LOOKS {
             let words = self.link.glance(STAGE_READS.address, 4 * stages)?;
-            if (0..stages).all(|stage| words[4 * stage + ReadBack::Busy as usize] == 0) {
+            let mut busy = (0..stages).map(|stage| words[4 * stage + ReadBack::Busy as usize]);
+            if busy.all(|busy| busy == 0) {
                 return self.link.read(STAGE_READS.address, 4 * stages);
+            }
+            // A byte too many would move all answers after it.
+            if look % LOOKS == 0 {
+                self.link.settle()?;
             }
         }
         let what = "what the stages read back".to_owned();

@@ -99,6 +99,12 @@ impl Part {
         read_command(self.row(index), 1)
     }
 
+    /// Whether it is the shifts of a stage.
+    #[must_use]
+    pub const fn is_shifts(&self) -> bool {
+        matches!(self.from, Space::Register { .. })
+    }
+
     /// Byte addresses and words that make it what it is.
     #[must_use]
     pub fn words(&self) -> Vec<(u32, u32)> {

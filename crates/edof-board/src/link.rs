@@ -92,6 +92,14 @@ impl<L: Line> Link<L> {
         self.throw_away(QUIET.max(self.patience))
     }
 
+    /// Waits until the board has given up what another host may have begun.
+    ///
+    /// # Errors
+    /// The line is gone.
+    pub fn wait_out(&mut self) -> Result<(), Error> {
+        self.throw_away(QUIET)
+    }
+
     /// Reads words from a byte address on, for what may be another word at any time.
     ///
     /// # Errors

@@ -120,20 +120,30 @@ impl<L: Line> Board<L> {
             // The other bank's pictures until this one's are right.
             self.change_control(WEIGHT_SET, control_bit(other(in_use)))?;
         }
+        let kept = self.keep(job, other(target))?;
         self.link.set(SCRATCH, mark(hash))?;
-        let written = self.fill(job, target, hash, progress);
-        if written.is_err() && target == in_use {
-            // As far as it still can be: the error tells of the rest.
-            let _ = self.change_control(WEIGHT_SET, control_bit(in_use));
-        }
-        let mut loaded = written?;
         let switches = job.bank.is_none() || target == in_use;
-        if switches {
-            self.switch(target, hash)?;
+        let mut recovered = false;
+        for _ in 0..ROUNDS {
+            let written = self.fill(job, target, &kept, hash, progress);
+            if written.is_err() && target == in_use {
+                // As far as it still can be: the error tells of the rest.
+                let _ = self.change_control(WEIGHT_SET, control_bit(in_use));
+            }
+            let mut loaded = written?;
+            if switches {
+                self.switch(target, hash)?;
+            }
+            if self.link.read(SCRATCH, 1)? == [mark(hash)] {
+                loaded.in_use = letter(if switches { target } else { in_use });
+                loaded.recovered |= recovered;
+                return Ok(loaded);
+            }
+            // A reset at the last moment.
+            recovered |= self.recover(&kept, hash)?;
         }
-        self.link.set(SCRATCH, registers[2])?;
-        loaded.in_use = letter(if switches { target } else { in_use });
-        Ok(loaded)
+        let (bank, active) = (letter(target), letter(kept.bank));
+        Err(Error::NotLoaded { port: self.port(), bank, active, wrong: 0, rounds: ROUNDS })
     }
 
     /// Writes a bank that is not in use until all of it is right.
@@ -141,12 +151,12 @@ impl<L: Line> Board<L> {
         &mut self,
         job: &Job<'_>,
         target: Set,
+        kept: &Kept,
         hash: u32,
         progress: Progress<'_>,
     ) -> Result<Loaded, Error> {
         let wanted = parts(job.design, job.network, target);
         let all: Vec<&Part> = wanted.iter().collect();
-        let kept = self.keep(job, other(target))?;
         let mut loaded = Loaded {
             bank: letter(target),
             in_use: letter(kept.bank),
@@ -171,7 +181,15 @@ impl<L: Line> Board<L> {
                 wanted.iter().zip(&found).map(|(part, crc)| missing(part, *crc, &bases)).collect();
             let wrong = missing.iter().filter(|words| !words.is_empty()).count();
             if wrong == 0 {
-                break;
+                loaded.recovered |= self.mend(kept, job)?;
+                // What asked for the CRCs may have gone astray itself, into registers of the stages.
+                let astray = self.restore_stages(kept, &wanted)? | self.recover(kept, hash)?;
+                if !astray {
+                    break;
+                }
+                loaded.recovered = true;
+                found = self.crcs(&all)?.into_iter().map(Some).collect();
+                continue;
             }
             if loaded.rounds == ROUNDS {
                 let (bank, active) = (letter(target), letter(kept.bank));
@@ -189,11 +207,11 @@ impl<L: Line> Board<L> {
                     self.link.write(address, &some)?;
                     done += some.len() as u64;
                 }
-                loaded.recovered |= self.recover(&kept, hash)?;
+                loaded.recovered |= self.recover(kept, hash)?;
             }
             loaded.words += done;
             found = self.crcs(&all)?.into_iter().map(Some).collect();
-            loaded.recovered |= self.recover(&kept, hash)?;
+            loaded.recovered |= self.recover(kept, hash)?;
             if job.read_back && found.iter().zip(&all).all(|(crc, part)| *crc == Some(part.crc)) {
                 let differences = self.rows_unlike(&all, &mut |_, _| progress(total, total))?;
                 for (index, _) in differences {
@@ -201,8 +219,29 @@ impl<L: Line> Board<L> {
                 }
             }
         }
-        loaded.recovered |= self.mend(&kept, job)?;
         Ok(loaded)
+    }
+
+    /// Puts shifts of both banks and what is skipped right where they are not; whether there were any. Its own commands lie in no other
+    /// register, even where a byte of their address is lost.
+    fn restore_stages(&mut self, kept: &Kept, wanted: &[Part]) -> Result<bool, Error> {
+        let stages = kept.shifts.len();
+        let shifts = wanted.iter().filter(|part| part.is_shifts()).map(|part| part.rows[0] as u32).collect();
+        let expected = [
+            (kept.bank as usize, kept.shifts.clone()),
+            (other(kept.bank) as usize, shifts),
+            (SKIP_ROW, kept.skips.clone()),
+        ];
+        let mut changed = false;
+        for (row, words) in expected {
+            let found = self.stage_register(stages, row)?;
+            for (stage, word) in words.into_iter().enumerate().filter(|(stage, word)| found[*stage] != *word)
+            {
+                self.set_stage_register(stage, row, word)?;
+                changed = true;
+            }
+        }
+        Ok(changed)
     }
 
     /// Notes what must stay as it is.

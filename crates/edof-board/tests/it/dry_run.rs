@@ -19,7 +19,6 @@ fn a_plan_is_what_the_load_takes() {
         let mut reader = open(&mut simulated);
         let wanted = parts(&design, network, Set::Second);
         let held = reader.crcs(&wanted.iter().collect::<Vec<_>>()).unwrap();
-        drop(reader);
         let plan = plan(&job, Set::Second, Some(&held), BAUD).unwrap();
         let (start, bytes) = (simulated.now(), simulated.bytes);
         let loaded = load(&mut simulated, &job).unwrap();

@@ -65,7 +65,6 @@ fn counters_tell_of_frames_and_stages() {
     frames(&mut simulated, 3);
     let mut first = open(&mut simulated);
     let before = first.look(4).unwrap();
-    drop(first);
     let (start, wait) = (simulated.now(), 30);
     frames(&mut simulated, wait);
     let after = open(&mut simulated).look(4).unwrap();
@@ -76,7 +75,6 @@ fn counters_tell_of_frames_and_stages() {
     let mut board = open(&mut simulated);
     board.set(place("control.run"), 0).unwrap();
     let before = board.look(4).unwrap();
-    drop(board);
     frames(&mut simulated, 10);
     let after = open(&mut simulated).look(4).unwrap();
     let report = status::report(&before, &after, 0.17);
