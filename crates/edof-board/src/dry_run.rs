@@ -71,8 +71,10 @@ pub fn plan(job: &Job<'_>, bank: Set, held: Option<&[u32]>, baud: u32) -> Result
     job.design.check_network(job.network)?;
     let wanted = parts(job.design, job.network, bank);
     let mut line = Counted { board: stand_in(job, bank, &wanted, held, baud)?, turns: 0 };
-    let (bytes, before) = (line.board.bytes, line.board.now());
     let mut board = Board::open(&mut line, PATIENCE)?;
+    let opened = board.line();
+    let (bytes, before) = (opened.board.bytes, opened.board.now());
+    opened.turns = 0;
     let full = job.full || held.is_none();
     let loaded = board.load(&Job { full, ..*job }, &mut |_, _| true)?;
     let now = line.board.bytes;

@@ -4,17 +4,21 @@ use crate::photos::Photo;
 use edof_sparse::ksvd::{Settings, ksvd};
 use edof_spec::atomic::{self, WriteError};
 use edof_spec::colour::RGB_OUTPUTS;
+use edof_spec::digest::sha256;
 use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::provenance::{Provenance, sha256};
+use edof_spec::provenance::Provenance;
 use edof_train::random::Random;
 use ndarray::{Array2, Axis, s};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Its first atoms are one colour each, without pattern: every patch may use them.
 pub const FREE: usize = 3;
+/// More than the file of the largest dictionary has; what is longer is cut, and then no whole file.
+const MOST_BYTES: u64 = 16 << 20;
 const TENSOR: &str = "dictionary";
 const METADATA: &str = "edof-dictionary";
 /// The one that comes with the program.
@@ -164,8 +168,11 @@ impl Dictionary {
         match path {
             None => Self::parse(EMBEDDED, Path::new(EMBEDDED_NAME)),
             Some(path) => {
-                let bytes = std::fs::read(path)
-                    .map_err(|source| DictionaryError::Read { path: path.to_owned(), source })?;
+                let mut bytes = vec![];
+                // Devices may never end.
+                let read =
+                    std::fs::File::open(path).and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes));
+                read.map_err(|source| DictionaryError::Read { path: path.to_owned(), source })?;
                 Self::parse(&bytes, path)
             }
         }

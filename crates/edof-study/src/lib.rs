@@ -15,7 +15,8 @@
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
 //! | | [`tables`] | the same for a terminal, as Markdown and as a report |
-//! | | [`demo`] | one scene at four depths through several lenses, with a report |
+//! | | [`demo`] | one scene at four depths through several lenses |
+//! | | [`demo_report`] | its verdict and its report |
 //! | compare | [`metrics`] | PSNR and SSIM with the conventions of every number of this project |
 //! | sharpness | [`mtf50`] | MTF and MTF50 of a slanted edge |
 //! | optics | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
@@ -37,6 +38,7 @@
 
 pub mod deconvolution;
 pub mod demo;
+pub mod demo_report;
 pub mod dictionary;
 pub mod kodak;
 pub mod lens;

@@ -178,7 +178,8 @@ mod tests {
             planes: ndarray::Array3::from_shape_fn((3, 48, 64), |(_, r, c)| pattern(r, c)),
         };
         let camera = Camera::resolve("ring-2018").unwrap();
-        let psfs = edof_optics::psf::channel_psfs(&camera, 5.0, &edof_optics::psf::Settings::default());
+        let psfs =
+            edof_optics::psf::channel_psfs(&camera, 5.0, &edof_optics::psf::Settings::default()).unwrap();
         let light = edof_optics::blur::blur_frame(&sharp, &psfs);
         let values = Array2::from_shape_fn((48, 64), |(r, c)| {
             let plane = CfaPhase::Rggb.channel(r, c).plane();

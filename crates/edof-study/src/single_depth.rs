@@ -7,12 +7,14 @@ use crate::kodak::{Conditions, KodakError, Row as Measured, Setup, Trial};
 use crate::method::Method;
 use crate::photos::Photo;
 use crate::spec::{Case, MethodSpec, PrepareError};
-use edof_optics::psf::{MOST_DEFOCUS, Settings, channel_psfs};
+use edof_optics::psf::{Settings, channel_psfs};
 use edof_spec::atomic::{self, WriteError};
-use edof_spec::provenance::{Input, sha256};
+use edof_spec::digest::sha256;
+use edof_spec::provenance::Input;
 use edof_spec::{Camera, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
+use std::io::Read;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -95,6 +97,9 @@ pub enum StudyError {
     Other { path: PathBuf, found: String, wanted: String },
 }
 
+/// More than any file of rows has.
+const MOST_BYTES: u64 = 256 << 20;
+
 /// The rows that there are, in their file.
 #[derive(Debug)]
 pub struct Journal {
@@ -110,11 +115,14 @@ impl Journal {
     /// # Errors
     /// [`StudyError::Read`], [`StudyError::Line`] or [`StudyError::Other`].
     pub fn open(path: &Path, header: Header) -> Result<Self, StudyError> {
-        let text = match std::fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        let mut text = String::new();
+        // Devices may never end.
+        let read = std::fs::File::open(path).and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text));
+        match read {
+            Ok(_) => {}
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
             Err(source) => return Err(StudyError::Read { path: path.to_owned(), source }),
-        };
+        }
         let wrong = |line: usize, error: serde_json::Error| StudyError::Line {
             path: path.to_owned(),
             line: line + 1,
@@ -220,13 +228,9 @@ pub fn run(
     let setup = Setup { camera: plan.camera.clone(), entries: vec![] };
     let mut done = 0;
     for &psi in &plan.psi {
-        let defocus = (psi - plan.camera.focus_psi).abs();
-        if defocus.is_nan() || defocus > MOST_DEFOCUS {
-            return Err(KodakError::Psi { psi, camera: plan.camera.name.clone() }.into());
-        }
         let conditions =
             Conditions { tone: Tone::Linear, psi: vec![psi], noise: plan.noise.clone(), optics: plan.optics };
-        let psfs = channel_psfs(&plan.camera, psi, &plan.optics);
+        let psfs = channel_psfs(&plan.camera, psi, &plan.optics).map_err(KodakError::from)?;
         let mut prepared: HashMap<(usize, usize), (Box<dyn Reconstructor>, f64)> = HashMap::new();
         for (photo, hash) in photos.iter().zip(&hashes) {
             let is_missing = |&(n, m): &(usize, usize)| {

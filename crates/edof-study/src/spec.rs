@@ -8,7 +8,7 @@ use edof_deblur::hyper_laplacian::Prior;
 use edof_deblur::{Directional, Malvar, blind};
 use edof_golden::GoldenReconstructor;
 use edof_numerics::NotPositive;
-use edof_optics::psf::{Settings, channel_psfs};
+use edof_optics::psf::{NoPsf, Settings, channel_psfs};
 use edof_spec::fixed_network::FixedNetworkError;
 use edof_spec::network::NetworkError;
 use edof_spec::overlap::Overlap;
@@ -80,6 +80,9 @@ pub enum PrepareError {
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
     Fixed { net: String, source: FixedNetworkError },
+    /// A depth that the camera has no PSFs for.
+    #[error(transparent)]
+    Psf(#[from] NoPsf),
     /// No statistics.
     #[error(transparent)]
     Statistics(#[from] NotPositive),
@@ -110,6 +113,8 @@ const FISTA_PENALTY: f32 = 0.004;
 const CONTRAST: f64 = 0.0036;
 const UNEXPLAINED: f64 = 2e-5;
 const RICHARDSON_LUCY_STEPS: usize = 15;
+/// Side of the kernel that the blind method looks for: twice the geometric blur at ψ = 8, which is 7 pixels wide.
+const BLIND_SIDE: usize = 15;
 const HYPER_LAPLACIAN_ALPHA: f32 = 0.8;
 const HYPER_LAPLACIAN_SHARE: f64 = 0.1;
 
@@ -180,7 +185,7 @@ impl MethodSpec {
             Self::Malvar => Box::new(Malvar::default()),
             Self::Directional => Box::new(Directional::default()),
             Self::Deconvolution(family) => {
-                Box::new(DeconvolutionReconstructor::new(name, deconvolution(*family, case)))
+                Box::new(DeconvolutionReconstructor::new(name, deconvolution(*family, case)?))
             }
             Self::Pursuit { family, stride, dictionary } => {
                 let one = [case.psi];
@@ -216,7 +221,7 @@ impl MethodSpec {
 }
 
 /// A deconvolution for a case; the blind one takes nothing from it.
-fn deconvolution(family: Family, case: &Case<'_>) -> Deconvolution {
+fn deconvolution(family: Family, case: &Case<'_>) -> Result<Deconvolution, NoPsf> {
     let sigma = match case.noise {
         Noise::Gaussian { sigma } => sigma,
         Noise::None | Noise::Sensor(_) => 0.0,
@@ -229,7 +234,12 @@ fn deconvolution(family: Family, case: &Case<'_>) -> Deconvolution {
             lambda: (HYPER_LAPLACIAN_SHARE / variance) as f32,
             alpha: HYPER_LAPLACIAN_ALPHA,
         }),
-        _ => return Deconvolution::Blind(blind::Settings::default()),
+        _ => {
+            return Ok(Deconvolution::Blind(blind::Settings {
+                side: BLIND_SIDE,
+                ..blind::Settings::default()
+            }));
+        }
     };
-    Deconvolution::known(channel_psfs(case.camera, case.psi, &case.optics), how)
+    Ok(Deconvolution::known(channel_psfs(case.camera, case.psi, &case.optics)?, how))
 }

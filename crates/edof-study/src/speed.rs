@@ -126,8 +126,8 @@ impl Speed {
         report.paragraph(&self.explanation());
         for ((title, tables), claims) in self.tables().into_iter().zip(&self.claims) {
             report.heading(&title);
-            report.plot(&self.plot(claims.psi, claims.noise).to_svg());
-            tables.iter().for_each(|table| table.add_to(&mut report));
+            report.plots(&[self.plot(claims.psi, claims.noise)]);
+            tables.iter().for_each(|table| table.add_to(&mut report, &[]));
         }
         report
     }

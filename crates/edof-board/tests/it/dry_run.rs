@@ -1,6 +1,6 @@
 //! What a load takes, told ahead.
 
-use crate::common::{BAUD, board, job, load, network, open, retrained, tiny};
+use crate::common::{BAUD, board, job, network, open, retrained, tiny};
 use edof_board::contents::parts;
 use edof_board::dry_run::plan;
 use edof_board::load::Job;
@@ -20,8 +20,9 @@ fn a_plan_is_what_the_load_takes() {
         let wanted = parts(&design, network, Set::Second);
         let held = reader.crcs(&wanted.iter().collect::<Vec<_>>()).unwrap();
         let plan = plan(&job, Set::Second, Some(&held), BAUD).unwrap();
-        let (start, bytes) = (simulated.now(), simulated.bytes);
-        let loaded = load(&mut simulated, &job).unwrap();
+        let mut reader = open(&mut simulated);
+        let (start, bytes) = (reader.line().now(), reader.line().bytes);
+        let loaded = reader.load(&job, &mut |_, _| true).unwrap();
         assert_eq!((plan.words, plan.written_parts), (loaded.words, loaded.written_parts));
         let seconds = (simulated.now() - start) as f64 * 1e-9;
         assert!((plan.seconds / seconds - 1.0).abs() < 0.01, "{plan:?} took {seconds} s");

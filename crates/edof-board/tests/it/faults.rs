@@ -185,9 +185,12 @@ fn survive_all(seeds: std::ops::Range<u64>) {
     let outcomes: Vec<Result<String, String>> = seeds.clone().map(|seed| bench.survives(seed)).collect();
     let lost: Vec<&String> = outcomes.iter().filter_map(|outcome| outcome.as_ref().err()).collect();
     let ended = outcomes.iter().flatten().filter(|told| told.contains("Err(")).count();
-    let astray = outcomes.iter().flatten().filter(|told| told.ends_with("neither network")).count();
+    let strays = outcomes.iter().flatten().filter(|told| told.ends_with("neither network"));
+    let (resets, astray): (Vec<&String>, Vec<&String>) =
+        strays.partition(|told| told.contains("kind: Reset"));
+    let (resets, astray) = (resets.len(), astray.len());
     println!(
-        "seeds {seeds:?}: {} faults, {ended} ended the host, {} lost, {astray} with a frame of neither network",
+        "seeds {seeds:?}: {} faults, {ended} ended the host, {} lost, {resets} resets and {astray} others with a frame of neither network",
         outcomes.len(),
         lost.len()
     );

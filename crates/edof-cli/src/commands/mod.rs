@@ -2,8 +2,10 @@
 
 pub mod board;
 pub mod capture;
+pub mod compare;
 pub mod cosim;
 pub mod demo;
+pub mod doctor;
 pub mod estimate;
 pub mod explore;
 pub mod generate;

@@ -109,11 +109,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         .reads_pictures_of(&folder);
     let files = files.writes("--rows", &args.rows).may_write("--report", args.report.as_ref());
     files.may_write("--markdown", args.markdown.as_ref()).check()?;
-    let plan = args.plan(ui)?;
+    let (plan, notes) = args.plan(ui)?;
     let selection: Selection = args.photos.parse()?;
     let (photos, skipped) = photos::load(&folder, &selection)?;
     photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
-    skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
+    let skipped = skipped.iter().map(|why| format!("photo skipped: {why}"));
+    notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
     let machine = machine(ui);
     let mut journal = Journal::open(&args.rows, Header::new(args.exact, machine.clone()))?;
@@ -151,14 +152,17 @@ fn machine(ui: &Ui) -> String {
 }
 
 impl Args {
-    fn plan(&self, ui: &Ui) -> Result<Plan, Error> {
+    /// What is to be measured, and what was left out, one line each.
+    fn plan(&self, ui: &Ui) -> Result<(Plan, Vec<String>), Error> {
         let camera = Camera::resolve(&self.camera)?;
         ui.used(Input::camera(&camera));
         let strides = self.stride.iter().map(|&step| Stride::new(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
-        let mut methods = vec![];
+        let (mut methods, mut notes) = (vec![], vec![]);
         for net in &self.nets {
-            methods.extend(network(net, &camera, &strides, ui)?);
+            let (own, note) = network(net, &camera, &strides, ui)?;
+            methods.extend(own);
+            notes.extend(note);
         }
         let named: Vec<&str> = if self.methods.is_empty() {
             MethodSpec::names().to_vec()
@@ -169,12 +173,17 @@ impl Args {
             methods.extend(MethodSpec::named(name, &strides, &dictionary)?);
         }
         let optics = if self.exact { Settings::exact() } else { Settings::default() };
-        Ok(Plan { camera, psi: self.psi.clone(), noise: self.noise.clone(), methods, optics })
+        Ok((Plan { camera, psi: self.psi.clone(), noise: self.noise.clone(), methods, optics }, notes))
     }
 }
 
-/// A net at every stride in float, and in fixed point where its weights are for one of them.
-fn network(name: &str, camera: &Camera, strides: &[Stride], ui: &Ui) -> Result<Vec<MethodSpec>, Error> {
+/// A net at every stride in float, and in fixed point where its weights are for one of them; a line that says so where they are not.
+fn network(
+    name: &str,
+    camera: &Camera,
+    strides: &[Stride],
+    ui: &Ui,
+) -> Result<(Vec<MethodSpec>, Option<String>), Error> {
     let mut float = weights::float(name)?;
     if float.origin.camera != *camera {
         let own = &float.origin.camera.name;
@@ -193,17 +202,14 @@ fn network(name: &str, camera: &Camera, strides: &[Stride], ui: &Ui) -> Result<V
         .iter()
         .map(|&stride| MethodSpec::Float { network: Arc::clone(&float), sha256: sha256.clone(), stride })
         .collect();
-    if let Some(fixed) = fixed_if_any(&fixed_name(name))? {
-        if strides.contains(&fixed.stride) && fixed.float_hash == sha256 {
-            let input = weights::fixed_input(&fixed_name(name))?;
-            let sha256 = input.sha256.clone();
-            ui.used(input);
-            methods.push(MethodSpec::Fixed { network: Arc::new(fixed), name: shown.to_owned(), sha256 });
-        } else {
-            ui.note(format!(
-                "NO {shown}.fixed ROWS: its fixed-point weights are for another stride or other float weights"
-            ));
-        }
+    let Some(fixed) = fixed_if_any(&fixed_name(name))? else { return Ok((methods, None)) };
+    if !strides.contains(&fixed.stride) || fixed.float_hash != sha256 {
+        let why = "its fixed-point weights are for another stride or other float weights";
+        return Ok((methods, Some(format!("NO {shown}.fixed ROWS: {why}"))));
     }
-    Ok(methods)
+    let input = weights::fixed_input(&fixed_name(name))?;
+    let sha256 = input.sha256.clone();
+    ui.used(input);
+    methods.push(MethodSpec::Fixed { network: Arc::new(fixed), name: shown.to_owned(), sha256 });
+    Ok((methods, None))
 }
