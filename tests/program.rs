@@ -2,7 +2,6 @@
 
 mod architecture;
 mod bad_input;
-mod board;
 mod happy;
 mod hardware;
 mod optics;
