@@ -100,7 +100,7 @@ pub fn stages(design: &Design) -> Vec<Resources> {
 /// What the whole calculator takes: its stages, and what makes windows whole before them.
 #[must_use]
 pub fn whole(design: &Design) -> Resources {
-    stages(design).into_iter().sum::<Resources>() + Resources::logic(115, 15 + 2 * 71 + 36)
+    stages(design).into_iter().sum::<Resources>() + Resources::logic(115, 152)
 }
 
 /// One stage, its sums `sum_bits` wide.
