@@ -8,4 +8,5 @@ source scripts/prepare.sh
 need_simulators
 cargo test --workspace --locked --no-fail-fast --test circuits --test program --test all_photos -- --ignored --test-threads 2
 ./scripts/test-fusesoc.sh
+./scripts/test-peers.sh
 say "all passed"

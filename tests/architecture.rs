@@ -34,7 +34,7 @@ const CRATES: &[Row] = &[
         tests_use: &[],
         knows_nothing_of: NETWORKS,
     },
-    Row { name: "edof-deblur", uses: &["edof-spec"], tests_use: &[], knows_nothing_of: NETWORKS },
+    Row { name: "edof-deblur", uses: &["edof-spec", "edof-fft"], tests_use: &[], knows_nothing_of: NETWORKS },
     Row {
         name: "edof-golden",
         uses: &["edof-spec"],
@@ -74,7 +74,16 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-study",
-        uses: &["edof-spec", "edof-io", "edof-optics", "edof-deblur", "edof-golden", "edof-train"],
+        uses: &[
+            "edof-spec",
+            "edof-numerics",
+            "edof-sparse",
+            "edof-io",
+            "edof-optics",
+            "edof-deblur",
+            "edof-golden",
+            "edof-train",
+        ],
         tests_use: &["edof-random"],
         knows_nothing_of: &["edof-hdl"],
     },

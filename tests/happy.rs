@@ -214,3 +214,38 @@ fn wrong_usage_is_told_from_failure() {
     assert_eq!(Place::new().edof("reconstruct").code, Some(2));
     assert_eq!(Place::new().edof("reconstructt").code, Some(2));
 }
+
+#[test]
+fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.edof("study dictionary --images photos --photos all --atoms 12 --patches 400 --rounds 2 --out d.safetensors").done();
+    let study = |more: &str| {
+        let line = "study single-depth --rows rows.jsonl --camera clear --nets net.safetensors --images photos --psi 2 --noise none \
+                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --methods ";
+        let out = place.edof(&format!("{line}{more}")).done().out;
+        let rows = std::fs::read_to_string(place.path("rows.jsonl")).unwrap();
+        (out, rows)
+    };
+    let (_, first) = study("malvar,omp");
+    let (out, rows) = study("malvar,omp,wiener");
+    assert!(rows.starts_with(&first) && rows.lines().count() == first.lines().count() + 1, "{rows}");
+    assert!(out.contains("net.float/s8 is faster than omp/s8") && out.contains("wiener"), "{out}");
+    let page = std::fs::read_to_string(place.path("m.md")).unwrap();
+    assert!(page.contains("| net.float/s8 less omp/s8 | at least 0 dB |"), "{page}");
+    let report = std::fs::read_to_string(place.path("r.html")).unwrap();
+    assert!(report.contains("<svg") && !report.contains("src=\"http"));
+    let refused = |options: &str, words: &str| {
+        let line = "study single-depth --rows other.jsonl --images photos";
+        place.edof(&format!("{line} {options}")).refused(&[words]);
+    };
+    refused(
+        "--camera ring-outer --nets net.safetensors",
+        "net 'net.safetensors': was trained for camera clear, not ring-outer",
+    );
+    refused("--camera clear --nets net.safetensors --methods magic", "method 'magic': must be one of malvar");
+    refused("--camera clear --nets net.safetensors --stride 3", "stride 3: must be 2, 4 or 8");
+    refused("--camera clear --nets net.safetensors --psi 900", "psi 900: must be");
+}

@@ -3,7 +3,9 @@
 use crate::support::Place;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_spec::{Camera, CfaPhase};
+use edof_spec::{Camera, CfaPhase, ColourFrame};
+use ndarray::{Array3, Array4, s};
+use ndarray_npy::{NpzReader, NpzWriter};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
@@ -85,15 +87,152 @@ fn a_designed_camera_is_a_camera_that_can_be_used() {
     place.edof("capture photo.png --camera mine.json --psi 1 --no-measure --out raw.png").done();
 }
 
+/// A bank of two depths whose kernels lean to the upper right, the more the nearer: something like coma.
+fn coma() -> Array4<f64> {
+    Array4::from_shape_fn((2, 3, 9, 9), |(depth, channel, r, c)| {
+        let (up, right) = (4.0 - r as f64, c as f64 - 4.0);
+        let along = (up + right) / (1.0 + depth as f64 + 0.3 * channel as f64);
+        if along < 0.0 { 0.0 } else { (-along - (up - right).powi(2)).exp() }
+    })
+}
+
+fn save_bank(place: &Place, name: &str, psi: &[f64], psf: &Array4<f64>) {
+    let mut npz = NpzWriter::new(std::fs::File::create(place.path(name)).unwrap());
+    npz.add_array("psi", &ndarray::aview1(psi)).unwrap();
+    npz.add_array("psf", psf).unwrap();
+    npz.finish().unwrap();
+}
+
+#[test]
+fn a_bank_that_was_exported_gives_the_same_frame() {
+    let place = Place::new();
+    place.photo("photo.png", 96, 64);
+    place.edof("optics ring-outer --psi 0,4,8 --out shown").done();
+    let light = |more: &str, out: &str| {
+        let line = format!("capture photo.png --no-measure --light {out}.light.png --out {out}.png {more}");
+        place.edof(&line).done();
+        let raw = raw::load(&place.path(&format!("{out}.png")), &RawOptions::default()).unwrap();
+        (raw, photo::load(&place.path(&format!("{out}.light.png"))).unwrap())
+    };
+    let (computed, own) = (light("--psi 4", "a"), light("--psi 4 --psf-bank shown/psf.npz", "b"));
+    assert_eq!(computed.0, own.0);
+    assert!(computed.1.planes.iter().zip(&own.1.planes).all(|(a, b)| (a - b).abs() < 1e-6));
+    let other = light("--psf-bank shown/psf.npz --psi 2", "c");
+    assert_ne!(computed.0, other.0);
+    let mut mtf = NpzReader::new(std::fs::File::open(place.path("shown/mtf.npz")).unwrap()).unwrap();
+    let contrast: Array3<f64> = mtf.by_name("lens_otf").unwrap();
+    let sensor: Array4<f64> = mtf.by_name("sensor_mtf").unwrap();
+    assert_eq!((contrast.dim(), sensor.dim()), ((3, 3, 129), (3, 3, 2, 129)));
+    assert!(contrast.slice(s![.., .., 0]).iter().all(|v| (v - 1.0).abs() < 1e-9));
+    assert!(sensor.slice(s![.., .., .., 0]).iter().all(|v| (v - 1.0).abs() < 1e-5));
+}
+
+#[test]
+fn a_lens_with_coma_is_seen_trained_for_and_reconstructed() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 288, 256);
+    save_bank(&place, "coma.npz", &[0.0, 4.0], &coma());
+    let camera =
+        include_str!("../cameras/clear.json").replacen('{', "{\"psf_bank\": {\"file\": \"coma.npz\"},", 1);
+    place.write("mine.json", camera);
+    let shown = json(&place.edof("optics mine.json --out shown --json").done().out);
+    assert_eq!(shown["depths"][1]["kernel_side"], serde_json::json!([9, 9, 9]));
+    let train = "train --form one-sided,w8,t3,c32,r --camera mine.json --images photos --depths 2 --steps 300 --batch 128 \
+                 --validate-every 100 --out net.safetensors";
+    place.edof(train).done();
+    place
+        .edof("capture photos/a.png --camera mine.json --psi 4 --no-measure --sharp sharp.png --out raw.png")
+        .done();
+    place.edof("reconstruct raw.png --weights net.safetensors --float --out out.png").done();
+    // Blur and network alike move nothing: the picture lies where the scene does, although the kernels lean.
+    let [sharp, out] = ["sharp.png", "out.png"].map(|name| photo::load(&place.path(name)).unwrap());
+    let error = |down: usize| {
+        let (a, b) = (
+            sharp.planes.slice(s![1, 16..200, 16..200]),
+            out.planes.slice(s![1, 16 + down..200 + down, 16..200]),
+        );
+        (&a - &b).mapv(|v| v * v).sum()
+    };
+    assert!(error(0) < error(1), "{} {}", error(0), error(1));
+    // Another lens's network is refused, and integers cannot be made without the bank.
+    place.edof("reconstruct raw.png --float --weights edof-t4w12 --out no.png").refused(&["taken by clear"]);
+    std::fs::rename(place.path("coma.npz"), place.path("photos/coma.npz")).unwrap();
+    place
+        .edof("quantize net.safetensors --images photos --photos all")
+        .refused(&["coma.npz", "found neither"]);
+    save_bank(&place, "coma.npz", &[0.0, 5.0], &coma());
+    place
+        .edof("quantize net.safetensors --images photos --photos all")
+        .refused(&["coma.npz", "found neither"]);
+    place
+        .edof("capture photos/a.png --camera mine.json --psi 6 --out no.png")
+        .refused(&["psi 6", "reaches from 0 to 5"]);
+}
+
+#[test]
+fn a_photograph_with_a_depth_map_is_captured_and_reconstructed() {
+    let place = Place::new();
+    place.photo("photo.png", 97, 64);
+    place.fixed_network("net.safetensors");
+    // The left half near, the right half far.
+    let grey = |c: usize| if c < 48 { "255 " } else { "0 " };
+    let row: String = (0..97).map(grey).collect();
+    place.write("map.pgm", format!("P2 97 64 255 {}", row.repeat(64)));
+    let capture = |more: &str| {
+        let line = format!(
+            "capture photo.png --camera clear --depth-map map.pgm --out raw.png --light light.png {more} --json"
+        );
+        let run = place.edof(&line).done();
+        assert!(run.err.contains("photo.png: 97x64 cropped to 96x64"), "{}", run.err);
+        (json(&run.out)["psi"].clone(), photo::load(&place.path("light.png")).unwrap())
+    };
+    let (psi, light) = capture("--range 8:0");
+    assert_eq!(psi, serde_json::json!([0.0, 8.0]));
+    place
+        .edof("capture photo.png --camera clear --psi 0 --no-measure --out flat.png --light flat-light.png")
+        .done();
+    let flat = photo::load(&place.path("flat-light.png")).unwrap();
+    let moved = |light: &ColourFrame, columns: std::ops::Range<usize>| {
+        let part = s![.., .., columns];
+        (&light.planes.slice(part) - &flat.planes.slice(part)).mapv(f32::abs).mean().unwrap()
+    };
+    assert!(
+        moved(&light, 0..40) > 10.0 * moved(&light, 60..96),
+        "near is blurred, far is not: {} {}",
+        moved(&light, 0..40),
+        moved(&light, 60..96)
+    );
+    let (metres, _) = capture("--range 3.1109m:10m --nominal 10");
+    assert!((metres[1].as_f64().unwrap() - 8.0).abs() < 1e-3 && metres[0].as_f64().unwrap().abs() < 1e-9);
+    // The same map as one of distances: white is far.
+    let (distances, light) = capture("--range 3.1109m:10m --nominal 10 --map-of distance");
+    assert!((distances[1].as_f64().unwrap() - 8.0).abs() < 1e-3, "{distances}");
+    assert!(moved(&light, 60..96) > 10.0 * moved(&light, 0..40));
+    place.edof("reconstruct raw.png --weights net.safetensors --out out.png").done();
+}
+
 #[test]
 fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
     let place = Place::new();
     place.photo("photo.png", 64, 48);
     place.photo("odd.png", 65, 48);
+    place.write("small.pgm", "P2 2 2 255 1 2 3 4");
     let before = place.files();
     for (line, words) in [
         ("capture photo.png --out r.png", ["--psi: one value", "one depth"]),
-        ("capture odd.png --psi 1 --out r.png", ["frame 65x48", "both sides must be even"]),
+        ("capture photo.png --psi 2m --out r.png", ["depth 2m", "--nominal"]),
+        ("capture photo.png --depth-map odd.png --range 8:0 --out r.png", ["odd.png", "expected a grey one"]),
+        (
+            "capture photo.png --depth-map small.pgm --range 8:0 --out r.png",
+            ["small.pgm: 2x2", "expected 64x48"],
+        ),
+        (
+            "capture chart --depth-map small.pgm --range 8:0 --out r.png",
+            ["--depth-map small.pgm", "only photographs"],
+        ),
+        ("capture photo.png --psi 1 --psf-bank photo.png --out r.png", ["photo.png", "not a whole NPZ"]),
+        ("optics --psf-bank none.npz", ["none.npz", "cannot read"]),
         ("capture photo.png --psi 900 --out r.png", ["psi 900", "within 200"]),
         ("capture photo.png --psi 1 --depth 7 --out r.png", ["bit depth 7", "8 to 16"]),
         ("capture photo.png --psi 1 --energy 0 --out r.png", ["--energy 0", "at most 1"]),

@@ -30,9 +30,26 @@ impl Place {
         self.command(line).output().unwrap().into()
     }
 
+    /// The same, ended by the system where it takes more than a gigabyte of addresses or three seconds of a core: what is refused
+    /// takes neither. (The program as it is tested is hardly optimised.)
+    pub fn edof_within_bounds(&self, line: &str) -> Run {
+        let mut command = self.prepared(Command::new("sh"));
+        command.args([
+            "-c",
+            "ulimit -v 1048576; ulimit -t 3; exec \"$0\" \"$@\"",
+            env!("CARGO_BIN_EXE_edof"),
+        ]);
+        command.args(line.split_whitespace()).output().unwrap().into()
+    }
+
     pub fn command(&self, line: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_edof"));
-        command.args(line.split_whitespace()).current_dir(self.dir.path());
+        let mut command = self.prepared(Command::new(env!("CARGO_BIN_EXE_edof")));
+        command.args(line.split_whitespace());
+        command
+    }
+
+    fn prepared(&self, mut command: Command) -> Command {
+        command.current_dir(self.dir.path());
         command.env("EDOF_KODAK", "no-kodak-here").env("EDOF_MORE", "");
         // Models that are compiled here are none of the user's, and every test may use them.
         command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));

@@ -8,7 +8,7 @@ use edof_golden::{Display, Golden};
 use edof_spec::design::FrameSize;
 use edof_spec::{ColourFrame, Design, FixedNetwork, RawFrame, Tone};
 use edof_study::picture::{enlarged, png};
-use edof_study::report::{Figure, Report};
+use edof_study::report::{Figure, Layout, Report};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -143,9 +143,9 @@ impl Told {
                 title: format!("What the simulated {} shows", self.design),
                 note: format!("the middle {SIDE}×{SIDE} pixels of the coded lens's frame, enlarged"),
                 // Already encoded.
-                png: png(&enlarged(picture, ENLARGED), Tone::Linear)?,
+                picture: png(&enlarged(picture, ENLARGED), Tone::Linear)?,
             };
-            report.figures(&[figure]);
+            report.figures(&[figure], Layout::Wide);
         }
         Ok(())
     }

@@ -9,6 +9,7 @@
 //! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | Ctrl-C | [`interrupt`] |
 //! | whether a job fits the machine | [`memory`] |
+//! | photographs, of even sides | [`pictures`] |
 //! | a network's form in words | [`form`] |
 //! | what is written about a run into its results | [`provenance`] |
 //! | networks by name, wherever the program is started | [`weights`] |
@@ -16,7 +17,8 @@
 //! | the sources of a bitstream | [`sources`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | windows to feed the hardware with | [`windows`] |
-//! | words at stage boundaries for NumPy | [`words`] |
+//! | a camera, with PSFs of its own | [`lens`] |
+//! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
 
@@ -29,7 +31,10 @@ mod files;
 mod folder;
 mod form;
 mod interrupt;
+mod lens;
 mod memory;
+mod npz;
+mod pictures;
 mod provenance;
 mod sources;
 mod ui;
@@ -76,6 +81,8 @@ Examples:
   edof cosim --design tiny                             the generated Verilog against the cycle model
   edof generate --design paper --weights paper-t4 --out build/paper
   edof timing --design tiny                            the longest path of logic of every stage
+  edof compare sharp.png out.png                       PSNR, SSIM, and where two pictures differ
+  edof doctor                                          which tools, networks and photographs are here
 
 Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
 2 wrong usage, 130 stopped by Ctrl-C.";
@@ -91,6 +98,8 @@ enum Command {
     Reconstruct(commands::reconstruct::Args),
     Study(commands::study::Args),
     Demo(commands::demo::Args),
+    Compare(commands::compare::Args),
+    Doctor(commands::doctor::Args),
     Cosim(commands::cosim::Args),
     Estimate(commands::estimate::Args),
     Explore(commands::explore::Args),
@@ -126,6 +135,8 @@ fn run() -> Result<(), Error> {
         Command::Reconstruct(args) => commands::reconstruct::run(args, &ui),
         Command::Study(args) => commands::study::run(args, &ui),
         Command::Demo(args) => commands::demo::run(args, &ui),
+        Command::Compare(args) => commands::compare::run(args, &ui),
+        Command::Doctor(args) => commands::doctor::run(args, &ui),
         Command::Cosim(args) => commands::cosim::run(args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Explore(args) => commands::explore::run(args, &ui),

@@ -24,7 +24,7 @@ fn gigabytes(bytes: f64) -> String {
 }
 
 /// Bytes that are free, or would be if caches were given up.
-fn free() -> Option<f64> {
+pub fn free() -> Option<f64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

@@ -8,7 +8,7 @@ use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// In a pipe, a plain line of progress comes this often.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
@@ -52,11 +52,11 @@ impl Ui {
         self.provenance.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// A command as reports state it: with the program that ran it and where, as a shell's remark.
+    /// A command as reports state it: with the program that ran it, where and on which day, as a shell's remark.
     pub fn signed(&self, command: &str) -> String {
         let Provenance { version, revision, host, .. } = self.provenance();
         let revision = revision.unwrap_or_else(|| "unknown".to_owned());
-        format!("{command}  # edof {version}, revision {revision}, {}", host.cpu)
+        format!("{command}  # edof {version}, revision {revision}, {}, {}", host.cpu, today())
     }
 
     /// Whether standard output belongs to JSON alone.
@@ -155,7 +155,38 @@ impl Drop for Progress {
     }
 }
 
+/// The day in UTC, as 2026-11-22.
+fn today() -> String {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let [year, month, day] = civil(since.as_secs() / 86_400);
+    format!("{year}-{month:02}-{day:02}")
+}
+
+/// Year, month and day of a number of days since 1970 (Hinnant, "chrono-compatible low-level date algorithms").
+const fn civil(days: u64) -> [u64; 3] {
+    // Years that begin in March have their leap day last.
+    let days = days + 719_468;
+    let (era, of_era) = (days / 146_097, days % 146_097);
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let march = (5 * of_year + 2) / 153;
+    let month = if march < 10 { march + 3 } else { march - 9 };
+    let next = if month <= 2 { 1 } else { 0 };
+    [400 * era + year + next, month, of_year - (153 * march + 2) / 5 + 1]
+}
+
 /// A line on standard error; if nobody reads it, nothing is lost.
 pub fn last_line(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_have_their_dates() {
+        let dates = [0, 59, 11_016, 19_782, 20_779].map(civil);
+        assert_eq!(dates, [[1970, 1, 1], [1970, 3, 1], [2000, 2, 29], [2024, 2, 29], [2026, 11, 22]]);
+    }
 }

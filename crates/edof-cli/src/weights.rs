@@ -21,7 +21,9 @@ const EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded.
 /// Nothing of that name, or a file that holds no usable float network.
 pub fn float(name_or_path: &str) -> Result<Network, Error> {
     let (origin, bytes) = find(name_or_path, ".safetensors")?;
-    Ok(weight_file::parse_network(bytes, &origin)?)
+    let mut network = weight_file::parse_network(bytes, &origin)?;
+    find_bank(&mut network.origin.camera, &origin);
+    Ok(network)
 }
 
 /// Loads a fixed network by name or file.
@@ -30,7 +32,16 @@ pub fn float(name_or_path: &str) -> Result<Network, Error> {
 /// Nothing of that name, or a file that holds no usable fixed network.
 pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, Error> {
     let (origin, bytes) = find(name_or_path, ".fixed.safetensors")?;
-    Ok(weight_file::parse_fixed(bytes, &origin)?)
+    let mut network = weight_file::parse_fixed(bytes, &origin)?;
+    find_bank(&mut network.origin.camera, &origin);
+    Ok(network)
+}
+
+/// Reads the PSFs that a network's camera has of its own, from beside the network or from the working directory. Where they are in
+/// neither, whoever needs them is told so ([`edof_optics::psf::NoPsf::Missing`]); a network can be run without.
+fn find_bank(camera: &mut Camera, network: &Path) {
+    let folders = [network.parent().unwrap_or(Path::new("")), Path::new("")];
+    let _ = folders.into_iter().find(|folder| camera.read_bank(folder).is_ok());
 }
 
 /// A float network's file as an input, with the hash that [`FixedNetwork::float_hash`] states.

@@ -1,9 +1,9 @@
 //! Windows of a picture as a network's own camera sees it: what the hardware is fed with in trials and estimates.
 
 use crate::error::Error;
+use crate::pictures;
 use crate::ui::Ui;
 use edof_golden::windows;
-use edof_io::photo;
 use edof_optics::capture::{Approximation, Capture, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
@@ -70,7 +70,7 @@ impl Shot {
         let (camera, psi) = (&network.origin.camera, self.depth(network));
         let scene = match &self.photo {
             Some(path) => {
-                let (name, photograph) = (path.display().to_string(), photo::load(path)?);
+                let (name, photograph) = (path.display().to_string(), pictures::load(path, ui)?);
                 ui.used(Input::photograph(&name, &photograph));
                 Scene::flat(name, tone(network).decoded(&photograph), psi)
             }

@@ -2,9 +2,10 @@
 //!
 //! | what | module |
 //! |---|---|
-//! | photographs: PNG, TIFF, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
-//! | raw frames: PNG, TIFF, PGM, and headerless 16-bit files | [`raw`] |
+//! | photographs: PNG, JPEG, WebP, TIFF, BMP, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
+//! | raw frames: PNG, TIFF, PGM, and headerless files | [`raw`], whose pixels may be packed [`packing`] |
 //! | what a raw frame knows of itself: phase, sensor, camera, depth | [`record`] |
+//! | whether it was read as it was taken | [`doubt`] |
 //! | camera raw (DNG and friends), with the feature `camera-raw` | [`camera_raw`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
@@ -27,6 +28,8 @@
 //! ```
 
 pub mod camera_raw;
+pub mod doubt;
+pub mod packing;
 pub mod photo;
 pub mod picture;
 pub mod pnm;

@@ -3,7 +3,7 @@
 use crate::picture::{self, Format, PictureError};
 use crate::samples::Samples;
 use edof_spec::ColourFrame;
-use ndarray::Array3;
+use ndarray::{Array2, Array3, Axis};
 use std::path::{Path, PathBuf};
 
 /// A photograph that cannot be read or written.
@@ -13,6 +13,9 @@ pub enum PhotoError {
     /// The file itself.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// Colours where there should be none.
+    #[error("{path}: holds a colour picture, expected a grey one", path = path.display())]
+    Colour { path: PathBuf },
     /// Neither 8 nor 16 bits.
     #[error("{path}: {bits} bits a sample: must be 8 or 16", path = path.display())]
     Bits { path: PathBuf, bits: u32 },
@@ -26,7 +29,7 @@ pub enum FolderError {
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
     List { folder: PathBuf, source: std::io::Error },
     /// No file with the ending of a photograph.
-    #[error("{folder}: holds no photographs, expected .png, .tif, .tiff, .ppm or .pgm files", folder = folder.display())]
+    #[error("{folder}: holds no photographs, expected .png, .jpg, .webp, .tif, .bmp, .ppm or .pgm files", folder = folder.display())]
     Empty { folder: PathBuf },
     /// Photographs, none of which can be read.
     #[error("{folder}: none of its {count} photographs can be read; the first: {first}", folder = folder.display())]
@@ -36,7 +39,7 @@ pub enum FolderError {
 /// A photograph and the name of its file without the ending.
 pub type Named = (String, ColourFrame);
 
-/// Reads a PNG, TIFF, PPM or PGM of 8 or 16 bits. Grey gives three equal planes, alpha is dropped, full scale becomes 1.
+/// Reads a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM of 8 or 16 bits. Grey gives three equal planes, alpha is dropped, full scale becomes 1.
 ///
 /// # Errors
 /// [`PhotoError::Picture`] naming the file.
@@ -46,6 +49,19 @@ pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
     let scale = f32::from(full_scale);
     let light = |(p, r, c): (usize, usize, usize)| f32::from(planes[(p.min(channels - 1), r, c)]) / scale;
     Ok(ColourFrame { planes: Array3::from_shape_fn((3, height, width), light) })
+}
+
+/// Reads a grey picture, 0…1, such as a depth map; red, green and blue that are all alike are grey, too.
+///
+/// # Errors
+/// [`PhotoError::Picture`] or [`PhotoError::Colour`].
+pub fn load_grey(path: &Path) -> Result<Array2<f32>, PhotoError> {
+    let ColourFrame { planes } = load(path)?;
+    let [red, green, blue] = [0, 1, 2].map(|plane| planes.index_axis(Axis(0), plane));
+    if red != green || red != blue {
+        return Err(PhotoError::Colour { path: path.to_owned() });
+    }
+    Ok(red.to_owned())
 }
 
 /// Writes linear light as sample values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are

@@ -1,8 +1,8 @@
-//! Picture files: PNG, TIFF, PGM and PPM to samples and back.
+//! Picture files: PNG, TIFF, PGM and PPM to samples and back; JPEG, WebP and BMP to samples.
 
 use crate::pnm;
 use crate::samples::Samples;
-use image::{DynamicImage, ImageFormat, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use ndarray::{Array3, ArrayView3};
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -16,7 +16,7 @@ pub enum PictureError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// None of the formats.
-    #[error("{path}: not a PNG, TIFF, PPM or PGM file", path = path.display())]
+    #[error("{path}: not a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM file", path = path.display())]
     Format { path: PathBuf },
     /// Truncated or damaged.
     #[error("{path}: damaged or unsupported: {reason}", path = path.display())]
@@ -44,6 +44,12 @@ pub enum Format {
     Tiff,
     /// PGM or PPM, as text or binary.
     Pnm,
+    /// JPEG: read only, for what it keeps are not the values that it was given.
+    Jpeg,
+    /// WebP: read only.
+    WebP,
+    /// Windows bitmap: read only.
+    Bmp,
 }
 
 impl Format {
@@ -54,6 +60,9 @@ impl Format {
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
             [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some(Self::Tiff),
             [b'P', b'2' | b'3' | b'5' | b'6', space, ..] if space.is_ascii_whitespace() => Some(Self::Pnm),
+            [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(Self::WebP),
+            [b'B', b'M', _, _, _, _, 0, 0, 0, 0, ..] => Some(Self::Bmp),
             _ => None,
         }
     }
@@ -65,13 +74,22 @@ impl Format {
             "png" => Some(Self::Png),
             "tif" | "tiff" => Some(Self::Tiff),
             "ppm" | "pgm" | "pnm" => Some(Self::Pnm),
+            "jpg" | "jpeg" => Some(Self::Jpeg),
+            "webp" => Some(Self::WebP),
+            "bmp" => Some(Self::Bmp),
             _ => None,
         }
+    }
+
+    /// Whether we write it and it gives back what it was given: the formats of raw frames and results.
+    #[must_use]
+    pub const fn keeps_values(self) -> bool {
+        matches!(self, Self::Png | Self::Tiff | Self::Pnm)
     }
 }
 
 /// So many bytes tell a format.
-const HEAD: u64 = 8;
+const HEAD: u64 = 12;
 
 /// The bytes of a picture file. What begins like none, such as an endless device, is not read on.
 ///
@@ -100,7 +118,7 @@ pub fn open(path: &Path) -> Result<(File, Vec<u8>), PictureError> {
     head().map_err(|source| PictureError::Read { path: path.to_owned(), source })
 }
 
-/// Samples of a PNG, TIFF, PGM or PPM in memory; `path` names it in errors.
+/// Samples of a picture file in memory, JPEG and WebP turned as their camera was held; `path` names it in errors.
 ///
 /// # Errors
 /// [`PictureError::Format`], [`PictureError::Decode`] or [`PictureError::Kind`].
@@ -110,10 +128,12 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Samples, PictureError> {
         Some(Format::Pnm) => return pnm::decode(bytes).map_err(|e| damaged(e.to_string())),
         Some(Format::Png) => ImageFormat::Png,
         Some(Format::Tiff) => ImageFormat::Tiff,
+        Some(Format::Jpeg) => ImageFormat::Jpeg,
+        Some(Format::WebP) => ImageFormat::WebP,
+        Some(Format::Bmp) => ImageFormat::Bmp,
         None => return Err(PictureError::Format { path: path.to_owned() }),
     };
-    let image =
-        ImageReader::with_format(Cursor::new(bytes), format).decode().map_err(|e| damaged(e.to_string()))?;
+    let image = image(bytes, format).map_err(|e| damaged(e.to_string()))?;
     let (height, width) = (image.height() as usize, image.width() as usize);
     let (channels, full_scale, interleaved) = match image {
         DynamicImage::ImageLuma8(i) => (1, 255, widen(i.as_raw())),
@@ -136,6 +156,19 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Samples, PictureError> {
     Ok(Samples { planes, full_scale })
 }
 
+fn image(bytes: &[u8], format: ImageFormat) -> image::ImageResult<DynamicImage> {
+    let reader = ImageReader::with_format(Cursor::new(bytes), format);
+    // A mosaic keeps its rows and columns whatever its file says.
+    if !matches!(format, ImageFormat::Jpeg | ImageFormat::WebP) {
+        return reader.decode();
+    }
+    let mut decoder = reader.into_decoder()?;
+    let orientation = decoder.orientation()?;
+    let mut image = DynamicImage::from_decoder(decoder)?;
+    image.apply_orientation(orientation);
+    Ok(image)
+}
+
 fn widen(bytes: &[u8]) -> Vec<u16> {
     bytes.iter().map(|&b| u16::from(b)).collect()
 }
@@ -146,7 +179,8 @@ fn widen(bytes: &[u8]) -> Vec<u16> {
 /// [`PictureError::Ending`].
 pub fn format_of(path: &Path) -> Result<Format, PictureError> {
     let expected = ".png, .tif, .tiff, .ppm or .pgm";
-    Format::of_ending(path).ok_or_else(|| PictureError::Ending { path: path.to_owned(), expected })
+    let format = Format::of_ending(path).filter(|format| format.keeps_values());
+    format.ok_or_else(|| PictureError::Ending { path: path.to_owned(), expected })
 }
 
 /// Writes samples in the format that the ending of `path` stands for. PNG and TIFF hold a full scale of 255 or 65535.
@@ -160,7 +194,7 @@ pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
     let bytes = match format {
         Format::Pnm => pnm::encode(samples),
         Format::Png => picture(samples).and_then(|i| encode(&i, ImageFormat::Png)).map_err(refused)?,
-        Format::Tiff => picture(samples).and_then(|i| encode(&i, ImageFormat::Tiff)).map_err(refused)?,
+        _ => picture(samples).and_then(|i| encode(&i, ImageFormat::Tiff)).map_err(refused)?,
     };
     Ok(edof_spec::atomic::write(path, &bytes)?)
 }
@@ -212,6 +246,42 @@ mod tests {
     }
 
     #[test]
+    fn photographs_of_other_programs_are_read_but_not_written() {
+        let mut grey = image::RgbImage::from_pixel(24, 16, image::Rgb([90, 120, 150]));
+        grey.put_pixel(3, 5, image::Rgb([91, 121, 151]));
+        for (format, ending, slack) in
+            [(ImageFormat::Jpeg, "jpg", 6), (ImageFormat::WebP, "webp", 0), (ImageFormat::Bmp, "bmp", 0)]
+        {
+            let bytes = encode(&DynamicImage::from(grey.clone()), format).unwrap();
+            let path = Path::new("photo").with_extension(ending);
+            let found = decode(&bytes, &path).unwrap();
+            assert_eq!((found.planes.dim(), found.full_scale), ((3, 16, 24), 255));
+            assert!(found.planes[(2, 2, 2)].abs_diff(150) <= slack, "{ending}: {}", found.planes[(2, 2, 2)]);
+            assert_eq!(Format::of_ending(&path), Format::of(&bytes));
+            assert!(save(&path, &found).unwrap_err().to_string().contains("unknown ending"));
+            for kept in [14, bytes.len() / 3] {
+                let error = decode(&bytes[..kept], &path).unwrap_err().to_string();
+                assert!(error.contains("damaged or unsupported"), "{ending}, {kept} bytes: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_jpeg_is_turned_as_its_camera_was_held() {
+        let wide = image::GrayImage::from_fn(24, 16, |x, _| image::Luma([if x < 12 { 40 } else { 200 }]));
+        let plain = encode(&DynamicImage::from(wide), ImageFormat::Jpeg).unwrap();
+        // After the start of the image: Exif of one entry, orientation 6 (a quarter turn clockwise).
+        let exif = [
+            &[0xff, 0xe1, 0, 34][..],
+            b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0",
+        ];
+        let turned = [&plain[..2], &exif.concat(), &plain[2..]].concat();
+        let samples = decode(&turned, Path::new("x.jpg")).unwrap();
+        assert_eq!(samples.planes.dim(), (1, 24, 16));
+        assert!(samples.planes[(0, 2, 8)] < 60 && samples.planes[(0, 21, 8)] > 180);
+    }
+
+    #[test]
     fn alpha_is_dropped() {
         let image = DynamicImage::from(image::RgbaImage::from_pixel(2, 2, image::Rgba([1, 2, 3, 4])));
         let samples = decode(&encode(&image, ImageFormat::Png).unwrap(), Path::new("x")).unwrap();
@@ -247,14 +317,14 @@ mod tests {
     #[test]
     fn an_endless_device_is_not_read_to_its_end() {
         let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
-        assert_eq!(error, "/dev/zero: not a PNG, TIFF, PPM or PGM file");
+        assert_eq!(error, "/dev/zero: not a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM file");
     }
 
     #[test]
     fn text_is_no_picture() {
         assert_eq!(
             decode(b"hello", Path::new("notes.png")).unwrap_err().to_string(),
-            "notes.png: not a PNG, TIFF, PPM or PGM file"
+            "notes.png: not a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM file"
         );
     }
 }

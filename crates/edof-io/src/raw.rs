@@ -6,11 +6,13 @@
 //! | PNG, TIFF (8-bit grey) | 255 | only where a depth of 8 is stated; a PGM needs no such word |
 //! | PGM | what the file states | at the bottom, for a maximum of 2^depth − 1; else as in PNG |
 //! | headerless 16-bit words | 65535 | at the bottom, unless stated otherwise |
+//! | headerless 8-bit or packed 12-bit pixels ([`crate::packing`]) | 255, 4095 | all bits are there |
 //! | camera raw ([`crate::camera_raw`]) | what the file states | the file states its phase, too |
 //!
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
 use crate::camera_raw::{self, CameraRawError};
+use crate::packing::{ByteOrder, Packing};
 use crate::picture::{self, Format, PictureError};
 use crate::samples::Samples;
 use edof_spec::frame::FrameError;
@@ -33,6 +35,8 @@ pub struct RawOptions {
     pub alignment: Option<Alignment>,
     /// Order of the two bytes of a headerless file's words.
     pub order: ByteOrder,
+    /// How a headerless file's pixels are packed.
+    pub packing: Packing,
 }
 
 /// Width and height in pixels, written `WIDTHxHEIGHT`.
@@ -63,16 +67,6 @@ impl std::fmt::Display for Alignment {
     }
 }
 
-/// Which byte of a word comes first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ByteOrder {
-    /// The low byte.
-    #[default]
-    Little,
-    /// The high byte.
-    Big,
-}
-
 /// A raw frame that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
@@ -85,7 +79,7 @@ pub enum RawError {
     CameraRaw(#[from] CameraRawError),
     /// No picture, and no size to read it as headerless.
     #[error(
-        "{path}: not a PNG, TIFF or PGM file; for a headerless 16-bit file state its size as WIDTHxHEIGHT",
+        "{path}: not a PNG, TIFF or PGM file; for a headerless file state its size as WIDTHxHEIGHT",
         path = path.display()
     )]
     NoSize { path: PathBuf },
@@ -96,8 +90,8 @@ pub enum RawError {
     #[error("{path}: holds {found}-bit samples, expected {expected}", path = path.display())]
     Depth { path: PathBuf, found: u32, expected: String },
     /// Another size than stated.
-    #[error("{path}: {found}, expected {expected} for {size}", path = path.display())]
-    Size { path: PathBuf, found: String, expected: String, size: Size },
+    #[error("{path}: {found}, expected {expected} for {size}{hint}", path = path.display())]
+    Size { path: PathBuf, found: String, expected: String, size: Size, hint: String },
     /// Bits where a top-aligned value has none.
     #[error(
         "{path}: pixel at row {row}, column {column} is {value}, no {depth}-bit code aligned to the top of 16 bits",
@@ -117,16 +111,24 @@ impl std::fmt::Display for Size {
 
 impl Size {
     /// Bytes of a headerless file.
-    const fn bytes(self) -> usize {
-        2 * self.width * self.height
+    const fn bytes(self, packing: Packing) -> usize {
+        packing.bytes(self.width * self.height)
     }
 
-    fn wrong_length(self, found: &str, path: &Path) -> RawError {
+    /// A file of `found` bytes, where that is known.
+    fn wrong_length(self, packing: Packing, found: Option<u64>, path: &Path) -> RawError {
+        let fitting = |other: &Packing| *other != packing && Some(self.bytes(*other) as u64) == found;
+        let names: Vec<&str> = Packing::ALL.iter().filter(|p| fitting(p)).map(|p| p.name()).collect();
         RawError::Size {
             path: path.to_owned(),
-            found: found.to_owned(),
-            expected: self.bytes().to_string(),
+            found: found.map_or("more bytes".to_owned(), |found| format!("{found} bytes")),
+            expected: self.bytes(packing).to_string(),
             size: self,
+            hint: if names.is_empty() {
+                String::new()
+            } else {
+                format!("; as many as packed as {}", names.join(" or "))
+            },
         }
     }
 }
@@ -159,12 +161,14 @@ pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
     if let Some(depth) = options.depth.filter(|d| !(8..=16).contains(d)) {
         return Err(RawError::Frame { path: path.to_owned(), source: FrameError::Depth(depth) });
     }
-    let (words, depth, alignment) = match (Format::of(&bytes), options.size) {
+    let format =
+        Format::of(&bytes).filter(|format| format.keeps_values() && options.packing == Packing::Words);
+    let (words, depth, alignment) = match (format, options.size) {
         (None, None) => return Err(RawError::NoSize { path: path.to_owned() }),
         (None, Some(size)) => {
-            read_exactly(&mut file, &mut bytes, size, path)?;
-            let words = headerless(&bytes, size, options.order, path)?;
-            (words, options.depth.unwrap_or(16), Alignment::Bottom)
+            let depth = headerless_depth(options, path)?;
+            read_exactly(&mut file, &mut bytes, size, options.packing, path)?;
+            (headerless(&bytes, size, options, path)?, depth, Alignment::Bottom)
         }
         (Some(format), size) => {
             file.read_to_end(&mut bytes).map_err(cannot_read(path))?;
@@ -213,22 +217,41 @@ fn single_plane(samples: Samples, size: Option<Size>, path: &Path) -> Result<Arr
             found: format!("{found} pixels"),
             expected: "as many as stated".to_owned(),
             size,
+            hint: String::new(),
         }),
         _ => Ok(samples.planes.index_axis_move(Axis(0), 0)),
     }
 }
 
+/// Bits of a headerless file's pixels.
+fn headerless_depth(options: &RawOptions, path: &Path) -> Result<u32, RawError> {
+    let found = options.packing.bits();
+    match options.depth {
+        None => Ok(found),
+        Some(depth) if options.packing == Packing::Words || depth == found => Ok(depth),
+        Some(depth) => {
+            Err(RawError::Depth { path: path.to_owned(), found, expected: format!("{depth} bits as stated") })
+        }
+    }
+}
+
 /// Reads the rest of a headerless file: no more than it must hold, and nothing of one that is known to be of another size.
-fn read_exactly(file: &mut File, bytes: &mut Vec<u8>, size: Size, path: &Path) -> Result<(), RawError> {
-    let expected = size.bytes() as u64;
+fn read_exactly(
+    file: &mut File,
+    bytes: &mut Vec<u8>,
+    size: Size,
+    packing: Packing,
+    path: &Path,
+) -> Result<(), RawError> {
+    let expected = size.bytes(packing) as u64;
     let found = file.metadata().ok().filter(std::fs::Metadata::is_file).map(|what| what.len());
     if let Some(found) = found.filter(|found| *found != expected) {
-        return Err(size.wrong_length(&format!("{found} bytes"), path));
+        return Err(size.wrong_length(packing, Some(found), path));
     }
     let rest = (expected + 1).saturating_sub(bytes.len() as u64);
     file.take(rest).read_to_end(bytes).map_err(cannot_read(path))?;
     if bytes.len() as u64 > expected {
-        return Err(size.wrong_length("more bytes", path));
+        return Err(size.wrong_length(packing, None, path));
     }
     Ok(())
 }
@@ -237,16 +260,12 @@ fn cannot_read(path: &Path) -> impl Fn(std::io::Error) -> PictureError + '_ {
     move |source| PictureError::Read { path: path.to_owned(), source }
 }
 
-fn headerless(bytes: &[u8], size: Size, order: ByteOrder, path: &Path) -> Result<Array2<u16>, RawError> {
-    let word = |pair: &[u8]| match order {
-        ByteOrder::Little => u16::from_le_bytes([pair[0], pair[1]]),
-        ByteOrder::Big => u16::from_be_bytes([pair[0], pair[1]]),
-    };
-    let wrong_length = || size.wrong_length(&format!("{} bytes", bytes.len()), path);
-    if bytes.len() != size.bytes() {
+fn headerless(bytes: &[u8], size: Size, options: &RawOptions, path: &Path) -> Result<Array2<u16>, RawError> {
+    let wrong_length = || size.wrong_length(options.packing, Some(bytes.len() as u64), path);
+    if bytes.len() != size.bytes(options.packing) {
         return Err(wrong_length());
     }
-    Array2::from_shape_vec((size.height, size.width), bytes.chunks_exact(2).map(word).collect())
+    Array2::from_shape_vec((size.height, size.width), options.packing.values(bytes, options.order))
         .map_err(|_| wrong_length())
 }
 
@@ -351,6 +370,26 @@ mod tests {
             .unwrap();
         assert_eq!(little.values()[(0, 1)], 0x0403);
         assert_eq!(little, big);
+    }
+
+    #[test]
+    fn packed_pixels_have_their_own_bits() {
+        let size = Some(Size { width: 2, height: 2 });
+        let options = |packing, depth| RawOptions { packing, depth, size, ..RawOptions::default() };
+        let packed = loaded("x.raw", &[0xab, 0x12, 0x3c, 0, 1, 0], options(Packing::Mipi12, None)).unwrap();
+        assert_eq!((packed.depth(), packed.values()[(0, 0)], packed.values()[(0, 1)]), (12, 0xabc, 0x123));
+        let bytes = loaded("x.raw", &[7, 8, 9, 255], options(Packing::Bytes, Some(8))).unwrap();
+        assert_eq!((bytes.depth(), bytes.values()[(1, 1)]), (8, 255));
+        assert_eq!(
+            loaded("x.raw", &[0; 4], options(Packing::Bytes, Some(10))).unwrap_err(),
+            "x.raw: holds 8-bit samples, expected 10 bits as stated"
+        );
+        assert_eq!(
+            loaded("x.raw", &[0; 6], options(Packing::Words, Some(12))).unwrap_err(),
+            "x.raw: 6 bytes, expected 8 for 2x2; as many as packed as mipi12 or 12p or 12packed"
+        );
+        // What begins as a picture does may be pixels.
+        assert!(loaded("x.raw", b"P5 0", options(Packing::Bytes, None)).is_ok());
     }
 
     #[test]

@@ -5,12 +5,11 @@ use edof_optics::design::default_task;
 use edof_optics::estimator::judge;
 use edof_optics::psf::{Settings, channel_psfs, psf};
 use edof_optics::statistics::Statistics;
-use edof_spec::camera::CameraError;
 use edof_spec::{Camera, Channel, ColourFrame};
 use std::hint::black_box;
 use std::time::Instant;
 
-fn main() -> Result<(), CameraError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let camera = Camera::resolve("ring-outer")?;
     let tell = |what: &str, repeats: u32, work: &mut dyn FnMut()| {
         let start = Instant::now();
@@ -22,7 +21,7 @@ fn main() -> Result<(), CameraError> {
             black_box(psf(&camera, Channel::Green, 6.0, &settings));
         });
     }
-    let psfs = channel_psfs(&camera, 6.0, &Settings::default());
+    let psfs = channel_psfs(&camera, 6.0, &Settings::default())?;
     for (height, width) in [(512, 768), (1080, 1920)] {
         let frame = ColourFrame::zeros(height, width);
         let plane = frame.planes.index_axis(ndarray::Axis(0), 1);

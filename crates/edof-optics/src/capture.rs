@@ -1,6 +1,6 @@
 //! From a scene to a raw frame, modelling only what the scene needs, and what that saved and cost.
 
-use crate::psf::{MOST_DEFOCUS, Psf, Settings, channel_psfs};
+use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs};
 use crate::scene::{Scene, SceneError};
 use crate::sensor::{Sensor, SensorError, expose};
 use edof_spec::{Camera, ColourFrame, RawFrame};
@@ -92,9 +92,9 @@ pub enum CaptureError {
     /// The sensor cannot be, or does not fit the scene.
     #[error(transparent)]
     Sensor(#[from] SensorError),
-    /// Blur larger than any support.
-    #[error("psi {psi}: must lie within {MOST_DEFOCUS} of the camera's focus at {focus}")]
-    Psi { psi: f64, focus: f64 },
+    /// A depth that the camera has no PSFs for.
+    #[error(transparent)]
+    Psf(#[from] NoPsf),
 }
 
 /// Captures a scene.
@@ -119,7 +119,7 @@ pub fn capture(
     check(scene, camera)?;
     sensor.check()?;
     let start = Instant::now();
-    let (light, depths) = light_on_sensor(scene, camera, approximation);
+    let (light, depths) = light_on_sensor(scene, camera, approximation)?;
     let seconds = start.elapsed().as_secs_f64();
     Ok(Capture { sharp: scene.sharp(), raw: expose(&light, sensor)?, light, depths, seconds })
 }
@@ -137,10 +137,10 @@ pub fn measure_approximation(
     check(scene, camera)?;
     let timed = |approximation: Approximation| {
         let start = Instant::now();
-        let (light, _) = light_on_sensor(scene, camera, &approximation);
-        (light, start.elapsed().as_secs_f64())
+        let (light, _) = light_on_sensor(scene, camera, &approximation)?;
+        Ok::<_, CaptureError>((light, start.elapsed().as_secs_f64()))
     };
-    let (exact, exact_seconds) = timed(Approximation::exact());
+    let (exact, exact_seconds) = timed(Approximation::exact())?;
     let whole = Settings { energy: 1.0, wavelength_tolerance: 0.0, exact: false };
     let off = Approximation { psf: whole, depth_tolerance: 0.0 };
     let kernels = Approximation { psf: Settings { energy: approximation.psf.energy, ..whole }, ..off };
@@ -148,15 +148,15 @@ pub fn measure_approximation(
     let wavelengths = Approximation { psf: Settings { wavelength_tolerance, ..whole }, ..off };
     let depths = Approximation { depth_tolerance: approximation.depth_tolerance, ..off };
     let cost = |(name, part): (&'static str, Approximation)| {
-        let (light, seconds) = timed(part);
+        let (light, seconds) = timed(part)?;
         let difference = || light.planes.iter().zip(&exact.planes).map(|(a, b)| f64::from(a - b));
         let rms_error = (difference().map(|d| d * d).sum::<f64>() / light.planes.len() as f64).sqrt();
         let max_error = difference().map(f64::abs).fold(0.0, f64::max);
-        ApproximationCost { approximation: name, rms_error, max_error, seconds, exact_seconds }
+        Ok(ApproximationCost { approximation: name, rms_error, max_error, seconds, exact_seconds })
     };
     let all =
         [("kernels", kernels), ("wavelengths", wavelengths), ("depths", depths), ("all", *approximation)];
-    Ok(all.into_iter().map(cost).collect())
+    all.into_iter().map(cost).collect()
 }
 
 /// Depths of a scene, each once: ascending, those within `tolerance` of the first of a group represented by the group's middle.
@@ -176,20 +176,17 @@ pub fn distinct_depths(scene: &Scene, tolerance: f64) -> Vec<f64> {
 
 fn check(scene: &Scene, camera: &Camera) -> Result<(), CaptureError> {
     scene.check()?;
-    let focus = camera.focus_psi;
-    match scene.layers.iter().find(|layer| (layer.psi - focus).abs() > MOST_DEFOCUS) {
-        Some(layer) => Err(CaptureError::Psi { psi: layer.psi, focus }),
-        None => Ok(()),
-    }
+    Ok(scene.layers.iter().try_for_each(|layer| psf::check(camera, layer.psi))?)
 }
 
 fn light_on_sensor(
     scene: &Scene,
     camera: &Camera,
     approximation: &Approximation,
-) -> (ColourFrame, Vec<Depth>) {
+) -> Result<(ColourFrame, Vec<Depth>), NoPsf> {
     let psis = distinct_depths(scene, approximation.depth_tolerance);
-    let psfs: Vec<[Psf; 3]> = psis.iter().map(|&psi| channel_psfs(camera, psi, &approximation.psf)).collect();
+    let psfs: Vec<[Psf; 3]> =
+        psis.iter().map(|&psi| channel_psfs(camera, psi, &approximation.psf)).collect::<Result<_, _>>()?;
     let nearest = |psi: f64| {
         let distance = |i: &usize| (psis[*i] - psi).abs();
         (0..psis.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
@@ -199,7 +196,7 @@ fn light_on_sensor(
         let layers = scene.layers.iter().filter(|layer| nearest(layer.psi) == index).count();
         Depth { psi, layers, channels: channels.each_ref().map(kernel) }
     };
-    (light, psis.iter().zip(&psfs).enumerate().map(depth).collect())
+    Ok((light, psis.iter().zip(&psfs).enumerate().map(depth).collect()))
 }
 
 fn kernel(psf: &Psf) -> Kernel {
@@ -263,6 +260,6 @@ mod tests {
         let camera = Camera::resolve("clear-mid").unwrap();
         let far = draw(Builtin::Chart, 64, 96, &[300.0], 0).unwrap();
         let error = capture(&far, &camera, &Sensor::default(), &Approximation::default()).unwrap_err();
-        assert_eq!(error.to_string(), "psi 300: must lie within 200 of the camera's focus at 4");
+        assert_eq!(error.to_string(), "psi 300: must lie within 200 of the focus of camera clear-mid, at 4");
     }
 }

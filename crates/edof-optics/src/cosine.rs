@@ -2,7 +2,8 @@
 //!
 //! A plane mirrored about its edge pixels without repeating them (… c b | a b c …) is periodic with period 2(n − 1) and even, so
 //! its Fourier transform is real and n numbers a side say everything. Blurring it with an even kernel of any size, however far
-//! beyond the picture it reaches, is one multiplication there. A round pupil, its field and its PSF are even as well.
+//! beyond the picture it reaches, is one multiplication there. A round pupil, its field and its PSF are even as well. A kernel
+//! that is not even is the sum of an even and an odd one; what the odd one makes of a mirrored plane is odd, a sum of sines (DST-I).
 
 use edof_fft::{Complex, Fft, Real};
 use ndarray::{Array2, ArrayView2};
@@ -10,6 +11,29 @@ use std::sync::Arc;
 
 /// Rows transformed at a time: with 16 `f32` a written cache line is filled at once.
 const BLOCK: usize = 16;
+
+/// What a sequence is about its middle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parity {
+    /// x\[−i\] = x\[i\]: a sum of cosines.
+    Even,
+    /// x\[−i\] = −x\[i\]: a sum of sines; zero at both of its ends.
+    Odd,
+}
+
+impl Parity {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Even, Self::Odd];
+
+    /// The sign of the mirror image.
+    #[must_use]
+    pub fn sign<T: Real>(self) -> T {
+        match self {
+            Self::Even => T::one(),
+            Self::Odd => -T::one(),
+        }
+    }
+}
 
 /// Length of the period of `n` samples mirrored about both ends.
 #[must_use]
@@ -26,7 +50,7 @@ pub fn mirror_index(index: isize, n: usize) -> usize {
 }
 
 /// The Fourier transform of even sequences of `n` samples each side of zero: X\[j\] = Σ over a period of x\[i\]·cos(2π i j / period).
-/// Applying it twice multiplies by the period.
+/// Applying it twice multiplies by the period. Of odd sequences it takes the sines in place of the cosines.
 pub struct EvenTransform<T: Real> {
     n: usize,
     fft: Arc<dyn Fft<T>>,
@@ -56,6 +80,12 @@ impl<T: Real> EvenTransform<T> {
     /// column: `keep` × rows. Two such steps are the transform in two dimensions.
     #[must_use]
     pub fn rows_transposed(&self, plane: ArrayView2<T>, keep: usize) -> Array2<T> {
+        self.rows_transposed_as(plane, keep, Parity::Even)
+    }
+
+    /// The same for rows of either parity.
+    #[must_use]
+    pub fn rows_transposed_as(&self, plane: ArrayView2<T>, keep: usize, parity: Parity) -> Array2<T> {
         let (rows, columns) = plane.dim();
         let period = self.fft.len();
         assert!(columns <= self.n && keep <= self.n, "rows of at most {} samples", self.n);
@@ -79,8 +109,11 @@ impl<T: Real> EvenTransform<T> {
                     row.iter_mut().zip(even).for_each(|(c, &a)| *c = Complex::new(a, T::zero()));
                 }
                 row[columns..].fill(zero);
+                if parity == Parity::Odd {
+                    (row[0], row[self.n - 1]) = (zero, zero);
+                }
                 for i in self.n..period {
-                    row[i] = row[period - i];
+                    row[i] = row[period - i] * parity.sign::<T>();
                 }
             }
             self.fft.process_with_scratch(&mut buffer[..pairs * period], &mut scratch);
@@ -88,9 +121,14 @@ impl<T: Real> EvenTransform<T> {
                 let line = &mut written[j * rows + first..][..count];
                 for (pair, two) in line.chunks_mut(2).enumerate() {
                     let value = buffer[pair * period + j];
-                    two[0] = value.re;
+                    // Of odd rows a and b it is b − i·a.
+                    let (first, other) = match parity {
+                        Parity::Even => (value.re, value.im),
+                        Parity::Odd => (-value.im, value.re),
+                    };
+                    two[0] = first;
                     if let Some(second) = two.get_mut(1) {
-                        *second = value.im;
+                        *second = other;
                     }
                 }
             }
@@ -102,6 +140,11 @@ impl<T: Real> EvenTransform<T> {
 /// Sums an even sequence, given by its samples 0…m−1 and zero beyond, into one period of `n` samples: entry j is the sum over all
 /// integers q ≡ j modulo the period. Both ways of sampling need it: wrapping a kernel and folding a spectrum.
 pub fn fold_rows<T: Real>(plane: ArrayView2<T>, n: usize) -> Array2<T> {
+    fold_rows_as(plane, n, Parity::Even)
+}
+
+/// The same for sequences of either parity.
+pub fn fold_rows_as<T: Real>(plane: ArrayView2<T>, n: usize, parity: Parity) -> Array2<T> {
     let (rows, columns) = plane.dim();
     let period = period(n) as isize;
     let mut out = Array2::from_elem((rows, n), T::zero());
@@ -109,7 +152,8 @@ pub fn fold_rows<T: Real>(plane: ArrayView2<T>, n: usize) -> Array2<T> {
         let j = q.rem_euclid(period) as usize;
         if j < n {
             let source = plane.column(q.unsigned_abs());
-            out.column_mut(j).iter_mut().zip(source).for_each(|(sum, &v)| *sum = *sum + v);
+            let sign = if q < 0 { parity.sign::<T>() } else { T::one() };
+            out.column_mut(j).iter_mut().zip(source).for_each(|(sum, &v)| *sum = *sum + sign * v);
         }
     }
     out
@@ -174,12 +218,17 @@ mod tests {
 
         #[test]
         fn twice_is_the_period(rows in 1usize..20, columns in 2usize..20) {
-            let plane = Array2::from_shape_fn((rows, columns), |(r, c)| ((r * 5 + c * 3) % 11) as f64);
-            let t = EvenTransform::new(columns);
-            let once = t.rows_transposed(plane.view(), columns).reversed_axes();
-            let twice = t.rows_transposed(once.view(), columns).reversed_axes();
-            for (a, b) in twice.iter().zip(&plane) {
-                prop_assert!((a / period(columns) as f64 - b).abs() < 1e-9);
+            for parity in Parity::ALL {
+                let inside = |c: usize| parity == Parity::Even || (c > 0 && c + 1 < columns);
+                let plane = Array2::from_shape_fn((rows, columns), |(r, c)| {
+                    if inside(c) { ((r * 5 + c * 3) % 11) as f64 } else { 0.0 }
+                });
+                let t = EvenTransform::new(columns);
+                let once = t.rows_transposed_as(plane.view(), columns, parity).reversed_axes();
+                let twice = t.rows_transposed_as(once.view(), columns, parity).reversed_axes();
+                for (a, b) in twice.iter().zip(&plane) {
+                    prop_assert!((a / period(columns) as f64 - b).abs() < 1e-9);
+                }
             }
         }
     }

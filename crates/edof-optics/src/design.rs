@@ -176,6 +176,7 @@ fn camera(base: &Camera, search: &Search, genes: &[f64]) -> Camera {
         rings: radii.chunks(2).zip(phases).map(ring).collect(),
         focus_psi: focus.first().copied().or(search.focus).unwrap_or(base.focus_psi),
         defocus_sign: Sign::Plus,
+        profile: None,
         ..base.clone()
     }
 }

@@ -79,11 +79,37 @@ pub fn judge(camera: &Camera, statistics: &Statistics, task: &Task) -> Result<Ve
     Ok(Verdict { psnr_db, score_db })
 }
 
+/// What a raw window (red first) is expected to be for each sharp patch at its centre, both about the mean colour: the map of least
+/// mean square error C_yx·C_xx⁻¹, window pixels × 192. It is the paper's B·H_ψ (section 3), with what lies around the patch and is
+/// blurred into it foretold by how photographs vary.
+///
+/// # Errors
+/// [`NotPositive`] if the statistics are no covariances.
+pub fn seen_of_patch(
+    camera: &Camera,
+    psi: f64,
+    statistics: &Statistics,
+    window: Window,
+) -> Result<Array2<f64>, NotPositive> {
+    let sites = Sites::new(window);
+    let seen = Seen::new(camera, psi, statistics, &sites);
+    let sharp = covariances(
+        &sites.patch,
+        &sites.patch,
+        &correlations(&sites, |a, b| statistics.spectra[pair(a, b)].clone()),
+    );
+    // Photographs are rounded to 8 bits.
+    let rounded = sharp + Array2::<f64>::eye(sites.patch.len()) * (1.0 / 255.0f64.powi(2) / 12.0);
+    Ok(Cholesky::new(rounded.view())?.solve(seen.yx.t()).reversed_axes())
+}
+
+/// Row, column, channel.
+type Site = (usize, usize, usize);
+
 /// Pixels of a window and of its patch, rows and columns counted from the window's corner.
 struct Sites {
-    /// Row, column, channel.
-    window: Vec<(usize, usize, usize)>,
-    patch: Vec<(usize, usize, usize)>,
+    window: Vec<Site>,
+    patch: Vec<Site>,
     reach: usize,
 }
 
@@ -104,6 +130,25 @@ impl Sites {
     }
 }
 
+/// Covariance of two channels at each distance up to the window's reach, for all nine pairs, from their spectra.
+fn correlations(sites: &Sites, spectrum: impl Fn(usize, usize) -> Array2<f64>) -> Vec<Array2<f64>> {
+    let plan = EvenTransform::new(SIDE / 2 + 1);
+    let scale = 1.0 / (period(SIDE / 2 + 1) as f64).powi(2);
+    let correlation = |spectrum: Array2<f64>| {
+        let half_way = plan.rows_transposed(spectrum.view(), sites.reach);
+        plan.rows_transposed(half_way.view(), sites.reach) * scale
+    };
+    (0..9).map(|i| correlation(spectrum(i / 3, i % 3))).collect()
+}
+
+/// Covariances of all `rows` with all `columns`.
+fn covariances(rows: &[Site], columns: &[Site], correlations: &[Array2<f64>]) -> Array2<f64> {
+    Array2::from_shape_fn((rows.len(), columns.len()), |(i, j)| {
+        let ((r, c, a), (s, d, b)) = (rows[i], columns[j]);
+        correlations[3 * a + b][(r.abs_diff(s), c.abs_diff(d))]
+    })
+}
+
 /// Covariances at one depth.
 struct Seen {
     yy: Array2<f64>,
@@ -113,30 +158,11 @@ struct Seen {
 impl Seen {
     fn new(camera: &Camera, psi: f64, statistics: &Statistics, sites: &Sites) -> Self {
         let blur = Channel::ALL.map(|channel| transfer(camera, channel, psi));
-        let plan = EvenTransform::new(SIDE / 2 + 1);
-        let scale = 1.0 / (period(SIDE / 2 + 1) as f64).powi(2);
-        let covariance = |spectrum: Array2<f64>| {
-            let half_way = plan.rows_transposed(spectrum.view(), sites.reach);
-            plan.rows_transposed(half_way.view(), sites.reach) * scale
-        };
         let spectrum = |a: usize, b: usize| &statistics.spectra[pair(a, b)];
-        let grid = |f: &dyn Fn(usize, usize) -> Array2<f64>| -> Vec<Array2<f64>> {
-            (0..9).map(|i| covariance(f(i / 3, i % 3))).collect()
-        };
-        let blurred = grid(&|a, b| spectrum(a, b) * &blur[a] * &blur[b]);
-        let crossed = grid(&|a, b| spectrum(a, b) * &blur[a]);
-        let between =
-            |table: &[Array2<f64>], (r, c, a): (usize, usize, usize), (s, d, b): (usize, usize, usize)| {
-                table[3 * a + b][(r.abs_diff(s), c.abs_diff(d))]
-            };
-        let window = &sites.window;
-        let yy = Array2::from_shape_fn((window.len(), window.len()), |(i, j)| {
-            between(&blurred, window[i], window[j])
-        });
-        let patch = &sites.patch;
-        let yx = Array2::from_shape_fn((window.len(), patch.len()), |(i, j)| {
-            between(&crossed, window[i], patch[j])
-        });
+        let blurred = correlations(sites, |a, b| spectrum(a, b) * &blur[a] * &blur[b]);
+        let crossed = correlations(sites, |a, b| spectrum(a, b) * &blur[a]);
+        let yy = covariances(&sites.window, &sites.window, &blurred);
+        let yx = covariances(&sites.window, &sites.patch, &crossed);
         Self { yy, yx }
     }
 }
@@ -172,6 +198,31 @@ mod tests {
 
     fn worst(verdict: &Verdict) -> f64 {
         verdict.psnr_db[0].iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_patch_is_seen_in_its_colours_and_without_its_detail_where_it_is_out_of_focus() {
+        let seen = |psi| {
+            let camera = Camera::resolve("clear").unwrap();
+            seen_of_patch(&camera, psi, &Statistics::natural(), Window::new(8).unwrap()).unwrap()
+        };
+        let patch = |value: &dyn Fn(usize, usize) -> f64| {
+            ndarray::Array1::from_shape_fn(192, |i| value(i / 64, i % 8))
+        };
+        // Red first: what a patch of one colour is seen as tells each pixel's filter.
+        let red = seen(8.0).dot(&patch(&|plane, _| if plane == 0 { 1.0 } else { 0.0 }));
+        for (pixel, &value) in red.indexed_iter() {
+            let measured = pixel / 8 % 2 == 0 && pixel % 2 == 0;
+            assert!((value - if measured { 1.0 } else { 0.0 }).abs() < 0.15, "pixel {pixel}: {value}");
+        }
+        let fine = patch(&|_, column| [1.0, 1.0, -1.0, -1.0][column % 4]);
+        let contrast = |psi| seen(psi).dot(&fine).mapv(|v| v * v).sum();
+        assert!(
+            contrast(0.0) > 20.0 && contrast(8.0) < 0.25 * contrast(0.0),
+            "{} {}",
+            contrast(0.0),
+            contrast(8.0)
+        );
     }
 
     /// The order in which trained networks put these cameras at their worst depth (`optics.md`).

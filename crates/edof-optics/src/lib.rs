@@ -4,12 +4,14 @@
 //! |---|---|---|
 //! | lens | [`pupil`] | complex pupil for a mask, a defocus ψ, a wavelength |
 //! | blur | [`psf`] | the PSF on the sensor's grid, and what cutting it cost |
+//! | | [`bank`] | PSFs of one's own in place of the computed ones |
 //! | | [`blur`](mod@blur) | pictures blurred with it, and the adjoint |
 //! | | [`cosine`] | the transform of even planes that both stand on |
 //! | | [`depth`] | ψ for a distance and back |
 //! | | [`mtf`] | contrast over spatial frequency and through focus |
 //! | scene | [`draw`] | charts and leaves drawn by code |
 //! | | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
+//! | | [`layers`] | a photograph with a depth map as such a scene |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
 //! | all of it | [`capture`](mod@capture) | a scene captured, what each approximation costs and saves |
 //!
@@ -21,6 +23,7 @@
 //! | judge | [`estimator`] | what a linear estimator reaches behind a camera, in closed form |
 //! | search | [`design`] | mask and focus by differential evolution |
 
+pub mod bank;
 pub mod blur;
 pub mod capture;
 pub mod cosine;
@@ -28,6 +31,7 @@ pub mod depth;
 pub mod design;
 pub mod draw;
 pub mod estimator;
+pub mod layers;
 pub mod mtf;
 pub mod psf;
 pub mod pupil;

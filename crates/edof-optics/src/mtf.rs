@@ -1,9 +1,10 @@
 //! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
 
-use crate::psf::{otf_along_row, sinc, wave_um, wavelengths};
+use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, sinc, wave_um, wavelengths};
+use edof_fft::Complex64;
 use edof_spec::Channel;
 use edof_spec::camera::{Camera, Spectrum};
-use ndarray::Array1;
+use ndarray::{Array1, Axis};
 use rayon::prelude::*;
 
 /// Pixels over which the PSF is computed; blur disks of interest are far smaller.
@@ -42,9 +43,19 @@ impl Otf {
     }
 }
 
-/// The OTF of a channel for an object at `psi`.
-#[must_use]
-pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Otf {
+/// The OTF of a channel for an object at `psi`. Of a bank or an aberrated lens it is taken from the PSF: the magnitude, where that is
+/// not even, and it ends where pixels see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it is divided out, with
+/// all that pixels fold over.
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<Otf, NoPsf> {
+    psf::check(camera, psi)?;
+    let step_per_mm = 1e3 / (SUPPORT as f64 * camera.pixel_pitch_um);
+    if camera.psf_bank.is_some() || !camera.aberrations.is_empty() {
+        let psf = &channel_psfs(camera, psi, &Settings::default())?[channel.plane()];
+        return Ok(Otf { step_per_mm, values: contrast_of(psf, footprint) });
+    }
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
         Spectrum::Line(nm) => vec![*nm],
@@ -57,10 +68,34 @@ pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) ->
         Footprint::Lens => 1.0,
         Footprint::LensAndPixel => sinc(q as f64 / SUPPORT as f64),
     };
-    Otf {
-        step_per_mm: 1e3 / (SUPPORT as f64 * camera.pixel_pitch_um),
-        values: (0..length).map(|q| mean(q) * pixel(q)).collect(),
-    }
+    Ok(Otf { step_per_mm, values: (0..length).map(|q| mean(q) * pixel(q)).collect() })
+}
+
+/// Contrast along a row of pixels up to half a cycle a pixel.
+fn contrast_of(psf: &Psf, footprint: Footprint) -> Array1<f64> {
+    let [upside_down, left_right, _] = psf.symmetries();
+    let value = |q: usize| {
+        let frequency = q as f64 / SUPPORT as f64;
+        let [along_row, _] = sampled_otf(psf, frequency);
+        let contrast = if upside_down && left_right { along_row.re } else { along_row.norm() };
+        match footprint {
+            Footprint::Lens => contrast / sinc(frequency),
+            Footprint::LensAndPixel => contrast,
+        }
+    };
+    (0..=SUPPORT / 2).map(value).collect()
+}
+
+/// Fourier transform of a PSF as pixels sample it, about its middle, at a frequency in cycles a pixel: along a row and along a column.
+#[must_use]
+pub fn sampled_otf(psf: &Psf, cycles_per_pixel: f64) -> [Complex64; 2] {
+    let half = (psf.side() / 2) as f64;
+    // Sums over columns of pixels are the spread along a row.
+    [Axis(0), Axis(1)].map(|axis| {
+        let spread = psf.kernel.mapv(f64::from).sum_axis(axis);
+        let angle = |i: usize| -std::f64::consts::TAU * cycles_per_pixel * (i as f64 - half);
+        spread.iter().enumerate().map(|(i, v)| Complex64::from_polar(*v, angle(i))).sum()
+    })
 }
 
 /// The diffraction limit 1/(λF#) at a wavelength, in cycles per millimetre.
@@ -76,21 +111,33 @@ pub fn green_cutoff_per_mm(camera: &Camera) -> f64 {
 }
 
 /// Contrast of red, green and blue at one frequency (cycles per millimetre) for each ψ: through focus.
-#[must_use]
-pub fn through_focus(camera: &Camera, per_mm: f64, psis: &[f64], footprint: Footprint) -> Vec<[f64; 3]> {
-    let contrast = |&psi: &f64| Channel::ALL.map(|channel| otf(camera, channel, psi, footprint).at(per_mm));
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn through_focus(
+    camera: &Camera,
+    per_mm: f64,
+    psis: &[f64],
+    footprint: Footprint,
+) -> Result<Vec<[f64; 3]>, NoPsf> {
+    let contrast = |&psi: &f64| -> Result<[f64; 3], NoPsf> {
+        let [red, green, blue] = Channel::ALL.map(|channel| otf(camera, channel, psi, footprint));
+        Ok([red?.at(per_mm), green?.at(per_mm), blue?.at(per_mm)])
+    };
     psis.par_iter().map(contrast).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bank;
+    use edof_spec::psf_bank::{Kernels, PsfBank};
 
     const PSIS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 
     fn contrast(name: &str, footprint: Footprint) -> Vec<[f64; 3]> {
         let camera = Camera::resolve(name).unwrap();
-        through_focus(&camera, green_cutoff_per_mm(&camera) / 4.0, &PSIS, footprint)
+        through_focus(&camera, green_cutoff_per_mm(&camera) / 4.0, &PSIS, footprint).unwrap()
     }
 
     #[test]
@@ -116,7 +163,7 @@ mod tests {
     fn a_clear_aperture_reverses_contrast_at_some_frequency_beyond_four() {
         let camera = Camera::resolve("clear").unwrap();
         let lowest = |psi: f64| {
-            let values = otf(&camera, Channel::Green, psi, Footprint::Lens).values;
+            let values = otf(&camera, Channel::Green, psi, Footprint::Lens).unwrap().values;
             values.iter().copied().fold(f64::INFINITY, f64::min)
         };
         assert!(lowest(4.0) > -1e-3, "no reversal up to 4");
@@ -128,8 +175,8 @@ mod tests {
     fn the_pixel_takes_its_share_of_the_contrast() {
         let camera = Camera::resolve("clear").unwrap();
         let nyquist = 500.0 / camera.pixel_pitch_um;
-        let lens = otf(&camera, Channel::Green, 0.0, Footprint::Lens).at(nyquist);
-        let both = otf(&camera, Channel::Green, 0.0, Footprint::LensAndPixel).at(nyquist);
+        let lens = otf(&camera, Channel::Green, 0.0, Footprint::Lens).unwrap().at(nyquist);
+        let both = otf(&camera, Channel::Green, 0.0, Footprint::LensAndPixel).unwrap().at(nyquist);
         assert!((both / lens - std::f64::consts::FRAC_2_PI).abs() < 1e-3);
     }
 
@@ -138,7 +185,29 @@ mod tests {
         let line = Camera::resolve("ring-2018").unwrap();
         let mut narrow = line.clone();
         narrow.spectra[1] = Spectrum::Sampled(vec![[534.9, 1.0], [535.1, 1.0]]);
-        let [a, b] = [&line, &narrow].map(|c| otf(c, Channel::Green, 3.0, Footprint::Lens).at(100.0));
+        let [a, b] =
+            [&line, &narrow].map(|c| otf(c, Channel::Green, 3.0, Footprint::Lens).unwrap().at(100.0));
         assert!((a - b).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_bank_of_a_lenss_own_psfs_has_the_lenss_contrast() {
+        let lens = Camera::resolve("ring-2018").unwrap();
+        let camera_pitch_um = lens.pixel_pitch_um;
+        let psfs = channel_psfs(&lens, 3.0, &Settings::default()).unwrap();
+        let stack = bank::stacked(&[psfs.each_ref().map(|psf| &psf.kernel)]).mapv(f64::from);
+        let kernels = Kernels::new(vec![3.0], stack.view(), None).unwrap();
+        let own = PsfBank { file: "x".into(), sha256: String::new(), kernels: Some(kernels.into()) };
+        let banked = Camera { psf_bank: Some(own), rings: vec![], ..lens.clone() };
+        for (channel, per_mm) in [(Channel::Red, 40.0), (Channel::Green, 90.0), (Channel::Blue, 120.0)] {
+            let [lens, banked] =
+                [&lens, &banked].map(|c| otf(c, channel, 3.0, Footprint::LensAndPixel).unwrap());
+            // What pixels sample holds the frequencies that they fold over, too.
+            let pitch = 1e3 / camera_pitch_um;
+            let expected = lens.at(per_mm) + lens.at(pitch - per_mm) + lens.at(pitch + per_mm);
+            let found = banked.at(per_mm);
+            assert!((found - expected).abs() < 1e-2, "{channel:?} at {per_mm}: {found}, expected {expected}");
+        }
+        assert!(otf(&banked, Channel::Green, 4.0, Footprint::Lens).is_err(), "the bank ends at 3");
     }
 }

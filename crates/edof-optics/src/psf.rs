@@ -4,6 +4,9 @@
 //! grid fine enough that the field's squared magnitude does not alias. The PSF's own transform, the OTF, times the footprint of a
 //! square pixel, folded at the sensor's sampling frequency and transformed back, is the light that each pixel collects, exactly.
 
+mod wavefront;
+
+use crate::bank;
 use crate::cosine::{EvenTransform, fold_rows, period};
 use crate::depth::geometric_blur_um;
 use crate::pupil::Pupil;
@@ -50,7 +53,8 @@ impl Settings {
     }
 }
 
-/// Light that a point gives to the pixels around its own; even about its centre along rows and along columns.
+/// Light that a point gives to the pixels around its own. Those of a lens and its mask are even about their centre along rows and
+/// along columns; others ([`mod@bank`]) need not be.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Psf {
@@ -76,11 +80,6 @@ pub enum PsfError {
     /// No centre pixel.
     #[error("kernel {height}x{width}: must be square with an odd side")]
     Shape { height: usize, width: usize },
-    /// Not even.
-    #[error(
-        "kernel: row {row}, column {column} differs from its mirror image, must be even about the centre along both axes"
-    )]
-    Uneven { row: usize, column: usize },
     /// Creates or loses light.
     #[error("kernel: sums to {0}, must sum to 1")]
     Sum(f32),
@@ -90,7 +89,7 @@ impl Psf {
     /// A PSF from a kernel of one's own.
     ///
     /// # Errors
-    /// [`PsfError`] if the kernel has no centre, is not even along both axes or does not sum to 1 within 10⁻³.
+    /// [`PsfError`] if the kernel has no centre or does not sum to 1 within 10⁻³.
     pub fn new(kernel: Array2<f32>) -> Result<Self, PsfError> {
         let (height, width) = kernel.dim();
         if height != width || height % 2 == 0 {
@@ -100,21 +99,7 @@ impl Psf {
         if sum.is_nan() || (sum - 1.0).abs() > 1e-3 {
             return Err(PsfError::Sum(sum));
         }
-        let last = height - 1;
-        let uneven = kernel.indexed_iter().find(|((r, c), v)| {
-            [(last - r, *c), (*r, last - c)].iter().any(|&at| (kernel[at] - **v).abs() > 1e-6)
-        });
-        if let Some(((row, column), _)) = uneven {
-            return Err(PsfError::Uneven { row, column });
-        }
-        Ok(Self {
-            kernel,
-            energy_kept: 1.0,
-            support: height,
-            energy_beyond: 0.0,
-            wavelengths_nm: vec![],
-            wavelength_error: 0.0,
-        })
+        Ok(Self::given(kernel))
     }
 
     /// Pixels along one side of the kernel.
@@ -132,40 +117,131 @@ impl Psf {
         part.iter().map(|&v| f64::from(v)).sum::<f64>()
             / self.kernel.iter().map(|&v| f64::from(v)).sum::<f64>()
     }
+
+    /// A kernel that sums to 1, of odd side: it is what it is.
+    fn given(kernel: Array2<f32>) -> Self {
+        Self {
+            support: kernel.nrows(),
+            kernel,
+            energy_kept: 1.0,
+            energy_beyond: 0.0,
+            wavelengths_nm: vec![],
+            wavelength_error: 0.0,
+        }
+    }
+
+    /// Whether the kernel is its own mirror image upside down, left to right, and about the diagonal, to 10⁻⁴ of its peak.
+    #[must_use]
+    pub fn symmetries(&self) -> [bool; 3] {
+        let (kernel, last) = (&self.kernel, self.side() - 1);
+        let peak = kernel.iter().fold(0.0f32, |peak, v| peak.max(*v));
+        let same = |other: &dyn Fn(usize, usize) -> (usize, usize)| {
+            kernel.indexed_iter().all(|((r, c), v)| (kernel[other(r, c)] - v).abs() <= 1e-4 * peak)
+        };
+        [same(&|r, c| (last - r, c)), same(&|r, c| (r, last - c)), same(&|r, c| (c, r))]
+    }
 }
 
-/// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength).
+/// PSFs that a camera has none of.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum NoPsf {
+    /// Blur larger than any support, or no number.
+    #[error("psi {psi}: must lie within {MOST_DEFOCUS} of the focus of camera {camera}, at {focus}")]
+    Focus { psi: f64, camera: String, focus: f64 },
+    /// Beyond the ends of its PSF bank.
+    #[error("psi {psi}: the PSF bank of camera {camera}, {file}, reaches from {low} to {high}")]
+    Bank { psi: f64, camera: String, file: String, low: f64, high: f64 },
+    /// A bank that was not read: it lies elsewhere.
+    #[error(
+        "camera {camera}: its PSFs are those of {file} (SHA-256 {sha256}), found neither beside the network nor here"
+    )]
+    Missing { camera: String, file: String, sha256: String },
+}
+
+/// Whether a camera has PSFs for an object at `psi`.
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
+    let (name, focus) = (camera.name.clone(), camera.focus_psi);
+    let Some(bank) = &camera.psf_bank else {
+        let near = (psi - focus).abs() <= MOST_DEFOCUS;
+        return if near { Ok(()) } else { Err(NoPsf::Focus { psi, camera: name, focus }) };
+    };
+    let file = bank.file.clone();
+    let Some(kernels) = &bank.kernels else {
+        return Err(NoPsf::Missing { camera: name, file, sha256: bank.sha256.clone() });
+    };
+    let [low, high] = bank::ends(kernels);
+    let inside = (low..=high).contains(&psi);
+    if inside { Ok(()) } else { Err(NoPsf::Bank { psi, camera: name, file, low, high }) }
+}
+
+/// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength): those of the camera's bank,
+/// whole whatever the settings, if it has one; else those that follow from its lens and mask.
 ///
 /// ```
 /// use edof_optics::psf::{Settings, channel_psfs};
-/// let [red, _, blue] = channel_psfs(&edof_spec::Camera::resolve("ring-2018")?, 1.0, &Settings::default());
+/// let [red, _, blue] = channel_psfs(&edof_spec::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
 /// let middle = |psf: &edof_optics::psf::Psf| psf.kernel[(psf.side() / 2, psf.side() / 2)];
 /// assert!(middle(&red) > middle(&blue), "red is in focus at psi 1");
-/// # Ok::<(), edof_spec::camera::CameraError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[must_use]
-pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> [Psf; 3] {
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> Result<[Psf; 3], NoPsf> {
+    check(camera, psi)?;
+    if let Some(kernels) = camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref()) {
+        return Ok(bank::at(kernels, psi).map(Psf::given));
+    }
     let psfs: Vec<Psf> =
         Channel::ALL.par_iter().map(|&channel| psf(camera, channel, psi, settings)).collect();
-    <[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs"))
+    Ok(<[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs")))
 }
 
-/// PSF of one channel for an object at `psi`, at most [`MOST_DEFOCUS`] from the camera's focus.
+/// PSF of one channel for an object at `psi`, at most [`MOST_DEFOCUS`] from the camera's focus, as it follows from lens and mask.
 #[must_use]
 pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
     let spectrum = camera.spectrum(channel);
-    let (support, energy_beyond) = support(camera, wavelengths(spectrum, 1)[0], psi, settings);
-    let (quarter, wavelengths_nm, wavelength_error) = summed(camera, spectrum, psi, support, settings);
-    let (half, energy_kept) = if settings.cuts_kernels() {
-        smallest_square(&quarter, settings.energy)
-    } else {
-        (quarter.nrows() - 2, 1.0)
-    };
-    let side = 2 * half + 1;
-    let kernel = Array2::from_shape_fn((side, side), |(r, c)| quarter[(r.abs_diff(half), c.abs_diff(half))]);
-    let sum = kernel.sum();
-    let kernel = kernel.mapv(|v| (v / sum) as f32);
+    let middle = wavelengths(spectrum, 1)[0];
+    let (support, energy_beyond) = support(camera, middle, psi, settings);
+    if !camera.aberrations.is_empty() {
+        let support = wavefront::support(camera, middle, support);
+        let at = |nm: f64| wavefront::whole_psf(camera, nm, psi, support);
+        let (whole, wavelengths_nm, wavelength_error) = summed(spectrum, settings, at, |plane| plane.sum());
+        let (half, energy_kept) = cut(&wavefront::square_sums(&whole), settings);
+        let offset = |i: usize| (i + support - half) % support;
+        let kernel = scaled(2 * half + 1, |r, c| whole[(offset(r), offset(c))]);
+        return Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error };
+    }
+    let at = |nm: f64| quarter_psf(camera, nm, psi, support);
+    let (quarter, wavelengths_nm, wavelength_error) = summed(spectrum, settings, at, whole_sum);
+    let mut sums = square_sums(&quarter);
+    // The last row and column of the support stand for both of its edges and belong to no square.
+    sums.pop();
+    let (half, energy_kept) = cut(&sums, settings);
+    let kernel = scaled(2 * half + 1, |r, c| quarter[(r.abs_diff(half), c.abs_diff(half))]);
     Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error }
+}
+
+/// A kernel of that side that sums to 1.
+fn scaled(side: usize, light: impl Fn(usize, usize) -> f64) -> Array2<f32> {
+    let kernel = Array2::from_shape_fn((side, side), |(r, c)| light(r, c));
+    let sum = kernel.sum();
+    kernel.mapv(|v| (v / sum) as f32)
+}
+
+/// Half side of the smallest centred square that keeps as much light as is asked for, and the share that it keeps; `sums` are those
+/// over the squares of sides 1, 3, 5 ….
+fn cut(sums: &[f64], settings: &Settings) -> (usize, f64) {
+    let (last, total) = (sums.len() - 1, sums[sums.len() - 1]);
+    if !settings.cuts_kernels() {
+        return (last, 1.0);
+    }
+    let half = sums.iter().position(|&s| s >= settings.energy * total).unwrap_or(last);
+    (half, sums[half] / total)
 }
 
 /// Side of the support in pixels, and the share of energy estimated beyond it.
@@ -189,15 +265,14 @@ fn support(camera: &Camera, wavelength_nm: f64, psi: f64, settings: &Settings) -
 /// The most wavelengths a channel is sampled at.
 const MOST_WAVELENGTHS: usize = 27;
 
-/// Quarter PSF of a spectrum: as many wavelengths as the tolerance needs, tripled until the PSF no longer moves.
+/// PSF of a spectrum: as many wavelengths as the tolerance needs, tripled until the PSF no longer moves. `at` gives that of one
+/// wavelength, `light` the sum over a plane.
 fn summed(
-    camera: &Camera,
     spectrum: &Spectrum,
-    psi: f64,
-    support: usize,
     settings: &Settings,
+    at: impl Fn(f64) -> Array2<f64>,
+    light: impl Fn(&Array2<f64>) -> f64,
 ) -> (Array2<f64>, Vec<f64>, f64) {
-    let at = |nm: f64| quarter_psf(camera, nm, psi, support);
     let (mut nodes, mut error) = (wavelengths(spectrum, 1), 0.0);
     let mut mean = at(nodes[0]);
     if !has_width(spectrum) {
@@ -209,7 +284,7 @@ fn summed(
         let mut sum = &mean * nodes.len() as f64;
         finer.iter().enumerate().filter(|(i, _)| i % 3 != 1).for_each(|(_, &nm)| sum += &at(nm));
         let next = sum / finer.len() as f64;
-        error = whole_sum(&(&next - &mean).mapv(f64::abs)) / 2.0;
+        error = light(&(&next - &mean).mapv(f64::abs)) / 2.0;
         (nodes, mean) = (finer, next);
         if settings.cuts_wavelengths() && error <= settings.wavelength_tolerance {
             break;
@@ -359,14 +434,4 @@ fn square_sums(quarter: &Array2<f64>) -> Vec<f64> {
             sum
         })
         .collect()
-}
-
-/// Half side of the smallest centred square that keeps a share `energy` of the light, and the share it keeps. The last row and
-/// column of the support stand for both of its edges and belong to no square.
-fn smallest_square(quarter: &Array2<f64>, energy: f64) -> (usize, f64) {
-    let sums = square_sums(quarter);
-    let usable = sums.len() - 1;
-    let total: f64 = sums[usable - 1];
-    let half = sums[..usable].iter().position(|&s| s >= energy * total).unwrap_or(usable - 1);
-    (half, sums[half] / total)
 }

@@ -1,12 +1,15 @@
 //! The lens: its generalised pupil for a mask, a defocus and a wavelength.
 
 use edof_fft::Complex64;
-use edof_spec::camera::Camera;
+use edof_spec::camera::{Camera, Profile};
 
 /// exp(i(s·(ψ − ψ_focus)·(λ_ref/λ)·ρ² + φ_λ(ρ))) inside the unit circle, nothing outside; ρ is the normalised radius.
 #[derive(Debug, Clone)]
 pub struct Pupil {
     defocus_rad: f64,
+    wavelength_nm: f64,
+    /// What of the mask changes smoothly.
+    profile: Option<Profile>,
     /// Radii at which a zone of constant mask phase ends, ascending, with that zone's phasor.
     zones: Vec<(f64, Complex64)>,
 }
@@ -32,7 +35,8 @@ impl Pupil {
                 (to, Complex64::cis(phase))
             })
             .collect();
-        Self { defocus_rad: camera.defocus_sign.factor() * (psi - camera.focus_psi) * scale, zones }
+        let defocus_rad = camera.defocus_sign.factor() * (psi - camera.focus_psi) * scale;
+        Self { defocus_rad, wavelength_nm, profile: camera.profile.clone(), zones }
     }
 
     /// Phase of the defocus at the pupil's edge, in radians at this wavelength, with its sign.
@@ -59,7 +63,8 @@ impl Pupil {
             mask += phasor * (high.min(to) - low.max(from)).max(0.0);
             from = to;
         }
-        mask / width * Complex64::cis(self.defocus_rad * rho * rho)
+        let smooth = self.profile.as_ref().map_or(0.0, |profile| profile.phase_rad(rho, self.wavelength_nm));
+        mask / width * Complex64::cis(self.defocus_rad * rho * rho + smooth)
     }
 }
 
@@ -99,6 +104,22 @@ mod tests {
         camera.rings[0].delay = Delay::Phase { rad: std::f64::consts::PI, at_nm: 535.0 };
         let strength = Pupil::new(&camera, 535.0, 2.0).edge_strength();
         assert!((strength - (1.0 + 4.0 * 0.68)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_parabola_of_phase_is_defocus() {
+        let mut masked = Camera::resolve("clear").unwrap();
+        let points = (0..=200).map(|i| f64::from(i) / 200.0).map(|rho| [rho, -3.0 * rho * rho]).collect();
+        masked.profile = Some(Profile { at_nm: 460.0, points });
+        let clear = Camera::resolve("clear").unwrap();
+        for nm in [460.0, 610.0] {
+            let [a, b] = [(&masked, 0.0), (&clear, 3.0)].map(|(camera, psi)| Pupil::new(camera, nm, psi));
+            assert!(
+                [0.1, 0.53, 0.9]
+                    .iter()
+                    .all(|rho| (a.sample(*rho, 1e-6) - b.sample(*rho, 1e-6)).norm() < 1e-3)
+            );
+        }
     }
 
     #[test]

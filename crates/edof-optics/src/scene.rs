@@ -193,8 +193,8 @@ mod tests {
     fn equal_layers_show_no_seam_however_blurred() {
         let scene = scene(vec![grey(0.5, None, 0.0), grey(0.5, Some(half()), 8.0)]);
         let camera = Camera::resolve("ring-2018").unwrap();
-        let near = channel_psfs(&camera, 8.0, &Settings::default());
-        let far = channel_psfs(&camera, 0.0, &Settings::default());
+        let near = channel_psfs(&camera, 8.0, &Settings::default()).unwrap();
+        let far = channel_psfs(&camera, 0.0, &Settings::default()).unwrap();
         let blurred = scene.blurred(|psi| if psi > 4.0 { &near } else { &far });
         assert!(blurred.planes.iter().all(|v| (v - 0.5).abs() < 1e-5));
     }
@@ -203,7 +203,7 @@ mod tests {
     fn a_scene_at_one_depth_is_a_plain_blur() {
         let mut picture = ColourFrame::zeros(40, 60);
         picture.planes.indexed_iter_mut().for_each(|((p, r, c), v)| *v = ((p + r * c) % 7) as f32 / 7.0);
-        let psfs = channel_psfs(&Camera::resolve("clear").unwrap(), 5.0, &Settings::default());
+        let psfs = channel_psfs(&Camera::resolve("clear").unwrap(), 5.0, &Settings::default()).unwrap();
         let composed = Scene::flat("p", picture.clone(), 5.0).blurred(|_| &psfs);
         assert_eq!(composed, crate::blur::blur_frame(&picture, &psfs));
     }

@@ -86,7 +86,7 @@ fn the_kernel_has_the_otf_of_lens_and_pixel() {
     let camera = Camera::resolve("ring-outer").unwrap();
     let kernel = psf(&camera, Channel::Red, 6.0, &Settings::exact()).kernel;
     let half = (kernel.nrows() / 2) as f64;
-    let lens = otf(&camera, Channel::Red, 6.0, Footprint::LensAndPixel);
+    let lens = otf(&camera, Channel::Red, 6.0, Footprint::LensAndPixel).unwrap();
     for per_pixel in [0.02, 0.1, 0.2, 0.3] {
         let cosine = |c: usize| (std::f64::consts::TAU * per_pixel * (c as f64 - half)).cos();
         let seen: f64 = kernel.indexed_iter().map(|((_, c), &v)| f64::from(v) * cosine(c)).sum();

@@ -2,7 +2,8 @@
 
 use crate::Scene;
 use edof_optics::blur::blur_frame;
-use edof_optics::psf::{Psf, Settings, channel_psfs};
+use edof_optics::capture::CaptureError;
+use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
 use edof_spec::network::{Condition, Origin};
 use edof_spec::{CfaPhase, ColourFrame, Noise};
@@ -18,16 +19,18 @@ pub const DEPTH: u32 = 12;
 /// same scenes.
 ///
 /// # Errors
-/// [`SensorError`] for pictures of odd sides.
+/// [`CaptureError`]: pictures of odd sides, or a range of depths that the camera has no PSFs for.
 pub fn capture<'a>(
     pictures: &'a [(String, ColourFrame)],
     origin: &Origin,
     mut tell: impl FnMut(usize),
-) -> Result<Vec<Scene<'a>>, SensorError> {
+) -> Result<Vec<Scene<'a>>, CaptureError> {
     let psis = depths(origin.camera.psi_range);
     let settings = Settings::default();
-    let psfs: Vec<(f64, [Psf; 3])> =
-        psis.into_iter().map(|psi| (psi, channel_psfs(&origin.camera, psi, &settings))).collect();
+    let psfs: Vec<(f64, [Psf; 3])> = psis
+        .into_iter()
+        .map(|psi| Ok((psi, channel_psfs(&origin.camera, psi, &settings)?)))
+        .collect::<Result<_, NoPsf>>()?;
     let mut scenes = vec![];
     for (index, (name, sharp)) in pictures.iter().enumerate() {
         for condition in &origin.conditions {
@@ -35,7 +38,7 @@ pub fn capture<'a>(
             let captured: Vec<Vec<Scene<'a>>> = psfs
                 .par_iter()
                 .map(|(psi, psfs)| shots(name, sharp, &blur_frame(&light, psfs), *psi, condition))
-                .collect::<Result<_, _>>()?;
+                .collect::<Result<_, SensorError>>()?;
             scenes.extend(captured.into_iter().flatten());
         }
         tell(index + 1);

@@ -179,8 +179,12 @@ fn origin(name: &str) -> Origin {
         reference_wavelength_nm: 460.0,
         defocus_sign: edof_spec::camera::Sign::Plus,
         focus_psi: 0.0,
+        nominal_m: None,
         psi_range: [0.0, 8.0],
         rings: vec![],
+        profile: None,
+        aberrations: vec![],
+        psf_bank: None,
         source: "drawn".into(),
     };
     Origin::untrained(name, camera)

@@ -1,6 +1,6 @@
 //! A dictionary in which signals have sparse codes.
 
-use crate::pursuit::ista;
+use crate::lasso::{self, Lasso};
 use edof_numerics::least_squares;
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 
@@ -26,7 +26,7 @@ pub struct Effort {
 }
 
 /// The method of optimal directions (Engan, Aase, Husøy 1999): from `start` (length × atoms), in turn atoms of norm one, sparse
-/// codes by [`ista`], and the dictionary by least squares. `penalties` holds μ, one an atom.
+/// codes by [`Lasso::ista`], and the dictionary by least squares. `penalties` holds μ, one an atom.
 ///
 /// # Panics
 /// If signals or atoms are not finite: a mistake of the caller.
@@ -41,7 +41,8 @@ pub fn optimal_directions(
     let mut learned = Learned { dictionary: start, codes };
     for _ in 0..effort.rounds {
         normalise(&mut learned.dictionary);
-        learned.codes = ista(signals, learned.dictionary.view(), penalties, effort.steps);
+        let pursuit = lasso::Effort { steps: effort.steps, tolerance: 0.0 };
+        learned.codes = Lasso::new(learned.dictionary.view(), penalties, 0).ista(signals, pursuit).codes;
         learned.dictionary = least_squares(learned.codes.view(), signals, RIDGE);
     }
     learned

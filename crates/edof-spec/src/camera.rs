@@ -1,6 +1,7 @@
 //! A camera: lens, phase mask, focus and sensor, and the JSON files that describe one.
 
 use crate::cfa::Channel;
+use crate::psf_bank::{BankError, PsfBank};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -34,10 +35,22 @@ pub struct Camera {
     pub defocus_sign: Sign,
     /// ψ at which the lens is focused (the clear aperture's sharpest depth).
     pub focus_psi: f64,
+    /// Distance in metres at which ψ is zero, where the camera knows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_m: Option<f64>,
     /// Range of ψ that the camera is meant for.
     pub psi_range: [f64; 2],
     /// Rings of the phase mask; none for a clear aperture.
     pub rings: Vec<Ring>,
+    /// A phase of the mask that changes smoothly with the radius, besides its rings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
+    /// What the lens does besides focusing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub aberrations: Vec<Aberration>,
+    /// PSFs of one's own in place of those that follow from lens and mask.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psf_bank: Option<PsfBank>,
     /// Where the numbers come from and how sure we are.
     pub source: String,
 }
@@ -156,6 +169,46 @@ impl Delay {
     }
 }
 
+/// Phase of a rotationally symmetric mask over the normalised pupil radius, linear between its points and constant beyond them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// Wavelength in nanometres for which the phase is stated; at λ it is `at_nm`/λ of it.
+    pub at_nm: f64,
+    /// Pairs of radius 0…1, ascending, and radians.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Profile {
+    /// Phase in radians at a radius, at `wavelength_nm`.
+    #[must_use]
+    pub fn phase_rad(&self, rho: f64, wavelength_nm: f64) -> f64 {
+        let after = self.points.partition_point(|point| point[0] < rho);
+        let rad = match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) {
+            (Some([r0, a]), Some(&[r1, b])) => a + (b - a) * (rho - r0) / (r1 - r0),
+            (Some([_, end]), None) | (None, Some(&[_, end])) => end,
+            (None, None) => 0.0,
+        };
+        rad * self.at_nm / wavelength_nm
+    }
+}
+
+/// A Zernike term of the wavefront in Noll's order and normalisation (Noll 1976), over the aperture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Aberration {
+    /// Noll's index: 2 and 3 tilt, 4 defocus, 5 and 6 astigmatism, 7 and 8 coma, 9 and 10 trefoil, 11 spherical, ….
+    pub noll: u32,
+    /// Root mean square of the optical path in nanometres; its sign is the term's.
+    pub rms_nm: f64,
+}
+
+/// The largest of Noll's indices that is taken, and the largest path in nanometres.
+const MOST_NOLL: u32 = 66;
+const MOST_RMS_NM: f64 = 10_000.0;
+/// Most points of a profile.
+const MOST_POINTS: usize = 4096;
+
 /// A camera that cannot be read, or could not be built.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
@@ -169,6 +222,9 @@ pub enum CameraError {
     /// A number is out of range.
     #[error("camera {camera}: {field} is {value}, expected {expected}")]
     Value { camera: String, field: &'static str, value: String, expected: &'static str },
+    /// PSFs of its own that cannot be used.
+    #[error(transparent)]
+    Bank(#[from] BankError),
     /// Neither a preset nor a file.
     #[error("camera '{name}': no such file, and not one of the presets {presets}")]
     Unknown { name: String, presets: String },
@@ -194,7 +250,7 @@ impl Camera {
     /// ```
     ///
     /// # Errors
-    /// [`CameraError`]: unknown name, unreadable file, wrong text, a number out of range.
+    /// [`CameraError`]: unknown name, unreadable file, wrong text, a number out of range, a PSF bank that cannot be used.
     pub fn resolve(name_or_path: &str) -> Result<Self, CameraError> {
         if let Some((name, text)) = PRESETS.iter().find(|(name, _)| *name == name_or_path) {
             return Self::from_json(text, name);
@@ -207,10 +263,23 @@ impl Camera {
             });
         }
         let text = read(path).map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
-        Self::from_json(&text, name_or_path)
+        let mut camera = Self::from_json(&text, name_or_path)?;
+        camera.read_bank(path.parent().unwrap_or(Path::new("")))?;
+        Ok(camera)
     }
 
-    /// A camera from JSON text; `origin` names it in errors.
+    /// Reads the PSFs of its own, if it has any, from a folder.
+    ///
+    /// # Errors
+    /// [`BankError`].
+    pub fn read_bank(&mut self, folder: &Path) -> Result<(), BankError> {
+        match &mut self.psf_bank {
+            Some(bank) => bank.read(folder, &self.name, self.pixel_pitch_um),
+            None => Ok(()),
+        }
+    }
+
+    /// A camera from JSON text, without reading a PSF bank that it may name; `origin` names it in errors.
     ///
     /// # Errors
     /// [`CameraError::Parse`] or [`CameraError::Value`].
@@ -234,6 +303,7 @@ impl Camera {
             name: other.name.clone(),
             source: other.source.clone(),
             psi_range: other.psi_range,
+            nominal_m: other.nominal_m,
             ..self.clone()
         };
         renamed == *other
@@ -267,6 +337,9 @@ impl Camera {
             if !(value.is_finite() && value > 0.0) {
                 return refuse(field, value.to_string(), "a positive number");
             }
+        }
+        if let Some(metres) = self.nominal_m.filter(|metres| metres.is_nan() || *metres <= 0.0) {
+            return refuse("nominal_m", metres.to_string(), "a distance of more than 0 m");
         }
         let [low, high] = self.psi_range;
         if !(low.is_finite() && high.is_finite() && low <= high) {
@@ -306,6 +379,27 @@ impl Camera {
             if !finite {
                 return refuse("rings", format!("{:?}", ring.delay), "finite numbers, a positive wavelength");
             }
+        }
+        if let Some(Profile { at_nm, points }) = &self.profile {
+            let finite = points.iter().flatten().all(|v| v.is_finite());
+            let inside = points.iter().all(|point| (0.0..=1.0).contains(&point[0]));
+            let ascending = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+            let sized = (1..=MOST_POINTS).contains(&points.len()) && *at_nm > 0.0 && at_nm.is_finite();
+            if !(finite && inside && ascending && sized) {
+                let found = format!("{} points at {at_nm} nm", points.len());
+                return refuse(
+                    "profile",
+                    found,
+                    "1 to 4096 [radius 0 to 1, radians] pairs of ascending radius",
+                );
+            }
+        }
+        let wrong = |a: &&Aberration| {
+            !((2..=MOST_NOLL).contains(&a.noll) && a.rms_nm.is_finite() && a.rms_nm.abs() <= MOST_RMS_NM)
+        };
+        if let Some(Aberration { noll, rms_nm }) = self.aberrations.iter().find(wrong) {
+            let found = format!("noll {noll} of {rms_nm} nm");
+            return refuse("aberrations", found, "Noll's indices 2 to 66, and at most 10000 nm either way");
         }
         Ok(())
     }
@@ -376,6 +470,34 @@ mod tests {
         assert!(refused(|c| c.pixel_pitch_um = 1e9).contains("at most 8 wavelengths"));
         assert!(refused(|c| c.pixel_pitch_um = 1e-9).contains("at least 1/64 of a wavelength"));
         assert!(refused(|c| c.rings = vec![c.rings[0]; 65]).contains("65 of them, expected 64 at most"));
+    }
+
+    #[test]
+    fn a_profile_is_linear_between_its_points_and_scales_with_the_wavelength() {
+        let profile = Profile { at_nm: 500.0, points: vec![[0.2, 1.0], [0.6, 3.0]] };
+        let phases = [0.0, 0.2, 0.4, 0.6, 1.0].map(|rho| profile.phase_rad(rho, 500.0));
+        assert!(
+            phases.iter().zip([1.0, 1.0, 2.0, 3.0, 3.0]).all(|(a, b)| (a - b).abs() < 1e-12),
+            "{phases:?}"
+        );
+        assert!((profile.phase_rad(0.4, 1000.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn profiles_and_aberrations_that_cannot_be_are_refused() {
+        let refused = |change: &dyn Fn(&mut Camera)| {
+            let mut camera = Camera::resolve("clear").unwrap();
+            change(&mut camera);
+            Camera::from_json(&camera.to_json(), "file").unwrap_err().to_string()
+        };
+        for points in [vec![], vec![[0.5, 0.0], [0.5, 1.0]], vec![[0.0, 1.0], [1.1, 0.0]]] {
+            let error = refused(&|c| c.profile = Some(Profile { at_nm: 500.0, points: points.clone() }));
+            assert!(error.contains("profile is") && error.contains("ascending radius"), "{error}");
+        }
+        for (noll, rms_nm) in [(1, 10.0), (67, 10.0), (8, 1e9)] {
+            let error = refused(&|c| c.aberrations = vec![Aberration { noll, rms_nm }]);
+            assert!(error.contains(&format!("aberrations is noll {noll}")), "{error}");
+        }
     }
 
     #[test]

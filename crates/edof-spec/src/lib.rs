@@ -9,6 +9,8 @@
 //! | how the board's words become 8-bit Y′CbCr codes | [`display`] |
 //! | the averaging window of overlapping patches | [`overlap`] |
 //! | lens, mask and sensor, and their files | [`camera`] |
+//! | PSFs of one's own in place of a lens's | [`psf_bank`] |
+//! | arrays in files of other programs | [`arrays`] |
 //! | light and its sRGB encoding | [`tone`] |
 //! | a sensor's noise | [`noise`] |
 //! | fixed-point words and their rounding | [`number`] |
@@ -21,7 +23,7 @@
 //! | how full its FIFOs get | [`fifos`] |
 //! | what the host sees of the board | [`registers`] |
 //! | how the video chips are set up | [`i2c`] |
-//! | how a result came to be | [`provenance`] |
+//! | how a result came to be | [`provenance`], by content [`digest`] |
 //! | what every reconstruction method implements | [`reconstructor`] |
 //! | the generator of everything drawn for trials | [`draw`] |
 //! | files that appear whole or not at all | [`atomic`] |
@@ -33,12 +35,14 @@
 //! # Ok::<(), edof_spec::geometry::GeometryError>(())
 //! ```
 
+pub mod arrays;
 pub mod atomic;
 pub mod board;
 pub mod camera;
 pub mod cfa;
 pub mod colour;
 pub mod design;
+pub mod digest;
 pub mod display;
 pub mod draw;
 pub mod fifos;
@@ -51,6 +55,7 @@ pub mod noise;
 pub mod number;
 pub mod overlap;
 pub mod provenance;
+pub mod psf_bank;
 pub mod reconstructor;
 pub mod registers;
 pub mod tone;

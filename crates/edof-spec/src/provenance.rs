@@ -16,6 +16,7 @@
 //! ```
 
 use crate::camera::Camera;
+use crate::digest::{hexadecimal, sha256};
 use crate::frame::{ColourFrame, RawFrame};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -133,12 +134,6 @@ impl Input {
     }
 }
 
-/// SHA-256 of bytes, as hexadecimal digits.
-#[must_use]
-pub fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(Sha256::digest(bytes).as_slice())
-}
-
 fn sha256_of((height, width): (usize, usize), bytes: impl Iterator<Item = u8>) -> String {
     let mut digest = Sha256::new();
     [height, width].iter().for_each(|side| digest.update((*side as u64).to_le_bytes()));
@@ -154,23 +149,11 @@ fn sha256_of((height, width): (usize, usize), bytes: impl Iterator<Item = u8>) -
     hexadecimal(digest.finalize().as_slice())
 }
 
-/// Bytes as hexadecimal digits.
-#[must_use]
-pub fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cfa::CfaPhase;
     use ndarray::{Array2, Array3};
-
-    #[test]
-    fn a_digest_is_the_known_one() {
-        // FIPS 180-2, appendix B.1.
-        assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    }
 
     #[test]
     fn a_photograph_is_known_by_content_and_shape_not_by_name() {

@@ -5,12 +5,12 @@
 //! name, its name, type, shape and bytes (the first three as in `analysis F32 [192, 144]`).
 
 use crate::atomic::{self, WriteError};
+use crate::digest::hexadecimal;
 use crate::fixed_network::{FixedMatrix, FixedNetwork, FixedNetworkError, Quantized};
 use crate::geometry::Stride;
 use crate::network::{Form, Network, NetworkError, Origin};
 use crate::number::{CHROMA_GAIN, OUTPUT_FRACTION};
 use crate::overlap::Overlap;
-use crate::provenance::hexadecimal;
 use ndarray::{Array1, Array2};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};

@@ -3,8 +3,7 @@
 //! Drawn scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
 use crate::metrics::{BORDER, MetricError, Quality, decibel, shown};
-use crate::picture::{png, sheet};
-use crate::report::{Figure, Report};
+use crate::picture::sheet;
 use crate::tables::Table;
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
@@ -19,6 +18,8 @@ use serde::Serialize;
 pub struct Lens<'a> {
     /// What the lens is called in tables, as in `coded lens`.
     pub title: String,
+    /// The same in a sentence.
+    pub about: String,
     /// The lens.
     pub camera: Camera,
     /// Methods and what each is called in tables.
@@ -67,9 +68,15 @@ pub struct Demo {
     pub depth: u32,
     /// All pictures, lens by lens.
     pub pictures: Vec<Picture>,
+    /// Title of each lens, and what it is in a sentence.
+    #[serde(skip)]
+    pub lenses: Vec<(String, String)>,
     /// The scene without blur.
     #[serde(skip)]
     pub truth: ColourFrame,
+    /// ψ of each of its pixels.
+    #[serde(skip)]
+    pub depths: Array2<f32>,
     /// What the sensor gave behind each lens.
     #[serde(skip)]
     pub raws: Vec<RawFrame>,
@@ -108,7 +115,9 @@ pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>], tone: Tone) -> R
     }
     let ((height, width), scene) = (truth.light.size(), scene.name.clone());
     let (noise, depth) = (sensor.noise, sensor.depth);
-    Ok(Demo { scene, height, width, noise, tone, depth, pictures, truth: truth.light, raws })
+    let lenses = lenses.iter().map(|lens| (lens.title.clone(), lens.about.clone())).collect();
+    let Truth { light: truth, depths, .. } = truth;
+    Ok(Demo { scene, height, width, noise, tone, depth, pictures, lenses, truth, depths, raws })
 }
 
 /// The scene without blur, as light and as it is looked at, and where each depth is seen.
@@ -189,54 +198,9 @@ impl Demo {
         sheet(&rows, 4)
     }
 
-    /// The report, pictures inside; `command` tells how to make it again.
-    ///
-    /// # Errors
-    /// [`DemoError::Picture`].
-    pub fn report(&self, command: &str) -> Result<Report, DemoError> {
-        let mut report = Report::new("Extended depth of field: one scene, four depths");
-        report.paragraph(&format!(
-            "The scene “{}” ({}×{} pixels) has four parts, each at its own depth. Every lens sees it once; a {}-bit sensor \
-             with Bayer filters and noise “{}” gives one raw frame. “Demosaiced” shows that frame as a plain camera would; \
-             “reconstructed” is the network in fixed point, in the integers that the board computes with. Pictures are \
-             encoded as sRGB. Made by `{command}`.",
-            self.scene, self.width, self.height, self.depth, self.noise
-        ));
-        report.heading("Pictures");
-        let truth = Figure {
-            title: "The scene itself".into(),
-            note: "no blur, no noise".into(),
-            png: png(&self.truth, Tone::Srgb)?,
-        };
-        let shown = |p: &Picture| -> Result<Figure, DemoError> {
-            Ok(Figure {
-                title: format!("{}, {}", p.lens, p.treatment),
-                note: format!(
-                    "{:.2} dB, SSIM {:.3}; camera {}, {}",
-                    p.picture.psnr_db, p.picture.ssim, p.camera, p.method
-                ),
-                png: png(&p.frame, Tone::Srgb)?,
-            })
-        };
-        let mut figures = vec![truth];
-        for picture in &self.pictures {
-            figures.push(shown(picture)?);
-        }
-        report.figures(&figures);
-        report.heading("Numbers");
-        let measured = match self.tone {
-            Tone::Linear => "light",
-            Tone::Srgb => "the encoded picture, clipped to 0…1, and of its light beside it",
-        };
-        report.paragraph(&format!(
-            "PSNR in dB of {measured}, over red, green and blue, peak 1, {BORDER} pixels of border cropped; by depth where it is \
-             seen."
-        ));
-        self.table().add_to(&mut report);
-        Ok(report)
-    }
-
-    fn table(&self) -> Table {
+    /// PSNRs and SSIM of all pictures.
+    #[must_use]
+    pub fn table(&self) -> Table {
         let mut header = vec!["PSNR in dB".to_owned(), "all".into()];
         header.extend(self.psis().iter().map(|psi| format!("ψ = {psi:.1}")));
         header.extend(["SSIM".to_owned(), "light".into(), "seconds".into()]);
@@ -253,22 +217,25 @@ impl Demo {
         Table { header, rows: self.pictures.iter().map(row).collect() }
     }
 
-    fn psis(&self) -> Vec<f64> {
+    /// Depths of the scene, ascending.
+    #[must_use]
+    pub fn psis(&self) -> Vec<f64> {
         self.pictures.first().map(|p| p.psi_db.iter().map(|d| d[0]).collect()).unwrap_or_default()
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use edof_deblur::Malvar;
     use edof_optics::draw::{Builtin, draw};
 
-    fn demo() -> Demo {
+    pub(crate) fn demo() -> Demo {
         let scene = draw(Builtin::Chart, 96, 128, &[0.0, 3.0, 5.0, 8.0], 0).unwrap();
         let malvar = Malvar::default();
         let lens = |name: &str| Lens {
             title: name.into(),
+            about: "a lens.".into(),
             camera: Camera::resolve(name).unwrap(),
             methods: vec![("demosaiced".into(), &malvar as &dyn Reconstructor)],
         };
@@ -300,12 +267,5 @@ mod tests {
         let overview = demo.overview();
         assert_eq!(overview.size(), (96 + 8, 3 * 128 + 16));
         assert_eq!(overview.crop(4, 4, 96, 128), demo.truth);
-    }
-
-    #[test]
-    fn the_report_shows_every_picture_and_how_to_make_it() {
-        let html = demo().report("edof demo").unwrap().to_html();
-        assert_eq!(html.matches("<figure>").count(), 3);
-        assert!(html.contains("edof demo") && html.contains("ring-outer"));
     }
 }

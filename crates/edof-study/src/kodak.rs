@@ -10,7 +10,7 @@ use crate::method::{Entry, Method};
 use crate::metrics::{BORDER, MetricError, Quality, shown};
 use crate::photos::Photo;
 use edof_optics::blur::blur_frame;
-use edof_optics::psf::{MOST_DEFOCUS, Psf, Settings, channel_psfs};
+use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
 use edof_spec::reconstructor::Multiplications;
 use edof_spec::{Camera, CfaPhase, ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
@@ -104,9 +104,9 @@ pub enum KodakError {
     /// The photograph cannot be exposed, or the noise is impossible.
     #[error("{image}: {source}")]
     Sensor { image: String, source: SensorError },
-    /// Blur larger than any kernel computed, or no number.
-    #[error("psi {psi}: must be a number within {MOST_DEFOCUS} of camera {camera}'s focus")]
-    Psi { psi: f64, camera: String },
+    /// A depth that a camera has no PSFs for.
+    #[error(transparent)]
+    Psf(#[from] NoPsf),
     /// The listener asked to stop.
     #[error("stopped")]
     Stopped,
@@ -144,11 +144,7 @@ pub fn run(
     let (mut rows, mut done) = (vec![], 0);
     for setup in setups {
         for &psi in &conditions.psi {
-            let defocus = (psi - setup.camera.focus_psi).abs();
-            if defocus.is_nan() || defocus > MOST_DEFOCUS {
-                return Err(KodakError::Psi { psi, camera: setup.camera.name.clone() });
-            }
-            let psfs = channel_psfs(&setup.camera, psi, &conditions.optics);
+            let psfs = channel_psfs(&setup.camera, psi, &conditions.optics)?;
             for photo in photos {
                 rows.extend(Trial::new(setup, photo, psi, conditions).rows(&psfs)?);
                 done += 1;
@@ -163,7 +159,7 @@ pub fn run(
 }
 
 /// One photograph at one depth behind one camera.
-struct Trial<'a> {
+pub(crate) struct Trial<'a> {
     setup: &'a Setup,
     photo: &'a Photo,
     psi: f64,
@@ -173,7 +169,7 @@ struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    fn new(setup: &'a Setup, photo: &'a Photo, psi: f64, conditions: &'a Conditions) -> Self {
+    pub(crate) fn new(setup: &'a Setup, photo: &'a Photo, psi: f64, conditions: &'a Conditions) -> Self {
         Self { setup, photo, psi, conditions, light: conditions.tone.decoded(&photo.frame) }
     }
 
@@ -192,7 +188,8 @@ impl<'a> Trial<'a> {
         done.into_par_iter().map(|(noise, method, result)| self.row(noise, method, &result)).collect()
     }
 
-    fn shots(&self, psfs: &[Psf; 3]) -> Result<Vec<(Noise, RawFrame)>, KodakError> {
+    /// What the sensor gives at each noise level.
+    pub(crate) fn shots(&self, psfs: &[Psf; 3]) -> Result<Vec<(Noise, RawFrame)>, KodakError> {
         let blurred = blur_frame(&self.light, psfs);
         self.conditions
             .noise
@@ -202,7 +199,13 @@ impl<'a> Trial<'a> {
             .map_err(|source| KodakError::Sensor { image: self.image(), source })
     }
 
-    fn row(&self, noise: Noise, method: &Method, result: &Reconstruction) -> Result<Row, KodakError> {
+    /// What a reconstruction is worth.
+    pub(crate) fn row(
+        &self,
+        noise: Noise,
+        method: &Method,
+        result: &Reconstruction,
+    ) -> Result<Row, KodakError> {
         let tone = self.conditions.tone;
         let compared = |truth: &ColourFrame, estimate: &ColourFrame| {
             Quality::of(truth, estimate, BORDER)
@@ -384,7 +387,7 @@ mod tests {
         let refused = |psi, noise| {
             go(&[setup("clear")], &[photo("p")], &conditions(&[psi], &[noise])).unwrap_err().to_string()
         };
-        assert_eq!(refused(f64::NAN, 0.0), "psi NaN: must be a number within 200 of camera clear's focus");
+        assert_eq!(refused(f64::NAN, 0.0), "psi NaN: must lie within 200 of the focus of camera clear, at 0");
         assert_eq!(
             refused(0.0, -1.0),
             "p: noise: the standard deviation is -1, expected 0 to 1, where full scale is 1"

@@ -5,10 +5,18 @@
 //! | input | [`photos`] | the test or training photographs of a folder |
 //! | | [`method`] | what a method is, as data |
 //! | | [`nets`] | trained nets as methods behind their cameras |
+//! | | [`dictionary`] | sharp atoms for pursuits, learned from photographs |
+//! | | [`spec`] | methods with their settings, and how each prepares for a case |
+//! | | [`pursuit`] | OMP and FISTA in the dictionary as the camera shows it |
+//! | | [`deconvolution`] | demosaicing and deconvolution of each colour |
+//! | | [`patchwork`] | frames as windows and patches |
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
+//! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
+//! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
 //! | | [`tables`] | the same for a terminal, as Markdown and as a report |
-//! | | [`demo`] | one scene at four depths through several lenses, with a report |
+//! | | [`demo`] | one scene at four depths through several lenses |
+//! | | [`demo_report`] | its verdict and its report |
 //! | compare | [`metrics`] | PSNR and SSIM with the conventions of every number of this project |
 //! | sharpness | [`mtf50`] | MTF and MTF50 of a slanted edge |
 //! | optics | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
@@ -28,16 +36,24 @@
 //! # Ok::<(), edof_study::metrics::MetricError>(())
 //! ```
 
+pub mod deconvolution;
 pub mod demo;
+pub mod demo_report;
+pub mod dictionary;
 pub mod kodak;
 pub mod lens;
 pub mod method;
 pub mod metrics;
 pub mod mtf50;
 pub mod nets;
+pub mod patchwork;
 pub mod photos;
 pub mod picture;
 pub mod plot;
+pub mod pursuit;
 pub mod report;
+pub mod single_depth;
+pub mod spec;
+pub mod speed;
 pub mod summary;
 pub mod tables;

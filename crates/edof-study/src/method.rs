@@ -24,8 +24,45 @@ pub struct Method {
 pub enum Family {
     /// The frame as a plain camera shows it: demosaiced after Malvar, He and Cutler, not deblurred.
     DemosaicMalvar,
+    /// Demosaiced along edges after Menon, Andriani and Calvagno, not deblurred.
+    DemosaicDirectional,
+    /// Demosaiced, then Wiener's filter with the PSF known.
+    Wiener,
+    /// Demosaiced, then Richardson and Lucy's steps with the PSF known.
+    RichardsonLucy,
+    /// Demosaiced, then the prior of Krishnan and Fergus with the PSF known.
+    HyperLaplacian,
+    /// Demosaiced, then blind deconvolution of each colour after Krishnan, Tay and Fergus.
+    BlindDeconvolution,
+    /// Orthogonal matching pursuit in the dictionary of all depths.
+    Omp,
+    /// Orthogonal matching pursuit with ψ known.
+    OmpKnownDepth,
+    /// FISTA in the dictionary of all depths.
+    Fista,
+    /// FISTA with ψ known.
+    FistaKnownDepth,
     /// An unrolled sparse-coding network.
     Network,
+}
+
+impl Family {
+    /// Name of a method that is no network.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::DemosaicMalvar => "demosaic-malvar",
+            Self::DemosaicDirectional => "demosaic-directional",
+            Self::Wiener => "wiener",
+            Self::RichardsonLucy => "richardson-lucy",
+            Self::HyperLaplacian => "hyper-laplacian",
+            Self::BlindDeconvolution => "blind-deconvolution",
+            Self::Omp => "omp",
+            Self::OmpKnownDepth => "omp-known-depth",
+            Self::Fista => "fista",
+            Self::FistaKnownDepth => "fista-known-depth",
+            Self::Network => "network",
+        }
+    }
 }
 
 /// Numbers that a network computes with and the format of its picture.
@@ -52,7 +89,19 @@ impl Method {
     /// Demosaicing alone.
     #[must_use]
     pub const fn demosaic() -> Self {
-        Self { family: Family::DemosaicMalvar, network: None, format: None, stride: None, layers: None }
+        Self::of_frames(Family::DemosaicMalvar)
+    }
+
+    /// A method that works on whole frames.
+    #[must_use]
+    pub const fn of_frames(family: Family) -> Self {
+        Self { family, network: None, format: None, stride: None, layers: None }
+    }
+
+    /// A pursuit, which works in patches.
+    #[must_use]
+    pub const fn of_patches(family: Family, stride: usize) -> Self {
+        Self { family, network: None, format: None, stride: Some(stride), layers: None }
     }
 
     /// A network of `layers` layers in one of its formats.
@@ -77,11 +126,7 @@ impl Method {
 impl std::fmt::Display for Method {
     /// Short name for tables, as in `edof-t4w12.fixed`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = match (self.family, &self.network) {
-            (Family::Network, Some(network)) => network.as_str(),
-            (Family::Network, None) => "network",
-            (Family::DemosaicMalvar, _) => "demosaic-malvar",
-        };
+        let name = self.network.as_deref().unwrap_or(self.family.name());
         let format = self.format.map_or("", |format| match format {
             Format::Float => ".float",
             Format::Float422 => ".float422",

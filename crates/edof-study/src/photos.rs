@@ -4,11 +4,10 @@
 //! for training; nothing may be chosen on the test photos.
 
 use edof_io::photo;
+use edof_io::picture::Format;
 use edof_spec::ColourFrame;
 use std::path::{Path, PathBuf};
 
-/// Endings of files that are taken for photographs.
-const ENDINGS: [&str; 6] = ["png", "tif", "tiff", "ppm", "pgm", "pnm"];
 /// Every how many-th photo is for tests.
 const TEST_EVERY: u32 = 3;
 
@@ -146,9 +145,7 @@ pub fn load(folder: &Path, selection: &Selection) -> Result<(Vec<Photo>, Vec<Str
         .map(|entry| Ok(entry?.path()))
         .collect::<Result<Vec<PathBuf>, _>>()
         .map_err(cannot)?;
-    files.retain(|path| {
-        ending(path).is_some_and(|e| ENDINGS.contains(&e.as_str())) && selection.holds(&stem(path))
-    });
+    files.retain(|path| Format::of_ending(path).is_some() && selection.holds(&stem(path)));
     files.sort();
     let (mut photos, mut skipped) = (vec![], vec![]);
     for path in files {
@@ -166,10 +163,6 @@ pub fn load(folder: &Path, selection: &Selection) -> Result<(Vec<Photo>, Vec<Str
 
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn ending(path: &Path) -> Option<String> {
-    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase())
 }
 
 /// Without the last row or column where a side is odd: a Bayer sensor has whole 2×2 cells.

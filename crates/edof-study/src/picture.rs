@@ -4,6 +4,7 @@
 //! whose sRGB codes were taken for light, is not ([`Tone::Linear`]).
 
 use edof_spec::{ColourFrame, Tone};
+use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageFormat, RgbImage};
 use ndarray::{Array2, s};
 use std::io::Cursor;
@@ -13,17 +14,33 @@ use std::io::Cursor;
 /// # Errors
 /// What the encoder says.
 pub fn png(frame: &ColourFrame, tone: Tone) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::ImageRgb8(pixels(frame, tone)).write_to(&mut bytes, ImageFormat::Png)?;
+    Ok(bytes.into_inner())
+}
+
+/// The same as JPEG, of a quality that the eye takes for the picture itself; for pages that should be small.
+///
+/// # Errors
+/// What the encoder says.
+pub fn jpeg(frame: &ColourFrame, tone: Tone) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).encode_image(&pixels(frame, tone))?;
+    Ok(bytes)
+}
+
+/// Of a hundred.
+const JPEG_QUALITY: u8 = 93;
+
+fn pixels(frame: &ColourFrame, tone: Tone) -> RgbImage {
     let (height, width) = frame.size();
     let code = |plane: usize, x: u32, y: u32| {
         let value = tone.encode(frame.planes[(plane, y as usize, x as usize)]).clamp(0.0, 1.0);
         (value * 255.0).round() as u8
     };
-    let pixels = RgbImage::from_fn(width as u32, height as u32, |x, y| {
+    RgbImage::from_fn(width as u32, height as u32, |x, y| {
         image::Rgb([code(0, x, y), code(1, x, y), code(2, x, y)])
-    });
-    let mut bytes = Cursor::new(Vec::new());
-    DynamicImage::ImageRgb8(pixels).write_to(&mut bytes, ImageFormat::Png)?;
-    Ok(bytes.into_inner())
+    })
 }
 
 /// Pictures laid out in rows on grey paper with `gap` pixels between them; each cell is as large as the largest picture.
@@ -90,6 +107,18 @@ mod tests {
         assert_eq!(decoded.get_pixel(0, 0).0, [100, 0, 0]);
         assert_eq!(decoded.get_pixel(2, 1).0, [0, 255, 0]);
         assert_eq!(decoded.get_pixel(0, 1).0, [0, 0, 0]);
+    }
+
+    #[test]
+    fn a_jpeg_is_nearly_the_picture() {
+        let mut frame = ColourFrame::zeros(16, 24);
+        frame
+            .planes
+            .indexed_iter_mut()
+            .for_each(|((p, r, c), v)| *v = (p * 40 + r * 5 + c * 3) as f32 / 255.0);
+        let decoded = image::load_from_memory(&jpeg(&frame, Tone::Linear).unwrap()).unwrap().to_rgb8();
+        let exact = image::load_from_memory(&png(&frame, Tone::Linear).unwrap()).unwrap().to_rgb8();
+        assert!(decoded.iter().zip(exact.iter()).all(|(a, b)| a.abs_diff(*b) <= 6));
     }
 
     #[test]

@@ -281,8 +281,14 @@ fn draw_series(svg: &mut String, series: &Series, colour: &str, x: &Ruler, y: &R
         let _ = writeln!(svg, "<path class=\"line\" stroke=\"{colour}\"{dashes} d=\"{path}\"/>");
     }
     if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
-        for [a, b] in placed.into_iter().flatten() {
-            let _ = writeln!(svg, "<circle cx=\"{a:.1}\" cy=\"{b:.1}\" r=\"3\" fill=\"{colour}\"/>");
+        for (place, [x, y]) in placed.into_iter().zip(&series.points) {
+            let Some([a, b]) = place else { continue };
+            // Shown where the pointer rests on the dot.
+            let told = format!("{}: {}, {}", escape(&series.label), short(*x), short(*y));
+            let _ = writeln!(
+                svg,
+                "<circle cx=\"{a:.1}\" cy=\"{b:.1}\" r=\"3\" fill=\"{colour}\"><title>{told}</title></circle>"
+            );
         }
     }
 }
@@ -367,6 +373,13 @@ fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
         .filter(|v| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(v))
         .map(|v| (v, if (1e-3..1e5).contains(&v) { format!("{}", round_to(v)) } else { format!("{v:.0e}") }))
         .collect()
+}
+
+/// A number in four digits or fewer.
+fn short(value: f64) -> String {
+    let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6);
+    let scale = 10f64.powi(digits);
+    format!("{}", (value * scale).round() / scale)
 }
 
 /// Hides the last digits of 10f64.powi's error in a tick's text.

@@ -1,6 +1,6 @@
-//! A report as one HTML file that needs nothing else: pictures and plots are inside it.
+//! A report as one HTML file that needs nothing else: pictures, plots and a viewer for the pictures are inside it.
 
-use crate::plot::escape;
+use crate::plot::{Plot, escape};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use edof_spec::atomic::{self, WriteError};
 use std::fmt::Write;
@@ -11,6 +11,7 @@ use std::path::Path;
 pub struct Report {
     title: String,
     body: String,
+    has_pictures: bool,
 }
 
 /// A picture and what stands below it.
@@ -20,15 +21,24 @@ pub struct Figure {
     pub title: String,
     /// Second line: a number, a setting.
     pub note: String,
-    /// PNG bytes.
-    pub png: Vec<u8>,
+    /// PNG or JPEG bytes.
+    pub picture: Vec<u8>,
+}
+
+/// How figures of one group are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// As large as there is room for.
+    Wide,
+    /// Small ones, each pixel three times as large.
+    Enlarged,
 }
 
 impl Report {
     /// An empty report.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), body: String::new() }
+        Self { title: title.into(), body: String::new(), has_pictures: false }
     }
 
     /// A heading for what follows.
@@ -41,54 +51,79 @@ impl Report {
         self.add(&format!("<p>{}</p>", escape(text)))
     }
 
-    /// Pictures side by side; where there is no room they wrap.
-    pub fn figures(&mut self, figures: &[Figure]) -> &mut Self {
-        let mut row = String::from("<div class=\"row\">");
-        for figure in figures {
+    /// What matters most, in a box.
+    pub fn verdict(&mut self, text: &str) -> &mut Self {
+        self.add(&format!("<p class=\"verdict\">{}</p>", escape(text)))
+    }
+
+    /// Words and what they mean.
+    pub fn terms(&mut self, terms: &[(String, String)]) -> &mut Self {
+        let item =
+            |(term, text): &(String, String)| format!("<dt>{}</dt><dd>{}</dd>", escape(term), escape(text));
+        self.add(&format!("<dl>{}</dl>", terms.iter().map(item).collect::<String>()))
+    }
+
+    /// Pictures side by side; where there is no room they wrap. Each opens in the viewer, which flips between those of one group and
+    /// shows how they differ from the first.
+    pub fn figures(&mut self, figures: &[Figure], layout: Layout) -> &mut Self {
+        self.has_pictures = true;
+        let class = match layout {
+            Layout::Wide => "row",
+            Layout::Enlarged => "row enlarged",
+        };
+        let mut row = format!("<div class=\"{class}\">");
+        for Figure { title, note, picture } in figures {
+            let (title, note) = (escape(title), escape(note));
+            let kind = if picture.starts_with(&[0xff, 0xd8]) { "jpeg" } else { "png" };
+            let data = BASE64_STANDARD.encode(picture);
             let _ = write!(
                 row,
-                "<figure><a href=\"data:image/png;base64,{0}\"><img alt=\"{1}\" src=\"data:image/png;base64,{0}\"></a>\
-                 <figcaption><b>{1}</b><br>{2}</figcaption></figure>",
-                BASE64_STANDARD.encode(&figure.png),
-                escape(&figure.title),
-                escape(&figure.note)
+                "<figure><button class=\"shown\"><img alt=\"{title}\" src=\"data:image/{kind};base64,{data}\"></button>\
+                 <figcaption><b>{title}</b><br>{note}</figcaption></figure>"
             );
         }
         self.add(&(row + "</div>"))
     }
 
-    /// A table; cells that are numbers stand right.
-    pub fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
-        let mut table = String::from("<table><thead><tr>");
+    /// A table; cells that are numbers stand right. `best` holds row and column of cells that are set off.
+    pub fn table(&mut self, header: &[&str], rows: &[Vec<String>], best: &[(usize, usize)]) -> &mut Self {
+        let mut table = String::from("<div class=\"wide\"><table><thead><tr>");
         for cell in header {
             let _ = write!(table, "<th>{}</th>", escape(cell));
         }
         table.push_str("</tr></thead><tbody>");
-        for row in rows {
+        for (r, row) in rows.iter().enumerate() {
             table.push_str("<tr>");
-            for cell in row {
+            for (c, cell) in row.iter().enumerate() {
                 let number = cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '−');
-                let class = if number { " class=\"n\"" } else { "" };
+                let class = match (number, best.contains(&(r, c))) {
+                    (true, true) => " class=\"n best\"",
+                    (true, false) => " class=\"n\"",
+                    (false, _) => "",
+                };
                 let _ = write!(table, "<td{class}>{}</td>", escape(cell));
             }
             table.push_str("</tr>\n");
         }
-        self.add(&(table + "</tbody></table>"))
+        self.add(&(table + "</tbody></table></div>"))
     }
 
-    /// A plot, as [`crate::plot::Plot::to_svg`] gives it.
-    pub fn plot(&mut self, svg: &str) -> &mut Self {
-        self.add(&format!("<div class=\"plot\">{svg}</div>"))
+    /// Plots side by side, or below each other where there is no room; none is shown so small that its text cannot be read.
+    pub fn plots(&mut self, plots: &[Plot]) -> &mut Self {
+        let each = |plot: &Plot| format!("<div class=\"plot\">{}</div>", plot.to_svg());
+        self.add(&format!("<div class=\"plots\">{}</div>", plots.iter().map(each).collect::<String>()))
     }
 
     /// The whole document.
     #[must_use]
     pub fn to_html(&self) -> String {
         let title = escape(&self.title);
+        let viewer = if self.has_pictures { VIEWER } else { "" };
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{title}</title>\n<style>{STYLE}</style></head>\n<body><h1>{title}</h1>\n{}</body></html>\n",
+             <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style></head>\n\
+             <body><h1>{title}</h1>\n{}{viewer}</body></html>\n",
             self.body
         )
     }
@@ -108,14 +143,8 @@ impl Report {
     }
 }
 
-const STYLE: &str = "\
-body{font:16px/1.5 system-ui,sans-serif;color:#222;background:#fafafa;max-width:90rem;margin:2rem auto;padding:0 1.5rem}\
-h1{font-weight:600;margin-bottom:.3em}h2{font-weight:600;margin:1.6em 0 .4em;border-bottom:1px solid #ddd}\
-p{max-width:50rem}.row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;flex:1 1 22rem;max-width:44rem}\
-figure img{width:100%;border:1px solid #ccc;display:block}figcaption{font-size:.9rem;padding:.3rem 0;color:#444}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.25rem .8rem;text-align:left}\
-thead{border-bottom:2px solid #444}tbody tr:nth-child(even){background:#f0f0f0}td.n{text-align:right}\
-.plot svg{max-width:100%;height:auto}";
+const STYLE: &str = include_str!("report/style.css");
+const VIEWER: &str = include_str!("report/viewer.html");
 
 #[cfg(test)]
 mod tests {
@@ -127,11 +156,36 @@ mod tests {
         report
             .heading("First")
             .paragraph("a < b")
-            .table(&["net", "dB"], &[vec!["x".into(), "31.2".into()]])
-            .figures(&[Figure { title: "truth".into(), note: "n".into(), png: vec![1, 2, 3] }]);
+            .table(
+                &["net", "dB"],
+                &[vec!["x".into(), "31.2".into()], vec!["y".into(), "31.3".into()]],
+                &[(1, 1)],
+            )
+            .terms(&[("ψ".into(), "defocus".into())])
+            .figures(
+                &[Figure { title: "truth".into(), note: "n".into(), picture: vec![1, 2, 3] }],
+                Layout::Wide,
+            );
         let html = report.to_html();
-        let places = ["R &amp; D", "First", "a &lt; b", "<td class=\"n\">31.2</td>", "base64,AQID"]
-            .map(|s| html.find(s).unwrap());
-        assert!(places.is_sorted(), "{places:?}");
+        let parts = [
+            "R &amp; D",
+            "First",
+            "a &lt; b",
+            "<td class=\"n\">31.2</td>",
+            "<td class=\"n best\">31.3</td>",
+            "<dt>ψ</dt>",
+        ];
+        let places = parts.into_iter().chain(["base64,AQID", "id=\"viewer\""]).map(|s| html.find(s).unwrap());
+        assert!(places.is_sorted());
+        assert_eq!(html.matches("base64,AQID").count(), 1, "a picture is embedded once");
+    }
+
+    #[test]
+    fn a_report_without_pictures_has_no_viewer_and_asks_for_nothing_elsewhere() {
+        let html = Report::new("plain").paragraph("text").to_html();
+        assert!(!html.contains("<script"));
+        for part in [html.as_str(), VIEWER, STYLE] {
+            assert!(!part.contains("http"), "a report needs nothing else");
+        }
     }
 }

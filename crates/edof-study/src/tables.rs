@@ -2,7 +2,7 @@
 
 use crate::kodak::Work;
 use crate::method::Format;
-use crate::plot::{Axis, Mark, Plot, Series, side_by_side};
+use crate::plot::{Axis, Mark, Plot, Series};
 use crate::report::Report;
 use crate::summary::{Course, MethodSummary, Study, Summary};
 use edof_spec::noise::SensorNoise;
@@ -43,9 +43,9 @@ impl Table {
         line(&self.header) + &rule + &self.rows.iter().map(line).collect::<String>()
     }
 
-    /// Adds the table to a report.
-    pub fn add_to(&self, report: &mut Report) {
-        report.table(&self.header.iter().map(String::as_str).collect::<Vec<_>>(), &self.rows);
+    /// Adds the table to a report; `best` holds row and column of cells to set off.
+    pub fn add_to(&self, report: &mut Report, best: &[(usize, usize)]) {
+        report.table(&self.header.iter().map(String::as_str).collect::<Vec<_>>(), &self.rows, best);
     }
 }
 
@@ -83,10 +83,10 @@ impl Study {
             report.paragraph(note);
         });
         report.heading("PSNR at each depth");
-        report.plot(&side_by_side(&self.summary.plots()));
+        report.plots(&self.summary.plots());
         for (title, table) in self.tables().into_iter().chain([("Time".to_owned(), self.time())]) {
             report.heading(&title);
-            table.add_to(&mut report);
+            table.add_to(&mut report, &[]);
         }
         report
     }
@@ -238,7 +238,7 @@ fn work_cells(work: &Work) -> [String; 4] {
 }
 
 /// What tables call a noise.
-fn noise_words(noise: Noise) -> String {
+pub(crate) fn noise_words(noise: Noise) -> String {
     match noise {
         Noise::None => "no noise".to_owned(),
         Noise::Gaussian { sigma } => format!("σ = {sigma}"),

@@ -1,7 +1,7 @@
 //! Blurred photographs, and random windows of them with the sharp patches that belong there.
 //!
-//! Photographs are blurred whole, once for each ψ of a list; windows are cut at random places, flipped and turned (the PSF has
-//! all those symmetries), mosaiced afterwards, and given light and noise of their own at every draw. A block of each
+//! Photographs are blurred whole, once for each ψ of a list; windows are cut at random places, flipped and turned (in all the
+//! ways that leave the camera's PSFs as they are), mosaiced afterwards, and given light and noise of their own at every draw. A block of each
 //! photograph is kept for validation ([`crate::holdout`]). Where asked for, a photograph comes in several looks
 //! ([`crate::augment`]) and both as light and as codes taken for light ([`edof_spec::Tone`]).
 
@@ -11,7 +11,7 @@ use crate::noise::{Conditions, NOISE_CLASSES, expose};
 use crate::pass::Examples;
 use crate::random::Random;
 use edof_optics::blur::Blur;
-use edof_optics::psf::{Psf, Settings, channel_psfs};
+use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_spec::cfa::CfaPhase;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::geometry::PATCH;
@@ -55,6 +55,8 @@ pub struct Dataset {
     options: DatasetOptions,
     photos: usize,
     reach: usize,
+    /// Flips and turns that no PSF can be told from.
+    turns: Vec<usize>,
 }
 
 /// One look of a photograph in one tone.
@@ -82,6 +84,9 @@ pub enum DatasetError {
     /// No defocus at all.
     #[error("psi: no value given, at least one is needed")]
     NoPsi,
+    /// A depth that the camera has no PSFs for.
+    #[error(transparent)]
+    Psf(#[from] NoPsf),
     /// A number out of range.
     #[error("{field} {value}: must be {expected}")]
     Value { field: &'static str, value: f32, expected: &'static str },
@@ -152,8 +157,11 @@ impl Dataset {
         mut tell: impl FnMut(usize, usize) -> bool,
     ) -> Result<Option<Self>, DatasetError> {
         check(photos, &options)?;
-        let psfs: Vec<[Psf; 3]> =
-            options.psis.par_iter().map(|&psi| channel_psfs(camera, psi, &options.settings)).collect();
+        let psfs: Vec<[Psf; 3]> = options
+            .psis
+            .par_iter()
+            .map(|&psi| channel_psfs(camera, psi, &options.settings))
+            .collect::<Result<_, _>>()?;
         let reach = psfs.iter().flatten().map(|psf| psf.side() / 2).max().unwrap_or(0);
         let mut pictures = Vec::new();
         for (index, photo) in photos.iter().enumerate() {
@@ -182,7 +190,7 @@ impl Dataset {
             pictures.extend(looks);
         }
         tell(photos.len(), photos.len());
-        Ok(Some(Self { pictures, photos: photos.len(), options, reach }))
+        Ok(Some(Self { pictures, photos: photos.len(), options, reach, turns: turns(&psfs) }))
     }
 
     /// ψ of each blur.
@@ -273,7 +281,7 @@ impl Dataset {
         let window = self.window();
         let (side, pixels) = (window.side(), window.pixels());
         batch.tones[index] = self.tones()[place.tone];
-        let turn = Turn::new(random.below(8), picture.width, side);
+        let turn = Turn::new(self.turns[random.below(self.turns.len())], picture.width, side);
         let base = (row * picture.width + column) * 3;
         let unit = exposure / f32::from(u16::MAX);
         let input = &mut batch.inputs[index * pixels..][..pixels];
@@ -311,6 +319,13 @@ const RGGB: [[usize; 2]; 2] = [[site(0, 0), site(0, 1)], [site(1, 0), site(1, 1)
 
 const fn site(row: usize, column: usize) -> usize {
     CfaPhase::Rggb.channel(row, column).plane()
+}
+
+/// Those of the eight flips and turns that leave all PSFs as they are; the first changes nothing.
+fn turns(psfs: &[[Psf; 3]]) -> Vec<usize> {
+    let all = psfs.iter().flatten().map(Psf::symmetries);
+    let shared = all.fold([true; 3], |shared, psf| [0, 1, 2].map(|i| shared[i] && psf[i]));
+    (0..8).filter(|turn| (0..3).all(|flip| turn >> flip & 1 == 0 || shared[flip])).collect()
 }
 
 /// One of the eight flips and turns of a block, as steps between the words of an interleaved picture.
@@ -504,6 +519,23 @@ mod tests {
         assert!(mean(&mut blue.iter().copied()).abs() < 0.03);
         assert!((mean(&mut blue.iter().map(|v| v * v)) - 1.0).abs() < 0.04);
         assert!(mean(&mut blue.windows(2).map(|w| w[0] * w[1])).abs() < 0.03);
+    }
+
+    #[test]
+    fn windows_are_turned_only_as_the_blur_allows() {
+        let camera = Camera::resolve("ring-outer").unwrap();
+        let lens = channel_psfs(&camera, 3.0, &Settings::default()).unwrap();
+        assert_eq!(turns(std::slice::from_ref(&lens)), [0, 1, 2, 3, 4, 5, 6, 7]);
+        let leaning = |kernel: [[f32; 3]; 3]| {
+            let kernel = ndarray::Array2::from_shape_fn((3, 3), |(r, c)| kernel[r][c]);
+            [lens[0].clone(), Psf::new(kernel).unwrap(), lens[2].clone()]
+        };
+        let up = leaning([[0.0, 0.3, 0.0], [0.0, 0.7, 0.0], [0.0, 0.0, 0.0]]);
+        assert_eq!(turns(&[lens.clone(), up]), [0, 2]);
+        let flat = leaning([[0.0, 0.0, 0.0], [0.2, 0.6, 0.2], [0.0, 0.0, 0.0]]);
+        assert_eq!(turns(&[flat]), [0, 1, 2, 3]);
+        let slanted = leaning([[0.3, 0.0, 0.0], [0.0, 0.7, 0.0], [0.0, 0.0, 0.0]]);
+        assert_eq!(turns(&[slanted]), [0, 4]);
     }
 
     #[test]

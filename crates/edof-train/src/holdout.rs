@@ -120,7 +120,7 @@ mod tests {
         for (index, name) in ["clear", "ring-2018", "ring-outer", "clear-mid"].iter().enumerate() {
             let camera = Camera::resolve(name).unwrap();
             let psfs = [camera.psi_range[0], camera.psi_range[1]]
-                .map(|psi| channel_psfs(&camera, psi, &Settings::default()));
+                .map(|psi| channel_psfs(&camera, psi, &Settings::default()).unwrap());
             let reach = psfs.iter().flatten().map(|psf| psf.side() / 2).max().unwrap();
             let (size, side) = ((512, 768), 12);
             let holdout = Holdout::new(size.0, size.1, index, reach);

@@ -6,7 +6,7 @@ use crate::pass::Pass;
 use crate::random::Random;
 use edof_numerics::{Cholesky, least_squares};
 use edof_sparse::dictionary::{Effort, Learned, optimal_directions};
-use edof_sparse::pursuit::step_bound;
+use edof_sparse::lasso::step_bound;
 use edof_spec::colour::RGB_OUTPUTS;
 use edof_spec::network::{Form, Shrinkage};
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate, s};

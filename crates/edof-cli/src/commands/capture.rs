@@ -3,22 +3,30 @@
 use crate::commands::scene::{Drawing, fits};
 use crate::error::Error;
 use crate::files::Files;
+use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::ui::Ui;
+use crate::{memory, pictures};
 use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_optics::capture::{
-    Approximation, ApproximationCost, Capture, Depth, capture, measure_approximation,
+    Approximation, ApproximationCost, Capture, Kernel, capture, measure_approximation,
 };
+use edof_optics::depth::{distance_m, psi_at};
 use edof_optics::draw::parse_name;
+use edof_optics::layers;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, CfaPhase, Noise, RawFrame, Tone};
+use edof_spec::{Camera, CfaPhase, ColourFrame, Noise, RawFrame, Tone};
+use ndarray::{Array2, ArrayView2, Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene
+///
+/// A photograph lies at one depth (--psi), or each of its pixels at that of a depth map: it is then cut into layers, and blur at the
+/// edge of a near thing shows what could be behind.
 ///
 /// Only what the scene needs is computed: the depths it has, kernels up to an asked share of the energy, as many wavelengths
 /// as a tolerance asks for. What each of these approximations changes of the light on the sensor, and the time it saves, is
@@ -26,7 +34,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// A photograph (PNG, TIFF, PPM), or chart, chart-4, leaves, leaves-4, which are drawn as light
+    /// A photograph (PNG, JPEG, WebP, TIFF, BMP, PPM), or chart, chart-4, leaves, leaves-4, which are drawn as light
     #[arg(value_name = "SCENE")]
     scene: String,
 
@@ -39,6 +47,10 @@ pub struct Args {
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
+    /// PSFs of one's own in place of the camera's: an NPZ or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    #[arg(long, value_name = "FILE")]
+    psf_bank: Option<PathBuf>,
+
     /// What pictures hold: srgb, encoded light, which a photograph is decoded from and --sharp and --light are encoded to; or
     /// linear, light itself, the paper's convention
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
@@ -46,6 +58,23 @@ pub struct Args {
 
     #[command(flatten)]
     drawing: Drawing,
+
+    /// How near each pixel of the photograph is: a grey picture of its size, white nearest
+    #[arg(long, value_name = "FILE", requires = "range", conflicts_with = "psi")]
+    depth_map: Option<PathBuf>,
+
+    /// What white and black of the depth map stand for, as NEAR:FAR: two values of psi, or two distances as in 0.7m:3m
+    #[arg(long, value_name = "NEAR:FAR", requires = "depth_map", allow_hyphen_values = true)]
+    range: Option<DepthRange>,
+
+    /// What the depth map's values are proportional to: nearness, between white and black as psi is (one over the distance), or
+    /// distance, between black (NEAR) and white (FAR), as range finders and renderers give it
+    #[arg(long, value_enum, default_value_t = MapOf::Nearness, requires = "depth_map")]
+    map_of: MapOf,
+
+    /// Most layers that the photograph is cut into
+    #[arg(long, default_value_t = 16, value_name = "N", requires = "depth_map")]
+    layers: usize,
 
     /// Bits a pixel of the sensor, 8 to 16
     #[arg(long, default_value_t = 12, value_name = "BITS")]
@@ -90,12 +119,26 @@ pub struct Args {
     light: Option<PathBuf>,
 }
 
+/// What the values of a depth map are proportional to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MapOf {
+    /// One over the distance, white nearest.
+    Nearness,
+    /// The distance, white farthest.
+    Distance,
+}
+
 const EXAMPLES: &str = "\
 Examples:
+  edof capture photo.jpg --depth-map depth.png --range 8:0 --out raw.png
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
+  edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
   edof capture leaves --psi 6 --noise sensor:gain=4 --depth 10 --phase bggr --out raw.png --exact";
+
+/// Bytes a pixel that a layer takes: colours and matte, sharp and blurred, and their spectra.
+const BYTES_A_LAYER: f64 = 48.0;
 
 #[derive(Serialize)]
 struct Captured {
@@ -106,7 +149,7 @@ struct Captured {
     psi: Vec<f64>,
     tone: Tone,
     noise: Noise,
-    depths: Vec<Depth>,
+    depths: Vec<edof_optics::capture::Depth>,
     seconds: f64,
     approximations: Vec<ApproximationCost>,
     out: String,
@@ -116,7 +159,13 @@ struct Captured {
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     raw::check_ending(&args.out)?;
-    let mut files = Files::new(ui).reads(&args.scene).reads(&args.camera).writes("--out", &args.out);
+    let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
+    let camera = args.drawing.before(camera)?;
+    let mut files = Files::new(ui)
+        .reads(&args.scene)
+        .reads_all(&args.depth_map)
+        .reads_all(files)
+        .writes("--out", &args.out);
     files = files.writes("the record beside --out", record::path_of(&args.out));
     for (option, file) in [("--sharp", &args.sharp), ("--light", &args.light)] {
         if let Some(file) = file {
@@ -124,8 +173,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         }
     }
     files.check()?;
-    let camera = Camera::resolve(&args.camera)?;
-    let scene = open(&args, camera.psi_range, ui)?;
+    let scene = open(&args, &camera, ui)?;
     let approximation = args.approximation()?;
     let sensor = Sensor { depth: args.depth, phase: args.phase, noise: args.noise, seed: args.drawing.seed };
     let shot = capture(&scene, &camera, &sensor, &approximation)?;
@@ -137,12 +185,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if let Some(path) = &args.light {
         photo::save(path, &args.tone.encoded(&shot.light), 16)?;
     }
-    let costs = if args.exact || args.no_measure {
+    // A bank's kernels are used as they are: nothing is approximated.
+    let costs = if args.exact || args.no_measure || camera.psf_bank.is_some() {
         vec![]
     } else {
         measure_approximation(&scene, &camera, &approximation)?
     };
-    tell(&scene, &shot, &costs, ui)?;
+    tell(&scene, &camera, &shot, &costs, ui)?;
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
@@ -180,25 +229,82 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
     }
 }
 
-/// A built-in scene by its name, or a photograph at one depth.
-fn open(args: &Args, range: [f64; 2], ui: &Ui) -> Result<Scene, Error> {
+/// A built-in scene by its name, or a photograph.
+fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
     if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
-        return args.drawing.draw(&args.scene, range);
+        if let Some(map) = &args.depth_map {
+            return Err(Error::message(format!(
+                "--depth-map {}: {} is drawn with depths of its own; only photographs take a map",
+                map.display(),
+                args.scene
+            )));
+        }
+        return args.drawing.draw(&args.scene, camera);
     }
-    let [psi] = args.drawing.psi[..] else {
-        return Err(Error::message("--psi: one value, a photograph lies at one depth"));
-    };
     if let Some(size) = args.drawing.size {
         return Err(Error::message(format!(
             "--size {size}: a photograph has its own; only built-in scenes are drawn"
         )));
     }
-    let name = Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let photograph = photo::load(Path::new(&args.scene))?;
+    let path = Path::new(&args.scene);
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if let (Some(map), Some(range)) = (&args.depth_map, args.range) {
+        return layered(args, name, map, range, camera, ui);
+    }
+    let [psi] = args.drawing.psis(camera)?[..] else {
+        return Err(Error::message("--psi: one value, a photograph lies at one depth; or give --depth-map"));
+    };
+    let photograph = pictures::load(path, ui)?;
     let (height, width) = photograph.size();
     fits(width, height)?;
     ui.used(Input::photograph(&name, &photograph));
     Ok(Scene::flat(name, args.tone.decoded(&photograph), psi))
+}
+
+/// A photograph with a depth map.
+fn layered(
+    args: &Args,
+    name: String,
+    map: &Path,
+    range: DepthRange,
+    camera: &Camera,
+    ui: &Ui,
+) -> Result<Scene, Error> {
+    let depths = photo::load_grey(map)?;
+    let photograph = photo::load(Path::new(&args.scene))?;
+    if depths.dim() != photograph.size() {
+        let ((height, width), (rows, columns)) = (depths.dim(), photograph.size());
+        return Err(Error::message(format!(
+            "{}: {width}x{height}, expected {columns}x{rows} as {}",
+            map.display(),
+            args.scene
+        )));
+    }
+    let (height, width) = pictures::whole_cells(photograph.size());
+    let job = format!("{width}x{height} in --layers {}", args.layers);
+    memory::check(&job, BYTES_A_LAYER * (args.layers + 8) as f64 * (width * height) as f64)?;
+    let photograph = pictures::load(Path::new(&args.scene), ui)?;
+    ui.used(Input::photograph(&name, &photograph));
+    ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
+    let psi = args.map_of.psis(&depths.slice(s![..height, ..width]), range, camera)?;
+    Ok(layers::from_depths(&name, &args.tone.decoded(&photograph), &psi, args.layers)?)
+}
+
+impl MapOf {
+    /// ψ of each pixel from a map of 0…1.
+    fn psis(self, map: &ArrayView2<f32>, range: DepthRange, camera: &Camera) -> Result<Array2<f32>, Error> {
+        let (near, far) = (range.near.psi(camera)?, range.far.psi(camera)?);
+        match (self, range.near, range.far) {
+            (Self::Nearness, ..) => Ok(map.mapv(|v| (far + f64::from(v) * (near - far)) as f32)),
+            (Self::Distance, Depth::Metres(first), Depth::Metres(last)) if last.is_finite() => {
+                Ok(map.mapv(|v| {
+                    let metres = first + f64::from(v) * (last - first);
+                    psi_at(camera, metres, camera.nominal_m.unwrap_or(f64::INFINITY)) as f32
+                }))
+            }
+            _ => Err(Error::message("--map-of distance: --range must be two distances, as in 0.7m:3m")),
+        }
+    }
 }
 
 impl Args {
@@ -228,22 +334,20 @@ impl Args {
     }
 }
 
-fn tell(scene: &Scene, shot: &Capture, costs: &[ApproximationCost], ui: &Ui) -> Result<(), Error> {
+fn tell(
+    scene: &Scene,
+    camera: &Camera,
+    shot: &Capture,
+    costs: &[ApproximationCost],
+    ui: &Ui,
+) -> Result<(), Error> {
     let (height, width) = scene.size();
     ui.say(format!("{}: {width}x{height}, {} depths, {:.2} s", scene.name, shot.depths.len(), shot.seconds))?;
     for depth in &shot.depths {
+        let metres = camera.nominal_m.and_then(|nominal| distance_m(camera, depth.psi, nominal));
+        let metres = metres.map_or(String::new(), |metres| format!(", {metres:.2} m"));
         for (channel, kernel) in ["red", "green", "blue"].into_iter().zip(&depth.channels) {
-            ui.say(format!(
-                "  psi {:5.2} {channel:5}: kernel {side}x{side} of {support}x{support} keeps {:.2} % of the energy \
-                 (about {:.2} % falls farther), {} wavelengths (last step moved {:.2} %)",
-                depth.psi,
-                100.0 * kernel.energy_kept,
-                100.0 * kernel.energy_beyond,
-                kernel.wavelengths,
-                100.0 * kernel.wavelength_error,
-                side = kernel.side,
-                support = kernel.support,
-            ))?;
+            ui.say(format!("  psi {:5.2}{metres} {channel:5}: {}", depth.psi, blur_in_words(kernel)))?;
         }
     }
     for cost in costs {
@@ -253,4 +357,25 @@ fn tell(scene: &Scene, shot: &Capture, costs: &[ApproximationCost], ui: &Ui) -> 
         ))?;
     }
     Ok(())
+}
+
+/// How large a blur is, and what was left out of it.
+fn blur_in_words(kernel: &Kernel) -> String {
+    let side = kernel.side;
+    if kernel.wavelengths == 0 {
+        return format!("blur of {side}x{side} pixels from the PSF bank");
+    }
+    let wavelengths = match kernel.wavelengths {
+        1 => "one wavelength".to_owned(),
+        count => format!(
+            "{count} wavelengths (with a third of them {:.2} % of the light would fall elsewhere)",
+            100.0 * kernel.wavelength_error
+        ),
+    };
+    format!(
+        "blur of {side}x{side} pixels holds {:.2} % of the light (about {:.2} % falls farther than was looked, {} pixels around); {wavelengths}",
+        100.0 * kernel.energy_kept,
+        100.0 * kernel.energy_beyond,
+        kernel.support / 2
+    )
 }

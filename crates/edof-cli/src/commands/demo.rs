@@ -92,6 +92,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
     save(&result, told.as_ref(), &args, ui)?;
     ui.say(result.to_text())?;
+    ui.say(result.verdict())?;
     told.iter().try_for_each(|told| ui.say(told.to_text()))?;
     ui.say(format_args!("pictures side by side: {}", args.out.join("report.html").display()))?;
     let mut data = serde_json::to_value(&result)?;
@@ -135,11 +136,19 @@ fn lenses<'a>(
     let plain = || ("demosaiced".to_owned(), malvar as &dyn Reconstructor);
     let restored =
         |method: &'a GoldenReconstructor| ("reconstructed".to_owned(), method as &dyn Reconstructor);
-    let lens = |title: &str, camera, methods| Lens { title: title.into(), camera, methods };
+    let lens = |title: &str, about: &str, camera, methods| Lens {
+        title: title.into(),
+        about: about.into(),
+        camera,
+        methods,
+    };
+    let behind = "an ordinary lens, sharp where ψ is 0 and less so the nearer a thing is.";
+    let middle = "the same lens, sharp half-way: what an ordinary camera does best.";
+    let coded_lens = "a thin ring in the lens makes red, green and blue focus at different depths, so that one of them is nearly sharp at each.";
     Ok([
-        lens("clear lens, focused on the background", Camera::resolve("clear")?, vec![plain()]),
-        lens("clear lens, focused mid-range", clear_camera, vec![plain(), restored(clear)]),
-        lens("coded lens", camera, vec![plain(), restored(coded)]),
+        lens("clear lens, focused on the background", behind, Camera::resolve("clear")?, vec![plain()]),
+        lens("clear lens, focused mid-range", middle, clear_camera, vec![plain(), restored(clear)]),
+        lens("coded lens", coded_lens, camera, vec![plain(), restored(coded)]),
     ])
 }
 

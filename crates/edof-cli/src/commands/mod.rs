@@ -1,8 +1,10 @@
 //! One thin file a sub-command: open, check, compute, write, tell. No algorithm lives here.
 
 pub mod capture;
+pub mod compare;
 pub mod cosim;
 pub mod demo;
+pub mod doctor;
 pub mod estimate;
 pub mod explore;
 pub mod generate;

@@ -3,18 +3,22 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
+use crate::lens::{self, Lens};
+use crate::npz::Npz;
 use crate::ui::Ui;
+use edof_optics::bank;
 use edof_optics::depth::distance_m;
 use edof_optics::design::{self, Found, Search};
 use edof_optics::estimator::{Task, Verdict, judge};
-use edof_optics::mtf::{Footprint, green_cutoff_per_mm, through_focus};
-use edof_optics::psf::{MOST_DEFOCUS, Settings, channel_psfs};
+use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
+use edof_optics::psf::{self, NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::statistics::Statistics;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, Tone, Window};
+use edof_spec::{Camera, Channel, Tone, Window};
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
 use edof_study::picture::png;
 use edof_study::plot::side_by_side;
+use ndarray::{Array1, Array2, Array3, Array4, aview1};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -22,7 +26,8 @@ use std::path::PathBuf;
 ///
 /// Writes figure1.svg (the paper's Figure 1: response to spatial frequency without the mask, contrast through focus with
 /// and without it), mtf.svg (response without and with the mask), and psf.png (point spread functions, 31x31 pixels, each
-/// channel to its own peak; first row with the mask, second without).
+/// channel to its own peak; first row with the mask, second without). Beside them the same as numbers for NumPy: psf.npz (a PSF
+/// bank, which --psf-bank takes back) and mtf.npz (OTF and MTF; docs/your-own-lens.md lists the arrays).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub struct Args {
@@ -33,21 +38,19 @@ pub struct Args {
     #[arg(default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
+    /// PSFs of one's own in place of the camera's: an NPZ or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    #[arg(long, value_name = "FILE")]
+    psf_bank: Option<PathBuf>,
+
     /// Folder for the figures
     #[arg(long, value_name = "DIR", default_value = "out/optics")]
     out: PathBuf,
 
-    /// Depths: the defocus parameter in radians
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "0,1,2,3,4,5,6,7,8",
-        allow_hyphen_values = true,
-        value_name = "PSI,…"
-    )]
+    /// Depths: the defocus parameter in radians [default: 0,1,2,3,4,5,6,7,8, or those of the PSF bank]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     psi: Vec<f64>,
 
-    /// Also tell each depth's distance when psi 0 lies at this many metres (inf for infinity)
+    /// Also tell each depth's distance when psi 0 lies at this many metres (inf for infinity) [default: what the camera says]
     #[arg(long, value_name = "METRES")]
     nominal: Option<f64>,
 
@@ -64,6 +67,7 @@ const EXAMPLES: &str = "\
 Examples:
   edof optics ring-2018 --out out/optics
   edof optics ring-outer --psi 0,4,8 --nominal 10 --json
+  edof optics ring-outer --psf-bank measured.npz --out out/measured
   edof optics design --out mine.json
   edof optics design --rings 2 --psi-range -4,4 --noise 0.01 --images photos/train --out mine.json";
 
@@ -141,13 +145,15 @@ Examples:
   edof optics design --generations 5 --population 12 --window 8 --json";
 
 /// What is written.
-const FILES: [&str; 3] = ["figure1.svg", "mtf.svg", "psf.png"];
+const FILES: [&str; 5] = ["figure1.svg", "mtf.svg", "psf.png", "psf.npz", "mtf.npz"];
+/// Frequencies from zero to green's cut-off at which mtf.npz holds the lens's response, and to half a cycle a pixel the sensor's.
+const FREQUENCIES: usize = 129;
 
 #[derive(Serialize)]
 struct Shown {
     camera: String,
     depths: Vec<ShownDepth>,
-    files: [String; 3],
+    files: [String; FILES.len()],
 }
 
 #[derive(Serialize)]
@@ -166,19 +172,27 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if let Some(Subtask::Design(args)) = args.task {
         return design(args, ui);
     }
-    Files::new(ui).reads(&args.camera).writes_into("--out", &args.out, FILES).check()?;
-    let camera = Camera::resolve(&args.camera)?;
+    let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
+    Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
     ui.used(Input::camera(&camera));
-    let settings = args.settings(&camera)?;
+    let (settings, psis) = (args.settings(&camera)?, args.depths(&camera));
     let files = FILES.map(|name| args.out.join(name));
     let clear = without_mask(&camera);
-    let (mtf_clear, mtf) = (mtf_plot(&clear, &args.psi), mtf_plot(&camera, &args.psi));
-    let figure1 = side_by_side(&[mtf_clear.clone(), contrast_plot(&camera)]);
+    let (mtf_clear, mtf) = (mtf_plot(&clear, &psis)?, mtf_plot(&camera, &psis)?);
+    let figure1 = side_by_side(&[mtf_clear.clone(), contrast_plot(&camera)?]);
+    let psfs =
+        psis.iter().map(|&psi| channel_psfs(&camera, psi, &settings)).collect::<Result<Vec<_>, _>>()?;
+    let sheet = png(&psf_sheet(&[&camera, &clear], &psis, &settings)?, Tone::Linear)?;
+    let depths = psis
+        .iter()
+        .zip(&psfs)
+        .map(|(&psi, psfs)| shown(&camera, psi, args.nominal.or(camera.nominal_m), psfs));
+    let depths = depths.collect::<Result<Vec<_>, _>>()?;
     edof_spec::atomic::write(&files[0], figure1.as_bytes())?;
     edof_spec::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
-    let sheet = psf_sheet(&[&camera, &clear], &args.psi, &settings);
-    edof_spec::atomic::write(&files[2], &png(&sheet, Tone::Linear)?)?;
-    let depths: Vec<_> = args.psi.iter().map(|&psi| shown(&camera, psi, args.nominal, &settings)).collect();
+    edof_spec::atomic::write(&files[2], &sheet)?;
+    psf_numbers(&camera, &psis, &psfs)?.save(&files[3])?;
+    mtf_numbers(&camera, &psis, &psfs)?.save(&files[4])?;
     ui.say(format!("{}: F/{:.2}, figures in {}", camera.name, camera.f_number(), args.out.display()))?;
     for d in &depths {
         let [r, g, b] = d.contrast_quarter_cutoff;
@@ -192,6 +206,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 impl Args {
+    /// The depths that are asked for, or else those that the camera's bank holds, or the usual ones.
+    fn depths(&self, camera: &Camera) -> Vec<f64> {
+        let own = camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref());
+        match own {
+            _ if !self.psi.is_empty() => self.psi.clone(),
+            Some(kernels) => kernels.psis().to_vec(),
+            None => (0..=8).map(f64::from).collect(),
+        }
+    }
+
     fn settings(&self, camera: &Camera) -> Result<Settings, Error> {
         if !(self.energy > 0.0 && self.energy <= 1.0) {
             return Err(Error::message(format!(
@@ -199,12 +223,8 @@ impl Args {
                 self.energy
             )));
         }
-        let near = |psi: &&f64| (**psi - camera.focus_psi).abs() <= MOST_DEFOCUS;
-        if let Some(psi) = self.psi.iter().find(|psi| !near(psi)) {
-            let focus = camera.focus_psi;
-            return Err(Error::message(format!(
-                "--psi {psi}: must lie within {MOST_DEFOCUS} of the focus at {focus}"
-            )));
+        for psi in &self.psi {
+            psf::check(camera, *psi).map_err(|e| Error::message(format!("--{e}")))?;
         }
         if let Some(metres) = self.nominal.filter(|m| m.is_nan() || *m <= 0.0) {
             return Err(Error::message(format!("--nominal {metres}: must be a distance of more than 0 m")));
@@ -213,17 +233,57 @@ impl Args {
     }
 }
 
-fn shown(camera: &Camera, psi: f64, nominal: Option<f64>, settings: &Settings) -> ShownDepth {
-    let psfs = channel_psfs(camera, psi, settings);
-    let contrast = through_focus(camera, green_cutoff_per_mm(camera) / 4.0, &[psi], Footprint::Lens);
-    ShownDepth {
+fn shown(camera: &Camera, psi: f64, nominal: Option<f64>, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf> {
+    let contrast = through_focus(camera, green_cutoff_per_mm(camera) / 4.0, &[psi], Footprint::Lens)?;
+    Ok(ShownDepth {
         psi,
         distance_m: nominal.and_then(|metres| distance_m(camera, psi, metres)).filter(|m| m.is_finite()),
-        kernel_side: psfs.each_ref().map(edof_optics::psf::Psf::side),
+        kernel_side: psfs.each_ref().map(Psf::side),
         energy_kept: psfs.each_ref().map(|p| p.energy_kept),
         energy_beyond: psfs.each_ref().map(|p| p.energy_beyond),
         contrast_quarter_cutoff: contrast[0],
+    })
+}
+
+/// The kernels as a PSF bank (`edof_spec::psf_bank`).
+fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
+    let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| &psf.kernel)).collect();
+    let mut npz = Npz::new();
+    npz.add("psi", &aview1(psis))?;
+    npz.add("psf", &bank::stacked(&kernels))?;
+    npz.add("pixel_pitch_um", &aview1(&[camera.pixel_pitch_um]))?;
+    Ok(npz)
+}
+
+/// What the figures draw, and the transform of what the pixels sample.
+fn mtf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
+    let share = |index: usize| index as f64 / (FREQUENCIES - 1) as f64;
+    let per_mm: Array1<f64> = (0..FREQUENCIES).map(|i| share(i) * green_cutoff_per_mm(camera)).collect();
+    let mut lens = Array3::<f64>::zeros((psis.len(), 3, FREQUENCIES));
+    let mut sensor = [(); 2].map(|()| Array4::<f64>::zeros((psis.len(), 3, 2, FREQUENCIES)));
+    for (depth, (&psi, psfs)) in psis.iter().zip(psfs).enumerate() {
+        for channel in Channel::ALL {
+            let plane = channel.plane();
+            let response = otf(camera, channel, psi, Footprint::Lens)?;
+            for (index, frequency) in per_mm.iter().enumerate() {
+                lens[(depth, plane, index)] = response.at(*frequency);
+                for (axis, value) in sampled_otf(&psfs[plane], 0.5 * share(index)).into_iter().enumerate() {
+                    sensor[0][(depth, plane, axis, index)] = value.re;
+                    sensor[1][(depth, plane, axis, index)] = value.im;
+                }
+            }
+        }
     }
+    let [real, imaginary] = sensor;
+    let mut npz = Npz::new();
+    npz.add("psi", &aview1(psis))?;
+    npz.add("lens_cycles_per_mm", &per_mm)?;
+    npz.add("lens_otf", &lens)?;
+    npz.add("sensor_cycles_per_pixel", &(0..FREQUENCIES).map(|i| 0.5 * share(i)).collect::<Array1<f64>>())?;
+    npz.add("sensor_mtf", &ndarray::Zip::from(&real).and(&imaginary).map_collect(|re, im| re.hypot(*im)))?;
+    npz.add("sensor_otf_real", &real)?;
+    npz.add("sensor_otf_imaginary", &imaginary)?;
+    Ok(npz)
 }
 
 #[derive(Serialize)]
@@ -297,6 +357,14 @@ impl Design {
     /// The given lens and sensor, with the asked range.
     fn base(&self) -> Result<Camera, Error> {
         let mut base = Camera::resolve(&self.camera)?;
+        // Another mask has other PSFs.
+        base.psf_bank = None;
+        if !base.aberrations.is_empty() {
+            return Err(Error::message(format!(
+                "--camera {}: has aberrations; masks are designed for lenses without",
+                self.camera
+            )));
+        }
         base.psi_range = match self.psi_range[..] {
             [] => base.psi_range,
             [low, high] => [low, high],

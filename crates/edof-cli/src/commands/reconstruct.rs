@@ -7,7 +7,9 @@ use crate::weights;
 use crate::words;
 use clap::ValueEnum;
 use edof_golden::{Counts, Curve, Display, Golden};
-use edof_io::raw::{Alignment, ByteOrder, RawOptions, Size};
+use edof_io::doubt::{self, Doubt};
+use edof_io::packing::{ByteOrder, Packing};
+use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_spec::display::DisplayMode;
@@ -16,19 +18,18 @@ use edof_spec::network::Origin;
 use edof_spec::overlap::Overlap;
 use edof_spec::provenance::Input;
 use edof_spec::reconstructor::Multiplications;
-use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone};
+use edof_spec::{
+    Camera, CfaPhase, Channel, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone,
+};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Frames that use less than this share of full scale are remarked upon: their values may lie at the bottom of the word.
-const DIM: u16 = u16::MAX / 16;
-
 /// Reconstruct a sharp picture from a raw Bayer frame
 ///
 /// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or as a PGM's maximum says), or a
-/// headerless 16-bit file with --size. How the frame was taken is read from RAW.json, which 'edof capture' writes, and
+/// headerless file with --size. How the frame was taken is read from RAW.json, which 'edof capture' writes, and
 /// contradictions are refused; with the optional feature camera-raw also DNG and other camera files. The network runs in the board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -81,6 +82,11 @@ pub struct Args {
     /// Byte order of a headerless file
     #[arg(long, value_parser = ["little", "big"], default_value = "little")]
     order: String,
+
+    /// How a headerless file's pixels are packed: words (16 bits each), bytes (8), mipi12 (MIPI RAW12), 12p (PFNC) or 12packed (GigE
+    /// Vision) [default: words]
+    #[arg(long, requires = "size")]
+    packing: Option<Packing>,
 
     /// What the picture's numbers mean: srgb is for looking at; linear writes the network's light as it is, for frames and networks
     /// that take a photograph's codes for light [default: what RAW.json says of the scene, else srgb: a sensor measures light]
@@ -141,7 +147,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         .may_write("--words", words)
         .check()?;
     let (frame, record) = open(&args, ui)?;
-    remark_on_dim_frames(&frame, &args, ui);
+    if record.is_none() {
+        remark(&frame, &args, ui);
+    }
     let record = record.as_ref();
     let made = if args.float { float(&args, &frame, record, ui)? } else { fixed(&args, &frame, record, ui)? };
     let (height, width) = frame.size();
@@ -307,6 +315,7 @@ fn raw_options(args: &Args) -> RawOptions {
         size: args.size,
         alignment: args.align.as_deref().map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom }),
         order: if args.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
+        packing: args.packing.unwrap_or_default(),
     }
 }
 
@@ -356,18 +365,37 @@ fn fits_camera(origin: &Origin, args: &Args, record: Option<&RawRecord>) -> Resu
     )))
 }
 
-fn remark_on_dim_frames(frame: &RawFrame, args: &Args, ui: &Ui) {
-    let brightest = frame.pixels().iter().copied().max().unwrap_or(0);
-    if args.depth.is_none() && args.align.is_none() && brightest < DIM {
-        // Headerless files have their values at the bottom already.
-        let align = if args.size.is_some() {
-            ""
-        } else {
-            ", and --align bottom where they lie at the bottom of each word"
-        };
-        ui.note(format!(
-            "{}: brightest pixel is {brightest} of 65535; if its values have fewer than 16 bits, give --depth{align}",
-            args.raw.display()
-        ));
+/// Of a frame without a record: what of it says that it was read otherwise than it was taken.
+fn remark(frame: &RawFrame, args: &Args, ui: &Ui) {
+    let raw = args.raw.display();
+    for doubt in doubt::doubts(frame) {
+        match doubt {
+            Doubt::Dim(brightest) => {
+                let advice = match (args.depth, args.align.as_deref()) {
+                    (None, None) if args.size.is_some() => {
+                        "if its values have fewer than 16 bits, give --depth"
+                    }
+                    (None, None) => {
+                        "if its values have fewer than 16 bits, give --depth, and --align bottom where they lie at the \
+                         bottom of each word"
+                    }
+                    _ => "a dark picture, or --depth and --align are not as it was taken",
+                };
+                ui.note(format!("{raw}: brightest pixel is {brightest} of 65535; {advice}"));
+            }
+            Doubt::Phase => {
+                let phase = frame.phase();
+                let others = CfaPhase::ALL.into_iter().filter(|p| green_first(*p) != green_first(phase));
+                let others: Vec<String> = others.map(|p| format!("--phase {p}")).collect();
+                ui.note(format!(
+                    "{raw}: what --phase {phase} takes for green differs as red and blue do; it may have been taken with {}",
+                    others.join(" or ")
+                ));
+            }
+        }
     }
+}
+
+fn green_first(phase: CfaPhase) -> bool {
+    phase.channel(0, 0) == Channel::Green
 }

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files::Files;
+use crate::lens::{self, Depth, Lens};
 use crate::memory;
 use crate::ui::Ui;
 use edof_io::raw::Size;
@@ -62,10 +63,14 @@ pub struct Drawing {
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
 
-    /// Depths as the defocus parameter in radians, from back to front: one value, or four for a scene at four depths
-    /// [default: the range's middle, or four spread over the range]
+    /// Depths as the defocus parameter in radians, or as distances such as 1.5m, from back to front: one value, or four for a scene
+    /// at four depths [default: the range's middle, or four spread over the range]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
-    pub psi: Vec<f64>,
+    pub psi: Vec<Depth>,
+
+    /// Distance in metres at which psi is 0 (inf for infinity) [default: what the camera says]
+    #[arg(long, value_name = "METRES")]
+    pub nominal: Option<f64>,
 
     /// Seed of everything random: the leaves, and where there is a sensor its noise
     #[arg(long, default_value_t = 0, value_name = "N")]
@@ -93,10 +98,11 @@ struct Drawn {
 /// # Errors
 /// An unknown scene, an impossible size or number of depths, or a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    Files::new(ui).reads(&args.camera).writes_into("--out", &args.out, FILES).check()?;
-    let camera = Camera::resolve(&args.camera)?;
+    let Lens { camera, files } = lens::resolve(&args.camera, None)?;
+    Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
     ui.used(Input::camera(&camera));
-    let scene = args.drawing.draw(&args.scene, camera.psi_range)?;
+    let camera = args.drawing.before(camera)?;
+    let scene = args.drawing.draw(&args.scene, &camera)?;
     scene.check()?;
     let files = FILES.map(|name| args.out.join(name));
     let sharp = scene.sharp();
@@ -111,13 +117,33 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 impl Drawing {
-    /// The built-in scene of that name, its depths spread over `range` where none were given.
+    /// The camera, and where ψ is zero before it.
+    ///
+    /// # Errors
+    /// No distance.
+    pub fn before(&self, camera: Camera) -> Result<Camera, Error> {
+        if let Some(metres) = self.nominal.filter(|m| m.is_nan() || *m <= 0.0) {
+            return Err(Error::message(format!("--nominal {metres}: must be a distance of more than 0 m")));
+        }
+        Ok(Camera { nominal_m: self.nominal.or(camera.nominal_m), ..camera })
+    }
+
+    /// The depths that are asked for.
+    ///
+    /// # Errors
+    /// A distance before a camera that does not know where ψ is zero.
+    pub fn psis(&self, camera: &Camera) -> Result<Vec<f64>, Error> {
+        self.psi.iter().map(|depth| depth.psi(camera)).collect()
+    }
+
+    /// The built-in scene of that name, its depths spread over the camera's range where none were given.
     ///
     /// # Errors
     /// An unknown scene, an impossible size or number of depths.
-    pub fn draw(&self, name: &str, range: [f64; 2]) -> Result<Scene, Error> {
+    pub fn draw(&self, name: &str, camera: &Camera) -> Result<Scene, Error> {
         let (kind, depths) = draw::parse_name(name)?;
-        let psis = match (&self.psi[..], depths) {
+        let range = camera.psi_range;
+        let psis = match (&self.psis(camera)?[..], depths) {
             ([], 1) => vec![0.5 * (range[0] + range[1])],
             ([], _) => four_depths(range).to_vec(),
             (given, _) if given.len() == depths => given.to_vec(),

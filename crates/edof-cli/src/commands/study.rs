@@ -1,5 +1,8 @@
 //! `edof study`: experiments on photographs.
 
+mod dictionary;
+mod single_depth;
+
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
@@ -28,11 +31,14 @@ const EXAMPLES: &str = "\
 Examples:
   edof study kodak --nets edof-t4w12-outer --json study.json
   edof study kodak --tone srgb --nets edof-t4w12-outer --noise none,sensor,sensor:gain=8 --markdown study.md
-  edof study kodak --nets my/net.safetensors --photos train --psi 8";
+  edof study kodak --nets my/net.safetensors --photos train --psi 8
+  edof study single-depth --rows rows.jsonl --report speed.html";
 
 #[derive(Subcommand)]
 enum Experiment {
     Kodak(Kodak),
+    SingleDepth(single_depth::Args),
+    Dictionary(dictionary::Args),
 }
 
 /// Photographs through each net's own camera, reconstructed in float, in the board's format and in fixed point
@@ -98,6 +104,8 @@ struct Kodak {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     match args.experiment {
         Experiment::Kodak(args) => kodak(args, ui),
+        Experiment::SingleDepth(args) => single_depth::run(args, ui),
+        Experiment::Dictionary(args) => dictionary::run(args, ui),
     }
 }
 
@@ -184,8 +192,12 @@ fn load_net(name: &str, stride: Stride, ui: &Ui) -> Result<(Net, Option<String>)
     if fixed.is_some() {
         ui.used(weights::fixed_input(&fixed_name(name))?);
     }
-    let shown = name.strip_suffix(".safetensors").unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name);
-    Ok(Net::new(shown, float, &hash, fixed, stride))
+    Ok(Net::new(shown_name(name), float, &hash, fixed, stride))
+}
+
+/// What reports call a net.
+fn shown_name(name: &str) -> &str {
+    name.strip_suffix(".safetensors").unwrap_or(name).rsplit(['/', '\\']).next().unwrap_or(name)
 }
 
 /// Name of the fixed net that goes with a float one.

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files::Files;
+use crate::lens::{self, Lens};
 use crate::ui::Ui;
 use crate::{form, interrupt, memory, weights};
 use edof_io::photo;
@@ -49,6 +50,10 @@ pub struct Args {
     /// Camera: a preset such as ring-outer, or a JSON file
     #[arg(long)]
     camera: String,
+
+    /// PSFs of one's own in place of the camera's: an NPZ or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    #[arg(long, value_name = "FILE")]
+    psf_bank: Option<PathBuf>,
 
     /// Folder of photographs; may be given several times [default: $EDOF_KODAK and $EDOF_MORE, else the study's and those
     /// in shared/data/more beside it]
@@ -189,11 +194,10 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let recipes = recipes(args, from.as_ref())?;
     let seeds: Vec<(Recipe, PathBuf)> =
         recipes.into_iter().map(|recipe| (recipe.clone(), checkpoint_file(args, recipe.seed))).collect();
-    let files =
-        Files::new(ui).reads(&args.camera).reads_all(args.from.as_deref().and_then(weights::float_file));
+    let Lens { mut camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
+    let files = Files::new(ui).reads_all(files).reads_all(args.from.as_deref().and_then(weights::float_file));
     let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
-    let mut camera = Camera::resolve(&args.camera)?;
     camera.psi_range = args.psi.unwrap_or(camera.psi_range);
     ui.used(Input::camera(&camera));
     from.iter().for_each(|from| ui.used(from.input.clone()));
@@ -605,6 +609,8 @@ fn command(args: &Args, r: &Recipe) -> String {
         _ => "both".to_owned(),
     };
     let photos = args.photos.as_ref().map(|p| format!(" --photos {p}")).unwrap_or_default();
+    let bank = args.psf_bank.as_deref().and_then(Path::file_name);
+    let bank = bank.map(|file| format!(" --psf-bank {}", file.display())).unwrap_or_default();
     let psi = args.psi.map(|[low, high]| format!(" --psi {low}:{high}")).unwrap_or_default();
     let budget = match &r.budget {
         Some(b) => format!("{} --budget-rate {}", joined(&b.non_zeros), b.rate),
@@ -614,7 +620,7 @@ fn command(args: &Args, r: &Recipe) -> String {
     let (c, a) = (&r.conditions, &r.augmentation);
     let pair = |[low, high]: [f32; 2]| format!("{low}:{high}");
     let words = [
-        format!("edof train --form {} --camera {}{psi}{photos}", form::words(&r.form), args.camera),
+        format!("edof train --form {} --camera {}{bank}{psi}{photos}", form::words(&r.form), args.camera),
         format!("--depths {} --tone {tone} --noise {} --gain {}", args.depths, c.noise, c.gain),
         format!("--noiseless {} --exposure {}", c.noiseless, pair(c.exposure)),
         format!("--variants {} --saturation {}", a.variants, pair(a.saturation)),

@@ -1,0 +1,72 @@
+//! `edof study dictionary`: the sharp dictionary of the pursuits.
+
+use crate::error::Error;
+use crate::files::Files;
+use crate::ui::Ui;
+use edof_spec::provenance::Input;
+use edof_study::dictionary::{self, Recipe};
+use edof_study::photos::{self, Selection};
+use std::path::PathBuf;
+
+/// Learn the dictionary of 8×8 colour patches that OMP and FISTA reconstruct with, by k-SVD
+///
+/// Photographs' values are taken for light. Three of the atoms are one colour each and stay as they are; every patch may use
+/// them. The same photographs, numbers and seed give the same file.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Example: the dictionary that comes with the program
+  edof study dictionary --out crates/edof-study/data/dictionary-192.safetensors")]
+pub struct Args {
+    /// File to write (safetensors)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+
+    /// Atoms, the three of one colour among them
+    #[arg(long, default_value_t = 192, value_name = "N")]
+    atoms: usize,
+
+    /// Atoms that a patch may use besides those
+    #[arg(long, default_value_t = 8, value_name = "N")]
+    sparsity: usize,
+
+    /// Patches to learn from, as many of each photograph
+    #[arg(long, default_value_t = 40_000, value_name = "N")]
+    patches: usize,
+
+    /// Rounds of k-SVD
+    #[arg(long, default_value_t = 30, value_name = "N")]
+    rounds: usize,
+
+    /// Seed of which patches
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+
+    /// Folder of numbered photographs [default: $EDOF_KODAK, else shared/data/kodak beside the project]
+    #[arg(long, value_name = "DIR")]
+    images: Option<PathBuf>,
+
+    /// train (all but every third number), test, all, or numbers such as 1,2
+    #[arg(long, default_value = "train")]
+    photos: String,
+}
+
+/// # Errors
+/// Nothing found, numbers out of range, or a file that cannot be written.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
+    Files::new(ui).reads_pictures_of(&folder).writes("--out", &args.out).check()?;
+    let selection: Selection = args.photos.parse()?;
+    let (photos, skipped) = photos::load(&folder, &selection)?;
+    skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
+    photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
+    let Args { atoms, sparsity, patches, rounds, seed, .. } = args;
+    let recipe = Recipe { atoms, sparsity, patches, rounds, seed };
+    let (learned, error) = dictionary::learn(&photos, recipe)?;
+    dictionary::save(&args.out, &learned, recipe, error, ui.provenance())?;
+    ui.say(format!(
+        "{}: {atoms} atoms from {} photographs; {sparsity} of them and a colour leave {error:.4} of a value (root mean square)",
+        args.out.display(),
+        photos.len()
+    ))?;
+    ui.json(&serde_json::json!({ "recipe": recipe, "error": error }))
+}

@@ -1,0 +1,127 @@
+//! The camera that a command is told of, with PSFs of its own in place of its lens's where it is told of any, and depths before it.
+
+use crate::error::Error;
+use edof_optics::bank;
+use edof_optics::depth::psi_at;
+use edof_spec::Camera;
+use edof_spec::psf_bank::PsfBank;
+use std::path::{Path, PathBuf};
+
+/// A camera and the files that it was read from.
+pub struct Lens {
+    pub camera: Camera,
+    pub files: Vec<PathBuf>,
+}
+
+/// A camera by name or file; `bank` takes the place of the PSFs that it has. Its range of ψ ends where its bank does.
+///
+/// # Errors
+/// No such camera, or PSFs that cannot be used.
+pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, Error> {
+    let mut files = vec![PathBuf::from(name)];
+    let mut camera = Camera::resolve(name)?;
+    if let Some(own) = &camera.psf_bank {
+        files.push(folder(Path::new(name)).join(&own.file));
+    }
+    if let Some(path) = bank {
+        files.push(path.to_owned());
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut own = PsfBank { file, sha256: String::new(), kernels: None };
+        own.read(folder(path), &camera.name, camera.pixel_pitch_um)?;
+        camera.psf_bank = Some(own);
+    }
+    if let Some(kernels) = camera.psf_bank.as_ref().and_then(|own| own.kernels.as_ref()) {
+        let [low, high] = bank::ends(kernels);
+        camera.psi_range = camera.psi_range.map(|psi| psi.clamp(low, high));
+    }
+    Ok(Lens { camera, files })
+}
+
+fn folder(file: &Path) -> &Path {
+    file.parent().unwrap_or(Path::new(""))
+}
+
+/// How far away a thing is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Depth {
+    /// The defocus parameter in radians.
+    Psi(f64),
+    /// A distance.
+    Metres(f64),
+}
+
+impl std::str::FromStr for Depth {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let depth = match text.strip_suffix('m') {
+            Some(metres) => metres.parse().ok().filter(|m| *m > 0.0).map(Self::Metres),
+            None => text.parse().ok().map(Self::Psi),
+        };
+        depth.ok_or_else(|| {
+            format!("depth '{text}': must be a psi such as 4, or a distance such as 1.5m or infm")
+        })
+    }
+}
+
+impl Depth {
+    /// ψ before a camera.
+    ///
+    /// # Errors
+    /// A distance before a camera that does not know where ψ is zero.
+    pub fn psi(self, camera: &Camera) -> Result<f64, Error> {
+        match (self, camera.nominal_m) {
+            (Self::Psi(psi), _) => Ok(psi),
+            (Self::Metres(metres), Some(nominal)) => Ok(psi_at(camera, metres, nominal)),
+            (Self::Metres(metres), None) => Err(Error::message(format!(
+                "depth {metres}m: camera {} does not know the distance at which psi is 0; give it by --nominal or as nominal_m in its file",
+                camera.name
+            ))),
+        }
+    }
+}
+
+/// Two depths, as in `8:0` or `0.7m:3m`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthRange {
+    pub near: Depth,
+    pub far: Depth,
+}
+
+impl std::str::FromStr for DepthRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (near, far) = text
+            .split_once(':')
+            .ok_or_else(|| format!("range '{text}': must be NEAR:FAR, as in 8:0 or 0.7m:3m"))?;
+        Ok(Self { near: near.parse()?, far: far.parse()? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depths_are_psi_or_metres() {
+        assert_eq!("4".parse(), Ok(Depth::Psi(4.0)));
+        assert_eq!("-0.5".parse(), Ok(Depth::Psi(-0.5)));
+        assert_eq!("1.5m".parse(), Ok(Depth::Metres(1.5)));
+        assert_eq!("infm".parse(), Ok(Depth::Metres(f64::INFINITY)));
+        for text in ["", "m", "-1m", "0m", "nanm", "near", "4 m"] {
+            assert!(text.parse::<Depth>().unwrap_err().contains("must be a psi such as 4"), "{text}");
+        }
+        assert_eq!("8:0".parse(), Ok(DepthRange { near: Depth::Psi(8.0), far: Depth::Psi(0.0) }));
+        assert!("8".parse::<DepthRange>().is_err() && "8:x".parse::<DepthRange>().is_err());
+    }
+
+    #[test]
+    fn a_distance_needs_to_know_where_psi_is_zero() {
+        let mut camera = Camera::resolve("ring-2018").unwrap();
+        assert!(Depth::Metres(1.5).psi(&camera).unwrap_err().to_string().contains("--nominal"));
+        camera.nominal_m = Some(10.0);
+        assert!(Depth::Metres(10.0).psi(&camera).unwrap().abs() < 1e-12);
+        assert!((Depth::Metres(3.1109).psi(&camera).unwrap() - 8.0).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,135 @@
+//! How the pixels of a headerless raw file are packed into bytes.
+//!
+//! | name | bits a pixel | bytes |
+//! |---|---|---|
+//! | `words` | 16 | one word a pixel |
+//! | `bytes` | 8 | one byte a pixel |
+//! | `mipi12` | 12 | MIPI CSI-2 RAW12: the high bytes of two pixels, then their low nibbles, the first pixel's below |
+//! | `12p` | 12 | PFNC `12p`: one stream of bits, lowest first |
+//! | `12packed` | 12 | GigE Vision `12Packed`: high byte, low nibbles of both (the first pixel's below), high byte |
+
+/// Which byte of a word comes first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ByteOrder {
+    /// The low byte.
+    #[default]
+    Little,
+    /// The high byte.
+    Big,
+}
+
+/// How pixels are packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Packing {
+    /// 16-bit words.
+    #[default]
+    Words,
+    /// 8-bit pixels.
+    Bytes,
+    /// MIPI CSI-2 RAW12.
+    Mipi12,
+    /// PFNC 12p.
+    Bits12,
+    /// GigE Vision 12Packed.
+    Packed12,
+}
+
+impl Packing {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Words, Self::Bytes, Self::Mipi12, Self::Bits12, Self::Packed12];
+
+    /// As options name it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Words => "words",
+            Self::Bytes => "bytes",
+            Self::Mipi12 => "mipi12",
+            Self::Bits12 => "12p",
+            Self::Packed12 => "12packed",
+        }
+    }
+
+    /// Bits of a pixel in the file; 16-bit words may hold fewer.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        match self {
+            Self::Words => 16,
+            Self::Bytes => 8,
+            Self::Mipi12 | Self::Bits12 | Self::Packed12 => 12,
+        }
+    }
+
+    /// Bytes of an even number of pixels.
+    #[must_use]
+    pub const fn bytes(self, pixels: usize) -> usize {
+        (pixels * self.bits() as usize).div_ceil(8)
+    }
+
+    /// The pixels' values; what is left over at the end of `bytes` is dropped.
+    #[must_use]
+    pub fn values(self, bytes: &[u8], order: ByteOrder) -> Vec<u16> {
+        let [high, low] = [|byte: u8| u16::from(byte) << 4, |byte: u8| u16::from(byte >> 4)];
+        let nibble = |byte: u8| u16::from(byte & 15);
+        let pair = |b: &[u8]| match self {
+            Self::Mipi12 => [high(b[0]) | nibble(b[2]), high(b[1]) | low(b[2])],
+            Self::Bits12 => [u16::from(b[0]) | nibble(b[1]) << 8, low(b[1]) | high(b[2])],
+            _ => [high(b[0]) | nibble(b[1]), high(b[2]) | low(b[1])],
+        };
+        match (self, order) {
+            (Self::Words, ByteOrder::Little) => {
+                bytes.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect()
+            }
+            (Self::Words, ByteOrder::Big) => {
+                bytes.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect()
+            }
+            (Self::Bytes, _) => bytes.iter().map(|b| u16::from(*b)).collect(),
+            _ => bytes.chunks_exact(3).flat_map(pair).collect(),
+        }
+    }
+}
+
+/// A name that stands for no packing.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("packing '{0}': must be words, bytes, mipi12, 12p or 12packed")]
+pub struct WrongPacking(String);
+
+impl std::str::FromStr for Packing {
+    type Err = WrongPacking;
+
+    fn from_str(name: &str) -> Result<Self, WrongPacking> {
+        Self::ALL
+            .into_iter()
+            .find(|packing| packing.name() == name)
+            .ok_or_else(|| WrongPacking(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_pixels_lie_in_three_bytes_as_each_standard_has_it() {
+        // 0xABC and 0x123.
+        for (packing, bytes) in [
+            (Packing::Mipi12, [0xab, 0x12, 0x3c]),
+            (Packing::Bits12, [0xbc, 0x3a, 0x12]),
+            (Packing::Packed12, [0xab, 0x3c, 0x12]),
+        ] {
+            assert_eq!(packing.values(&bytes, ByteOrder::Little), [0xabc, 0x123], "{}", packing.name());
+            assert_eq!(packing.bytes(2), 3);
+        }
+        assert_eq!(Packing::Bytes.values(&[7, 255], ByteOrder::Big), [7, 255]);
+        assert_eq!(Packing::Words.values(&[1, 2], ByteOrder::Big), [0x102]);
+    }
+
+    #[test]
+    fn packings_are_known_by_name() {
+        assert!(Packing::ALL.into_iter().all(|packing| packing.name().parse() == Ok(packing)));
+        assert_eq!(
+            "raw10".parse::<Packing>().unwrap_err().to_string(),
+            "packing 'raw10': must be words, bytes, mipi12, 12p or 12packed"
+        );
+    }
+}

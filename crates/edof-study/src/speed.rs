@@ -1,0 +1,390 @@
+//! What a study of one depth says: error and time of each method, and what the paper says of both.
+
+use crate::method::{Family, Format, Method};
+use crate::plot::{Axis, Mark, Plot, Series};
+use crate::report::Report;
+use crate::single_depth::Row;
+use crate::tables::{Table, noise_words};
+use edof_spec::Noise;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// One method at one depth and noise level, averaged over photographs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// Short name of the method, with its stride.
+    pub method: String,
+    /// The method.
+    #[serde(flatten)]
+    pub identity: Method,
+    /// Depth.
+    pub psi: f64,
+    /// Noise of the sensor.
+    pub noise: Noise,
+    /// Photographs.
+    pub photos: usize,
+    /// Mean PSNR in dB.
+    pub psnr_db: f64,
+    /// Mean SSIM.
+    pub ssim: f64,
+    /// Mean seconds a megapixel.
+    pub seconds_per_megapixel: f64,
+    /// Seconds of preparation for the case.
+    pub prepare_seconds: f64,
+    /// Mean non-zeros of a patch, after each shrinkage or of its code.
+    pub nonzeros_a_patch: Option<Vec<f64>>,
+}
+
+/// A sentence of the paper, and what it is here.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Claim {
+    /// What is compared.
+    pub of: String,
+    /// What the paper reports.
+    pub paper: &'static str,
+    /// What was measured.
+    pub here: String,
+}
+
+/// The points of a study, and how they were made.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Speed {
+    /// Averages, in the rows' order.
+    pub points: Vec<Point>,
+    /// One list for each depth and noise level.
+    pub claims: Vec<Claims>,
+    /// CPU and threads that all times are of.
+    pub machine: String,
+}
+
+/// The paper's claims at one depth and noise level.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Claims {
+    /// Depth.
+    pub psi: f64,
+    /// Noise of the sensor.
+    pub noise: Noise,
+    /// One each.
+    pub claims: Vec<Claim>,
+}
+
+impl Speed {
+    /// What rows say.
+    #[must_use]
+    pub fn new(rows: &[Row], machine: String) -> Self {
+        let mut points: Vec<Point> = vec![];
+        for row in rows {
+            let is_of = |p: &Point| {
+                p.identity == row.measured.identity
+                    && p.psi.to_bits() == row.measured.psi.to_bits()
+                    && p.noise == row.measured.noise
+            };
+            if !points.iter().any(is_of) {
+                points.push(Point::of(rows, row));
+            }
+        }
+        let mut claims: Vec<Claims> = vec![];
+        for point in &points {
+            if !claims.iter().any(|c| c.psi.to_bits() == point.psi.to_bits() && c.noise == point.noise) {
+                let (psi, noise) = (point.psi, point.noise);
+                let own: Vec<&Point> =
+                    points.iter().filter(|p| p.psi.to_bits() == psi.to_bits() && p.noise == noise).collect();
+                claims.push(Claims { psi, noise, claims: all_claims(&own) });
+            }
+        }
+        Self { points, claims, machine }
+    }
+
+    /// Tables for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        for (title, tables) in self.tables() {
+            for table in tables {
+                let _ = write!(text, "{title}\n{}\n", table.to_text());
+            }
+        }
+        text.trim_end().to_owned()
+    }
+
+    /// The same as a Markdown page; `command` tells how to make it again.
+    #[must_use]
+    pub fn to_markdown(&self, command: &str) -> String {
+        let mut page = format!("# {TITLE}\n\nMade by `{command}`.\n\n{}\n", self.explanation());
+        for (title, tables) in self.tables() {
+            let _ = write!(page, "\n## {title}\n");
+            tables.iter().for_each(|table| page.push_str(&format!("\n{}", table.to_markdown())));
+        }
+        page
+    }
+
+    /// A report with a diagram for each depth and noise level.
+    #[must_use]
+    pub fn report(&self, command: &str) -> Report {
+        let mut report = Report::new(TITLE);
+        report.paragraph(&format!("Made by `{command}`."));
+        report.paragraph(&self.explanation());
+        for ((title, tables), claims) in self.tables().into_iter().zip(&self.claims) {
+            report.heading(&title);
+            report.plots(&[self.plot(claims.psi, claims.noise)]);
+            tables.iter().for_each(|table| table.add_to(&mut report, &[]));
+        }
+        report
+    }
+
+    fn explanation(&self) -> String {
+        let photos = self.points.iter().map(|p| p.photos).max().unwrap_or(0);
+        format!(
+            "Means over {photos} photographs whose numbers are taken as linear light. PSNR in dB over red, green and blue, peak 1, border 8 \
+             cropped, nothing clipped. Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
+             and a noise level and stands beside it: kernels, dictionaries and what follows from them. NAME/s4 is a method of patches at \
+             stride 4; a network's fixed rows are the board's integers in software, not the board.",
+            self.machine
+        )
+    }
+
+    /// Title, averages and claims for each depth and noise level.
+    fn tables(&self) -> Vec<(String, [Table; 2])> {
+        let of = |c: &Claims| {
+            let own = self.points.iter().filter(|p| p.psi.to_bits() == c.psi.to_bits() && p.noise == c.noise);
+            let title = format!("ψ = {}, {}", c.psi, noise_words(c.noise));
+            (title, [averages(own), claims_table(&c.claims)])
+        };
+        self.claims.iter().map(of).collect()
+    }
+
+    /// PSNR against time; the strides of one method are joined.
+    fn plot(&self, psi: f64, noise: Noise) -> Plot {
+        let mut series: Vec<Series> = vec![];
+        for point in self.points.iter().filter(|p| p.psi.to_bits() == psi.to_bits() && p.noise == noise) {
+            let (label, at) = (point.identity.to_string(), [point.seconds_per_megapixel, point.psnr_db]);
+            match series.iter_mut().find(|s| s.label == label) {
+                Some(series) => series.points.push(at),
+                None => series.push(Series::new(label, Mark::LineAndPoints, [at])),
+            }
+        }
+        Plot {
+            title: format!("Error against speed: ψ = {psi}, {}", noise_words(noise)),
+            x: Axis::log("seconds a megapixel"),
+            y: Axis::linear("PSNR (dB)"),
+            series,
+        }
+    }
+}
+
+const TITLE: &str = "Speed against error at one depth";
+
+impl Point {
+    fn of(rows: &[Row], like: &Row) -> Self {
+        let own: Vec<&Row> = rows
+            .iter()
+            .filter(|r| {
+                r.measured.identity == like.measured.identity
+                    && r.measured.psi.to_bits() == like.measured.psi.to_bits()
+                    && r.measured.noise == like.measured.noise
+            })
+            .collect();
+        let mean = |value: &dyn Fn(&Row) -> f64| own.iter().map(|r| value(r)).sum::<f64>() / own.len() as f64;
+        let identity = like.measured.identity.clone();
+        let nonzeros = like.measured.work.nonzeros_a_patch.as_ref().map(|layers| {
+            let layer = |t: usize| {
+                mean(&|r| {
+                    r.measured
+                        .work
+                        .nonzeros_a_patch
+                        .as_ref()
+                        .and_then(|n| n.get(t))
+                        .copied()
+                        .unwrap_or(f64::NAN)
+                })
+            };
+            (0..layers.len()).map(layer).collect()
+        });
+        Self {
+            method: name(&identity),
+            psi: like.measured.psi,
+            noise: like.measured.noise,
+            photos: own.len(),
+            psnr_db: mean(&|r| r.measured.picture.psnr_db),
+            ssim: mean(&|r| r.measured.picture.ssim),
+            seconds_per_megapixel: mean(&|r| r.measured.seconds_per_megapixel),
+            prepare_seconds: mean(&|r| r.prepare_seconds),
+            nonzeros_a_patch: nonzeros,
+            identity,
+        }
+    }
+}
+
+fn name(method: &Method) -> String {
+    method.stride.map_or_else(|| method.to_string(), |stride| format!("{method}/s{stride}"))
+}
+
+fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
+    let header = [
+        "method",
+        "PSNR dB",
+        "SSIM",
+        "seconds a megapixel",
+        "seconds to prepare",
+        "non-zeros a patch",
+        "photos",
+    ];
+    let row = |p: &Point| {
+        let nonzeros = p.nonzeros_a_patch.as_ref().map_or_else(
+            || "–".to_owned(),
+            |n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "),
+        );
+        vec![
+            p.method.clone(),
+            format!("{:.2}", p.psnr_db),
+            format!("{:.3}", p.ssim),
+            format!("{:.3}", p.seconds_per_megapixel),
+            format!("{:.3}", p.prepare_seconds),
+            nonzeros,
+            p.photos.to_string(),
+        ]
+    };
+    Table { header: header.map(str::to_owned).to_vec(), rows: points.map(row).collect() }
+}
+
+fn claims_table(claims: &[Claim]) -> Table {
+    let header = ["the paper's claim", "paper", "here"].map(str::to_owned).to_vec();
+    let rows = claims.iter().map(|c| vec![c.of.clone(), c.paper.to_owned(), c.here.clone()]).collect();
+    Table { header, rows }
+}
+
+/// The paper's comparisons of all networks and strides that there are.
+fn all_claims(points: &[&Point]) -> Vec<Claim> {
+    let of = |family| points.iter().copied().find(move |p| p.identity.family == family);
+    let blind = of(Family::BlindDeconvolution);
+    let omp = |stride| {
+        points.iter().copied().find(|p| p.identity.family == Family::Omp && p.identity.stride == stride)
+    };
+    let mut claims = vec![];
+    let mut add = |of: String, paper: &'static str, here: String| claims.push(Claim { of, paper, here });
+    let db = |a: &Point, b: &Point| format!("{:+.2} dB", a.psnr_db - b.psnr_db);
+    let times = |slow: &Point, fast: &Point| {
+        format!("{:.1} times", slow.seconds_per_megapixel / fast.seconds_per_megapixel)
+    };
+    for net in points.iter().copied().filter(|p| p.identity.format == Some(Format::Float)) {
+        if let Some(omp) = omp(net.identity.stride) {
+            add(format!("{} less {}", net.method, omp.method), "at least 0 dB", db(net, omp));
+            add(
+                format!("{} is faster than {}", net.method, omp.method),
+                "more than 15 times",
+                times(omp, net),
+            );
+        }
+        if let Some(blind) = blind {
+            add(format!("{} less {}", net.method, blind.method), "more than 1 dB", db(net, blind));
+            add(
+                format!("{} is faster than {}", net.method, blind.method),
+                "more than 500 times",
+                times(blind, net),
+            );
+        }
+        let twin = net.identity.in_format(Format::Fixed);
+        if let Some(fixed) = points.iter().find(|p| p.identity == twin) {
+            add(format!("{} less {}", fixed.method, net.method), "the same", db(fixed, net));
+        }
+    }
+    for omp in points.iter().copied().filter(|p| p.identity.family == Family::Omp) {
+        if let Some(blind) = blind {
+            add(format!("{} less {}", omp.method, blind.method), "more than 1 dB", db(omp, blind));
+            add(
+                format!("{} is faster than {}", omp.method, blind.method),
+                "about 30 times",
+                times(blind, omp),
+            );
+        }
+    }
+    let layers = |t| {
+        points
+            .iter()
+            .copied()
+            .find(move |p| p.identity.layers == Some(t) && p.identity.format == Some(Format::Float))
+    };
+    match (layers(8), layers(10)) {
+        (Some(eight), Some(ten)) => {
+            add(format!("{} less {}", eight.method, ten.method), "about 0 dB", db(eight, ten))
+        }
+        _ => add(
+            "T = 8 less T = 10".into(),
+            "about 0 dB",
+            "not measured: no networks of 8 and 10 layers".into(),
+        ),
+    }
+    claims
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::tests::row;
+
+    fn timed(method: &Method, image: &str, db: f64, seconds: f64) -> Row {
+        let mut measured = row(method, image, 8.0, Noise::None, db);
+        measured.seconds_per_megapixel = seconds;
+        Row {
+            measured,
+            prepare_seconds: 0.5,
+            repetitions: 3,
+            weights_sha256: None,
+            photo_sha256: image.into(),
+            camera_sha256: String::new(),
+        }
+    }
+
+    fn speed() -> Speed {
+        let float = Method::network("n", Format::Float, 8, 4);
+        let rows = [
+            timed(&float, "a", 31.0, 0.1),
+            timed(&float, "b", 33.0, 0.3),
+            timed(&float.in_format(Format::Fixed), "a", 31.99, 0.2),
+            timed(&Method::of_patches(Family::Omp, 8), "a", 30.0, 6.0),
+            timed(&Method::of_patches(Family::Omp, 2), "a", 31.0, 60.0),
+            timed(&Method::of_frames(Family::BlindDeconvolution), "a", 29.0, 120.0),
+        ];
+        Speed::new(&rows, "a machine".into())
+    }
+
+    #[test]
+    fn points_are_means_over_photographs() {
+        let points = speed().points;
+        let first = &points[0];
+        assert_eq!((first.method.as_str(), first.photos, first.psnr_db), ("n.float/s8", 2, 32.0));
+        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 5);
+    }
+
+    #[test]
+    fn each_claim_of_the_paper_stands_beside_what_was_measured() {
+        let page = speed().to_markdown("edof study single-depth");
+        for line in [
+            "| n.float/s8 less omp/s8 | at least 0 dB | +2.00 dB |",
+            "| n.float/s8 is faster than omp/s8 | more than 15 times | 30.0 times |",
+            "| n.float/s8 less blind-deconvolution | more than 1 dB | +3.00 dB |",
+            "| n.float/s8 is faster than blind-deconvolution | more than 500 times | 600.0 times |",
+            "| n.fixed/s8 less n.float/s8 | the same | -0.01 dB |",
+            "| omp/s2 less blind-deconvolution | more than 1 dB | +2.00 dB |",
+            "| omp/s2 is faster than blind-deconvolution | about 30 times | 2.0 times |",
+            "| T = 8 less T = 10 | about 0 dB | not measured: no networks of 8 and 10 layers |",
+        ] {
+            assert!(page.contains(line), "{line}\n{page}");
+        }
+    }
+
+    #[test]
+    fn the_diagram_joins_the_strides_of_a_method_and_tells_its_numbers() {
+        let speed = speed();
+        assert_eq!(
+            speed.plot(8.0, Noise::None).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
+            [1, 1, 2, 1]
+        );
+        let html = speed.report("edof study single-depth").to_html();
+        assert!(html.contains("<title>omp: 60, 31</title>"), "{html}");
+        assert!(
+            !html.contains("http://")
+                || html.matches("http://").count() == html.matches("http://www.w3.org/2000/svg").count()
+        );
+    }
+}
