@@ -48,7 +48,8 @@ pub struct Args {
     size: Option<(usize, usize)>,
 }
 
-fn size(text: &str) -> Result<(usize, usize), String> {
+/// A width and a height.
+pub fn size(text: &str) -> Result<(usize, usize), String> {
     let sides = text.split_once('x').map(|(width, height)| (width.parse(), height.parse()));
     match sides {
         Some((Ok(width), Ok(height))) => Ok((width, height)),
