@@ -61,6 +61,12 @@ const CRATES: &[Row] = &[
         knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {
+        name: "edof-board",
+        uses: &["edof-spec", "edof-golden"],
+        tests_use: &["edof-random"],
+        knows_nothing_of: &["edof-train", "edof-hdl", "edof-optics", "edof-random"],
+    },
+    Row {
         name: "edof-train",
         uses: &["edof-spec", "edof-numerics", "edof-sparse", "edof-optics"],
         tests_use: &["edof-random"],
@@ -98,6 +104,7 @@ const CRATES: &[Row] = &[
             "edof-golden",
             "edof-hdl",
             "edof-cosim",
+            "edof-board",
             "edof-train",
             "edof-quantize",
             "edof-study",
@@ -116,6 +123,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("image", &["edof-io", "edof-study", "edof-golden"]),
     ("libloading", &["edof-cosim"]),
     ("rust-hdl", &["edof-verilog", "edof-hdl", "edof-cosim"]),
+    ("serialport", &["edof-board"]),
     ("syn", &["edof-hdl-derive"]),
 ];
 

@@ -15,8 +15,9 @@ use std::time::Instant;
 
 /// Pixels by which one frame lies beside the next in the picture.
 const SHIFT: usize = 2;
-/// Frames that are sent besides those that must be shown: the first is lost while the receiver waits for its vertical sync.
-const BESIDES: usize = 2;
+/// Frames that are sent besides those that must be shown: the first is lost while the receiver waits for its vertical sync, and the
+/// last is still on its way where the screen begins a picture late.
+pub const BESIDES: usize = 2;
 
 /// What `--system` takes besides.
 #[derive(clap::Args)]
@@ -47,7 +48,8 @@ pub struct Args {
     size: Option<(usize, usize)>,
 }
 
-fn size(text: &str) -> Result<(usize, usize), String> {
+/// A width and a height.
+pub fn size(text: &str) -> Result<(usize, usize), String> {
     let sides = text.split_once('x').map(|(width, height)| (width.parse(), height.parse()));
     match sides {
         Some((Ok(width), Ok(height))) => Ok((width, height)),

@@ -1,6 +1,6 @@
 //! The board in `edof demo`: the sources of its bitstream, and a crop of the coded lens's frame through its Verilog, from pins to pins.
 
-use crate::cosim_system;
+use crate::cosim_system::{self, BESIDES};
 use crate::error::Error;
 use crate::sources::Sources;
 use crate::ui::Ui;
@@ -17,8 +17,8 @@ use std::time::Instant;
 pub const FOLDER: &str = "board";
 /// Rows and columns of the crop: it takes seconds, and is more than a few patches.
 const SIDE: usize = 64;
-/// The first frame is lost while the receiver waits for its vertical sync.
-const TIMES: usize = 5;
+/// The same picture is sent so often that it is on the screen once.
+const TIMES: usize = 1 + BESIDES;
 /// Each pixel of the crop is shown so large.
 const ENLARGED: usize = 4;
 
@@ -60,7 +60,7 @@ impl Board {
     /// Writes the sources into the demo's folder, and tries their Verilog with the middle of a raw frame.
     ///
     /// # Errors
-    /// A folder that cannot be written, or a picture that is not the golden one. A simulator that is missing is none.
+    /// A folder that cannot be written, no picture, or one that is not golden. A simulator that is missing is none.
     pub fn tell(&self, raw: &RawFrame, out: &Path, ui: &Ui) -> Result<Told, Error> {
         let folder = out.join(FOLDER);
         self.sources.write(&folder, false)?;
@@ -93,8 +93,9 @@ impl Board {
         let picture = golden.frame(&crop)?.picture(&display).0.shown_frame();
         let passed = cosim_system::through(&design, &self.network, &display, &vec![crop; TIMES], 1, ui)?;
         if passed.in_a_row() == 0 {
-            return Ok(Tried::LeftOut(format!(
-                "its Verilog took {TIMES} frames, and none was on the screen by then; edof cosim --system goes on for longer"
+            return Err(Error::message(format!(
+                "{}: none of {TIMES} frames that its Verilog took was on the screen, expected one",
+                self.design.name
             )));
         }
         Ok(Tried::Shown { picture, seconds: start.elapsed().as_secs_f64() })

@@ -30,6 +30,14 @@ pub fn load(name_or_path: &str) -> Result<Design, Error> {
     }
 }
 
+/// The designs inside the program.
+///
+/// # Errors
+/// None, unless the program was built from broken ones.
+pub fn all() -> Result<Vec<Design>, Error> {
+    EMBEDDED.iter().map(|(_, text)| Ok(Design::from_json(text)?)).collect()
+}
+
 /// A design as the input of a result, by its JSON.
 #[must_use]
 pub fn input(design: &Design) -> Input {

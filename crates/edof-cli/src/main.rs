@@ -81,6 +81,7 @@ Examples:
   edof cosim --design tiny                             the generated Verilog against the cycle model
   edof generate --design paper --weights paper-t4 --out build/paper
   edof timing --design tiny                            the longest path of logic of every stage
+  edof board load edof-t4w12-outer-light               weights onto a board at a serial port
   edof compare sharp.png out.png                       PSNR, SSIM, and where two pictures differ
   edof doctor                                          which tools, networks and photographs are here
 
@@ -106,6 +107,7 @@ enum Command {
     Generate(commands::generate::Args),
     RandomNetwork(commands::random_network::Args),
     Timing(commands::timing::Args),
+    Board(commands::board::Args),
 }
 
 fn main() -> ExitCode {
@@ -143,6 +145,7 @@ fn run() -> Result<(), Error> {
         Command::Generate(args) => commands::generate::run(args, &ui),
         Command::RandomNetwork(args) => commands::random_network::run(args, &ui),
         Command::Timing(args) => commands::timing::run(args, &ui),
+        Command::Board(args) => commands::board::run(&args, &ui),
     }
 }
 

@@ -9,9 +9,9 @@ use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705};
 use edof_spec::draw::Draw;
+use edof_spec::registers::identity;
 use edof_spec::{Design, FixedNetwork};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// The design's top module.
@@ -82,19 +82,13 @@ fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, Error> {
     let display = Display::default();
     let words = TableWords::of(&display);
     let identity = Identity {
-        design_hash: first_bits(serde_json::to_string(design)?.as_bytes()),
-        weights_hash: first_bits(network.float_hash.as_bytes()),
+        design_hash: identity::design_hash(design),
+        weights_hash: identity::weights_hash(design, network),
         frame: (design.frame.width as u16, design.frame.height as u16),
     };
     let (windows, patches) = windows(design, network);
     let recorded = Recorded { windows, patches, video: system::recorded(design, network, &display)? };
     Ok(kc705::project(design, [network, network], &identity, &words.tables(), &recorded)?)
-}
-
-/// First 32 bits of the SHA-256.
-fn first_bits(bytes: &[u8]) -> u32 {
-    let hash = Sha256::digest(bytes);
-    hash.iter().take(4).fold(0, |bits, byte| bits << 8 | u32::from(*byte))
 }
 
 /// Windows for the calculator's bench, and the patches that they become: some at the ends of their range, some of dim noise.

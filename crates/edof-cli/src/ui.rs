@@ -143,6 +143,12 @@ impl Progress {
         }
     }
 
+    /// Steps done of all, where nobody knew before how many there are.
+    pub fn of(&self, position: u64, total: u64) {
+        self.bar.set_length(total);
+        self.set(position);
+    }
+
     /// What is being done, or how well, beside the bar.
     pub fn message(&self, text: impl Into<String>) {
         self.bar.set_message(text.into());

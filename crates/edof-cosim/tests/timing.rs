@@ -8,6 +8,8 @@ use edof_golden::Display;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::board::blocks;
 use edof_hdl::project;
+use edof_hdl::resources::{self, Resources};
+use edof_spec::Design;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -20,16 +22,16 @@ fn cache() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("timing")
 }
 
-fn stages(name: &str) -> Vec<PartTiming> {
-    let design = committed(name);
-    let network = edof_random::for_design(&design, 1);
-    let project = project::calculator(&design, [&network, &network]).unwrap();
+/// Every stage of a design's calculator by itself.
+pub fn of_stages(design: &Design) -> Vec<PartTiming> {
+    let network = edof_random::for_design(design, 1);
+    let project = project::calculator(design, [&network, &network]).unwrap();
     timing::parts(&project, &timing::stages(design.stages.len()), Some(&cache()), &|_, _| ()).unwrap()
 }
 
 fn keeps_its_limits(name: &str) {
     let design = committed(name);
-    for (plan, stage) in design.stages().zip(stages(name)) {
+    for (plan, stage) in design.stages().zip(of_stages(&design)) {
         let told = format!("{name} stage {}: {stage:#?}", plan.index);
         assert!(stage.delay_ps <= DELAY_PS, "{told}");
         assert!(stage.control_loads <= CONTROL_LOADS, "{told}");
@@ -46,13 +48,23 @@ fn tiny_is_short_of_path_and_load() {
     keeps_its_limits("tiny");
 }
 
-/// The only logic between two boundaries' registers.
+/// The only logic between two boundaries' registers, and all of a calculator that is no stage.
 #[test]
-fn what_makes_windows_whole_is_short_of_path_and_load() {
+fn what_makes_windows_whole_is_short_of_path_and_load_and_as_estimated() {
     let design = committed("kc705");
     let project = project::of_circuit(&mut WindowGuard::new(&design.stage(0)), vec![]).unwrap();
     let found = timing::whole(&project, None).unwrap();
     assert!(found.delay_ps <= DELAY_PS && found.control_loads <= CONTROL_LOADS, "{found:#?}");
+    let of_stages: Resources = resources::stages(&design).into_iter().sum();
+    let whole = resources::whole(&design);
+    for (estimated, measured) in
+        [(whole.lut - of_stages.lut, found.cells.luts()), (whole.ff - of_stages.ff, found.cells.flip_flops())]
+    {
+        assert!(
+            estimated.abs_diff(measured) * 100 <= 15 * measured,
+            "{estimated} estimated, {measured} measured"
+        );
+    }
 }
 
 #[test]

@@ -70,8 +70,8 @@ const EXPLOSION: f32 = 3.0;
 const SHORTEST: f32 = 1e-5;
 /// ‖y‖₂ at every scale, over the fourth root of the number of pixels of the whole picture: then λ‖x‖₂·|x|, by which the picture counts
 /// against the prior at one pixel, does not depend on size and contrast. With it λ‖x‖₂·δ, the length of a step, is below 1 and steps
-/// converge. The description names none: this one finds the kernels of drawn pictures (the tests below) and gains on training
-/// photographs; half of it takes kernels for too large, twice for points.
+/// converge. The description names none: this one finds the kernels of drawn pictures (the tests below); two thirds of it take them for
+/// too large, twice for points. What it is worth on photographs is in docs/decisions/0015-single-depth.md.
 const NORM: f32 = 0.12;
 /// Steps of conjugate gradients for a kernel, and the share of the residual at which they end.
 const CONJUGATE_STEPS: usize = 25;

@@ -113,6 +113,8 @@ const FISTA_PENALTY: f32 = 0.004;
 const CONTRAST: f64 = 0.0036;
 const UNEXPLAINED: f64 = 2e-5;
 const RICHARDSON_LUCY_STEPS: usize = 15;
+/// Side of the kernel that the blind method looks for: twice the geometric blur at ψ = 8, which is 7 pixels wide.
+const BLIND_SIDE: usize = 15;
 const HYPER_LAPLACIAN_ALPHA: f32 = 0.8;
 const HYPER_LAPLACIAN_SHARE: f64 = 0.1;
 
@@ -232,7 +234,12 @@ fn deconvolution(family: Family, case: &Case<'_>) -> Result<Deconvolution, NoPsf
             lambda: (HYPER_LAPLACIAN_SHARE / variance) as f32,
             alpha: HYPER_LAPLACIAN_ALPHA,
         }),
-        _ => return Ok(Deconvolution::Blind(blind::Settings::default())),
+        _ => {
+            return Ok(Deconvolution::Blind(blind::Settings {
+                side: BLIND_SIDE,
+                ..blind::Settings::default()
+            }));
+        }
     };
     Ok(Deconvolution::known(channel_psfs(case.camera, case.psi, &case.optics)?, how))
 }

@@ -12,6 +12,7 @@ use edof_train::noise::Conditions;
 use edof_train::random::Random;
 use edof_train::recipe::{Recipe, RecipeError};
 use edof_train::train::{Continue, State, Trainer};
+use ndarray::s;
 
 const PSIS: [f64; 2] = [0.0, 4.0];
 
@@ -26,8 +27,12 @@ fn drawn(seed: u64) -> ColourFrame {
     for _ in 0..400 {
         let at = [random.unit() * 256.0, random.unit() * 256.0];
         let (radius, colour) = (3.0 + 20.0 * random.unit(), [random.unit(), random.unit(), random.unit()]);
-        for ((plane, row, column), v) in photo.planes.indexed_iter_mut() {
-            if (row as f32 - at[0]).hypot(column as f32 - at[1]) < radius {
+        let near = at.map(|at| (at - radius).max(0.0) as usize..((at + radius) as usize + 2).min(256));
+        for ((plane, row, column), v) in
+            photo.planes.slice_mut(s![.., near[0].clone(), near[1].clone()]).indexed_iter_mut()
+        {
+            if ((row + near[0].start) as f32 - at[0]).hypot((column + near[1].start) as f32 - at[1]) < radius
+            {
                 *v = colour[plane];
             }
         }

@@ -1,5 +1,6 @@
 //! One thin file a sub-command: open, check, compute, write, tell. No algorithm lives here.
 
+pub mod board;
 pub mod capture;
 pub mod compare;
 pub mod cosim;

@@ -94,10 +94,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 fn tell(name: &str, stage: &PartTiming, ui: &Ui) -> Result<(), Error> {
-    let PartTiming { delay_ps, levels, dsps, registered_dsps, .. } = stage;
+    let PartTiming { delay_ps, levels, dsps, registered_dsps, cells, .. } = stage;
     ui.say(format!(
-        "{name}: {:.3} ns, {levels} levels; {registered_dsps} of {dsps} multipliers with all registers",
-        *delay_ps as f64 / 1e3
+        "{name}: {:.3} ns, {levels} levels; {registered_dsps} of {dsps} multipliers with all registers; {} LUT, {} FF",
+        *delay_ps as f64 / 1e3,
+        cells.luts(),
+        cells.flip_flops()
     ))?;
     for step in &stage.path {
         ui.say(format!("  {:6} ps  {:28} {}", step.arrival_ps, step.cell, step.net))?;

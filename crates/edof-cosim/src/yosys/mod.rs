@@ -7,6 +7,7 @@ pub mod timing;
 use crate::error::{Error, at};
 use crate::{Source, tool, work};
 use netlist::Netlist;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -17,19 +18,20 @@ pub struct Options {
     pub parameters: Vec<(String, String)>,
     /// Where relative paths of `$readmemh` start; without it, in the working directory of the process.
     pub memory_dir: Option<PathBuf>,
-    /// Maps each module by itself: much faster where many are alike, and parts are reported. Nothing is shared across borders.
-    pub keep_hierarchy: bool,
 }
 
-/// The cells of a mapped design.
+/// How many cells of each type a mapped design has.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Cells(pub BTreeMap<String, usize>);
+
+/// What a design was mapped to.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Report {
-    /// How many there are of each type.
-    pub cells: BTreeMap<String, usize>,
+    /// All cells.
+    pub cells: Cells,
     /// Every DSP48E1.
     pub dsps: Vec<Dsp>,
-    /// The same of each instance in the top, where the hierarchy was kept.
-    pub parts: BTreeMap<String, Report>,
 }
 
 /// How one DSP48E1 is used.
@@ -65,18 +67,11 @@ impl Dsp {
     }
 }
 
-impl Report {
-    fn add(&mut self, part: &Self) {
-        for (cell, count) in &part.cells {
-            *self.cells.entry(cell.clone()).or_default() += count;
-        }
-        self.dsps.extend(part.dsps.iter().cloned());
-    }
-
+impl Cells {
     /// Cells of one type.
     #[must_use]
     pub fn count(&self, cell: &str) -> usize {
-        self.cells.get(cell).copied().unwrap_or(0)
+        self.0.get(cell).copied().unwrap_or(0)
     }
 
     /// Multiply-accumulate blocks.
@@ -100,7 +95,7 @@ impl Report {
     /// LUT sites: logic, distributed RAM and shift registers. Inverters are left out, as a LUT takes them in.
     #[must_use]
     pub fn luts(&self) -> usize {
-        self.cells.iter().map(|(cell, count)| lut_sites(cell) * count).sum()
+        self.0.iter().map(|(cell, count)| lut_sites(cell) * count).sum()
     }
 
     /// Flip-flops.
@@ -111,7 +106,9 @@ impl Report {
             .map(|cell| self.count(cell))
             .sum()
     }
+}
 
+impl Report {
     /// DSP48E1 whose accumulator is inside.
     #[must_use]
     pub fn accumulators_inside(&self) -> usize {
@@ -130,7 +127,7 @@ fn lut_sites(cell: &str) -> usize {
     }
 }
 
-/// Maps the design by `synth_xilinx -family xc7`, without buffers for pins and clocks.
+/// Maps the design flat by `synth_xilinx -family xc7`, without buffers for pins and clocks.
 ///
 /// # Errors
 /// Yosys is missing or refuses the design.
@@ -158,10 +155,7 @@ fn commands(source: &Source, options: &Options, work: &Path) -> String {
     [
         format!("read_verilog {language}-defer {}\n", files.join(" ")),
         format!("hierarchy -top {}{}\n", source.top, parameters.collect::<String>()),
-        format!(
-            "synth_xilinx -family xc7 {}-noiopad -noclkbuf\n",
-            if options.keep_hierarchy { "" } else { "-flatten " }
-        ),
+        "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf\n".into(),
         format!("write_json \"{}\"\n", work.join("netlist.json").display()),
     ]
     .concat()

@@ -55,10 +55,18 @@ impl Netlist {
         serde_json::from_reader(file)
     }
 
-    /// What the top is made of; none where there is no top.
+    /// What a flat top is made of; none where there is no top.
     pub fn report(&self) -> Option<Report> {
         let top = self.modules.values().find(|module| module.attributes.contains_key("top"))?;
-        Some(self.report_of(top))
+        let to_carry = top.nets_to_carry();
+        let mut report = Report::default();
+        for (name, cell) in &top.cells {
+            *report.cells.0.entry(cell.kind.clone()).or_default() += 1;
+            if cell.kind == "DSP48E1" {
+                report.dsps.push(cell.dsp(name, &to_carry));
+            }
+        }
+        Some(report)
     }
 
     /// All nets of a flat top but its clocks, those with the most loads first; none where there is no top.
@@ -69,33 +77,6 @@ impl Netlist {
             top.loads().into_iter().map(|(net, loads)| loads.told(net, &names)).collect();
         nets.sort_by(|a, b| b.loads.cmp(&a.loads).then_with(|| a.net.cmp(&b.net)));
         Some(nets)
-    }
-
-    /// A module with everything that its parts are made of.
-    fn report_of(&self, module: &Module) -> Report {
-        let mut report = Report::default();
-        let to_carry = module.nets_to_carry();
-        for (name, cell) in &module.cells {
-            if let Some(part) = self.part(&cell.kind) {
-                let part = self.report_of(part);
-                report.add(&part);
-                report.parts.insert(name.clone(), part);
-            } else {
-                *report.cells.entry(cell.kind.clone()).or_default() += 1;
-                if cell.kind == "DSP48E1" {
-                    report.dsps.push(cell.dsp(name, &to_carry));
-                }
-            }
-        }
-        report
-    }
-
-    /// The module of that name, if it is no primitive.
-    fn part(&self, kind: &str) -> Option<&Module> {
-        let is_primitive = |module: &Module| {
-            ["blackbox", "whitebox"].iter().any(|attribute| module.attributes.contains_key(*attribute))
-        };
-        self.modules.get(kind).filter(|module| !is_primitive(module))
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod report;
 
+use super::Cells;
 use super::fan_out::FanOut;
 use super::netlist::Netlist;
 use crate::cache;
@@ -23,7 +24,7 @@ pub const NETS: usize = 10;
 /// Parts that are mapped at once, at most: a big one takes 400 MB.
 const AT_ONCE: usize = 2;
 /// Changes with what is read out of a run, so that older results in the cache are not taken for it.
-const FORMAT: &str = "timing 2";
+const FORMAT: &str = "timing 3";
 
 /// Where a user's results belong: `edof/timing` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
 #[must_use]
@@ -46,6 +47,10 @@ pub struct PartTiming {
     pub nets: Vec<FanOut>,
     /// Loads of the net of control that has most; 0 without one.
     pub control_loads: usize,
+    /// What it was mapped to.
+    pub cells: Cells,
+    /// Multipliers whose accumulator is inside them.
+    pub accumulating_dsps: usize,
     /// Multipliers.
     pub dsps: usize,
     /// Those of them whose registers A, B, M and P are all used.
@@ -188,7 +193,7 @@ fn mapped(design: &Path, module: &str, work: &Path) -> Result<PartTiming, Error>
         Netlist::read(std::io::BufReader::new(file)).map_err(|error| unreadable(error.to_string()))?;
     let missing = || unreadable("no top in the netlist".into());
     let nets = netlist.fan_out().ok_or_else(missing)?;
-    let dsps = netlist.report().ok_or_else(missing)?.dsps;
+    let report = netlist.report().ok_or_else(missing)?;
     let of_kind = |control: bool| nets.iter().filter(move |net| net.control == control);
     Ok(PartTiming {
         module: module.trim_start_matches('\\').into(),
@@ -197,8 +202,10 @@ fn mapped(design: &Path, module: &str, work: &Path) -> Result<PartTiming, Error>
         path,
         control_loads: of_kind(true).map(|net| net.loads).max().unwrap_or(0),
         nets: of_kind(true).take(NETS).chain(of_kind(false).take(NETS)).cloned().collect(),
-        dsps: dsps.len(),
-        registered_dsps: dsps.iter().filter(|dsp| dsp.is_registered()).count(),
+        accumulating_dsps: report.accumulators_inside(),
+        dsps: report.dsps.len(),
+        registered_dsps: report.dsps.iter().filter(|dsp| dsp.is_registered()).count(),
+        cells: report.cells,
     })
 }
 

@@ -28,9 +28,9 @@ pub struct AxiPair<const W: usize, const S: usize> {
     pub dram_read: AxiReadMaster<W>,
     write_turn: DFF<Bit>,
     read_turn: DFF<Bit>,
-    // Whose words come next, the next one lowest, and of how many bursts.
+    // Whose words come next, the next one lowest; of how many bursts, as the place of a single bit.
     order: DFF<Bits<16>>,
-    bursts: DFF<Bits<5>>,
+    bursts: DFF<Bits<17>>,
     announces: Signal<Local, Bit>,
     asks: Signal<Local, Bit>,
     has_room: Signal<Local, Bit>,
@@ -40,6 +40,7 @@ pub struct AxiPair<const W: usize, const S: usize> {
     has_burst: Signal<Local, Bit>,
     offers: Signal<Local, Bit>,
     is_last: Signal<Local, Bit>,
+    place: Signal<Local, Bits<17>>,
     turn: Signal<Local, Bits<16>>,
 }
 
@@ -49,7 +50,7 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
         dff_setup!(self, clock, write_turn, read_turn, order, bursts);
 
         // Addresses of writes: whose turn it is, is offered; the turn passes on once a burst is accepted, and when only the other asks.
-        self.has_room.next = !self.bursts.q.val().get_bit(4);
+        self.has_room.next = !self.bursts.q.val().get_bit(16);
         self.dram_write.aw_id.next = 0.into();
         self.dram_write.aw_addr.next = self.write_0.aw_addr.val();
         self.dram_write.aw_len.next = self.write_0.aw_len.val();
@@ -79,7 +80,7 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
         }
 
         // Their words, in the same order.
-        self.has_burst.next = self.bursts.q.val().any();
+        self.has_burst.next = !self.bursts.q.val().get_bit(0);
         self.owner.next = self.order.q.val().get_bit(0);
         self.dram_write.w_data.next = self.write_0.w_data.val();
         self.dram_write.w_strb.next = self.write_0.w_strb.val();
@@ -98,18 +99,21 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
         self.dram_write.w_last.next = self.is_last.val();
         self.dram_write.w_valid.next = self.offers.val();
         self.ended.next = self.offers.val() && self.is_last.val() && self.dram_write.w_ready.val();
-        self.turn.next = 0.into();
-        if self.write_turn.q.val() {
-            self.turn.next = 1.into();
+        self.place.next = self.bursts.q.val();
+        if self.ended.val() {
+            self.place.next = self.bursts.q.val() >> 1;
         }
-        if self.announced.val() && self.ended.val() {
-            self.order.d.next = (self.order.q.val() >> 1) | (self.turn.val() << (self.bursts.q.val() - 1));
-        } else if self.announced.val() {
-            self.order.d.next = self.order.q.val() | (self.turn.val() << self.bursts.q.val());
-            self.bursts.d.next = self.bursts.q.val() + 1;
-        } else if self.ended.val() {
-            self.order.d.next = self.order.q.val() >> 1;
-            self.bursts.d.next = self.bursts.q.val() - 1;
+        self.turn.next = 0.into();
+        if self.announced.val() && self.write_turn.q.val() {
+            self.turn.next = self.place.val().get_bits::<16>(0);
+        }
+        self.order.d.next = self.order.q.val() | self.turn.val();
+        if self.ended.val() {
+            self.order.d.next = (self.order.q.val() >> 1) | self.turn.val();
+        }
+        self.bursts.d.next = self.place.val();
+        if self.announced.val() {
+            self.bursts.d.next = self.place.val() << 1;
         }
 
         // Their answers, by id.
@@ -172,7 +176,7 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
             self.write_turn.d.next = false;
             self.read_turn.d.next = false;
             self.order.d.next = 0.into();
-            self.bursts.d.next = 0.into();
+            self.bursts.d.next = 1.into();
         }
     }
 }

@@ -11,7 +11,7 @@ pub struct Frames {
     pub buffers: [u32; 3],
     /// Words of a burst, a power of two: a burst stays inside of 4 KiB and 256 words.
     pub burst: usize,
-    /// Words that an agent holds, a power of two, two bursts or more.
+    /// Words that an agent holds, a power of two, two bursts or more, and four at least.
     pub depth: usize,
 }
 
@@ -27,7 +27,9 @@ impl Frames {
             self.height
         );
         assert!(self.burst.is_power_of_two() && self.burst <= 256 && self.burst * word_bits <= 8 * 4096);
-        assert!(self.depth.is_power_of_two() && self.depth >= 2 * self.burst && self.depth <= 2048);
+        assert!(
+            self.depth.is_power_of_two() && (4..=2048).contains(&self.depth) && self.depth >= 2 * self.burst
+        );
         assert!(self.buffers.iter().all(|address| address % 4096 == 0));
         assert!(word_bits.is_power_of_two() && (32..=1024).contains(&word_bits));
     }

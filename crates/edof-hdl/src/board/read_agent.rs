@@ -35,7 +35,7 @@ pub struct ReadAgent<const W: usize> {
     repeats: Constant<Bit>,
     last_column: Constant<Bits<12>>,
     last_row: Constant<Bits<12>>,
-    last_lane: Constant<Bits<6>>,
+    before_last_lane: Constant<Bits<6>>,
     burst: Constant<Row>,
     room: Constant<Row>,
     row_mask: Constant<Row>,
@@ -48,18 +48,27 @@ pub struct ReadAgent<const W: usize> {
     base_2: Constant<Bits<32>>,
     busy: DFF<Bit>,
     reading_q: DFF<Buffer>,
-    // Words of this frame that are still to be asked for.
+    // Words of this frame that are still to be asked for: any, and fewer than a burst, a cycle later.
     missing: DFF<Bits<24>>,
+    some_miss: DFF<Bit>,
+    few_miss: DFF<Bit>,
     asks: DFF<Bit>,
+    // A burst was just accepted: what depends on it follows.
+    settles: DFF<Bit>,
     address: DFF<Bits<32>>,
     asked_address: DFF<Bits<32>>,
     asked_words: DFF<Row>,
-    // Words: asked for, come, taken out of the RAM.
+    // Words: asked for, come, taken out of the RAM (and the one after). How many are asked for and not taken, two cycles later.
     reserved: DFF<Row>,
+    held: DFF<Row>,
+    has_room: DFF<Bit>,
     put: DFF<Row>,
     got: DFF<Row>,
+    got_next: DFF<Row>,
     came: DFF<Row>,
+    has_word: DFF<Bit>,
     full: DFF<Bit>,
+    is_last_lane: DFF<Bit>,
     word: DFF<Bits<W>>,
     lane: DFF<Bits<6>>,
     column: DFF<Bits<12>>,
@@ -71,8 +80,8 @@ pub struct ReadAgent<const W: usize> {
     begins: Signal<Local, Bit>,
     words: Signal<Local, Row>,
     taken: Signal<Local, Bit>,
-    word_done: Signal<Local, Bit>,
-    has_word: Signal<Local, Bit>,
+    moves: Signal<Local, Bit>,
+    got_then: Signal<Local, Row>,
     is_line_end: Signal<Local, Bit>,
 }
 
@@ -91,7 +100,7 @@ impl<const W: usize> ReadAgent<W> {
             repeats: Constant::new(repeats),
             last_column: Constant::new((frames.width as u64 - 1).into()),
             last_row: Constant::new((frames.height as u64 - 1).into()),
-            last_lane: Constant::new((W as u64 / 16 - 1).into()),
+            before_last_lane: Constant::new((W as u64 / 16 - 2).into()),
             burst: row(frames.burst),
             room: row(frames.depth - frames.burst),
             row_mask: row(frames.depth - 1),
@@ -116,15 +125,23 @@ impl<const W: usize> Logic for ReadAgent<W> {
             busy,
             reading_q,
             missing,
+            some_miss,
+            few_miss,
             asks,
+            settles,
             address,
             asked_address,
             asked_words,
             reserved,
+            held,
+            has_room,
             put,
             got,
+            got_next,
             came,
+            has_word,
             full,
+            is_last_lane,
             word,
             lane,
             column,
@@ -155,23 +172,28 @@ impl<const W: usize> Logic for ReadAgent<W> {
             }
         }
 
-        // Bursts: asked for when there is room for them.
+        // Bursts: asked for when there is room for them. What the last one changed is known two cycles after it was accepted.
+        self.some_miss.d.next = self.missing.q.val().any();
+        self.few_miss.d.next = self.missing.q.val() < self.burst_words.val();
+        self.held.d.next = self.reserved.q.val() - self.got.q.val();
+        self.has_room.d.next = self.held.q.val() <= self.room.val();
         self.words.next = self.burst.val();
-        if self.missing.q.val() < self.burst_words.val() {
+        if self.few_miss.q.val() {
             self.words.next = self.missing.q.val().get_bits::<12>(0);
         }
+        self.settles.d.next = self.asks.q.val();
         if self.asks.q.val() && self.dram.ar_ready.val() {
             self.asks.d.next = false;
         }
-        if !self.asks.q.val()
-            && self.missing.q.val().any()
-            && ((self.reserved.q.val() - self.got.q.val()) <= self.room.val())
-        {
+        if !self.asks.q.val() && !self.settles.q.val() && self.some_miss.q.val() && self.has_room.q.val() {
             self.asks.d.next = true;
             self.asked_address.d.next = self.address.q.val();
             self.asked_words.d.next = self.words.val();
             self.address.d.next = self.address.q.val() + self.burst_bytes.val();
-            self.missing.d.next = self.missing.q.val() - bit_cast::<24, 12>(self.words.val());
+            self.missing.d.next = self.missing.q.val() - self.burst_words.val();
+            if self.few_miss.q.val() {
+                self.missing.d.next = 0.into();
+            }
             self.reserved.d.next = self.reserved.q.val() + self.words.val();
         }
 
@@ -189,21 +211,28 @@ impl<const W: usize> Logic for ReadAgent<W> {
 
         // Words out of it, and their pixels.
         self.taken.next = self.full.q.val() && self.pixels.ready.val();
-        self.word_done.next = self.taken.val() && (self.lane.q.val() == self.last_lane.val());
-        self.has_word.next = self.got.q.val() != self.came.q.val();
         if self.taken.val() {
             self.word.d.next = self.word.q.val() >> 16;
             self.lane.d.next = self.lane.q.val() + 1;
+            self.is_last_lane.d.next = self.lane.q.val() == self.before_last_lane.val();
         }
-        if !self.full.q.val() || self.word_done.val() {
-            self.full.d.next = self.has_word.val();
+        self.moves.next = !self.full.q.val() || (self.is_last_lane.q.val() && self.pixels.ready.val());
+        self.got_then.next = self.got.q.val();
+        self.has_word.d.next = self.got.q.val() != self.came.q.val();
+        if self.moves.val() {
+            self.full.d.next = self.has_word.q.val();
             self.word.d.next = self.ram.read_data.val();
             self.lane.d.next = 0.into();
-            if self.has_word.val() {
-                self.got.d.next = self.got.q.val() + 1;
+            self.is_last_lane.d.next = false;
+            if self.has_word.q.val() {
+                self.got_then.next = self.got_next.q.val();
+                self.got_next.d.next = self.got_next.q.val() + 1;
+                self.has_word.d.next = self.got_next.q.val() != self.came.q.val();
             }
         }
-        self.ram.read_address.next = self.got.d.val() & self.row_mask.val();
+        self.got.d.next = self.got_then.val();
+        // Not held back by a reset: what is read in one is of no meaning.
+        self.ram.read_address.next = self.got_then.val() & self.row_mask.val();
         self.is_line_end.next = self.column.q.val() == self.last_column.val();
         if self.taken.val() {
             self.column.d.next = self.column.q.val() + 1;
@@ -220,12 +249,19 @@ impl<const W: usize> Logic for ReadAgent<W> {
             self.busy.d.next = false;
             self.reading_q.d.next = 3.into();
             self.missing.d.next = 0.into();
+            self.some_miss.d.next = false;
             self.asks.d.next = false;
+            self.settles.d.next = false;
             self.reserved.d.next = 0.into();
+            self.held.d.next = 0.into();
+            self.has_room.d.next = false;
             self.put.d.next = 0.into();
             self.got.d.next = 0.into();
+            self.got_next.d.next = 1.into();
             self.came.d.next = 0.into();
+            self.has_word.d.next = false;
             self.full.d.next = false;
+            self.is_last_lane.d.next = false;
             self.lane.d.next = 0.into();
             self.column.d.next = 0.into();
             self.row.d.next = 0.into();

@@ -119,12 +119,13 @@ pub struct BoardRegisters {
     word: DFF<Bits<32>>,
     is_bad: DFF<Bit>,
     controls: [DFF<Bits<32>>; 3],
-    found: DFF<Bits<32>>,
+    // The registers' first half and second: one multiplexer for all is too long a path.
+    found: [DFF<Bits<32>>; 2],
     found_any: DFF<Bit>,
     is_stage: DFF<Bit>,
     result: DFF<Bits<32>>,
     values: Vec<Signal<Local, Bits<32>>>,
-    selected: Signal<Local, Bits<32>>,
+    selected: [Signal<Local, Bits<32>>; 2],
     known: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
     in_area: Signal<Local, Bit>,
@@ -176,10 +177,15 @@ impl BoardRegisters {
 impl Logic for BoardRegisters {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, phase, address, word, is_bad, found, found_any, is_stage, result);
+        dff_setup!(self, clock, phase, address, word, is_bad, found_any, is_stage, result);
         for i in 0..3 {
             self.controls[i].clock.next = self.clock.val();
             self.controls[i].d.next = self.controls[i].q.val();
+        }
+
+        for i in 0..2 {
+            self.found[i].clock.next = self.clock.val();
+            self.selected[i].next = 0.into();
         }
 
         // An access is taken: writes first.
@@ -233,15 +239,22 @@ impl Logic for BoardRegisters {
         self.values[28].next = self.output_read_errors.val();
         self.values[29].next = self.output_underruns.val();
         self.values[30].next = self.uart_broken.val();
-        self.selected.next = 0.into();
         self.known.next = false;
-        for i in 0..self._count {
+        for i in 0..16 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
-                self.selected.next = self.selected.val() | (self.values[i].val() & self.masks[i].val());
+                self.selected[0].next = self.selected[0].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
             }
         }
-        self.found.d.next = self.selected.val();
+        for i in 16..self._count {
+            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
+                self.selected[1].next = self.selected[1].val() | (self.values[i].val() & self.masks[i].val());
+                self.known.next = true;
+            }
+        }
+        for i in 0..2 {
+            self.found[i].d.next = self.selected[i].val();
+        }
         self.found_any.d.next = self.known.val() && self.in_area.val();
         self.is_stage.d.next = self.in_window[0].val() || self.in_window[3].val();
 
@@ -298,7 +311,7 @@ impl Logic for BoardRegisters {
                 } else if self.is_stage.q.val() {
                     self.result.d.next = self.stage_counter.val();
                 } else {
-                    self.result.d.next = self.found.q.val();
+                    self.result.d.next = self.found[0].q.val() | self.found[1].q.val();
                 }
             }
             Phase::ReadAnswer => {

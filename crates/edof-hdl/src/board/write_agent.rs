@@ -55,7 +55,7 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     top_lane: Constant<Bits<12>>,
     burst: Constant<Row>,
     last_word: Constant<Row>,
-    depth: Constant<Row>,
+    most: Constant<Row>,
     row_mask: Constant<Row>,
     burst_bytes: Constant<Bits<32>>,
     word_size: Constant<Bits<3>>,
@@ -69,14 +69,23 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     row: DFF<Bits<12>>,
     lane: DFF<Bits<6>>,
     word: DFF<Bits<W>>,
-    // Words of this frame: put into the RAM, announced, allowed to be sent, taken out of the RAM.
+    // Words of this frame: put into the RAM, announced, allowed to be sent, taken out of the RAM (and the one after).
     put: DFF<Row>,
     announced: DFF<Row>,
     allowed: DFF<Row>,
     sent: DFF<Row>,
+    sent_next: DFF<Row>,
+    // How many the RAM holds and whether there is room for more, how many wait to be announced, whether any may be sent: each from the
+    // counts of the cycle before.
+    held: DFF<Row>,
+    has_room: DFF<Bit>,
+    waiting: DFF<Row>,
+    has_word: DFF<Bit>,
     push: DFF<Bit>,
     push_row: DFF<Row>,
     asks: DFF<Bit>,
+    // All pixels had come by the cycle before.
+    is_whole: DFF<Bit>,
     address: DFF<Bits<32>>,
     asked_address: DFF<Bits<32>>,
     asked_words: DFF<Row>,
@@ -92,11 +101,9 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     errors_q: DFF<Bits<32>>,
     ram: Ram<W>,
     takes: Signal<Local, Bit>,
-    has_room: Signal<Local, Bit>,
-    waiting: Signal<Local, Row>,
-    words: Signal<Local, Row>,
+    is_short: Signal<Local, Bit>,
     moves: Signal<Local, Bit>,
-    has_word: Signal<Local, Bit>,
+    sent_then: Signal<Local, Row>,
     accepted: Signal<Local, Bit>,
     answered: Signal<Local, Bit>,
     is_quiet: Signal<Local, Bit>,
@@ -122,7 +129,7 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
             top_lane: Constant::new((W as u64 - 16).into()),
             burst: row(frames.burst),
             last_word: row(frames.burst - 1),
-            depth: row(frames.depth),
+            most: row(frames.depth - 3),
             row_mask: row(frames.depth - 1),
             burst_bytes: Constant::new((frames.burst as u64 * W as u64 / 8).into()),
             word_size: Constant::new(u64::from((W / 8).ilog2()).into()),
@@ -151,9 +158,15 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             announced,
             allowed,
             sent,
+            sent_next,
+            held,
+            has_room,
+            waiting,
+            has_word,
             push,
             push_row,
             asks,
+            is_whole,
             address,
             asked_address,
             asked_words,
@@ -171,15 +184,16 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         self.ram.clock.next = self.clock.val();
 
         // Pixels into words, words into the RAM a cycle later.
-        self.has_room.next = (self.put.q.val() - self.sent.q.val()) != self.depth.val();
+        self.held.d.next = self.put.q.val() - self.sent.q.val();
+        self.has_room.d.next = self.held.q.val() <= self.most.val();
         self.takes.next = false;
         self.pixels.ready.next = false;
         if self.phase.q.val() == Phase::Between {
             self.pixels.ready.next = true;
             self.takes.next = self.pixels.valid.val() && self.pixels.user.val();
         } else if self.phase.q.val() == Phase::Frame {
-            self.pixels.ready.next = self.has_room.val() && !self.pixels.user.val();
-            self.takes.next = self.pixels.valid.val() && self.has_room.val() && !self.pixels.user.val();
+            self.pixels.ready.next = self.has_room.q.val() && !self.pixels.user.val();
+            self.takes.next = self.pixels.valid.val() && self.has_room.q.val() && !self.pixels.user.val();
         }
         self.is_line_end.next = self.column.q.val() == self.last_column.val();
         self.push.d.next = false;
@@ -203,12 +217,11 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         self.ram.write_address.next = self.push_row.q.val();
         self.ram.write_data.next = self.word.q.val();
 
-        // Bursts: asked for when their words are here.
-        self.waiting.next = self.put.q.val() - self.announced.q.val();
-        self.words.next = self.burst.val();
-        if self.waiting.val() < self.burst.val() {
-            self.words.next = self.waiting.val();
-        }
+        // Bursts: asked for when their words are here. An address stands for a cycle at least, in which the count of those that wait
+        // follows.
+        self.waiting.d.next = self.put.q.val() - self.announced.q.val();
+        self.is_whole.d.next = self.phase.q.val() == Phase::Complete;
+        self.is_short.next = self.waiting.q.val() < self.burst.val();
         self.accepted.next = self.asks.q.val() && self.dram.aw_ready.val();
         if self.accepted.val() {
             self.asks.d.next = false;
@@ -216,29 +229,40 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         }
         if !self.asks.q.val()
             && (self.outstanding.q.val() != self.outstanding_most.val())
-            && (((self.phase.q.val() == Phase::Frame) && (self.waiting.val() >= self.burst.val()))
-                || ((self.phase.q.val() == Phase::Complete) && self.waiting.val().any()))
+            && (((self.phase.q.val() == Phase::Frame) && !self.is_short.val())
+                || ((self.phase.q.val() == Phase::Complete)
+                    && self.is_whole.q.val()
+                    && self.waiting.q.val().any()))
         {
             self.asks.d.next = true;
             self.asked_address.d.next = self.address.q.val();
-            self.asked_words.d.next = self.words.val();
             self.address.d.next = self.address.q.val() + self.burst_bytes.val();
-            self.announced.d.next = self.announced.q.val() + self.words.val();
+            self.asked_words.d.next = self.burst.val();
+            self.announced.d.next = self.announced.q.val() + self.burst.val();
+            if self.is_short.val() {
+                self.asked_words.d.next = self.waiting.q.val();
+                self.announced.d.next = self.put.q.val();
+            }
         }
 
         // Their words, by way of a register.
-        self.has_word.next = self.sent.q.val() != self.allowed.q.val();
         self.moves.next = !self.sends.q.val() || self.dram.w_ready.val();
+        self.sent_then.next = self.sent.q.val();
+        self.has_word.d.next = self.sent.q.val() != self.allowed.q.val();
         if self.moves.val() {
-            self.sends.d.next = self.has_word.val();
+            self.sends.d.next = self.has_word.q.val();
             self.sent_word.d.next = self.ram.read_data.val();
             self.sent_last.d.next = ((self.sent.q.val() & self.last_word.val()) == self.last_word.val())
-                || ((self.phase.q.val() == Phase::Complete) && (self.sent.q.val() + 1 == self.put.q.val()));
-            if self.has_word.val() {
-                self.sent.d.next = self.sent.q.val() + 1;
+                || ((self.phase.q.val() == Phase::Complete) && (self.sent_next.q.val() == self.put.q.val()));
+            if self.has_word.q.val() {
+                self.sent_then.next = self.sent_next.q.val();
+                self.sent_next.d.next = self.sent_next.q.val() + 1;
+                self.has_word.d.next = self.sent_next.q.val() != self.allowed.q.val();
             }
         }
-        self.ram.read_address.next = self.sent.d.val() & self.row_mask.val();
+        self.sent.d.next = self.sent_then.val();
+        // Not held back by a reset: words of the next frame come later.
+        self.ram.read_address.next = self.sent_then.val() & self.row_mask.val();
 
         // Answers.
         self.answered.next = self.dram.b_valid.val();
@@ -263,11 +287,13 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         self.is_quiet.next = !self.asks.q.val()
             && !self.sends.q.val()
             && !self.push.q.val()
-            && !self.has_word.val()
+            && !self.has_word.q.val()
             && !self.outstanding.q.val().any();
         self.is_over.next = self.is_quiet.val()
             && ((self.phase.q.val() == Phase::Broken)
-                || ((self.phase.q.val() == Phase::Complete) && !self.waiting.val().any()));
+                || ((self.phase.q.val() == Phase::Complete)
+                    && self.is_whole.q.val()
+                    && !self.waiting.q.val().any()));
         match self.phase.q.val() {
             Phase::Between => {
                 if self.takes.val() {
@@ -320,6 +346,11 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.announced.d.next = 0.into();
             self.allowed.d.next = 0.into();
             self.sent.d.next = 0.into();
+            self.sent_next.d.next = 1.into();
+            self.held.d.next = 0.into();
+            self.has_room.d.next = true;
+            self.waiting.d.next = 0.into();
+            self.has_word.d.next = false;
         }
         if self.reset.val() {
             self.phase.d.next = Phase::Between;

@@ -59,8 +59,16 @@ pub const fn read_command(from: Space, rows: usize) -> u32 {
 /// }
 /// ```
 pub fn crc(rows: impl IntoIterator<Item = u64>) -> u32 {
-    let bits = rows.into_iter().flat_map(|row| (0..64).map(move |bit| (row >> bit) as u32 & 1));
-    !bits.fold(!0, |crc: u32, bit| (crc >> 1) ^ if (crc ^ bit) & 1 == 1 { 0xedb8_8320 } else { 0 })
+    let mut crc = !0u32;
+    for mut row in rows {
+        let mut bits = 64;
+        while bits > 0 {
+            let is_odd = (crc ^ row as u32) & 1;
+            crc = (crc >> 1) ^ (0xedb8_8320 & is_odd.wrapping_neg());
+            (row, bits) = (row >> 1, bits - 1);
+        }
+    }
+    !crc
 }
 
 /// All rows of a bank that hold one set, in the order of their numbers: of a number that stands for no word, 0 is read.

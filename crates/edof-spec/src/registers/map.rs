@@ -9,13 +9,32 @@ pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
 pub const VERSION: u32 = 0x0001_0001;
 
+/// Address of `weights_hash`.
+pub const WEIGHTS_HASH: u32 = 0x10;
 /// Address of `control`.
 pub const CONTROL: u32 = 0x14;
+/// Address of `scratch`.
+pub const SCRATCH: u32 = 0x18;
+/// Address of `status`.
+pub const STATUS: u32 = 0x20;
+/// Address of `uart_broken`.
+pub const UART_BROKEN: u32 = 0x90;
+
+/// Bit of `control`: frames are reconstructed.
+pub const RUN: u32 = 1;
+/// Bit of `control`: display in colour.
+pub const COLOUR: u32 = 1 << 1;
+/// Bit of `control`: the set of weights.
+pub const WEIGHT_SET: u32 = 1 << 2;
+/// Bit of `control`: its rise sets up the video chips.
+pub const I2C_RESTART: u32 = 1 << 3;
+/// Bit of `control`: drops the frame that is under way.
+pub const FLUSH: u32 = 1 << 4;
 
 /// The word of `control` with which frames are reconstructed, shown in that mode, with that set of weights.
 #[must_use]
 pub fn running(mode: DisplayMode, set: usize) -> u32 {
-    1 | u32::from(mode == DisplayMode::Colour) << 1 | (set as u32) << 2
+    RUN | if mode == DisplayMode::Colour { COLOUR } else { 0 } | if set == 0 { 0 } else { WEIGHT_SET }
 }
 
 const fn constant(
@@ -65,7 +84,13 @@ pub const REGISTERS: &[Register] = &[
         &[],
         "Version of this map: major in the upper half, minor in the lower.",
     ),
-    constant("design_hash", 0x08, 0, &[], "First 32 bits of the SHA-256 of the design."),
+    constant(
+        "design_hash",
+        0x08,
+        0,
+        &[],
+        "First 32 bits of the SHA-256 of the design's JSON (`identity::design_hash`).",
+    ),
     constant(
         "frame_size",
         0x0c,
@@ -75,11 +100,11 @@ pub const REGISTERS: &[Register] = &[
     ),
     control(
         "weights_hash",
-        0x10,
+        WEIGHTS_HASH,
         0,
         &[],
-        "First 32 bits of the hash of the network in use. Starts with the one that the design was generated with; whoever loads \
-         another one writes its hash here.",
+        "First 32 bits of the hash of the network in use (`identity::weights_hash`). Starts with the one that the design was generated with; \
+         whoever loads another one writes its hash here.",
     ),
     control(
         "control",
@@ -99,10 +124,10 @@ pub const REGISTERS: &[Register] = &[
         ],
         "What the host decides.",
     ),
-    control("scratch", 0x18, 0, &[], "Holds what is written: tries out the link."),
+    control("scratch", SCRATCH, 0, &[], "Holds what is written: tries out the link."),
     status(
         "status",
-        0x20,
+        STATUS,
         &[
             bit("dram_ready", 0, "The memory is calibrated."),
             bit("input_present", 1, "There is a video signal."),
@@ -168,7 +193,11 @@ pub const REGISTERS: &[Register] = &[
     count("output_late", 0x84, "Of these, how many were read again for want of a newer one."),
     count("output_read_errors", 0x88, "Words of pictures that came with an error."),
     count("output_underruns", 0x8c, "Pictures on the cable whose pixels came late."),
-    count("uart_broken", 0x90, "Frames on the UART that were given up, and bytes that were no command."),
+    count(
+        "uart_broken",
+        UART_BROKEN,
+        "Frames on the UART that were given up, and bytes that were no command.",
+    ),
 ];
 
 /// Counters of the calculator's stages.
@@ -262,6 +291,20 @@ mod tests {
         assert!(names.iter().all(|name| is_name(name)));
         assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
         assert!(REGISTERS.iter().flat_map(|r| r.fields).all(|field| is_name(field.name)));
+    }
+
+    #[test]
+    fn bits_of_control_are_where_its_fields_are() {
+        let bits = [
+            ("run", RUN),
+            ("colour", COLOUR),
+            ("weight_set", WEIGHT_SET),
+            ("i2c_restart", I2C_RESTART),
+            ("flush", FLUSH),
+        ];
+        let masks =
+            bits.map(|(name, _)| register("control").and_then(|r| r.field(name)).map(|field| field.mask()));
+        assert_eq!(masks, bits.map(|(_, mask)| Some(mask)));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! | what | module |
 //! |---|---|
 //! | the registers and windows themselves | [`map`] |
+//! | hashes of a design and of a network | [`identity`] |
 //! | a page for people | [`markdown`] |
 //! | constants for C | [`c_header`] |
 //! | SystemRDL 2.0, for other tools | [`systemrdl`] |
@@ -10,6 +11,7 @@
 //! Addresses are of bytes, words have 32 bits. Rust takes its constants from [`map`] directly, and the circuit its decoder.
 
 pub mod c_header;
+pub mod identity;
 pub mod map;
 pub mod markdown;
 pub mod systemrdl;

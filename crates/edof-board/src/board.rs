@@ -1,0 +1,345 @@
+//! A board at the other end of a line: who it is, its registers by name, its calculator's stages.
+
+use crate::contents::{Part, parts};
+use crate::error::Error;
+use crate::line::Line;
+use crate::link::Link;
+use crate::names::Place;
+use edof_spec::FixedNetwork;
+use edof_spec::design::memory::{self, CONTROL_SKIP, Set, Space};
+use edof_spec::design::reading::{READ_REGISTER, ReadBack};
+use edof_spec::design::{Design, FrameSize};
+use edof_spec::registers::identity::design_hash;
+use edof_spec::registers::map::{self, STAGE_READS, WEIGHTS};
+use serde::Serialize;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// Who a board is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Identity {
+    /// Version of its register map.
+    pub version: u32,
+    /// Of the design (`edof_spec::registers::identity`).
+    pub design_hash: u32,
+    /// Columns of its frame.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Of the network in use.
+    pub weights_hash: u32,
+}
+
+impl Identity {
+    /// Which of some designs it is, if any, with the size of frames that the board has.
+    pub fn design(&self, known: impl IntoIterator<Item = Design>) -> Option<Design> {
+        let (width, height) = (self.width as usize, self.height as usize);
+        let sized = |design: Design| Design { frame: FrameSize { width, height, ..design.frame }, ..design };
+        known.into_iter().map(sized).find(|design| design_hash(design) == self.design_hash)
+    }
+}
+
+/// What a stage read back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Answer {
+    /// CRC of all rows.
+    pub crc: u32,
+    /// The last one.
+    pub row: u64,
+}
+
+/// Times that what answers with another id is asked again.
+const STALE: usize = 2;
+/// Looks at a stage that reads before it is given up.
+const MOST_LOOKS: usize = 2_000;
+/// After so many the line is let come to rest.
+const LOOKS: usize = 50;
+
+/// A board at the other end of a line.
+pub struct Board<L> {
+    pub(crate) link: Link<L>,
+    /// Who it was when it was opened.
+    pub identity: Identity,
+}
+
+impl<L: Line> Board<L> {
+    /// The board at the other end, which answers within `patience` and the time that bytes are on the line.
+    ///
+    /// # Errors
+    /// Nothing answers, no board of ours, or one whose registers this program does not know.
+    pub fn open(line: L, patience: Duration) -> Result<Self, Error> {
+        let mut link = Link::new(line, patience);
+        let port = link.name();
+        link.wait_out()?;
+        let mut words = link.read(0, 5)?;
+        for _ in 0..STALE {
+            if words[0] == map::ID {
+                break;
+            }
+            // Perhaps the answers to a host before, which has ended.
+            link.settle()?;
+            words = link.read(0, 5)?;
+        }
+        let [id, version, design_hash, size, weights_hash] = [0, 1, 2, 3, 4].map(|word| words[word]);
+        if id != map::ID {
+            return Err(Error::Stranger { port, found: id });
+        }
+        if version >> 16 != map::VERSION >> 16 || version < map::VERSION {
+            return Err(Error::Version { port, found: version });
+        }
+        let (width, height) = (size & 0xffff, size >> 16);
+        Ok(Self { link, identity: Identity { version, design_hash, width, height, weights_hash } })
+    }
+
+    /// What its line is called in messages.
+    pub fn port(&self) -> String {
+        self.link.name()
+    }
+
+    /// The line to it.
+    pub const fn line(&mut self) -> &mut L {
+        self.link.line()
+    }
+
+    /// Frames that had to be sent again so far.
+    pub const fn repeats(&self) -> u64 {
+        self.link.repeats
+    }
+
+    /// Of some designs, the one that this board has.
+    ///
+    /// # Errors
+    /// [`Error::UnknownDesign`]: none of them.
+    pub fn design(&self, known: impl IntoIterator<Item = Design>) -> Result<Design, Error> {
+        let Identity { design_hash: hash, width, height, .. } = self.identity;
+        let unknown = || Error::UnknownDesign { port: self.port(), hash, width, height };
+        self.identity.design(known).ok_or_else(unknown)
+    }
+
+    /// # Errors
+    /// [`Error::OtherDesign`]: the board has another one.
+    pub fn check_design(&self, design: &Design) -> Result<(), Error> {
+        let (found, expected) = (self.identity.design_hash, design_hash(design));
+        let other = || Error::OtherDesign { port: self.port(), name: design.name.clone(), found, expected };
+        if found == expected { Ok(()) } else { Err(other()) }
+    }
+
+    /// The value of what stands under a name.
+    ///
+    /// # Errors
+    /// It can only be written, or the line fails.
+    pub fn get(&mut self, place: Place) -> Result<u32, Error> {
+        place.check_read()?;
+        Ok(place.of_word(self.link.glance(place.address(), 1)?[0]))
+    }
+
+    /// Gives what stands under a name a value, and makes sure that it has it where it can be read.
+    ///
+    /// # Errors
+    /// It can only be read, the value does not fit, or the line fails.
+    pub fn set(&mut self, place: Place, value: u32) -> Result<(), Error> {
+        let reads_back = place.reads_back();
+        let before = if reads_back { self.link.read(place.address(), 1)?[0] } else { 0 };
+        let word = place.into_word(value, before)?;
+        if reads_back {
+            self.link.set(place.address(), word)
+        } else {
+            self.link.write(place.address(), &[word])
+        }
+    }
+
+    /// The register `control`.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn control(&mut self) -> Result<u32, Error> {
+        Ok(self.link.read(map::CONTROL, 1)?[0])
+    }
+
+    /// Gives some bits of `control` the value that they have in `bits`; the rest stays.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn change_control(&mut self, mask: u32, bits: u32) -> Result<(), Error> {
+        let before = self.control()?;
+        self.link.set(map::CONTROL, (before & !mask) | (bits & mask))
+    }
+
+    /// The bank for frames that begin now.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn bank(&mut self) -> Result<Set, Error> {
+        Ok(bank_of(self.control()?))
+    }
+
+    /// Has frames from the next one on made with a bank; `hash` is that of its network.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn switch(&mut self, bank: Set, hash: u32) -> Result<(), Error> {
+        self.change_control(map::WEIGHT_SET, control_bit(bank))?;
+        self.link.set(map::WEIGHTS_HASH, hash)
+    }
+
+    /// Whether the last patch was made with that bank.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn is_in_use(&mut self, bank: Set) -> Result<bool, Error> {
+        let status = self.link.read(map::STATUS, 1)?[0];
+        let of_last_patch = map::register("status").and_then(|register| register.field("weight_set"));
+        Ok(of_last_patch.is_some_and(|field| (status & field.mask() != 0) == (bank == Set::Second)))
+    }
+
+    /// Drops the frame that is under way; all that was written stays.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn flush(&mut self) -> Result<(), Error> {
+        // The line is so slow that the bit stands for long enough.
+        self.change_control(map::FLUSH, map::FLUSH)?;
+        self.change_control(map::FLUSH, 0)
+    }
+
+    /// Begins anew with the bank that is in use: drops the frame under way, lets frames run, in colour, zeros skipped as the design says,
+    /// sets up the video chips once more and starts the stages' counters anew. Weights, thresholds and shifts stay.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn reset(&mut self, design: &Design) -> Result<(), Error> {
+        let bank = self.control()? & map::WEIGHT_SET;
+        let start = map::register("control").map_or(0, |register| register.reset) & !map::WEIGHT_SET;
+        self.skip(design, design.skip_zeros)?;
+        self.link.set(map::SCRATCH, 0)?;
+        self.link.set(map::CONTROL, bank | map::FLUSH)?;
+        self.link.set(map::CONTROL, bank | start | map::I2C_RESTART)?;
+        self.link.set(map::CONTROL, bank | start)?;
+        self.snapshot()
+    }
+
+    /// Has all stages leave out zeros, or not.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn skip(&mut self, design: &Design, on: bool) -> Result<(), Error> {
+        let word = if on { CONTROL_SKIP } else { 0 };
+        for stage in 0..design.stages.len() {
+            self.set_stage_register(stage, SKIP_ROW, word)?;
+        }
+        Ok(())
+    }
+
+    /// Copies all counters of the stages to where they are shown, and starts them anew.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn snapshot(&mut self) -> Result<(), Error> {
+        self.link.write(WEIGHTS.word(memory::SNAPSHOT), &[0])
+    }
+
+    /// A register of a stage: shifts of set 0 and 1, and what is skipped (2).
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn stage_register(&mut self, stages: usize, row: usize) -> Result<Vec<u32>, Error> {
+        let command = edof_spec::design::reading::read_command(Space::Register { row }, 1);
+        let commands: Vec<(usize, u32)> = (0..stages).map(|stage| (stage, command)).collect();
+        Ok(self.read_back(&commands)?.into_iter().map(|answer| answer.row as u32).collect())
+    }
+
+    /// Writes a register of a stage.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub fn set_stage_register(&mut self, stage: usize, row: usize, word: u32) -> Result<(), Error> {
+        self.link.write(WEIGHTS.word(memory::address(stage, Space::Register { row })), &[word])
+    }
+
+    /// Has the circuit make a CRC of each part.
+    ///
+    /// # Errors
+    /// The line fails, or a stage never comes to its end.
+    pub fn crcs(&mut self, parts: &[&Part]) -> Result<Vec<u32>, Error> {
+        let commands: Vec<(usize, u32)> = parts.iter().map(|part| (part.stage, part.command())).collect();
+        Ok(self.read_back(&commands)?.into_iter().map(|answer| answer.crc).collect())
+    }
+
+    /// Which of some networks a bank holds, by its CRCs.
+    ///
+    /// # Errors
+    /// As [`Board::crcs`].
+    pub fn identify(
+        &mut self,
+        design: &Design,
+        known: &[FixedNetwork],
+        bank: Set,
+    ) -> Result<Option<usize>, Error> {
+        let all: Vec<Vec<Part>> = known.iter().map(|network| parts(design, network, bank)).collect();
+        let Some(first) = all.first() else { return Ok(None) };
+        let found = self.crcs(&first.iter().collect::<Vec<_>>())?;
+        Ok(all.iter().position(|parts| parts.iter().map(|part| part.crc).eq(found.iter().copied())))
+    }
+
+    /// Gives commands to read to stages, one to each at a time, and waits for all answers.
+    pub(crate) fn read_back(&mut self, commands: &[(usize, u32)]) -> Result<Vec<Answer>, Error> {
+        let stages = commands.iter().map(|(stage, _)| stage + 1).max().unwrap_or(0);
+        let mut queues = vec![VecDeque::new(); stages];
+        commands.iter().enumerate().for_each(|(index, (stage, _))| queues[*stage].push_back(index));
+        let mut answers = vec![Answer::default(); commands.len()];
+        loop {
+            let some: Vec<usize> = queues.iter_mut().filter_map(VecDeque::pop_front).collect();
+            if some.is_empty() {
+                return Ok(answers);
+            }
+            for index in &some {
+                let (stage, command) = commands[*index];
+                // Twice: where one is lost, no older answer is taken for this one's.
+                for _ in 0..2 {
+                    self.set_stage_register(stage, READ_REGISTER, command)?;
+                }
+            }
+            let shown = self.shown(stages)?;
+            let word = |stage: usize, part: ReadBack| shown[4 * stage + part as usize];
+            for index in some {
+                let stage = commands[index].0;
+                let row =
+                    u64::from(word(stage, ReadBack::Low)) | u64::from(word(stage, ReadBack::High)) << 32;
+                answers[index] = Answer { crc: word(stage, ReadBack::Crc), row };
+            }
+        }
+    }
+
+    /// What the stages show once none of them reads any more.
+    fn shown(&mut self, stages: usize) -> Result<Vec<u32>, Error> {
+        for look in 1..=MOST_LOOKS {
+            let words = self.link.glance(STAGE_READS.address, 4 * stages)?;
+            let mut busy = (0..stages).map(|stage| words[4 * stage + ReadBack::Busy as usize]);
+            if busy.all(|busy| busy == 0) {
+                return self.link.read(STAGE_READS.address, 4 * stages);
+            }
+            // A byte too many would move all answers after it.
+            if look % LOOKS == 0 {
+                self.link.settle()?;
+            }
+        }
+        let what = "what the stages read back".to_owned();
+        Err(Error::Noisy { port: self.port(), what, tried: MOST_LOOKS as u32 })
+    }
+}
+
+/// Register of a stage that says what is skipped.
+pub(crate) const SKIP_ROW: usize = 2;
+
+/// The bank that `control` asks for.
+pub(crate) const fn bank_of(control: u32) -> Set {
+    if control & map::WEIGHT_SET == 0 { Set::First } else { Set::Second }
+}
+
+/// The bit of `control` that asks for a bank.
+pub(crate) const fn control_bit(bank: Set) -> u32 {
+    match bank {
+        Set::First => 0,
+        Set::Second => map::WEIGHT_SET,
+    }
+}

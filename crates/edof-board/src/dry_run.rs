@@ -1,0 +1,131 @@
+//! How long a load takes: the same load, byte by byte, to a board that is none.
+
+use crate::board::{Board, control_bit};
+use crate::contents::{Part, frames, letter, other, parts};
+use crate::error::Error;
+use crate::line::{Line, line_time};
+use crate::link::PATIENCE;
+use crate::load::{Job, table_words};
+use crate::protocol::{self, MOST_WORDS};
+use crate::simulated::Simulated;
+use edof_golden::Display;
+use edof_spec::design::memory::Set;
+use edof_spec::registers::map::CONTROL;
+use edof_spec::{CfaPhase, FixedNetwork, RawFrame};
+use serde::Serialize;
+use std::time::Duration;
+
+/// What a load would do.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plan {
+    /// The bank that would be written.
+    pub bank: char,
+    /// Parts that would be written.
+    pub written_parts: usize,
+    /// Of so many.
+    pub parts: usize,
+    /// Words that would be sent.
+    pub words: u64,
+    /// Bits a second.
+    pub baud: u32,
+    /// Bytes to the board and from it, those of all checks too.
+    pub bytes: [u64; 2],
+    /// Frames after which the host waits for an answer: each costs a turn-round of the line's bridge besides.
+    pub turns: u64,
+    /// Seconds on the line.
+    pub seconds: f64,
+}
+
+/// A line that counts questions.
+struct Counted {
+    board: Simulated,
+    turns: u64,
+}
+
+impl Line for Counted {
+    fn name(&self) -> &str {
+        self.board.name()
+    }
+
+    fn baud(&self) -> u32 {
+        self.board.baud()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.turns += 1;
+        self.board.send(bytes)
+    }
+
+    fn receive(&mut self, most: usize, patience: Duration) -> std::io::Result<Vec<u8>> {
+        self.board.receive(most, patience)
+    }
+}
+
+/// What a load would do at that speed, to a bank of which `held` tells for each part the CRC that it has now; of nothing else than the design
+/// where that is none.
+///
+/// # Errors
+/// A network that does not fit.
+pub fn plan(job: &Job<'_>, bank: Set, held: Option<&[u32]>, baud: u32) -> Result<Plan, Error> {
+    job.network.check()?;
+    job.design.check_network(job.network)?;
+    let wanted = parts(job.design, job.network, bank);
+    let mut line = Counted { board: stand_in(job, bank, &wanted, held, baud)?, turns: 0 };
+    let mut board = Board::open(&mut line, PATIENCE)?;
+    let opened = board.line();
+    let (bytes, before) = (opened.board.bytes, opened.board.now());
+    opened.turns = 0;
+    let full = job.full || held.is_none();
+    let loaded = board.load(&Job { full, ..*job }, &mut |_, _| true)?;
+    let now = line.board.bytes;
+    Ok(Plan {
+        bank: letter(bank),
+        written_parts: loaded.written_parts,
+        parts: loaded.parts,
+        words: loaded.words,
+        baud,
+        bytes: [now[0] - bytes[0], now[1] - bytes[1]],
+        turns: line.turns,
+        seconds: (line.board.now() - before) as f64 * 1e-9,
+    })
+}
+
+/// A board whose bank has what the real one has, as far as anybody knows: parts that are right, parts of a known network, and others.
+fn stand_in(
+    job: &Job<'_>,
+    bank: Set,
+    wanted: &[Part],
+    held: Option<&[u32]>,
+    baud: u32,
+) -> Result<Simulated, Error> {
+    let (width, height) = (job.design.frame.width, job.design.frame.height);
+    let grey = ndarray::Array2::from_elem((height, width), 1 << 14);
+    let raw = RawFrame::from_values(grey, 16, CfaPhase::Rggb)
+        .map_err(|error| Error::Simulation(Box::new(error)))?;
+    let mut board = Simulated::new(job.design, [job.network; 2], &Display::default(), raw, baud)?;
+    // Its pictures stand still, since nobody looks at them, and the other bank is in use.
+    protocol::write(CONTROL, &[control_bit(other(bank))]).into_iter().for_each(|byte| board.byte(byte));
+    let bases: Vec<Part> =
+        job.known.iter().flat_map(|network: &FixedNetwork| parts(job.design, network, bank)).collect();
+    for (part, crc) in wanted.iter().zip(held.unwrap_or(&[])) {
+        let base = bases.iter().find(|base| base.is_at(part) && base.crc == *crc);
+        let words = match base {
+            _ if *crc == part.crc => vec![],
+            Some(base) => base.words(),
+            None => part.words().into_iter().take(1).map(|(address, word)| (address, !word)).collect(),
+        };
+        for (address, some) in frames(&words, MOST_WORDS) {
+            protocol::write(address, &some).into_iter().for_each(|byte| board.byte(byte));
+        }
+    }
+    Ok(board)
+}
+
+/// Seconds that the display's tables take besides, and their words.
+#[must_use]
+pub fn tables(display: &Display, baud: u32) -> (u64, f64) {
+    let words = table_words(display);
+    let frames = frames(&words, MOST_WORDS).len();
+    let bytes = 4 * words.len() + frames * (2 * protocol::HEADER + 4);
+    (words.len() as u64, line_time(bytes, baud).as_secs_f64())
+}

@@ -1,0 +1,85 @@
+//! What can go wrong between a host and a board.
+
+use edof_spec::design::DesignError;
+use edof_spec::fixed_network::FixedNetworkError;
+use edof_spec::registers::map::{ID, VERSION};
+
+/// Why nothing, or not all, came of what was asked.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum Error {
+    /// The line cannot be opened or used.
+    #[error("{port}: {source}")]
+    Port { port: String, source: std::io::Error },
+    /// Nothing comes back.
+    #[error(
+        "{port}: no answer, asked {asked} times: check cable, power and speed, and that a board of edof is loaded"
+    )]
+    Silent { port: String, asked: u32 },
+    /// What comes back is not the same twice, or what is sent does not arrive.
+    #[error(
+        "{port}: {what} did not come through in {tried} attempts: the line is too noisy, or something else talks on it"
+    )]
+    Noisy { port: String, what: String, tried: u32 },
+    /// No board of ours.
+    #[error(
+        "{port}: reads 0x{found:08x} as id, expected 0x{ID:08x} (EDOF): no board of edof, or another speed"
+    )]
+    Stranger { port: String, found: u32 },
+    /// A board of another time.
+    #[error("{port}: has version {}.{} of the register map, expected {}.x", found >> 16, found & 0xffff, VERSION >> 16)]
+    Version { port: String, found: u32 },
+    /// A name that stands for nothing.
+    #[error("register '{name}': there is none; edof board dump lists all")]
+    NoRegister { name: String },
+    /// A field that a register does not have.
+    #[error("register '{register}.{field}': {register} has {}", if fields.is_empty() { "no fields".into() } else { format!("the fields {fields}") })]
+    NoField { register: String, field: String, fields: String },
+    /// A word outside of a window.
+    #[error("register '{window}[{index}]': must be a word from 0 to {most}")]
+    NoWord { window: String, index: String, most: u32 },
+    /// What can only be read, or only written.
+    #[error("register '{name}': can only be {only}")]
+    OneWay { name: String, only: &'static str },
+    /// A value that does not fit.
+    #[error("register '{name}', value {value}: must be {expected}")]
+    Value { name: String, value: String, expected: String },
+    /// A design whose memories are unknown.
+    #[error(
+        "{port}: the board's design {hash:08x}, {width}x{height}, is none that this program knows: name its file by --design"
+    )]
+    UnknownDesign { port: String, hash: u32, width: u32, height: u32 },
+    /// Another design than the one that was named.
+    #[error("{port}: the board's design is {found:08x}, that of --design {name} is {expected:08x}")]
+    OtherDesign { port: String, name: String, found: u32, expected: u32 },
+    /// A network that does not fit the design.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// A network that cannot run exactly.
+    #[error(transparent)]
+    Network(#[from] FixedNetworkError),
+    /// What the board holds is not what it should.
+    #[error(
+        "{port}: bank {bank} does not hold {weights}: {wrong} of {pieces} parts differ, the first is {first}"
+    )]
+    Differs { port: String, bank: char, weights: String, wrong: usize, pieces: usize, first: String },
+    /// The load did not come to its end.
+    #[error(
+        "{port}: {wrong} parts of bank {bank} still differ after {rounds} rounds; bank {active} is in use as before"
+    )]
+    NotLoaded { port: String, bank: char, active: char, wrong: usize, rounds: u32 },
+    /// A word went astray into the bank in use, and nobody knows what was there.
+    #[error(
+        "{port}: {wrong} parts of bank {bank} were spoilt on the way and their network is unknown: load it again"
+    )]
+    Spoilt { port: String, bank: char, wrong: usize },
+    /// No pseudo-terminal.
+    #[error("pseudo-terminal: {0}")]
+    Terminal(String),
+    /// A simulation that stopped.
+    #[error("the simulated board stopped: {0}")]
+    Simulation(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}

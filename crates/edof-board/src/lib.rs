@@ -1,0 +1,52 @@
+//! The link to a board, real or simulated: bytes on a serial line in, registers, weights and counters out.
+//!
+//! | step | module | gives |
+//! |---|---|---|
+//! | bytes | [`line`] | a serial port of this machine, or anything else that carries bytes ([`Line`]) |
+//! | frames | [`protocol`] | LiteX's UARTBone: words written and read |
+//! | words that arrive | [`link`] | repeated where the line lost, doubled or changed a byte |
+//! | registers by name | [`names`] | `control.colour`, `stage_counters[4]` |
+//! | the board | [`board`] | who it is, its control, its stages ([`Board`]) |
+//! | what a bank must hold | [`contents`] | a network in parts that the circuit makes a CRC of |
+//! | load, verify | [`load`] | a network in the idle bank, all of it right, then in use |
+//! | how long that takes | [`dry_run`] | the same load, to a board that is none |
+//! | counters | [`status`] | frames a second, late ones, saturations |
+//! | a board in Rust | [`simulated`] | the same registers and memories, pictures of the golden pipeline ([`Simulated`]) |
+//! | as a device | [`terminal`] | a simulated board behind a pseudo-terminal |
+//!
+//! ```
+//! use edof_board::load::Job;
+//! use edof_board::{Board, Simulated, link};
+//! use edof_golden::Display;
+//! use edof_spec::{CfaPhase, Design, RawFrame};
+//!
+//! let design = Design::from_json(include_str!("../../../designs/tiny.json"))?;
+//! let [old, new] = [1, 2].map(|seed| edof_random::for_design(&design, seed));
+//! let raw = RawFrame::from_values(ndarray::Array2::from_elem((48, 64), 700), 12, CfaPhase::Rggb)?;
+//! let line = Simulated::new(&design, [&old, &old], &Display::default(), raw, 921_600)?;
+//! // On a bench: edof_board::line::Serial::open("/dev/ttyUSB0", 921_600)?
+//! let mut board = Board::open(line, link::PATIENCE)?;
+//! let job = Job { design: &design, network: &new, bank: None, full: false, read_back: false, known: &[] };
+//! let loaded = board.load(&job, &mut |_, _| true)?;
+//! assert_eq!((loaded.bank, loaded.in_use), ('b', 'b'));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod board;
+pub mod contents;
+pub mod dry_run;
+pub mod error;
+pub mod line;
+pub mod link;
+pub mod load;
+pub mod names;
+pub mod protocol;
+pub mod simulated;
+pub mod status;
+#[cfg(unix)]
+pub mod terminal;
+
+pub use board::Board;
+pub use error::Error;
+pub use line::{Line, Serial};
+pub use simulated::Simulated;

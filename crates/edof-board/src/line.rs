@@ -1,0 +1,165 @@
+//! A line to a board: bytes there, bytes back.
+
+use crate::error::Error;
+use edof_spec::board::BAUD;
+use serialport::{ClearBuffer, SerialPort, SerialPortType};
+use std::io::{self, Read, Write};
+use std::time::Duration;
+
+/// Bits on the line for a byte: start, eight, stop.
+pub const BITS_PER_BYTE: u32 = 10;
+
+/// Bytes to a board and from it.
+pub trait Line {
+    /// What it is called in messages.
+    fn name(&self) -> &str;
+
+    /// Bits a second.
+    fn baud(&self) -> u32;
+
+    /// Sends bytes.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// Some of the bytes that come, `most` at most; none if none comes for so long.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>>;
+}
+
+/// How long bytes are on a line of that speed.
+#[must_use]
+pub fn line_time(bytes: usize, baud: u32) -> Duration {
+    Duration::from_secs_f64(bytes as f64 * f64::from(BITS_PER_BYTE) / f64::from(baud.max(1)))
+}
+
+impl<L: Line + ?Sized> Line for Box<L> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn baud(&self) -> u32 {
+        (**self).baud()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        (**self).send(bytes)
+    }
+
+    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        (**self).receive(most, patience)
+    }
+}
+
+impl<L: Line + ?Sized> Line for &mut L {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn baud(&self) -> u32 {
+        (**self).baud()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        (**self).send(bytes)
+    }
+
+    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        (**self).receive(most, patience)
+    }
+}
+
+/// A serial port of this machine, eight bits, no parity, one stop bit.
+pub struct Serial {
+    port: Box<dyn SerialPort>,
+    name: String,
+    baud: u32,
+}
+
+/// How long sending may take beyond the time that bytes are on the line.
+const SENDING: Duration = Duration::from_secs(5);
+
+impl Serial {
+    /// Opens a port, or a pseudo-terminal, at so many bits a second. What it has received until now is thrown away.
+    ///
+    /// # Errors
+    /// [`Error::Port`]: there is none, somebody else has it, or it does not have that speed.
+    pub fn open(name: &str, baud: u32) -> Result<Self, Error> {
+        let failed = |error: serialport::Error| Error::Port { port: name.into(), source: error.into() };
+        let port = serialport::new(name, baud).open().map_err(failed)?;
+        port.clear(ClearBuffer::Input).map_err(failed)?;
+        Ok(Self { port, name: name.into(), baud })
+    }
+}
+
+impl Line for Serial {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn baud(&self) -> u32 {
+        self.baud
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.port.set_timeout(SENDING + line_time(bytes.len(), self.baud))?;
+        self.port.write_all(bytes)
+    }
+
+    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        self.port.set_timeout(patience)?;
+        let mut bytes = vec![0; most];
+        loop {
+            match self.port.read(&mut bytes) {
+                Ok(count) => {
+                    bytes.truncate(count);
+                    return Ok(bytes);
+                }
+                Err(error) if error.kind() == io::ErrorKind::TimedOut => return Ok(vec![]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+}
+
+/// A serial port of this machine at which a board may be.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Port {
+    /// How it is opened.
+    pub name: String,
+    /// What the system says of it.
+    pub about: String,
+}
+
+/// The serial ports of this machine, those with a USB bridge first: the KC705 has a CP2103.
+#[must_use]
+pub fn ports() -> Vec<Port> {
+    // Where the system has no list there are none.
+    if cfg!(target_os = "linux") && !std::path::Path::new("/sys/class/tty").is_dir() {
+        return vec![];
+    }
+    let mut found: Vec<(bool, Port)> = serialport::available_ports()
+        .unwrap_or_default()
+        .into_iter()
+        .map(|port| {
+            let usb = match port.port_type {
+                SerialPortType::UsbPort(usb) => Some(usb),
+                _ => None,
+            };
+            let about = usb.as_ref().map_or("serial port".to_owned(), |usb| {
+                let product = usb.product.as_deref().unwrap_or("USB");
+                format!("{product} ({:04x}:{:04x})", usb.vid, usb.pid)
+            });
+            (usb.is_none(), Port { name: port.port_name, about })
+        })
+        .collect();
+    found.sort_by(|(a, one), (b, other)| (a, &one.name).cmp(&(b, &other.name)));
+    found.into_iter().map(|(_, port)| port).collect()
+}
+
+/// The speed of the KC705's line.
+pub const DEFAULT_BAUD: u32 = BAUD;

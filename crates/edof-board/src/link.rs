@@ -1,0 +1,179 @@
+//! Words read and written over a line that may lose, double or change bytes.
+//!
+//! The board answers no write, and no frame has a checksum. So every frame that writes is followed by one that reads `uart_broken`, the
+//! board's count of frames that it gave up, and the host waits for that answer. What is wrong shows there: a byte too few, and the
+//! board takes the question for the rest of the words and does not answer; a byte too many, and it counts one more. Whatever the
+//! question is taken for, it writes nothing. A word that was changed on its way shows in the checks afterwards (`crate::load`).
+
+use crate::error::Error;
+use crate::line::{Line, line_time};
+use crate::protocol;
+use edof_spec::board::UART_TIME_OUT_MS;
+use edof_spec::registers::map::UART_BROKEN;
+use std::time::Duration;
+
+/// Attempts before a line is given up.
+const ATTEMPTS: u32 = 6;
+/// After so long without a byte the board has given up a frame that was cut off, and nothing is on its way any more.
+const QUIET: Duration = Duration::from_millis(UART_TIME_OUT_MS as u64 * 5 / 4);
+/// Times that bytes are thrown away before a line that never rests is taken as it is.
+const UNREST: usize = 100;
+/// Bytes that are taken at once where they are thrown away.
+const THROWN_AWAY: usize = 4096;
+/// How long an answer may take beyond its time on the line, where the user says nothing else.
+pub const PATIENCE: Duration = Duration::from_millis(250);
+
+/// A line, and what is known of the board's side.
+pub struct Link<L> {
+    line: L,
+    patience: Duration,
+    /// What `uart_broken` was last.
+    broken: Option<u32>,
+    /// Frames that were sent again.
+    pub repeats: u64,
+}
+
+impl<L: Line> Link<L> {
+    /// Over a line whose other end answers within `patience` and the time that bytes take.
+    pub const fn new(line: L, patience: Duration) -> Self {
+        Self { line, patience, broken: None, repeats: 0 }
+    }
+
+    /// What the line is called in messages.
+    pub fn name(&self) -> String {
+        self.line.name().to_owned()
+    }
+
+    /// The line.
+    pub const fn line(&mut self) -> &mut L {
+        &mut self.line
+    }
+
+    fn failed(&self) -> impl Fn(std::io::Error) -> Error + use<L> {
+        let port = self.name();
+        move |source| Error::Port { port: port.clone(), source }
+    }
+
+    /// Sends frames of which the last is answered by so many words; none if they do not all come.
+    fn exchange(&mut self, frames: &[u8], words: usize) -> Result<Option<Vec<u32>>, Error> {
+        let failed = self.failed();
+        self.throw_away(Duration::ZERO)?;
+        self.line.send(frames).map_err(&failed)?;
+        let wanted = 4 * words;
+        let patience = self.patience + line_time(frames.len() + wanted, self.line.baud());
+        let mut bytes = Vec::with_capacity(wanted);
+        while bytes.len() < wanted {
+            let some = self.line.receive(wanted - bytes.len(), patience).map_err(&failed)?;
+            if some.is_empty() {
+                return Ok(None);
+            }
+            bytes.extend(some);
+        }
+        Ok(Some(protocol::words(&bytes)))
+    }
+
+    /// Throws away what comes, until nothing comes for so long.
+    fn throw_away(&mut self, quiet: Duration) -> Result<(), Error> {
+        for _ in 0..UNREST {
+            if self.line.receive(THROWN_AWAY, quiet).map_err(self.failed())?.is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits until the board has surely given up what was cut off.
+    ///
+    /// # Errors
+    /// The line is gone.
+    pub fn settle(&mut self) -> Result<(), Error> {
+        self.broken = None;
+        self.repeats += 1;
+        self.throw_away(QUIET.max(self.patience))
+    }
+
+    /// Waits until the board has given up what another host may have begun.
+    ///
+    /// # Errors
+    /// The line is gone.
+    pub fn wait_out(&mut self) -> Result<(), Error> {
+        self.throw_away(QUIET)
+    }
+
+    /// Reads words from a byte address on, for what may be another word at any time.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn glance(&mut self, address: u32, words: usize) -> Result<Vec<u32>, Error> {
+        for _ in 0..ATTEMPTS {
+            if let Some(found) = self.exchange(&protocol::read(address, words), words)? {
+                return Ok(found);
+            }
+            self.settle()?;
+        }
+        Err(Error::Silent { port: self.name(), asked: ATTEMPTS })
+    }
+
+    /// Reads words from a byte address on that stand still: until two answers one after the other agree.
+    ///
+    /// # Errors
+    /// No answer, or never the same one.
+    pub fn read(&mut self, address: u32, words: usize) -> Result<Vec<u32>, Error> {
+        let mut last = self.glance(address, words)?;
+        for _ in 0..ATTEMPTS {
+            let found = self.glance(address, words)?;
+            if found == last {
+                return Ok(found);
+            }
+            self.settle()?;
+            last = found;
+        }
+        Err(self.noisy(&format!("the word at 0x{address:x}")))
+    }
+
+    /// Writes words, 255 at most, from a byte address on, and makes sure that the board took as many bytes as were sent.
+    ///
+    /// # Errors
+    /// No answer, or never the right one.
+    pub fn write(&mut self, address: u32, words: &[u32]) -> Result<(), Error> {
+        let mut answered = false;
+        for _ in 0..ATTEMPTS {
+            let before = match self.broken {
+                Some(broken) => broken,
+                None => self.read(UART_BROKEN, 1)?[0],
+            };
+            let question = protocol::read(UART_BROKEN, 1);
+            let answer = self.exchange(&[protocol::write(address, words), question].concat(), 1)?;
+            if answer.as_deref() == Some(&[before]) {
+                self.broken = Some(before);
+                return Ok(());
+            }
+            answered |= answer.is_some();
+            self.settle()?;
+        }
+        if answered {
+            Err(self.noisy(&format!("words for 0x{address:x}")))
+        } else {
+            Err(Error::Silent { port: self.name(), asked: ATTEMPTS })
+        }
+    }
+
+    /// Writes a word and reads it back.
+    ///
+    /// # Errors
+    /// As [`Link::read`] and [`Link::write`].
+    pub fn set(&mut self, address: u32, word: u32) -> Result<(), Error> {
+        for _ in 0..ATTEMPTS {
+            self.write(address, &[word])?;
+            if self.read(address, 1)? == [word] {
+                return Ok(());
+            }
+            self.settle()?;
+        }
+        Err(self.noisy(&format!("a word for 0x{address:x}")))
+    }
+
+    fn noisy(&self, what: &str) -> Error {
+        Error::Noisy { port: self.name(), what: what.into(), tried: ATTEMPTS }
+    }
+}

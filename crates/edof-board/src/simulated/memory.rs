@@ -1,0 +1,248 @@
+//! What a calculator's stages hold: weights, thresholds, shifts, and what reads them back.
+
+use edof_spec::FixedNetwork;
+use edof_spec::colour::OUTPUTS_422;
+use edof_spec::design::memory::{CONTROL_SKIP, Shifts, row_bits, threshold_words};
+use edof_spec::design::reading::{READ_REGISTER, ReadBack, bank_rows, crc};
+use edof_spec::design::stage::Kind;
+use edof_spec::design::{BANK_LANES, BEAT, Design, StagePlan};
+use edof_spec::fixed_network::FixedMatrix;
+use edof_spec::network::{Form, Recurrence};
+use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+
+/// One stage.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    plan: StagePlan,
+    /// Rows of each bank by their numbers; a number that stands for no row holds 0.
+    weights: Vec<Vec<u64>>,
+    /// Both sets of thresholds, and of those of the stage before.
+    thresholds: [Vec<u32>; 2],
+    shifts: [u32; 2],
+    skip: u32,
+    start: ([u32; 2], u32),
+    /// What was read last: CRC, row.
+    read: (u32, u64),
+}
+
+/// Bits of a register of shifts.
+const SHIFT_BITS: u32 = (1 << 20) - 1;
+
+impl Stage {
+    /// A stage whose sets start with these networks.
+    #[must_use]
+    pub fn new(design: &Design, plan: StagePlan, sets: [&FixedNetwork; 2]) -> Self {
+        let both = |one: &dyn Fn(&FixedNetwork) -> Vec<u32>| sets.iter().flat_map(|n| one(n)).collect();
+        let bank = |bank| sets.iter().flat_map(|n| bank_rows(n, &plan, bank)).collect();
+        let kept = |there: bool, before: bool| match there {
+            true => both(&|network| threshold_words(network, &plan, before)),
+            false => vec![],
+        };
+        let shifts = sets.map(|network| Shifts::of(network, &plan).word());
+        let skip = if design.skip_zeros { CONTROL_SKIP } else { 0 };
+        Self {
+            weights: (0..plan.banks()).map(bank).collect(),
+            thresholds: [kept(plan.shrinks(), false), kept(plan.sends_difference, true)],
+            shifts,
+            skip,
+            start: (shifts, skip),
+            read: (0, 0),
+            plan,
+        }
+    }
+
+    /// What a reset does: registers as the design was generated with, memories as they are.
+    pub fn reset(&mut self) {
+        (self.shifts, self.skip) = self.start;
+        self.forget();
+    }
+
+    /// What a flush does to what is being read.
+    pub fn forget(&mut self) {
+        self.read = (0, 0);
+    }
+
+    /// Writes a word to {space (2 bits), bank (6), row (12), half (1)}; gives the set that it belongs to, if one, and the rows that a
+    /// command reads.
+    pub fn write(&mut self, address: u32, word: u32) -> (Option<usize>, usize) {
+        let (space, bank) = (address >> 19 & 3, (address >> 13 & 0x3f) as usize);
+        let (row, half) = ((address >> 1 & 0xfff) as usize, address & 1);
+        match space {
+            0 => {
+                let rows = self.plan.weight_rows() << row_bits(&self.plan);
+                let part = row & ((1 << row_bits(&self.plan)) - 1);
+                let found = self.weights.get_mut(bank).and_then(|bank| bank.get_mut(row));
+                let Some(found) = found.filter(|_| part < self.plan.row_words()) else { return (None, 0) };
+                *found = *found & !(0xffff_ffff << (32 * half)) | u64::from(word) << (32 * half);
+                (Some(row / rows), 0)
+            }
+            3 if row == READ_REGISTER => (None, self.command(word)),
+            3 => {
+                match row {
+                    0 | 1 => self.shifts[row] = word & SHIFT_BITS,
+                    2 => self.skip = word & CONTROL_SKIP,
+                    _ => {}
+                }
+                (Some(row).filter(|row| *row < 2), 0)
+            }
+            _ => {
+                let Some(found) = self.thresholds[space as usize - 1].get_mut(row) else { return (None, 0) };
+                *found = word;
+                (Some(row / self.plan.beats_out()), 0)
+            }
+        }
+    }
+
+    /// Reads rows.
+    fn command(&mut self, command: u32) -> usize {
+        let (space, bank) = (command >> 30, (command >> 24 & 0x3f) as usize);
+        let (first, count) = ((command >> 12 & 0xfff) as usize, (command & 0xfff) as usize + 1);
+        let row = |row: usize| match space {
+            0 => self.weights.get(bank).and_then(|bank| bank.get(row)).copied().unwrap_or(0),
+            3 => [self.shifts[0], self.shifts[1], self.skip].get(row).copied().unwrap_or(0).into(),
+            _ => self.thresholds[space as usize - 1].get(row).copied().unwrap_or(0).into(),
+        };
+        let rows: Vec<u64> = (first..first + count).map(row).collect();
+        self.read = (crc(rows.iter().copied()), rows[count - 1]);
+        count
+    }
+
+    /// What it shows of what it read.
+    #[must_use]
+    pub const fn shown(&self, part: u32) -> u32 {
+        let (crc, row) = self.read;
+        match part {
+            p if p == ReadBack::Crc as u32 => crc,
+            p if p == ReadBack::Low as u32 => row as u32,
+            p if p == ReadBack::High as u32 => (row >> 32) as u32,
+            _ => 0,
+        }
+    }
+
+    fn weight(&self, set: usize, output: usize, input: usize) -> i16 {
+        let plan = &self.plan;
+        let (pass, lane) = (output / plan.lanes, output % plan.lanes);
+        let (part, row) =
+            if plan.is_dense() { (input / plan.segment(), input % plan.segment()) } else { (0, input) };
+        let number = ((set * plan.weight_rows() + pass * plan.pass_rows() + row) << row_bits(plan)) + part;
+        (self.weights[lane / BANK_LANES][number] >> (16 * (lane % BANK_LANES))) as i16
+    }
+
+    fn threshold(&self, set: usize, output: usize) -> i16 {
+        (self.thresholds[0][set * self.plan.beats_out() + output / BEAT] >> (16 * (output % BEAT))) as i16
+    }
+
+    fn shift(&self, set: usize) -> [i64; 4] {
+        let field = |low: u32, bits: u32| i64::from(self.shifts[set] >> low & ((1 << bits) - 1));
+        [field(0, 6), field(6, 6), field(12, 4), field(16, 4)]
+    }
+}
+
+/// The network that a set of all stages makes, none where its words are no network that could run. `like` gives what memories do not hold:
+/// window of averaging, origin.
+#[must_use]
+pub fn network(design: &Design, stages: &[Stage], set: usize, like: &FixedNetwork) -> Option<FixedNetwork> {
+    let same = |network: &FixedNetwork| {
+        stages.iter().all(|stage| Shifts::of(network, &stage.plan).word() == stage.shifts[set])
+    };
+    // Fraction bits follow from shifts but for those of the first code.
+    let candidates = (0..=30).filter_map(|first| with_first(design, stages, set, like, first));
+    candidates.into_iter().find(|network| network.check().is_ok() && same(network))
+}
+
+fn with_first(
+    design: &Design,
+    stages: &[Stage],
+    set: usize,
+    like: &FixedNetwork,
+    first: i64,
+) -> Option<FixedNetwork> {
+    let form = Form { tied: false, ..design.form };
+    let whole = |fraction: i64| u32::try_from(fraction).ok().filter(|f| *f <= 48);
+    let matrix = |stage: &Stage, (rows, columns): (usize, usize), from: usize, fraction: i64| {
+        let weights =
+            ndarray::Array2::from_shape_fn((rows, columns), |(o, i)| stage.weight(set, o, from + i));
+        Some(FixedMatrix { weights, fraction: whole(fraction)? })
+    };
+    let (codes, pixels) = (form.codes, form.window.pixels());
+    let mut fractions = vec![first];
+    let [result, ..] = stages[0].shift(set);
+    let input = i64::from(INPUT_FRACTION);
+    let mut recurrent = vec![];
+    let last = stages.last()?;
+    // The formulas of `edof_spec::fixed_network`, solved for fraction bits.
+    let analysis_fraction = result + first - input;
+    let mut recurrent_fractions = vec![];
+    for (layer, stage) in stages[1..stages.len() - 1].iter().enumerate() {
+        let [result, base, ..] = stage.shift(set);
+        let of_base = if form.recurrence == Recurrence::Direct { first } else { fractions[layer] };
+        let sum = base + of_base;
+        recurrent_fractions.push(sum - fractions[layer]);
+        fractions.push(sum - result);
+    }
+    let [result, _, code, linear] = last.shift(set);
+    let sum = i64::from(OUTPUT_FRACTION) + result;
+    let dictionary_fraction = sum - code - fractions[fractions.len() - 1];
+    let code_fractions = fractions.iter().map(|f| whole(*f)).collect::<Option<Vec<u32>>>()?;
+    for (stage, fraction) in stages[1..].iter().zip(&recurrent_fractions) {
+        debug_assert_eq!(stage.plan.kind, Kind::M);
+        recurrent.push(matrix(stage, (codes, codes), 0, *fraction)?);
+    }
+    let linear_path = match form.linear_path {
+        true => Some(matrix(last, (OUTPUTS_422, pixels), codes, sum - linear - input)?),
+        false => None,
+    };
+    let theta = |stage: &Stage| (0..codes).map(|output| stage.threshold(set, output)).collect();
+    Some(FixedNetwork {
+        form,
+        code_bits: design.code_bits,
+        stride: design.frame.stride,
+        analysis: matrix(&stages[0], (codes, pixels), 0, analysis_fraction)?,
+        thresholds: stages[..stages.len() - 1].iter().map(theta).collect(),
+        recurrent,
+        dictionary: matrix(last, (OUTPUTS_422, codes), 0, dictionary_fraction)?,
+        linear_path,
+        code_fractions,
+        ..like.clone()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_spec::design::memory::{Set, writes};
+
+    #[test]
+    fn a_network_comes_back_out_of_the_memories() {
+        let tiny = Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
+        for seed in 0..20 {
+            let mut design = tiny.clone();
+            if seed % 2 == 1 {
+                design.form.recurrence = Recurrence::Difference;
+            }
+            let (old, new) =
+                (edof_random::for_design(&design, 100 + seed), edof_random::for_design(&design, seed));
+            let mut stages: Vec<Stage> =
+                design.stages().map(|plan| Stage::new(&design, plan, [&old, &old])).collect();
+            for (address, word) in writes(&design, &new, Set::Second) {
+                let (set, _) = stages[(address >> 21) as usize].write(address & 0x1f_ffff, word);
+                assert_eq!(set, Some(1));
+            }
+            for (set, expected) in [&old, &new].into_iter().enumerate() {
+                let found = network(&design, &stages, set, &old).unwrap();
+                assert_eq!(found.analysis.weights, expected.analysis.weights);
+                assert_eq!(
+                    found.recurrent.iter().map(|m| &m.weights).collect::<Vec<_>>(),
+                    expected.recurrent.iter().map(|m| &m.weights).collect::<Vec<_>>()
+                );
+                assert_eq!(
+                    (found.dictionary.weights.clone(), &found.thresholds),
+                    (expected.dictionary.weights.clone(), &expected.thresholds)
+                );
+                for plan in design.stages() {
+                    assert_eq!(Shifts::of(&found, &plan), Shifts::of(expected, &plan), "seed {seed}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,444 @@
+//! A board in Rust: the same registers, memories and answers as the circuit's, byte by byte, and pictures of the golden pipeline. Not its
+//! cycles: what takes a frame takes a frame's time.
+//!
+//! | what | module |
+//! |---|---|
+//! | its end of the line | [`uart`] |
+//! | what the stages hold | [`memory`] |
+//! | frames, tables, pictures | [`video`] |
+//!
+//! Time is its own: it passes with every byte on the line, and when it is told to.
+
+pub mod memory;
+pub mod uart;
+pub mod video;
+
+use crate::error::Error;
+use crate::line::{BITS_PER_BYTE, Line};
+use edof_golden::cycle::estimate;
+use edof_golden::{Display, Golden};
+use edof_spec::board::{CORE_KILOHERTZ, UART_TIME_OUT_MS};
+use edof_spec::design::memory::WHOLE_CHAIN;
+use edof_spec::design::reading::ReadBack;
+use edof_spec::design::timing::{READ_LATENCY, READ_PERIOD};
+use edof_spec::registers::identity::{design_hash, weights_hash};
+use edof_spec::registers::map::{self, DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
+use edof_spec::registers::{Access, Window};
+use edof_spec::video::VideoTiming;
+use edof_spec::{Design, DisplayMode, FixedNetwork, RawFrame};
+use memory::Stage;
+use std::collections::{BTreeMap, VecDeque};
+use std::io;
+use std::time::Duration;
+use uart::{Bus, Uart};
+use video::{Made, Pixels, Tables};
+
+/// Nanoseconds.
+type Time = u64;
+
+/// Pictures that are remembered.
+const REMEMBERED: usize = 64;
+
+/// A simulated board.
+pub struct Simulated {
+    inside: Inside,
+    uart: Uart,
+    baud: u32,
+    now: Time,
+    last_byte: Time,
+    /// Bytes on their way to the host, and when each has arrived.
+    leaving: VecDeque<(Time, u8)>,
+    /// Until then bytes of the host are not heard.
+    deaf_until: Time,
+    frame_time: Time,
+    next_frame: Time,
+    /// Bytes from the host, and to it.
+    pub bytes: [u64; 2],
+}
+
+/// What lies behind the line.
+struct Inside {
+    design: Design,
+    like: FixedNetwork,
+    start_hash: u32,
+    stages: Vec<Stage>,
+    /// When each stage has read what it was told to.
+    reads_until: Vec<Time>,
+    tables: Tables,
+    controls: BTreeMap<u32, u32>,
+    counts: BTreeMap<&'static str, u32>,
+    stage_counts: [Vec<[u32; 4]>; 2],
+    now: Time,
+    raw: RawFrame,
+    /// Changes with every word of a set, or of a table.
+    versions: [u64; 3],
+    cached: Option<(Key, Option<Made>)>,
+    /// The frame under way.
+    begun: Option<Key>,
+    last_set: usize,
+    uart_broken: u32,
+    cycles_per_patch: f64,
+    shown: Vec<Shown>,
+}
+
+/// What a picture depends on: set, version of it, mode, version of the tables.
+type Key = (usize, u64, bool, u64);
+
+/// A picture that came out of a simulated board.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Shown {
+    /// All of it with the same words.
+    Whole(Pixels),
+    /// Words changed while it was made, or they make no picture.
+    Mixed,
+}
+
+impl Simulated {
+    /// The board of a design whose sets start with these networks, with a camera that sends a raw frame again and again.
+    ///
+    /// # Errors
+    /// Networks or a frame that do not fit.
+    pub fn new(
+        design: &Design,
+        sets: [&FixedNetwork; 2],
+        display: &Display,
+        raw: RawFrame,
+        baud: u32,
+    ) -> Result<Self, Error> {
+        design.check()?;
+        for network in sets {
+            design.check_network(network)?;
+            Golden::new(network.clone())?;
+        }
+        let frame_time = (1e9 / VideoTiming::of_frame(design.frame).frames_per_second()) as Time;
+        let stages: Vec<Stage> = design.stages().map(|plan| Stage::new(design, plan, sets)).collect();
+        let mut inside = Inside {
+            design: design.clone(),
+            like: sets[0].clone(),
+            start_hash: weights_hash(design, sets[0]),
+            reads_until: vec![0; stages.len()],
+            stage_counts: [vec![[0; 4]; stages.len()], vec![[0; 4]; stages.len()]],
+            stages,
+            tables: Tables::of(display),
+            controls: BTreeMap::new(),
+            counts: BTreeMap::new(),
+            now: 0,
+            raw,
+            versions: [0; 3],
+            cached: None,
+            begun: None,
+            last_set: 0,
+            uart_broken: 0,
+            cycles_per_patch: estimate(design, None).cycles_per_patch,
+            shown: vec![],
+        };
+        inside.reset();
+        Ok(Self {
+            inside,
+            uart: Uart::default(),
+            baud,
+            now: 0,
+            last_byte: 0,
+            leaving: VecDeque::new(),
+            deaf_until: 0,
+            frame_time,
+            next_frame: frame_time,
+            bytes: [0; 2],
+        })
+    }
+
+    /// Nanoseconds of its time.
+    #[must_use]
+    pub const fn now(&self) -> u64 {
+        self.now
+    }
+
+    fn byte_time(&self) -> Time {
+        1_000_000_000 * u64::from(BITS_PER_BYTE) / u64::from(self.baud.max(1))
+    }
+
+    /// Lets time pass up to a moment, if that is still to come.
+    pub fn pass_to(&mut self, moment: u64) {
+        while self.next_frame <= moment {
+            self.now = self.now.max(self.next_frame);
+            self.inside.now = self.now;
+            self.inside.frame();
+            self.next_frame += self.frame_time;
+        }
+        self.now = self.now.max(moment);
+        self.inside.now = self.now;
+        let time_out = u64::from(UART_TIME_OUT_MS) * 1_000_000;
+        if self.uart.waits() && self.now.saturating_sub(self.last_byte) >= time_out {
+            self.uart.time_out();
+        }
+    }
+
+    /// A byte of the host arrives.
+    pub fn byte(&mut self, byte: u8) {
+        self.pass_to(self.now + self.byte_time());
+        self.bytes[0] += 1;
+        self.last_byte = self.now;
+        if self.now < self.deaf_until {
+            return;
+        }
+        self.inside.uart_broken = self.uart.broken;
+        let answer = self.uart.byte(byte, &mut self.inside);
+        let mut at = self.now;
+        for byte in answer {
+            // While the last byte leaves the next frame may begin.
+            self.deaf_until = at;
+            at += self.byte_time();
+            self.leaving.push_back((at, byte));
+        }
+    }
+
+    /// Bytes that have arrived at the host, `most` at most.
+    pub fn take(&mut self, most: usize) -> Vec<u8> {
+        let mut taken = vec![];
+        while taken.len() < most && self.leaving.front().is_some_and(|(at, _)| *at <= self.now) {
+            taken.extend(self.leaving.pop_front().map(|(_, byte)| byte));
+        }
+        self.bytes[1] += taken.len() as u64;
+        taken
+    }
+
+    /// Lets time pass until all answers have arrived at the host, and gives them.
+    pub fn take_all(&mut self) -> Vec<u8> {
+        if let Some((at, _)) = self.leaving.back() {
+            self.pass_to(*at);
+        }
+        self.take(usize::MAX)
+    }
+
+    /// What its reset does.
+    pub fn reset(&mut self) {
+        self.uart = Uart::default();
+        self.leaving.clear();
+        self.deaf_until = 0;
+        self.inside.reset();
+    }
+
+    /// Pictures that came out, each once where it came several times in a row.
+    #[must_use]
+    pub fn shown(&self) -> &[Shown] {
+        &self.inside.shown
+    }
+
+    /// Forgets the pictures that came out.
+    pub fn forget_shown(&mut self) {
+        self.inside.shown.clear();
+    }
+
+    /// The network that a set holds, if its words make one.
+    #[must_use]
+    pub fn network(&self, set: usize) -> Option<FixedNetwork> {
+        self.inside.network(set)
+    }
+}
+
+/// A host in the same program; time passes while it waits.
+impl Line for Simulated {
+    fn name(&self) -> &str {
+        "simulated board"
+    }
+
+    fn baud(&self) -> u32 {
+        self.baud
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        bytes.iter().for_each(|byte| self.byte(*byte));
+        Ok(())
+    }
+
+    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        let until = self.now + patience.as_nanos() as Time;
+        let first = self.leaving.front().map_or(until, |(at, _)| (*at).min(until));
+        self.pass_to(first);
+        Ok(self.take(most))
+    }
+}
+
+fn word_of(window: &Window, address: u32) -> Option<usize> {
+    (window.address..window.address + window.bytes)
+        .contains(&address)
+        .then(|| (address - window.address) as usize / 4)
+}
+
+impl Inside {
+    fn reset(&mut self) {
+        self.controls = REGISTERS
+            .iter()
+            .filter(|register| register.access == Access::Control)
+            .map(|register| (register.address, register.reset))
+            .collect();
+        self.controls.insert(map::WEIGHTS_HASH, self.start_hash);
+        self.counts.clear();
+        self.stage_counts.iter_mut().flatten().for_each(|counts| *counts = [0; 4]);
+        self.stages.iter_mut().for_each(Stage::reset);
+        self.versions.iter_mut().for_each(|version| *version += 1);
+        self.begun = None;
+    }
+
+    fn control(&self) -> u32 {
+        self.controls.get(&map::CONTROL).copied().unwrap_or(0)
+    }
+
+    fn count(&mut self, name: &'static str, more: u64) {
+        let count = self.counts.entry(name).or_default();
+        *count = count.wrapping_add(more as u32);
+    }
+
+    fn key(&self, set: usize) -> Key {
+        let colour = self.control() & map::COLOUR != 0;
+        (set, self.versions[set], colour, self.versions[2])
+    }
+
+    fn network(&self, set: usize) -> Option<FixedNetwork> {
+        memory::network(&self.design, &self.stages, set, &self.like)
+    }
+
+    /// The end of a frame, and the begin of the next.
+    fn frame(&mut self) {
+        self.count("input_frames", 1);
+        self.count("output_frames", 1);
+        let control = self.control();
+        // Without it the frame under way stands still.
+        let runs = control & map::RUN != 0;
+        match self.begun.take_if(|_| runs) {
+            Some(key) => self.end(key),
+            None => self.count("output_late", 1),
+        }
+        if runs && control & map::FLUSH == 0 {
+            self.count("raw_frames", 1);
+            self.begun = Some(self.key(usize::from(control & map::WEIGHT_SET != 0)));
+        }
+    }
+
+    fn end(&mut self, key: Key) {
+        let (set, ..) = key;
+        self.last_set = set;
+        // The mode counts with the frame's first codes; all else must stand still.
+        let now = self.key(set);
+        let whole = (now.1, now.3) == (key.1, key.3);
+        let made = if whole { self.made(key) } else { None };
+        self.count("picture_frames", 1);
+        let shown = made.as_ref().map_or(Shown::Mixed, |made| Shown::Whole(made.pixels.clone()));
+        if self.shown.last() != Some(&shown) {
+            self.shown.push(shown);
+            if self.shown.len() > REMEMBERED {
+                self.shown.remove(0);
+            }
+        }
+        let Some(made) = made else { return };
+        let counts = &made.counts;
+        self.count("patches", counts.patches);
+        self.count("busy_cycles", (counts.patches as f64 * self.cycles_per_patch) as u64);
+        self.count("saturated_sums", counts.saturated_sums);
+        self.count("clamped_chroma", made.shown.clamped_chroma);
+        self.count("out_of_gamut", made.shown.out_of_gamut);
+        for (sum, stage) in self.stage_counts[0].iter_mut().zip(&counts.stages) {
+            let more =
+                [stage.nonzeros, stage.saturated_results, stage.saturated_codes, stage.saturated_differences];
+            sum.iter_mut().zip(more).for_each(|(sum, more)| *sum = sum.wrapping_add(more as u32));
+        }
+    }
+
+    fn made(&mut self, key: Key) -> Option<Made> {
+        if let Some((known, made)) = &self.cached
+            && *known == key
+        {
+            return made.clone();
+        }
+        let mode = if key.2 { DisplayMode::Colour } else { DisplayMode::Luma };
+        let display = self.tables.display(mode);
+        let network = self.network(key.0);
+        let made = display.zip(network).and_then(|(display, n)| video::made(n, &display, &self.raw));
+        self.cached = Some((key, made.clone()));
+        made
+    }
+
+    fn status(&self) -> u32 {
+        // The memory is ready, a signal is there and fits, pictures leave, the video chips are set up.
+        let pictures = u32::from(self.counts.get("picture_frames").is_some_and(|count| *count > 0));
+        0b01_0111 | pictures << 3 | (self.last_set as u32) << 6
+    }
+
+    fn register(&self, name: &str) -> u32 {
+        let size = self.design.frame.width as u32 | (self.design.frame.height as u32) << 16;
+        match name {
+            "design_hash" => design_hash(&self.design),
+            "frame_size" | "input_size" => size,
+            "status" => self.status(),
+            "uart_broken" => self.uart_broken,
+            _ => self.counts.get(name).copied().unwrap_or(0),
+        }
+    }
+
+    fn stage_word(&self, index: usize) -> u32 {
+        let (stage, counter) = (index / 4, index % 4);
+        self.stage_counts[1].get(stage).map_or(0, |counts| counts[counter])
+    }
+
+    fn read_word(&self, index: usize) -> u32 {
+        let (stage, part) = (index / 4, (index % 4) as u32);
+        let Some(found) = self.stages.get(stage) else { return 0 };
+        if part == ReadBack::Busy as u32 {
+            return u32::from(self.now < self.reads_until[stage]);
+        }
+        found.shown(part)
+    }
+
+    fn write_stage(&mut self, index: u32, word: u32) {
+        let stage = (index >> 21) as usize;
+        if stage == WHOLE_CHAIN && index >> 19 & 3 == 3 {
+            let counted = std::mem::take(&mut self.stage_counts[0]);
+            self.stage_counts[0] = vec![[0; 4]; counted.len()];
+            self.stage_counts[1] = counted;
+            return;
+        }
+        let Some(found) = self.stages.get_mut(stage) else { return };
+        let (set, rows) = found.write(index & 0x1f_ffff, word);
+        if let Some(set) = set {
+            self.versions[set & 1] += 1;
+        }
+        if rows > 0 {
+            let cycles = READ_LATENCY + rows as u64 * READ_PERIOD;
+            self.reads_until[stage] = self.now + cycles * 1_000_000 / u64::from(CORE_KILOHERTZ);
+        }
+    }
+}
+
+impl Bus for Inside {
+    fn write(&mut self, address: u32, word: u32) {
+        if let Some(index) = word_of(&WEIGHTS, address) {
+            self.write_stage(index as u32, word);
+        } else if let Some(index) = word_of(&DISPLAY_TABLES, address) {
+            self.tables.write(index, word);
+            self.versions[2] += 1;
+        } else if let Some(held) = self.controls.get_mut(&address) {
+            let register = REGISTERS.iter().find(|register| register.address == address);
+            *held = word & register.map_or(0, edof_spec::registers::Register::mask);
+            if self.control() & map::FLUSH != 0 {
+                self.begun = None;
+                self.stages.iter_mut().for_each(Stage::forget);
+                self.reads_until.fill(0);
+            }
+        }
+    }
+
+    fn read(&mut self, address: u32) -> u32 {
+        if let Some(index) = word_of(&STAGE_COUNTERS, address) {
+            return self.stage_word(index);
+        }
+        if let Some(index) = word_of(&STAGE_READS, address) {
+            return self.read_word(index);
+        }
+        if let Some(word) = self.controls.get(&address) {
+            return *word;
+        }
+        let Some(found) = REGISTERS.iter().find(|register| register.address == address) else { return 0 };
+        let start = if found.access == Access::Constant { found.reset } else { 0 };
+        start | self.register(found.name)
+    }
+}

@@ -1,0 +1,202 @@
+//! Networks onto a board on a line that carries every byte.
+
+use crate::common::{board, frames, job, load, network, open, picture, retrained, same_words, small, tiny};
+use edof_board::load::Job;
+use edof_board::simulated::Shown;
+use edof_board::{Board, Error};
+use edof_golden::{Curve, Display};
+use edof_spec::design::memory::Set;
+use edof_spec::draw::Draw;
+use edof_spec::registers::identity::weights_hash;
+use edof_spec::registers::map;
+use edof_spec::{Design, DisplayMode, FixedNetwork, weight_file};
+use std::path::Path;
+
+fn get(board: &mut Board<&mut edof_board::Simulated>, name: &str) -> u32 {
+    board.get(name.parse().unwrap()).unwrap()
+}
+
+#[test]
+fn a_load_goes_into_the_idle_bank_which_is_then_in_use() {
+    let design = tiny();
+    let [first, second, third] = [1, 2, 3].map(|seed| network(&design, seed));
+    let mut simulated = board(&design, &first);
+    for (new, bank) in [(&second, 'b'), (&third, 'a')] {
+        let loaded = load(&mut simulated, &job(&design, new)).unwrap();
+        assert_eq!((loaded.bank, loaded.in_use, loaded.rounds, loaded.recovered), (bank, bank, 1, false));
+        let mut board = open(&mut simulated);
+        assert_eq!(get(&mut board, "weights_hash"), weights_hash(&design, new));
+        let set = board.bank().unwrap();
+        assert_eq!(board.verify(&design, new, set, false, &mut |_, _| true).unwrap(), []);
+    }
+    assert!(same_words(&design, &simulated.network(0).unwrap(), &third));
+    assert!(same_words(&design, &simulated.network(1).unwrap(), &second));
+}
+
+#[test]
+fn whenever_a_load_comes_every_frame_is_of_the_old_network_or_of_the_new() {
+    let design = tiny();
+    let [old, new] = [1, 2].map(|seed| network(&design, seed));
+    let pictures = [picture(&design, &old), picture(&design, &new)];
+    assert_ne!(pictures[0], pictures[1]);
+    for seed in 0..25 {
+        let mut simulated = board(&design, &old);
+        let moment = Draw::new(seed).whole(30_000_000, 80_000_000) as u64;
+        simulated.pass_to(moment);
+        load(&mut simulated, &job(&design, &new)).unwrap();
+        frames(&mut simulated, 3);
+        assert_eq!(simulated.shown(), pictures, "seed {seed}");
+    }
+}
+
+/// The network of the default design as it comes with the program.
+fn trained(name: &str) -> FixedNetwork {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../weights");
+    weight_file::load_fixed(&root.join(format!("{name}.fixed.safetensors"))).unwrap()
+}
+
+#[test]
+fn a_trained_network_of_the_default_design_is_loaded_whole() {
+    let design = small(Design::from_json(include_str!("../../../../designs/kc705.json")).unwrap());
+    let [old, new] = ["edof-t4w12-outer", "edof-t4w12-outer-light"].map(trained);
+    let mut simulated = board(&design, &old);
+    frames(&mut simulated, 3);
+    let loaded = load(&mut simulated, &job(&design, &new)).unwrap();
+    frames(&mut simulated, 3);
+    assert!(loaded.words > 70_000 && loaded.rounds == 1, "{loaded:?}");
+    assert_eq!(simulated.shown(), [picture(&design, &old), picture(&design, &new)]);
+    assert!(same_words(&design, &simulated.network(1).unwrap(), &new));
+}
+
+#[test]
+fn only_words_that_differ_are_sent() {
+    let design = tiny();
+    let old = network(&design, 1);
+    let new = retrained(&old);
+    let known = [old.clone()];
+    let words = |bank: &Job<'_>| {
+        let mut simulated = board(&design, &old);
+        let loaded = load(&mut simulated, bank).unwrap();
+        frames(&mut simulated, 3);
+        assert_eq!(simulated.shown().last(), Some(&picture(&design, &new)));
+        loaded.words
+    };
+    // A few thresholds of each of three stages: their parts, or where the network is known, their words.
+    assert_eq!(words(&job(&design, &new)), 3 * 8);
+    assert_eq!(words(&Job { known: &known, ..job(&design, &new) }), 3 * 2);
+    let all = words(&Job { full: true, known: &known, ..job(&design, &new) });
+    assert!(all > 5_000, "{all}");
+    let mut simulated = board(&design, &old);
+    assert_eq!(load(&mut simulated, &job(&design, &old)).unwrap().words, 0);
+}
+
+#[test]
+fn two_noise_classes_lie_in_two_banks_and_the_switch_takes_effect_between_frames() {
+    let design = tiny();
+    let [first, low, high] = [1, 2, 3].map(|seed| network(&design, seed));
+    let mut simulated = board(&design, &first);
+    let into = |bank, network| Job { bank: Some(bank), ..job(&design, network) };
+    let loaded = load(&mut simulated, &into(Set::First, &low)).unwrap();
+    assert_eq!((loaded.bank, loaded.in_use), ('a', 'a'));
+    let loaded = load(&mut simulated, &into(Set::Second, &high)).unwrap();
+    assert_eq!((loaded.bank, loaded.in_use), ('b', 'a'));
+    let mut board = open(&mut simulated);
+    let known = [first.clone(), low.clone(), high.clone()];
+    for (bank, index) in [(Set::First, 1), (Set::Second, 2)] {
+        assert_eq!(board.identify(&design, &known, bank).unwrap(), Some(index));
+    }
+    frames(&mut simulated, 3);
+    simulated.forget_shown();
+    for bank in [Set::Second, Set::First, Set::Second] {
+        open(&mut simulated).switch(bank, 7).unwrap();
+        frames(&mut simulated, 2);
+        assert!(open(&mut simulated).is_in_use(bank).unwrap());
+    }
+    let [low, high] = [&low, &high].map(|network| picture(&design, network));
+    // The frame that was under way comes first.
+    assert_eq!(simulated.shown(), [low.clone(), high.clone(), low, high]);
+}
+
+#[test]
+fn what_does_not_fit_is_refused_before_a_word_is_written() {
+    let design = tiny();
+    let old = network(&design, 1);
+    let mut simulated = board(&design, &old);
+    let mut other_window = design.clone();
+    other_window.form.window = edof_spec::Window::new(12).unwrap();
+    let mut other_format = old.clone();
+    other_format.code_bits = 12;
+    let other_hash = Design { name: "another".into(), ..design.clone() };
+    for (design, wrong, words) in [
+        (&design, network(&other_window, 1), "form"),
+        (&design, other_format, "12 bits cannot hold"),
+        (&other_hash, old.clone(), "that of --design another is"),
+    ] {
+        let mut board = open(&mut simulated);
+        let before = board.line().bytes;
+        let error = board.load(&job(design, &wrong), &mut |_, _| true).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+        assert_eq!(board.line().bytes, before);
+    }
+}
+
+#[test]
+fn a_load_that_is_stopped_leaves_what_was_in_use() {
+    let design = tiny();
+    let [old, new] = [1, 2].map(|seed| network(&design, seed));
+    for bank in [None, Some(Set::First), Some(Set::Second)] {
+        let mut simulated = board(&design, &old);
+        frames(&mut simulated, 3);
+        let mut board = open(&mut simulated);
+        let stopped = board.load(&Job { bank, ..job(&design, &new) }, &mut |done, _| done < 900);
+        assert!(matches!(stopped, Err(Error::Interrupted)));
+        assert_eq!(board.bank().unwrap(), Set::First);
+        frames(&mut simulated, 3);
+        if bank != Some(Set::First) {
+            assert_eq!(simulated.shown(), [picture(&design, &old)]);
+        }
+    }
+}
+
+#[test]
+fn one_wrong_bit_is_found_and_told_where() {
+    let design = tiny();
+    let old = network(&design, 1);
+    let mut simulated = board(&design, &old);
+    let mut board = open(&mut simulated);
+    // Stage 1, bank 1, row 5 of bank a, the low half.
+    let word = (1 << 21) | (1 << 13) | (5 << 1);
+    board.set(format!("weights[{word}]").parse().unwrap(), 0x1234_5678).unwrap();
+    let found = board.verify(&design, &old, Set::First, false, &mut |_, _| true).unwrap();
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].part.as_str(), found[0].row), ("weights of M1, lanes 4 to 7", None));
+    let found = board.verify(&design, &old, Set::First, true, &mut |_, _| true).unwrap();
+    assert_eq!(found[0].row, Some(5));
+    assert_eq!(board.verify(&design, &old, Set::Second, true, &mut |_, _| true).unwrap(), []);
+}
+
+#[test]
+fn a_load_that_reads_back_every_word_comes_to_its_end() {
+    let design = tiny();
+    let [old, new] = [1, 2].map(|seed| network(&design, seed));
+    let mut simulated = board(&design, &old);
+    let loaded = load(&mut simulated, &Job { read_back: true, ..job(&design, &new) }).unwrap();
+    assert_eq!((loaded.rounds, loaded.in_use), (1, 'b'));
+}
+
+#[test]
+fn tables_of_the_display_change_while_the_picture_stands_still() {
+    let design = tiny();
+    let network = network(&design, 1);
+    let mut simulated = board(&design, &network);
+    frames(&mut simulated, 3);
+    let old = picture(&design, &network);
+    let display = Display::new(DisplayMode::Colour, Curve::Bt709);
+    let mut board = open(&mut simulated);
+    assert_eq!(board.load_tables(&display, &mut |_, _| true).unwrap(), 32768 + 3 * 16384);
+    assert_eq!(board.control().unwrap(), map::register("control").unwrap().reset);
+    frames(&mut simulated, 3);
+    assert_eq!(simulated.shown().len(), 2);
+    assert_eq!(simulated.shown()[0], old);
+    assert!(matches!(&simulated.shown()[1], Shown::Whole(_)), "of neither table");
+}

@@ -1,0 +1,8 @@
+//! The host's side against the board in Rust, in one program: time is the board's own, so nothing waits.
+
+mod common;
+mod dry_run;
+mod faults;
+mod loading;
+mod page;
+mod registers;

@@ -1,0 +1,212 @@
+//! `edof board load` and `verify`.
+
+use super::{goes_on, known, of};
+use crate::error::Error;
+use crate::ui::Ui;
+use crate::weights;
+use edof_board::contents::{letter, other, parts};
+use edof_board::dry_run;
+use edof_board::load::Job;
+use edof_golden::{Curve, Display};
+use edof_spec::design::memory::Set;
+use edof_spec::{Design, DisplayMode, FixedNetwork};
+use serde_json::json;
+use std::time::Instant;
+
+/// Load a network into the bank that is not in use, check it by the circuit's CRCs, and have frames made with it from the next one on
+#[derive(clap::Args)]
+pub struct Load {
+    /// Network, by name or file
+    weights: String,
+
+    /// Into this bank; the bank in use stays in use. Where it is the one in use, the other one is used while it is written
+    #[arg(long, value_parser = super::bank)]
+    bank: Option<Set>,
+
+    /// Send all words, not only those that the board does not have
+    #[arg(long)]
+    full: bool,
+
+    /// Read every word back, besides the CRCs
+    #[arg(long)]
+    read_back: bool,
+
+    /// Load the display's tables for this curve, too; the picture stands still meanwhile
+    #[arg(long, value_parser = ["linear", "srgb", "bt709"])]
+    curve: Option<String>,
+
+    /// Write nothing; tell what would be sent and how long it takes. Without --port and with --design: to a board that nobody asked
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// Compare what a bank holds with a network, by the circuit's CRCs
+#[derive(clap::Args)]
+pub struct Verify {
+    /// Network, by name or file
+    weights: String,
+
+    /// The bank [default: the one in use]
+    #[arg(long, value_parser = super::bank)]
+    bank: Option<Set>,
+
+    /// Read every word back, besides
+    #[arg(long)]
+    read_back: bool,
+}
+
+/// The network, which fits the design that was named, or at least one that the program knows.
+fn network(args: &super::Args, name: &str, ui: &Ui) -> Result<FixedNetwork, Error> {
+    let network = weights::fixed(name)?;
+    ui.used(weights::fixed_input(name)?);
+    if let Some(design) = args.named_design()? {
+        design.check_network(&network)?;
+    }
+    Ok(network)
+}
+
+fn display(curve: &str) -> Display {
+    let curve = match curve {
+        "linear" => Curve::Linear,
+        "bt709" => Curve::Bt709,
+        _ => Curve::Srgb,
+    };
+    Display::new(DisplayMode::default(), curve)
+}
+
+/// # Errors
+/// A network that fits no board, a line that fails, or Ctrl-C: the weights that were in use then still are.
+pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
+    let network = network(args, &load.weights, ui)?;
+    let job = |design, known| Job {
+        design,
+        network: &network,
+        bank: load.bank,
+        full: load.full,
+        read_back: load.read_back,
+        known,
+    };
+    if load.dry_run && args.port.is_none() {
+        let design = args.named_design()?;
+        let design = design.ok_or_else(|| Error::message("--dry-run: without --port it needs --design"))?;
+        let bank = load.bank.unwrap_or(Set::Second);
+        return plan(args, load, &job(&design, &[]), bank, None, ui);
+    }
+    let mut board = args.open()?;
+    let design: Design = args.design_of(&board)?;
+    design.check_network(&network)?;
+    let known = known(&design, None);
+    let job = job(&design, &known);
+    if load.dry_run {
+        let bank = load.bank.unwrap_or(other(board.bank()?));
+        let wanted = parts(&design, &network, bank);
+        let held = board.crcs(&wanted.iter().collect::<Vec<_>>()).map_err(of)?;
+        return plan(args, load, &job, bank, Some(&held), ui);
+    }
+    let start = Instant::now();
+    let bar = ui.progress(0, "words");
+    let loaded = board
+        .load(&job, &mut |done, total| {
+            bar.of(done, total);
+            goes_on()
+        })
+        .map_err(of)?;
+    if let Some(curve) = &load.curve {
+        let mut step = |done, total| {
+            bar.of(done, total);
+            goes_on()
+        };
+        board.load_tables(&display(curve), &mut step).map_err(of)?;
+    }
+    drop(bar);
+    let seconds = start.elapsed().as_secs_f64();
+    ui.say(format!(
+        "{} in bank {}: {} of {} parts written, {} words of {}, in {seconds:.2} s; bank {} is in use",
+        network.origin.name,
+        loaded.bank,
+        loaded.written_parts,
+        loaded.parts,
+        loaded.words,
+        loaded.words_of_network,
+        loaded.in_use
+    ))?;
+    if loaded.rounds > 1 || loaded.recovered {
+        ui.note(format!(
+            "the line is not clean: {} rounds, {} frames sent again{}",
+            loaded.rounds,
+            board.repeats(),
+            if loaded.recovered { ", and registers or words put back" } else { "" }
+        ));
+    }
+    ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
+}
+
+/// Rates of lines that a bridge may have, and what a load takes on them.
+const RATES: [u32; 3] = [115_200, 460_800, 921_600];
+
+fn plan(
+    args: &super::Args,
+    load: &Load,
+    job: &Job<'_>,
+    bank: Set,
+    held: Option<&[u32]>,
+    ui: &Ui,
+) -> Result<(), Error> {
+    let plan = dry_run::plan(job, bank, held, args.baud).map_err(of)?;
+    ui.say(format!(
+        "{} into bank {}: {} of {} parts, {} words, {} bytes there and {} back in {} turns",
+        job.network.origin.name,
+        plan.bank,
+        plan.written_parts,
+        plan.parts,
+        plan.words,
+        plan.bytes[0],
+        plan.bytes[1],
+        plan.turns
+    ))?;
+    ui.say(format!(
+        "{:.2} s at {} bits a second, and what the line's bridge takes for each turn",
+        plan.seconds, plan.baud
+    ))?;
+    let mut rates = vec![];
+    for baud in RATES.into_iter().filter(|baud| *baud != args.baud) {
+        let seconds = dry_run::plan(job, bank, held, baud).map_err(of)?.seconds;
+        ui.say(format!("{seconds:.2} s at {baud}"))?;
+        rates.push(json!({ "baud": baud, "seconds": seconds }));
+    }
+    let tables = load.curve.as_ref().map(|curve| dry_run::tables(&display(curve), args.baud));
+    if let Some((words, seconds)) = tables {
+        ui.say(format!("display tables: {words} words, {seconds:.2} s"))?;
+    }
+    ui.json(&json!({ "plan": plan, "other_rates": rates, "tables": tables }))
+}
+
+/// # Errors
+/// What is not the same is a failure, too.
+pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error> {
+    let network = network(args, &verify.weights, ui)?;
+    let mut board = args.open()?;
+    let design = args.design_of(&board)?;
+    let bank = verify.bank.map_or_else(|| board.bank(), Ok).map_err(of)?;
+    let bar = ui.progress(0, "rows");
+    let differences = board
+        .verify(&design, &network, bank, verify.read_back, &mut |done, total| {
+            bar.of(done, total);
+            goes_on()
+        })
+        .map_err(of)?;
+    drop(bar);
+    let pieces = parts(&design, &network, bank).len();
+    if let Some(first) = differences.first() {
+        return Err(of(edof_board::Error::Differs {
+            port: board.port(),
+            bank: letter(bank),
+            weights: network.origin.name,
+            wrong: differences.len(),
+            pieces,
+            first: first.to_string(),
+        }));
+    }
+    ui.say(format!("bank {} holds {}: {pieces} parts, every CRC right", letter(bank), network.origin.name))?;
+    ui.json(&json!({ "bank": letter(bank), "parts": pieces, "differences": differences }))
+}

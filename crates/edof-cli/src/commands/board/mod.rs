@@ -1,0 +1,322 @@
+//! `edof board`: weights onto a board, and what the board says.
+
+mod load;
+mod sim;
+mod status;
+
+use crate::designs;
+use crate::error::Error;
+use crate::interrupt;
+use crate::ui::Ui;
+use crate::weights;
+use edof_board::contents::letter;
+use edof_board::line::{self, DEFAULT_BAUD, Serial};
+use edof_board::names::{Place, number};
+use edof_board::{Board, link};
+use edof_spec::design::memory::Set;
+use edof_spec::registers::identity::weights_hash;
+use edof_spec::registers::map;
+use edof_spec::registers::{c_header, markdown, systemrdl};
+use edof_spec::{Design, DisplayMode, FixedNetwork};
+use serde_json::json;
+use std::time::Duration;
+
+/// Load weights onto a board, real or simulated, and see how it is
+///
+/// The board is at a serial port; without --port the ports of this machine are tried. docs/host.md tells of the protocol, of the registers,
+/// and what to do when a load fails.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board find                                      ports, and at which of them a board answers
+  edof board info --port /dev/ttyUSB0
+  edof board load edof-t4w12-outer-light               into the bank that is not in use, which is then in use
+  edof board load edof-t4w12-outer --dry-run --design kc705
+  edof board load low.fixed.safetensors --bank a       with 'load high… --bank b' and 'bank a|b': weights by the scene's gain
+  edof board status --watch
+  edof board set control.colour 0
+  edof board sim --design tiny --link /tmp/board &     a simulated board; then --port /tmp/board")]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+
+    /// Serial port, or pseudo-terminal of a simulated board
+    #[arg(long, global = true, value_name = "PATH")]
+    port: Option<String>,
+
+    /// Bits a second on the line
+    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_name = "BITS")]
+    baud: u32,
+
+    /// Seconds that the board may take to answer, beyond the time on the line
+    #[arg(long, global = true, default_value_t = link::PATIENCE.as_secs_f64(), value_name = "SECONDS")]
+    patience: f64,
+
+    /// Design of the board: tiny, paper, kc705, or a JSON file [default: whichever of those it is]
+    #[arg(long, global = true, value_name = "NAME|FILE")]
+    design: Option<String>,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// Ports of this machine, and at which of them a board answers
+    Find,
+    /// Who the board is: design, picture, clock, and which network each bank holds
+    Info,
+    Load(load::Load),
+    Verify(load::Verify),
+    Status(status::Args),
+    /// The value of a register: scratch, control.run, stage_counters[4]
+    Get {
+        /// Its name
+        register: String,
+    },
+    /// Gives a register a value
+    Set {
+        /// Its name
+        register: String,
+        /// Decimal, or hexadecimal after 0x
+        value: String,
+    },
+    /// All registers
+    Dump,
+    /// Multiply only what is not zero, or everything
+    Skip {
+        /// on or off
+        #[arg(value_parser = ["on", "off"])]
+        what: String,
+    },
+    /// How words become codes
+    Display {
+        /// colour or luma
+        mode: DisplayMode,
+    },
+    /// Have frames from the next one on made with the weights of bank a or b
+    Bank {
+        /// a or b
+        #[arg(value_parser = bank)]
+        bank: Set,
+    },
+    /// Drop the frame that is under way; everything that was written stays
+    Flush,
+    /// Begin anew with the bank in use: control and skip as generated, video chips set up once more, counters at zero; weights stay
+    Reset,
+    /// Print the register map
+    Map {
+        /// Of which kind
+        #[arg(long, value_parser = ["markdown", "c", "systemrdl"], default_value = "markdown")]
+        format: String,
+    },
+    Sim(sim::Args),
+}
+
+fn bank(text: &str) -> Result<Set, String> {
+    match text {
+        "a" => Ok(Set::First),
+        "b" => Ok(Set::Second),
+        _ => Err("must be a or b".into()),
+    }
+}
+
+/// # Errors
+/// A line that fails, something that does not fit, a register that is not there, or Ctrl-C.
+pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
+    if !(args.patience > 0.0 && args.patience <= 3600.0) {
+        return Err(Error::message(format!("--patience {}: must be above 0, at most 3600", args.patience)));
+    }
+    match &args.command {
+        Command::Find => find(args, ui),
+        Command::Info => info(args, ui),
+        Command::Load(load) => load::load(args, load, ui),
+        Command::Verify(verify) => load::verify(args, verify, ui),
+        Command::Status(status) => status::run(args, status, ui),
+        Command::Get { register } => {
+            let place: Place = register.parse()?;
+            let value = args.open()?.get(place)?;
+            ui.say(format!("0x{value:08x} {value}"))?;
+            ui.json(&json!({ "register": register, "value": value }))
+        }
+        Command::Set { register, value } => {
+            let place: Place = register.parse()?;
+            let number = number(value).ok_or_else(|| {
+                Error::message(format!("value '{value}': must be a number of 32 bits, as in 12 or 0x1f"))
+            })?;
+            args.open()?.set(place, number).map_err(of)
+        }
+        Command::Dump => dump(args, ui),
+        Command::Skip { what } => {
+            let mut board = args.open()?;
+            let design = args.design_of(&board)?;
+            board.skip(&design, what == "on").map_err(of)
+        }
+        Command::Display { mode } => {
+            let bits = if *mode == DisplayMode::Colour { map::COLOUR } else { 0 };
+            args.open()?.change_control(map::COLOUR, bits).map_err(of)
+        }
+        Command::Bank { bank } => switch(args, *bank, ui),
+        Command::Flush => args.open()?.flush().map_err(of),
+        Command::Reset => {
+            let mut board = args.open()?;
+            let design = args.design_of(&board)?;
+            board.reset(&design).map_err(of)
+        }
+        Command::Map { format } => ui.say(match format.as_str() {
+            "c" => c_header::header(),
+            "systemrdl" => systemrdl::address_map(),
+            _ => markdown::page(),
+        }),
+        Command::Sim(sim) => sim::run(args, sim, ui),
+    }
+}
+
+/// A failure of the link; being stopped is none.
+fn of(error: edof_board::Error) -> Error {
+    match error {
+        edof_board::Error::Interrupted => Error::Interrupted,
+        error => error.into(),
+    }
+}
+
+/// Whether to go on.
+fn goes_on() -> bool {
+    interrupt::check().is_ok()
+}
+
+impl Args {
+    fn patience(&self) -> Duration {
+        Duration::from_secs_f64(self.patience)
+    }
+
+    fn open_at(&self, port: &str) -> Result<Board<Serial>, Error> {
+        Board::open(Serial::open(port, self.baud)?, self.patience()).map_err(of)
+    }
+
+    /// The board at the port, or at the first of all ports where one answers.
+    fn open(&self) -> Result<Board<Serial>, Error> {
+        if let Some(port) = &self.port {
+            return self.open_at(port);
+        }
+        let ports = line::ports();
+        for port in &ports {
+            interrupt::check()?;
+            if let Ok(board) = self.open_at(&port.name) {
+                return Ok(board);
+            }
+        }
+        let names: Vec<&str> = ports.iter().map(|port| port.name.as_str()).collect();
+        let tried = if names.is_empty() { "this machine has none".into() } else { names.join(", ") };
+        Err(Error::message(format!("no board answers at any serial port ({tried}); name one by --port")))
+    }
+
+    /// The design that was named, if one was.
+    fn named_design(&self) -> Result<Option<Design>, Error> {
+        self.design.as_deref().map(designs::load).transpose()
+    }
+
+    /// Designs that the board may have.
+    fn designs(&self) -> Result<Vec<Design>, Error> {
+        Ok(self.named_design()?.into_iter().chain(designs::all()?).collect())
+    }
+
+    fn design_of(&self, board: &Board<Serial>) -> Result<Design, Error> {
+        board.design(self.designs()?).map_err(of)
+    }
+}
+
+/// Networks that come with the program and fit a design, the named one first if it does.
+fn known(design: &Design, named: Option<&FixedNetwork>) -> Vec<FixedNetwork> {
+    let own = weights::names().into_iter().filter_map(|name| weights::fixed(name).ok());
+    named.cloned().into_iter().chain(own).filter(|network| design.check_network(network).is_ok()).collect()
+}
+
+fn find(args: &Args, ui: &Ui) -> Result<(), Error> {
+    let mut found = vec![];
+    let named = args.port.iter().map(|name| line::Port { name: name.clone(), about: String::new() });
+    let ports: Vec<line::Port> = if args.port.is_some() { named.collect() } else { line::ports() };
+    for port in &ports {
+        interrupt::check()?;
+        let board = args.open_at(&port.name);
+        let said = match &board {
+            Ok(board) => match board.identity.design(args.designs()?) {
+                Some(design) => format!("a board with the design {}", design.name),
+                None => format!("a board with the design {:08x}", board.identity.design_hash),
+            },
+            Err(_) => "no board answers".to_owned(),
+        };
+        ui.say(format!("{}: {said} {}", port.name, port.about).trim_end())?;
+        found
+            .push(json!({ "port": port.name, "about": port.about, "board": board.ok().map(|b| b.identity) }));
+    }
+    if ports.is_empty() {
+        ui.say("this machine has no serial ports")?;
+    }
+    ui.json(&found_ports(&found))
+}
+
+fn found_ports(found: &[serde_json::Value]) -> serde_json::Value {
+    json!({ "ports": found })
+}
+
+fn info(args: &Args, ui: &Ui) -> Result<(), Error> {
+    let mut board = args.open()?;
+    let identity = board.identity;
+    let design = identity.design(args.designs()?);
+    let (major, minor) = (identity.version >> 16, identity.version & 0xffff);
+    let name = design.as_ref().map_or("unknown", |design| design.name.as_str());
+    ui.say(format!("{}: edof board, register map {major}.{minor}", board.port()))?;
+    ui.say(format!("design {name} ({:08x}), {}x{}", identity.design_hash, identity.width, identity.height))?;
+    let core = edof_spec::board::CORE_KILOHERTZ / 1000;
+    ui.say(format!("clock {core} MHz, line {} bits a second", args.baud))?;
+    let in_use = board.bank()?;
+    let mut banks = vec![];
+    for bank in [Set::First, Set::Second] {
+        let held = match &design {
+            Some(design) => {
+                let known = known(design, None);
+                let found = board.identify(design, &known, bank).map_err(of)?;
+                found.map(|index| known[index].origin.name.clone())
+            }
+            None => None,
+        };
+        let used = if bank == in_use {
+            format!(", in use, hash {:08x}", identity.weights_hash)
+        } else {
+            String::new()
+        };
+        let told = held.as_deref().unwrap_or("none of the program's networks");
+        ui.say(format!("bank {}: {told}{used}", letter(bank)))?;
+        banks.push(json!({ "bank": letter(bank), "weights": held, "in_use": bank == in_use }));
+    }
+    ui.json(&json!({
+        "identity": identity,
+        "design": design.map(|design| design.name),
+        "clock_mhz": core,
+        "banks": banks,
+    }))
+}
+
+fn dump(args: &Args, ui: &Ui) -> Result<(), Error> {
+    let words = args.open()?.registers()?;
+    for (place, word) in &words {
+        ui.say(format!("0x{:03x} {:<22} 0x{word:08x} {word}", place.address(), place.to_string()))?;
+    }
+    let named: serde_json::Map<String, serde_json::Value> =
+        words.iter().map(|(place, word)| (place.to_string(), (*word).into())).collect();
+    ui.json(&json!({ "registers": named }))
+}
+
+fn switch(args: &Args, bank: Set, ui: &Ui) -> Result<(), Error> {
+    let mut board = args.open()?;
+    // The switch first: the scene does not wait for names.
+    board.change_control(map::WEIGHT_SET, if bank == Set::First { 0 } else { map::WEIGHT_SET })?;
+    let held = match board.identity.design(args.designs()?) {
+        Some(design) => {
+            let known = known(&design, None);
+            let found = board.identify(&design, &known, bank).map_err(of)?;
+            found.map(|index| (known[index].origin.name.clone(), weights_hash(&design, &known[index])))
+        }
+        None => None,
+    };
+    board.switch(bank, held.as_ref().map_or(0, |(_, hash)| *hash)).map_err(of)?;
+    let name = held.map_or("a network that the program does not have".into(), |(name, _)| name);
+    ui.say(format!("bank {} is in use: {name}", letter(bank)))
+}

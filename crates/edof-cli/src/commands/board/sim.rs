@@ -1,0 +1,142 @@
+//! `edof board sim`: a board that is none, for whoever has a client and no board.
+
+use super::of;
+use crate::cosim_system::{crop, size};
+use crate::designs;
+use crate::error::Error;
+use crate::files::Files;
+use crate::interrupt;
+use crate::ui::Ui;
+use crate::weights;
+use edof_board::Simulated;
+use edof_board::terminal::{Device, InRust, Terminal};
+use edof_golden::{Display, Picture};
+use edof_io::{photo, raw};
+use edof_spec::design::FrameSize;
+use edof_spec::{Design, FixedNetwork, RawFrame};
+use ndarray::Array2;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// A simulated board behind a pseudo-terminal, until Ctrl-C: registers, memories and pictures as of the real one, answered in Rust
+///
+/// The same bytes come back as from the circuit, as fast as this machine goes. A raw frame goes round in it at 60 frames a second of the
+/// board's time, which passes with the wall's and with every byte on the line.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Make this symbolic link to the pseudo-terminal
+    #[arg(long, value_name = "PATH")]
+    link: Option<PathBuf>,
+
+    /// Write the picture that comes out here, whenever it changes: .png, .tif, .ppm, or .yuyv for the codes on the wire
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+
+    /// Network that both banks start with [default: one of the program's that fits, else a drawn one]
+    #[arg(long, value_name = "NAME|FILE")]
+    weights: Option<String>,
+
+    /// Raw frame that goes round, of the design's size or larger [default: a drawn one]
+    #[arg(long, value_name = "FILE")]
+    frame: Option<PathBuf>,
+
+    /// Size of frames in place of the design's
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    size: Option<(usize, usize)>,
+}
+
+/// # Errors
+/// What does not fit, or no pseudo-terminal.
+pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
+    let files =
+        Files::new(ui).reads_all(&sim.frame).reads_all(sim.weights.as_deref().and_then(weights::fixed_file));
+    let is_codes = |file: &Path| file.extension().is_some_and(|ending| ending == "yuyv");
+    match &sim.picture {
+        Some(file) if !is_codes(file) => files.writes_picture("--picture", file)?,
+        file => files.may_write("--picture", file.as_ref()),
+    }
+    .check()?;
+    let design = sized(designs::load(args.design.as_deref().unwrap_or("tiny"))?, sim.size)?;
+    let network = network(&design, sim.weights.as_deref())?;
+    let board = Simulated::new(&design, [&network; 2], &Display::default(), frame(&design, sim)?, args.baud)?;
+    let mut device = InRust::new(board, args.baud);
+    let mut terminal = Terminal::open(sim.link.as_deref())?;
+    ui.say(format!(
+        "{}: {} with {}, {}x{}; Ctrl-C ends it",
+        terminal.path().display(),
+        design.name,
+        network.origin.name,
+        design.frame.width,
+        design.frame.height
+    ))?;
+    let mut shown = None;
+    while interrupt::check().is_ok() {
+        terminal.serve(&mut device).map_err(of)?;
+        let Some(file) = &sim.picture else { continue };
+        let now = device.picture();
+        if now != shown {
+            if let Some(words) = &now {
+                write(file, words, design.frame, is_codes(file))?;
+            }
+            shown = now;
+        }
+    }
+    let ([from, to], seconds) = device.carried();
+    ui.say(format!(
+        "{from} bytes from the host, {to} to it: {seconds:.3} s on a line of {} bits a second",
+        args.baud
+    ))?;
+    ui.json(
+        &json!({ "bytes_from_host": from, "bytes_to_host": to, "line_seconds": seconds, "baud": args.baud }),
+    )
+}
+
+fn sized(mut design: Design, size: Option<(usize, usize)>) -> Result<Design, Error> {
+    if let Some((width, height)) = size {
+        design.frame = FrameSize { width, height, ..design.frame };
+    }
+    design.check()?;
+    Ok(design)
+}
+
+fn network(design: &Design, named: Option<&str>) -> Result<FixedNetwork, Error> {
+    if let Some(name) = named {
+        return weights::fixed(name);
+    }
+    let own = super::known(design, None).into_iter().next();
+    Ok(own.unwrap_or_else(|| edof_random::for_design(design, 1)))
+}
+
+fn frame(design: &Design, sim: &Args) -> Result<RawFrame, Error> {
+    let size = design.frame;
+    let Some(file) = &sim.frame else {
+        let drawn = edof_cosim::system::drawn(size, 1, 1)?;
+        return drawn.into_iter().next().ok_or_else(|| Error::message("no frame"));
+    };
+    let large = raw::load(file, &raw::RawOptions::default())?;
+    let (height, width) = large.size();
+    if height < size.height || width < size.width {
+        let problem =
+            format!("{}: {width}x{height}, must be at least {}x{}", file.display(), size.width, size.height);
+        return Err(Error::message(problem));
+    }
+    crop(&large, (0, 0), size)
+}
+
+fn write(file: &Path, words: &[u16], size: FrameSize, codes: bool) -> Result<(), Error> {
+    if codes {
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        edof_spec::atomic::write(file, &bytes)?;
+        return Ok(());
+    }
+    let at = |row: usize, column: usize| words[row * size.width + column].to_le_bytes();
+    let chroma = |odd: usize| {
+        Array2::from_shape_fn((size.height, size.width / 2), |(row, pair)| at(row, 2 * pair + odd)[1])
+    };
+    let picture = Picture {
+        luma: Array2::from_shape_fn((size.height, size.width), |(row, column)| at(row, column)[0]),
+        chroma: [chroma(0), chroma(1)],
+    };
+    photo::save(file, &picture.shown_frame(), 8)?;
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! `edof board status`.
+
+use super::of;
+use crate::error::Error;
+use crate::interrupt;
+use crate::ui::Ui;
+use edof_board::status::{Look, Report, report};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Frames a second, late frames, share of busy cycles; non-zeros and saturations of every stage
+#[derive(clap::Args)]
+pub struct Args {
+    /// Look again and again, until Ctrl-C
+    #[arg(long)]
+    watch: bool,
+
+    /// Seconds from one look to the next
+    #[arg(long, default_value_t = 1.0, value_name = "SECONDS")]
+    seconds: f64,
+}
+
+/// How often a wait looks whether to stop.
+const BLINK: Duration = Duration::from_millis(20);
+
+/// # Errors
+/// A line that fails.
+pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
+    if !(status.seconds > 0.0 && status.seconds <= 3600.0) {
+        return Err(Error::message(format!("--seconds {}: must be above 0, at most 3600", status.seconds)));
+    }
+    let mut board = args.open()?;
+    let stages = args.design_of(&board)?.stages.len();
+    let mut before = board.look(stages).map_err(of)?;
+    let mut at = Instant::now();
+    loop {
+        while at.elapsed().as_secs_f64() < status.seconds {
+            interrupt::check()?;
+            std::thread::sleep(BLINK.min(Duration::from_secs_f64(status.seconds)));
+        }
+        let seconds = at.elapsed().as_secs_f64();
+        at = Instant::now();
+        let after = board.look(stages).map_err(of)?;
+        let told = report(&before, &after, seconds);
+        if status.watch && std::io::stdout().is_terminal() {
+            // The screen anew, from its corner.
+            ui.say("\x1b[2J\x1b[H")?;
+        }
+        lines(&after, &told).iter().try_for_each(|line| ui.say(line))?;
+        if !status.watch {
+            return ui.json(&serde_json::json!({ "now": after, "report": told }));
+        }
+        before = after;
+    }
+}
+
+const FLAGS: [(&str, &str); 6] = [
+    ("status.dram_ready", "memory ready"),
+    ("status.input_present", "signal"),
+    ("status.input_fits", "of the right size"),
+    ("status.output_runs", "pictures leave"),
+    ("status.i2c_done", "video chips set up"),
+    ("control.run", "running"),
+];
+
+fn lines(now: &Look, report: &Report) -> Vec<String> {
+    let flag = |(name, what): &(&str, &str)| {
+        if now.value(name) == 1 { (*what).to_owned() } else { format!("NOT {what}") }
+    };
+    let bank = if now.value("control.weight_set") == 0 { 'a' } else { 'b' };
+    let cycles = report.cycles_per_patch.map_or("none".into(), |cycles| format!("{cycles:.1}"));
+    let mut lines = vec![
+        format!("{}; bank {bank}", FLAGS.iter().map(flag).collect::<Vec<_>>().join(", ")),
+        format!(
+            "{:.1} pictures a second of {:.1} frames on the screen, {} late; calculator busy {:.0} %, {cycles} cycles a patch",
+            report.frames_per_second,
+            report.screen_frames_per_second,
+            report.late_frames,
+            100.0 * report.busy_share
+        ),
+        "stage  non-zeros a patch  saturated: results  codes  differences".to_owned(),
+    ];
+    lines.extend(report.stages.iter().map(|stage| {
+        format!(
+            "{:<5}  {:>17.1}  {:>18}  {:>5}  {:>11}",
+            stage.layer,
+            stage.nonzeros_per_patch,
+            stage.saturated_results,
+            stage.saturated_codes,
+            stage.saturated_differences
+        )
+    }));
+    lines.extend(report.grown.iter().map(|(name, count)| format!("{name}: {count} more")));
+    lines
+}
