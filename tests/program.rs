@@ -2,6 +2,7 @@
 
 mod architecture;
 mod bad_input;
+mod board;
 mod happy;
 mod hardware;
 mod optics;

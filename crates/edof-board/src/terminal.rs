@@ -91,8 +91,7 @@ impl Terminal {
     /// # Errors
     /// The system has none, or something that is no link stands at the path.
     pub fn open(link: Option<&Path>) -> Result<Self, Error> {
-        let (ours, mut theirs) = TTYPort::pair().map_err(failed)?;
-        theirs.set_exclusive(false).map_err(failed)?;
+        let (ours, theirs) = TTYPort::pair().map_err(failed)?;
         let path = PathBuf::from(theirs.name().ok_or_else(|| failed("it has no name"))?);
         if let Some(link) = link {
             let named = |error: std::io::Error| failed(format!("{}: {error}", link.display()));
