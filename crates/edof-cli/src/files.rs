@@ -142,7 +142,9 @@ mod tests {
     #[test]
     fn every_command_tells_what_it_reads_and_writes() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/commands");
-        for file in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        // What lies in a folder of its own is part of a command.
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        for file in entries.filter(|path| path.is_file()) {
             let text = std::fs::read_to_string(&file).unwrap();
             assert!(text.contains("Files::new(ui)") || file.ends_with("mod.rs"), "{}", file.display());
         }
