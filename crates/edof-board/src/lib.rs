@@ -2,7 +2,7 @@
 //!
 //! | step | module | gives |
 //! |---|---|---|
-//! | bytes | [`line`] | a serial port of this machine, or anything else that carries bytes ([`Line`]) |
+//! | bytes | [`mod@line`] | a serial port of this machine, or anything else that carries bytes ([`Line`]) |
 //! | frames | [`protocol`] | LiteX's UARTBone: words written and read |
 //! | words that arrive | [`link`] | repeated where the line lost, doubled or changed a byte |
 //! | registers by name | [`names`] | `control.colour`, `stage_counters[4]` |

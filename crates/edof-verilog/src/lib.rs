@@ -22,7 +22,7 @@
 //! What comes out is Verilog-2001, one module for each distinct block, with parameters where two differ in a
 //! constant alone: ports end in `_i` and `_o`, a register `x` is `x_q`,
 //! fed by `x_d` where more than one assignment says what it takes, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
-//! rust-hdl has no word for is a [leaf](crate::leaf). Registers have no start-up value unless they are a `DFFWithInit`:
+//! rust-hdl has no word for is a [leaf]. Registers have no start-up value unless they are a `DFFWithInit`:
 //! a kernel resets what it must. What cannot be translated exactly is refused with an [`EmitError`].
 //!
 //! ```

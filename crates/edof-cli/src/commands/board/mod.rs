@@ -65,7 +65,7 @@ enum Command {
     Load(load::Load),
     Verify(load::Verify),
     Status(status::Args),
-    /// The value of a register: scratch, control.run, stage_counters[4]
+    /// The value of a register: scratch, control.run, `stage_counters[4]`
     Get {
         /// Its name
         register: String,
