@@ -247,5 +247,5 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     );
     refused("--camera clear --nets net.safetensors --methods magic", "method 'magic': must be one of malvar");
     refused("--camera clear --nets net.safetensors --stride 3", "stride 3: must be 2, 4 or 8");
-    refused("--camera clear --nets net.safetensors --psi 900", "psi 900: must be");
+    refused("--camera clear --nets net.safetensors --psi 900", "psi 900: must lie within");
 }

@@ -36,7 +36,7 @@ fn an_estimate_with_a_network_counts_what_is_not_zero() {
 fn an_estimate_of_several_pictures_tells_the_mean_and_the_slowest() {
     let place = Place::new();
     place.photo("photo.png", 64, 48);
-    let line = "estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 0,8 --noise 0.1";
+    let line = "estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 0,8 --noise 0.01";
     let run = place.edof(&format!("{line} --json all.json")).done();
     let report: Value = serde_json::from_slice(&std::fs::read(place.path("all.json")).unwrap()).unwrap();
     let pictures = report["pictures"].as_array().unwrap();
