@@ -63,6 +63,15 @@ fn no_output_replaces_an_input() {
         "cosim --design design.json --json design.json".to_owned(),
         "cosim --design design.json --junit design.json".to_owned(),
         "cosim --design tiny --photo photo.png --json photo.png".to_owned(),
+        "board load net.fixed.safetensors --dry-run --design tiny --json net.fixed.safetensors".to_owned(),
+        "board load net.fixed.safetensors --dry-run --design design.json --json design.json".to_owned(),
+        "board load edof-t4w12-outer --dry-run --design design.json --json design.json".to_owned(),
+        "board verify net.fixed.safetensors --json net.fixed.safetensors".to_owned(),
+        "board info --design design.json --json design.json".to_owned(),
+        "board find --design design.json --json design.json".to_owned(),
+        "board sim --design design.json --picture design.yuyv --json design.json".to_owned(),
+        "board sim --weights net.fixed.safetensors --link net.fixed.safetensors".to_owned(),
+        "board sim --frame raw.png --picture link.png".to_owned(),
         "generate --design design.json --weights net.fixed.safetensors --out out --json design.json"
             .to_owned(),
     ] {

@@ -95,7 +95,8 @@ impl Terminal {
         let path = PathBuf::from(theirs.name().ok_or_else(|| failed("it has no name"))?);
         if let Some(link) = link {
             let named = |error: std::io::Error| failed(format!("{}: {error}", link.display()));
-            if link.is_symlink() {
+            // A link that was left behind leads to a terminal or nowhere; another one is somebody's.
+            if link.is_symlink() && !link.is_file() && !link.is_dir() {
                 std::fs::remove_file(link).map_err(named)?;
             }
             std::os::unix::fs::symlink(&path, link).map_err(named)?;

@@ -17,7 +17,7 @@ use std::time::Instant;
 #[derive(clap::Args)]
 pub struct Load {
     /// Network, by name or file
-    weights: String,
+    pub(super) weights: String,
 
     /// Into this bank; the bank in use stays in use. Where it is the one in use, the other one is used while it is written
     #[arg(long, value_parser = super::bank)]
@@ -44,7 +44,7 @@ pub struct Load {
 #[derive(clap::Args)]
 pub struct Verify {
     /// Network, by name or file
-    weights: String,
+    pub(super) weights: String,
 
     /// The bank [default: the one in use]
     #[arg(long, value_parser = super::bank)]

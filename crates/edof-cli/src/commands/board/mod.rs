@@ -6,6 +6,7 @@ mod status;
 
 use crate::designs;
 use crate::error::Error;
+use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
@@ -123,6 +124,12 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     if !(args.patience > 0.0 && args.patience <= 3600.0) {
         return Err(Error::message(format!("--patience {}: must be above 0, at most 3600", args.patience)));
     }
+    let files = args.files(ui);
+    match &args.command {
+        Command::Sim(sim) => sim.writes(files)?,
+        _ => files,
+    }
+    .check()?;
     match &args.command {
         Command::Find => find(args, ui),
         Command::Info => info(args, ui),
@@ -188,6 +195,17 @@ impl Args {
 
     fn open_at(&self, port: &str) -> Result<Board<Serial>, Error> {
         Board::open(Serial::open(port, self.baud)?, self.patience()).map_err(of)
+    }
+
+    /// What is read, whatever the command, and what is written by `--json`.
+    fn files(&self, ui: &Ui) -> Files {
+        let weights = match &self.command {
+            Command::Load(load) => Some(&load.weights),
+            Command::Verify(verify) => Some(&verify.weights),
+            _ => None,
+        };
+        let weights = weights.and_then(|name| weights::fixed_file(name));
+        Files::new(ui).reads_all(&self.design).reads_all(weights)
     }
 
     /// The board at the port, or at the first of all ports where one answers.

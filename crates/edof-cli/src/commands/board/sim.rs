@@ -45,17 +45,29 @@ pub struct Args {
     size: Option<(usize, usize)>,
 }
 
+impl Args {
+    /// Adds what the simulated board reads and writes.
+    ///
+    /// # Errors
+    /// A picture of a format that there is none of.
+    pub fn writes(&self, files: Files) -> Result<Files, Error> {
+        let weights = self.weights.as_deref().and_then(weights::fixed_file);
+        let files = files.reads_all(&self.frame).reads_all(weights).may_write("--link", self.link.as_ref());
+        match &self.picture {
+            Some(file) if !is_codes(file) => files.writes_picture("--picture", file),
+            file => Ok(files.may_write("--picture", file.as_ref())),
+        }
+    }
+}
+
+/// Whether a picture is kept as the codes on the wire.
+fn is_codes(file: &Path) -> bool {
+    file.extension().is_some_and(|ending| ending == "yuyv")
+}
+
 /// # Errors
 /// What does not fit, or no pseudo-terminal.
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
-    let files =
-        Files::new(ui).reads_all(&sim.frame).reads_all(sim.weights.as_deref().and_then(weights::fixed_file));
-    let is_codes = |file: &Path| file.extension().is_some_and(|ending| ending == "yuyv");
-    match &sim.picture {
-        Some(file) if !is_codes(file) => files.writes_picture("--picture", file)?,
-        file => files.may_write("--picture", file.as_ref()),
-    }
-    .check()?;
     let design = sized(designs::load(args.design.as_deref().unwrap_or("tiny"))?, sim.size)?;
     let network = network(&design, sim.weights.as_deref())?;
     let board = Simulated::new(&design, [&network; 2], &Display::default(), frame(&design, sim)?, args.baud)?;
