@@ -16,6 +16,7 @@ use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
+use crate::verilog::Optional;
 use edof_spec::FixedNetwork;
 use edof_spec::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN};
 use edof_spec::design::reading::READ_REGISTER;
@@ -82,17 +83,17 @@ pub struct Stage {
     skip_bit: Constant<Bits<20>>,
     reset_parts: Delay<7, 1>,
     reset_registers: Delay<1, 1>,
-    pairs: Vec<PairStore>,
-    pair_operands: Vec<PairOperands>,
-    vectors: Vec<DenseStore>,
-    dense_operands: Vec<DenseOperands>,
-    ring: Vec<WindowRing>,
+    pairs: Optional<PairStore>,
+    pair_operands: Optional<PairOperands>,
+    vectors: Optional<DenseStore>,
+    dense_operands: Optional<DenseOperands>,
+    ring: Optional<WindowRing>,
     sequencer: Sequencer,
     macc: MaccArray,
     drain: Drain,
     results: Results,
     fifo: Fifo<34>,
-    base_fifo: Vec<Fifo<32>>,
+    base_fifo: Optional<Fifo<32>>,
     registers: Registers,
     counters: Counters,
     reader: Reader,
@@ -127,10 +128,6 @@ pub struct Stage {
     weights_word: Signal<Local, Bits<53>>,
     weights_marks: Signal<Local, Bits<53>>,
     asked: Signal<Local, Bits<32>>,
-    _sparse: usize,
-    _dense: usize,
-    _linear: usize,
-    _may_feed_m: usize,
     _role: String,
 }
 
@@ -138,9 +135,7 @@ impl Stage {
     /// Stage `stage` of a design. Set 0 and set 1 start with the weights, thresholds and shifts of these networks, which fit the design.
     #[must_use]
     pub fn new(design: &Design, stage: &StagePlan, sets: [&FixedNetwork; 2]) -> Self {
-        let part = usize::from;
-        let (dense, linear, may_feed_m) =
-            (part(stage.is_dense()), part(stage.linear > 0), part(stage.shrinks()));
+        let is_dense = stage.is_dense();
         let sums = design.accumulator_bits;
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
@@ -148,21 +143,17 @@ impl Stage {
             read_register: Constant::new((READ_REGISTER as u64).into()),
             skip_bit: Constant::new(u64::from(CONTROL_SKIP).into()),
             both_ports: Constant::new(stage.reads_both_ports()),
-            pairs: (dense..1).map(|_| PairStore::new(stage)).collect(),
-            pair_operands: (dense..1).map(|_| PairOperands::new(stage)).collect(),
-            vectors: (0..dense).map(|_| DenseStore::new(stage)).collect(),
-            dense_operands: (0..dense).map(|_| DenseOperands::default()).collect(),
-            ring: (0..linear).map(|_| WindowRing::new(stage)).collect(),
+            pairs: Optional::when(!is_dense, || PairStore::new(stage)),
+            pair_operands: Optional::when(!is_dense, || PairOperands::new(stage)),
+            vectors: Optional::when(is_dense, || DenseStore::new(stage)),
+            dense_operands: Optional::when(is_dense, DenseOperands::default),
+            ring: Optional::when(stage.linear > 0, || WindowRing::new(stage)),
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
             results: Results::new(design, stage, sets),
-            base_fifo: (0..may_feed_m).map(|_| Fifo::new(stage.feeds_m)).collect(),
+            base_fifo: Optional::when(stage.shrinks(), || Fifo::new(stage.feeds_m)),
             registers: Registers::new(sets.map(|n| Shifts::of(n, stage)), design.skip_zeros),
-            _sparse: 1 - dense,
-            _dense: dense,
-            _linear: linear,
-            _may_feed_m: may_feed_m,
             _role: role(stage),
         })
     }
@@ -219,7 +210,7 @@ impl Logic for Stage {
         self.ready_in.next = false;
         self.arrived.next = false;
         self.descriptor.next = 0.into();
-        for i in 0..self._sparse {
+        for i in 0..self.pairs.count() {
             self.pair_operands[i].pixels.next = 0.into();
             self.pairs[i].clock.next = self.clock.val();
             self.pairs[i].reset.next = self.reset_parts.later.val().get_bit(0);
@@ -235,7 +226,7 @@ impl Logic for Stage {
             self.arrived.next = self.pairs[i].arrived.val();
             self.descriptor.next = self.pairs[i].descriptor.val();
         }
-        for i in 0..self._dense {
+        for i in 0..self.vectors.count() {
             self.vectors[i].clock.next = self.clock.val();
             self.vectors[i].reset.next = self.reset_parts.later.val().get_bit(0);
             self.vectors[i].valid.next = self.valid.val();
@@ -252,7 +243,7 @@ impl Logic for Stage {
         self.results.base_write.next = self.valid.val() && self.ready_in.val();
         self.results.base_words.next = self.base.val();
         self.window_ready.next = true;
-        for i in 0..self._linear {
+        for i in 0..self.ring.count() {
             self.ring[i].clock.next = self.clock.val();
             self.ring[i].reset.next = self.reset_parts.later.val().get_bit(1);
             self.ring[i].valid.next = self.window_valid.val();
@@ -276,7 +267,7 @@ impl Logic for Stage {
         self.value_b.next = 0.into();
         self.value_c.next = 0.into();
         self.value_d.next = 0.into();
-        for i in 0..self._sparse {
+        for i in 0..self.pairs.count() {
             self.pair_operands[i].clock.next = self.clock.val();
             self.pair_operands[i].valid_a.next = self.sequencer.valid_a.val();
             self.pair_operands[i].valid_b.next = self.sequencer.valid_b.val();
@@ -296,7 +287,7 @@ impl Logic for Stage {
             self.value_a.next = self.pair_operands[i].value_a.val();
             self.value_b.next = self.pair_operands[i].value_b.val();
         }
-        for i in 0..self._dense {
+        for i in 0..self.vectors.count() {
             self.dense_operands[i].clock.next = self.clock.val();
             self.dense_operands[i].valid.next = self.sequencer.valid_a.val();
             self.dense_operands[i].first.next = self.sequencer.first.val();
@@ -349,7 +340,7 @@ impl Logic for Stage {
         self.out_last.next = self.fifo.front_data.val().get_bit(0);
         self.out_set.next = self.fifo.front_data.val().get_bit(1);
         self.out_base.next = 0.into();
-        for i in 0..self._may_feed_m {
+        for i in 0..self.base_fifo.count() {
             self.base_fifo[i].clock.next = self.clock.val();
             self.base_fifo[i].reset.next = self.reset_parts.later.val().get_bit(5);
             self.base_fifo[i].push.next = self.results.base_push.val();

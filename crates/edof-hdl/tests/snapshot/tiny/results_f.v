@@ -83,7 +83,7 @@ module results_f (
     edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
         .clock_i(clock_i), .now_i(result_flags_now), .later_o(result_saturated_o)
     );
-    edof_delay #(.WIDTH(32), .CYCLES(6)) results_to_23 (
+    edof_delay #(.WIDTH(32), .CYCLES(6)) result_to_23 (
         .clock_i(clock_i), .now_i(result), .later_o(data_o)
     );
 

@@ -128,7 +128,7 @@ module results_i (
     edof_delay #(.WIDTH(32), .CYCLES(3)) codes_to_23 (
         .clock_i(clock_i), .now_i(code), .later_o(data_o)
     );
-    edof_delay #(.WIDTH(32), .CYCLES(6)) results_to_23 (
+    edof_delay #(.WIDTH(32), .CYCLES(6)) base_to_23 (
         .clock_i(clock_i), .now_i(result), .later_o(base_o)
     );
 
