@@ -131,7 +131,8 @@ pub struct Display {
     cb_19: DFF<Bits<8>>,
     index_1: DFF<Bits<15>>,
     luma_table: Memory<8>,
-    luma_to_16: Delay<8, 13>,
+    luma_to_4: Delay<8, 1>,
+    luma_to_16: Delay<8, 12>,
     rounded_1: [DFF<Bits<17>>; 2],
     site_2: [DFF<Bits<8>>; 2],
     clamped_2: [DFF<Bit>; 2],
@@ -512,7 +513,10 @@ impl Logic for Display {
         self.luma_table.write_enable.next = self.table_write.val() && (self.table_select.val() == 0);
         self.luma_table.write_address.next = bit_cast::<16, 15>(self.table_address.val());
         self.luma_table.write_data.next = self.table_data.val().get_bits::<8>(0);
-        self.luma_to_16.now.next = self.luma_table.read_data.val();
+        // A register of its own behind block RAM: a shift register's input takes longer.
+        self.luma_to_4.clock.next = self.clock.val();
+        self.luma_to_4.now.next = self.luma_table.read_data.val();
+        self.luma_to_16.now.next = self.luma_to_4.later.val();
         self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
         if self.site_0.q.val().get_bit(15) {
             self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0)) | 0x1_0000;
