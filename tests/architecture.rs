@@ -56,7 +56,7 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-cosim",
-        uses: &["edof-spec", "edof-golden", "edof-hdl"],
+        uses: &["edof-spec", "edof-golden", "edof-hdl", "edof-board"],
         tests_use: &["edof-random", "edof-verilog"],
         knows_nothing_of: &["edof-train", "edof-optics"],
     },

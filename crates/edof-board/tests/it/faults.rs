@@ -167,16 +167,14 @@ impl Bench {
             }
         }
         frames(&mut simulated, 3);
-        // A reset, and a word that goes astray, may show until it is put right: it is counted.
         let right = |shown: &Shown| self.pictures.contains(shown);
-        let strays =
-            if simulated.shown().iter().all(right) { "" } else { ", with a frame of neither network" };
+        expect(simulated.shown().iter().all(right), "a frame of neither network was shown")?;
         let again = load(&mut simulated, &job(&self.design, &self.networks[1]));
         expect(again.is_ok(), "the next load fails")?;
         expect(self.in_use(&mut simulated) == Some(1), "the next load is not in use")?;
         frames(&mut simulated, 3);
         expect(simulated.shown().last() == Some(&self.pictures[1]), "the next load is not shown")?;
-        Ok(told + strays)
+        Ok(told)
     }
 }
 
@@ -185,16 +183,11 @@ fn survive_all(seeds: std::ops::Range<u64>) {
     let outcomes: Vec<Result<String, String>> = seeds.clone().map(|seed| bench.survives(seed)).collect();
     let lost: Vec<&String> = outcomes.iter().filter_map(|outcome| outcome.as_ref().err()).collect();
     let ended = outcomes.iter().flatten().filter(|told| told.contains("Err(")).count();
-    let strays = outcomes.iter().flatten().filter(|told| told.ends_with("neither network"));
-    let (resets, astray): (Vec<&String>, Vec<&String>) =
-        strays.partition(|told| told.contains("kind: Reset"));
-    let (resets, astray) = (resets.len(), astray.len());
     println!(
-        "seeds {seeds:?}: {} faults, {ended} ended the host, {} lost, {resets} resets and {astray} others with a frame of neither network",
+        "seeds {seeds:?}: {} faults, {ended} ended the host, {} lost or with a frame of neither network",
         outcomes.len(),
         lost.len()
     );
-    assert!(20 * astray <= outcomes.len(), "{astray} with a frame of neither network");
     assert!(lost.is_empty(), "{} lost: {lost:#?}", lost.len());
 }
 
