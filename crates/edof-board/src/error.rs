@@ -94,6 +94,9 @@ pub enum Error {
     /// No pseudo-terminal.
     #[error("pseudo-terminal: {0}")]
     Terminal(String),
+    /// A line that the circuit's clock cannot make.
+    #[error("{baud} bits a second: must be {least} to {most}, of the clock of the circuit")]
+    Speed { baud: u32, least: u32, most: u32 },
     /// A simulation that stopped.
     #[error("the simulated board stopped: {0}")]
     Simulation(#[source] Box<dyn std::error::Error + Send + Sync>),

@@ -260,7 +260,7 @@ fn registers_answer_as_their_map_says() {
             assert_eq!(found, expected);
         }
         assert_eq!(host.answers.len(), expected.len());
-        assert_eq!([tables.taken, weights.taken], model.windows);
+        assert_eq!([&tables.taken, &weights.taken], model.windows.each_ref());
         for (name, port) in
             [("control", "control_o"), ("weights_hash", "weights_hash_o"), ("scratch", "scratch_o")]
         {

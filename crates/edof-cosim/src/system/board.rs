@@ -30,15 +30,14 @@ impl Speed {
     /// # Errors
     /// A speed that the core's clock cannot make.
     pub fn of(baud: u32) -> Result<Self, Error> {
-        let cycles = (1000 * CORE_KILOHERTZ).checked_div(baud).unwrap_or(0);
-        let expected = format!(
-            "{} to {}",
-            1000 * CORE_KILOHERTZ / MOST_CYCLES + 1,
-            1000 * CORE_KILOHERTZ / LEAST_CYCLES
-        );
-        if !(LEAST_CYCLES..MOST_CYCLES).contains(&cycles) {
-            let value = baud.to_string();
-            return Err(Error::Value { name: "bits a second".into(), value, expected });
+        let clock = 1000 * CORE_KILOHERTZ;
+        let cycles = clock.checked_div(baud).unwrap_or(0);
+        if !(LEAST_CYCLES..=MOST_CYCLES).contains(&cycles) {
+            return Err(Error::Speed {
+                baud,
+                least: clock.div_ceil(MOST_CYCLES),
+                most: clock / LEAST_CYCLES,
+            });
         }
         let time_out = TIME_OUT.max(BYTES_OF_TIME_OUT * BITS_PER_BYTE * cycles);
         Ok(Self { cycles_per_bit: cycles as u16, time_out })
