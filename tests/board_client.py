@@ -47,7 +47,7 @@ def main():
     assert identity == header["EDOF_ID_VALUE"] == 0x45444F46, hex(identity)
     board.write(header["EDOF_SCRATCH"], 0x12345678)
     assert board.read(header["EDOF_SCRATCH"]) == [0x12345678]
-    stage, bank, row = 1, 1, 40
+    stage, bank, row = 1, 1, 20
     halves = [0x01234567, 0x89ABCDEF]
     at = header["EDOF_WEIGHTS"]
     # The row is one of the bank in use, which takes words only without its protection.

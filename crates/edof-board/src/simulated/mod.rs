@@ -14,6 +14,7 @@ pub mod uart;
 pub mod video;
 
 use crate::error::Error;
+use crate::faulty::Resettable;
 use crate::line::{BITS_PER_BYTE, Line};
 use edof_golden::cycle::estimate;
 use edof_golden::{Display, Golden};
@@ -269,6 +270,13 @@ impl Line for Simulated {
         let first = self.leaving.front().map_or(until, |(at, _)| (*at).min(until));
         self.pass_to(first);
         Ok(self.take(most))
+    }
+}
+
+impl Resettable for Simulated {
+    fn press_reset(&mut self) -> io::Result<()> {
+        self.reset();
+        Ok(())
     }
 }
 

@@ -5,6 +5,7 @@ use super::rig::{Begin, Compiled, Rig, project};
 use super::uart::Uart;
 use crate::verilator::Options;
 use edof_board::Error;
+use edof_board::faulty::Resettable;
 use edof_board::line::{BITS_PER_BYTE, Line, line_time};
 use edof_board::terminal::Device;
 use edof_golden::video::video_out::BLACK_PIXEL;
@@ -51,7 +52,7 @@ impl Speed {
 }
 
 /// Fewer, and the receiver does not find the middle of a bit.
-const LEAST_CYCLES: u32 = 8;
+const LEAST_CYCLES: u32 = 4;
 const MOST_CYCLES: u32 = 1 << 14;
 /// Least cycles of the time-out, and least bytes in it.
 const TIME_OUT: u32 = 16_000;
@@ -202,6 +203,12 @@ impl Line for VerilogBoard {
             self.steps(AT_ONCE).map_err(io::Error::other)?;
         }
         Ok(self.take(most))
+    }
+}
+
+impl Resettable for VerilogBoard {
+    fn press_reset(&mut self) -> io::Result<()> {
+        self.reset().map_err(io::Error::other)
     }
 }
 

@@ -123,7 +123,8 @@ impl Logic for TableReader {
             self.select_q.d.next = self.host_select.val();
             self.address_q.d.next = self.host_address.val();
         }
-        self.table_write.next = self.write_q.q.val();
+        // What stands in a register at power-up is no write.
+        self.table_write.next = self.write_q.q.val() && !self.reset.val();
         self.table_select.next = self.select_q.q.val();
         self.table_address.next = self.address_q.q.val();
         self.table_data.next = self.data_q.q.val();

@@ -79,9 +79,9 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let network = network(&design, sim.weights.as_deref())?;
     let raw = frame(&design, sim)?;
     let mut device: Box<dyn Device> = if sim.rtl {
+        let with = (Speed::of(args.baud)?, 1);
         ui.note("compiling the design with Verilator");
         let options = Options { cache: Options::user_cache(), ..Options::default() };
-        let with = (Speed::of(args.baud)?, 1);
         let board = VerilogBoard::new(&design, [&network; 2], &Display::default(), &raw, with, &options);
         Box::new(board?)
     } else {
