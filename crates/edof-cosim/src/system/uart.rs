@@ -109,7 +109,7 @@ impl Actor for Uart {
         for (value, port) in driven.iter_mut().zip(self.driven[0]) {
             *value = self.model.peek(port)?;
         }
-        self.wants = driven[..WANTS].iter().any(|value| *value == 1);
+        self.wants = driven[..WANTS].contains(&1);
         if self.last != Some(driven) {
             for (value, port) in driven.iter().zip(self.driven[1]) {
                 core.poke(port, *value)?;

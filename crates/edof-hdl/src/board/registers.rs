@@ -143,6 +143,7 @@ pub struct BoardRegisters {
     known: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
     may_write: [Signal<Local, Bit>; 4],
+    bars: Signal<Local, Bit>,
     kept_out: Signal<Local, Bit>,
     bank_only: Constant<Bits<32>>,
     in_area: Signal<Local, Bit>,
@@ -291,6 +292,9 @@ impl Logic for BoardRegisters {
         self.may_write[1].next = self.is_checked.q.val() || !self.controls[3].q.val().get_bit(1);
         self.may_write[2].next = true;
         self.may_write[3].next = self.is_checked.q.val();
+        self.bars.next = self.controls[3].q.val().get_bit(0)
+            && ((self.in_window[1].val() && self.controls[1].q.val().get_bit(0))
+                || (self.in_window[2].val() && self.guard.hits.val()));
         self.kept_out.next = false;
         if self.refuses.q.val() {
             self.refused.d.next = self.refused.q.val() + 1;
@@ -316,16 +320,7 @@ impl Logic for BoardRegisters {
             Phase::Write => {
                 if self.is_bad.q.val() {
                     self.phase.d.next = Phase::WriteAnswer;
-                } else if self.in_window[1].val()
-                    && self.controls[3].q.val().get_bit(0)
-                    && self.controls[1].q.val().get_bit(0)
-                {
-                    self.kept_out.next = true;
-                    self.phase.d.next = Phase::WriteAnswer;
-                } else if self.in_window[2].val()
-                    && self.controls[3].q.val().get_bit(0)
-                    && self.guard.hits.val()
-                {
+                } else if self.bars.val() {
                     self.kept_out.next = true;
                     self.phase.d.next = Phase::WriteAnswer;
                 } else if self.in_window[1].val() {
