@@ -133,13 +133,3 @@ fn every_block_of_the_core_is_timed() {
         blocks::around_the_calculator(&committed("tiny")).into_iter().map(|block| block.path).collect();
     assert_eq!(all, timed);
 }
-
-#[test]
-#[ignore = "mine"]
-fn tmp_mine() {
-    let paths: Vec<String> = ["registers", "core/tables", "core/display"].map(String::from).into();
-    let found = timing::parts(&core("tiny"), &paths, None, &|_, _| ()).unwrap();
-    for (path, found) in paths.iter().zip(&found) {
-        println!("{path}: {} ps {:?}", found.delay_ps, found.path);
-    }
-}
