@@ -234,7 +234,7 @@ fn what_cannot_be_loaded_is_told_in_one_line() {
         let told = format!("{port}: {problem}; expected a serial port, as in /dev/ttyUSB0");
         place.edof(&format!("board info --port {port}")).refused(&[&told]);
     }
-    place.edof("board sim --rtl --baud 100").refused(&["100 bits a second: must be 12208 to 50000000"]);
+    place.edof("board sim --rtl --baud 100").refused(&["100 bits a second: must be 12208 to 25000000"]);
     place
         .edof("board load paper-t4 --design kc705 --port nowhere")
         .refused(&["paper-t4 does not fit design kc705"]);

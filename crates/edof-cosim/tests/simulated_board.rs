@@ -89,7 +89,7 @@ struct Setup {
 }
 
 /// So fast a line that a load takes seconds: the circuit's cycles a bit are fewer than on the board, and all else is the same.
-const FAST: u32 = 50_000_000;
+const FAST: u32 = 25_000_000;
 
 impl Setup {
     /// The core that other tests of the whole core compile, too.

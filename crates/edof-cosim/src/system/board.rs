@@ -52,7 +52,7 @@ impl Speed {
 }
 
 /// Fewer, and the receiver does not find the middle of a bit.
-const LEAST_CYCLES: u32 = 4;
+const LEAST_CYCLES: u32 = 8;
 const MOST_CYCLES: u32 = 1 << 14;
 /// Least cycles of the time-out, and least bytes in it.
 const TIME_OUT: u32 = 16_000;
