@@ -12,6 +12,7 @@ pub const LEAVES: &[(&str, &str)] = &[
     ("edof_macc_array", include_str!("../../../rtl/edof_macc_array.v")),
     ("edof_macc_bank", include_str!("../../../rtl/edof_macc_bank.v")),
     ("edof_memory", include_str!("../../../rtl/edof_memory.v")),
+    ("edof_power_on", include_str!("../../../rtl/edof_power_on.v")),
     ("edof_pulse_sync", include_str!("../../../rtl/edof_pulse_sync.v")),
     ("edof_queue", include_str!("../../../rtl/edof_queue.v")),
     ("edof_ram", include_str!("../../../rtl/edof_ram.v")),
@@ -19,4 +20,5 @@ pub const LEAVES: &[(&str, &str)] = &[
     ("edof_scale", include_str!("../../../rtl/edof_scale.v")),
     ("edof_start", include_str!("../../../rtl/edof_start.v")),
     ("edof_sync", include_str!("../../../rtl/edof_sync.v")),
+    ("edof_table", include_str!("../../../rtl/edof_table.v")),
 ];
