@@ -22,11 +22,20 @@ pub struct Options {
     pub cache: Option<PathBuf>,
     /// Compilers at work at the same time.
     pub jobs: usize,
+    /// Whether Verilator's headers are compiled once and kept in the cache, 60 MB: for whoever builds many small models.
+    pub precompile: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { optimize: 1, waveform: Waveform::None, unknowns: Unknowns::Random, cache: None, jobs: 2 }
+        Self {
+            optimize: 1,
+            waveform: Waveform::None,
+            unknowns: Unknowns::Random,
+            cache: None,
+            jobs: 2,
+            precompile: false,
+        }
     }
 }
 
@@ -104,12 +113,24 @@ const QUICK: &str = "-O1 -fno-tree-pre -fno-tree-fre";
 const SMALL: u64 = 6 << 20;
 
 /// Verilator's own makefile knows which objects there are and how they are compiled. `make runtime.o` gives its library in
-/// one piece, which all models with the same kind of waveform share; `make model.so` what Rust loads.
+/// one piece, which all models with the same kind of waveform share; `make headers.h.gch` its headers; `make model.so` what Rust loads. A small
+/// model and the shim are one file for the compiler: the headers take it longer than the rest.
 const MAKEFILE: &str = "\
 include Vdut.mk
 runtime.o: $(VK_GLOBAL_OBJS)
 \tld -r -o $@ $^
-model.so: shim.o $(VK_OBJS)
+headers.h.gch: shim.cpp
+\tsed -n '/^#include </p' $< > headers.h
+\techo '#include \"verilated.h\"' >> headers.h
+\t$(CXX) $(CXXFLAGS) $(CPPFLAGS) $(OPT_FAST) -x c++-header -o $@ headers.h
+whole.cpp: Vdut__ALL.cpp shim.cpp
+\tprintf '#include \"%s\"\\n' $^ > $@
+ifeq ($(VM_PARALLEL_BUILDS),0)
+OBJECTS = whole.o
+else
+OBJECTS = shim.o $(VK_OBJS)
+endif
+model.so: $(OBJECTS)
 \t$(CXX) -shared -Wl,-Bsymbolic -Wl,--wrap=fopen -o $@ $^ $(RUNTIME) $(LDLIBS)
 ";
 
@@ -122,7 +143,17 @@ pub fn build(source: &Source, options: &Options) -> Result<Product, Error> {
         verilate(source, options, work)?;
         ports::check(source, work)?;
         let runtime = runtime(options, &tools, work)?;
-        make(work, options, "model.so", &format!("RUNTIME={}", runtime.path.display()))?;
+        let mut variables = vec![format!("RUNTIME={}", runtime.path.display())];
+        let headers = if is_small(work)? {
+            variables.push("VM_PARALLEL_BUILDS=0".into());
+            options.precompile.then(|| headers(options, &tools, work)).transpose()?
+        } else {
+            None
+        };
+        if let Some(headers) = &headers {
+            variables.push(format!("USER_CPPFLAGS=-include {}", headers.path.with_extension("").display()));
+        }
+        make(work, options, "model.so", &variables)?;
         fs::rename(work.join("model.so"), work.join(&name)).map_err(at(work))
     })
 }
@@ -175,23 +206,34 @@ fn runtime(options: &Options, tools: &str, work: &Path) -> Result<Product, Error
     let key = cache::key([tools, CFLAGS, MAKEFILE, trace]);
     let name = format!("runtime-{}.o", &key[..24]);
     cache::obtain(options.cache.as_deref(), &name, |dir| {
-        make(work, options, "runtime.o", "RUNTIME=")?;
+        make(work, options, "runtime.o", &[])?;
         fs::copy(work.join("runtime.o"), dir.join(&name)).map(drop).map_err(at(work))
     })
 }
 
-fn make(work: &Path, options: &Options, target: &str, variable: &str) -> Result<(), Error> {
-    let fast = match options.optimize {
+/// Verilator's headers as the compiler reads them faster, for one kind of waveform and one level of optimisation.
+fn headers(options: &Options, tools: &str, work: &Path) -> Result<Product, Error> {
+    let trace = options.waveform.option().unwrap_or("");
+    let key = cache::key([tools, CFLAGS, MAKEFILE, SHIM, trace, &fast(options)]);
+    let name = format!("headers-{}.h.gch", &key[..24]);
+    cache::obtain(options.cache.as_deref(), &name, |dir| {
+        make(work, options, "headers.h.gch", &[])?;
+        fs::copy(work.join("headers.h.gch"), dir.join(&name)).map(drop).map_err(at(work))
+    })
+}
+
+/// The compiler's options for what runs all the time.
+fn fast(options: &Options) -> String {
+    match options.optimize {
         1 => QUICK.to_owned(),
         level => format!("-O{}", level.min(3)),
-    };
-    let mut command = tool::command("make", work);
-    command.args(["-s", "-f", "model.mk", target, variable, "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]);
-    command.arg(format!("-j{}", options.jobs.max(1))).arg(format!("OPT_FAST={fast}"));
-    if is_small(work)? {
-        // One file for the compiler: the headers of a small model take it longer than the rest.
-        command.arg("VM_PARALLEL_BUILDS=0");
     }
+}
+
+fn make(work: &Path, options: &Options, target: &str, variables: &[String]) -> Result<(), Error> {
+    let mut command = tool::command("make", work);
+    command.args(["-s", "-f", "model.mk", target, "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]).args(variables);
+    command.arg(format!("-j{}", options.jobs.max(1))).arg(format!("OPT_FAST={}", fast(options)));
     tool::run(&mut command).map(drop)
 }
 

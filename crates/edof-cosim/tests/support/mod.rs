@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Keeps compiled models between runs of the tests.
 pub fn options() -> Options {
-    Options { cache: Some(Path::new(env!("CARGO_TARGET_TMPDIR")).join("edof/models")), ..Options::default() }
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("edof/models");
+    Options { cache: Some(cache), precompile: true, ..Options::default() }
 }
 
 /// A cache of its own, which has Verilator's library already and no model.
