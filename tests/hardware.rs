@@ -122,7 +122,11 @@ fn memory_images_are_found_from_any_directory() {
 #[test]
 fn a_network_of_another_form_names_both() {
     let run = Place::new().edof("generate --design kc705 --weights paper-t4 --out x");
-    run.refused(&["network paper-t4 does not fit design kc705", "form"]);
+    run.refused(&[
+        "network paper-t4 does not fit design kc705: it has windows of 8x8, two-sided shrinkage, no linear path, \
+         the design windows of 12x12, one-sided shrinkage, a linear path; use --weights ",
+        "edof-t4w12-outer",
+    ]);
 }
 
 #[test]

@@ -90,6 +90,10 @@ pub struct Args {
     #[arg(long, default_value_t = Noise::None, value_name = "NOISE", allow_hyphen_values = true)]
     noise: Noise,
 
+    /// Sensor value of no light
+    #[arg(long, default_value_t = 0, value_name = "LEVEL")]
+    black_level: u16,
+
     /// Share of the energy that a cut kernel keeps, more than 0 and at most 1
     #[arg(long, default_value_t = 0.999, value_name = "SHARE")]
     energy: f64,
@@ -173,9 +177,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         }
     }
     files.check()?;
+    let sensor = Sensor {
+        depth: args.depth,
+        phase: args.phase,
+        noise: args.noise,
+        seed: args.drawing.seed,
+        black_level: args.black_level,
+    };
+    sensor.check()?;
     let scene = open(&args, &camera, ui)?;
     let approximation = args.approximation()?;
-    let sensor = Sensor { depth: args.depth, phase: args.phase, noise: args.noise, seed: args.drawing.seed };
     let shot = capture(&scene, &camera, &sensor, &approximation)?;
     raw::save(&args.out, &shot.raw)?;
     record::save(&args.out, &record_of(&args, &camera, &scene, &shot.raw, ui))?;
@@ -219,7 +230,10 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
         phase: frame.phase(),
         depth: frame.depth(),
         alignment: record::alignment_of(&args.out),
-        black_level: 0,
+        black_level: args.black_level.into(),
+        white_level: None,
+        white_balance: None,
+        colour_matrix: None,
         camera: camera.clone(),
         psi: scene.layers.iter().map(|layer| layer.psi).collect(),
         tone: args.tone,
