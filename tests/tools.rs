@@ -4,6 +4,9 @@ use crate::support::Place;
 use edof_io::photo;
 use edof_spec::ColourFrame;
 use serde_json::Value;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Command, Output};
 
 /// A slanted edge between two lights, soft over `blur` pixels.
 fn edge(place: &Place, name: &str, blur: f32, lift: f32) {
@@ -63,4 +66,54 @@ fn the_doctor_tells_tools_networks_and_each_cache_by_what_it_holds() {
     let missing = place.command("doctor").env("PATH", "/nowhere").output().unwrap();
     let text = String::from_utf8(missing.stdout).unwrap();
     assert!(missing.status.success() && text.contains("verilator  missing; needed by edof cosim"), "{text}");
+}
+
+/// Runs scripts/prepare.sh where of all programs only those in `bin` are there, and those that it needs.
+fn prepared(place: &Place, programs: &[(&str, &str)]) -> Output {
+    let bin = place.path("bin");
+    std::fs::create_dir_all(&bin).unwrap();
+    for tool in ["bash", "basename", "id", "sh", "cp"] {
+        let real = ["/usr/bin", "/bin"].map(|folder| Path::new(folder).join(tool));
+        let real = real.iter().find(|path| path.exists()).unwrap();
+        let _ = std::os::unix::fs::symlink(real, bin.join(tool));
+    }
+    for (name, script) in programs {
+        std::fs::write(bin.join(name), format!("#!/bin/sh\n{script}\n")).unwrap();
+        std::fs::set_permissions(bin.join(name), std::fs::Permissions::from_mode(0o755)).unwrap();
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/prepare.sh");
+    let mut bash = Command::new(bin.join("bash"));
+    bash.arg("-c").arg(format!("set -euo pipefail; source {}; cargo", script.display()));
+    bash.env_clear().env("PATH", &bin).env("HOME", place.path("")).output().unwrap()
+}
+
+#[test]
+fn without_cargo_the_scripts_name_the_one_command() {
+    for programs in [&[][..], &[("apt-cache", "exit 100")]] {
+        let output = prepared(&Place::new(), programs);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && said.lines().count() == 1, "{said}");
+        assert!(
+            said.contains("no cargo found; install Rust 1.95 or newer by this")
+                && said.contains("| sh -s -- -y"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn without_cargo_the_systems_rustup_is_installed_where_there_is_one() {
+    let place = Place::new();
+    let programs = [
+        ("apt-cache", "exit 0"),
+        ("apt-get", r#"case "$*" in *install*rustup*) cp "${0%/*}/offered-rustup" "${0%/*}/rustup";; esac"#),
+        ("offered-rustup", r#"cp "${0%/*}/offered-cargo" "${0%/*}/cargo""#),
+        ("offered-cargo", "echo here"),
+        ("sudo", r#"exec "$@""#),
+        ("cc", "exit 0"),
+    ];
+    let output = prepared(&place, &programs);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && output.stdout == b"here\n", "{said}");
+    assert!(said.contains("installing rustup") && said.contains("installing Rust"), "{said}");
 }
