@@ -224,19 +224,22 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     place.edof("study dictionary --images photos --photos all --atoms 12 --patches 400 --rounds 2 --out d.safetensors").done();
     let study = |more: &str| {
         let line = "study single-depth --rows rows.jsonl --camera clear --nets net.safetensors --images photos --psi 2 --noise none \
-                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --methods ";
+                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --csv rows.csv --methods ";
         let out = place.edof(&format!("{line}{more}")).done().out;
         let rows = std::fs::read_to_string(place.path("rows.jsonl")).unwrap();
         (out, rows)
     };
     let (_, first) = study("malvar,omp");
     let (out, rows) = study("malvar,omp,wiener");
-    assert!(rows.starts_with(&first) && rows.lines().count() == first.lines().count() + 1, "{rows}");
+    assert!(first.lines().all(|line| rows.lines().any(|other| other == line)), "what is there stays: {rows}");
+    assert_eq!(rows.lines().count(), first.lines().count() + 1, "{rows}");
     assert!(out.contains("net.float/s8 is faster than omp/s8") && out.contains("wiener"), "{out}");
     let page = std::fs::read_to_string(place.path("m.md")).unwrap();
     assert!(page.contains("| net.float/s8 less omp/s8 | at least 0 dB |"), "{page}");
     let report = std::fs::read_to_string(place.path("r.html")).unwrap();
     assert!(report.contains("<svg") && !report.contains("src=\"http"));
+    let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
+    assert!(csv.starts_with("method,family,") && csv.lines().count() == rows.lines().count(), "{csv}");
     let refused = |options: &str, words: &str| {
         let line = "study single-depth --rows other.jsonl --images photos";
         place.edof(&format!("{line} {options}")).refused(&[words]);
@@ -248,4 +251,87 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     refused("--camera clear --nets net.safetensors --methods magic", "method 'magic': must be one of malvar");
     refused("--camera clear --nets net.safetensors --stride 3", "stride 3: must be 2, 4 or 8");
     refused("--camera clear --nets net.safetensors --psi 900", "psi 900: must lie within");
+}
+
+/// Rows of a file without their times, which no two runs agree about.
+fn timeless(file: &std::path::Path) -> Vec<String> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let line = |line: &str| {
+        let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
+        let fields = row.as_object_mut().unwrap();
+        for time in ["seconds_per_megapixel", "prepare_seconds", "repetitions"] {
+            fields.remove(time);
+        }
+        row.to_string()
+    };
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn a_study_in_parts_one_of_them_killed_gives_the_same_file_as_a_whole_one() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.float_network("net.safetensors");
+    let line = |rows: &str, shard: &str| {
+        format!(
+            "study single-depth --rows {rows} --shard {shard} --camera clear --nets net.safetensors --images photos --psi 2,3,4,5,6 \
+             --noise none,0.01 --stride 8 --methods malvar,wiener"
+        )
+    };
+    place.edof(&line("whole", "1/1")).done();
+    let all = timeless(&place.path("whole")).len();
+    let rows = || std::fs::read_to_string(place.path("1")).map_or(0, |text| text.lines().count());
+    let mut part =
+        place.command(&line("1", "1/2")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while rows() < 3 && part.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    part.kill().unwrap();
+    part.wait().unwrap();
+    let there = rows();
+    assert!((3..all / 2).contains(&there), "{there} of {all} lines: killed too late");
+    place.edof(&line("1", "1/2")).done();
+    place.edof(&line("2", "2/2")).done();
+    place.edof("study merge --out together 2 1 --csv together.csv").done();
+    assert_eq!(timeless(&place.path("together")), timeless(&place.path("whole")));
+    assert_eq!(std::fs::read_to_string(place.path("together.csv")).unwrap().lines().count(), all);
+    let text = std::fs::read_to_string(place.path("2")).unwrap();
+    std::fs::write(place.path("2"), text.replacen("\"psnr_db\":", "\"psnr_db\":9", 1)).unwrap();
+    std::fs::copy(place.path("whole"), place.path("3")).unwrap();
+    place
+        .edof("study merge --out wrong 2 3")
+        .refused(&["3: line ", "is of the same as an earlier line, which says otherwise"]);
+    place.edof("study merge --out wrong photos/p03.png").refused(&["photos/p03.png: cannot read"]);
+}
+
+#[test]
+fn scenes_at_four_depths_fill_the_papers_columns() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    let line = "study multi-depth --scenes chart --height 64 --width 96 --nets net.safetensors --clear-net net.safetensors";
+    let run = place.edof(&format!("{line} --report r.html --markdown m.md --csv c.csv --json j.json")).done();
+    assert!(run.out.contains("coded lens, net.float"), "{}", run.out);
+    let page = std::fs::read_to_string(place.path("m.md")).unwrap();
+    for column in
+        ["clear lens, focused on the background, blind deconvolution | 17.95 |", "coded lens, OMP | 24.78 |"]
+    {
+        assert!(page.contains(column), "{page}");
+    }
+    assert_eq!(std::fs::read_to_string(place.path("c.csv")).unwrap().lines().count(), 1 + 2 + 3 + 4);
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("j.json")).unwrap()).unwrap();
+    assert_eq!(json["scenes"][0]["pictures"].as_array().unwrap().len(), 9);
+}
+
+#[test]
+fn blind_deconvolution_is_tried_on_drawn_blurs() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    let run = place.edof("study blind --images photos --side 7 --csv rows.csv").done();
+    assert!(run.out.contains("Over 3 blurred photographs: "), "{}", run.out);
+    let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
+    assert!(csv.starts_with("image,blur,blurred_db,") && csv.lines().count() == 4, "{csv}");
+    place.edof("study blind --images photos --side 4").refused(&["--side 4: must be odd"]);
 }

@@ -54,6 +54,10 @@ fn no_output_replaces_an_input() {
         "study single-depth --rows r --report net.safetensors --images photos --nets net.safetensors"
             .to_owned(),
         "study dictionary --images photos --out photos/a.png".to_owned(),
+        "study multi-depth --nets net.safetensors --clear-net net.safetensors --csv net.safetensors"
+            .to_owned(),
+        "study merge --out photo.png photo.png".to_owned(),
+        "study blind --images photos --csv photos/a.png".to_owned(),
         format!("{TRAIN} --camera clear --out photos/a.png"),
         format!("{TRAIN} --camera camera.json --out camera.json"),
         "demo --net net.fixed.safetensors --json net.fixed.safetensors".to_owned(),
@@ -101,6 +105,8 @@ fn no_output_replaces_another() {
         "study kodak --nets net.safetensors --images photos --report x --json x".to_owned(),
         "study single-depth --rows x --markdown x --images photos --nets net.safetensors".to_owned(),
         "study dictionary --images photos --out x --json x".to_owned(),
+        "study multi-depth --nets net.safetensors --clear-net net.safetensors --report x --csv x".to_owned(),
+        "study merge photo.png --out x --markdown x".to_owned(),
         format!("{TRAIN} --camera clear --out x --json x.checkpoint"),
         "demo --net net.fixed.safetensors --out shown --json shown/report.html".to_owned(),
         "demo --net net.fixed.safetensors --out shown --json shown/coded-lens-reconstructed.png".to_owned(),

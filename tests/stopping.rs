@@ -31,7 +31,7 @@ fn interrupt(child: &Child) {
 }
 
 /// Jobs of many minutes.
-const JOBS: [&str; 9] = [
+const JOBS: [&str; 10] = [
     "capture leaves-4 --size 3000x3000 --exact --out raw.png",
     "capture photos/kodim03.png --psi 8 --exact --out raw.png",
     "scene leaves-4 --size 6000x6000 --out drawn",
@@ -39,6 +39,7 @@ const JOBS: [&str; 9] = [
     "quantize net.safetensors --images photos --photos all --finetune 100000000 --out out.fixed.safetensors",
     "train --form edof-t4w12 --camera clear --images photos --photos all --depths 2 --steps 100000000 --out x.safetensors",
     "study kodak --nets net.safetensors --images photos --psi 0,1,2,3,4,5,6,7,8 --exact --json study.json",
+    "study multi-depth --height 3000 --width 3000 --csv rows.csv",
     "demo --height 3000 --width 3000 --out shown",
     "cosim --design tiny --random 100000 --json cosim.json",
 ];

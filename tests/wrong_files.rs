@@ -4,7 +4,7 @@
 use crate::support::Place;
 
 /// Commands with a gap for the file that is wrong.
-const COMMANDS: [&str; 42] = [
+const COMMANDS: [&str; 46] = [
     "reconstruct {} --weights net.fixed.safetensors --out o.png",
     "reconstruct raw.png --weights {} --out o.png",
     "reconstruct raw.png --float --weights {} --out o.png",
@@ -25,6 +25,10 @@ const COMMANDS: [&str; 42] = [
     "study single-depth --rows o --camera clear --images {} --nets net.safetensors",
     "study single-depth --rows o --camera clear --images photos --nets net.safetensors --dictionary {}",
     "study dictionary --images {} --out o",
+    "study multi-depth --nets {}",
+    "study multi-depth --clear-net {}",
+    "study multi-depth --dictionary {}",
+    "study merge {} --out o",
     "demo --net {} --out o",
     "demo --clear-net {} --out o",
     "estimate --design {}",
@@ -118,7 +122,7 @@ const CAPTURE: &str = "capture photo.png --no-measure --out o.png";
 const TRAIN: &str = "train --form two-sided,w8,t2,c8 --camera clear --images photos --photos all --out o";
 
 /// Commands and, for each of their options, values that it cannot have. What is refused as usage has exit status 2.
-const OPTIONS: [(&str, &[&str]); 18] = [
+const OPTIONS: [(&str, &[&str]); 20] = [
     (
         RECONSTRUCT,
         &[
@@ -366,6 +370,33 @@ const OPTIONS: [(&str, &[&str]); 18] = [
             "--photos 99",
             "--tone x",
             "--nets none",
+        ],
+    ),
+    (
+        "study single-depth --rows o --images photos --nets paper-t4",
+        &[
+            "--shard 0/2",
+            "--shard 3/2",
+            "--shard x",
+            "--tone x",
+            "--methods none",
+            "--noise loud",
+            "--stride 3",
+        ],
+    ),
+    (
+        "study multi-depth",
+        &[
+            "--scenes sea",
+            "--height 33",
+            "--height 60000 --width 60000",
+            "--noise -1",
+            "--tone x",
+            "--stride 3",
+            "--seed x",
+            "--nets none",
+            "--nets paper-t4,edof-t4w12-outer",
+            "--clear-net none",
         ],
     ),
     (

@@ -13,14 +13,16 @@ use crate::hyper_laplacian::{Prior, hyper_laplacian};
 use crate::resize::resized;
 use ndarray::{Array2, ArrayView2, Zip, s};
 
-/// The method's numbers; by default those that were published with it, but for `kernel_weight`.
+/// The method's numbers. Turns, steps and the last deconvolution are those that were published with it. The published λ = 100 and δ = 0.001
+/// say nothing without a scale of y, and one that stays fixed while x grows sharper and the scales finer fits some of them only: here
+/// both follow x ([`Settings::sparsity`], [`Settings::step`]). docs/decisions/0019-blind-deconvolution.md tells what that is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Side of the kernel, odd: larger than the blur.
     pub side: usize,
-    /// λ: how much the picture counts against ‖x‖₁/‖x‖₂.
-    pub lambda: f32,
-    /// ψ: how much ‖k‖₁ counts.
+    /// How large differences of the sharp picture must be, in units of their root mean square: λ = √n/(sparsity·‖x‖₂²) for n of them.
+    pub sparsity: f32,
+    /// ψ/λ, how much ‖k‖₁ counts, where ‖y‖₂ = 1.
     pub kernel_weight: f32,
     /// Turns of x and k at each scale.
     pub turns: usize,
@@ -28,10 +30,14 @@ pub struct Settings {
     pub outer: usize,
     /// Shrinkage steps for one ‖x‖₂.
     pub inner: usize,
-    /// The steps' length δ; halved where the cost explodes.
+    /// The steps' length δ·λ·‖x‖₂, up to 1; halved where the cost explodes.
     pub step: f32,
-    /// In the end, entries of the kernel below this share of its largest are nothing.
+    /// After each turn, entries of the kernel below this share of its largest are nothing.
+    pub turn_floor: f32,
+    /// The same at the end of each scale.
     pub floor: f32,
+    /// At the end of each scale, parts of the kernel that hang together but hold less than this share of it are nothing.
+    pub least_part: f32,
     /// The final deconvolution's prior.
     pub prior: Prior,
 }
@@ -40,13 +46,15 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             side: 25,
-            lambda: 100.0,
-            kernel_weight: 0.02,
+            sparsity: 0.8,
+            kernel_weight: 4e-5,
             turns: 21,
             outer: 2,
             inner: 2,
-            step: 0.001,
+            step: 0.3,
+            turn_floor: 0.03,
             floor: 0.05,
+            least_part: 0.2,
             prior: Prior::default(),
         }
     }
@@ -67,12 +75,7 @@ pub struct Found {
 const COARSEST: usize = 3;
 /// A cost that grows by this in a turn of x has exploded; and the shortest step that is still tried.
 const EXPLOSION: f32 = 3.0;
-const SHORTEST: f32 = 1e-5;
-/// ‖y‖₂ at every scale, over the fourth root of the number of pixels of the whole picture: then λ‖x‖₂·|x|, by which the picture counts
-/// against the prior at one pixel, does not depend on size and contrast. With it λ‖x‖₂·δ, the length of a step, is below 1 and steps
-/// converge. The description names none: this one finds the kernels of drawn pictures (the tests below); two thirds of it take them for
-/// too large, twice for points. What it is worth on photographs is in docs/decisions/0015-single-depth.md.
-const NORM: f32 = 0.12;
+const SHORTEST: f32 = 0.003;
 /// Steps of conjugate gradients for a kernel, and the share of the residual at which they end.
 const CONJUGATE_STEPS: usize = 25;
 const CONJUGATE_REST: f32 = 1e-4;
@@ -86,31 +89,70 @@ pub fn deconvolve(plane: ArrayView2<'_, f32>, settings: &Settings) -> Found {
     Found { picture: hyper_laplacian(plane, kernel.view(), settings.prior), kernel, halvings }
 }
 
-/// The kernel alone, and how often δ was halved.
-fn estimate(plane: ArrayView2<'_, f32>, settings: &Settings) -> (Array2<f32>, usize) {
+/// The kernel alone, odd sides, nowhere negative, sum 1; and how often δ was halved.
+#[must_use]
+pub fn estimate(plane: ArrayView2<'_, f32>, settings: &Settings) -> (Array2<f32>, usize) {
     let (height, width) = plane.dim();
     let side = settings.side.min(height.min(width) / 2).max(COARSEST) | 1;
     let scales = scales(side);
     let mut kernel = first_kernel();
-    let norm = NORM * ((height * width) as f32).sqrt().sqrt();
     let mut halvings = 0;
     let mut sharp: Option<[Array2<f32>; 2]> = None;
     for &(side, factor) in &scales {
         let size = [height, width].map(|n| ((n as f32 * factor).round() as usize).max(COARSEST));
         let seen = if factor < 1.0 { resized(plane, (size[0], size[1])) } else { plane.to_owned() };
         kernel = normalised(resized(kernel.view(), (side, side)));
-        let mut scale = Scale::new(&seen, side, sharp.as_ref(), norm, settings);
+        let mut scale = Scale::new(&seen, side, sharp.as_ref(), settings);
         for _ in 0..settings.turns {
             scale.update_picture(&kernel, settings);
-            kernel = scale.update_kernel(&kernel, settings);
+            kernel = above(&scale.update_kernel(&kernel, settings), settings.turn_floor);
         }
+        kernel = joined(&above(&kernel, settings.floor), settings.least_part);
         let shift = middle_shift(&kernel);
         kernel = shifted(&kernel, shift);
         sharp = Some(scale.picture(shift));
         halvings += scale.halvings;
     }
-    let least = settings.floor * kernel.iter().copied().fold(0.0, f32::max);
-    (normalised(kernel.mapv(|v| if v < least { 0.0 } else { v })), halvings)
+    (kernel, halvings)
+}
+
+/// A kernel without entries below a share of its largest.
+fn above(kernel: &Array2<f32>, share: f32) -> Array2<f32> {
+    let least = share * kernel.iter().copied().fold(0.0, f32::max);
+    normalised(kernel.mapv(|v| if v < least { 0.0 } else { v }))
+}
+
+/// A kernel without its small parts: pixels that touch each other, corners included, and hold less than a share of all; the largest
+/// stays in any case.
+fn joined(kernel: &Array2<f32>, share: f32) -> Array2<f32> {
+    let mut parts = Array2::<usize>::zeros(kernel.dim());
+    // What lies in no part is part 0.
+    let mut masses = vec![0.0f32];
+    for (at, &value) in kernel.indexed_iter() {
+        if value > 0.0 && parts[at] == 0 {
+            parts[at] = masses.len();
+            let mut open = vec![at];
+            let mut mass = 0.0;
+            while let Some((row, column)) = open.pop() {
+                mass += kernel[(row, column)];
+                for (r, c) in (row.saturating_sub(1)..=row + 1)
+                    .flat_map(|r| (column.saturating_sub(1)..=column + 1).map(move |c| (r, c)))
+                {
+                    if kernel.get((r, c)).is_some_and(|v| *v > 0.0) && parts[(r, c)] == 0 {
+                        parts[(r, c)] = masses.len();
+                        open.push((r, c));
+                    }
+                }
+            }
+            masses.push(mass);
+        }
+    }
+    let most = masses.iter().copied().fold(0.0, f32::max);
+    let least = most.min(share * masses.iter().sum::<f32>());
+    normalised(Array2::from_shape_fn(
+        kernel.dim(),
+        |at| if masses[parts[at]] < least { 0.0 } else { kernel[at] },
+    ))
 }
 
 /// Sides of the kernel and factors of the picture from coarse to fine.
@@ -173,13 +215,7 @@ struct Scale {
 }
 
 impl Scale {
-    fn new(
-        seen: &Array2<f32>,
-        side: usize,
-        sharp: Option<&[Array2<f32>; 2]>,
-        norm: f32,
-        settings: &Settings,
-    ) -> Self {
+    fn new(seen: &Array2<f32>, side: usize, sharp: Option<&[Array2<f32>; 2]>, settings: &Settings) -> Self {
         let size = seen.dim();
         let whole = (fast_length(size.0 + side), fast_length(size.1 + side));
         let plan = Fourier::new(whole);
@@ -190,7 +226,7 @@ impl Scale {
                 plane[(r, c)] = Sample::new(seen[(r, c + 1)] - here, seen[(r + 1, c)] - here);
             }
         }
-        to_norm(&mut plane, norm);
+        to_unit(&mut plane);
         let transformed = plan.forward(&plane);
         if let Some(coarse) = sharp {
             let [along_rows, along_columns] = coarse.each_ref().map(|plane| resized(plane.view(), size));
@@ -199,7 +235,7 @@ impl Scale {
                 .and(&along_rows)
                 .and(&along_columns)
                 .for_each(|v, &re, &im| *v = Sample::new(re, im));
-            to_norm(&mut plane, norm);
+            to_unit(&mut plane);
         }
         let sharp_sum = sum_of_sizes(&plane);
         let sharp = plan.forward(&plane);
@@ -211,27 +247,33 @@ impl Scale {
         spectrum.iter().map(|v| f64::from(v.norm_sqr())).sum::<f64>() as f32 / spectrum.len() as f32
     }
 
-    /// λ‖k∗x − y‖² + ‖x‖₁/‖x‖₂.
-    fn cost(&self, transfer: &Spectrum, settings: &Settings) -> f32 {
-        let rest = Zip::from(&self.sharp).and(transfer).and(&self.seen).map_collect(|x, k, y| x * k - y);
-        settings.lambda * self.energy(&rest)
-            + self.sharp_sum / self.energy(&self.sharp).sqrt().max(f32::MIN_POSITIVE)
+    /// λ of the picture as it is.
+    fn lambda(&self, settings: &Settings) -> f32 {
+        let count = (2 * self.size.0 * self.size.1) as f32;
+        count.sqrt() / (settings.sparsity * self.energy(&self.sharp)).max(f32::MIN_POSITIVE)
     }
 
-    /// A turn of x (algorithm 3): shrinkage steps on λ‖x‖₂·‖k∗x − y‖²/2 + ‖x‖₁ with ‖x‖₂ held, taken anew `outer` times. Where that
+    /// λ‖k∗x − y‖² + ‖x‖₁/‖x‖₂.
+    fn cost(&self, transfer: &Spectrum, lambda: f32) -> f32 {
+        let rest = Zip::from(&self.sharp).and(transfer).and(&self.seen).map_collect(|x, k, y| x * k - y);
+        lambda * self.energy(&rest) + self.sharp_sum / self.energy(&self.sharp).sqrt().max(f32::MIN_POSITIVE)
+    }
+
+    /// A turn of x (algorithm 3): shrinkage steps on λ‖x‖₂·‖k∗x − y‖²/2 + ‖x‖₁ with λ and ‖x‖₂ held, taken anew `outer` times. Where that
     /// explodes it is undone, and tried with half the step.
     fn update_picture(&mut self, kernel: &Array2<f32>, settings: &Settings) {
         let transfer = self.plan.kernel(kernel.view());
-        let before = self.cost(&transfer, settings);
+        let lambda = self.lambda(settings);
+        let before = self.cost(&transfer, lambda);
         let (sharp, sum) = (self.sharp.clone(), self.sharp_sum);
         loop {
             for _ in 0..settings.outer {
-                let weight = settings.lambda * self.energy(&self.sharp).sqrt();
+                let weight = self.lambda(settings) * self.energy(&self.sharp).sqrt();
                 for _ in 0..settings.inner {
-                    self.shrink(&transfer, weight);
+                    self.shrink(&transfer, self.step / weight);
                 }
             }
-            let after = self.cost(&transfer, settings);
+            let after = self.cost(&transfer, lambda);
             if after <= EXPLOSION * before || self.step <= SHORTEST {
                 return;
             }
@@ -241,14 +283,14 @@ impl Scale {
         }
     }
 
-    /// One shrinkage step: x ← σ_δ(x − δ·weight·kᵀ∗(k∗x − y)).
-    fn shrink(&mut self, transfer: &Spectrum, weight: f32) {
-        let length = self.step * weight;
+    /// One shrinkage step: x ← σ_δ(x − step·kᵀ∗(k∗x − y)).
+    fn shrink(&mut self, transfer: &Spectrum, delta: f32) {
+        let length = self.step;
         Zip::from(&mut self.sharp).and(transfer).and(&self.seen).for_each(|x, k, y| {
             *x -= k.conj() * (*x * k - y) * length;
         });
         let mut plane = self.plan.inverse(&self.sharp);
-        let shrink = |v: f32| (v - self.step).max(0.0) + (v + self.step).min(0.0);
+        let shrink = |v: f32| (v - delta).max(0.0) + (v + delta).min(0.0);
         plane.mapv_inplace(|v| Sample::new(shrink(v.re), shrink(v.im)));
         self.sharp_sum = sum_of_sizes(&plane);
         self.sharp = self.plan.forward(&plane);
@@ -260,7 +302,7 @@ impl Scale {
         let lags = self.lags(&correlation(&self.sharp, &self.sharp), self.side - 1);
         let wanted = self.lags(&correlation(&self.seen, &self.sharp), self.side / 2);
         let least = LEAST_ENTRY * kernel.iter().copied().fold(0.0, f32::max);
-        let price = settings.kernel_weight / (2.0 * settings.lambda);
+        let price = settings.kernel_weight / 2.0;
         let weights = kernel.mapv(|v| price / v.max(least).max(f32::MIN_POSITIVE));
         let solved =
             conjugate_gradients(|k| &autocorrelated(&lags, k) + &(&weights * k), &wanted, kernel.clone());
@@ -290,11 +332,11 @@ impl Scale {
     }
 }
 
-/// Scales differences to a norm; where there are none they stay.
-fn to_norm(plane: &mut Array2<Sample>, norm: f32) {
+/// Scales differences to ‖·‖₂ = 1; where there are none they stay.
+fn to_unit(plane: &mut Array2<Sample>) {
     let energy = plane.iter().map(|v| f64::from(v.norm_sqr())).sum::<f64>() as f32;
     if energy > 0.0 {
-        let scale = norm / energy.sqrt();
+        let scale = 1.0 / energy.sqrt();
         plane.mapv_inplace(|v| v * scale);
     }
 }
@@ -390,9 +432,31 @@ mod tests {
     fn a_step_that_is_too_long_is_halved_and_nothing_explodes() {
         let sharp = cards_of((96, 96));
         let seen = blurred(&sharp, &disc(1.5));
-        let found = deconvolve(seen.view(), &Settings { step: 0.5, ..settings(7) });
+        let found = deconvolve(seen.view(), &Settings { step: 4.0, ..settings(7) });
         assert!(found.halvings > 0);
         assert!(found.picture.iter().all(|v| v.abs() < 3.0));
+    }
+
+    #[test]
+    fn a_kernel_larger_than_the_blur_is_found_too() {
+        let sharp = cards_of((160, 192));
+        let kernel = disc(2.5);
+        let seen = with_noise(&blurred(&sharp, &kernel), 0.001);
+        let (found, _) = estimate(seen.view(), &settings(25));
+        let like = likeness(found.view(), kernel.view());
+        assert!(like > 0.8, "kernels differ, {like}");
+    }
+
+    #[test]
+    fn small_parts_of_a_kernel_are_dropped_and_the_largest_never() {
+        let mut kernel = Array2::zeros((5, 7));
+        for (at, value) in [((0, 0), 0.3), ((1, 1), 0.3), ((4, 6), 0.1), ((2, 5), 0.3)] {
+            kernel[at] = value;
+        }
+        let kept = joined(&kernel, 0.2);
+        assert_eq!((kept[(4, 6)], kept.iter().filter(|v| **v > 0.0).count()), (0.0, 3));
+        assert!((kept.sum() - 1.0).abs() < 1e-6);
+        assert_eq!(joined(&kernel, 1.0).iter().filter(|v| **v > 0.0).count(), 2);
     }
 
     #[test]

@@ -13,6 +13,7 @@ use edof_spec::{
 };
 use ndarray::Array2;
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// A lens and what is done with the frames behind it.
 pub struct Lens<'a> {
@@ -94,21 +95,34 @@ pub enum DemoError {
     /// A scene too small to measure.
     #[error(transparent)]
     Metric(#[from] MetricError),
+    /// The listener asked to stop.
+    #[error("stopped")]
+    Stopped,
     /// A picture that cannot be encoded.
     #[error("picture: {0}")]
     Picture(#[from] image::ImageError),
 }
 
-/// Shows the scene to every lens and reconstructs each raw frame with every method of that lens.
+/// Shows the scene to every lens and reconstructs each raw frame with every method of that lens. `tell` hears what comes next and may
+/// stop it.
 ///
 /// # Errors
 /// [`DemoError`].
-pub fn run(scene: &Scene, sensor: &Sensor, lenses: &[Lens<'_>], tone: Tone) -> Result<Demo, DemoError> {
+pub fn run(
+    scene: &Scene,
+    sensor: &Sensor,
+    lenses: &[Lens<'_>],
+    tone: Tone,
+    mut tell: impl FnMut(&str) -> ControlFlow<()>,
+) -> Result<Demo, DemoError> {
     let truth = Truth::of(scene, tone);
     let (mut pictures, mut raws) = (vec![], vec![]);
     for lens in lenses {
         let raw = capture(scene, &lens.camera, sensor, &Approximation::default())?.raw;
         for (treatment, method) in &lens.methods {
+            if tell(&format!("{}: {}, {treatment}", scene.name, lens.title)).is_break() {
+                return Err(DemoError::Stopped);
+            }
             pictures.push(truth.judge(lens, treatment, method.name(), method.reconstruct(&raw)?)?);
         }
         raws.push(raw);
@@ -243,7 +257,8 @@ pub(crate) mod tests {
             camera: Camera::resolve(name).unwrap(),
             methods: vec![("demosaiced".into(), &malvar as &dyn Reconstructor)],
         };
-        run(&scene, &Sensor::default(), &[lens("clear"), lens("ring-outer")], Tone::Srgb).unwrap()
+        let lenses = [lens("clear"), lens("ring-outer")];
+        run(&scene, &Sensor::default(), &lenses, Tone::Srgb, |_| ControlFlow::Continue(())).unwrap()
     }
 
     #[test]

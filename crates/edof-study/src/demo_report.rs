@@ -95,7 +95,7 @@ impl Demo {
         lenses.chain(treatments.map(|(term, text)| (term.to_owned(), text.to_owned()))).collect()
     }
 
-    fn figures(&self) -> Result<Vec<Figure>, DemoError> {
+    pub(crate) fn figures(&self) -> Result<Vec<Figure>, DemoError> {
         let truth = Figure {
             title: "The scene itself".into(),
             note: "no blur, no noise".into(),
@@ -111,7 +111,7 @@ impl Demo {
     }
 
     /// The busiest part that lies at one depth, of the scene and of all pictures; nothing where the depth has no such part.
-    fn parts(&self, psi: f64) -> Result<Vec<Figure>, DemoError> {
+    pub(crate) fn parts(&self, psi: f64) -> Result<Vec<Figure>, DemoError> {
         let busy = luma(&self.truth);
         let found =
             SIDES.iter().find_map(|&side| Some((busiest(&busy, &self.depths, psi as f32, side)?, side)));
@@ -128,7 +128,7 @@ impl Demo {
     }
 
     /// Row and column of the largest number of each column but the last, which is time.
-    fn best(&self) -> Vec<(usize, usize)> {
+    pub(crate) fn best(&self) -> Vec<(usize, usize)> {
         let table = self.table();
         let number =
             |row: usize, column: usize| table.rows[row][column].parse::<f64>().unwrap_or(f64::NEG_INFINITY);

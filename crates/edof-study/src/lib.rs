@@ -13,6 +13,9 @@
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
 //! | | [`speed`] | what those rows say together, and what the paper says |
+//! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
+//! | | [`known_blurs`] | blind deconvolution of drawn blurs |
+//! | | [`journal`] | rows in a file, shared out among machines, put together again |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
 //! | | [`tables`] | the same for a terminal, as Markdown and as a report |
 //! | | [`demo`] | one scene at four depths through several lenses |
@@ -22,6 +25,7 @@
 //! | optics | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
 //! | draw | [`plot`] | line and scatter plots as SVG |
 //! | show | [`picture`] | frames as PNG bytes, sheets, kernels |
+//! | | [`csv`] | rows for spreadsheets |
 //! | report | [`report`] | one HTML file with everything inside |
 //!
 //! ```
@@ -36,15 +40,19 @@
 //! # Ok::<(), edof_study::metrics::MetricError>(())
 //! ```
 
+pub mod csv;
 pub mod deconvolution;
 pub mod demo;
 pub mod demo_report;
 pub mod dictionary;
+pub mod journal;
+pub mod known_blurs;
 pub mod kodak;
 pub mod lens;
 pub mod method;
 pub mod metrics;
 pub mod mtf50;
+pub mod multi_depth;
 pub mod nets;
 pub mod patchwork;
 pub mod photos;

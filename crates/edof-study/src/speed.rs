@@ -1,11 +1,12 @@
 //! What a study of one depth says: error and time of each method, and what the paper says of both.
 
+use crate::kodak::Row as Measured;
 use crate::method::{Family, Format, Method};
 use crate::plot::{Axis, Mark, Plot, Series};
 use crate::report::Report;
 use crate::single_depth::Row;
 use crate::tables::{Table, noise_words};
-use edof_spec::Noise;
+use edof_spec::{Noise, Tone};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -21,6 +22,8 @@ pub struct Point {
     pub psi: f64,
     /// Noise of the sensor.
     pub noise: Noise,
+    /// What photographs' numbers were taken for.
+    pub tone: Tone,
     /// Photographs.
     pub photos: usize,
     /// Mean PSNR in dB.
@@ -64,6 +67,8 @@ pub struct Claims {
     pub psi: f64,
     /// Noise of the sensor.
     pub noise: Noise,
+    /// What photographs' numbers were taken for.
+    pub tone: Tone,
     /// One each.
     pub claims: Vec<Claim>,
 }
@@ -74,22 +79,17 @@ impl Speed {
     pub fn new(rows: &[Row], machine: String) -> Self {
         let mut points: Vec<Point> = vec![];
         for row in rows {
-            let is_of = |p: &Point| {
-                p.identity == row.measured.identity
-                    && p.psi.to_bits() == row.measured.psi.to_bits()
-                    && p.noise == row.measured.noise
-            };
-            if !points.iter().any(is_of) {
+            if !points.iter().any(|point| point.is_of(row)) {
                 points.push(Point::of(rows, row));
             }
         }
         let mut claims: Vec<Claims> = vec![];
         for point in &points {
-            if !claims.iter().any(|c| c.psi.to_bits() == point.psi.to_bits() && c.noise == point.noise) {
-                let (psi, noise) = (point.psi, point.noise);
-                let own: Vec<&Point> =
-                    points.iter().filter(|p| p.psi.to_bits() == psi.to_bits() && p.noise == noise).collect();
-                claims.push(Claims { psi, noise, claims: all_claims(&own) });
+            if !claims.iter().any(|c| c.hold(point)) {
+                let Point { psi, noise, tone, .. } = *point;
+                let mut all = Claims { psi, noise, tone, claims: vec![] };
+                all.claims = all_claims(&points.iter().filter(|p| all.hold(p)).collect::<Vec<_>>());
+                claims.push(all);
             }
         }
         Self { points, claims, machine }
@@ -126,7 +126,7 @@ impl Speed {
         report.paragraph(&self.explanation());
         for ((title, tables), claims) in self.tables().into_iter().zip(&self.claims) {
             report.heading(&title);
-            report.plots(&[self.plot(claims.psi, claims.noise)]);
+            report.plots(&[self.plot(claims)]);
             tables.iter().for_each(|table| table.add_to(&mut report, &[]));
         }
         report
@@ -135,8 +135,8 @@ impl Speed {
     fn explanation(&self) -> String {
         let photos = self.points.iter().map(|p| p.photos).max().unwrap_or(0);
         format!(
-            "Means over {photos} photographs whose numbers are taken as linear light. PSNR in dB over red, green and blue, peak 1, border 8 \
-             cropped, nothing clipped. Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
+            "Means over {photos} photographs. PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, nothing clipped, where a \
+             photograph's numbers are taken for it; of the encoded picture, clipped to 0…1, where they are decoded (“real light”). Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
              and a noise level and stands beside it: kernels, dictionaries and what follows from them. NAME/s4 is a method of patches at \
              stride 4; a network's fixed rows are the board's integers in software, not the board.",
             self.machine
@@ -146,17 +146,16 @@ impl Speed {
     /// Title, averages and claims for each depth and noise level.
     fn tables(&self) -> Vec<(String, [Table; 2])> {
         let of = |c: &Claims| {
-            let own = self.points.iter().filter(|p| p.psi.to_bits() == c.psi.to_bits() && p.noise == c.noise);
-            let title = format!("ψ = {}, {}", c.psi, noise_words(c.noise));
-            (title, [averages(own), claims_table(&c.claims)])
+            let own = self.points.iter().filter(|p| c.hold(p));
+            (c.title(), [averages(own), claims_table(&c.claims)])
         };
         self.claims.iter().map(of).collect()
     }
 
     /// PSNR against time; the strides of one method are joined.
-    fn plot(&self, psi: f64, noise: Noise) -> Plot {
+    fn plot(&self, of: &Claims) -> Plot {
         let mut series: Vec<Series> = vec![];
-        for point in self.points.iter().filter(|p| p.psi.to_bits() == psi.to_bits() && p.noise == noise) {
+        for point in self.points.iter().filter(|p| of.hold(p)) {
             let (label, at) = (point.identity.to_string(), [point.seconds_per_megapixel, point.psnr_db]);
             match series.iter_mut().find(|s| s.label == label) {
                 Some(series) => series.points.push(at),
@@ -164,7 +163,7 @@ impl Speed {
             }
         }
         Plot {
-            title: format!("Error against speed: ψ = {psi}, {}", noise_words(noise)),
+            title: format!("Error against speed: {}", of.title()),
             x: Axis::log("seconds a megapixel"),
             y: Axis::linear("PSNR (dB)"),
             series,
@@ -174,16 +173,34 @@ impl Speed {
 
 const TITLE: &str = "Speed against error at one depth";
 
+impl Claims {
+    /// Whether they are of the same scenes as a point.
+    fn hold(&self, point: &Point) -> bool {
+        (self.psi.to_bits(), self.noise, self.tone) == (point.psi.to_bits(), point.noise, point.tone)
+    }
+
+    fn title(&self) -> String {
+        let tone = match self.tone {
+            Tone::Linear => "",
+            Tone::Srgb => ", real light",
+        };
+        format!("ψ = {}, {}{tone}", self.psi, noise_words(self.noise))
+    }
+}
+
 impl Point {
+    fn is_of(&self, row: &Row) -> bool {
+        let Measured { identity, psi, noise, tone, .. } = &row.measured;
+        (&self.identity, self.psi.to_bits(), self.noise, self.tone)
+            == (identity, psi.to_bits(), *noise, *tone)
+    }
+
     fn of(rows: &[Row], like: &Row) -> Self {
-        let own: Vec<&Row> = rows
-            .iter()
-            .filter(|r| {
-                r.measured.identity == like.measured.identity
-                    && r.measured.psi.to_bits() == like.measured.psi.to_bits()
-                    && r.measured.noise == like.measured.noise
-            })
-            .collect();
+        let same = |r: &&Row| {
+            let of = |m: &Measured| (m.psi.to_bits(), m.noise, m.tone);
+            r.measured.identity == like.measured.identity && of(&r.measured) == of(&like.measured)
+        };
+        let own: Vec<&Row> = rows.iter().filter(same).collect();
         let mean = |value: &dyn Fn(&Row) -> f64| own.iter().map(|r| value(r)).sum::<f64>() / own.len() as f64;
         let identity = like.measured.identity.clone();
         let nonzeros = like.measured.work.nonzeros_a_patch.as_ref().map(|layers| {
@@ -204,6 +221,7 @@ impl Point {
             method: name(&identity),
             psi: like.measured.psi,
             noise: like.measured.noise,
+            tone: like.measured.tone,
             photos: own.len(),
             psnr_db: mean(&|r| r.measured.picture.psnr_db),
             ssim: mean(&|r| r.measured.picture.ssim),
@@ -377,7 +395,7 @@ mod tests {
     fn the_diagram_joins_the_strides_of_a_method_and_tells_its_numbers() {
         let speed = speed();
         assert_eq!(
-            speed.plot(8.0, Noise::None).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
+            speed.plot(&speed.claims[0]).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
             [1, 1, 2, 1]
         );
         let html = speed.report("edof study single-depth").to_html();

@@ -13,6 +13,7 @@ use edof_spec::{Camera, Noise, Reconstructor, Tone};
 use edof_study::demo::{self, Demo, Lens};
 use edof_study::picture;
 use serde_json::Value;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 /// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
@@ -83,8 +84,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     misfit.iter().for_each(|misfit| ui.note(format_args!("no board: {misfit}")));
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
-    let result = demo::run(&scene, &sensor, &lenses, args.tone)?;
+    let go_on = |_: &str| {
+        if interrupt::check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let result = demo::run(&scene, &sensor, &lenses, args.tone, go_on);
     interrupt::check()?;
+    let result = result?;
     drop(progress);
     // The last lens is the coded one.
     let coded = result.raws.last().zip(board);

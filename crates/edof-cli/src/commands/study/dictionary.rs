@@ -1,11 +1,10 @@
 //! `edof study dictionary`: the sharp dictionary of the pursuits.
 
+use super::options::Folder;
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
-use edof_spec::provenance::Input;
 use edof_study::dictionary::{self, Recipe};
-use edof_study::photos::{self, Selection};
 use std::path::PathBuf;
 
 /// Learn the dictionary of 8×8 colour patches that OMP and FISTA reconstruct with, by k-SVD
@@ -41,9 +40,8 @@ pub struct Args {
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
 
-    /// Folder of numbered photographs [default: $EDOF_KODAK, else shared/data/kodak beside the project]
-    #[arg(long, value_name = "DIR")]
-    images: Option<PathBuf>,
+    #[command(flatten)]
+    folder: Folder,
 
     /// train (all but every third number), test, all, or numbers such as 1,2
     #[arg(long, default_value = "train")]
@@ -53,12 +51,9 @@ pub struct Args {
 /// # Errors
 /// Nothing found, numbers out of range, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
-    Files::new(ui).reads_pictures_of(&folder).writes("--out", &args.out).check()?;
-    let selection: Selection = args.photos.parse()?;
-    let (photos, skipped) = photos::load(&folder, &selection)?;
-    skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
-    photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
+    Files::new(ui).reads_pictures_of(args.folder.path()?).writes("--out", &args.out).check()?;
+    let (photos, skipped) = args.folder.load(&args.photos, ui)?;
+    skipped.iter().for_each(|note| ui.note(note));
     let Args { atoms, sparsity, patches, rounds, seed, .. } = args;
     let recipe = Recipe { atoms, sparsity, patches, rounds, seed };
     let (learned, error) = dictionary::learn(&photos, recipe)?;

@@ -1,20 +1,18 @@
 //! `edof study single-depth`: speed against error.
 
-use super::{fixed_if_any, fixed_name, shown_name};
+use super::nets;
+use super::options::{Kernels, Outputs, Photographs, machine, unless_interrupted};
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
-use crate::{interrupt, weights};
-use edof_optics::psf::Settings;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, Stride};
+use edof_spec::{Camera, Noise, Stride, Tone};
 use edof_study::dictionary::Dictionary;
-use edof_study::kodak::KodakError;
-use edof_study::photos::{self, Selection};
-use edof_study::single_depth::{self, Header, Journal, Plan, Progress, StudyError};
+use edof_study::journal::{Header, Journal, Shard};
+use edof_study::kodak::{KodakError, usual_noise};
+use edof_study::single_depth::{self, Plan, Progress, Row, StudyError};
 use edof_study::spec::MethodSpec;
 use edof_study::speed::Speed;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -23,7 +21,7 @@ use std::sync::Arc;
 /// Every method is prepared for the camera, depth and noise (kernels, dictionaries), then timed on each photograph: the median of
 /// three runs after a first one, or one run where that takes longer than half a second. Both times are reported. Rows are written
 /// to --rows as they come; the same command goes on where it was stopped, and further methods, depths or photographs add rows.
-/// Photographs' values are taken for light; the sensor has 16 bits; kernels hold 99.9 % of the energy (all of it with --exact).
+/// The sensor has 16 bits; kernels hold 99.9 % of the energy (all of it with --exact).
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -63,8 +61,13 @@ pub struct Args {
     )]
     psi: Vec<f64>,
 
-    /// Noise levels: none, or the standard deviation of Gaussian noise in units of full scale
-    #[arg(long, value_delimiter = ',', default_value = "none,0.01", value_name = "NOISE,…")]
+    /// What photographs hold: linear, light itself (the paper's convention), or srgb, encoded light
+    #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
+    tone: Tone,
+
+    /// Noise levels: none, the standard deviation of Gaussian noise in units of full scale, or sensor, the photon and read
+    /// noise of edof capture's reference sensor [default: none,0.01; with --tone srgb none,sensor]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "NOISE,…")]
     noise: Vec<Noise>,
 
     /// Pixels from one patch to the next, for methods of patches: 2, 4 or 8
@@ -75,80 +78,56 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     dictionary: Option<PathBuf>,
 
-    /// Folder of numbered photographs [default: $EDOF_KODAK, else shared/data/kodak beside the project]
-    #[arg(long, value_name = "DIR")]
-    images: Option<PathBuf>,
+    #[command(flatten)]
+    photographs: Photographs,
 
-    /// test (every third number), train (the others), all, or numbers such as 3,6
-    #[arg(long, default_value = "test")]
-    photos: String,
+    /// A part of the study, such as 2/8 for the second of eight; edof study merge puts their files together
+    #[arg(long, default_value_t = Shard::WHOLE, value_name = "I/N")]
+    shard: Shard,
 
-    /// Also write the tables as Markdown
-    #[arg(long, value_name = "FILE")]
-    markdown: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: Outputs,
 
-    /// Also write an HTML report with diagrams
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
-
-    /// Whole kernels: no cut by energy
-    #[arg(long)]
-    exact: bool,
+    #[command(flatten)]
+    kernels: Kernels,
 }
 
 /// # Errors
 /// Nothing found, a file that is broken, settings out of range, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let folder = args.images.clone().map_or_else(photos::default_folder, Ok)?;
-    let float = args.nets.iter().filter_map(|net| weights::float_file(net));
-    let fixed = args.nets.iter().filter_map(|net| weights::fixed_file(&fixed_name(net)));
-    let files = Files::new(ui)
-        .reads_all(float)
-        .reads_all(fixed)
-        .reads_all(&args.dictionary)
-        .reads_pictures_of(&folder);
-    let files = files.writes("--rows", &args.rows).may_write("--report", args.report.as_ref());
-    files.may_write("--markdown", args.markdown.as_ref()).check()?;
+    let files = Files::new(ui).reads_all(&args.dictionary);
+    let files = nets::read(files, &args.nets).reads_pictures_of(args.photographs.folder.path()?);
+    args.outputs.of(files.writes("--rows", &args.rows)).check()?;
     let (plan, notes) = args.plan(ui)?;
-    let selection: Selection = args.photos.parse()?;
-    let (photos, skipped) = photos::load(&folder, &selection)?;
-    photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
-    let skipped = skipped.iter().map(|why| format!("photo skipped: {why}"));
+    let (photos, skipped) = args.photographs.load(ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
-    let machine = machine(ui);
-    let mut journal = Journal::open(&args.rows, Header::new(args.exact, machine.clone()))?;
-    let steps = plan.psi.len() * plan.noise.len() * photos.len() * plan.methods.len();
-    let progress = ui.progress(steps as u64, "rows");
+    let mut journal = Journal::open(&args.rows, Header::of::<Row>(args.kernels.exact, machine(ui)))?;
+    let progress = ui.progress(1, "rows");
     let tell = |p: Progress| {
         progress.message(p.last);
-        progress.set(p.done as u64);
-        if interrupt::check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        progress.of(p.done as u64, p.of as u64);
+        unless_interrupted()
     };
     match single_depth::run(&plan, &photos, &mut journal, tell) {
         Err(StudyError::Trial(KodakError::Stopped)) => return Err(Error::Interrupted),
         other => other?,
     }
-    let speed = Speed::new(journal.rows(), machine);
-    let command = ui.provenance().command;
-    if let Some(path) = &args.markdown {
-        edof_spec::atomic::write(path, speed.to_markdown(&command).as_bytes())?;
-    }
-    if let Some(path) = &args.report {
-        speed.report(&ui.signed(&command)).save(path)?;
-    }
-    ui.say(speed.to_text())?;
-    ui.json(&speed)
+    drop(progress);
+    tell_rows(&journal, &args.outputs, ui)
 }
 
-/// CPU and threads, which every time is of.
-fn machine(ui: &Ui) -> String {
-    let host = ui.provenance().host;
-    format!(
-        "{}, {} threads",
-        host.cpu,
-        host.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
-    )
+/// Tables, reports and data of a file of rows.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn tell_rows(journal: &Journal<Row>, outputs: &Outputs, ui: &Ui) -> Result<(), Error> {
+    let speed = Speed::new(journal.rows(), journal.header().machine.clone());
+    let command = ui.provenance().command;
+    let report = || Ok(speed.report(&ui.signed(&command)));
+    outputs.write(|| speed.to_markdown(&command), report, journal.rows())?;
+    ui.say(speed.to_text())?;
+    ui.json(&speed)
 }
 
 impl Args {
@@ -160,7 +139,7 @@ impl Args {
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
         let (mut methods, mut notes) = (vec![], vec![]);
         for net in &self.nets {
-            let (own, note) = network(net, &camera, &strides, ui)?;
+            let (own, note) = nets::methods(net, &camera, &strides, ui)?;
             methods.extend(own);
             notes.extend(note);
         }
@@ -172,44 +151,9 @@ impl Args {
         for name in named {
             methods.extend(MethodSpec::named(name, &strides, &dictionary)?);
         }
-        let optics = if self.exact { Settings::exact() } else { Settings::default() };
-        Ok((Plan { camera, psi: self.psi.clone(), noise: self.noise.clone(), methods, optics }, notes))
+        let noise =
+            if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
+        let (psi, optics) = (self.psi.clone(), self.kernels.settings());
+        Ok((Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.shard }, notes))
     }
-}
-
-/// A net at every stride in float, and in fixed point where its weights are for one of them; a line that says so where they are not.
-fn network(
-    name: &str,
-    camera: &Camera,
-    strides: &[Stride],
-    ui: &Ui,
-) -> Result<(Vec<MethodSpec>, Option<String>), Error> {
-    let mut float = weights::float(name)?;
-    if float.origin.camera != *camera {
-        let own = &float.origin.camera.name;
-        return Err(Error::message(format!(
-            "net '{name}': was trained for camera {own}, not {}: all methods stand behind one camera",
-            camera.name
-        )));
-    }
-    let shown = shown_name(name);
-    float.origin.name = shown.to_owned();
-    let input = weights::float_input(name)?;
-    let sha256 = input.sha256.clone();
-    ui.used(input);
-    let float = Arc::new(float);
-    let mut methods: Vec<MethodSpec> = strides
-        .iter()
-        .map(|&stride| MethodSpec::Float { network: Arc::clone(&float), sha256: sha256.clone(), stride })
-        .collect();
-    let Some(fixed) = fixed_if_any(&fixed_name(name))? else { return Ok((methods, None)) };
-    if !strides.contains(&fixed.stride) || fixed.float_hash != sha256 {
-        let why = "its fixed-point weights are for another stride or other float weights";
-        return Ok((methods, Some(format!("NO {shown}.fixed ROWS: {why}"))));
-    }
-    let input = weights::fixed_input(&fixed_name(name))?;
-    let sha256 = input.sha256.clone();
-    ui.used(input);
-    methods.push(MethodSpec::Fixed { network: Arc::new(fixed), name: shown.to_owned(), sha256 });
-    Ok((methods, None))
 }

@@ -1,0 +1,45 @@
+//! `edof study merge`: the parts of a study that several machines measured.
+
+use super::options::Outputs;
+use super::single_depth;
+use crate::error::Error;
+use crate::files::Files;
+use crate::ui::Ui;
+use edof_study::journal::Journal;
+use std::path::PathBuf;
+
+/// Put files of rows of one study together, as if one run had measured them
+///
+/// Rows are known by what they are of (hashes of photographs, weights and camera, and settings), so files may overlap; where they do they
+/// must agree about everything but times. The file that comes out is the one of an uninterrupted study, times aside.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Example:
+  for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
+  edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
+pub struct Args {
+    /// Files of rows, as --rows of single-depth wrote them
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+
+    /// File of rows to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+
+    /// Take rows of different machines, whose times make no comparison; the tables name them all
+    #[arg(long)]
+    any_machine: bool,
+
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// # Errors
+/// Files that are none of rows, of different studies, or that contradict each other.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = Files::new(ui).reads_all(&args.files).writes("--out", &args.out);
+    args.outputs.of(files).check()?;
+    let mut journal = Journal::merged(&args.out, &args.files, args.any_machine)?;
+    journal.finish()?;
+    single_depth::tell_rows(&journal, &args.outputs, ui)
+}

@@ -1,0 +1,141 @@
+//! Options that studies share, and what they lead to.
+
+use crate::error::Error;
+use crate::files::Files;
+use crate::interrupt;
+use crate::ui::Ui;
+use edof_optics::psf::Settings;
+use edof_spec::provenance::Input;
+use edof_study::csv;
+use edof_study::photos::{self, Photo, Selection};
+use edof_study::report::Report;
+use serde::Serialize;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+/// Where photographs lie.
+#[derive(clap::Args)]
+pub struct Folder {
+    /// Folder of numbered photographs [default: $EDOF_KODAK, else shared/data/kodak beside the project]
+    #[arg(long, value_name = "DIR")]
+    images: Option<PathBuf>,
+}
+
+impl Folder {
+    /// The folder.
+    ///
+    /// # Errors
+    /// None given and none found.
+    pub fn path(&self) -> Result<PathBuf, Error> {
+        Ok(self.images.clone().map_or_else(photos::default_folder, Ok)?)
+    }
+
+    /// Photographs of a selection, and a line for each that was skipped.
+    ///
+    /// # Errors
+    /// A text that selects nothing, a folder that cannot be read, nothing in it.
+    pub fn load(&self, selection: &str, ui: &Ui) -> Result<(Vec<Photo>, Vec<String>), Error> {
+        let selection: Selection = selection.parse()?;
+        let (photos, skipped) = photos::load(&self.path()?, &selection)?;
+        photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
+        let mut notes: Vec<String> = skipped.iter().map(|why| format!("photo skipped: {why}")).collect();
+        if !skipped.is_empty() {
+            notes.push(format!("{} of {} photos skipped", skipped.len(), skipped.len() + photos.len()));
+        }
+        Ok((photos, notes))
+    }
+}
+
+/// Which photographs a study is of.
+#[derive(clap::Args)]
+pub struct Photographs {
+    #[command(flatten)]
+    pub folder: Folder,
+
+    /// test (every third number), train (the others), all, or numbers such as 3,6
+    #[arg(long, default_value = "test")]
+    pub photos: String,
+}
+
+impl Photographs {
+    /// As [`Folder::load`].
+    ///
+    /// # Errors
+    /// As [`Folder::load`].
+    pub fn load(&self, ui: &Ui) -> Result<(Vec<Photo>, Vec<String>), Error> {
+        self.folder.load(&self.photos, ui)
+    }
+}
+
+/// How exactly kernels are computed.
+#[derive(clap::Args)]
+pub struct Kernels {
+    /// Whole kernels: no cut by energy
+    #[arg(long)]
+    pub exact: bool,
+}
+
+impl Kernels {
+    /// The same as settings.
+    pub fn settings(&self) -> Settings {
+        if self.exact { Settings::exact() } else { Settings::default() }
+    }
+}
+
+/// What a study is written to besides the terminal and `--json`.
+#[derive(clap::Args)]
+pub struct Outputs {
+    /// Also write the tables as Markdown
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+
+    /// Also write an HTML report with plots
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+
+    /// Also write every row as comma-separated values
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+}
+
+impl Outputs {
+    /// Adds these to what a command writes.
+    pub fn of(&self, files: Files) -> Files {
+        let files = files.may_write("--report", self.report.as_ref());
+        files.may_write("--markdown", self.markdown.as_ref()).may_write("--csv", self.csv.as_ref())
+    }
+
+    /// Writes what was asked for.
+    ///
+    /// # Errors
+    /// A report whose pictures cannot be encoded, a file that cannot be written.
+    pub fn write(
+        &self,
+        markdown: impl FnOnce() -> String,
+        report: impl FnOnce() -> Result<Report, Error>,
+        rows: &[impl Serialize],
+    ) -> Result<(), Error> {
+        if let Some(path) = &self.markdown {
+            edof_spec::atomic::write(path, markdown().as_bytes())?;
+        }
+        if let Some(path) = &self.report {
+            report()?.save(path)?;
+        }
+        if let Some(path) = &self.csv {
+            edof_spec::atomic::write(path, csv::of(rows).as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
+/// CPU and threads, which every time is of.
+pub fn machine(ui: &Ui) -> String {
+    let host = ui.provenance().host;
+    let threads = || std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{}, {} threads", host.cpu, host.threads.unwrap_or_else(threads))
+}
+
+/// What a study is told after each row: to end where Ctrl-C was pressed.
+pub fn unless_interrupted() -> ControlFlow<()> {
+    if interrupt::check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}

@@ -1,0 +1,319 @@
+//! Blind deconvolution where the blur is known to whoever judges it: photographs blurred with drawn kernels, which the method has to
+//! find.
+
+use crate::metrics::{BORDER, MetricError, Quality};
+use crate::photos::Photo;
+use crate::report::Report;
+use crate::tables::Table;
+use edof_deblur::blind::{self, Settings};
+use edof_deblur::hyper_laplacian::hyper_laplacian;
+use edof_optics::blur::blur_frame;
+use edof_optics::psf::Psf;
+use edof_spec::ColourFrame;
+use ndarray::{Array2, ArrayView2, Axis};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// A kernel and what it is called.
+#[derive(Debug, Clone)]
+pub struct Blur {
+    /// As in `disc`.
+    pub name: &'static str,
+    /// Odd sides, sum 1.
+    pub psf: Psf,
+}
+
+/// Side of the drawn kernels, and samples along and across a line of them.
+const SIDE: usize = 13;
+const SAMPLES: usize = 400;
+
+/// A lens out of focus (a disc of 5 pixels), a camera that moved straight (10 pixels), and one that moved in a bow (some 12).
+#[must_use]
+pub fn drawn() -> [Blur; 3] {
+    let blur = |name, points: Vec<[f64; 2]>| {
+        let psf =
+            Psf::new(splatted(&points)).unwrap_or_else(|e| unreachable!("kernels are drawn to sum 1: {e}"));
+        Blur { name, psf }
+    };
+    let line = |at: &dyn Fn(f64) -> [f64; 2]| -> Vec<[f64; 2]> {
+        (0..SAMPLES).map(|i| at((i as f64 + 0.5) / SAMPLES as f64)).collect()
+    };
+    // Equal areas: a spiral of golden turns.
+    let disc = |t: f64| {
+        let (radius, turn) = (2.5 * t.sqrt(), t * SAMPLES as f64 * 2.399_963_229_728_653);
+        [radius * turn.sin(), radius * turn.cos()]
+    };
+    let stroke = |t: f64| {
+        let (sin, cos) = 0.5f64.sin_cos();
+        [10.0 * (t - 0.5) * sin, 10.0 * (t - 0.5) * cos]
+    };
+    let bow = |t: f64| {
+        let angle = -0.4 + 2.6 * t;
+        [4.5 * angle.sin() - 2.6, 4.5 * angle.cos() - 1.2]
+    };
+    [blur("disc", line(&disc)), blur("stroke", line(&stroke)), blur("bow", line(&bow))]
+}
+
+/// Points (row and column from the middle) shared out among their four nearest pixels.
+fn splatted(points: &[[f64; 2]]) -> Array2<f32> {
+    let mut kernel = Array2::<f64>::zeros((SIDE, SIDE));
+    for &[row, column] in points {
+        let (r, c) = (row + (SIDE / 2) as f64, column + (SIDE / 2) as f64);
+        let (r0, c0) = (r.floor() as usize, c.floor() as usize);
+        let (fr, fc) = (r.fract(), c.fract());
+        for (dr, wr) in [(0, 1.0 - fr), (1, fr)] {
+            for (dc, wc) in [(0, 1.0 - fc), (1, fc)] {
+                kernel[(r0 + dr, c0 + dc)] += wr * wc;
+            }
+        }
+    }
+    let sum = kernel.sum();
+    kernel.mapv(|v| (v / sum) as f32)
+}
+
+/// What the method made of one photograph and kernel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// The photograph.
+    pub image: String,
+    /// The kernel.
+    pub blur: String,
+    /// PSNR in dB of the blurred picture.
+    pub blurred_db: f64,
+    /// PSNR in dB of what the method made of it.
+    pub restored_db: f64,
+    /// PSNR in dB of the same last step with the true kernel.
+    pub known_db: f64,
+    /// Correlation of the kernel that was found with the true one, at the best shift of a few pixels.
+    pub correlation: f64,
+    /// How often the method's step was halved.
+    pub halvings: usize,
+    /// Wall-clock seconds a megapixel.
+    pub seconds_per_megapixel: f64,
+}
+
+/// Values of a photograph's file are in steps of one 255th, and so are those of the blurred one.
+const STEPS: f32 = 255.0;
+
+/// A photograph too small to measure.
+#[derive(Debug, thiserror::Error)]
+#[error("{image}: {source}")]
+#[allow(missing_docs, reason = "the message names the fields")]
+pub struct TooSmall {
+    image: String,
+    source: MetricError,
+}
+
+/// Blurs a photograph, rounds it to 8 bits, finds the kernel on its grey picture, and deconvolves its colours with it.
+///
+/// # Errors
+/// [`TooSmall`].
+pub fn restore(photo: &Photo, blur: &Blur, settings: &Settings) -> Result<Row, TooSmall> {
+    let psfs = [blur.psf.clone(), blur.psf.clone(), blur.psf.clone()];
+    let mut seen = blur_frame(&photo.frame, &psfs);
+    seen.planes.mapv_inplace(|v| (v * STEPS).round().clamp(0.0, STEPS) / STEPS);
+    let start = Instant::now();
+    let grey = seen.planes.mean_axis(Axis(0)).unwrap_or_else(|| unreachable!("three colours have a mean"));
+    let (kernel, halvings) = blind::estimate(grey.view(), settings);
+    let restored = deconvolved(&seen, kernel.view(), settings);
+    let seconds = start.elapsed().as_secs_f64();
+    let known = deconvolved(&seen, blur.psf.kernel.view(), settings);
+    let (height, width) = seen.size();
+    let db = |frame: &ColourFrame| {
+        let quality = Quality::of(&photo.frame, frame, BORDER);
+        quality.map(|q| q.psnr_db).map_err(|source| TooSmall { image: photo.name.clone(), source })
+    };
+    let (shift, correlation) = best_shift(kernel.view(), blur.psf.kernel.view());
+    // A kernel and a picture that are moved against each other are the same answer.
+    let restored = moved(&restored, shift);
+    Ok(Row {
+        image: photo.name.clone(),
+        blur: blur.name.into(),
+        blurred_db: db(&seen)?,
+        restored_db: db(&restored)?,
+        known_db: db(&known)?,
+        correlation,
+        halvings,
+        seconds_per_megapixel: seconds / ((height * width) as f64 * 1e-6),
+    })
+}
+
+/// All rows, and what they say together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KnownBlurs {
+    /// One for each photograph and kernel.
+    pub rows: Vec<Row>,
+    /// Mean of what the method gained, in dB.
+    pub mean_gain_db: f64,
+    /// Mean of what the true kernel gains in the same last step.
+    pub mean_known_gain_db: f64,
+    /// The least gain; what is far below 0 has diverged.
+    pub least_gain_db: f64,
+    /// Mean correlation of kernels.
+    pub mean_correlation: f64,
+    /// The least.
+    pub least_correlation: f64,
+}
+
+const TITLE: &str = "Blind deconvolution of drawn blurs";
+
+impl KnownBlurs {
+    /// What rows say.
+    #[must_use]
+    pub fn new(rows: Vec<Row>) -> Self {
+        let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
+        let least = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::INFINITY, f64::min);
+        let gain = |row: &Row| row.restored_db - row.blurred_db;
+        Self {
+            mean_gain_db: mean(gain),
+            mean_known_gain_db: mean(|row| row.known_db - row.blurred_db),
+            least_gain_db: least(gain),
+            mean_correlation: mean(|row| row.correlation),
+            least_correlation: least(|row| row.correlation),
+            rows,
+        }
+    }
+
+    /// A table and a line for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        format!("{}{}", self.table().to_text(), self.sentence())
+    }
+
+    /// The same as a Markdown page; `command` tells how to make it again.
+    #[must_use]
+    pub fn to_markdown(&self, command: &str) -> String {
+        format!("# {TITLE}\n\nMade by `{command}`.\n\n{}\n\n{}", self.sentence(), self.table().to_markdown())
+    }
+
+    /// The same as a report.
+    #[must_use]
+    pub fn report(&self, command: &str) -> Report {
+        let mut report = Report::new(TITLE);
+        report.verdict(&self.sentence()).paragraph(&format!("Made by `{command}`."));
+        self.table().add_to(&mut report, &[]);
+        report
+    }
+
+    fn sentence(&self) -> String {
+        format!(
+            "Over {} blurred photographs: {:+.2} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
+             average, at least by {:.3}.",
+            self.rows.len(),
+            self.mean_gain_db,
+            self.mean_known_gain_db,
+            self.least_gain_db,
+            self.mean_correlation,
+            self.least_correlation
+        )
+    }
+
+    fn table(&self) -> Table {
+        let header = [
+            "photograph",
+            "kernel",
+            "blurred dB",
+            "restored dB",
+            "with the true kernel dB",
+            "correlation",
+            "seconds a megapixel",
+        ];
+        let row = |r: &Row| {
+            let db = [r.blurred_db, r.restored_db, r.known_db].map(|v| format!("{v:.2}"));
+            let mut cells = vec![r.image.clone(), r.blur.clone()];
+            cells.extend(db);
+            cells.extend([format!("{:.3}", r.correlation), format!("{:.1}", r.seconds_per_megapixel)]);
+            cells
+        };
+        Table { header: header.map(str::to_owned).to_vec(), rows: self.rows.iter().map(row).collect() }
+    }
+}
+
+fn deconvolved(seen: &ColourFrame, kernel: ArrayView2<'_, f32>, settings: &Settings) -> ColourFrame {
+    let planes: Vec<Array2<f32>> = (0..3)
+        .into_par_iter()
+        .map(|plane| hyper_laplacian(seen.planes.index_axis(Axis(0), plane), kernel, settings.prior))
+        .collect();
+    let mut out = seen.clone();
+    out.planes.axis_iter_mut(Axis(0)).zip(&planes).for_each(|(mut to, plane)| to.assign(plane));
+    out
+}
+
+/// Pixels by which kernels may be moved against each other.
+const REACH: isize = 3;
+
+/// Rows and columns by which `found` lies beside `truth`, and their correlation there: the cosine of both.
+fn best_shift(found: ArrayView2<'_, f32>, truth: ArrayView2<'_, f32>) -> ((isize, isize), f64) {
+    let at = |k: &ArrayView2<'_, f32>, r: isize, c: isize| {
+        let place = (r + k.nrows() as isize / 2, c + k.ncols() as isize / 2);
+        let place = usize::try_from(place.0).ok().zip(usize::try_from(place.1).ok());
+        place.and_then(|at| k.get(at)).map_or(0.0, |v| f64::from(*v))
+    };
+    let norm = |k: &ArrayView2<'_, f32>| k.iter().map(|v| f64::from(v * v)).sum::<f64>().sqrt();
+    let half = (found.nrows().max(truth.nrows()) / 2) as isize + REACH;
+    let cosine = |dr: isize, dc: isize| {
+        let both = (-half..=half).flat_map(|r| (-half..=half).map(move |c| (r, c)));
+        let product: f64 = both.map(|(r, c)| at(&found, r + dr, c + dc) * at(&truth, r, c)).sum();
+        product / (norm(&found) * norm(&truth)).max(f64::MIN_POSITIVE)
+    };
+    let shifts = (-REACH..=REACH).flat_map(|dr| (-REACH..=REACH).map(move |dc| (dr, dc)));
+    let best = shifts.map(|(dr, dc)| ((dr, dc), cosine(dr, dc))).max_by(|a, b| a.1.total_cmp(&b.1));
+    best.unwrap_or(((0, 0), 0.0))
+}
+
+/// A frame moved by whole rows and columns; its border is continued.
+fn moved(frame: &ColourFrame, (rows, columns): (isize, isize)) -> ColourFrame {
+    let (height, width) = frame.size();
+    let at = |i: usize, by: isize, n: usize| (i as isize - by).clamp(0, n as isize - 1) as usize;
+    let mut out = frame.clone();
+    out.planes.indexed_iter_mut().for_each(|((p, r, c), v)| {
+        *v = frame.planes[(p, at(r, rows, height), at(c, columns, width))];
+    });
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cards of many greys on top of each other.
+    fn cards() -> Photo {
+        let scene = edof_optics::draw::draw(edof_optics::draw::Builtin::Leaves, 160, 192, &[0.0], 3);
+        Photo { name: "leaves".into(), frame: scene.unwrap().sharp() }
+    }
+
+    #[test]
+    fn a_drawn_blur_is_found_and_undone() {
+        let settings = Settings { side: 15, ..Settings::default() };
+        let rows = drawn().map(|blur| restore(&cards(), &blur, &settings).unwrap()).to_vec();
+        for row in &rows {
+            assert!(row.known_db > row.blurred_db + 2.0, "the kernel is the blur's own: {row:?}");
+        }
+        let study = KnownBlurs::new(rows);
+        assert!(study.mean_gain_db > 1.0 && study.mean_correlation > 0.7, "{}", study.to_text());
+        assert!(study.to_markdown("edof study blind").contains("| leaves | bow | "));
+    }
+
+    #[test]
+    fn drawn_kernels_are_light_that_stays_inside() {
+        for Blur { name, psf } in drawn() {
+            let rim =
+                psf.kernel.indexed_iter().filter(|((r, c), _)| [*r, *c].iter().any(|i| i % (SIDE - 1) == 0));
+            assert_eq!(rim.map(|(_, v)| *v).sum::<f32>(), 0.0, "{name}");
+            assert!((psf.kernel.sum() - 1.0).abs() < 1e-5, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_shift_of_kernels_is_found_and_undone() {
+        let truth = drawn()[2].psf.kernel.clone();
+        let found = Array2::from_shape_fn((15, 15), |(r, c)| {
+            // One row down and two columns to the left, in a kernel larger by a pixel all around.
+            truth.get((r.wrapping_sub(2), c.wrapping_add(1))).copied().unwrap_or(0.0)
+        });
+        let (shift, correlation) = best_shift(found.view(), truth.view());
+        assert_eq!(shift, (1, -2));
+        assert!(correlation > 0.999, "{correlation}");
+    }
+}
