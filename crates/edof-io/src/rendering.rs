@@ -92,7 +92,7 @@ impl TryFrom<[[f64; 3]; 3]> for ColourMatrix {
     type Error = RenderingError;
 
     fn try_from(rows: [[f64; 3]; 3]) -> Result<Self, RenderingError> {
-        if rows.iter().flatten().any(|v| !(v.abs() <= MOST)) {
+        if !rows.iter().flatten().all(|v| v.abs() <= MOST) {
             return Err(RenderingError::Matrix(listed(rows.as_flattened())));
         }
         let sums = rows.iter().map(|row| row.iter().sum::<f64>()).zip(1..);
