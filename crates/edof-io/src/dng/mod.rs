@@ -495,7 +495,7 @@ mod tests {
         let mut raw = pattern([1, 0, 2, 1]);
         raw.push(shorts(tag::BITS, &[10]));
         let table: Vec<u16> = (0..1000).map(|v| v * 60).collect();
-        let plain = file(&[bytes.clone()], vec![], raw.clone(), None);
+        let plain = file(std::slice::from_ref(&bytes), vec![], raw.clone(), None);
         assert_eq!(decoded(&plain).unwrap().frame.values(), values);
         raw.push(shorts(tag::LINEARIZATION, &table));
         let Dng { frame, levels, .. } = decoded(&file(&[bytes], vec![], raw, None)).unwrap();
