@@ -12,8 +12,9 @@ for component in fmt clippy; do
     fi
 done
 
-# What would make the next build faster costs this one a third, unless somebody builds here again and again (CARGO_INCREMENTAL=1).
-export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0}
+# What would make the next build faster costs this one a third, unless somebody builds here again and again (CARGO_INCREMENTAL=1); what would
+# help a debugger, a tenth (CARGO_PROFILE_DEV_DEBUG=line-tables-only).
+export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
 say "format"
 cargo fmt --all --check
 say "lints"
