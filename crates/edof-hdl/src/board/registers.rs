@@ -137,13 +137,13 @@ pub struct BoardRegisters {
     is_checked: DFF<Bit>,
     refuses: DFF<Bit>,
     refused: DFF<Bits<32>>,
-    // The registers' first half and second: one multiplexer for all is too long a path.
-    found: [DFF<Bits<32>>; 2],
+    // A third of the registers each: one multiplexer for all is too long a path.
+    found: [DFF<Bits<32>>; 3],
     found_any: DFF<Bit>,
     is_stage: DFF<Bit>,
     result: DFF<Bits<32>>,
     values: Vec<Signal<Local, Bits<32>>>,
-    selected: [Signal<Local, Bits<32>>; 2],
+    selected: [Signal<Local, Bits<32>>; 3],
     known: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
     may_write: [Signal<Local, Bit>; 4],
@@ -211,7 +211,7 @@ impl Logic for BoardRegisters {
             self.at_control[i].clock.next = self.clock.val();
         }
 
-        for i in 0..2 {
+        for i in 0..3 {
             self.found[i].clock.next = self.clock.val();
             self.selected[i].next = 0.into();
         }
@@ -269,19 +269,25 @@ impl Logic for BoardRegisters {
         self.values[31].next = self.uart_broken.val();
         self.values[32].next = self.refused.q.val();
         self.known.next = false;
-        for i in 0..16 {
+        for i in 0..11 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[0].next = self.selected[0].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
             }
         }
-        for i in 16..self._count {
+        for i in 11..22 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[1].next = self.selected[1].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
             }
         }
-        for i in 0..2 {
+        for i in 22..self._count {
+            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
+                self.selected[2].next = self.selected[2].val() | (self.values[i].val() & self.masks[i].val());
+                self.known.next = true;
+            }
+        }
+        for i in 0..3 {
             self.found[i].d.next = self.selected[i].val();
         }
         self.found_any.d.next = self.known.val() && self.in_area.val();
@@ -375,7 +381,7 @@ impl Logic for BoardRegisters {
                 } else if self.is_stage.q.val() {
                     self.result.d.next = self.stage_counter.val();
                 } else {
-                    self.result.d.next = self.found[0].q.val() | self.found[1].q.val();
+                    self.result.d.next = self.found[0].q.val() | self.found[1].q.val() | self.found[2].q.val();
                 }
             }
             Phase::ReadAnswer => {
