@@ -358,7 +358,7 @@ impl Design {
     fn base(&self) -> Result<Camera, Error> {
         let mut base = Camera::resolve(&self.camera)?;
         // Another mask has other PSFs.
-        base.psf_bank = None;
+        (base.psf_bank, base.height_map) = (None, None);
         if !base.aberrations.is_empty() {
             return Err(Error::message(format!(
                 "--camera {}: has aberrations; masks are designed for lenses without",
