@@ -30,6 +30,11 @@ fn a_camera_is_shown_in_figures_and_numbers() {
         assert!(svg.starts_with("<svg") && svg.contains("polyline") || svg.contains("<path"), "{file}");
     }
     assert!(photo::load(&place.path("figures/psf.png")).unwrap().size().1 > 200);
+    let metres =
+        json(&place.edof("optics ring-2018 --psi 3.1109m --nominal 10 --out near --json").done().out);
+    assert!((metres["depths"][0]["psi"].as_f64().unwrap() - 8.0).abs() < 1e-3, "{metres}");
+    assert!(std::fs::read_to_string(place.path("near/mtf.svg")).unwrap().contains("ψ = 8, 3.11 m"));
+    place.edof("optics ring-2018 --psi 3m --out no").refused(&["depth 3m", "--nominal"]);
 }
 
 #[test]
