@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(depth(&camera, 8.0), "ψ = 8");
         let camera = Camera { nominal_m: Some(10.0), ..camera };
         assert_eq!(depth(&camera, 7.9999), "ψ = 8, 3.11 m");
-        assert_eq!(mtf_plot(&camera, &[8.0]).unwrap().series[0].name, "ψ = 8, 3.11 m");
+        assert_eq!(mtf_plot(&camera, &[8.0]).unwrap().series[0].label, "ψ = 8, 3.11 m");
         let camera = Camera { nominal_m: Some(f64::INFINITY), ..camera };
         assert_eq!(depth(&camera, 0.0), "ψ = 0");
     }
