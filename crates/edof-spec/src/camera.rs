@@ -1,7 +1,7 @@
 //! A camera: lens, phase mask, focus and sensor, and the JSON files that describe one.
 
 use crate::cfa::Channel;
-use crate::height_map::HeightMap;
+use crate::height_map::{HeightMap, etched_rad};
 use crate::psf_bank::{BankError, PsfBank};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -165,10 +165,7 @@ impl Delay {
     pub fn phase_rad(self, wavelength_nm: f64) -> f64 {
         match self {
             Self::Phase { rad, at_nm } => rad * at_nm / wavelength_nm,
-            Self::Etched { height_um, cauchy: [a, b] } => {
-                let um = wavelength_nm * 1e-3;
-                std::f64::consts::TAU * height_um * (a + b / (um * um) - 1.0) / um
-            }
+            Self::Etched { height_um, cauchy } => etched_rad(height_um, cauchy, wavelength_nm),
         }
     }
 }

@@ -3,7 +3,6 @@
 //! A camera file names it by `"height_map": { "file": "mask.png", "white_um": 1.2, "cauchy": [1.458, 0.0035] }`. The picture is square
 //! and its sides touch the aperture; seen as the raw frame is: what is higher on the right sends light to the right.
 
-use crate::camera::Delay;
 use crate::digest::sha256;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
@@ -50,6 +49,14 @@ pub enum HeightMapError {
     Changed { path: PathBuf, camera: String, found: String, stated: String },
 }
 
+/// Phase in radians that glass of a height in micrometres adds at a wavelength: 2π·height·(n(λ) − 1)/λ, with n(λ) as
+/// [`HeightMap::cauchy`] has it.
+#[must_use]
+pub fn etched_rad(height_um: f64, [a, b]: [f64; 2], wavelength_nm: f64) -> f64 {
+    let um = wavelength_nm * 1e-3;
+    std::f64::consts::TAU * height_um * (a + b / (um * um) - 1.0) / um
+}
+
 impl HeightMap {
     /// Takes the picture that was read from `path`, values 0…1, for the camera of that name.
     ///
@@ -72,7 +79,7 @@ impl HeightMap {
     /// Phase in radians that white has more than black, at a wavelength.
     #[must_use]
     pub fn white_rad(&self, wavelength_nm: f64) -> f64 {
-        Delay::Etched { height_um: self.white_um, cauchy: self.cauchy }.phase_rad(wavelength_nm)
+        etched_rad(self.white_um, self.cauchy, wavelength_nm)
     }
 
     /// Height as a share of white's, at a place of the aperture, −1…1 to the right and upward; linear between the middles of pixels. 0 as
