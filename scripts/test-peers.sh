@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Pursuits, dictionaries and demosaicing against other people's programs (tests/oracles/peers.py): scikit-learn, ksvd and
+# Pursuits, dictionaries and demosaicing against other people's programs (tests/oracles/peers.py): scikit-learn, dictlearn, ksvd and
 # colour-demosaicing from PyPI, in an environment of their own under target/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -10,8 +10,8 @@ need_python
 cargo build -q --release --locked -p edof-sparse --example pursue
 cargo build -q --release --locked -p edof-deblur --example demosaic
 environment=${CARGO_TARGET_DIR:-target}/peers
-if ! "$environment/bin/python" -c 'import sklearn, colour_demosaicing, ksvd' 2>/dev/null; then
-    say "installing scikit-learn, colour-demosaicing and ksvd under $environment"
+if ! "$environment/bin/python" -c 'import sklearn, colour_demosaicing, dictlearn, ksvd' 2>/dev/null; then
+    say "installing scikit-learn, colour-demosaicing, dictlearn and ksvd under $environment"
     python3 -m venv --clear "$environment"
     "$environment/bin/pip" install -q -r tests/oracles/peers.txt
 fi

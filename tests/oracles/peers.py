@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds pursuits, k-SVD and demosaicing to other people's programs: scikit-learn, ksvd, colour-demosaicing.
+"""Holds pursuits, k-SVD and demosaicing to other people's programs: scikit-learn, dictlearn, ksvd, colour-demosaicing.
 
     scripts/test-peers.sh            (builds the two example programs and the environment)
     tests/oracles/peers.py target/release/examples
@@ -15,6 +15,7 @@ import numpy as np
 
 warnings.filterwarnings("ignore")
 from colour_demosaicing import demosaicing_CFA_Bayer_Malvar2004, demosaicing_CFA_Bayer_Menon2007  # noqa: E402
+from dictlearn import DictionaryLearning  # noqa: E402
 from ksvd import ApproximateKSVD  # noqa: E402
 from sklearn.linear_model import Lasso, orthogonal_mp  # noqa: E402
 
@@ -100,9 +101,17 @@ def k_svd():
     ours, _ = pursue("ksvd", start, patches, 5, rounds=15)
     model = ApproximateKSVD(n_components=96, max_iter=15, tol=0, transform_n_nonzero_coefs=5)
     model._initialize = lambda X: start.T / np.linalg.norm(start.T, axis=1)[:, np.newaxis]
-    theirs = model.fit(patches).components_.T
-    ours, theirs = error(ours), error(theirs)
-    check("k-SVD, 96 atoms, 5 a patch", ours <= 1.02 * theirs, f"leaves {ours:.4f}, ksvd {theirs:.4f}")
+    peers = {"ksvd": model.fit(patches).components_.T}
+    first = start.T / np.linalg.norm(start.T, axis=1)[:, np.newaxis]
+    for algorithm in ["ksvd", "aksvd"]:
+        model = DictionaryLearning(
+            96, fit_algorithm=algorithm, n_nonzero_coefs=5, max_iter=15, dict_init=first, random_state=0
+        )
+        peers[f"dictlearn's {algorithm}"] = model.fit(patches).components_.T
+    ours = error(ours)
+    for name, theirs in peers.items():
+        theirs = error(theirs)
+        check(f"k-SVD, 96 atoms, 5 a patch, against {name}", ours <= 1.02 * theirs, f"leaves {ours:.4f}, {name} {theirs:.4f}")
 
 
 def demosaicing():

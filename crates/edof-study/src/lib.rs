@@ -10,10 +10,13 @@
 //! | | [`pursuit`] | OMP and FISTA in the dictionary as the camera shows it |
 //! | | [`deconvolution`] | demosaicing and deconvolution of each colour |
 //! | | [`patchwork`] | frames as windows and patches |
+//! | | [`board`] | a network on a design: its golden picture, and its cycles as time |
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
+//! | | [`knobs`] | what can be left out: a curve for each knob |
+//! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`known_blurs`] | blind deconvolution of drawn blurs |
 //! | | [`journal`] | rows in a file, shared out among machines, put together again |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
@@ -40,12 +43,15 @@
 //! # Ok::<(), edof_study::metrics::MetricError>(())
 //! ```
 
+pub mod board;
 pub mod csv;
 pub mod deconvolution;
 pub mod demo;
 pub mod demo_report;
+pub mod design;
 pub mod dictionary;
 pub mod journal;
+pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;
 pub mod lens;

@@ -75,6 +75,8 @@ pub enum Format {
     Float422,
     /// The board's integers, 4:2:2.
     Fixed,
+    /// The same, its time the cycles of a design at its planned clock.
+    Board,
 }
 
 /// A method that can run.
@@ -131,6 +133,7 @@ impl std::fmt::Display for Method {
             Format::Float => ".float",
             Format::Float422 => ".float422",
             Format::Fixed => ".fixed",
+            Format::Board => ".board",
         });
         f.pad(&format!("{name}{format}"))
     }

@@ -6,8 +6,7 @@
 
 use crate::dictionary::{Dictionary, FREE};
 use crate::patchwork::Patchwork;
-use edof_numerics::NotPositive;
-use edof_optics::estimator::seen_of_patch;
+use edof_optics::estimator::{SeenError, seen_of_patch};
 use edof_optics::statistics::Statistics;
 use edof_sparse::lasso::{Effort, Lasso};
 use edof_sparse::omp::{Omp, Stop};
@@ -57,7 +56,7 @@ impl PursuitReconstructor {
     /// Prepares the dictionary of a camera at `psis`.
     ///
     /// # Errors
-    /// [`NotPositive`] if the statistics of photographs are no covariances.
+    /// [`SeenError`]: a depth that the camera has no PSFs for, or statistics of photographs that are no covariances.
     pub fn new(
         name: String,
         dictionary: &Dictionary,
@@ -65,7 +64,7 @@ impl PursuitReconstructor {
         psis: &[f64],
         geometry: (Window, Stride),
         pursuit: Pursuit,
-    ) -> Result<Self, NotPositive> {
+    ) -> Result<Self, SeenError> {
         let (window, stride) = geometry;
         let (seen, sharp) = dictionaries(dictionary, camera, psis, window)?;
         let solver = match pursuit {
@@ -89,7 +88,7 @@ fn dictionaries(
     camera: &Camera,
     psis: &[f64],
     window: Window,
-) -> Result<(Array2<f32>, Array2<f32>), NotPositive> {
+) -> Result<(Array2<f32>, Array2<f32>), SeenError> {
     let statistics = Statistics::natural();
     let own = dictionary.atoms.slice(s![.., FREE..]);
     let mut seen = vec![colours(window)];

@@ -4,9 +4,9 @@
 //! measured again, and several machines may share a study ([`Shard`]). Noise depends on photograph, ψ and noise level alone, as in
 //! [`kodak`](crate::kodak), and all methods see the same captures.
 
-use crate::journal::{Journal, JournalError, Line, Shard};
+use crate::journal::{Journal, JournalError, Line, Ordered, Shard};
 use crate::kodak::{Conditions, KodakError, Row as Measured, Setup, Trial};
-use crate::method::Method;
+use crate::method::{Format, Method};
 use crate::photos::Photo;
 use crate::spec::{Case, MethodSpec, PrepareError};
 use edof_optics::psf::{Settings, channel_psfs};
@@ -67,39 +67,6 @@ pub struct Key {
     photo: String,
 }
 
-/// A number that has its place among all others.
-#[derive(Debug, Clone, Copy)]
-struct Ordered(f64);
-
-impl Ord for Ordered {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
-impl PartialOrd for Ordered {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Ordered {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Ordered {}
-
-/// Numbers of a noise; none for none, which comes first.
-fn ordered(noise: Noise) -> Vec<Ordered> {
-    match noise {
-        Noise::None => vec![],
-        Noise::Gaussian { sigma } => vec![Ordered(sigma)],
-        Noise::Sensor(s) => vec![s.gain, s.full_well_e, s.read_noise_e].into_iter().map(Ordered).collect(),
-    }
-}
-
 impl Line for Row {
     const STUDY: &'static str = "single-depth";
     const LAYOUT: u32 = 1;
@@ -112,7 +79,7 @@ impl Line for Row {
             camera: self.camera_sha256.clone(),
             tone: self.measured.tone.to_string(),
             psi: Ordered(self.measured.psi),
-            noise: ordered(self.measured.noise),
+            noise: Ordered::of_noise(self.measured.noise),
             image: self.measured.image.clone(),
             photo: self.photo_sha256.clone(),
         }
@@ -177,7 +144,7 @@ impl Plan {
                             camera: camera_sha256.to_owned(),
                             tone: self.tone.to_string(),
                             psi: Ordered(depth),
-                            noise: ordered(level),
+                            noise: Ordered::of_noise(level),
                             image: of.name.clone(),
                             photo: hashes[photo].clone(),
                         };
@@ -224,7 +191,10 @@ pub fn run(
                 let (noise, raw) = &shots[cell.noise];
                 let spec = &plan.methods[cell.method];
                 let (method, prepare_seconds) = ready.method(cell.noise, cell.method)?;
-                let (result, repetitions) = timed(method, raw)
+                // A computed time does not vary.
+                let is_measured = spec.method().format != Some(Format::Board);
+                let once = |method: &dyn Reconstructor| Ok((method.reconstruct(raw)?, 1));
+                let (result, repetitions) = if is_measured { timed(method, raw) } else { once(method) }
                     .map_err(|source| KodakError::Reconstruct { image: photo.name.clone(), source })?;
                 let measured = trial.row(*noise, &spec.method(), &result)?;
                 let last = format!("{} on {} at psi {psi}", measured.method, photo.name);
@@ -271,7 +241,10 @@ impl Ready<'_> {
 }
 
 /// A reconstruction, its time the median of several where that costs little, and of how many.
-fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<(Reconstruction, usize), ReconstructError> {
+pub(crate) fn timed(
+    method: &dyn Reconstructor,
+    raw: &RawFrame,
+) -> Result<(Reconstruction, usize), ReconstructError> {
     let mut result = method.reconstruct(raw)?;
     if result.seconds > FAST {
         return Ok((result, 1));

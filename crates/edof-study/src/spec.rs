@@ -1,5 +1,6 @@
 //! What may enter a study of one depth, as data, and what each prepares before it sees a frame.
 
+use crate::board::BoardReconstructor;
 use crate::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::dictionary::Dictionary;
 use crate::method::{Family, Format, Method};
@@ -7,12 +8,13 @@ use crate::pursuit::{BLIND_DEPTHS, Pursuit, PursuitReconstructor};
 use edof_deblur::hyper_laplacian::Prior;
 use edof_deblur::{Directional, Malvar, blind};
 use edof_golden::GoldenReconstructor;
-use edof_numerics::NotPositive;
+use edof_golden::cycle::CycleError;
+use edof_optics::estimator::SeenError;
 use edof_optics::psf::{NoPsf, Settings, channel_psfs};
 use edof_spec::fixed_network::FixedNetworkError;
 use edof_spec::network::NetworkError;
 use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
+use edof_spec::{Camera, Design, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use std::sync::Arc;
 
@@ -56,6 +58,17 @@ pub enum MethodSpec {
         /// Step of the patches.
         stride: Stride,
     },
+    /// The same on a design's calculator: its time is that of its cycles.
+    Board {
+        /// Its weights, made for the design's stride.
+        network: Arc<FixedNetwork>,
+        /// The design.
+        design: Arc<Design>,
+        /// Name in reports.
+        name: String,
+        /// SHA-256 of weights and design.
+        sha256: String,
+    },
     /// A network in the board's integers.
     Fixed {
         /// Its weights, made for one stride.
@@ -68,7 +81,7 @@ pub enum MethodSpec {
 }
 
 /// A method that cannot be prepared.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PrepareError {
     /// Not one of ours.
@@ -80,12 +93,15 @@ pub enum PrepareError {
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
     Fixed { net: String, source: FixedNetworkError },
+    /// A network that does not fit its design.
+    #[error("net '{net}': {source}")]
+    Board { net: String, source: CycleError },
     /// A depth that the camera has no PSFs for.
     #[error(transparent)]
     Psf(#[from] NoPsf),
-    /// No statistics.
+    /// No dictionary of what the camera sees.
     #[error(transparent)]
-    Statistics(#[from] NotPositive),
+    Seen(#[from] SeenError),
 }
 
 /// What users call the methods that need no weights.
@@ -107,7 +123,7 @@ const WINDOW: usize = 8;
 /// Settings chosen on training photographs at ψ = 8 (docs/decisions/0015-single-depth.md).
 const OMP_ATOMS: usize = 16;
 const FISTA_STEPS: usize = 100;
-const FISTA_PENALTY: f32 = 0.004;
+pub(crate) const FISTA_PENALTY: f32 = 0.004;
 /// Variance of a difference of neighbouring pixels of photographs, and of what blur, mosaic and rounding leave unexplained: what
 /// Wiener's ratio and the weight of the data are made from, with the noise's own variance.
 const CONTRAST: f64 = 0.0036;
@@ -162,6 +178,9 @@ impl MethodSpec {
             Self::Fixed { network, name, .. } => {
                 Method::network(name, Format::Fixed, network.stride.pixels(), network.form.layers)
             }
+            Self::Board { network, name, .. } => {
+                Method::network(name, Format::Board, network.stride.pixels(), network.form.layers)
+            }
         }
     }
 
@@ -170,7 +189,9 @@ impl MethodSpec {
     pub fn weights(&self) -> Option<&str> {
         match self {
             Self::Pursuit { dictionary, .. } => Some(&dictionary.sha256),
-            Self::Float { sha256, .. } | Self::Fixed { sha256, .. } => Some(sha256),
+            Self::Float { sha256, .. } | Self::Fixed { sha256, .. } | Self::Board { sha256, .. } => {
+                Some(sha256)
+            }
             Self::Malvar | Self::Directional | Self::Deconvolution(_) => None,
         }
     }
@@ -212,6 +233,10 @@ impl MethodSpec {
                     FloatReconstructor::new((**network).clone(), *stride, Overlap::default(), Output::Rgb);
                 Box::new(float.map_err(|source| PrepareError::Float { net: name, source })?)
             }
+            Self::Board { network, design, .. } => {
+                let board = BoardReconstructor::new(network, design, name.clone());
+                Box::new(board.map_err(|source| PrepareError::Board { net: name, source })?)
+            }
             Self::Fixed { network, .. } => {
                 let golden = GoldenReconstructor::new((**network).clone(), name.clone());
                 Box::new(golden.map_err(|source| PrepareError::Fixed { net: name, source })?)
@@ -220,15 +245,19 @@ impl MethodSpec {
     }
 }
 
+/// What a picture of middle light is: there the noise of photons is judged.
+const MIDDLE_LIGHT: f64 = 0.25;
+
+/// Wiener's ratio of noise to contrast.
+pub(crate) fn wiener_ratio(noise: Noise) -> f32 {
+    ((noise.variance(MIDDLE_LIGHT) + UNEXPLAINED) / CONTRAST) as f32
+}
+
 /// A deconvolution for a case; the blind one takes nothing from it.
 fn deconvolution(family: Family, case: &Case<'_>) -> Result<Deconvolution, NoPsf> {
-    let sigma = match case.noise {
-        Noise::Gaussian { sigma } => sigma,
-        Noise::None | Noise::Sensor(_) => 0.0,
-    };
-    let variance = sigma * sigma + UNEXPLAINED;
+    let variance = case.noise.variance(MIDDLE_LIGHT) + UNEXPLAINED;
     let how = match family {
-        Family::Wiener => Known::Wiener((variance / CONTRAST) as f32),
+        Family::Wiener => Known::Wiener(wiener_ratio(case.noise)),
         Family::RichardsonLucy => Known::RichardsonLucy(RICHARDSON_LUCY_STEPS),
         Family::HyperLaplacian => Known::HyperLaplacian(Prior {
             lambda: (HYPER_LAPLACIAN_SHARE / variance) as f32,

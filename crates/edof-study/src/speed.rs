@@ -2,7 +2,7 @@
 
 use crate::kodak::Row as Measured;
 use crate::method::{Family, Format, Method};
-use crate::plot::{Axis, Mark, Plot, Series};
+use crate::plot::{Axis, Mark, Plot, Series, side_by_side};
 use crate::report::Report;
 use crate::single_depth::Row;
 use crate::tables::{Table, noise_words};
@@ -132,13 +132,20 @@ impl Speed {
         report
     }
 
+    /// The diagrams of all depths and noise levels, side by side in one SVG.
+    #[must_use]
+    pub fn diagrams(&self) -> String {
+        side_by_side(&self.claims.iter().map(|claims| self.plot(claims)).collect::<Vec<_>>())
+    }
+
     fn explanation(&self) -> String {
         let photos = self.points.iter().map(|p| p.photos).max().unwrap_or(0);
         format!(
             "Means over {photos} photographs. PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, nothing clipped, where a \
              photograph's numbers are taken for it; of the encoded picture, clipped to 0…1, where they are decoded (“real light”). Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
              and a noise level and stands beside it: kernels, dictionaries and what follows from them. NAME/s4 is a method of patches at \
-             stride 4; a network's fixed rows are the board's integers in software, not the board.",
+             stride 4; a network's fixed rows are the board's integers in software. NAME.board is \
+             the board: cycles of these very frames by the cycle model at the clock that is planned for it, which is no measured time.",
             self.machine
         )
     }
