@@ -1,4 +1,5 @@
-// Words that wait for their receiver: DEPTH in LUT RAM, a power of two, and one in the register that is the output.
+// Words that wait for their receiver: DEPTH in LUT RAM, a power of two, and one in the register that is the output. With DEPTH 0 there
+// is nothing, and the output is 0.
 //
 // A word stands on the output two cycles after push_i at the earliest, and until ready_i; room is the pusher's concern (it counts
 // credits). The pointers are registers of their own, so that no more loads hang on them than this FIFO has.
@@ -16,42 +17,50 @@ module edof_fifo #(
     input  wire             ready_i,
     output wire [WIDTH-1:0] data_o
 );
-    localparam BITS = $clog2(DEPTH);
+    generate
+        if (DEPTH == 0) begin : none
+            wire unused = ^{clock_i, reset_i, push_i, data_i, ready_i};
+            assign valid_o = 1'b0;
+            assign data_o = {WIDTH{1'b0}};
+        end else begin : some
+            localparam BITS = $clog2(DEPTH);
 
-    (* ram_style = "distributed" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
-    (* keep = "true", dont_touch = "true" *) reg [BITS:0] pushed_q;
-    (* keep = "true", dont_touch = "true" *) reg [BITS:0] popped_q;
-    (* keep = "true", dont_touch = "true" *) reg valid_q;
-    reg [WIDTH-1:0] front_q;
+            (* ram_style = "distributed" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
+            (* keep = "true", dont_touch = "true" *) reg [BITS:0] pushed_q;
+            (* keep = "true", dont_touch = "true" *) reg [BITS:0] popped_q;
+            (* keep = "true", dont_touch = "true" *) reg valid_q;
+            reg [WIDTH-1:0] front_q;
 
-    wire moves = !valid_q || ready_i;
-    wire waits = pushed_q != popped_q;
+            wire moves = !valid_q || ready_i;
+            wire waits = pushed_q != popped_q;
 
-    always @(posedge clock_i) if (push_i) memory[pushed_q[BITS-1:0]] <= data_i;
+            always @(posedge clock_i) if (push_i) memory[pushed_q[BITS-1:0]] <= data_i;
 
-    // What stands here in reset is of no meaning, nor in the cycle after it; with three inputs the enable is too large for Yosys to
-    // take it, and with it ready_i, into the logic before each bit.
-    (* keep = "true", dont_touch = "true" *) reg reset_q;
-    (* keep *) always @(posedge clock_i) reset_q <= reset_i;
-    always @(posedge clock_i) if (moves || reset_q) front_q <= memory[popped_q[BITS-1:0]];
+            // What stands here in reset is of no meaning, nor in the cycle after it; with three inputs the enable is too large for Yosys to
+            // take it, and with it ready_i, into the logic before each bit.
+            (* keep = "true", dont_touch = "true" *) reg reset_q;
+            (* keep *) always @(posedge clock_i) reset_q <= reset_i;
+            always @(posedge clock_i) if (moves || reset_q) front_q <= memory[popped_q[BITS-1:0]];
 
-    (* keep *) always @(posedge clock_i) begin
-        if (reset_i) pushed_q <= {(BITS + 1){1'b0}};
-        else if (push_i) pushed_q <= pushed_q + {{BITS{1'b0}}, 1'b1};
-    end
+            (* keep *) always @(posedge clock_i) begin
+                if (reset_i) pushed_q <= {(BITS + 1){1'b0}};
+                else if (push_i) pushed_q <= pushed_q + {{BITS{1'b0}}, 1'b1};
+            end
 
-    (* keep *) always @(posedge clock_i) begin
-        if (reset_i) popped_q <= {(BITS + 1){1'b0}};
-        else if (moves && waits) popped_q <= popped_q + {{BITS{1'b0}}, 1'b1};
-    end
+            (* keep *) always @(posedge clock_i) begin
+                if (reset_i) popped_q <= {(BITS + 1){1'b0}};
+                else if (moves && waits) popped_q <= popped_q + {{BITS{1'b0}}, 1'b1};
+            end
 
-    (* keep *) always @(posedge clock_i) begin
-        if (reset_i) valid_q <= 1'b0;
-        else if (moves) valid_q <= waits;
-    end
+            (* keep *) always @(posedge clock_i) begin
+                if (reset_i) valid_q <= 1'b0;
+                else if (moves) valid_q <= waits;
+            end
 
-    assign valid_o = valid_q;
-    assign data_o = front_q;
+            assign valid_o = valid_q;
+            assign data_o = front_q;
+        end
+    endgenerate
 endmodule
 
 `default_nettype wire

@@ -3,8 +3,10 @@
 
 use crate::common::committed;
 use crate::timing::of_stages;
+use edof_cosim::system;
 use edof_cosim::yosys::Cells;
-use edof_hdl::resources::{Resources, stages};
+use edof_golden::Display;
+use edof_hdl::resources::{Resources, XC7K325T, stages};
 use edof_spec::Design;
 use edof_spec::design::{FrameSize, StageSize};
 use edof_spec::network::{Form, Recurrence};
@@ -74,4 +76,42 @@ fn the_difference_form_takes_what_was_estimated() {
     };
     design.check().unwrap();
     assert_as_estimated(&design);
+}
+
+/// Elaborated, checked and mapped module by module: a whole core laid flat takes hours.
+const WHOLE: &str = "
+read_verilog -defer *.v
+hierarchy -check -top edof_core
+proc
+check -assert
+select -assert-none t:$dlatch t:$adlatch t:$dlatchsr
+synth_xilinx -family xc7 -noiopad -noclkbuf
+check -assert
+tee -q -o cells.json stat -json
+";
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn the_whole_core_of_kc705_has_neither_latch_nor_loop_nor_two_drivers_and_fits_the_board() {
+    let design = committed("kc705");
+    let network = edof_random::for_design(&design, 1);
+    let project = system::project(&design, [&network, &network], &Display::default()).unwrap();
+    let work = tempfile::tempdir().unwrap();
+    for (name, text) in project.verilog.iter().chain(&project.memory) {
+        let file = work.path().join(name);
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        std::fs::write(file, text).unwrap();
+    }
+    std::fs::write(work.path().join("whole.ys"), WHOLE).unwrap();
+    let mut yosys = std::process::Command::new("yosys");
+    let run = yosys.args(["-q", "-s", "whole.ys"]).current_dir(work.path()).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let text = std::fs::read_to_string(work.path().join("cells.json")).unwrap();
+    let stat: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let cells = serde_json::from_value(stat["design"]["num_cells_by_type"].clone()).unwrap();
+    let cells = Cells(cells);
+    println!("{cells:?}");
+    assert!((design.stages().map(|plan| plan.dsps()).sum::<usize>()..=840).contains(&cells.dsp48e1()));
+    assert!(2 * cells.ramb36e1() + cells.ramb18e1() <= 2 * 445);
+    assert!(cells.luts() * 100 <= XC7K325T.lut * 60);
 }

@@ -207,8 +207,8 @@ fn results(plan: &StagePlan) -> Resources {
         // The z before, made again, and its difference to this one.
         parts.push(Resources::logic(196, 144) + lut_ram(32, plan.outputs));
     }
-    if !plan.shrinks() || plan.feeds_m {
-        // The result or the base goes on beside.
+    if !plan.shrinks() || plan.feeds_m && (plan.sends_difference || !plan.has_base()) {
+        // The result goes on, as what is sent or beside it.
         parts.push(Resources::logic(32, 32));
     }
     parts.into_iter().sum()

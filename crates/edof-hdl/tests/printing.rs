@@ -347,6 +347,34 @@ fn names_are_verilog_and_say_what_is_not_used() {
     );
 }
 
+/// Values at places of their own, and two that overlap.
+#[derive(Circuit)]
+struct Places {
+    narrow: Signal<In, Bits<3>>,
+    bit: Signal<In, Bit>,
+    joined: Signal<Out, Bits<12>>,
+    mixed: Signal<Out, Bits<12>>,
+}
+
+impl Logic for Places {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.joined.next = bit_cast::<12, 1>(self.bit.val().into())
+            | (bit_cast::<12, 3>(self.narrow.val()) << 8)
+            | (bit_cast::<12, 3>(self.narrow.val()) << 4);
+        self.mixed.next = (bit_cast::<12, 3>(self.narrow.val()) << 2) | bit_cast::<12, 3>(self.narrow.val());
+    }
+}
+
+#[test]
+fn values_that_do_not_overlap_are_joined_side_by_side() {
+    assert_eq!(
+        body(&mut Places::default()),
+        "    assign joined_o = {1'b0, narrow_i, 1'b0, narrow_i, 3'd0, bit_i};
+    assign mixed_o = ({9'd0, narrow_i} << 2) | {9'd0, narrow_i};"
+    );
+}
+
 /// A stream into a block.
 #[derive(LogicInterface, Clone, Debug, Default)]
 #[join = "StreamOut"]

@@ -79,6 +79,7 @@ pub mod leaves;
 mod live;
 mod marked;
 mod names;
+mod optional;
 mod parameters;
 mod print;
 mod process;
@@ -98,6 +99,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use domains::Crossing;
 pub use error::{EmitError, Fault};
+pub use optional::Optional;
 pub use types::Type;
 
 use crate::describe::Circuit;

@@ -277,9 +277,10 @@ impl<'a> Printer<'a> {
             }
             Node::Reduce(_, x) if x.ty.bits == 1 => self.print(x),
             Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).unary_operand()), false),
-            Node::Wrapping(op, x, y) => match side_by_side(ty, op, x, y) {
-                Some((high, low)) => {
-                    Text::atom(format!("{{{}, {}}}", self.print(high).text, self.print(low).text), false)
+            Node::Wrapping(op, x, y) => match side_by_side(expression) {
+                Some(pieces) => {
+                    let texts: Vec<String> = pieces.into_iter().map(|piece| self.piece(piece)).collect();
+                    Text::atom(format!("{{{}}}", texts.join(", ")), false)
                 }
                 None => Text::binary(op, self.print(x), self.print(y)),
             },
@@ -398,6 +399,13 @@ impl<'a> Printer<'a> {
         ))
     }
 
+    fn piece(&mut self, piece: Piece<'_>) -> String {
+        match piece {
+            Piece::Value(value) => self.print(value).text,
+            Piece::Zeros(bits) => literal(Type::bits(bits), 0),
+        }
+    }
+
     /// The name of a signal that has this value and of which bits can be taken.
     fn selectable(&mut self, x: &Expression, in_part: bool) -> String {
         if let Node::Signal(id) = x.node
@@ -439,18 +447,46 @@ impl<'a> Printer<'a> {
     }
 }
 
-/// `(x << n) | y`, where y has n bits and x all others: x and y side by side.
-fn side_by_side<'e>(
-    ty: Type,
-    op: &str,
-    x: &'e Expression,
-    y: &'e Expression,
-) -> Option<(&'e Expression, &'e Expression)> {
-    let Node::Shift("<<", high, by) = &x.node else { return None };
-    let (Node::Resize(high), Node::Resize(low)) = (&high.node, &y.node) else { return None };
-    let unsigned = !ty.signed && !high.ty.signed && !low.ty.signed;
-    let fits = by.constant() == Some(low.ty.bits as i128) && high.ty.bits + low.ty.bits == ty.bits;
-    (op == "|" && unsigned && fits).then_some((high, low))
+/// A part of a concatenation.
+enum Piece<'e> {
+    Value(&'e Expression),
+    Zeros(usize),
+}
+
+/// Values that are shifted to places of their own and joined by `|`, with the zeros between them, from the highest place down.
+fn side_by_side(joined: &Expression) -> Option<Vec<Piece<'_>>> {
+    let mut placed = vec![];
+    if joined.ty.signed || !matches!(joined.node, Node::Wrapping("|", ..)) || !place(joined, &mut placed) {
+        return None;
+    }
+    placed.sort_by_key(|(at, _)| *at);
+    let (mut pieces, mut end) = (vec![], 0);
+    for (at, value) in placed {
+        if at < end {
+            return None;
+        }
+        pieces.extend((at > end).then_some(Piece::Zeros(at - end)));
+        pieces.push(Piece::Value(value));
+        end = at.checked_add(value.ty.bits)?;
+    }
+    let above = joined.ty.bits.checked_sub(end)?;
+    pieces.extend((above > 0).then_some(Piece::Zeros(above)));
+    Some(pieces.into_iter().rev().collect())
+}
+
+/// Adds where the values lie that are joined; false if that is not known of one.
+fn place<'e>(part: &'e Expression, placed: &mut Vec<(usize, &'e Expression)>) -> bool {
+    let at = match &part.node {
+        Node::Wrapping("|", x, y) => return place(x, placed) && place(y, placed),
+        Node::Shift("<<", _, by) => by.constant().and_then(|by| usize::try_from(by).ok()),
+        _ => Some(0),
+    };
+    let wide = if let Node::Shift("<<", wide, _) = &part.node { wide } else { part };
+    match (at, &wide.node) {
+        (Some(at), Node::Resize(value)) if !value.ty.signed => placed.push((at, value)),
+        _ => return false,
+    }
+    true
 }
 
 /// What a value in between is called after.

@@ -16,7 +16,7 @@ pub struct Difference {
     /// Their difference.
     pub result: Signal<Out, Word>,
     /// Whether it did not fit.
-    pub saturated: Signal<Out, Bit>,
+    pub saturated: Signal<Out, Bits<1>>,
     most: Constant<Bits<17>>,
     least: Constant<Bits<17>>,
     change_1: DFF<Bits<17>>,
@@ -71,6 +71,6 @@ impl Logic for Difference {
         self.saturated_q.d.next = self.too_large.q.val() || self.too_small.q.val();
 
         self.result.next = self.result_q.q.val();
-        self.saturated.next = self.saturated_q.q.val();
+        self.saturated.next = self.saturated_q.q.val().into();
     }
 }

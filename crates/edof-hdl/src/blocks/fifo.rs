@@ -6,7 +6,7 @@ use edof_spec::design::timing::DRAIN_CREDITS;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
-/// As many words as there are credits; a pushed word stands on the output two cycles later. Who pushes must know that there is room.
+/// As many words as there are credits, or none at all; a pushed word stands on the output two cycles later. Who pushes must know that there is room.
 #[derive(Circuit)]
 pub struct Fifo<const W: usize> {
     /// Clock.
@@ -23,13 +23,23 @@ pub struct Fifo<const W: usize> {
     pub front_ready: Signal<In, Bit>,
     /// It.
     pub front_data: Signal<Out, Bits<W>>,
+    _depth: usize,
     _words: VecDeque<Bits<W>>,
     _front: Option<Bits<W>>,
 }
 
 impl<const W: usize> Default for Fifo<W> {
     fn default() -> Self {
-        Self::from_parts(FifoParts { _words: VecDeque::new(), _front: None })
+        Self::new(true)
+    }
+}
+
+impl<const W: usize> Fifo<W> {
+    /// One that takes words, or one that nobody reads, which has no memory and shows 0.
+    #[must_use]
+    pub fn new(is_read: bool) -> Self {
+        let _depth = if is_read { DRAIN_CREDITS } else { 0 };
+        Self::from_parts(FifoParts { _depth, _words: VecDeque::new(), _front: None })
     }
 }
 
@@ -43,7 +53,7 @@ impl<const W: usize> Logic for Fifo<W> {
                 if self._front.is_none() || self.front_ready.val() {
                     self._front = self._words.pop_front();
                 }
-                if self.push.val() {
+                if self.push.val() && self._depth > 0 {
                     self._words.push_back(self.data.val());
                 }
             }
@@ -60,7 +70,7 @@ impl<const W: usize> Logic for Fifo<W> {
     fn hdl(&self) -> Verilog {
         Leaf::new("edof_fifo")
             .parameter("WIDTH", W)
-            .parameter("DEPTH", DRAIN_CREDITS)
+            .parameter("DEPTH", self._depth)
             .port("clock_i", "clock")
             .port("reset_i", "reset")
             .port("push_i", "push")

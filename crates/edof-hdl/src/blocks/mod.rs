@@ -66,8 +66,8 @@ pub type IndexedValue = Bits<25>;
 fn role(stage: &StagePlan) -> String {
     match stage.kind {
         Kind::I => "i",
-        Kind::M if stage.feeds_m => "m",
-        Kind::M => "m_last",
+        Kind::M if stage.sends_difference => "m_difference",
+        Kind::M => "m",
         Kind::F => "f",
     }
     .into()

@@ -8,6 +8,7 @@ use super::requantize::Requantize;
 use super::shrink::Shrink;
 use super::{Pair, Row, Sum, Word, role};
 use crate::describe::Circuit;
+use crate::verilog::Optional;
 use edof_spec::FixedNetwork;
 use edof_spec::design::{Design, StagePlan, memory};
 use rust_hdl::prelude::*;
@@ -63,12 +64,12 @@ pub struct Results {
     pub push: Signal<Out, Bit>,
     /// Its two words.
     pub data: Signal<Out, Pair>,
-    /// Their base words for the next stage.
+    /// Bit 0 whether it is its vector's last, bit 1 its set.
+    pub done: Signal<Out, Bits<2>>,
+    /// Base words for the next stage are done, no later than their beat.
+    pub base_push: Signal<Out, Bit>,
+    /// They.
     pub base: Signal<Out, Pair>,
-    /// Whether it is its vector's last.
-    pub done_last: Signal<Out, Bit>,
-    /// Its set.
-    pub done_set: Signal<Out, Bit>,
     /// Which words are not zero.
     pub nonzero: Signal<Out, Bits<2>>,
     /// Which results did not fit.
@@ -89,20 +90,21 @@ pub struct Results {
     requantize_even: Requantize,
     requantize_odd: Requantize,
     result_flags: Delay<2, 6>,
-    base_ring: Vec<BaseRing>,
-    thresholds: Vec<Ram<32>>,
-    shrink_even: Vec<Shrink>,
-    shrink_odd: Vec<Shrink>,
-    code_flags: Vec<Delay<2, 3>>,
-    codes_to_23: Vec<Delay<32, 3>>,
-    base_to_17: Vec<Delay<32, 10>>,
-    previous_thresholds: Vec<Ram<32>>,
-    previous_even: Vec<Shrink>,
-    previous_odd: Vec<Shrink>,
-    difference_even: Vec<Difference>,
-    difference_odd: Vec<Difference>,
-    results_to_23: Vec<Delay<32, 6>>,
-    base_to_23: Vec<Delay<32, 16>>,
+    base_ring: Optional<BaseRing>,
+    thresholds: Optional<Ram<32>>,
+    shrink_even: Optional<Shrink>,
+    shrink_odd: Optional<Shrink>,
+    code_flags: Optional<Delay<2, 3>>,
+    codes_to_23: Optional<Delay<32, 3>>,
+    base_to_17: Optional<Delay<32, 10>>,
+    previous_thresholds: Optional<Ram<32>>,
+    previous_even: Optional<Shrink>,
+    previous_odd: Optional<Shrink>,
+    difference_even: Optional<Difference>,
+    difference_odd: Optional<Difference>,
+    result_to_23: Optional<Delay<32, 6>>,
+    base_to_23: Optional<Delay<32, 6>>,
+    base_mark: Optional<Delay<1, 1>>,
     marks: Signal<Local, Bits<3>>,
     place: Signal<Local, Bits<10>>,
     base_word: Signal<Local, Pair>,
@@ -113,15 +115,12 @@ pub struct Results {
     change_even: Signal<Local, Word>,
     change_odd: Signal<Local, Word>,
     change: Signal<Local, Pair>,
+    code_flag_even: Signal<Local, Bits<1>>,
+    code_flag_odd: Signal<Local, Bits<1>>,
+    code_flag: Signal<Local, Bits<2>>,
+    change_flag_even: Signal<Local, Bits<1>>,
+    change_flag_odd: Signal<Local, Bits<1>>,
     sent: Signal<Local, Pair>,
-    _has_base: usize,
-    _shrinks: usize,
-    _differs: usize,
-    _sends_codes: usize,
-    _keeps_result: usize,
-    _result_is_sent: usize,
-    _result_is_base: usize,
-    _passes_base: usize,
     _role: String,
 }
 
@@ -131,13 +130,7 @@ impl Results {
     pub fn new(design: &Design, stage: &StagePlan, sets: [&FixedNetwork; 2]) -> Self {
         let bits = if stage.shrinks() { design.code_bits } else { 16 };
         let shrinkage = design.form.shrinkage;
-        let part = usize::from;
-        let differs = part(stage.sends_difference);
-        let shrinks = part(stage.shrinks());
-        let has_base = part(stage.has_base());
-        let result_is_sent = part(!stage.shrinks());
-        let result_is_base = part(stage.feeds_m && (stage.sends_difference || !stage.has_base()));
-        let passes_base = part(stage.feeds_m) - result_is_base;
+        let (has_base, shrinks, differs) = (stage.has_base(), stage.shrinks(), stage.sends_difference);
         let thresholds = |before: bool| {
             let image = Some(memory::threshold_image(stage, before));
             let words = sets.iter().flat_map(|n| memory::threshold_words(n, stage, before)).map(u64::from);
@@ -147,30 +140,23 @@ impl Results {
         let shrink = || Shrink::new(shrinkage, bits);
         Self::from_parts(ResultsParts {
             set_rows: Constant::new((stage.beats_out() as u64).into()),
-            requantize_even: Requantize::new(bits, stage.has_base()),
-            requantize_odd: Requantize::new(bits, stage.has_base()),
-            base_ring: (0..has_base).map(|_| BaseRing::new(stage)).collect(),
-            thresholds: (0..shrinks).map(|_| thresholds(false)).collect(),
-            shrink_even: (0..shrinks).map(|_| shrink()).collect(),
-            shrink_odd: (0..shrinks).map(|_| shrink()).collect(),
-            code_flags: (0..shrinks).map(|_| Delay::default()).collect(),
-            codes_to_23: (0..shrinks - differs).map(|_| Delay::default()).collect(),
-            base_to_17: (0..differs).map(|_| Delay::default()).collect(),
-            previous_thresholds: (0..differs).map(|_| thresholds(true)).collect(),
-            previous_even: (0..differs).map(|_| shrink()).collect(),
-            previous_odd: (0..differs).map(|_| shrink()).collect(),
-            difference_even: (0..differs).map(|_| Difference::new(bits)).collect(),
-            difference_odd: (0..differs).map(|_| Difference::new(bits)).collect(),
-            results_to_23: (0..result_is_sent + result_is_base).map(|_| Delay::default()).collect(),
-            base_to_23: (0..passes_base).map(|_| Delay::default()).collect(),
-            _has_base: has_base,
-            _shrinks: shrinks,
-            _differs: differs,
-            _sends_codes: shrinks - differs,
-            _keeps_result: result_is_sent + result_is_base,
-            _result_is_sent: result_is_sent,
-            _result_is_base: result_is_base,
-            _passes_base: passes_base,
+            requantize_even: Requantize::new(bits, has_base),
+            requantize_odd: Requantize::new(bits, has_base),
+            base_ring: Optional::when(has_base, || BaseRing::new(stage)),
+            thresholds: Optional::when(shrinks, || thresholds(false)),
+            shrink_even: Optional::when(shrinks, shrink),
+            shrink_odd: Optional::when(shrinks, shrink),
+            code_flags: Optional::when(shrinks, Delay::default),
+            codes_to_23: Optional::when(shrinks && !differs, Delay::default),
+            base_to_17: Optional::when(differs, Delay::default),
+            previous_thresholds: Optional::when(differs, || thresholds(true)),
+            previous_even: Optional::when(differs, shrink),
+            previous_odd: Optional::when(differs, shrink),
+            difference_even: Optional::when(differs, || Difference::new(bits)),
+            difference_odd: Optional::when(differs, || Difference::new(bits)),
+            result_to_23: Optional::when(!shrinks, Delay::default),
+            base_to_23: Optional::when(stage.feeds_m && (differs || !has_base), Delay::default),
+            base_mark: Optional::when(has_base && !differs, Delay::default),
             _role: role(stage),
         })
     }
@@ -189,31 +175,20 @@ impl Logic for Results {
         self.result_flags.clock.next = self.clock.val();
 
         // What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
-        self.marks.next = 0.into();
-        if self.take.val() {
-            self.marks.next = self.marks.val() | 1;
-        }
-        if self.last.val() {
-            self.marks.next = self.marks.val() | 2;
-        }
-        if self.set.val() {
-            self.marks.next = self.marks.val() | 4;
-        }
+        self.marks.next = (bit_cast::<3, 1>(self.set.val().into()) << 2)
+            | (bit_cast::<3, 1>(self.last.val().into()) << 1)
+            | bit_cast::<3, 1>(self.take.val().into());
         self.marks_to_5.now.next = self.marks.val();
         self.marks_to_6.now.next = self.marks_to_5.later.val();
         self.marks_to_23.now.next = self.marks_to_6.later.val();
-        self.place.next = bit_cast::<10, 8>(self.beat.val());
-        if self.set.val() {
-            self.place.next = self.place.val() | 0x100;
-        }
-        if self.take.val() {
-            self.place.next = self.place.val() | 0x200;
-        }
+        self.place.next = (bit_cast::<10, 1>(self.take.val().into()) << 9)
+            | (bit_cast::<10, 1>(self.set.val().into()) << 8)
+            | bit_cast::<10, 8>(self.beat.val());
         self.place_to_15.now.next = self.place.val();
 
         // Cycles 7 to 17: base and rounding.
         self.base_word.next = 0.into();
-        for i in 0..self._has_base {
+        for i in 0..self.base_ring.count() {
             self.base_ring[i].clock.next = self.clock.val();
             self.base_ring[i].reset.next = self.reset.val();
             self.base_ring[i].write.next = self.base_write.val();
@@ -235,14 +210,8 @@ impl Logic for Results {
         self.requantize_odd.result_shift.next = self.shifts.q.val().get_bits::<6>(0);
         self.result.next = (bit_cast::<32, 16>(self.requantize_odd.result.val()) << 16)
             | bit_cast::<32, 16>(self.requantize_even.result.val());
-        self.result_flags.now.next = 0.into();
-        if self.requantize_even.saturated.val() && self.requantize_odd.saturated.val() {
-            self.result_flags.now.next = 3.into();
-        } else if self.requantize_even.saturated.val() {
-            self.result_flags.now.next = 1.into();
-        } else if self.requantize_odd.saturated.val() {
-            self.result_flags.now.next = 2.into();
-        }
+        self.result_flags.now.next = (bit_cast::<2, 1>(self.requantize_odd.saturated.val().into()) << 1)
+            | bit_cast::<2, 1>(self.requantize_even.saturated.val().into());
         self.result_saturated.next = self.result_flags.later.val();
 
         // Cycles 18 to 20: thresholds, read in cycle 17.
@@ -261,10 +230,12 @@ impl Logic for Results {
         self.read_valid.next = self.read_17.q.val();
         self.read_thresholds.next = 0.into();
         self.read_previous.next = 0.into();
+        self.code_flag_even.next = 0.into();
+        self.code_flag_odd.next = 0.into();
         self.code_even.next = 0.into();
         self.code_odd.next = 0.into();
         self.code_saturated.next = 0.into();
-        for i in 0..self._shrinks {
+        for i in 0..self.thresholds.count() {
             self.thresholds[i].clock.next = self.clock.val();
             self.thresholds[i].read_address.next = self.threshold_row.q.val();
             self.read_thresholds.next = self.thresholds[i].read_data.val();
@@ -280,36 +251,40 @@ impl Logic for Results {
             self.code_even.next = self.shrink_even[i].result.val();
             self.code_odd.next = self.shrink_odd[i].result.val();
             self.code_flags[i].clock.next = self.clock.val();
-            self.code_flags[i].now.next = 0.into();
-            if self.shrink_even[i].saturated.val() && self.shrink_odd[i].saturated.val() {
-                self.code_flags[i].now.next = 3.into();
-            } else if self.shrink_even[i].saturated.val() {
-                self.code_flags[i].now.next = 1.into();
-            } else if self.shrink_odd[i].saturated.val() {
-                self.code_flags[i].now.next = 2.into();
-            }
-            self.code_saturated.next = self.code_flags[i].later.val();
+            self.code_flag_even.next = self.shrink_even[i].saturated.val();
+            self.code_flag_odd.next = self.shrink_odd[i].saturated.val();
         }
+        self.code_flag.next =
+            (bit_cast::<2, 1>(self.code_flag_odd.val()) << 1) | bit_cast::<2, 1>(self.code_flag_even.val());
         self.code.next =
             (bit_cast::<32, 16>(self.code_odd.val()) << 16) | bit_cast::<32, 16>(self.code_even.val());
+        for i in 0..self.thresholds.count() {
+            self.code_flags[i].now.next = self.code_flag.val();
+            self.code_saturated.next = self.code_flags[i].later.val();
+        }
         self.sent.next = 0.into();
-        for i in 0..self._sends_codes {
+        for i in 0..self.codes_to_23.count() {
             self.codes_to_23[i].clock.next = self.clock.val();
             self.codes_to_23[i].now.next = self.code.val();
             self.sent.next = self.codes_to_23[i].later.val();
         }
 
         // Cycles 21 to 23: the difference to the z before, made again from the base and the thresholds before.
-        self.difference_saturated.next = 0.into();
+        self.change_flag_even.next = 0.into();
+        self.change_flag_odd.next = 0.into();
         self.change_even.next = 0.into();
         self.change_odd.next = 0.into();
-        for i in 0..self._differs {
+        for i in 0..self.difference_even.count() {
             self.change_even.next = self.difference_even[i].result.val();
             self.change_odd.next = self.difference_odd[i].result.val();
+            self.change_flag_even.next = self.difference_even[i].saturated.val();
+            self.change_flag_odd.next = self.difference_odd[i].saturated.val();
         }
+        self.difference_saturated.next = (bit_cast::<2, 1>(self.change_flag_odd.val()) << 1)
+            | bit_cast::<2, 1>(self.change_flag_even.val());
         self.change.next =
             (bit_cast::<32, 16>(self.change_odd.val()) << 16) | bit_cast::<32, 16>(self.change_even.val());
-        for i in 0..self._differs {
+        for i in 0..self.difference_even.count() {
             self.base_to_17[i].clock.next = self.clock.val();
             self.base_to_17[i].now.next = self.base_word.val();
             self.previous_thresholds[i].clock.next = self.clock.val();
@@ -333,41 +308,32 @@ impl Logic for Results {
             self.difference_odd[i].now.next = self.code_odd.val();
             self.difference_odd[i].before.next = self.previous_odd[i].result.val();
             self.sent.next = self.change.val();
-            if self.difference_even[i].saturated.val() && self.difference_odd[i].saturated.val() {
-                self.difference_saturated.next = 3.into();
-            } else if self.difference_even[i].saturated.val() {
-                self.difference_saturated.next = 1.into();
-            } else if self.difference_odd[i].saturated.val() {
-                self.difference_saturated.next = 2.into();
-            }
         }
 
         // What goes on.
+        self.base_push.next = self.marks_to_23.later.val().get_bit(0);
         self.base.next = 0.into();
-        for i in 0..self._keeps_result {
-            self.results_to_23[i].clock.next = self.clock.val();
-            self.results_to_23[i].now.next = self.result.val();
+        for i in 0..self.result_to_23.count() {
+            self.result_to_23[i].clock.next = self.clock.val();
+            self.result_to_23[i].now.next = self.result.val();
+            self.sent.next = self.result_to_23[i].later.val();
         }
-        for i in 0..self._result_is_sent {
-            self.sent.next = self.results_to_23[i].later.val();
-        }
-        for i in 0..self._result_is_base {
-            self.base.next = self.results_to_23[i].later.val();
-        }
-        for i in 0..self._passes_base {
+        for i in 0..self.base_to_23.count() {
             self.base_to_23[i].clock.next = self.clock.val();
-            self.base_to_23[i].now.next = self.base_word.val();
+            self.base_to_23[i].now.next = self.result.val();
             self.base.next = self.base_to_23[i].later.val();
+        }
+        // Base words that only pass through wait where all do, in the FIFO behind.
+        for i in 0..self.base_mark.count() {
+            self.base_mark[i].clock.next = self.clock.val();
+            self.base_mark[i].now.next = self.marks_to_6.later.val().get_bits::<1>(0);
+            self.base_push.next = self.base_mark[i].later.val().get_bit(0);
+            self.base.next = self.base_word.val();
         }
         self.data.next = self.sent.val();
         self.push.next = self.marks_to_23.later.val().get_bit(0);
-        self.done_last.next = self.marks_to_23.later.val().get_bit(1);
-        self.done_set.next = self.marks_to_23.later.val().get_bit(2);
-        self.nonzero.next = 0.into();
-        if self.sent.val().get_bits::<16>(0).any() && self.sent.val().get_bits::<16>(16).any() {
-            self.nonzero.next = 3.into();
-        } else if self.sent.val().any() {
-            self.nonzero.next = 1.into();
-        }
+        self.done.next = self.marks_to_23.later.val().get_bits::<2>(1);
+        self.nonzero.next = (bit_cast::<2, 1>(self.sent.val().get_bits::<16>(16).any().into()) << 1)
+            | bit_cast::<2, 1>(self.sent.val().get_bits::<16>(0).any().into());
     }
 }

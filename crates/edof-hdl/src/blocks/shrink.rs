@@ -17,7 +17,7 @@ pub struct Shrink {
     /// z.
     pub result: Signal<Out, Word>,
     /// Whether it did not fit (a negative θ).
-    pub saturated: Signal<Out, Bit>,
+    pub saturated: Signal<Out, Bits<1>>,
     two_sided: Constant<Bit>,
     most: Constant<Bits<17>>,
     above_1: DFF<Bits<17>>,
@@ -94,6 +94,6 @@ impl Logic for Shrink {
         }
 
         self.result.next = self.result_q.q.val();
-        self.saturated.next = self.saturated_q.q.val();
+        self.saturated.next = self.saturated_q.q.val().into();
     }
 }

@@ -16,6 +16,7 @@ use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
+use crate::verilog::Optional;
 use edof_spec::FixedNetwork;
 use edof_spec::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN};
 use edof_spec::design::reading::READ_REGISTER;
@@ -80,25 +81,19 @@ pub struct Stage {
     both_ports: Constant<Bit>,
     read_register: Constant<Row>,
     skip_bit: Constant<Bits<20>>,
-    reset_store: Delay<1, 1>,
-    reset_ring: Delay<1, 1>,
-    reset_sequencer: Delay<1, 1>,
-    reset_drain: Delay<1, 1>,
-    reset_results: Delay<1, 1>,
-    reset_out: Delay<1, 1>,
+    reset_parts: Delay<7, 1>,
     reset_registers: Delay<1, 1>,
-    reset_reader: Delay<1, 1>,
-    pairs: Vec<PairStore>,
-    pair_operands: Vec<PairOperands>,
-    vectors: Vec<DenseStore>,
-    dense_operands: Vec<DenseOperands>,
-    ring: Vec<WindowRing>,
+    pairs: Optional<PairStore>,
+    pair_operands: Optional<PairOperands>,
+    vectors: Optional<DenseStore>,
+    dense_operands: Optional<DenseOperands>,
+    ring: Optional<WindowRing>,
     sequencer: Sequencer,
     macc: MaccArray,
     drain: Drain,
     results: Results,
     fifo: Fifo<34>,
-    base_fifo: Vec<Fifo<32>>,
+    base_fifo: Optional<Fifo<32>>,
     registers: Registers,
     counters: Counters,
     reader: Reader,
@@ -116,8 +111,7 @@ pub struct Stage {
     read_2: DFF<Bit>,
     steal_2: DFF<Bit>,
     weights_to_5: Delay<53, 3>,
-    resets: Signal<Local, Bits<1>>,
-    register_resets: Signal<Local, Bits<1>>,
+    resets: Signal<Local, Bits<7>>,
     ready_in: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
     descriptor: Signal<Local, Descriptor>,
@@ -134,10 +128,6 @@ pub struct Stage {
     weights_word: Signal<Local, Bits<53>>,
     weights_marks: Signal<Local, Bits<53>>,
     asked: Signal<Local, Bits<32>>,
-    _sparse: usize,
-    _dense: usize,
-    _linear: usize,
-    _feeds_m: usize,
     _role: String,
 }
 
@@ -145,8 +135,7 @@ impl Stage {
     /// Stage `stage` of a design. Set 0 and set 1 start with the weights, thresholds and shifts of these networks, which fit the design.
     #[must_use]
     pub fn new(design: &Design, stage: &StagePlan, sets: [&FixedNetwork; 2]) -> Self {
-        let part = usize::from;
-        let (dense, linear, feeds_m) = (part(stage.is_dense()), part(stage.linear > 0), part(stage.feeds_m));
+        let is_dense = stage.is_dense();
         let sums = design.accumulator_bits;
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
@@ -154,21 +143,17 @@ impl Stage {
             read_register: Constant::new((READ_REGISTER as u64).into()),
             skip_bit: Constant::new(u64::from(CONTROL_SKIP).into()),
             both_ports: Constant::new(stage.reads_both_ports()),
-            pairs: (dense..1).map(|_| PairStore::new(stage)).collect(),
-            pair_operands: (dense..1).map(|_| PairOperands::new(stage)).collect(),
-            vectors: (0..dense).map(|_| DenseStore::new(stage)).collect(),
-            dense_operands: (0..dense).map(|_| DenseOperands::default()).collect(),
-            ring: (0..linear).map(|_| WindowRing::new(stage)).collect(),
+            pairs: Optional::when(!is_dense, || PairStore::new(stage)),
+            pair_operands: Optional::when(!is_dense, || PairOperands::new(stage)),
+            vectors: Optional::when(is_dense, || DenseStore::new(stage)),
+            dense_operands: Optional::when(is_dense, DenseOperands::default),
+            ring: Optional::when(stage.linear > 0, || WindowRing::new(stage)),
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
             results: Results::new(design, stage, sets),
-            base_fifo: (0..feeds_m).map(|_| Fifo::default()).collect(),
+            base_fifo: Optional::when(stage.shrinks(), || Fifo::new(stage.feeds_m)),
             registers: Registers::new(sets.map(|n| Shifts::of(n, stage)), design.skip_zeros),
-            _sparse: 1 - dense,
-            _dense: dense,
-            _linear: linear,
-            _feeds_m: feeds_m,
             _role: role(stage),
         })
     }
@@ -207,33 +192,17 @@ impl Logic for Stage {
         // Each part has a register for its reset.
         self.resets.next = 0.into();
         if self.reset.val() || self.flush.val() {
-            self.resets.next = 1.into();
+            self.resets.next = 0x7f.into();
         }
-        self.register_resets.next = 0.into();
-        if self.reset.val() {
-            self.register_resets.next = 1.into();
-        }
-        self.reset_store.clock.next = self.clock.val();
-        self.reset_store.now.next = self.resets.val();
-        self.reset_ring.clock.next = self.clock.val();
-        self.reset_ring.now.next = self.resets.val();
-        self.reset_sequencer.clock.next = self.clock.val();
-        self.reset_sequencer.now.next = self.resets.val();
-        self.reset_drain.clock.next = self.clock.val();
-        self.reset_drain.now.next = self.resets.val();
-        self.reset_results.clock.next = self.clock.val();
-        self.reset_results.now.next = self.resets.val();
-        self.reset_out.clock.next = self.clock.val();
-        self.reset_out.now.next = self.resets.val();
+        self.reset_parts.clock.next = self.clock.val();
+        self.reset_parts.now.next = self.resets.val();
         self.reset_registers.clock.next = self.clock.val();
-        self.reset_registers.now.next = self.register_resets.val();
-        self.reset_reader.clock.next = self.clock.val();
-        self.reset_reader.now.next = self.resets.val();
-        self.reader.reset.next = self.reset_reader.later.val().get_bit(0);
-        self.sequencer.reset.next = self.reset_sequencer.later.val().get_bit(0);
-        self.drain.reset.next = self.reset_drain.later.val().get_bit(0);
-        self.results.reset.next = self.reset_results.later.val().get_bit(0);
-        self.fifo.reset.next = self.reset_out.later.val().get_bit(0);
+        self.reset_registers.now.next = self.reset.val().into();
+        self.reader.reset.next = self.reset_parts.later.val().get_bit(6);
+        self.sequencer.reset.next = self.reset_parts.later.val().get_bit(2);
+        self.drain.reset.next = self.reset_parts.later.val().get_bit(3);
+        self.results.reset.next = self.reset_parts.later.val().get_bit(4);
+        self.fifo.reset.next = self.reset_parts.later.val().get_bit(5);
         self.registers.reset.next = self.reset_registers.later.val().get_bit(0);
         self.counters.reset.next = self.reset_registers.later.val().get_bit(0);
 
@@ -241,10 +210,10 @@ impl Logic for Stage {
         self.ready_in.next = false;
         self.arrived.next = false;
         self.descriptor.next = 0.into();
-        for i in 0..self._sparse {
+        for i in 0..self.pairs.count() {
             self.pair_operands[i].pixels.next = 0.into();
             self.pairs[i].clock.next = self.clock.val();
-            self.pairs[i].reset.next = self.reset_store.later.val().get_bit(0);
+            self.pairs[i].reset.next = self.reset_parts.later.val().get_bit(0);
             self.pairs[i].skip_zeros.next = self.registers.skip_zeros.val();
             self.pairs[i].valid.next = self.valid.val();
             self.pairs[i].even.next = self.data.val().get_bits::<16>(0);
@@ -257,9 +226,9 @@ impl Logic for Stage {
             self.arrived.next = self.pairs[i].arrived.val();
             self.descriptor.next = self.pairs[i].descriptor.val();
         }
-        for i in 0..self._dense {
+        for i in 0..self.vectors.count() {
             self.vectors[i].clock.next = self.clock.val();
-            self.vectors[i].reset.next = self.reset_store.later.val().get_bit(0);
+            self.vectors[i].reset.next = self.reset_parts.later.val().get_bit(0);
             self.vectors[i].valid.next = self.valid.val();
             self.vectors[i].data.next = self.data.val();
             self.vectors[i].last.next = self.last.val();
@@ -274,9 +243,9 @@ impl Logic for Stage {
         self.results.base_write.next = self.valid.val() && self.ready_in.val();
         self.results.base_words.next = self.base.val();
         self.window_ready.next = true;
-        for i in 0..self._linear {
+        for i in 0..self.ring.count() {
             self.ring[i].clock.next = self.clock.val();
-            self.ring[i].reset.next = self.reset_ring.later.val().get_bit(0);
+            self.ring[i].reset.next = self.reset_parts.later.val().get_bit(1);
             self.ring[i].valid.next = self.window_valid.val();
             self.ring[i].pixels.next = self.window_data.val();
             self.ring[i].last.next = self.window_last.val();
@@ -298,7 +267,7 @@ impl Logic for Stage {
         self.value_b.next = 0.into();
         self.value_c.next = 0.into();
         self.value_d.next = 0.into();
-        for i in 0..self._sparse {
+        for i in 0..self.pairs.count() {
             self.pair_operands[i].clock.next = self.clock.val();
             self.pair_operands[i].valid_a.next = self.sequencer.valid_a.val();
             self.pair_operands[i].valid_b.next = self.sequencer.valid_b.val();
@@ -318,7 +287,7 @@ impl Logic for Stage {
             self.value_a.next = self.pair_operands[i].value_a.val();
             self.value_b.next = self.pair_operands[i].value_b.val();
         }
-        for i in 0..self._dense {
+        for i in 0..self.vectors.count() {
             self.dense_operands[i].clock.next = self.clock.val();
             self.dense_operands[i].valid.next = self.sequencer.valid_a.val();
             self.dense_operands[i].first.next = self.sequencer.first.val();
@@ -360,13 +329,8 @@ impl Logic for Stage {
         self.results.shifts_1.next = self.registers.shifts_1.val();
 
         // Out.
-        self.finished_word.next = bit_cast::<34, 32>(self.results.data.val()) << 2;
-        if self.results.done_last.val() {
-            self.finished_word.next = self.finished_word.val() | 1;
-        }
-        if self.results.done_set.val() {
-            self.finished_word.next = self.finished_word.val() | 2;
-        }
+        self.finished_word.next =
+            (bit_cast::<34, 32>(self.results.data.val()) << 2) | bit_cast::<34, 2>(self.results.done.val());
         self.fifo.push.next = self.results.push.val();
         self.fifo.data.next = self.finished_word.val();
         self.fifo.front_ready.next = self.out_ready.val();
@@ -376,12 +340,12 @@ impl Logic for Stage {
         self.out_last.next = self.fifo.front_data.val().get_bit(0);
         self.out_set.next = self.fifo.front_data.val().get_bit(1);
         self.out_base.next = 0.into();
-        for i in 0..self._feeds_m {
+        for i in 0..self.base_fifo.count() {
             self.base_fifo[i].clock.next = self.clock.val();
-            self.base_fifo[i].reset.next = self.reset_out.later.val().get_bit(0);
-            self.base_fifo[i].push.next = self.results.push.val();
+            self.base_fifo[i].reset.next = self.reset_parts.later.val().get_bit(5);
+            self.base_fifo[i].push.next = self.results.base_push.val();
             self.base_fifo[i].data.next = self.results.base.val();
-            self.base_fifo[i].front_ready.next = self.out_ready.val();
+            self.base_fifo[i].front_ready.next = self.fifo.front_valid.val() && self.out_ready.val();
             self.out_base.next = self.base_fifo[i].front_data.val();
         }
         self.counters.enable.next = self.results.push.val();

@@ -12,6 +12,9 @@ use edof_spec::display::{
 };
 use rust_hdl::prelude::*;
 
+// Where the luma code begins in its sum, and the half below it.
+const _: () = assert!(TO_LUMA_SHIFT == 20);
+
 /// From overlap-added words to the 8-bit codes on the wire: luma only by one table, or colour by a table for each of red, green, blue.
 /// Pairs of pixels in, pixels out, line by line; one pixel a cycle, so a pair every second cycle, 26 cycles from a pair's successor,
 /// whose chroma its right pixel needs, to its codes. `colour` is looked at with each frame's first pair. A table may be written at any
@@ -68,7 +71,7 @@ pub struct Display {
     light_half: Constant<Wide>,
     light_sign: Constant<Wide>,
     to_luma: [Constant<Factor>; 3],
-    luma_base: Constant<Wide>,
+    luma_base: Constant<Bits<9>>,
     to_cb: [Constant<Factor>; 3],
     to_cr: [Constant<Factor>; 3],
     chroma_base: Constant<Wide>,
@@ -128,7 +131,8 @@ pub struct Display {
     cb_19: DFF<Bits<8>>,
     index_1: DFF<Bits<15>>,
     luma_table: Memory<8>,
-    luma_to_16: Delay<8, 13>,
+    luma_to_4: Delay<8, 1>,
+    luma_to_16: Delay<8, 12>,
     rounded_1: [DFF<Bits<17>>; 2],
     site_2: [DFF<Bits<8>>; 2],
     clamped_2: [DFF<Bit>; 2],
@@ -166,6 +170,7 @@ pub struct Display {
     site: [Signal<Local, Bits<17>>; 2],
     site_19: Signal<Local, Bits<16>>,
     ends_19: Signal<Local, Bits<2>>,
+    luma_code: Signal<Local, Bits<9>>,
 }
 
 /// A coefficient in two's complement.
@@ -195,7 +200,7 @@ impl Display {
             light_half: base(TO_RGB_SHIFT, 0),
             light_sign: Constant::new((((1u64 << 48) - 1) & !((1 << (16 + TO_RGB_SHIFT)) - 1)).into()),
             to_luma: TO_LUMA.map(factor),
-            luma_base: base(TO_LUMA_SHIFT, u64::from(BLACK)),
+            luma_base: Constant::new((2 * u64::from(BLACK) + 1).into()),
             to_cb: TO_CHROMA[0].map(factor),
             to_cr: TO_CHROMA[1].map(factor),
             chroma_base: base(TO_CHROMA_SHIFT, CHROMA_ZERO as u64),
@@ -426,11 +431,7 @@ impl Logic for Display {
         self.green_to_11.now.next = self.encoded[1].val();
         self.blue_to_13.now.next = self.encoded[2].val();
         self.luma_sums[0].value.next = bit_cast::<18, 12>(self.encoded[0].val());
-        // Not always there, though it is not wanted otherwise: a constant would not go through a multiplier's own adder.
         self.luma_sums[0].addend.next = 0.into();
-        if self.to_10.later.val().get_bit(5) {
-            self.luma_sums[0].addend.next = self.luma_base.val();
-        }
         self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_11.later.val());
         self.luma_sums[1].addend.next = self.luma_sums[0].sum.val();
         self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_13.later.val());
@@ -512,7 +513,10 @@ impl Logic for Display {
         self.luma_table.write_enable.next = self.table_write.val() && (self.table_select.val() == 0);
         self.luma_table.write_address.next = bit_cast::<16, 15>(self.table_address.val());
         self.luma_table.write_data.next = self.table_data.val().get_bits::<8>(0);
-        self.luma_to_16.now.next = self.luma_table.read_data.val();
+        // A register of its own behind block RAM: a shift register's input takes longer.
+        self.luma_to_4.clock.next = self.clock.val();
+        self.luma_to_4.now.next = self.luma_table.read_data.val();
+        self.luma_to_16.now.next = self.luma_to_4.later.val();
         self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
         if self.site_0.q.val().get_bit(15) {
             self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0)) | 0x1_0000;
@@ -541,10 +545,13 @@ impl Logic for Display {
         self.site_to_19.now.next =
             (bit_cast::<16, 8>(self.site_2[1].q.val()) << 8) | bit_cast::<16, 8>(self.site_2[0].q.val());
 
+        // Black and the half for rounding come last: as a constant addend they would stand before a multiplier's own adder.
+        self.luma_code.next = self.luma_sums[2].sum.val().get_bits::<9>(19) + self.luma_base.val();
+
         // Out: the codes of a pair, once those of its odd pixel are there.
         self.luma_17.d.next = self.luma_to_16.later.val();
         if self.to_16.later.val().get_bit(5) {
-            self.luma_17.d.next = self.luma_sums[2].sum.val().get_bits::<8>(20);
+            self.luma_17.d.next = self.luma_code.val().get_bits::<8>(1);
         }
         self.luma_18.d.next = self.luma_17.q.val();
         self.luma_19.d.next = self.luma_18.q.val();

@@ -5,6 +5,7 @@ use super::patch_pairs::PatchPairs;
 use super::raster_reorder::RasterReorder;
 use crate::blocks::Pair;
 use crate::describe::Circuit;
+use crate::verilog::Optional;
 use edof_spec::Design;
 use rust_hdl::prelude::*;
 
@@ -39,21 +40,16 @@ pub struct Lines {
     /// Sums that did not fit 16 bits; 0 where patches do not overlap.
     pub saturated_sums: Signal<Out, Bits<32>>,
     pairs: PatchPairs,
-    overlap: Vec<OverlapAdd>,
+    overlap: Optional<OverlapAdd>,
     raster: RasterReorder,
-    _overlaps: usize,
-    _lies_beside: usize,
 }
 
 impl Lines {
     /// For the frame and the stride of a design.
     #[must_use]
     pub fn of(design: &Design) -> Self {
-        let overlap: Vec<OverlapAdd> = OverlapAdd::of(design).into_iter().collect();
         Self::from_parts(LinesParts {
-            _overlaps: overlap.len(),
-            _lies_beside: 1 - overlap.len(),
-            overlap,
+            overlap: OverlapAdd::of(design).into(),
             raster: RasterReorder::of(design),
         })
     }
@@ -71,14 +67,12 @@ impl Logic for Lines {
         self.pairs.data.next = self.data.val();
 
         // Patches that overlap are added; others are blocks already.
-        for _i in 0..self._lies_beside {
-            self.raster.valid.next = self.pairs.out_valid.val();
-            self.pairs.out_ready.next = self.raster.ready.val();
-            self.raster.luma.next = self.pairs.out_luma.val();
-            self.raster.chroma.next = self.pairs.out_chroma.val();
-            self.saturated_sums.next = 0.into();
-        }
-        for i in 0..self._overlaps {
+        self.raster.valid.next = self.pairs.out_valid.val();
+        self.pairs.out_ready.next = self.raster.ready.val();
+        self.raster.luma.next = self.pairs.out_luma.val();
+        self.raster.chroma.next = self.pairs.out_chroma.val();
+        self.saturated_sums.next = 0.into();
+        for i in 0..self.overlap.count() {
             self.overlap[i].clock.next = self.clock.val();
             self.overlap[i].reset.next = self.reset.val();
             self.overlap[i].clear.next = self.clear.val();

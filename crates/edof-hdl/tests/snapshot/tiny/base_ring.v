@@ -83,8 +83,8 @@ module base_ring (
         end
     end
 
-    assign ram_write_address = ({9'd0, write_vector_q} << 7) | {5'd0, write_beat_q};
-    assign ram_read_address = ({9'd0, read_vector_q} << 7) | {5'd0, read_beat_q};
+    assign ram_write_address = {2'd0, write_vector_q, write_beat_q};
+    assign ram_read_address = {2'd0, read_vector_q, read_beat_q};
 
     always @(posedge clock_i) begin
         write_q <= reset_i ? 1'b0 : write_i;

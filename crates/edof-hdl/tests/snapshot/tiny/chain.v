@@ -105,7 +105,14 @@ module chain (
         .status_o(stages_0_status)
     );
 
-    stage_m stages_1 (
+    stage_m #(
+        .ID(4'd1),
+        .MACC_INIT("mem/stage1_bank"),
+        .BASE_FIFO_DEPTH(128),
+        .RESULTS_INIT("mem/stage1_thresholds.hex"),
+        .START_0(20'd651),
+        .START_1(20'd651)
+    ) stages_1 (
         .clock_i(clock_i),
         .reset_i(reset_i),
         .flush_i(flush_i),
@@ -129,7 +136,14 @@ module chain (
         .status_o(stages_1_status)
     );
 
-    stage_m_last stages_2 (
+    stage_m #(
+        .ID(4'd2),
+        .MACC_INIT("mem/stage2_bank"),
+        .BASE_FIFO_DEPTH(0),
+        .RESULTS_INIT("mem/stage2_thresholds.hex"),
+        .START_0(20'd654),
+        .START_1(20'd654)
+    ) stages_2 (
         .clock_i(clock_i),
         .reset_i(reset_i),
         .flush_i(flush_i),

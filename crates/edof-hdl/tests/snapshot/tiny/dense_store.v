@@ -104,7 +104,7 @@ module dense_store (
         end
     end
 
-    assign write_row = ({10'd0, write_slot_q} << 7) | {5'd0, row_q};
+    assign write_row = {3'd0, write_slot_q, row_q};
     assign parts_0_write_enable = valid_1_q && (part_q == PART_IDS_0);
     assign parts_0_read_address = {3'd0, read_row_i};
     assign parts_1_write_enable = valid_1_q && (part_q == PART_IDS_1);

@@ -111,8 +111,8 @@ module pair_store #(
 
     assign keep_one = keep_even_2_q || keep_odd_2_q;
     assign keep_both = keep_even_2_q && keep_odd_2_q;
-    assign arrived_even = ({17'd0, beat_q} << 17) | {9'd0, even_2_q};
-    assign arrived_odd = ({17'd0, beat_q} << 17) | {9'd0, odd_2_q} | 25'h10000;
+    assign arrived_even = {beat_q, 1'b0, even_2_q};
+    assign arrived_odd = {beat_q, 1'b0, odd_2_q} | 25'h10000;
     assign arrived_first = keep_even_2_q ? arrived_even : arrived_odd;
     assign row = ({10'd0, write_slot_q} << 7) | {4'd0, stored_q[8:1]};
     assign stored_next = keep_both ? (stored_q + 9'd2) : (keep_one ? (stored_q + 9'd1) : stored_q);

@@ -21,9 +21,9 @@ module results_f (
     output wire [31:0] read_previous_o,       // Those of the stage before.
     output wire        push_o,                // A beat is done, 23 cycles after `take`.
     output wire [31:0] data_o,                // Its two words.
-    output wire [31:0] base_o,                // Their base words for the next stage.
-    output wire        done_last_o,           // Whether it is its vector's last.
-    output wire        done_set_o,            // Its set.
+    output wire [1:0]  done_o,                // Bit 0 whether it is its vector's last, bit 1 its set.
+    output wire        base_push_o,           // Base words for the next stage are done, no later than their beat.
+    output wire [31:0] base_o,                // They.
     output wire [1:0]  nonzero_o,             // Which words are not zero.
     output wire [1:0]  result_saturated_o,    // Which results did not fit.
     output wire [1:0]  code_saturated_o,      // Which thresholded codes did not fit.
@@ -32,8 +32,8 @@ module results_f (
 
     localparam [11:0] SET_ROWS = 12'd64;
 
-    reg  [2:0] marks;
-    reg  [9:0] place;
+    wire [2:0] marks;
+    wire [9:0] place;
     wire [31:0] result;
     wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
     wire [9:0] place_to_15_later;
@@ -43,7 +43,7 @@ module results_f (
     wire requantize_even_saturated;
     wire [15:0] requantize_odd_result;
     wire requantize_odd_saturated;
-    reg  [1:0] result_flags_now;
+    wire [1:0] result_flags_now;
 
     wire [31:0] _value = 32'd0;
 
@@ -83,45 +83,14 @@ module results_f (
     edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
         .clock_i(clock_i), .now_i(result_flags_now), .later_o(result_saturated_o)
     );
-    edof_delay #(.WIDTH(32), .CYCLES(6)) results_to_23 (
+    edof_delay #(.WIDTH(32), .CYCLES(6)) result_to_23 (
         .clock_i(clock_i), .now_i(result), .later_o(data_o)
     );
 
-    always @* begin
-        marks = 3'd0;
-        if (take_i) begin
-            marks = marks | 3'd1;
-        end
-        if (last_i) begin
-            marks = marks | 3'd2;
-        end
-        if (set_i) begin
-            marks = marks | 3'd4;
-        end
-    end
-
-    always @* begin
-        place = {2'd0, beat_i};
-        if (set_i) begin
-            place = place | 10'h100;
-        end
-        if (take_i) begin
-            place = place | 10'h200;
-        end
-    end
-
+    assign marks = {set_i, last_i, take_i};
+    assign place = {take_i, set_i, beat_i};
     assign result = {requantize_odd_result, requantize_even_result};
-
-    always @* begin
-        result_flags_now = 2'd0;
-        if (requantize_even_saturated && requantize_odd_saturated) begin
-            result_flags_now = 2'd3;
-        end else if (requantize_even_saturated) begin
-            result_flags_now = 2'd1;
-        end else if (requantize_odd_saturated) begin
-            result_flags_now = 2'd2;
-        end
-    end
+    assign result_flags_now = {requantize_odd_saturated, requantize_even_saturated};
 
     always @* begin
         threshold_row_d = {4'd0, place_to_15_later[7:0]};
@@ -137,12 +106,12 @@ module results_f (
     assign read_thresholds_o = 32'd0;
     assign read_previous_o = 32'd0;
     assign code_saturated_o = 2'd0;
-    assign difference_saturated_o = 2'd0;
+    assign difference_saturated_o = {1'b0, 1'b0};
+    assign base_push_o = marks_to_23_later[0];
     assign base_o = 32'd0;
     assign push_o = marks_to_23_later[0];
-    assign done_last_o = marks_to_23_later[1];
-    assign done_set_o = marks_to_23_later[2];
-    assign nonzero_o = ((|data_o[15:0]) && (|data_o[31:16])) ? 2'd3 : ((|data_o) ? 2'd1 : 2'd0);
+    assign done_o = marks_to_23_later[2:1];
+    assign nonzero_o = {|data_o[31:16], |data_o[15:0]};
 
     always @(posedge clock_i) begin
         read_16_q <= place_to_15_later[9] ? 1'b0 : read_wanted_i;

@@ -4,7 +4,9 @@
 // From crates/edof-hdl/src/blocks/results.rs (Results).
 `default_nettype none
 
-module results_m (
+module results_m #(
+    parameter INIT = "mem/stage1_thresholds.hex"
+) (
     input  wire        clock_i,               // Clock.
     input  wire        reset_i,               // Forgets everything.
     input  wire        take_i,                // Two sums are taken, and stand on the inputs seven cycles later.
@@ -27,9 +29,9 @@ module results_m (
     output wire [31:0] read_previous_o,       // Those of the stage before.
     output wire        push_o,                // A beat is done, 23 cycles after `take`.
     output wire [31:0] data_o,                // Its two words.
-    output wire [31:0] base_o,                // Their base words for the next stage.
-    output wire        done_last_o,           // Whether it is its vector's last.
-    output wire        done_set_o,            // Its set.
+    output wire [1:0]  done_o,                // Bit 0 whether it is its vector's last, bit 1 its set.
+    output wire        base_push_o,           // Base words for the next stage are done, no later than their beat.
+    output wire [31:0] base_o,                // They.
     output wire [1:0]  nonzero_o,             // Which words are not zero.
     output wire [1:0]  result_saturated_o,    // Which results did not fit.
     output wire [1:0]  code_saturated_o,      // Which thresholded codes did not fit.
@@ -38,9 +40,10 @@ module results_m (
 
     localparam [11:0] SET_ROWS = 12'd8;
 
-    reg  [2:0] marks;
-    reg  [9:0] place;
+    wire [2:0] marks;
+    wire [9:0] place;
     wire [31:0] code;
+    wire [1:0] code_flag;
     wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
     wire [9:0] place_to_15_later;
     reg  read_16_q, read_17_q;
@@ -49,13 +52,11 @@ module results_m (
     wire requantize_even_saturated;
     wire [15:0] requantize_odd_result;
     wire requantize_odd_saturated;
-    reg  [1:0] result_flags_now;
-    wire [31:0] base_ring_front;
+    wire [1:0] result_flags_now;
     wire [15:0] shrink_even_result;
     wire shrink_even_saturated;
     wire [15:0] shrink_odd_result;
     wire shrink_odd_saturated;
-    reg  [1:0] code_flags_now;
 
     edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
         .clock_i(clock_i), .now_i(marks), .later_o(marks_to_5_later)
@@ -73,7 +74,7 @@ module results_m (
     requantize #(.BASE_BITS(48'hffffffffffff)) requantize_even (
         .clock_i(clock_i),
         .sum_i(sum_even_i),
-        .base_i(base_ring_front[15:0]),
+        .base_i(base_o[15:0]),
         .base_shift_i(shifts_q[11:6]),
         .result_shift_i(shifts_q[5:0]),
         .result_o(requantize_even_result),
@@ -83,7 +84,7 @@ module results_m (
     requantize #(.BASE_BITS(48'hffffffffffff)) requantize_odd (
         .clock_i(clock_i),
         .sum_i(sum_odd_i),
-        .base_i(base_ring_front[31:16]),
+        .base_i(base_o[31:16]),
         .base_shift_i(shifts_q[11:6]),
         .result_shift_i(shifts_q[5:0]),
         .result_o(requantize_odd_result),
@@ -100,15 +101,10 @@ module results_m (
         .write_i(base_write_i),
         .words_i(base_words_i),
         .read_i(marks_to_5_later[0]),
-        .front_o(base_ring_front)
+        .front_o(base_o)
     );
 
-    edof_ram #(
-        .WIDTH(32),
-        .DEPTH(16),
-        .BLOCK(0),
-        .INIT("mem/stage1_thresholds.hex")
-    ) thresholds (
+    edof_ram #(.WIDTH(32), .DEPTH(16), .BLOCK(0), .INIT(INIT)) thresholds (
         .clock_i(clock_i),
         .read_address_i(threshold_row_q),
         .read_data_o(read_thresholds_o),
@@ -134,48 +130,18 @@ module results_m (
     );
 
     edof_delay #(.WIDTH(2), .CYCLES(3)) code_flags (
-        .clock_i(clock_i), .now_i(code_flags_now), .later_o(code_saturated_o)
+        .clock_i(clock_i), .now_i(code_flag), .later_o(code_saturated_o)
     );
     edof_delay #(.WIDTH(32), .CYCLES(3)) codes_to_23 (
         .clock_i(clock_i), .now_i(code), .later_o(data_o)
     );
-    edof_delay #(.WIDTH(32), .CYCLES(16)) base_to_23 (
-        .clock_i(clock_i), .now_i(base_ring_front), .later_o(base_o)
+    edof_delay #(.WIDTH(1), .CYCLES(1)) base_mark (
+        .clock_i(clock_i), .now_i(marks_to_6_later[0]), .later_o(base_push_o)
     );
 
-    always @* begin
-        marks = 3'd0;
-        if (take_i) begin
-            marks = marks | 3'd1;
-        end
-        if (last_i) begin
-            marks = marks | 3'd2;
-        end
-        if (set_i) begin
-            marks = marks | 3'd4;
-        end
-    end
-
-    always @* begin
-        place = {2'd0, beat_i};
-        if (set_i) begin
-            place = place | 10'h100;
-        end
-        if (take_i) begin
-            place = place | 10'h200;
-        end
-    end
-
-    always @* begin
-        result_flags_now = 2'd0;
-        if (requantize_even_saturated && requantize_odd_saturated) begin
-            result_flags_now = 2'd3;
-        end else if (requantize_even_saturated) begin
-            result_flags_now = 2'd1;
-        end else if (requantize_odd_saturated) begin
-            result_flags_now = 2'd2;
-        end
-    end
+    assign marks = {set_i, last_i, take_i};
+    assign place = {take_i, set_i, beat_i};
+    assign result_flags_now = {requantize_odd_saturated, requantize_even_saturated};
 
     always @* begin
         threshold_row_d = {4'd0, place_to_15_later[7:0]};
@@ -189,24 +155,12 @@ module results_m (
 
     assign read_valid_o = read_17_q;
     assign read_previous_o = 32'd0;
-
-    always @* begin
-        code_flags_now = 2'd0;
-        if (shrink_even_saturated && shrink_odd_saturated) begin
-            code_flags_now = 2'd3;
-        end else if (shrink_even_saturated) begin
-            code_flags_now = 2'd1;
-        end else if (shrink_odd_saturated) begin
-            code_flags_now = 2'd2;
-        end
-    end
-
+    assign code_flag = {shrink_odd_saturated, shrink_even_saturated};
     assign code = {shrink_odd_result, shrink_even_result};
-    assign difference_saturated_o = 2'd0;
+    assign difference_saturated_o = {1'b0, 1'b0};
     assign push_o = marks_to_23_later[0];
-    assign done_last_o = marks_to_23_later[1];
-    assign done_set_o = marks_to_23_later[2];
-    assign nonzero_o = ((|data_o[15:0]) && (|data_o[31:16])) ? 2'd3 : ((|data_o) ? 2'd1 : 2'd0);
+    assign done_o = marks_to_23_later[2:1];
+    assign nonzero_o = {|data_o[31:16], |data_o[15:0]};
 
     always @(posedge clock_i) begin
         read_16_q <= place_to_15_later[9] ? 1'b0 : read_wanted_i;

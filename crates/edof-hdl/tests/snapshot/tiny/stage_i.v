@@ -33,14 +33,13 @@ module stage_i (
     localparam [11:0] READ_REGISTER = 12'd3;
     localparam [19:0] SKIP_BIT = 20'd1;
 
-    wire resets;
-    reg  [33:0] finished_word;
+    wire [6:0] resets;
+    wire [33:0] finished_word;
     wire selected, reads;
     wire [52:0] weights_word, weights_marks;
     wire [31:0] asked;
-    wire reset_store_later, reset_ring_later_unused, reset_sequencer_later, reset_drain_later;
-    wire reset_results_later_unused, reset_out_later, reset_registers_later, reset_reader_later;
-    wire vectors_arrived;
+    wire [6:0] reset_parts_later;
+    wire reset_registers_later, vectors_arrived;
     wire [11:0] vectors_descriptor;
     wire [31:0] vectors_pair_a, vectors_pair_b, vectors_pair_c, vectors_pair_d;
     wire dense_operands_step_first;
@@ -60,12 +59,14 @@ module stage_i (
     wire drain_last, drain_taken_set, results_read_valid;
     wire [31:0] results_read_thresholds, results_read_previous;
     wire results_push;
-    wire [31:0] results_data, results_base;
-    wire results_done_last, results_done_set;
+    wire [31:0] results_data;
+    wire [1:0] results_done;
+    wire results_base_push;
+    wire [31:0] results_base;
     wire [1:0] results_nonzero, results_result_saturated, results_code_saturated;
     wire [1:0] results_difference_saturated;
     wire [33:0] fifo_front_data;
-    wire base_fifo_front_valid_unused;
+    wire base_fifo_front_valid_unused, base_fifo_front_ready;
     wire [19:0] registers_shifts_0, registers_shifts_1;
     wire registers_skip_zeros;
     wire [31:0] counters_value;
@@ -85,34 +86,16 @@ module stage_i (
     reg  snapshot_2_q, read_2_q, steal_2_q;
     wire [52:0] weights_to_5_now, weights_to_5_later;
 
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_store (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_store_later)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_ring (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_ring_later_unused)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_sequencer (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_sequencer_later)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_drain (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_drain_later)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_results (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_results_later_unused)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_out (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_out_later)
+    edof_delay #(.WIDTH(7), .CYCLES(1)) reset_parts (
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_parts_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
         .clock_i(clock_i), .now_i(reset_i), .later_o(reset_registers_later)
     );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_reader (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_reader_later)
-    );
 
     dense_store vectors (
         .clock_i(clock_i),
-        .reset_i(reset_store_later),
+        .reset_i(reset_parts_later[0]),
         .valid_i(valid_i),
         .ready_o(ready_o),
         .data_i(data_i),
@@ -157,7 +140,7 @@ module stage_i (
         .LAST_PASS(6'd0)
     ) sequencer (
         .clock_i(clock_i),
-        .reset_i(reset_sequencer_later),
+        .reset_i(reset_parts_later[2]),
         .arrived_i(vectors_arrived),
         .descriptor_i(vectors_descriptor),
         .may_start_i(drain_may_start),
@@ -213,7 +196,7 @@ module stage_i (
         .WANTED_CREDITS(8'd8)
     ) drain (
         .clock_i(clock_i),
-        .reset_i(reset_drain_later),
+        .reset_i(reset_parts_later[3]),
         .begins_i(sequencer_begins),
         .pass_issued_i(sequencer_pass_issued),
         .set_i(sequencer_set),
@@ -246,9 +229,9 @@ module stage_i (
         .read_previous_o(results_read_previous),
         .push_o(results_push),
         .data_o(results_data),
+        .done_o(results_done),
+        .base_push_o(results_base_push),
         .base_o(results_base),
-        .done_last_o(results_done_last),
-        .done_set_o(results_done_set),
         .nonzero_o(results_nonzero),
         .result_saturated_o(results_result_saturated),
         .code_saturated_o(results_code_saturated),
@@ -257,7 +240,7 @@ module stage_i (
 
     edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
         .clock_i(clock_i),
-        .reset_i(reset_out_later),
+        .reset_i(reset_parts_later[5]),
         .push_i(results_push),
         .data_i(finished_word),
         .valid_o(out_valid_o),
@@ -267,11 +250,11 @@ module stage_i (
 
     edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
         .clock_i(clock_i),
-        .reset_i(reset_out_later),
-        .push_i(results_push),
+        .reset_i(reset_parts_later[5]),
+        .push_i(results_base_push),
         .data_i(results_base),
         .valid_o(base_fifo_front_valid_unused),
-        .ready_i(out_ready_i),
+        .ready_i(base_fifo_front_ready),
         .data_o(out_base_o)
     );
 
@@ -301,7 +284,7 @@ module stage_i (
 
     reader reader (
         .clock_i(clock_i),
-        .reset_i(reset_reader_later),
+        .reset_i(reset_parts_later[6]),
         .starts_i(reader_starts),
         .command_i(data_2_q),
         .wants_weights_o(reader_wants_weights),
@@ -322,33 +305,24 @@ module stage_i (
         .clock_i(clock_i), .now_i(weights_to_5_now), .later_o(weights_to_5_later)
     );
 
-    assign resets = reset_i || flush_i;
+    assign resets = (reset_i || flush_i) ? 7'h7f : 7'd0;
     assign window_ready_o = 1'b1;
-
-    always @* begin
-        finished_word = {2'd0, results_data} << 2;
-        if (results_done_last) begin
-            finished_word = finished_word | 34'd1;
-        end
-        if (results_done_set) begin
-            finished_word = finished_word | 34'd2;
-        end
-    end
-
+    assign finished_word = {results_data, results_done};
     assign out_data_o = fifo_front_data[33:2];
     assign out_last_o = fifo_front_data[0];
     assign out_set_o = fifo_front_data[1];
+    assign base_fifo_front_ready = out_valid_o && out_ready_i;
     assign selected = write_1_q && (address_1_q[24:21] == ID);
 
     always @* begin
         address_2_d = address_1_q[18:0];
         if (reads) begin
-            address_2_d = ({13'd0, reader_bank} << 13) | ({7'd0, reader_row} << 1);
+            address_2_d = {reader_bank, reader_row, 1'b0};
         end
     end
 
     assign reads = reader_wants_weights && !write_1_q;
-    assign weights_word = ({34'd0, address_2_q} << 34) | ({21'd0, data_2_q} << 2);
+    assign weights_word = {address_2_q, data_2_q, 2'd0};
     assign weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
     assign weights_to_5_now = weights_word | weights_marks;
     assign reader_starts = registers_2_q && (address_2_q[12:1] == READ_REGISTER);
@@ -385,7 +359,7 @@ module stage_i (
     end
 
     // Not every bit of these is read.
-    wire unused = ^previous_2_q;
+    wire unused = ^{reset_parts_later, previous_2_q};
 endmodule
 
 `default_nettype wire

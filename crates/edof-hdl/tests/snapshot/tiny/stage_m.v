@@ -4,7 +4,14 @@
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
 
-module stage_m (
+module stage_m #(
+    parameter [3:0] ID = 4'd1,
+    parameter MACC_INIT = "mem/stage1_bank",
+    parameter BASE_FIFO_DEPTH = 128,
+    parameter RESULTS_INIT = "mem/stage1_thresholds.hex",
+    parameter [19:0] START_0 = 20'd651,
+    parameter [19:0] START_1 = 20'd651
+) (
     input  wire        clock_i,          // Clock.
     input  wire        reset_i,          // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
     input  wire        flush_i,          // Forgets every vector and nothing else; held likewise.
@@ -28,20 +35,18 @@ module stage_m (
     output wire [31:0] status_o          // It, a cycle later; 0 from all other stages.
 );
 
-    localparam [3:0] ID = 4'd1;
     localparam [3:0] WHOLE_CHAIN = 4'd15;
     localparam BOTH_PORTS = 1'b0;
     localparam [11:0] READ_REGISTER = 12'd3;
     localparam [19:0] SKIP_BIT = 20'd1;
 
-    wire resets;
-    reg  [33:0] finished_word;
+    wire [6:0] resets;
+    wire [33:0] finished_word;
     wire selected, reads;
     wire [52:0] weights_word, weights_marks;
     wire [31:0] asked;
-    wire reset_store_later, reset_ring_later_unused, reset_sequencer_later, reset_drain_later;
-    wire reset_results_later, reset_out_later, reset_registers_later, reset_reader_later;
-    wire pairs_arrived;
+    wire [6:0] reset_parts_later;
+    wire reset_registers_later, pairs_arrived;
     wire [11:0] pairs_descriptor;
     wire [24:0] pairs_even_pair, pairs_odd_pair;
     wire pair_operands_step_first;
@@ -60,12 +65,14 @@ module stage_m (
     wire drain_last, drain_taken_set, results_read_valid;
     wire [31:0] results_read_thresholds, results_read_previous;
     wire results_push;
-    wire [31:0] results_data, results_base;
-    wire results_done_last, results_done_set;
+    wire [31:0] results_data;
+    wire [1:0] results_done;
+    wire results_base_push;
+    wire [31:0] results_base;
     wire [1:0] results_nonzero, results_result_saturated, results_code_saturated;
     wire [1:0] results_difference_saturated;
     wire [33:0] fifo_front_data;
-    wire base_fifo_front_valid_unused;
+    wire base_fifo_front_valid_unused, base_fifo_front_ready;
     wire [19:0] registers_shifts_0, registers_shifts_1;
     wire registers_skip_zeros;
     wire [31:0] counters_value;
@@ -85,34 +92,16 @@ module stage_m (
     reg  snapshot_2_q, read_2_q, steal_2_q;
     wire [52:0] weights_to_5_now, weights_to_5_later;
 
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_store (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_store_later)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_ring (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_ring_later_unused)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_sequencer (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_sequencer_later)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_drain (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_drain_later)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_results (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_results_later)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_out (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_out_later)
+    edof_delay #(.WIDTH(7), .CYCLES(1)) reset_parts (
+        .clock_i(clock_i), .now_i(resets), .later_o(reset_parts_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
         .clock_i(clock_i), .now_i(reset_i), .later_o(reset_registers_later)
     );
-    edof_delay #(.WIDTH(1), .CYCLES(1)) reset_reader (
-        .clock_i(clock_i), .now_i(resets), .later_o(reset_reader_later)
-    );
 
     pair_store #(.TWO_ROWS(1'b0)) pairs (
         .clock_i(clock_i),
-        .reset_i(reset_store_later),
+        .reset_i(reset_parts_later[0]),
         .skip_zeros_i(registers_skip_zeros),
         .valid_i(valid_i),
         .ready_o(ready_o),
@@ -160,7 +149,7 @@ module stage_m (
         .LAST_PASS(6'd1)
     ) sequencer (
         .clock_i(clock_i),
-        .reset_i(reset_sequencer_later),
+        .reset_i(reset_parts_later[2]),
         .arrived_i(pairs_arrived),
         .descriptor_i(pairs_descriptor),
         .may_start_i(drain_may_start),
@@ -186,7 +175,7 @@ module stage_m (
         .ROWS(1),
         .DENSE(0),
         .SUM(48),
-        .INIT("mem/stage1_bank")
+        .INIT(MACC_INIT)
     ) macc (
         .clock_i(clock_i),
         .first_i(pair_operands_step_first),
@@ -216,7 +205,7 @@ module stage_m (
         .WANTED_CREDITS(8'd4)
     ) drain (
         .clock_i(clock_i),
-        .reset_i(reset_drain_later),
+        .reset_i(reset_parts_later[3]),
         .begins_i(sequencer_begins),
         .pass_issued_i(sequencer_pass_issued),
         .set_i(sequencer_set),
@@ -229,9 +218,9 @@ module stage_m (
         .taken_set_o(drain_taken_set)
     );
 
-    results_m results (
+    results_m #(.INIT(RESULTS_INIT)) results (
         .clock_i(clock_i),
-        .reset_i(reset_results_later),
+        .reset_i(reset_parts_later[4]),
         .take_i(drain_take),
         .beat_i(drain_beat),
         .last_i(drain_last),
@@ -252,9 +241,9 @@ module stage_m (
         .read_previous_o(results_read_previous),
         .push_o(results_push),
         .data_o(results_data),
+        .done_o(results_done),
+        .base_push_o(results_base_push),
         .base_o(results_base),
-        .done_last_o(results_done_last),
-        .done_set_o(results_done_set),
         .nonzero_o(results_nonzero),
         .result_saturated_o(results_result_saturated),
         .code_saturated_o(results_code_saturated),
@@ -263,7 +252,7 @@ module stage_m (
 
     edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
         .clock_i(clock_i),
-        .reset_i(reset_out_later),
+        .reset_i(reset_parts_later[5]),
         .push_i(results_push),
         .data_i(finished_word),
         .valid_o(out_valid_o),
@@ -271,17 +260,17 @@ module stage_m (
         .data_o(fifo_front_data)
     );
 
-    edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
+    edof_fifo #(.WIDTH(32), .DEPTH(BASE_FIFO_DEPTH)) base_fifo (
         .clock_i(clock_i),
-        .reset_i(reset_out_later),
-        .push_i(results_push),
+        .reset_i(reset_parts_later[5]),
+        .push_i(results_base_push),
         .data_i(results_base),
         .valid_o(base_fifo_front_valid_unused),
-        .ready_i(out_ready_i),
+        .ready_i(base_fifo_front_ready),
         .data_o(out_base_o)
     );
 
-    registers #(.START_0(20'd651), .START_1(20'd651)) registers (
+    registers #(.START_0(START_0), .START_1(START_1)) registers (
         .clock_i(clock_i),
         .reset_i(reset_registers_later),
         .write_enable_i(registers_2_q),
@@ -307,7 +296,7 @@ module stage_m (
 
     reader reader (
         .clock_i(clock_i),
-        .reset_i(reset_reader_later),
+        .reset_i(reset_parts_later[6]),
         .starts_i(reader_starts),
         .command_i(data_2_q),
         .wants_weights_o(reader_wants_weights),
@@ -328,33 +317,24 @@ module stage_m (
         .clock_i(clock_i), .now_i(weights_to_5_now), .later_o(weights_to_5_later)
     );
 
-    assign resets = reset_i || flush_i;
+    assign resets = (reset_i || flush_i) ? 7'h7f : 7'd0;
     assign window_ready_o = 1'b1;
-
-    always @* begin
-        finished_word = {2'd0, results_data} << 2;
-        if (results_done_last) begin
-            finished_word = finished_word | 34'd1;
-        end
-        if (results_done_set) begin
-            finished_word = finished_word | 34'd2;
-        end
-    end
-
+    assign finished_word = {results_data, results_done};
     assign out_data_o = fifo_front_data[33:2];
     assign out_last_o = fifo_front_data[0];
     assign out_set_o = fifo_front_data[1];
+    assign base_fifo_front_ready = out_valid_o && out_ready_i;
     assign selected = write_1_q && (address_1_q[24:21] == ID);
 
     always @* begin
         address_2_d = address_1_q[18:0];
         if (reads) begin
-            address_2_d = ({13'd0, reader_bank} << 13) | ({7'd0, reader_row} << 1);
+            address_2_d = {reader_bank, reader_row, 1'b0};
         end
     end
 
     assign reads = reader_wants_weights && !write_1_q;
-    assign weights_word = ({34'd0, address_2_q} << 34) | ({21'd0, data_2_q} << 2);
+    assign weights_word = {address_2_q, data_2_q, 2'd0};
     assign weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
     assign weights_to_5_now = weights_word | weights_marks;
     assign reader_starts = registers_2_q && (address_2_q[12:1] == READ_REGISTER);
@@ -391,7 +371,7 @@ module stage_m (
     end
 
     // Not every bit of these is read.
-    wire unused = ^previous_2_q;
+    wire unused = ^{reset_parts_later, previous_2_q};
 endmodule
 
 `default_nettype wire
