@@ -12,6 +12,7 @@ use edof_study::design::{Folding, Foldings};
 ///
 /// The foldings and figures are those of edof explore; here all that nothing of their own network beats are kept, however slow, and drawn.
 #[derive(clap::Args)]
+#[group(skip)]
 #[command(after_help = "\
 Examples:
   edof study design --weights paper-t4,edof-t4w12,edof-t4w12-outer --report design.html
