@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What takes minutes a test and is therefore not in test.sh: every photograph with every network, chains of many layers, more random expressions, `paper` at full width, the cells of more designs,
-# the longest paths of logic of the big designs and of all blocks around them against their limits (docs/calculator.md), 20,000 random faults on the line to a board, and a generated
+# the longest paths of logic of the big designs and of all blocks around them against their limits (docs/calculator.md), 20,000 random faults on the line to a board, networks into its circuit in Verilator, hosts that are killed, and a generated
 # directory under FuseSoC. More than an hour on two cores.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -55,16 +55,16 @@ const CRATES: &[Row] = &[
         knows_nothing_of: &["edof-train", "edof-golden", "edof-io", "edof-optics"],
     },
     Row {
-        name: "edof-cosim",
-        uses: &["edof-spec", "edof-golden", "edof-hdl"],
-        tests_use: &["edof-random", "edof-verilog"],
-        knows_nothing_of: &["edof-train", "edof-optics"],
-    },
-    Row {
         name: "edof-board",
         uses: &["edof-spec", "edof-golden"],
         tests_use: &["edof-random"],
         knows_nothing_of: &["edof-train", "edof-hdl", "edof-optics", "edof-random"],
+    },
+    Row {
+        name: "edof-cosim",
+        uses: &["edof-spec", "edof-golden", "edof-hdl", "edof-board"],
+        tests_use: &["edof-random", "edof-verilog"],
+        knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {
         name: "edof-train",

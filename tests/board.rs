@@ -14,14 +14,18 @@ struct Sim {
     child: Child,
 }
 
+/// Of the circuit: small frames, and 16 cycles a bit.
+const IN_VERILOG: &str = "--rtl --size 64x64 --baud 12500000";
+
 impl Sim {
     fn start(place: &Place, more: &str) -> Self {
         let line = format!("board sim --design tiny --link board --json board.json {more}");
+        let patience = Duration::from_secs(if more.contains("--rtl") { 600 } else { 60 });
         let child = place.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut sim = Self { child };
         let start = Instant::now();
         while !place.path("board").exists() {
-            assert!(start.elapsed() < Duration::from_secs(60), "no pseudo-terminal");
+            assert!(start.elapsed() < patience, "no pseudo-terminal");
             if sim.child.try_wait().unwrap().is_some() {
                 let mut said = String::new();
                 sim.child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
@@ -34,8 +38,7 @@ impl Sim {
 
     /// Ends it as Ctrl-C does; what it carried.
     fn end(mut self, place: &Place) -> Value {
-        let id = self.child.id().to_string();
-        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        signal(&self.child, "-INT");
         self.child.wait().unwrap();
         serde_json::from_slice(&std::fs::read(place.path("board.json")).unwrap()).unwrap()
     }
@@ -62,17 +65,27 @@ fn number(value: &Value, name: &str) -> f64 {
     value[name].as_f64().unwrap()
 }
 
-#[test]
-fn weights_go_onto_a_simulated_board_and_its_picture_changes_to_theirs() {
+/// Every command, on a simulated board of either kind.
+fn weights_go_onto_it_and_its_picture_changes_to_theirs(more: &str) {
     let place = Place::new();
+    drawn(&place, "old", 1);
     drawn(&place, "new", 9);
-    let sim = Sim::start(&place, "--picture out.yuyv");
-    assert!(board(&place, "info").contains("design tiny"));
+    let sim = Sim::start(&place, &format!("--weights old.fixed.safetensors --picture out.yuyv {more}"));
+    let picture = || std::fs::read(place.path("out.yuyv")).unwrap_or_default();
+    wait("a picture", || !picture().is_empty());
+    let old = picture();
+    let info = board(&place, "info");
+    assert!(info.contains("design tiny") && info.contains("display tables: srgb"), "{info}");
     board(&place, "set scratch 0x1f");
     assert_eq!(board(&place, "get scratch"), "0x0000001f 31\n");
     let said = board(&place, "load new.fixed.safetensors");
     assert!(said.contains("in bank b") && said.contains("bank b is in use"), "{said}");
-    assert!(board(&place, "verify new.fixed.safetensors").contains("every CRC right"));
+    wait("the new picture", || picture() != old);
+    let said = board(&place, "verify new.fixed.safetensors --curve srgb");
+    assert!(said.contains("bank b holds") && said.contains("tables are those of srgb"), "{said}");
+    place.edof("board verify new.fixed.safetensors --curve bt709 --port board").refused(&[
+        "the display's tables are not those of bt709: 4 parts differ, the first is table of luma",
+    ]);
     assert!(board(&place, "status --seconds 0.2").contains("pictures leave"));
     assert!(board(&place, "dump").contains("weights_hash"));
     board(&place, "skip off");
@@ -83,6 +96,116 @@ fn weights_go_onto_a_simulated_board_and_its_picture_changes_to_theirs() {
     board(&place, "display luma");
     board(&place, "reset");
     assert_eq!(board(&place, "get control"), "0x00000007 7\n");
+    place.edof("board set weights[0x200000] 5 --port board").done();
+    place
+        .edof("board set weights[0x200100] 5 --port board")
+        .refused(&["words for 0x8800400 are refused: they belong to the bank or the tables in use"]);
+    let ended = sim.end(&place);
+    assert_eq!(ended["kind"], if more.is_empty() { "rust" } else { "rtl" });
+}
+
+#[test]
+fn weights_go_onto_a_simulated_board_and_its_picture_changes_to_theirs() {
+    weights_go_onto_it_and_its_picture_changes_to_theirs("");
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn weights_go_onto_the_simulated_circuit_and_its_picture_changes_to_theirs() {
+    weights_go_onto_it_and_its_picture_changes_to_theirs(IN_VERILOG);
+}
+
+fn wait(what: &str, is_so: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < Duration::from_secs(120), "{what} does not come");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Loads that are ended by a signal at drawn moments: what was in use stays, no frame is made of words of two networks, the next load succeeds.
+fn hosts_are_killed(seed: u64, times: usize) {
+    let place = Place::new();
+    let names = ["one", "two"];
+    names.iter().zip([3, 4]).for_each(|(name, seed)| drawn(&place, name, seed));
+    let sim = Sim::start(&place, "--weights one.fixed.safetensors");
+    let load = |name: &str| format!("load {name}.fixed.safetensors --full");
+    let start = Instant::now();
+    board(&place, &load("two"));
+    let whole = start.elapsed();
+    let (mut draw, mut in_use, mut ended) = (seed, 1, 0);
+    for round in 0..times {
+        // A linear congruence: the moment, and the signal.
+        draw = draw.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let (part, kill) = ((draw >> 33) % 1000, draw >> 20 & 1 == 1);
+        let other = 1 - in_use;
+        let line = format!("board {} --port board", load(names[other]));
+        let mut host = place.command(&line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(whole * part as u32 / 1000);
+        signal(&host, if kill { "-KILL" } else { "-INT" });
+        let mut said = String::new();
+        host.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        let status = host.wait().unwrap();
+        let told =
+            format!("seed {seed}, round {round}: killed {kill} after {part} of 1000: {status}, {said}");
+        assert!(kill || status.success() || status.code() == Some(130), "{told}");
+        ended += usize::from(!status.success());
+        let holds = |index: usize| {
+            let line = format!("board verify {}.fixed.safetensors --port board", names[index]);
+            place.edof(&line).code == Some(0)
+        };
+        // Whoever is killed after the last word has loaded.
+        assert!(holds(in_use) || holds(other), "{told}: the bank in use holds neither");
+        board(&place, &load(names[other]));
+        assert!(holds(other), "{told}: the next load is not in use");
+        in_use = other;
+    }
+    let carried = sim.end(&place);
+    println!("seed {seed}: {times} hosts, {ended} ended by their signal, none lost");
+    assert_eq!(carried["mixed_pictures"], 0);
+    assert!(ended > 0, "every host was faster than its signal");
+}
+
+#[test]
+fn hosts_that_are_killed_leave_what_was_in_use() {
+    hosts_are_killed(1, 4);
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn a_hundred_hosts_that_are_killed_leave_what_was_in_use() {
+    hosts_are_killed(2, 100);
+}
+
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+}
+
+/// Runs a command of a board on a terminal, and presses Ctrl-C there once it has printed some words so often; what it printed.
+fn on_a_terminal(place: &Place, (times, words): (usize, &str), line: &str) -> String {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/board_terminal.py");
+    let mut python = Command::new("python3");
+    python.current_dir(place.path("")).arg(script).arg(times.to_string()).arg(words);
+    python.arg(env!("CARGO_BIN_EXE_edof")).args(format!("board {line} --port board").split(' '));
+    let output = python.env("TERM", "xterm").output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn ctrl_c_on_a_terminal_ends_a_watch_and_a_load() {
+    let place = Place::new();
+    drawn(&place, "old", 1);
+    drawn(&place, "new", 9);
+    let sim = Sim::start(&place, "--weights old.fixed.safetensors");
+    // Each look clears the screen.
+    let said = on_a_terminal(&place, (3, "\\x1b[2J"), "status --watch --seconds 0.1");
+    assert!(said.contains("pictures a second") && said.contains("edof: interrupted"), "{said}");
+    assert!(said.ends_with("pressed True, status 130\n"), "{said}");
+    let said = on_a_terminal(&place, (2, "words"), "load new.fixed.safetensors --full --read-back");
+    assert!(said.contains("edof: interrupted") && said.ends_with("pressed True, status 130\n"), "{said}");
+    assert!(board(&place, "verify old.fixed.safetensors").contains("bank a holds"));
+    board(&place, "load new.fixed.safetensors");
     drop(sim);
 }
 
@@ -103,7 +226,15 @@ fn what_a_load_takes_is_told_ahead() {
 #[test]
 fn what_cannot_be_loaded_is_told_in_one_line() {
     let place = Place::new();
-    place.edof("board info --port nowhere").refused(&["nowhere", "No such file"]);
+    place
+        .edof("board info --port nowhere")
+        .refused(&["nowhere: there is no such path; expected a serial port"]);
+    place.write("file", "text");
+    for (port, problem) in [("file", "is a file"), (".", "is a folder"), ("/dev/null", "is another device")] {
+        let told = format!("{port}: {problem}; expected a serial port, as in /dev/ttyUSB0");
+        place.edof(&format!("board info --port {port}")).refused(&[&told]);
+    }
+    place.edof("board sim --rtl --baud 100").refused(&["100 bits a second: must be 12208 to 25000000"]);
     place
         .edof("board load paper-t4 --design kc705 --port nowhere")
         .refused(&["paper-t4 does not fit design kc705"]);
@@ -118,7 +249,17 @@ fn what_cannot_be_loaded_is_told_in_one_line() {
 /// The values of the C header, as a C compiler has them.
 fn header(place: &Place) -> String {
     place.write("registers.h", place.edof("board map --format c").done().out);
-    let names = ["ID", "ID_VALUE", "SCRATCH", "WEIGHTS", "STAGE_READS"].map(|name| format!("EDOF_{name}"));
+    let names = [
+        "ID",
+        "ID_VALUE",
+        "SCRATCH",
+        "PROTECTION",
+        "PROTECTION_BANK_MASK",
+        "WRITES_REFUSED",
+        "WEIGHTS",
+        "STAGE_READS",
+    ]
+    .map(|name| format!("EDOF_{name}"));
     let lines: Vec<String> =
         names.iter().map(|name| format!("printf(\"\\\"{name}\\\": %lu\", (unsigned long){name});")).collect();
     let body = lines.join("printf(\", \");\n");

@@ -36,6 +36,10 @@ def word(stage, space, bank, row, half):
     return ((((stage << 2 | space) << 6 | bank) << 12 | row) << 1 | half) * 4
 
 
+def checked(half):
+    return half | (~half & 0xFFFF) << 16
+
+
 def main():
     header = json.load(sys.stdin)
     board = Board(sys.argv[1])
@@ -43,10 +47,17 @@ def main():
     assert identity == header["EDOF_ID_VALUE"] == 0x45444F46, hex(identity)
     board.write(header["EDOF_SCRATCH"], 0x12345678)
     assert board.read(header["EDOF_SCRATCH"]) == [0x12345678]
-    stage, bank, row = 1, 1, 40
+    stage, bank, row = 1, 1, 20
     halves = [0x01234567, 0x89ABCDEF]
     at = header["EDOF_WEIGHTS"]
+    # The row is one of the bank in use, which takes words only without its protection.
+    refused = board.read(header["EDOF_WRITES_REFUSED"])[0]
     board.write(at + word(stage, 0, bank, row, 0), *halves)
+    assert board.read(header["EDOF_WRITES_REFUSED"]) == [refused + 2]
+    board.write(header["EDOF_PROTECTION"], checked(~header["EDOF_PROTECTION_BANK_MASK"] & 1))
+    assert board.read(header["EDOF_PROTECTION"]) == [0]
+    board.write(at + word(stage, 0, bank, row, 0), *halves)
+    assert board.read(header["EDOF_WRITES_REFUSED"]) == [refused + 2]
     board.write(at + word(stage, 3, 0, 3, 0), bank << 24 | row << 12)
     reads = header["EDOF_STAGE_READS"] + 16 * stage
     while board.read(reads + 12) != [0]:

@@ -55,6 +55,10 @@ const MOST_LOOKS: usize = 2_000;
 /// After so many the line is let come to rest.
 const LOOKS: usize = 50;
 
+/// Looks at the patches that were made, one after the other the same, after which none are made.
+const STILL: usize = 20;
+const PATCHES: u32 = 0x64;
+
 /// A board at the other end of a line.
 pub struct Board<L> {
     pub(crate) link: Link<L>,
@@ -141,7 +145,9 @@ impl<L: Line> Board<L> {
         let reads_back = place.reads_back();
         let before = if reads_back { self.link.read(place.address(), 1)?[0] } else { 0 };
         let word = place.into_word(value, before)?;
-        if reads_back {
+        if [map::CONTROL, map::PROTECTION].contains(&place.address()) {
+            self.link.set_checked(place.address(), word)
+        } else if reads_back {
             self.link.set(place.address(), word)
         } else {
             self.link.write(place.address(), &[word])
@@ -162,7 +168,7 @@ impl<L: Line> Board<L> {
     /// The line fails.
     pub fn change_control(&mut self, mask: u32, bits: u32) -> Result<(), Error> {
         let before = self.control()?;
-        self.link.set(map::CONTROL, (before & !mask) | (bits & mask))
+        self.link.set_checked(map::CONTROL, (before & !mask) | (bits & mask))
     }
 
     /// The bank for frames that begin now.
@@ -178,8 +184,23 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// The line fails.
     pub fn switch(&mut self, bank: Set, hash: u32) -> Result<(), Error> {
-        self.change_control(map::WEIGHT_SET, control_bit(bank))?;
-        self.link.set(map::WEIGHTS_HASH, hash)
+        // The last word that is written: a fault afterwards finds nothing on the line that could go astray.
+        self.link.set(map::WEIGHTS_HASH, hash)?;
+        self.change_control(map::WEIGHT_SET, control_bit(bank))
+    }
+
+    /// Waits until no frame is made with the other bank any more, or none at all: nobody has to wait where no frames come.
+    ///
+    /// # Errors
+    /// The line fails.
+    pub(crate) fn wait_for(&mut self, bank: Set) -> Result<(), Error> {
+        let (mut patches, mut still) = (None, 0);
+        while still < STILL && !self.is_in_use(bank)? {
+            let now = self.link.glance(PATCHES, 1)?[0];
+            still = if patches == Some(now) { still + 1 } else { 0 };
+            patches = Some(now);
+        }
+        Ok(())
     }
 
     /// Whether the last patch was made with that bank.
@@ -212,9 +233,9 @@ impl<L: Line> Board<L> {
         let start = map::register("control").map_or(0, |register| register.reset) & !map::WEIGHT_SET;
         self.skip(design, design.skip_zeros)?;
         self.link.set(map::SCRATCH, 0)?;
-        self.link.set(map::CONTROL, bank | map::FLUSH)?;
-        self.link.set(map::CONTROL, bank | start | map::I2C_RESTART)?;
-        self.link.set(map::CONTROL, bank | start)?;
+        for word in [map::FLUSH, start | map::I2C_RESTART, start] {
+            self.link.set_checked(map::CONTROL, bank | word)?;
+        }
         self.snapshot()
     }
 

@@ -1,14 +1,18 @@
-//! What a bank of a board must hold for a network, in the parts that the board can make a CRC of.
+//! What a bank of a board must hold for a network, and its tables for a display, in the parts that the board can make a CRC of.
 //!
 //! A host's bank, `a` or `b`, is a set of all stages: weights, thresholds, shifts. A part is what one command reads back: a bank of four
 //! lanes' weights, a stage's thresholds, those of the stage before, or its shifts.
 
+use edof_golden::Display;
 use edof_spec::FixedNetwork;
-use edof_spec::design::memory::{self, Set, Shifts, Space};
-use edof_spec::design::reading::{bank_rows, crc, read_command};
+use edof_spec::design::memory::{self, Set, Shifts, Space, TABLES};
+use edof_spec::design::reading::{
+    TABLE_ENTRIES, TABLE_ROWS, bank_rows, crc, read_command, table_bank, table_rows,
+};
 use edof_spec::design::stage::Kind;
 use edof_spec::design::{Design, StagePlan};
-use edof_spec::registers::map::WEIGHTS;
+use edof_spec::display::LUMA_ENTRIES;
+use edof_spec::registers::map::{DISPLAY_TABLES, WEIGHTS};
 
 /// One of the two banks, as the host calls them.
 #[must_use]
@@ -75,6 +79,26 @@ fn of_stage(network: &FixedNetwork, stage: &StagePlan, set: usize) -> Vec<Part> 
     all
 }
 
+/// All parts of the tables of a display.
+#[must_use]
+pub fn table_parts(display: &Display) -> Vec<Part> {
+    let luma = display.luma.entries().iter().map(|code| u16::from(*code)).collect();
+    let tables = std::iter::once(luma).chain(display.colours.iter().map(|table| table.entries().to_vec()));
+    let of_table = |(table, entries): (usize, Vec<u16>)| {
+        let part = move |(bank, rows): (usize, &[u64])| Part {
+            stage: TABLES,
+            stage_name: TABLE_NAMES[table].to_owned(),
+            from: Space::Weights { bank: table_bank(table) + bank, row: 0, half: 0 },
+            rows: rows.to_vec(),
+            crc: crc(rows.iter().copied()),
+        };
+        table_rows(&entries).chunks(TABLE_ROWS).enumerate().map(part).collect::<Vec<_>>()
+    };
+    tables.enumerate().flat_map(of_table).collect()
+}
+
+const TABLE_NAMES: [&str; 4] = ["luma", "red", "green", "blue"];
+
 impl Part {
     /// The place of a row, counted from the first.
     #[must_use]
@@ -109,6 +133,13 @@ impl Part {
     #[must_use]
     pub fn words(&self) -> Vec<(u32, u32)> {
         let words = |(index, row): (usize, &u64)| match self.row(index) {
+            Space::Weights { bank, row: number, .. } if self.stage == TABLES => {
+                let first = bank / table_bank(1) * LUMA_ENTRIES
+                    + (bank % table_bank(1) * TABLE_ROWS + number) * TABLE_ENTRIES;
+                let entry =
+                    |i: usize| (DISPLAY_TABLES.word((first + i) as u32), u32::from((row >> (16 * i)) as u16));
+                (0..TABLE_ENTRIES).map(entry).collect()
+            }
             Space::Weights { bank, row: number, .. } => {
                 let at = |half| self.address(Space::Weights { bank, row: number, half });
                 vec![(at(0), *row as u32), (at(1), (*row >> 32) as u32)]
@@ -140,6 +171,7 @@ impl std::fmt::Display for Part {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let stage = &self.stage_name;
         match self.from {
+            Space::Weights { .. } if self.stage == TABLES => write!(f, "table of {stage}"),
             Space::Weights { bank, .. } => {
                 write!(f, "weights of {stage}, lanes {} to {}", 4 * bank, 4 * bank + 3)
             }
@@ -195,6 +227,21 @@ mod tests {
                 assert!(more.into_iter().all(|(_, word)| *word == 0));
             }
         }
+    }
+
+    #[test]
+    fn the_tables_of_a_display_are_written_entry_by_entry() {
+        let display = Display::default();
+        let words: BTreeMap<u32, u32> = table_parts(&display).iter().flat_map(Part::words).collect();
+        let luma = display.luma.entries().iter().map(|code| u32::from(*code)).enumerate();
+        let mut expected: BTreeMap<u32, u32> =
+            luma.map(|(entry, word)| (DISPLAY_TABLES.word(entry as u32), word)).collect();
+        for (colour, table) in display.colours.iter().enumerate() {
+            let at = |entry: usize| DISPLAY_TABLES.word(((colour + 1) * LUMA_ENTRIES + entry) as u32);
+            expected
+                .extend(table.entries().iter().enumerate().map(|(entry, word)| (at(entry), (*word).into())));
+        }
+        assert_eq!(words, expected);
     }
 
     #[test]

@@ -1,15 +1,17 @@
 //! How long a load takes: the same load, byte by byte, to a board that is none.
 
 use crate::board::{Board, control_bit};
-use crate::contents::{Part, frames, letter, other, parts};
+use crate::contents::{Part, frames, letter, other, parts, table_parts};
 use crate::error::Error;
 use crate::line::{Line, line_time};
 use crate::link::PATIENCE;
-use crate::load::{Job, table_words};
+use crate::load::Job;
 use crate::protocol::{self, MOST_WORDS};
 use crate::simulated::Simulated;
 use edof_golden::Display;
+use edof_spec::board::CORE_KILOHERTZ;
 use edof_spec::design::memory::Set;
+use edof_spec::design::timing::READ_PERIOD;
 use edof_spec::registers::map::CONTROL;
 use edof_spec::{CfaPhase, FixedNetwork, RawFrame};
 use serde::Serialize;
@@ -121,11 +123,14 @@ fn stand_in(
     Ok(board)
 }
 
-/// Seconds that the display's tables take besides, and their words.
+/// Seconds that all of the display's tables take besides, with the circuit's CRCs of them before and after, and their words.
 #[must_use]
 pub fn tables(display: &Display, baud: u32) -> (u64, f64) {
-    let words = table_words(display);
+    let parts = table_parts(display);
+    let words: Vec<(u32, u32)> = parts.iter().flat_map(Part::words).collect();
     let frames = frames(&words, MOST_WORDS).len();
-    let bytes = 4 * words.len() + frames * (2 * protocol::HEADER + 4);
-    (words.len() as u64, line_time(bytes, baud).as_secs_f64())
+    let bytes = 4 * words.len() + frames * (2 * protocol::HEADER + 8);
+    let rows: usize = parts.iter().map(|part| part.rows.len()).sum();
+    let reading = 2.0 * (rows as u64 * READ_PERIOD) as f64 / (1e3 * f64::from(CORE_KILOHERTZ));
+    (words.len() as u64, line_time(bytes, baud).as_secs_f64() + reading)
 }

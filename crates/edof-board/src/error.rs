@@ -21,6 +21,14 @@ pub enum Error {
         "{port}: {what} did not come through in {tried} attempts: the line is too noisy, or something else talks on it"
     )]
     Noisy { port: String, what: String, tried: u32 },
+    /// Words that the board's protection keeps out.
+    #[error(
+        "{port}: words for 0x{address:x} are refused: they belong to the bank or the tables in use (protection.bank)"
+    )]
+    Refused { port: String, address: u32 },
+    /// No serial port.
+    #[error("{port}: {problem}; expected a serial port, as in /dev/ttyUSB0, or the link of 'edof board sim'")]
+    NoPort { port: String, problem: String },
     /// No board of ours.
     #[error(
         "{port}: reads 0x{found:08x} as id, expected 0x{ID:08x} (EDOF): no board of edof, or another speed"
@@ -63,19 +71,32 @@ pub enum Error {
         "{port}: bank {bank} does not hold {weights}: {wrong} of {pieces} parts differ, the first is {first}"
     )]
     Differs { port: String, bank: char, weights: String, wrong: usize, pieces: usize, first: String },
+    /// The tables of the display are not what they should be.
+    #[error(
+        "{port}: the display's tables are not those of {curve}: {wrong} parts differ, the first is {first}"
+    )]
+    TablesDiffer { port: String, curve: String, wrong: usize, first: String },
+    /// The tables of the display are unknown.
+    #[error(
+        "{port}: the display's tables are those of no curve that this program has: load them with a network by --curve"
+    )]
+    UnknownTables { port: String },
     /// The load did not come to its end.
     #[error(
         "{port}: {wrong} parts of bank {bank} still differ after {rounds} rounds; bank {active} is in use as before"
     )]
     NotLoaded { port: String, bank: char, active: char, wrong: usize, rounds: u32 },
-    /// A word went astray into the bank in use, and nobody knows what was there.
+    /// The tables of the display did not come through.
     #[error(
-        "{port}: {wrong} parts of bank {bank} were spoilt on the way and their network is unknown: load it again"
+        "{port}: tables of the display still differ after {rounds} rounds; the picture stands still until they are loaded"
     )]
-    Spoilt { port: String, bank: char, wrong: usize },
+    TablesNotLoaded { port: String, rounds: u32 },
     /// No pseudo-terminal.
     #[error("pseudo-terminal: {0}")]
     Terminal(String),
+    /// A line that the circuit's clock cannot make.
+    #[error("{baud} bits a second: must be {least} to {most}, of the clock of the circuit")]
+    Speed { baud: u32, least: u32, most: u32 },
     /// A simulation that stopped.
     #[error("the simulated board stopped: {0}")]
     Simulation(#[source] Box<dyn std::error::Error + Send + Sync>),

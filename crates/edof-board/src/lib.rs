@@ -12,6 +12,7 @@
 //! | how long that takes | [`dry_run`] | the same load, to a board that is none |
 //! | counters | [`status`] | frames a second, late ones, saturations |
 //! | a board in Rust | [`simulated`] | the same registers and memories, pictures of the golden pipeline ([`Simulated`]) |
+//! | what may go wrong | [`faulty`] | a line that loses, doubles or changes a byte, a host that ends, a board that is reset |
 //! | as a device | [`terminal`] | a simulated board behind a pseudo-terminal |
 //!
 //! ```
@@ -36,6 +37,7 @@ pub mod board;
 pub mod contents;
 pub mod dry_run;
 pub mod error;
+pub mod faulty;
 pub mod line;
 pub mod link;
 pub mod load;

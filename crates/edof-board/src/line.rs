@@ -3,7 +3,7 @@
 use crate::error::Error;
 use edof_spec::board::BAUD;
 use serialport::{ClearBuffer, SerialPort, SerialPortType};
-use std::io::{self, Read, Write};
+use std::io::{self, IsTerminal, Read, Write};
 use std::time::Duration;
 
 /// Bits on the line for a byte: start, eight, stop.
@@ -86,12 +86,29 @@ impl Serial {
     /// Opens a port, or a pseudo-terminal, at so many bits a second. What it has received until now is thrown away.
     ///
     /// # Errors
-    /// [`Error::Port`]: there is none, somebody else has it, or it does not have that speed.
+    /// [`Error::NoPort`]: something else stands at that path, or nothing. [`Error::Port`]: somebody else has it, or it does not have that
+    /// speed.
     pub fn open(name: &str, baud: u32) -> Result<Self, Error> {
         let failed = |error: serialport::Error| Error::Port { port: name.into(), source: error.into() };
-        let port = serialport::new(name, baud).open().map_err(failed)?;
+        let port = serialport::new(name, baud).open().map_err(|error| match what_is(name) {
+            Some(problem) => Error::NoPort { port: name.into(), problem: problem.into() },
+            None => failed(error),
+        })?;
         port.clear(ClearBuffer::Input).map_err(failed)?;
         Ok(Self { port, name: name.into(), baud })
+    }
+}
+
+/// What stands at a path in place of a serial port, none where it may be one.
+fn what_is(path: &str) -> Option<&'static str> {
+    match std::fs::metadata(path) {
+        Err(error) => (error.kind() == io::ErrorKind::NotFound).then_some("there is no such path"),
+        Ok(found) if found.is_dir() => Some("is a folder"),
+        Ok(found) if found.is_file() => Some("is a file"),
+        Ok(_) => {
+            let other = std::fs::File::open(path).is_ok_and(|device| !device.is_terminal());
+            other.then_some("is another device")
+        }
     }
 }
 

@@ -1,21 +1,25 @@
 //! Words read and written over a line that may lose, double or change bytes.
 //!
-//! The board answers no write, and no frame has a checksum. So every frame that writes is followed by one that reads `uart_broken`, the
-//! board's count of frames that it gave up, and the host waits for that answer. What is wrong shows there: a byte too few, and the
-//! board takes the question for the rest of the words and does not answer; a byte too many, and it counts one more. Whatever the
-//! question is taken for, it writes nothing. A word that was changed on its way shows in the checks afterwards (`crate::load`).
+//! The board answers no write, and no frame has a checksum. So every frame that writes is followed by one that reads `uart_broken` and
+//! `writes_refused`, the board's counts of frames that it gave up and of words that it kept out, and the host waits for that answer.
+//! What is wrong shows there: a byte too few, and the board takes the question for the rest of the words and does not answer; a byte
+//! too many, and it counts one more; a word that went astray to where it could do harm, and that is counted. Whatever the question is
+//! taken for, it writes nothing. A word that was changed on its way shows in the checks afterwards (`crate::load`).
 
 use crate::error::Error;
 use crate::line::{Line, line_time};
 use crate::protocol;
 use edof_spec::board::UART_TIME_OUT_MS;
-use edof_spec::registers::map::UART_BROKEN;
+use edof_spec::registers::map::{UART_BROKEN, WRITES_REFUSED, checked};
 use std::time::Duration;
 
 /// Attempts before a line is given up.
 const ATTEMPTS: u32 = 6;
 /// After so long without a byte the board has given up a frame that was cut off, and nothing is on its way any more.
 const QUIET: Duration = Duration::from_millis(UART_TIME_OUT_MS as u64 * 5 / 4);
+/// The two counters after a write, one behind the other.
+const COUNTS: usize = 2;
+const _: () = assert!(WRITES_REFUSED == UART_BROKEN + 4);
 /// Times that bytes are thrown away before a line that never rests is taken as it is.
 const UNREST: usize = 100;
 /// Bytes that are taken at once where they are thrown away.
@@ -27,8 +31,8 @@ pub const PATIENCE: Duration = Duration::from_millis(250);
 pub struct Link<L> {
     line: L,
     patience: Duration,
-    /// What `uart_broken` was last.
-    broken: Option<u32>,
+    /// What `uart_broken` and `writes_refused` were last.
+    counts: Option<Vec<u32>>,
     /// Frames that were sent again.
     pub repeats: u64,
 }
@@ -36,7 +40,7 @@ pub struct Link<L> {
 impl<L: Line> Link<L> {
     /// Over a line whose other end answers within `patience` and the time that bytes take.
     pub const fn new(line: L, patience: Duration) -> Self {
-        Self { line, patience, broken: None, repeats: 0 }
+        Self { line, patience, counts: None, repeats: 0 }
     }
 
     /// What the line is called in messages.
@@ -87,7 +91,7 @@ impl<L: Line> Link<L> {
     /// # Errors
     /// The line is gone.
     pub fn settle(&mut self) -> Result<(), Error> {
-        self.broken = None;
+        self.counts = None;
         self.repeats += 1;
         self.throw_away(QUIET.max(self.patience))
     }
@@ -131,27 +135,30 @@ impl<L: Line> Link<L> {
         Err(self.noisy(&format!("the word at 0x{address:x}")))
     }
 
-    /// Writes words, 255 at most, from a byte address on, and makes sure that the board took as many bytes as were sent.
+    /// Writes words, 255 at most, from a byte address on, and makes sure that the board took as many bytes as were sent, and every word.
     ///
     /// # Errors
-    /// No answer, or never the right one.
+    /// No answer, or never the right one; [`Error::Refused`]: the board keeps them out.
     pub fn write(&mut self, address: u32, words: &[u32]) -> Result<(), Error> {
-        let mut answered = false;
+        let (mut answered, mut refused) = (false, 0);
         for _ in 0..ATTEMPTS {
-            let before = match self.broken {
-                Some(broken) => broken,
-                None => self.read(UART_BROKEN, 1)?[0],
+            let before = match self.counts.take() {
+                Some(counts) => counts,
+                None => self.read(UART_BROKEN, COUNTS)?,
             };
-            let question = protocol::read(UART_BROKEN, 1);
-            let answer = self.exchange(&[protocol::write(address, words), question].concat(), 1)?;
-            if answer.as_deref() == Some(&[before]) {
-                self.broken = Some(before);
+            let question = protocol::read(UART_BROKEN, COUNTS);
+            let answer = self.exchange(&[protocol::write(address, words), question].concat(), COUNTS)?;
+            if answer.as_ref() == Some(&before) {
+                self.counts = answer;
                 return Ok(());
             }
             answered |= answer.is_some();
+            refused += u32::from(answer.is_some_and(|now| now[0] == before[0] && now[1] != before[1]));
             self.settle()?;
         }
-        if answered {
+        if refused == ATTEMPTS {
+            Err(Error::Refused { port: self.name(), address })
+        } else if answered {
             Err(self.noisy(&format!("words for 0x{address:x}")))
         } else {
             Err(Error::Silent { port: self.name(), asked: ATTEMPTS })
@@ -163,9 +170,21 @@ impl<L: Line> Link<L> {
     /// # Errors
     /// As [`Link::read`] and [`Link::write`].
     pub fn set(&mut self, address: u32, word: u32) -> Result<(), Error> {
+        self.set_as(address, word, word)
+    }
+
+    /// Writes a word of 16 bits with its complement above it, and reads it back.
+    ///
+    /// # Errors
+    /// As [`Link::set`].
+    pub fn set_checked(&mut self, address: u32, word: u32) -> Result<(), Error> {
+        self.set_as(address, checked(word), word)
+    }
+
+    fn set_as(&mut self, address: u32, sent: u32, held: u32) -> Result<(), Error> {
         for _ in 0..ATTEMPTS {
-            self.write(address, &[word])?;
-            if self.read(address, 1)? == [word] {
+            self.write(address, &[sent])?;
+            if self.read(address, 1)? == [held] {
                 return Ok(());
             }
             self.settle()?;

@@ -1,19 +1,20 @@
 //! Networks onto a board, and whether they are there.
 //!
 //! A load writes a bank that is not in use, has the circuit make a CRC of every part of it, writes what is wrong once more, and has frames
-//! made with it only when all is right. What is in use is looked at before and after: a reset of the board, or a word that went
-//! astray, is seen, and what it changed is put back.
+//! made with it only when all is right. What is in use takes no words meanwhile (`protection`), is looked at before and after, and a reset
+//! of the board, or a word that went astray, is seen, and what it changed is put back.
 
 use crate::board::{Board, SKIP_ROW, bank_of, control_bit};
-use crate::contents::{Part, frames, letter, other, parts};
+use crate::contents::{Part, frames, letter, other, parts, table_parts};
 use crate::error::Error;
 use crate::line::Line;
 use crate::protocol::MOST_WORDS;
 use edof_golden::Display;
 use edof_spec::design::memory::Set;
-use edof_spec::display::LUMA_ENTRIES;
 use edof_spec::registers::identity::weights_hash;
-use edof_spec::registers::map::{CONTROL, DISPLAY_TABLES, FLUSH, RUN, SCRATCH, WEIGHT_SET, WEIGHTS_HASH};
+use edof_spec::registers::map::{
+    CONTROL, FLUSH, PROTECT_BANK, PROTECT_CONTROL, PROTECTION, RUN, SCRATCH, WEIGHT_SET, WEIGHTS_HASH,
+};
 use edof_spec::{Design, FixedNetwork};
 use serde::Serialize;
 
@@ -89,13 +90,12 @@ struct Kept {
     bank: Set,
     control: u32,
     hash: u32,
-    /// Shifts of the bank in use, and what is skipped, of each stage.
-    shifts: Vec<u32>,
+    /// What is skipped, of each stage.
     skips: Vec<u32>,
-    /// Parts of the bank in use (their contents are another network's), and their CRCs.
-    parts: Vec<Part>,
-    crcs: Vec<u32>,
 }
+
+/// What stands in `protection` from a load on.
+const PROTECTED: u32 = PROTECT_BANK | PROTECT_CONTROL;
 
 /// What stands in `scratch` during a load: a reset clears it.
 fn mark(hash: u32) -> u32 {
@@ -107,11 +107,12 @@ impl<L: Line> Board<L> {
     ///
     /// # Errors
     /// A network that does not fit, before anything is written; a line that fails; [`Error::NotLoaded`]; [`Error::Interrupted`] when
-    /// `progress` says so. What was in use then still is.
+    /// `progress` says so. What was in use then still is; where that was the bank to be written, the other one.
     pub fn load(&mut self, job: &Job<'_>, progress: Progress<'_>) -> Result<Loaded, Error> {
         job.network.check()?;
         job.design.check_network(job.network)?;
         self.check_design(job.design)?;
+        self.link.set_checked(PROTECTION, PROTECTED)?;
         let registers = self.link.read(WEIGHTS_HASH, 3)?;
         let in_use = bank_of(registers[1]);
         let target = job.bank.unwrap_or(other(in_use));
@@ -120,17 +121,13 @@ impl<L: Line> Board<L> {
             // The other bank's pictures until this one's are right.
             self.change_control(WEIGHT_SET, control_bit(other(in_use)))?;
         }
+        self.wait_for(other(target))?;
         let kept = self.keep(job, other(target))?;
         self.link.set(SCRATCH, mark(hash))?;
         let switches = job.bank.is_none() || target == in_use;
         let mut recovered = false;
         for _ in 0..ROUNDS {
-            let written = self.fill(job, target, &kept, hash, progress);
-            if written.is_err() && target == in_use {
-                // As far as it still can be: the error tells of the rest.
-                let _ = self.change_control(WEIGHT_SET, control_bit(in_use));
-            }
-            let mut loaded = written?;
+            let mut loaded = self.fill(job, target, &kept, hash, progress)?;
             if switches {
                 self.switch(target, hash)?;
             }
@@ -181,7 +178,6 @@ impl<L: Line> Board<L> {
                 wanted.iter().zip(&found).map(|(part, crc)| missing(part, *crc, &bases)).collect();
             let wrong = missing.iter().filter(|words| !words.is_empty()).count();
             if wrong == 0 {
-                loaded.recovered |= self.mend(kept, job)?;
                 // What asked for the CRCs may have gone astray itself, into registers of the stages.
                 let astray = self.restore_stages(kept, &wanted)? | self.recover(kept, hash)?;
                 if !astray {
@@ -222,19 +218,15 @@ impl<L: Line> Board<L> {
         Ok(loaded)
     }
 
-    /// Puts shifts of both banks and what is skipped right where they are not; whether there were any. Its own commands lie in no other
-    /// register, even where a byte of their address is lost.
+    /// Puts shifts of the bank that was written and what is skipped right where they are not; whether there were any. Its own commands lie in
+    /// no other register, even where a byte of their address is lost.
     fn restore_stages(&mut self, kept: &Kept, wanted: &[Part]) -> Result<bool, Error> {
-        let stages = kept.shifts.len();
         let shifts = wanted.iter().filter(|part| part.is_shifts()).map(|part| part.rows[0] as u32).collect();
-        let expected = [
-            (kept.bank as usize, kept.shifts.clone()),
-            (other(kept.bank) as usize, shifts),
-            (SKIP_ROW, kept.skips.clone()),
-        ];
+        let expected: [(usize, Vec<u32>); 2] =
+            [(other(kept.bank) as usize, shifts), (SKIP_ROW, kept.skips.clone())];
         let mut changed = false;
         for (row, words) in expected {
-            let found = self.stage_register(stages, row)?;
+            let found = self.stage_register(kept.skips.len(), row)?;
             for (stage, word) in words.into_iter().enumerate().filter(|(stage, word)| found[*stage] != *word)
             {
                 self.set_stage_register(stage, row, word)?;
@@ -244,56 +236,24 @@ impl<L: Line> Board<L> {
         Ok(changed)
     }
 
-    /// Notes what must stay as it is.
+    /// Notes what must stay as it is. The bank in use needs no note: it takes no words.
     fn keep(&mut self, job: &Job<'_>, bank: Set) -> Result<Kept, Error> {
         let registers = self.link.read(WEIGHTS_HASH, 2)?;
-        let stages = job.design.stages.len();
-        let (shifts, skips) =
-            (self.stage_register(stages, bank as usize)?, self.stage_register(stages, SKIP_ROW)?);
-        let parts = parts(job.design, job.network, bank);
-        let crcs = self.crcs(&parts.iter().collect::<Vec<_>>())?;
-        Ok(Kept { bank, control: registers[1], hash: registers[0], shifts, skips, parts, crcs })
+        let skips = self.stage_register(job.design.stages.len(), SKIP_ROW)?;
+        Ok(Kept { bank, control: registers[1], hash: registers[0], skips })
     }
 
-    /// Puts registers back that a reset or a word that went astray has changed; whether there were any.
+    /// Puts registers back that a reset or a word that went astray has changed; whether there were any. A reset leaves the bank in use, and
+    /// what the stages hold.
     fn recover(&mut self, kept: &Kept, hash: u32) -> Result<bool, Error> {
-        let expected = [kept.hash, kept.control, mark(hash)];
-        if self.link.glance(WEIGHTS_HASH, 3)? == expected || self.link.read(WEIGHTS_HASH, 3)? == expected {
+        let expected = [kept.hash, kept.control, mark(hash), PROTECTED];
+        if self.link.glance(WEIGHTS_HASH, 4)? == expected || self.link.read(WEIGHTS_HASH, 4)? == expected {
             return Ok(false);
         }
-        // What was in use first, then that it is in use again.
-        for (stage, (shifts, skip)) in kept.shifts.iter().zip(&kept.skips).enumerate() {
-            self.set_stage_register(stage, kept.bank as usize, *shifts)?;
-            self.set_stage_register(stage, SKIP_ROW, *skip)?;
-        }
-        for (address, word) in [WEIGHTS_HASH, CONTROL, SCRATCH].into_iter().zip(expected) {
-            self.link.set(address, word)?;
-        }
-        Ok(true)
-    }
-
-    /// Puts parts of the bank in use back that a word went astray into, as far as their network is known; whether there were any.
-    fn mend(&mut self, kept: &Kept, job: &Job<'_>) -> Result<bool, Error> {
-        let found = self.crcs(&kept.parts.iter().collect::<Vec<_>>())?;
-        let spoilt: Vec<usize> = (0..found.len()).filter(|i| found[*i] != kept.crcs[*i]).collect();
-        if spoilt.is_empty() {
-            return Ok(false);
-        }
-        let networks = job.known.iter().chain([job.network]);
-        let known: Vec<Part> = networks.flat_map(|network| parts(job.design, network, kept.bank)).collect();
-        let mut wrong = 0;
-        for index in spoilt {
-            let right =
-                known.iter().find(|part| part.is_at(&kept.parts[index]) && part.crc == kept.crcs[index]);
-            wrong += usize::from(right.is_none());
-            for (address, some) in frames(&right.map_or(vec![], Part::words), MOST_WORDS) {
-                self.link.write(address, &some)?;
-            }
-        }
-        // Where the other bank comes into use now, nobody needs this one any more.
-        if wrong > 0 && job.bank.is_some() {
-            return Err(Error::Spoilt { port: self.port(), bank: letter(kept.bank), wrong });
-        }
+        self.link.set_checked(PROTECTION, PROTECTED)?;
+        self.link.set_checked(CONTROL, kept.control)?;
+        self.link.set(WEIGHTS_HASH, kept.hash)?;
+        self.link.set(SCRATCH, mark(hash))?;
         Ok(true)
     }
 
@@ -345,38 +305,70 @@ impl<L: Line> Board<L> {
         Ok(unlike)
     }
 
-    /// Writes the tables of the display step. There is one of each, so the picture stands still meanwhile, and no frame is made with parts
-    /// of two; they cannot be read back.
+    /// What of the display's tables is not as a display wants it.
     ///
     /// # Errors
-    /// A line that fails, or [`Error::Interrupted`]: the picture then stands still until the tables are loaded.
-    pub fn load_tables(&mut self, display: &Display, progress: Progress<'_>) -> Result<u64, Error> {
-        let words = table_words(display);
-        let control = self.control()?;
-        self.link.set(CONTROL, (control & !RUN) | FLUSH)?;
-        let (mut done, total) = (0, words.len() as u64);
-        for (address, some) in frames(&words, MOST_WORDS) {
-            if !progress(done, total) {
-                return Err(Error::Interrupted);
-            }
-            self.link.write(address, &some)?;
-            done += some.len() as u64;
-        }
-        self.link.set(CONTROL, (control | RUN) & !FLUSH)?;
-        Ok(total)
+    /// A line that fails.
+    pub fn verify_tables(&mut self, display: &Display) -> Result<Vec<Difference>, Error> {
+        let wanted = table_parts(display);
+        let crcs = self.crcs(&wanted.iter().collect::<Vec<_>>())?;
+        let differs = |(part, crc): (&Part, &u32)| {
+            let told = Difference { part: part.to_string(), crc: *crc, expected: part.crc, row: None };
+            (*crc != part.crc).then_some(told)
+        };
+        Ok(wanted.iter().zip(&crcs).filter_map(differs).collect())
     }
-}
 
-/// Byte addresses and words of a display's tables.
-#[must_use]
-pub fn table_words(display: &Display) -> Vec<(u32, u32)> {
-    let luma = display.luma.entries().iter().map(|code| u32::from(*code)).collect::<Vec<_>>();
-    let colours = display.colours.iter().map(|t| t.entries().iter().map(|e| u32::from(*e)).collect());
-    let words = |(table, entries): (usize, Vec<u32>)| {
-        let at = move |entry: usize| DISPLAY_TABLES.word((table * LUMA_ENTRIES + entry) as u32);
-        entries.into_iter().enumerate().map(move |(entry, word)| (at(entry), word))
-    };
-    [luma].into_iter().chain(colours).enumerate().flat_map(words).collect()
+    /// Which of some displays has the tables that the board has.
+    ///
+    /// # Errors
+    /// A line that fails.
+    pub fn identify_tables(&mut self, known: &[Display]) -> Result<Option<usize>, Error> {
+        let all: Vec<Vec<Part>> = known.iter().map(table_parts).collect();
+        let Some(first) = all.first() else { return Ok(None) };
+        let found = self.crcs(&first.iter().collect::<Vec<_>>())?;
+        Ok(all.iter().position(|parts| parts.iter().map(|part| part.crc).eq(found.iter().copied())))
+    }
+
+    /// Writes what the board does not have of the tables of the display step, until the circuit's CRCs say that all is there; how many
+    /// words. There is one of each table, so the picture stands still meanwhile, and no frame is made with parts of two.
+    ///
+    /// # Errors
+    /// A line that fails, [`Error::TablesNotLoaded`], or [`Error::Interrupted`]: the picture then stands still until the tables are loaded.
+    pub fn load_tables(&mut self, display: &Display, progress: Progress<'_>) -> Result<u64, Error> {
+        let wanted = table_parts(display);
+        let all: Vec<&Part> = wanted.iter().collect();
+        let control = self.control()?;
+        let mut sent = 0;
+        for round in 0..=ROUNDS {
+            let found = self.crcs(&all)?;
+            let missing: Vec<(u32, u32)> = all
+                .iter()
+                .zip(found)
+                .filter(|(part, crc)| part.crc != *crc)
+                .flat_map(|(part, _)| part.words())
+                .collect();
+            if missing.is_empty() {
+                if round > 0 {
+                    self.link.set_checked(CONTROL, (control | RUN) & !FLUSH)?;
+                }
+                return Ok(sent);
+            }
+            // The frame under way is dropped, and none is begun.
+            self.link.set_checked(CONTROL, (control & !RUN) | FLUSH)?;
+            let total = missing.len() as u64;
+            let mut done = 0;
+            for (address, some) in frames(&missing, MOST_WORDS) {
+                if !progress(done, total) {
+                    return Err(Error::Interrupted);
+                }
+                self.link.write(address, &some)?;
+                done += some.len() as u64;
+            }
+            sent += done;
+        }
+        Err(Error::TablesNotLoaded { port: self.port(), rounds: ROUNDS })
+    }
 }
 
 /// Words of a part that the board does not have yet, as far as the CRC of what it has tells.

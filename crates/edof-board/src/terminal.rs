@@ -24,6 +24,9 @@ pub trait Device {
     /// The newest picture on the screen: a word a pixel, Y′ low, Cb′ or Cr′ high; none before the first.
     fn picture(&self) -> Option<Vec<u16>>;
 
+    /// Pictures of words of two networks so far; none from who cannot tell.
+    fn mixed(&self) -> Option<u64>;
+
     /// Bytes from the host and to it so far, and the seconds that a byte was on the line.
     fn carried(&self) -> ([u64; 2], f64);
 
@@ -60,6 +63,10 @@ impl Device for InRust {
             Shown::Whole(pixels) => Some(pixels.to_vec()),
             Shown::Mixed => None,
         })
+    }
+
+    fn mixed(&self) -> Option<u64> {
+        Some(self.board.mixed())
     }
 
     fn carried(&self) -> ([u64; 2], f64) {

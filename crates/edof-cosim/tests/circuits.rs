@@ -27,6 +27,7 @@ mod pins;
 mod planted_faults;
 mod read_back;
 mod resources;
+mod simulated_board;
 mod stream_core;
 mod stream_cut;
 mod streams;

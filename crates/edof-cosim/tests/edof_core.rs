@@ -12,10 +12,13 @@ use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Periods, figures};
 use edof_golden::{Curve, Display, Golden, windows};
 use edof_spec::design::FrameSize;
-use edof_spec::design::memory::{self, Set, Shifts, Space};
-use edof_spec::design::reading::{READ_BACK, READ_REGISTER, ReadBack, crc, read_back_address, read_command};
+use edof_spec::design::memory::{self, Set, Shifts, Space, TABLES};
+use edof_spec::design::reading::{
+    READ_BACK, READ_REGISTER, ReadBack, TABLE_ROWS, crc, read_back_address, read_command, table_bank,
+    table_rows,
+};
 use edof_spec::draw::Draw;
-use edof_spec::registers::map::{self, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
+use edof_spec::registers::map::{self, DISPLAY_TABLES, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
 use edof_spec::video::VideoTiming;
 use edof_spec::{Design, DisplayMode, FixedNetwork, Geometry, RawFrame, Stride, Window};
 
@@ -188,7 +191,7 @@ fn shifts(rig: &mut Rig, set: usize) -> u32 {
 }
 
 #[test]
-fn a_flush_drops_the_frame_under_way_and_a_reset_what_was_written_to_registers_too() {
+fn a_flush_and_a_reset_drop_the_frame_under_way_and_nothing_that_was_written() {
     let setup = Setup::new(design(8, 8, (32, 24)));
     let frames = drawn(setup.design.frame, 30, 5).unwrap();
     let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
@@ -217,8 +220,69 @@ fn a_flush_drops_the_frame_under_way_and_a_reset_what_was_written_to_registers_t
     assert!(rig.access(count(1, 0)).unwrap() > 0);
     assert_eq!([0, 1].map(|kind| rig.access(count(memory::WHOLE_CHAIN, kind)).unwrap()), [0; 2]);
     assert_eq!(rig.register("status").unwrap() >> 7 & 1, 0);
-    rig.reset().unwrap();
-    assert_eq!(shifts(&mut rig, 1), generated);
+    // After a reset too; and the bank in use stays in use, whichever it is.
+    for (set, control) in [(map::WEIGHT_SET, 0b111), (0, 0b011)] {
+        rig.access(Access::Write(map::CONTROL, set)).unwrap();
+        rig.reset().unwrap();
+        assert_eq!(rig.register("control").unwrap(), control);
+        assert_eq!(shifts(&mut rig, 1), written);
+    }
+    // A rig that starts is a board that was configured.
+    assert_eq!(shifts(&mut setup.start(&frames, 6), 1), generated);
+}
+
+/// What the tables' reader says of rows of a bank: CRC, and the last row.
+fn table_rows_read(rig: &mut Rig, bank: usize, row: usize, rows: usize) -> (u32, u64) {
+    let command = read_command(Space::Weights { bank, row, half: 0 }, rows);
+    let register = memory::address(TABLES, Space::Register { row: READ_REGISTER });
+    rig.access(Access::Write(WEIGHTS.word(register), command)).unwrap();
+    let mut shown = |part| {
+        rig.access(Access::Read(STAGE_READS.word(read_back_address(TABLES, part) & !READ_BACK))).unwrap()
+    };
+    while shown(ReadBack::Busy) == 1 {}
+    (shown(ReadBack::Crc), u64::from(shown(ReadBack::Low)) | u64::from(shown(ReadBack::High)) << 32)
+}
+
+#[test]
+fn tables_are_read_back_while_pictures_are_made() {
+    let setup = Setup::new(design(8, 8, (32, 24)));
+    let frames = drawn(setup.design.frame, 30, 5).unwrap();
+    let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
+    let mut rig = setup.start(&frames, 8);
+    let display = Display::new(DisplayMode::Colour, Curve::Srgb);
+    let luma = display.luma.entries().iter().map(|code| u16::from(*code)).collect::<Vec<_>>();
+    let tables: Vec<Vec<u64>> = std::iter::once(&luma[..])
+        .chain(display.colours.iter().map(|table| table.entries()))
+        .map(table_rows)
+        .collect();
+    let draw = &mut Draw::new(8);
+    for _ in 0..12 {
+        let table = draw.whole(0, 3) as usize;
+        let half = if table == 0 { draw.whole(0, 1) as usize } else { 0 };
+        let count = draw.whole(1, 5) as usize;
+        let row = draw.whole(0, (TABLE_ROWS - count) as i64) as usize;
+        let expected = &tables[table][half * TABLE_ROWS + row..][..count];
+        let found = table_rows_read(&mut rig, table_bank(table) + half, row, count);
+        assert_eq!(found, (crc(expected.iter().copied()), expected[count - 1]), "table {table}, row {row}");
+    }
+    rig.show(2).unwrap();
+    assert!(setup.shown(&rig, &pictures).last().is_some_and(Option::is_some));
+    // Tables in use take no words; others do, and in the midst of reading.
+    let entry = |table: u32, entry: u32| DISPLAY_TABLES.word(0x8000 * table + entry);
+    let refused = rig.access(Access::Write(entry(2, 4 * 77 + 1), 0xabc)).unwrap_err();
+    assert!(refused.to_string().contains("was refused"), "{refused}");
+    rig.access(Access::Write(map::CONTROL, map::COLOUR)).unwrap();
+    let command = read_command(Space::Weights { bank: table_bank(2), row: 70, half: 0 }, 8);
+    let register = memory::address(TABLES, Space::Register { row: READ_REGISTER });
+    rig.access(Access::Write(WEIGHTS.word(register), command)).unwrap();
+    for i in 0..60 {
+        rig.access(Access::Write(entry(2, 4 * 77 + 1), 0xa00 + i)).unwrap();
+    }
+    let mut row = tables[2][77];
+    row = row & !0xffff_0000 | (0xa00 + 59) << 16;
+    assert_eq!(table_rows_read(&mut rig, table_bank(2), 77, 1), (crc([row]), row));
+    let before = &tables[2][70..77];
+    assert_eq!(table_rows_read(&mut rig, table_bank(2), 70, 7).0, crc(before.iter().copied()));
 }
 
 fn all_windows(raw: &RawFrame, geometry: Geometry) -> impl Iterator<Item = Vec<i16>> {

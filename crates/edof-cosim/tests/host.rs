@@ -1,18 +1,24 @@
 //! The host's way to the board: registers behind AXI4-Lite, and a serial line in UARTBone's frames before them.
 
+use crate::common::committed;
 use crate::support;
 use edof_cosim::bench::axi_lite::{Access, Answer};
-use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace};
+use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace, Serial};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::board::{BoardRegisters, Identity, UartBus};
 use edof_hdl::ports::AxiLiteMaster;
+use edof_spec::Design;
+use edof_spec::design::memory::{self, Set};
 use edof_spec::draw::Draw;
-use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS, register};
+use edof_spec::registers::map::{
+    self, CONTROL, DISPLAY_TABLES, PROTECTION, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS, checked,
+    register,
+};
 use edof_spec::registers::{self, Window};
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 const IDENTITY: Identity =
     Identity { design_hash: 0x1234_5678, weights_hash: 0x9abc_def0, frame: (1920, 1080) };
@@ -61,9 +67,11 @@ impl Actor for Words {
 
 /// What the registers must answer: the transaction model.
 struct Registers {
+    design: Design,
     controls: BTreeMap<u32, u32>,
     statuses: BTreeMap<u32, u32>,
     windows: [Vec<(u32, u32)>; 2],
+    refused: u32,
 }
 
 impl Registers {
@@ -75,8 +83,10 @@ impl Registers {
         let controls = REGISTERS.iter().filter(|register| register.access == registers::Access::Control);
         Self {
             controls: controls.map(|register| (register.address, start(register))).collect(),
+            design: committed("tiny"),
             statuses: BTreeMap::new(),
             windows: Default::default(),
+            refused: 0,
         }
     }
 
@@ -96,6 +106,10 @@ impl Registers {
         if !address.is_multiple_of(4) {
             return false;
         }
+        if self.keeps_out(address, word, at(&WEIGHTS), at(&DISPLAY_TABLES).is_some()) {
+            self.refused += 1;
+            return false;
+        }
         if let Some(index) = at(&DISPLAY_TABLES) {
             self.windows[0].push((index, word & 0xfff));
         } else if let Some(index) = at(&WEIGHTS) {
@@ -107,6 +121,28 @@ impl Registers {
             return false;
         }
         true
+    }
+
+    /// Whether a word is one that `protection` keeps out.
+    fn keeps_out(&self, address: u32, word: u32, weights: Option<u32>, is_table: bool) -> bool {
+        let (control, protection) = (self.controls[&CONTROL], self.controls[&PROTECTION]);
+        let set = if control & map::WEIGHT_SET == 0 { Set::First } else { Set::Second };
+        let in_use = weights.and_then(|index| memory::set_of(&self.design, index)) == Some(set);
+        let of_bank = in_use || (is_table && control & map::RUN != 0);
+        let wants_check =
+            address == PROTECTION || (address == CONTROL && protection & map::PROTECT_CONTROL != 0);
+        (of_bank && protection & map::PROTECT_BANK != 0) || (wants_check && !map::is_checked(word))
+    }
+
+    /// What a reset that is not the first one does.
+    fn reset(&mut self) {
+        let kept = [(map::WEIGHTS_HASH, u32::MAX), (CONTROL, map::WEIGHT_SET)];
+        let kept = kept.map(|(address, mask)| (address, self.controls[&address] & mask));
+        *self = Self { windows: std::mem::take(&mut self.windows), ..Self::new() };
+        for (address, word) in kept {
+            let held = self.controls.entry(address).or_default();
+            *held = if address == CONTROL { *held | word } else { word };
+        }
     }
 
     fn read(&self, address: u32) -> Option<u32> {
@@ -122,6 +158,7 @@ impl Registers {
             "design_hash" => IDENTITY.design_hash,
             "frame_size" => 1920 | 1080 << 16,
             _ if found.access == registers::Access::Constant => found.reset,
+            "writes_refused" => self.refused,
             _ if found.access == registers::Access::Control => self.controls[&address],
             _ => self.statuses[&address] & found.mask(),
         })
@@ -153,14 +190,27 @@ impl Actor for Stages {
     }
 }
 
+/// A word of random bits, or one that carries its complement.
+fn word(draw: &mut Draw) -> u32 {
+    let bits = draw.bits() as u32;
+    if draw.whole(0, 1) == 0 { bits } else { checked(bits) }
+}
+
 /// An address where something is, or nearly.
 fn address(draw: &mut Draw) -> u32 {
     let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS];
-    match draw.whole(0, 9) {
+    match draw.whole(0, 11) {
         0..=4 => REGISTERS[draw.whole(0, REGISTERS.len() as i64 - 1) as usize].address,
         5 => 4 * draw.whole(0, 0x80) as u32,
         6 => draw.bits() as u32,
         7 => REGISTERS[draw.whole(0, 9) as usize].address + draw.whole(0, 3) as u32,
+        8 => [CONTROL, PROTECTION][draw.whole(0, 1) as usize],
+        // Of a stage, or nearly: shifts, thresholds, weights of either set.
+        9 => {
+            let (stage, space, row) = (draw.whole(0, 5), draw.whole(0, 3), draw.whole(0, 260));
+            let row = if draw.whole(0, 2) == 0 { draw.whole(0, 4) } else { row };
+            WEIGHTS.word((stage << 21 | space << 19 | row << 1) as u32)
+        }
         _ => {
             let window = &windows[draw.whole(0, 3) as usize];
             window.word(draw.whole(0, i64::from(window.bytes / 4) - 1) as u32)
@@ -170,7 +220,7 @@ fn address(draw: &mut Draw) -> u32 {
 
 #[test]
 fn registers_answer_as_their_map_says() {
-    let source = Source::circuit(&mut BoardRegisters::new(&IDENTITY)).unwrap();
+    let source = Source::circuit(&mut BoardRegisters::new(&committed("tiny"), &IDENTITY)).unwrap();
     for seed in 0..3 {
         let (mut bench, clock) = bench(&source, seed);
         let draw = &mut Draw::new(seed);
@@ -184,14 +234,17 @@ fn registers_answer_as_their_map_says() {
         bench.steps(5, &mut [&mut host, &mut tables, &mut weights, &mut stages]).unwrap();
         bench.set("reset_i", 0).unwrap();
         // Each status port by the name of its register.
-        for register in REGISTERS.iter().filter(|register| register.access == registers::Access::Status) {
+        let of_others = |register: &&registers::Register| {
+            register.access == registers::Access::Status && register.name != "writes_refused"
+        };
+        for register in REGISTERS.iter().filter(of_others) {
             let word = draw.bits() as u32;
             bench.set(&format!("{}_i", register.name), word.into()).unwrap();
             model.statuses.insert(register.address, word);
         }
         let access = |draw: &mut Draw| match draw.whole(0, 1) {
             0 => Access::Read(address(draw)),
-            _ => Access::Write(address(draw), draw.bits() as u32),
+            _ => Access::Write(address(draw), word(draw)),
         };
         let every = REGISTERS.iter().map(|register| Access::Read(register.address));
         let wanted: Vec<Access> = every.chain((0..1_500).map(|_| access(draw))).collect();
@@ -207,13 +260,27 @@ fn registers_answer_as_their_map_says() {
             assert_eq!(found, expected);
         }
         assert_eq!(host.answers.len(), expected.len());
-        assert_eq!([tables.taken, weights.taken], model.windows);
+        assert_eq!([&tables.taken, &weights.taken], model.windows.each_ref());
         for (name, port) in
             [("control", "control_o"), ("weights_hash", "weights_hash_o"), ("scratch", "scratch_o")]
         {
             let held = model.controls[&register(name).unwrap().address];
             assert_eq!(bench.get(port).unwrap(), u64::from(held), "{name}");
         }
+        assert!(model.refused > 20, "{} words were kept out", model.refused);
+        // A later reset leaves the bank in use; all else begins anew.
+        bench.set("keeps_i", 1).unwrap();
+        bench.set("reset_i", 1).unwrap();
+        bench.steps(5, &mut [&mut host, &mut tables, &mut weights, &mut stages]).unwrap();
+        bench.set("reset_i", 0).unwrap();
+        model.reset();
+        host.answers.clear();
+        let controls: Vec<u32> = model.controls.keys().copied().collect();
+        host.wanted = controls.iter().map(|address| Access::Read(*address)).collect();
+        bench.steps(1_000, &mut [&mut host, &mut tables, &mut weights, &mut stages]).unwrap();
+        let found: Vec<u32> = host.answers.iter().map(|answer| answer.word).collect();
+        let expected: Vec<u32> = controls.iter().map(|address| model.controls[address]).collect();
+        assert_eq!(found, expected);
     }
 }
 
@@ -248,6 +315,7 @@ impl Logic for Line {
         self.registers.weight_ready.next = self.weight_ready.val();
         self.weight_address.next = self.registers.weight_address.val();
         self.weight_data.next = self.registers.weight_data.val();
+        self.registers.keeps.next = false;
         self.registers.table_ready.next = true;
         self.registers.stage_counter.next = 0.into();
         self.registers.status.next = 0.into();
@@ -277,21 +345,17 @@ impl Logic for Line {
     }
 }
 
+/// A word of the second set of the first stage of `tiny`.
+const BANK_B: u32 = 128;
 /// Cycles of a bit, and of a pause after which a frame is given up.
 const BIT: u16 = 16;
 const TIME_OUT: u32 = 2_000;
 
-/// A terminal on the line: sends bytes with the pauses before them, in bits, and takes bytes.
+/// A terminal on the line.
 struct Terminal {
     clock: ClockId,
     ports: [usize; 2],
-    /// A pause, or a byte.
-    out: VecDeque<(u32, u8)>,
-    levels: VecDeque<bool>,
-    cycle: u32,
-    came: Vec<u8>,
-    /// The byte on its way: cycles since its start bit, and its bits.
-    coming: Option<(u32, u16)>,
+    serial: Serial,
 }
 
 impl Actor for Terminal {
@@ -300,38 +364,13 @@ impl Actor for Terminal {
     }
 
     fn before(&mut self, model: &mut Model) -> Result<(), Error> {
-        let level = model.peek(self.ports[1])? == 1;
-        match &mut self.coming {
-            None if !level => self.coming = Some((0, 0)),
-            None => {}
-            Some((cycle, bits)) => {
-                *cycle += 1;
-                if *cycle % u32::from(BIT) == u32::from(BIT) / 2 {
-                    *bits |= u16::from(level) << (*cycle / u32::from(BIT));
-                }
-                if *cycle == 19 * u32::from(BIT) / 2 {
-                    assert!(*bits & 1 == 0 && *bits >> 9 == 1, "start or stop bit is wrong");
-                    self.came.push((*bits >> 1) as u8);
-                    self.coming = None;
-                }
-            }
-        }
+        self.serial.see(model.peek(self.ports[1])? == 1);
         Ok(())
     }
 
     fn after(&mut self, model: &mut Model) -> Result<(), Error> {
-        if self.cycle == 0 {
-            if self.levels.is_empty()
-                && let Some((pause, byte)) = self.out.pop_front()
-            {
-                self.levels.extend((0..pause).map(|_| true).chain([false]));
-                self.levels.extend((0..8).map(|bit| byte >> bit & 1 == 1).chain([true]));
-            }
-            let level = self.levels.pop_front().unwrap_or(true);
-            model.poke(self.ports[0], level.into())?;
-        }
-        self.cycle = (self.cycle + 1) % u32::from(BIT);
-        Ok(())
+        let level = self.serial.level();
+        model.poke(self.ports[0], level.into())
     }
 }
 
@@ -350,20 +389,19 @@ struct Rig {
 
 impl Rig {
     fn new(seed: u64) -> Self {
-        let (uart, registers) = (UartBus::new(BIT, TIME_OUT), BoardRegisters::new(&IDENTITY));
+        let (uart, registers) =
+            (UartBus::new(BIT, TIME_OUT), BoardRegisters::new(&committed("tiny"), &IDENTITY));
         let source = Source::circuit(&mut Line::from_parts(LineParts { uart, registers })).unwrap();
         let (mut bench, clock) = bench(&source, seed);
         let ports = ["receive_i", "transmit_o"].map(|port| source.port(port).unwrap());
-        let (out, levels) = (VecDeque::new(), VecDeque::new());
-        let terminal = Terminal { clock, ports, out, levels, cycle: 0, came: vec![], coming: None };
+        let terminal = Terminal { clock, ports, serial: Serial::new(BIT) };
         let weights = Words { pace: Pace::steady(), ..Words::new(&source, "weight", clock, seed) };
         bench.set("reset_i", 1).unwrap();
         bench.set("receive_i", 1).unwrap();
         let mut rig = Self { bench, terminal, weights };
         rig.steps(20);
         rig.bench.set("reset_i", 0).unwrap();
-        rig.terminal.came.clear();
-        rig.terminal.coming = None;
+        rig.terminal.serial.forget();
         rig
     }
 
@@ -373,12 +411,13 @@ impl Rig {
 
     /// Sends, waits until all is sent and some while after, and gives what came.
     fn exchange(&mut self, bytes: Vec<(u32, u8)>) -> Vec<u8> {
-        self.terminal.out.extend(bytes);
-        while !self.terminal.out.is_empty() || !self.terminal.levels.is_empty() {
+        self.terminal.serial.send(bytes);
+        while !self.terminal.serial.is_done() {
             self.steps(100);
         }
         self.steps(60 * usize::from(BIT) * 10);
-        std::mem::take(&mut self.terminal.came)
+        assert_eq!(self.terminal.serial.misshapen, 0, "a start or stop bit is wrong");
+        std::mem::take(&mut self.terminal.serial.came).into()
     }
 
     fn read(&mut self, name: &str) -> u32 {
@@ -408,8 +447,14 @@ fn frames_write_and_read_words_with_growing_and_with_fixed_addresses() {
     assert_eq!(words(&rig.exchange(frame(4, scratch, &[], 3))), [0xdead_beef; 3]);
     rig.exchange(frame(3, scratch, &[1, 2, 3], 3));
     assert_eq!(rig.read("scratch"), 3);
+    rig.exchange(frame(1, WEIGHTS.word(BANK_B + 100), &[7, 8, 9], 3));
+    assert_eq!(
+        rig.weights.taken,
+        [100, 101, 102].map(|at| BANK_B + at).into_iter().zip([7, 8, 9]).collect::<Vec<_>>()
+    );
+    // Words for the bank in use are kept out, and counted.
     rig.exchange(frame(1, WEIGHTS.word(100), &[7, 8, 9], 3));
-    assert_eq!(rig.weights.taken, [(100, 7), (101, 8), (102, 9)]);
+    assert_eq!((rig.weights.taken.len(), rig.read("writes_refused")), (3, 3));
     // What cannot be read reads 0; a frame of no words does nothing.
     assert_eq!(words(&rig.exchange(frame(2, WEIGHTS.address, &[], 1))), [0]);
     assert_eq!(rig.exchange(frame(2, 0, &[], 0)), [0u8; 0]);
@@ -424,7 +469,7 @@ fn random_frames_are_answered_as_the_registers_would() {
     for _ in 0..40 {
         let (command, count) = (draw.whole(1, 4) as u8, draw.whole(1, 5) as u32);
         let start = if command % 2 == 1 && draw.whole(0, 1) == 0 {
-            WEIGHTS.word(draw.whole(0, 1000) as u32)
+            WEIGHTS.word(BANK_B * draw.whole(0, 1) as u32 + draw.whole(0, 100) as u32)
         } else {
             scratch
         };
@@ -465,10 +510,10 @@ fn a_broken_frame_is_given_up_after_the_time_out_and_counted() {
 fn a_frame_that_overtakes_its_words_is_passed_over() {
     let mut rig = Rig::new(4);
     rig.weights.pace = Pace::percent(0, 1);
-    rig.terminal.out.extend(frame(1, WEIGHTS.address, &[1, 2, 3], 3));
+    rig.terminal.serial.send(frame(1, WEIGHTS.word(BANK_B), &[1, 2, 3], 3));
     rig.steps(18 * 10 * usize::from(BIT));
     rig.weights.pace = Pace::steady();
     rig.steps(4 * TIME_OUT as usize);
-    assert_eq!((rig.weights.taken.clone(), rig.broken()), (vec![(0, 1)], 1));
+    assert_eq!((rig.weights.taken.clone(), rig.broken()), (vec![(BANK_B, 1)], 1));
     assert_eq!(rig.read("id"), registers::map::ID);
 }

@@ -110,11 +110,11 @@ fn the_blocks_of_kc705_are_short_of_path() {
     blocks_keep_their_limits("kc705");
 }
 
-/// Names of the instances in a module, those of reset synchronisers left out.
+/// Names of the instances in a module, those of what makes resets left out.
 fn instances(core: &project::Project, module: &str) -> Vec<String> {
     let (_, text) = core.verilog.iter().find(|(name, _)| *name == format!("{module}.v")).unwrap();
     let begins = |line: &&str| line.ends_with(" (") && !line.starts_with("module");
-    let of_logic = |line: &&str| !line.contains("edof_reset_sync");
+    let of_logic = |line: &&str| !["edof_reset_sync", "edof_power_on"].iter().any(|leaf| line.contains(leaf));
     let name = |line: &str| line.trim_end_matches(" (").split_whitespace().last().unwrap().to_string();
     text.lines().map(str::trim).filter(begins).filter(of_logic).map(name).collect()
 }

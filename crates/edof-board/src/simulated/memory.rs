@@ -3,7 +3,7 @@
 use edof_spec::FixedNetwork;
 use edof_spec::colour::OUTPUTS_422;
 use edof_spec::design::memory::{CONTROL_SKIP, Shifts, row_bits, threshold_words};
-use edof_spec::design::reading::{READ_REGISTER, ReadBack, bank_rows, crc};
+use edof_spec::design::reading::{READ_REGISTER, bank_rows, crc};
 use edof_spec::design::stage::Kind;
 use edof_spec::design::{BANK_LANES, BEAT, Design, StagePlan};
 use edof_spec::fixed_network::FixedMatrix;
@@ -20,7 +20,6 @@ pub struct Stage {
     thresholds: [Vec<u32>; 2],
     shifts: [u32; 2],
     skip: u32,
-    start: ([u32; 2], u32),
     /// What was read last: CRC, row.
     read: (u32, u64),
 }
@@ -45,19 +44,12 @@ impl Stage {
             thresholds: [kept(plan.shrinks(), false), kept(plan.sends_difference, true)],
             shifts,
             skip,
-            start: (shifts, skip),
             read: (0, 0),
             plan,
         }
     }
 
-    /// What a reset does: registers as the design was generated with, memories as they are.
-    pub fn reset(&mut self) {
-        (self.shifts, self.skip) = self.start;
-        self.forget();
-    }
-
-    /// What a flush does to what is being read.
+    /// What a flush or a reset does to what is being read; all that was written stays.
     pub fn forget(&mut self) {
         self.read = (0, 0);
     }
@@ -107,16 +99,10 @@ impl Stage {
         count
     }
 
-    /// What it shows of what it read.
+    /// What it read last: CRC of all rows, and the last one.
     #[must_use]
-    pub const fn shown(&self, part: u32) -> u32 {
-        let (crc, row) = self.read;
-        match part {
-            p if p == ReadBack::Crc as u32 => crc,
-            p if p == ReadBack::Low as u32 => row as u32,
-            p if p == ReadBack::High as u32 => (row >> 32) as u32,
-            _ => 0,
-        }
+    pub const fn read(&self) -> (u32, u64) {
+        self.read
     }
 
     fn weight(&self, set: usize, output: usize, input: usize) -> i16 {

@@ -14,12 +14,13 @@ pub mod uart;
 pub mod video;
 
 use crate::error::Error;
+use crate::faulty::Resettable;
 use crate::line::{BITS_PER_BYTE, Line};
 use edof_golden::cycle::estimate;
 use edof_golden::{Display, Golden};
 use edof_spec::board::{CORE_KILOHERTZ, UART_TIME_OUT_MS};
-use edof_spec::design::memory::WHOLE_CHAIN;
-use edof_spec::design::reading::ReadBack;
+use edof_spec::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
+use edof_spec::design::reading::{READ_REGISTER, ReadBack, crc};
 use edof_spec::design::timing::{READ_LATENCY, READ_PERIOD};
 use edof_spec::registers::identity::{design_hash, weights_hash};
 use edof_spec::registers::map::{self, DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
@@ -62,8 +63,11 @@ struct Inside {
     like: FixedNetwork,
     start_hash: u32,
     stages: Vec<Stage>,
-    /// When each stage has read what it was told to.
+    /// When each stage, and the tables after them, have read what they were told to.
     reads_until: Vec<Time>,
+    /// What was last read of the tables: CRC, row.
+    table_read: (u32, u64),
+    refused: u32,
     tables: Tables,
     controls: BTreeMap<u32, u32>,
     counts: BTreeMap<&'static str, u32>,
@@ -79,6 +83,7 @@ struct Inside {
     uart_broken: u32,
     cycles_per_patch: f64,
     shown: Vec<Shown>,
+    mixed: u64,
 }
 
 /// What a picture depends on: set, version of it, mode, version of the tables.
@@ -116,7 +121,9 @@ impl Simulated {
             design: design.clone(),
             like: sets[0].clone(),
             start_hash: weights_hash(design, sets[0]),
-            reads_until: vec![0; stages.len()],
+            reads_until: vec![0; stages.len() + 1],
+            table_read: (0, 0),
+            refused: 0,
             stage_counts: [vec![[0; 4]; stages.len()], vec![[0; 4]; stages.len()]],
             stages,
             tables: Tables::of(display),
@@ -131,8 +138,9 @@ impl Simulated {
             uart_broken: 0,
             cycles_per_patch: estimate(design, None).cycles_per_patch,
             shown: vec![],
+            mixed: 0,
         };
-        inside.reset();
+        inside.power_on();
         Ok(Self {
             inside,
             uart: Uart::default(),
@@ -224,6 +232,12 @@ impl Simulated {
         &self.inside.shown
     }
 
+    /// Pictures that came out and were of words of two networks, or of none that could run.
+    #[must_use]
+    pub const fn mixed(&self) -> u64 {
+        self.inside.mixed
+    }
+
     /// Forgets the pictures that came out.
     pub fn forget_shown(&mut self) {
         self.inside.shown.clear();
@@ -259,6 +273,13 @@ impl Line for Simulated {
     }
 }
 
+impl Resettable for Simulated {
+    fn press_reset(&mut self) -> io::Result<()> {
+        self.reset();
+        Ok(())
+    }
+}
+
 fn word_of(window: &Window, address: u32) -> Option<usize> {
     (window.address..window.address + window.bytes)
         .contains(&address)
@@ -266,18 +287,45 @@ fn word_of(window: &Window, address: u32) -> Option<usize> {
 }
 
 impl Inside {
-    fn reset(&mut self) {
+    fn power_on(&mut self) {
         self.controls = REGISTERS
             .iter()
             .filter(|register| register.access == Access::Control)
             .map(|register| (register.address, register.reset))
             .collect();
         self.controls.insert(map::WEIGHTS_HASH, self.start_hash);
+        self.refused = 0;
         self.counts.clear();
-        self.stage_counts.iter_mut().flatten().for_each(|counts| *counts = [0; 4]);
-        self.stages.iter_mut().for_each(Stage::reset);
-        self.versions.iter_mut().for_each(|version| *version += 1);
+        self.forget();
+    }
+
+    /// All begins anew but the bank in use, the hash of its network, and what the calculator and the tables hold.
+    fn reset(&mut self) {
+        let (hash, bank) = (self.controls.get(&map::WEIGHTS_HASH).copied(), self.control() & map::WEIGHT_SET);
+        self.power_on();
+        self.controls.extend(hash.map(|hash| (map::WEIGHTS_HASH, hash)));
+        self.controls.insert(map::CONTROL, self.control() | bank);
+    }
+
+    /// The frame under way, and what is being read.
+    fn forget(&mut self) {
         self.begun = None;
+        self.stages.iter_mut().for_each(Stage::forget);
+        self.table_read = (0, 0);
+        self.reads_until.fill(0);
+    }
+
+    /// Whether `protection` keeps a word out.
+    fn keeps_out(&self, address: u32, word: u32) -> bool {
+        let protection = self.controls.get(&map::PROTECTION).copied().unwrap_or(0);
+        let set = crate::board::bank_of(self.control());
+        let of_bank = word_of(&WEIGHTS, address)
+            .is_some_and(|index| memory_map::set_of(&self.design, index as u32) == Some(set));
+        let of_table = word_of(&DISPLAY_TABLES, address).is_some() && self.control() & map::RUN != 0;
+        let wants_check =
+            address == map::PROTECTION || (address == map::CONTROL && protection & map::PROTECT_CONTROL != 0);
+        (protection & map::PROTECT_BANK != 0 && (of_bank || of_table))
+            || (wants_check && !map::is_checked(word))
     }
 
     fn control(&self) -> u32 {
@@ -323,6 +371,7 @@ impl Inside {
         let whole = (now.1, now.3) == (key.1, key.3);
         let made = if whole { self.made(key) } else { None };
         self.count("picture_frames", 1);
+        self.mixed += u64::from(made.is_none());
         let shown = made.as_ref().map_or(Shown::Mixed, |made| Shown::Whole(made.pixels.clone()));
         if self.shown.last() != Some(&shown) {
             self.shown.push(shown);
@@ -371,6 +420,7 @@ impl Inside {
             "frame_size" | "input_size" => size,
             "status" => self.status(),
             "uart_broken" => self.uart_broken,
+            "writes_refused" => self.refused,
             _ => self.counts.get(name).copied().unwrap_or(0),
         }
     }
@@ -382,11 +432,28 @@ impl Inside {
 
     fn read_word(&self, index: usize) -> u32 {
         let (stage, part) = (index / 4, (index % 4) as u32);
-        let Some(found) = self.stages.get(stage) else { return 0 };
+        let place = if stage == TABLES { self.stages.len() } else { stage };
         if part == ReadBack::Busy as u32 {
-            return u32::from(self.now < self.reads_until[stage]);
+            return self.reads_until.get(place).map_or(0, |until| u32::from(self.now < *until));
         }
-        found.shown(part)
+        let read =
+            if stage == TABLES { Some(self.table_read) } else { self.stages.get(stage).map(Stage::read) };
+        let Some((crc, row)) = read else { return 0 };
+        match part {
+            p if p == ReadBack::Crc as u32 => crc,
+            p if p == ReadBack::Low as u32 => row as u32,
+            _ => (row >> 32) as u32,
+        }
+    }
+
+    /// A command to read tables.
+    fn read_tables(&mut self, command: u32) -> usize {
+        let (bank, first) = ((command >> 24 & 0x3f) as usize, (command >> 12 & 0xfff) as usize);
+        let count = (command & 0xfff) as usize + 1;
+        let row = |row: usize| if command >> 30 == 0 { self.tables.row(bank, row % 4096) } else { 0 };
+        let rows: Vec<u64> = (first..first + count).map(row).collect();
+        self.table_read = (crc(rows.iter().copied()), rows[count - 1]);
+        count
     }
 
     fn write_stage(&mut self, index: u32, word: u32) {
@@ -397,21 +464,29 @@ impl Inside {
             self.stage_counts[1] = counted;
             return;
         }
-        let Some(found) = self.stages.get_mut(stage) else { return };
-        let (set, rows) = found.write(index & 0x1f_ffff, word);
-        if let Some(set) = set {
-            self.versions[set & 1] += 1;
-        }
+        let is_command = index & 0x1f_ffff == memory_map::address(0, Space::Register { row: READ_REGISTER });
+        let (place, rows) = if stage == TABLES && is_command {
+            (self.stages.len(), self.read_tables(word))
+        } else {
+            let Some(found) = self.stages.get_mut(stage) else { return };
+            let (set, rows) = found.write(index & 0x1f_ffff, word);
+            if let Some(set) = set {
+                self.versions[set & 1] += 1;
+            }
+            (stage, rows)
+        };
         if rows > 0 {
             let cycles = READ_LATENCY + rows as u64 * READ_PERIOD;
-            self.reads_until[stage] = self.now + cycles * 1_000_000 / u64::from(CORE_KILOHERTZ);
+            self.reads_until[place] = self.now + cycles * 1_000_000 / u64::from(CORE_KILOHERTZ);
         }
     }
 }
 
 impl Bus for Inside {
     fn write(&mut self, address: u32, word: u32) {
-        if let Some(index) = word_of(&WEIGHTS, address) {
+        if self.keeps_out(address, word) {
+            self.refused = self.refused.wrapping_add(1);
+        } else if let Some(index) = word_of(&WEIGHTS, address) {
             self.write_stage(index as u32, word);
         } else if let Some(index) = word_of(&DISPLAY_TABLES, address) {
             self.tables.write(index, word);
@@ -422,7 +497,8 @@ impl Bus for Inside {
             if self.control() & map::FLUSH != 0 {
                 self.begun = None;
                 self.stages.iter_mut().for_each(Stage::forget);
-                self.reads_until.fill(0);
+                let stages = self.stages.len();
+                self.reads_until[..stages].fill(0);
             }
         }
     }

@@ -3,6 +3,7 @@
 use edof_golden::display::DisplayCounts;
 use edof_golden::trace::Counts;
 use edof_golden::{ColourTable, Display, Golden, LumaTable};
+use edof_spec::design::reading::{TABLE_ENTRIES, TABLE_ROWS, table_bank};
 use edof_spec::display::{COLOUR_ADDRESS_BITS, DisplayMode, LUMA_ENTRIES};
 use edof_spec::{FixedNetwork, RawFrame};
 use std::rc::Rc;
@@ -44,6 +45,20 @@ impl Tables {
             _ if entry < 1 << COLOUR_ADDRESS_BITS => self.colours[table - 1][entry] = (word & 0xfff) as u16,
             _ => {}
         }
+    }
+
+    /// A row of four entries at a bank of a table (`edof_spec::design::reading`), as the circuit reads it back.
+    #[must_use]
+    pub fn row(&self, bank: usize, row: usize) -> u64 {
+        let (table, half) = (bank / table_bank(1) % 4, bank % table_bank(1));
+        let entry = |i: usize| {
+            let entry = (half * TABLE_ROWS + row) * TABLE_ENTRIES + i;
+            match table {
+                0 => u64::from(self.luma[entry % LUMA_ENTRIES]),
+                _ => u64::from(self.colours[table - 1][entry % (1 << COLOUR_ADDRESS_BITS)]),
+            }
+        };
+        (0..TABLE_ENTRIES).map(|i| entry(i) << (16 * i)).sum()
     }
 
     /// The display, none where a table holds what no display has.

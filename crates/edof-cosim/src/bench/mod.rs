@@ -7,6 +7,7 @@
 //! | [`Sender`], [`Receiver`] | [`stream`] | AXI4-Stream |
 //! | [`Memory`] | [`axi`] | AXI4: latency, stalls, errors, and other orders where the standard allows them |
 //! | [`Host`] | [`axi_lite`] | AXI4-Lite |
+//! | [`Serial`] | [`serial`] | a serial line, cycle by cycle |
 //! | [`Pace`] | [`pace`] | when one of them pauses |
 //! | [`Mark`] | [`marks`] | the most that something inside ever was |
 //!
@@ -18,6 +19,7 @@ pub mod axi_lite;
 pub mod clocks;
 pub mod marks;
 pub mod pace;
+pub mod serial;
 mod standing;
 pub mod stream;
 
@@ -26,6 +28,7 @@ pub use axi_lite::Host;
 pub use clocks::{Bench, ClockId};
 pub use marks::Mark;
 pub use pace::Pace;
+pub use serial::Serial;
 pub use stream::{Beat, Receiver, Sender};
 
 pub(crate) use standing::Standing;

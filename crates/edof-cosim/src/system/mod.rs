@@ -6,9 +6,11 @@
 //! | expect | [`pictures`] | frames to send, and the picture that the screen must show for each |
 //! | stand around | [`pins`] | the camera and the screen |
 //! | run | [`rig`] | a core that runs between them, its [`Memory`](crate::bench::Memory) and its [`Host`](crate::bench::Host) |
+//! | talk to it | [`uart`], [`board`] | a serial line at its pins, and all of it as a board that any host of `edof-board` knows |
 //! | measure | [`measured`], [`fifos`] | frames a second, what passed through the memory, latency; how full FIFOs got |
 //! | run again | [`mod@recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
+pub mod board;
 pub mod fifos;
 pub mod measured;
 pub mod pictures;
@@ -16,7 +18,9 @@ pub mod pins;
 pub mod recorded;
 pub mod rig;
 pub mod second;
+pub mod uart;
 
+pub use board::{Speed, VerilogBoard};
 pub use measured::Measured;
 pub use pictures::{PictureError, TableWords, Torn, compare, drawn, longest_run, picture, sent};
 pub use pins::{Camera, Screen};

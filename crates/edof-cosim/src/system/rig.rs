@@ -15,6 +15,7 @@ use edof_hdl::board::{EdofCore, Identity};
 use edof_hdl::kc705::table_images;
 use edof_hdl::project::{Project, ProjectError, images, of_circuit};
 use edof_spec::atomic::WorkFolder;
+use edof_spec::registers::identity::{design_hash, weights_hash};
 use edof_spec::registers::map;
 use edof_spec::video::VideoTiming;
 use edof_spec::{Design, DisplayMode, FixedNetwork};
@@ -32,7 +33,8 @@ pub fn project(
     let words = TableWords::of(display);
     let tables = words.tables();
     let frame = (design.frame.width as u16, design.frame.height as u16);
-    let identity = Identity { design_hash: 0, weights_hash: 0, frame };
+    let identity =
+        Identity { design_hash: design_hash(design), weights_hash: weights_hash(design, sets[0]), frame };
     let mut core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
     let files = images(design, sets).into_iter().chain(table_images(&tables)).collect();
     Ok(of_circuit(&mut core, files)?)
@@ -93,8 +95,8 @@ impl Begin {
     }
 }
 
-/// A core that runs.
-pub struct Rig {
+/// A core that runs, with someone behind its host's port.
+pub struct Rig<H = Host> {
     /// The clocks.
     pub bench: Bench,
     /// The receiver's.
@@ -106,7 +108,7 @@ pub struct Rig {
     /// Behind the memory's port.
     pub memory: Memory,
     /// Behind the host's.
-    pub host: Host,
+    pub host: H,
     /// When each of the camera's frames began, and each of the screen's ended, in picoseconds.
     pub sent_at: Vec<u64>,
     /// As of [`Screen::frames`].
@@ -123,11 +125,28 @@ const PATIENCE: usize = 100_000_000;
 const AT_ONCE: usize = 50;
 
 impl Rig {
-    /// A core that was reset and sees a camera with these frames.
+    /// A core that was reset and sees a camera with these frames, its registers at the hands of a [`Host`].
     ///
     /// # Errors
     /// The ports are not those of a core, or the simulation stops.
     pub fn start(compiled: &Compiled, begin: &Begin, frames: Vec<Vec<u16>>) -> Result<Self, Error> {
+        Self::start_with(compiled, begin, frames, |source, clock| {
+            Host::new(source, "host", clock, "reset_i", Pace::drawn(begin.seed))
+        })
+    }
+}
+
+impl<H: Actor> Rig<H> {
+    /// A core that was reset and sees a camera with these frames, and what lives behind its host's port, in the clock that it is given.
+    ///
+    /// # Errors
+    /// As [`Rig::start`].
+    pub fn start_with(
+        compiled: &Compiled,
+        begin: &Begin,
+        frames: Vec<Vec<u16>>,
+        host: impl FnOnce(&Source, ClockId) -> Result<H, Error>,
+    ) -> Result<Self, Error> {
         let source = compiled.library.source();
         let memory_dir = Some(compiled.images.path().to_path_buf());
         let model = compiled.library.start(&Start { seed: begin.seed, memory_dir })?;
@@ -141,7 +160,7 @@ impl Rig {
             camera: Camera::new(source, "input", input, begin.timing, frames)?,
             screen: Screen::new(source, "screen", output, "reset_i", size)?,
             memory: Memory::new(source, bundles, core, "reset_i", begin.behaviour.clone(), begin.seed)?,
-            host: Host::new(source, "host", core, "reset_i", Pace::drawn(begin.seed))?,
+            host: host(source, core)?,
             bench,
             input,
             sent_at: vec![],
@@ -212,6 +231,23 @@ impl Rig {
         self.until("a frame of the camera", |rig| rig.camera.frame >= frame)
     }
 
+    /// Every FIFO, as full as it was since the last reset, beside what the model says for these clocks and for how late the memory was.
+    ///
+    /// # Errors
+    /// The simulation stops.
+    pub fn fifos(&mut self, begin: &Begin) -> Result<Vec<Fifo>, Error> {
+        let late = self.memory.written.most_late.max(self.memory.read.most_late);
+        let mut found = vec![];
+        for mark in self.marks.clone() {
+            let most = self.bench.get(&mark.port())? as usize;
+            let (limit, depth) = fifos::limit(&mark.name, begin.periods, late);
+            found.push(Fifo { name: mark.name, most, limit, depth });
+        }
+        Ok(found)
+    }
+}
+
+impl Rig {
     /// The host writes the display's mode and the set of weights, and lets the calculator run.
     ///
     /// # Errors
@@ -239,21 +275,6 @@ impl Rig {
         let answer = self.host.answers[before];
         let refused = || Error::Stopped(format!("the host's {access:?} was refused"));
         answer.is_good.then_some(answer.word).ok_or_else(refused)
-    }
-
-    /// Every FIFO, as full as it was since the last reset, beside what the model says for these clocks and for how late the memory was.
-    ///
-    /// # Errors
-    /// The simulation stops.
-    pub fn fifos(&mut self, begin: &Begin) -> Result<Vec<Fifo>, Error> {
-        let late = self.memory.written.most_late.max(self.memory.read.most_late);
-        let mut found = vec![];
-        for mark in self.marks.clone() {
-            let most = self.bench.get(&mark.port())? as usize;
-            let (limit, depth) = fifos::limit(&mark.name, begin.periods, late);
-            found.push(Fifo { name: mark.name, most, limit, depth });
-        }
-        Ok(found)
     }
 }
 

@@ -31,7 +31,7 @@ pub struct Block {
     pub domain: Domain,
 }
 
-const BLOCKS: [(&str, Domain); 17] = [
+const BLOCKS: [(&str, Domain); 18] = [
     ("video_in", Domain::Pixel),
     ("input_fifo", Domain::Core),
     ("input_status", Domain::Core),
@@ -42,6 +42,7 @@ const BLOCKS: [(&str, Domain); 17] = [
     ("core/lines/pairs", Domain::Core),
     ("core/lines/raster", Domain::Core),
     ("core/display", Domain::Core),
+    ("core/tables", Domain::Core),
     ("picture_writer", Domain::Core),
     ("picture_reader", Domain::Core),
     ("memory", Domain::Core),

@@ -3,6 +3,7 @@
 use super::axi_pair::AxiPair;
 use super::clock_watch::ClockWatch;
 use super::frames::Frames;
+use super::power_on::PowerOn;
 use super::read_agent::ReadAgent;
 use super::registers::{BoardRegisters, Identity};
 use super::write_agent::WriteAgent;
@@ -21,10 +22,10 @@ use rust_hdl::prelude::*;
 /// Everything between the pins' clocks and the memory: frames in, into DRAM, through the calculator, into DRAM again, and out to a screen.
 ///
 /// Three clocks: that of the incoming pixels, that of the memory and the calculator, that of the screen. `reset` may come at any time; each
-/// domain has its own that follows it. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_spec::registers`), both in the
+/// domain has its own that follows it. But for the first one it leaves what the host wrote into the calculator, and which bank is in use. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_spec::registers`), both in the
 /// memory's clock. Nothing here knows of a vendor or a board.
 #[derive(Circuit)]
-#[circuit(default(ResetSync, ClockWatch, BusSync, AxiPair))]
+#[circuit(default(ResetSync, ClockWatch, BusSync, AxiPair, PowerOn))]
 pub struct EdofCore {
     /// Clock of memory, calculator and host.
     pub clock: Signal<In, Clock>,
@@ -71,6 +72,7 @@ pub struct EdofCore {
     /// The register `status`, for lamps.
     pub status: Signal<Out, Bits<8>>,
     resets: [ResetSync; 3],
+    power_on: PowerOn,
     watch: ClockWatch,
     video_in: VideoIn,
     input_fifo: PixelFifo,
@@ -128,7 +130,7 @@ impl EdofCore {
             picture_reader: ReadAgent::new(&picture, true),
             output_fifo: PixelFifo::new(crossing),
             video_out: VideoOut::new(timing),
-            registers: BoardRegisters::new(identity),
+            registers: BoardRegisters::new(design, identity),
         }))
     }
 }
@@ -164,6 +166,11 @@ impl Logic for EdofCore {
         self.raw_reader.reset.next = self.resets[1].domain_reset.val();
         self.core.clock.next = self.clock.val();
         self.core.reset.next = self.resets[1].domain_reset.val();
+        // What the host wrote, and which bank is in use, outlive a reset: a bank that is half written comes into use by none.
+        self.power_on.clock.next = self.clock.val();
+        self.power_on.reset.next = self.resets[1].domain_reset.val();
+        self.core.keeps.next = !self.power_on.first.val();
+        self.registers.keeps.next = !self.power_on.first.val();
         self.picture_writer.clock.next = self.clock.val();
         self.picture_writer.reset.next = self.resets[1].domain_reset.val();
         self.picture_reader.clock.next = self.clock.val();

@@ -7,6 +7,8 @@
 //! | [`axi_pair`] | two agents each way on one memory |
 //! | [`clock_watch`] | whether a clock runs |
 //! | [`registers`] | what the host sees and sets |
+//! | [`bank_guard`] | which words belong to the bank in use |
+//! | [`power_on`] | the reset after configuration |
 //! | [`i2c_init`] | sets up the video chips |
 //! | [`uart_receiver`], [`uart_sender`] | bytes of a serial line |
 //! | [`uart_bus`] | a serial line as a master of registers |
@@ -19,6 +21,7 @@
 //! reader which it reads. The writer takes the one that is neither, so there is always one, and nobody waits for the other.
 
 pub mod axi_pair;
+pub mod bank_guard;
 pub mod blocks;
 pub mod clock_watch;
 pub mod edof_core;
@@ -26,6 +29,7 @@ pub mod embedded_syncs;
 pub mod frames;
 pub mod i2c_init;
 pub mod kc705_core;
+pub mod power_on;
 pub mod read_agent;
 pub mod registers;
 pub mod uart_bus;
@@ -34,12 +38,14 @@ pub mod uart_sender;
 pub mod write_agent;
 
 pub use axi_pair::AxiPair;
+pub use bank_guard::BankGuard;
 pub use clock_watch::ClockWatch;
 pub use edof_core::EdofCore;
 pub use embedded_syncs::EmbeddedSyncs;
 pub use frames::Frames;
 pub use i2c_init::I2cInit;
 pub use kc705_core::Kc705Core;
+pub use power_on::PowerOn;
 pub use read_agent::ReadAgent;
 pub use registers::{BoardRegisters, Identity};
 pub use uart_bus::UartBus;

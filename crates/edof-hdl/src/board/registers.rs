@@ -1,8 +1,12 @@
 //! What the host sees of the board: the registers and windows of `edof_spec::registers`.
 
+use super::bank_guard::BankGuard;
 use crate::describe::Circuit;
 use crate::ports::AxiLiteSlave;
-use edof_spec::registers::map::{DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
+use edof_spec::design::Design;
+use edof_spec::registers::map::{
+    DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHT_SET, WEIGHTS,
+};
 use rust_hdl::prelude::*;
 
 /// Where an access stands.
@@ -10,6 +14,10 @@ use rust_hdl::prelude::*;
 enum Phase {
     /// Waits for one.
     Idle,
+    /// Looks whose word it is, and whether it carries its complement.
+    Look,
+    /// Finds out whether it may be written.
+    Judge,
     /// Writes a register, or waits until a window has taken the word.
     Write,
     /// Tells how the write went.
@@ -24,15 +32,17 @@ enum Phase {
 
 /// The registers of the board behind AXI4-Lite: one access at a time, whole words.
 ///
-/// A register is written two cycles after its word was taken, and read in three cycles. A window's word waits until it is taken. Bits
-/// that mean nothing read 0 and cannot be written. An address where nothing is, a part of a word, and a read of what can only be written
-/// are answered with an error (2).
+/// A register is written four cycles after its word was taken, and read in three cycles. A window's word waits until it is taken. Bits
+/// that mean nothing read 0 and cannot be written. An address where nothing is, a part of a word, a read of what can only be written, and a
+/// word that `protection` keeps out are answered with an error (2); the last are counted.
 #[derive(Circuit)]
 pub struct BoardRegisters {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// Back to what the design was generated with.
     pub reset: Signal<In, Bit>,
+    /// A reset leaves the bank in use and the hash of its network.
+    pub keeps: Signal<In, Bit>,
     /// The host.
     pub bus: AxiLiteSlave,
     /// How the board is.
@@ -118,7 +128,11 @@ pub struct BoardRegisters {
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
     is_bad: DFF<Bit>,
-    controls: [DFF<Bits<32>>; 3],
+    controls: [DFF<Bits<32>>; 4],
+    guard: BankGuard,
+    is_checked: DFF<Bit>,
+    refuses: DFF<Bit>,
+    refused: DFF<Bits<32>>,
     // The registers' first half and second: one multiplexer for all is too long a path.
     found: [DFF<Bits<32>>; 2],
     found_any: DFF<Bit>,
@@ -128,6 +142,10 @@ pub struct BoardRegisters {
     selected: [Signal<Local, Bits<32>>; 2],
     known: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
+    may_write: [Signal<Local, Bit>; 4],
+    bars: Signal<Local, Bit>,
+    kept_out: Signal<Local, Bit>,
+    bank_only: Constant<Bits<32>>,
     in_area: Signal<Local, Bit>,
     in_window: [Signal<Local, Bit>; 4],
     stage_word: Signal<Local, Bits<7>>,
@@ -150,7 +168,7 @@ pub struct Identity {
 impl BoardRegisters {
     /// The registers of a design.
     #[must_use]
-    pub fn new(identity: &Identity) -> Self {
+    pub fn new(design: &Design, identity: &Identity) -> Self {
         let constant = |value: u32| Constant::new(u64::from(value).into());
         let start = |name: &str, reset: u32| match name {
             "design_hash" => identity.design_hash,
@@ -168,6 +186,8 @@ impl BoardRegisters {
             start: REGISTERS.iter().map(|register| constant(start(register.name, register.reset))).collect(),
             window_bases: windows.map(|window| constant(window.address)),
             window_masks: windows.map(|window| constant(!(window.bytes - 1))),
+            guard: BankGuard::new(design),
+            bank_only: constant(WEIGHT_SET),
             values: REGISTERS.iter().map(|_| Signal::default()).collect(),
             _count: REGISTERS.len(),
         })
@@ -177,8 +197,11 @@ impl BoardRegisters {
 impl Logic for BoardRegisters {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, phase, address, word, is_bad, found_any, is_stage, result);
-        for i in 0..3 {
+        dff_setup!(
+            self, clock, phase, address, word, is_bad, found_any, is_stage, result, is_checked, refuses,
+            refused
+        );
+        for i in 0..4 {
             self.controls[i].clock.next = self.clock.val();
             self.controls[i].d.next = self.controls[i].q.val();
         }
@@ -212,33 +235,34 @@ impl Logic for BoardRegisters {
         for i in 0..4 {
             self.values[i].next = self.start[i].val();
         }
-        for i in 4..7 {
+        for i in 4..8 {
             self.values[i].next = self.controls[i - 4].q.val();
         }
-        self.values[7].next = self.status.val();
-        self.values[8].next = self.i2c.val();
-        self.values[9].next = self.input_size.val();
-        self.values[10].next = self.input_frames.val();
-        self.values[11].next = self.input_broken.val();
-        self.values[12].next = self.input_wrong.val();
-        self.values[13].next = self.input_overruns.val();
-        self.values[14].next = self.input_write_errors.val();
-        self.values[15].next = self.raw_frames.val();
-        self.values[16].next = self.raw_late.val();
-        self.values[17].next = self.raw_read_errors.val();
-        self.values[18].next = self.busy_cycles.val();
-        self.values[19].next = self.patches.val();
-        self.values[20].next = self.saturated_sums.val();
-        self.values[21].next = self.clamped_chroma.val();
-        self.values[22].next = self.out_of_gamut.val();
-        self.values[23].next = self.picture_frames.val();
-        self.values[24].next = self.picture_broken.val();
-        self.values[25].next = self.picture_write_errors.val();
-        self.values[26].next = self.output_frames.val();
-        self.values[27].next = self.output_late.val();
-        self.values[28].next = self.output_read_errors.val();
-        self.values[29].next = self.output_underruns.val();
-        self.values[30].next = self.uart_broken.val();
+        self.values[8].next = self.status.val();
+        self.values[9].next = self.i2c.val();
+        self.values[10].next = self.input_size.val();
+        self.values[11].next = self.input_frames.val();
+        self.values[12].next = self.input_broken.val();
+        self.values[13].next = self.input_wrong.val();
+        self.values[14].next = self.input_overruns.val();
+        self.values[15].next = self.input_write_errors.val();
+        self.values[16].next = self.raw_frames.val();
+        self.values[17].next = self.raw_late.val();
+        self.values[18].next = self.raw_read_errors.val();
+        self.values[19].next = self.busy_cycles.val();
+        self.values[20].next = self.patches.val();
+        self.values[21].next = self.saturated_sums.val();
+        self.values[22].next = self.clamped_chroma.val();
+        self.values[23].next = self.out_of_gamut.val();
+        self.values[24].next = self.picture_frames.val();
+        self.values[25].next = self.picture_broken.val();
+        self.values[26].next = self.picture_write_errors.val();
+        self.values[27].next = self.output_frames.val();
+        self.values[28].next = self.output_late.val();
+        self.values[29].next = self.output_read_errors.val();
+        self.values[30].next = self.output_underruns.val();
+        self.values[31].next = self.uart_broken.val();
+        self.values[32].next = self.refused.q.val();
         self.known.next = false;
         for i in 0..16 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
@@ -258,19 +282,46 @@ impl Logic for BoardRegisters {
         self.found_any.d.next = self.known.val() && self.in_area.val();
         self.is_stage.d.next = self.in_window[0].val() || self.in_window[3].val();
 
+        // What protection keeps out: words of the bank in use, of tables in use, and words that should carry their complement.
+        self.guard.clock.next = self.clock.val();
+        self.guard.address.next = self.address.q.val().get_bits::<25>(2);
+        self.guard.set.next = self.controls[1].q.val().get_bit(2);
+        self.is_checked.d.next =
+            (self.word.q.val().get_bits::<16>(16) ^ self.word.q.val().get_bits::<16>(0)) == 0xffff;
+        self.may_write[0].next = true;
+        self.may_write[1].next = self.is_checked.q.val() || !self.controls[3].q.val().get_bit(1);
+        self.may_write[2].next = true;
+        self.may_write[3].next = self.is_checked.q.val();
+        self.bars.next = self.controls[3].q.val().get_bit(0)
+            && ((self.in_window[1].val() && self.controls[1].q.val().get_bit(0))
+                || (self.in_window[2].val() && self.guard.hits.val()));
+        self.kept_out.next = false;
+        if self.refuses.q.val() {
+            self.refused.d.next = self.refused.q.val() + 1;
+        }
+
         self.written.next = false;
         self.table_valid.next = false;
         self.weight_valid.next = false;
         match self.phase.q.val() {
             Phase::Idle => {
                 if self.takes_write.val() {
-                    self.phase.d.next = Phase::Write;
+                    self.phase.d.next = Phase::Look;
                 } else if self.takes_read.val() {
                     self.phase.d.next = Phase::Read;
                 }
             }
+            Phase::Look => {
+                self.phase.d.next = Phase::Judge;
+            }
+            Phase::Judge => {
+                self.phase.d.next = Phase::Write;
+            }
             Phase::Write => {
                 if self.is_bad.q.val() {
+                    self.phase.d.next = Phase::WriteAnswer;
+                } else if self.bars.val() {
+                    self.kept_out.next = true;
                     self.phase.d.next = Phase::WriteAnswer;
                 } else if self.in_window[1].val() {
                     self.table_valid.next = true;
@@ -284,12 +335,16 @@ impl Logic for BoardRegisters {
                     }
                 } else {
                     self.phase.d.next = Phase::WriteAnswer;
-                    for i in 4..7 {
+                    for i in 4..8 {
                         if self.in_area.val()
                             && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val())
                         {
-                            self.controls[i - 4].d.next = self.word.q.val() & self.masks[i].val();
-                            self.written.next = true;
+                            if self.may_write[i - 4].val() {
+                                self.controls[i - 4].d.next = self.word.q.val() & self.masks[i].val();
+                                self.written.next = true;
+                            } else {
+                                self.kept_out.next = true;
+                            }
                         }
                     }
                     self.is_bad.d.next = !self.written.val();
@@ -320,10 +375,21 @@ impl Logic for BoardRegisters {
                 }
             }
         }
+        self.refuses.d.next = self.kept_out.val();
+        if self.kept_out.val() {
+            self.is_bad.d.next = true;
+        }
         if self.reset.val() {
             self.phase.d.next = Phase::Idle;
-            for i in 4..7 {
+            self.refuses.d.next = false;
+            self.refused.d.next = 0.into();
+            for i in 4..8 {
                 self.controls[i - 4].d.next = self.start[i].val();
+            }
+            if self.keeps.val() {
+                self.controls[0].d.next = self.controls[0].q.val();
+                self.controls[1].d.next =
+                    self.start[5].val() | (self.controls[1].q.val() & self.bank_only.val());
             }
         }
 

@@ -1,8 +1,8 @@
 //! From overlap-added words to the codes on the wire (docs/contract.md, section 5).
 
-use super::memory::Memory;
 use super::queue::Queue;
 use super::scale::Scale;
+use super::table::Table;
 use super::{Factor, Wide};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
@@ -54,10 +54,12 @@ pub struct Display {
     pub table_write: Signal<In, Bit>,
     /// Which: 0 luma, 1 red, 2 green, 3 blue.
     pub table_select: Signal<In, Bits<2>>,
-    /// Entry: a luma word, or light.
+    /// Entry to write, or to look at: a luma word, or light.
     pub table_address: Signal<In, Bits<15>>,
     /// A luma code, or encoded light.
     pub table_data: Signal<In, Bits<12>>,
+    /// What lay at that entry two cycles ago.
+    pub table_word: Signal<Out, Bits<12>>,
     /// Sets both counters to zero.
     pub clear: Signal<In, Bit>,
     /// Chroma codes that were clamped (luma only).
@@ -113,7 +115,7 @@ pub struct Display {
     address_6: [DFF<Bits<14>>; 3],
     outside_6: [DFF<Bit>; 3],
     gamut_7: DFF<Bit>,
-    tables: [Memory<12>; 3],
+    tables: [Table<12>; 3],
     encoded_9: [DFF<Bits<12>>; 3],
     green_to_11: Delay<12, 2>,
     blue_to_13: Delay<12, 4>,
@@ -130,7 +132,8 @@ pub struct Display {
     chroma_sums: [Scale; 3],
     cb_19: DFF<Bits<8>>,
     index_1: DFF<Bits<15>>,
-    luma_table: Memory<8>,
+    luma_table: Table<8>,
+    looked_at: Delay<2, 2>,
     luma_to_4: Delay<8, 1>,
     luma_to_16: Delay<8, 12>,
     rounded_1: [DFF<Bits<17>>; 2],
@@ -191,7 +194,7 @@ impl Display {
     /// The display with the tables that it starts with: 2¹⁵ luma codes and 2¹⁴ entries of 12 bits for red, green and blue.
     #[must_use]
     pub fn new(luma: &[u64], colours: [&[u64]; 3]) -> Self {
-        let table = |i: usize| Memory::loaded(TABLE_IMAGES[i + 1], colours[i]);
+        let table = |i: usize| Table::loaded(TABLE_IMAGES[i + 1], colours[i]);
         Self::from_parts(DisplayParts {
             red_of_cr: factor(TO_RGB[0][1]),
             green_of_cb: factor(TO_RGB[1][0]),
@@ -205,7 +208,7 @@ impl Display {
             to_cr: TO_CHROMA[1].map(factor),
             chroma_base: base(TO_CHROMA_SHIFT, CHROMA_ZERO as u64),
             tables: [table(0), table(1), table(2)],
-            luma_table: Memory::loaded(TABLE_IMAGES[0], luma),
+            luma_table: Table::loaded(TABLE_IMAGES[0], luma),
             queue: Queue::new(16),
         })
     }
@@ -274,6 +277,7 @@ impl Logic for Display {
         self.second_to_13.clock.next = self.clock.val();
         self.second_to_15.clock.next = self.clock.val();
         self.luma_table.clock.next = self.clock.val();
+        self.looked_at.clock.next = self.clock.val();
         self.luma_to_16.clock.next = self.clock.val();
         self.site_to_19.clock.next = self.clock.val();
         self.queue.clock.next = self.clock.val();
@@ -410,7 +414,7 @@ impl Logic for Display {
                     || self.light[i].val().get_bits::<14>(0).any();
             }
             self.tables[i].clock.next = self.clock.val();
-            self.tables[i].write_address.next = bit_cast::<16, 15>(self.table_address.val());
+            self.tables[i].address.next = bit_cast::<16, 15>(self.table_address.val());
             self.tables[i].write_data.next = self.table_data.val();
             self.encoded_9[i].clock.next = self.clock.val();
             self.encoded_9[i].d.next = self.tables[i].read_data.val();
@@ -511,12 +515,21 @@ impl Logic for Display {
         }
         self.luma_table.read_address.next = bit_cast::<16, 15>(self.index_1.q.val());
         self.luma_table.write_enable.next = self.table_write.val() && (self.table_select.val() == 0);
-        self.luma_table.write_address.next = bit_cast::<16, 15>(self.table_address.val());
+        self.luma_table.address.next = bit_cast::<16, 15>(self.table_address.val());
         self.luma_table.write_data.next = self.table_data.val().get_bits::<8>(0);
         // A register of its own behind block RAM: a shift register's input takes longer.
         self.luma_to_4.clock.next = self.clock.val();
         self.luma_to_4.now.next = self.luma_table.read_data.val();
         self.luma_to_16.now.next = self.luma_to_4.later.val();
+        self.looked_at.now.next = self.table_select.val();
+        self.table_word.next = bit_cast::<12, 8>(self.luma_table.data.val());
+        if self.looked_at.later.val() == 1 {
+            self.table_word.next = self.tables[0].data.val();
+        } else if self.looked_at.later.val() == 2 {
+            self.table_word.next = self.tables[1].data.val();
+        } else if self.looked_at.later.val() == 3 {
+            self.table_word.next = self.tables[2].data.val();
+        }
         self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
         if self.site_0.q.val().get_bit(15) {
             self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0)) | 0x1_0000;

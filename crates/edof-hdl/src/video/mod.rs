@@ -9,6 +9,7 @@
 //! | [`raster_reorder`] | patches in block RAM, lines out |
 //! | [`lines`] | the three above: patches in, lines out |
 //! | [`display`] | words to the codes on the wire |
+//! | [`table_reader`] | its tables, read back |
 //! | [`video_out`] | the timing of a screen |
 //! | [`stream_core`] | from raw pixels to codes, the calculator within |
 //!
@@ -16,7 +17,7 @@
 //! transfer happens in a cycle in which both are high, and valid never falls without one. Pipelines do not stall: they take in only
 //! while the [`queue`] at their end has room. Reset is held for 48 cycles or more, in which they run dry.
 //!
-//! Leaves, each in `rtl/` and here as its model: [`memory`], [`queue`], [`scale`].
+//! Leaves, each in `rtl/` and here as its model: [`memory`], [`queue`], [`scale`], [`table`].
 
 pub mod display;
 pub mod lines;
@@ -27,6 +28,8 @@ pub mod queue;
 pub mod raster_reorder;
 pub mod scale;
 pub mod stream_core;
+pub mod table;
+pub mod table_reader;
 pub mod video_in;
 pub mod video_out;
 pub mod window_reorder;

@@ -2,6 +2,7 @@
 
 use super::display::Display;
 use super::lines::Lines;
+use super::table_reader::TableReader;
 use super::window_reorder::WindowReorder;
 use crate::blocks::Word;
 use crate::blocks::chain::Chain;
@@ -13,11 +14,14 @@ use rust_hdl::prelude::*;
 /// The whole way of a picture: lines of red-first raw frames in, lines of codes out, a pixel a beat.
 /// What stands between them: windows, the calculator, overlap, lines, display. Frames follow one another without a pause.
 #[derive(Circuit)]
+#[circuit(default(TableReader))]
 pub struct StreamCore {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// Forgets the picture, and of what was written the calculator's registers; weights and tables stay. Held for 48 cycles or more.
     pub reset: Signal<In, Bit>,
+    /// A reset leaves the calculator's registers and counters, too.
+    pub keeps: Signal<In, Bit>,
     /// Forgets the picture too, but nothing that was written and no counter of the calculator. Held likewise.
     pub flush: Signal<In, Bit>,
     /// A raw pixel word stands on the input.
@@ -84,6 +88,7 @@ pub struct StreamCore {
     calculator: Chain,
     lines: Lines,
     display: Display,
+    tables: TableReader,
 }
 
 impl StreamCore {
@@ -117,8 +122,8 @@ impl Logic for StreamCore {
         self.display.clock.next = self.clock.val();
         self.forgets.next = self.reset.val() || self.flush.val();
         self.windows.reset.next = self.forgets.val();
-        self.calculator.reset.next = self.reset.val();
-        self.calculator.flush.next = self.flush.val();
+        self.calculator.reset.next = self.reset.val() && !self.keeps.val();
+        self.calculator.flush.next = self.forgets.val();
         self.lines.reset.next = self.forgets.val();
         self.display.reset.next = self.forgets.val();
 
@@ -156,12 +161,23 @@ impl Logic for StreamCore {
         self.calculator.write_address.next = self.write_address.val();
         self.calculator.write_data.next = self.write_data.val();
         self.calculator.status_address.next = self.status_address.val();
-        self.status.next = self.calculator.status.val();
+        self.status.next = self.calculator.status.val() | self.tables.status.val();
         self.window_fault.next = self.calculator.window_fault.val();
-        self.display.table_write.next = self.table_write.val();
-        self.display.table_select.next = self.table_select.val();
-        self.display.table_address.next = self.table_address.val();
-        self.display.table_data.next = self.table_data.val();
+        self.tables.clock.next = self.clock.val();
+        self.tables.reset.next = self.reset.val();
+        self.tables.host_write.next = self.table_write.val();
+        self.tables.host_select.next = self.table_select.val();
+        self.tables.host_address.next = self.table_address.val();
+        self.tables.host_data.next = self.table_data.val();
+        self.tables.write_valid.next = self.write_valid.val();
+        self.tables.write_address.next = self.write_address.val();
+        self.tables.write_data.next = self.write_data.val();
+        self.tables.status_address.next = self.status_address.val();
+        self.tables.table_word.next = self.display.table_word.val();
+        self.display.table_write.next = self.tables.table_write.val();
+        self.display.table_select.next = self.tables.table_select.val();
+        self.display.table_address.next = self.tables.table_address.val();
+        self.display.table_data.next = self.tables.table_data.val();
         self.display.clear.next = self.clear.val();
         self.lines.clear.next = self.clear.val();
         self.saturated_sums.next = self.lines.saturated_sums.val();

@@ -52,6 +52,9 @@ pub const CONTROL_SKIP: u32 = 1;
 /// Stage number that no stage has: the chain as a whole. Its counters are of windows that were too short (0) and too long (1).
 pub const WHOLE_CHAIN: usize = 15;
 
+/// Stage number that no stage has: the tables of the display, which are read back as a stage's weights are ([`super::reading::table_rows`]).
+pub const TABLES: usize = 14;
+
 /// A write of anything to this address copies all counters of all stages to where they are shown, and starts them anew.
 pub const SNAPSHOT: u32 = address(WHOLE_CHAIN, Space::Register { row: 0 });
 
@@ -68,6 +71,23 @@ pub const fn address(stage: usize, space: Space) -> u32 {
         Space::Register { row } => (3, 0, row, 0),
     };
     ((stage << 21) | (code << 19) | (bank << 13) | (row << 1) | half) as u32
+}
+
+/// Rows of a set in each space of a stage: those of set 0 come first, then those of set 1.
+#[must_use]
+pub fn rows_of_a_set(stage: &StagePlan) -> [usize; 4] {
+    [stage.weight_rows() << row_bits(stage), stage.beats_out(), stage.beats_out(), 1]
+}
+
+/// The set that a word belongs to, by the address at which the host writes it; none where it belongs to no set or lies in no stage.
+#[must_use]
+pub fn set_of(design: &Design, address: u32) -> Option<Set> {
+    let (stage, space) = ((address >> 21) as usize, (address >> 19 & 3) as usize);
+    let row = (address >> 1 & 0xfff) as usize;
+    if stage >= design.stages.len() || (space == 3 && row > 1) {
+        return None;
+    }
+    Some(if row < rows_of_a_set(&design.stage(stage))[space] { Set::First } else { Set::Second })
 }
 
 /// The shifts of a stage, as one register holds them.
@@ -191,4 +211,37 @@ pub fn weight_images(stage: &StagePlan) -> String {
 #[must_use]
 pub fn threshold_image(stage: &StagePlan, before: bool) -> String {
     format!("mem/stage{}_{}.hex", stage.index, if before { "previous_thresholds" } else { "thresholds" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_of_a_set_is_known_as_one_of_it() {
+        for name in ["tiny", "kc705", "paper"] {
+            let path = format!("{}/../../designs/{name}.json", env!("CARGO_MANIFEST_DIR"));
+            let design = Design::load(std::path::Path::new(&path)).unwrap();
+            for set in [Set::First, Set::Second] {
+                for stage in design.stages() {
+                    let of_set = |space: usize| {
+                        let rows = rows_of_a_set(&stage)[space];
+                        (set as usize * rows..(set as usize + 1) * rows).map(move |row| (space, row))
+                    };
+                    for (space, row) in (0..4).flat_map(of_set) {
+                        let at = match space {
+                            0 => Space::Weights { bank: 1, row, half: 1 },
+                            1 => Space::Thresholds { row },
+                            2 => Space::PreviousThresholds { row },
+                            _ => Space::Register { row },
+                        };
+                        assert_eq!(set_of(&design, address(stage.index, at)), Some(set));
+                    }
+                }
+            }
+            for (stage, row) in [(0, 2), (0, 3), (design.stages.len(), 0), (WHOLE_CHAIN, 0), (TABLES, 3)] {
+                assert_eq!(set_of(&design, address(stage, Space::Register { row })), None);
+            }
+        }
+    }
 }

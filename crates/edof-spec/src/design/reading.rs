@@ -81,6 +81,25 @@ pub fn bank_rows(network: &FixedNetwork, stage: &StagePlan, bank: usize) -> Vec<
     numbers.map(|(row, part)| parts.get(part).map_or(0, |words: &Vec<u64>| words[row])).collect()
 }
 
+/// Rows of a table of the display, as the number [`super::memory::TABLES`] in place of a stage's gives them: four entries a row, the lowest
+/// in the lowest 16 bits.
+#[must_use]
+pub fn table_rows(entries: &[u16]) -> Vec<u64> {
+    let row = |four: &[u16]| four.iter().rev().fold(0, |row, entry| row << 16 | u64::from(*entry));
+    entries.chunks(TABLE_ENTRIES).map(row).collect()
+}
+
+/// Entries of a row of a table.
+pub const TABLE_ENTRIES: usize = 4;
+/// Rows of a bank of tables.
+pub const TABLE_ROWS: usize = 4096;
+
+/// The bank at which table 0 (luma), 1, 2 or 3 (red, green, blue) begins; luma has the one after it, too.
+#[must_use]
+pub const fn table_bank(table: usize) -> usize {
+    2 * table
+}
+
 /// Cycles in which stage `stage` makes no step for writes (cycle in order, address, word): a weight that it must write where both ports
 /// of its memory read, and a row of weights that it reads back. The latter goes in the first cycle, from when it is due on, that no write
 /// wants, whatever it writes.

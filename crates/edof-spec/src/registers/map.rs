@@ -7,7 +7,7 @@ use crate::display::{DisplayMode, LUMA_ENTRIES};
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0001_0001;
+pub const VERSION: u32 = 0x0001_0002;
 
 /// Address of `weights_hash`.
 pub const WEIGHTS_HASH: u32 = 0x10;
@@ -15,10 +15,14 @@ pub const WEIGHTS_HASH: u32 = 0x10;
 pub const CONTROL: u32 = 0x14;
 /// Address of `scratch`.
 pub const SCRATCH: u32 = 0x18;
+/// Address of `protection`.
+pub const PROTECTION: u32 = 0x1c;
 /// Address of `status`.
 pub const STATUS: u32 = 0x20;
 /// Address of `uart_broken`.
 pub const UART_BROKEN: u32 = 0x90;
+/// Address of `writes_refused`.
+pub const WRITES_REFUSED: u32 = 0x94;
 
 /// Bit of `control`: frames are reconstructed.
 pub const RUN: u32 = 1;
@@ -30,6 +34,30 @@ pub const WEIGHT_SET: u32 = 1 << 2;
 pub const I2C_RESTART: u32 = 1 << 3;
 /// Bit of `control`: drops the frame that is under way.
 pub const FLUSH: u32 = 1 << 4;
+
+/// Bit of `protection`: the bank in use takes no words.
+pub const PROTECT_BANK: u32 = 1;
+/// Bit of `protection`: `control` takes checked words alone.
+pub const PROTECT_CONTROL: u32 = 1 << 1;
+
+/// A word of 16 bits with its complement above it, as `protection` and, under protection, `control` want it: one that lost, doubled or
+/// changed a byte on its way is none.
+///
+/// ```
+/// use edof_spec::registers::map::{checked, is_checked};
+/// assert_eq!(checked(0x0007), 0xfff8_0007);
+/// assert!(is_checked(checked(0x0007)) && !is_checked(0x0007) && !is_checked(checked(0x0007) << 8));
+/// ```
+#[must_use]
+pub const fn checked(word: u32) -> u32 {
+    (word & 0xffff) | !word << 16
+}
+
+/// Whether a word is as [`checked`] makes it.
+#[must_use]
+pub const fn is_checked(word: u32) -> bool {
+    word == checked(word)
+}
 
 /// The word of `control` with which frames are reconstructed, shown in that mode, with that set of weights.
 #[must_use]
@@ -104,7 +132,7 @@ pub const REGISTERS: &[Register] = &[
         0,
         &[],
         "First 32 bits of the hash of the network in use (`identity::weights_hash`). Starts with the one that the design was generated with; \
-         whoever loads another one writes its hash here.",
+         whoever loads another one writes its hash here. A reset leaves it.",
     ),
     control(
         "control",
@@ -113,7 +141,11 @@ pub const REGISTERS: &[Register] = &[
         &[
             bit("run", 0, "Frames are reconstructed. Off: the picture stands still."),
             bit("colour", 1, "Display in colour; off: luma only."),
-            bit("weight_set", 2, "The set of weights for the frames that begin from now on."),
+            bit(
+                "weight_set",
+                2,
+                "The set of weights for the frames that begin from now on: the bank in use. A reset leaves it.",
+            ),
             bit("i2c_restart", 3, "A change from 0 to 1 sets up the video chips once more."),
             bit(
                 "flush",
@@ -124,7 +156,25 @@ pub const REGISTERS: &[Register] = &[
         ],
         "What the host decides.",
     ),
-    control("scratch", SCRATCH, 0, &[], "Holds what is written: tries out the link."),
+    control("scratch", SCRATCH, 0, &[], "Holds what is written: tries out the link; a reset clears it."),
+    control(
+        "protection",
+        PROTECTION,
+        PROTECT_BANK,
+        &[
+            bit(
+                "bank",
+                0,
+                "Words for the bank in use, and for the display's tables while frames are reconstructed, are refused.",
+            ),
+            bit(
+                "control",
+                1,
+                "`control` too takes only words whose upper half is the complement of the lower one.",
+            ),
+        ],
+        "What a word that went astray cannot change. Takes only words whose upper half is the complement of the lower one.",
+    ),
     status(
         "status",
         STATUS,
@@ -198,6 +248,7 @@ pub const REGISTERS: &[Register] = &[
         UART_BROKEN,
         "Frames on the UART that were given up, and bytes that were no command.",
     ),
+    count("writes_refused", WRITES_REFUSED, "Words that `protection` kept out."),
 ];
 
 /// Counters of the calculator's stages.
@@ -217,9 +268,9 @@ pub const STAGE_READS: Window = Window {
     address: 0x200,
     bytes: 0x100,
     access: Access::Status,
-    doc: "Word 4·stage + part. Parts: 0 CRC-32 of the rows that were read, 1 and 2 low and high half of the last one, 3 whether the stage still \
-          reads. A command written to register 3 of the stage (`weights`) has it read: space (2 bits), bank (6), first row (12), rows after \
-          it (12).",
+    doc: "Word 4·stage + part; stage 14 is the display's tables. Parts: 0 CRC-32 of the rows that were read, 1 and 2 low and high half of the \
+          last one, 3 whether the stage still reads. A command written to register 3 of the stage (`weights`) has it read: space (2 bits), \
+          bank (6), first row (12), rows after it (12).",
 };
 
 /// Tables of the display step.
@@ -305,6 +356,16 @@ mod tests {
         let masks =
             bits.map(|(name, _)| register("control").and_then(|r| r.field(name)).map(|field| field.mask()));
         assert_eq!(masks, bits.map(|(_, mask)| Some(mask)));
+    }
+
+    #[test]
+    fn bits_of_protection_are_where_its_fields_are() {
+        let bits = [("bank", PROTECT_BANK), ("control", PROTECT_CONTROL)];
+        let masks = bits
+            .map(|(name, _)| register("protection").and_then(|r| r.field(name)).map(|field| field.mask()));
+        assert_eq!(masks, bits.map(|(_, mask)| Some(mask)));
+        // What protects must be able to hold what it protects.
+        assert!(register("control").is_some_and(|register| register.mask() < 1 << 16));
     }
 
     #[test]

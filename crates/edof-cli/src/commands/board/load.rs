@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::ui::Ui;
 use crate::weights;
 use edof_board::contents::{letter, other, parts};
-use edof_board::dry_run;
 use edof_board::load::Job;
+use edof_board::{Board, Serial, dry_run};
 use edof_golden::{Curve, Display};
 use edof_spec::design::memory::Set;
 use edof_spec::{Design, DisplayMode, FixedNetwork};
@@ -31,16 +31,16 @@ pub struct Load {
     #[arg(long)]
     read_back: bool,
 
-    /// Load the display's tables for this curve, too; the picture stands still meanwhile
-    #[arg(long, value_parser = ["linear", "srgb", "bt709"])]
-    curve: Option<String>,
+    /// Load the display's tables for this curve, too: linear, srgb or bt709; the picture stands still meanwhile
+    #[arg(long, value_parser = of_curve, value_name = "CURVE")]
+    curve: Option<Curve>,
 
     /// Write nothing; tell what would be sent and how long it takes. Without --port and with --design: to a board that nobody asked
     #[arg(long)]
     dry_run: bool,
 }
 
-/// Compare what a bank holds with a network, by the circuit's CRCs
+/// Compare what a bank holds with a network, and the display's tables with a curve's, by the circuit's CRCs
 #[derive(clap::Args)]
 pub struct Verify {
     /// Network, by name or file
@@ -50,9 +50,13 @@ pub struct Verify {
     #[arg(long, value_parser = super::bank)]
     bank: Option<Set>,
 
-    /// Read every word back, besides
+    /// Read every word of the network back, besides
     #[arg(long)]
     read_back: bool,
+
+    /// The display's tables must be those of this curve: linear, srgb or bt709 [default: of any of them]
+    #[arg(long, value_parser = of_curve, value_name = "CURVE")]
+    curve: Option<Curve>,
 }
 
 /// The network, which fits the design that was named, or at least one that the program knows.
@@ -65,13 +69,26 @@ fn network(args: &super::Args, name: &str, ui: &Ui) -> Result<FixedNetwork, Erro
     Ok(network)
 }
 
-fn display(curve: &str) -> Display {
-    let curve = match curve {
-        "linear" => Curve::Linear,
-        "bt709" => Curve::Bt709,
-        _ => Curve::Srgb,
-    };
+/// Curves that the display's tables may be for, by their names here.
+const CURVES: [(&str, Curve); 3] =
+    [("linear", Curve::Linear), ("srgb", Curve::Srgb), ("bt709", Curve::Bt709)];
+
+fn of_curve(name: &str) -> Result<Curve, String> {
+    let found = CURVES.iter().find(|(known, _)| *known == name).map(|(_, curve)| *curve);
+    found.ok_or_else(|| format!("must be {}", CURVES.map(|(name, _)| name).join(", ")))
+}
+
+fn display(curve: Curve) -> Display {
     Display::new(DisplayMode::default(), curve)
+}
+
+/// The name of the curve that a board's tables are for, none where the program knows none that has such tables.
+///
+/// # Errors
+/// A line that fails.
+pub fn curve_of(board: &mut Board<Serial>) -> Result<Option<&'static str>, Error> {
+    let known = CURVES.map(|(_, curve)| display(curve));
+    Ok(board.identify_tables(&known).map_err(of)?.map(|index| CURVES[index].0))
 }
 
 /// # Errors
@@ -111,7 +128,7 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
             goes_on()
         })
         .map_err(of)?;
-    if let Some(curve) = &load.curve {
+    if let Some(curve) = load.curve {
         let mut step = |done, total| {
             bar.of(done, total);
             goes_on()
@@ -174,7 +191,7 @@ fn plan(
         ui.say(format!("{seconds:.2} s at {baud}"))?;
         rates.push(json!({ "baud": baud, "seconds": seconds }));
     }
-    let tables = load.curve.as_ref().map(|curve| dry_run::tables(&display(curve), args.baud));
+    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), args.baud));
     if let Some((words, seconds)) = tables {
         ui.say(format!("display tables: {words} words, {seconds:.2} s"))?;
     }
@@ -207,6 +224,25 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
             first: first.to_string(),
         }));
     }
+    let curve = tables(&mut board, verify.curve)?;
     ui.say(format!("bank {} holds {}: {pieces} parts, every CRC right", letter(bank), network.origin.name))?;
-    ui.json(&json!({ "bank": letter(bank), "parts": pieces, "differences": differences }))
+    ui.say(format!("the display's tables are those of {curve}: every CRC right"))?;
+    ui.json(&json!({ "bank": letter(bank), "parts": pieces, "differences": differences, "curve": curve }))
+}
+
+/// The name of the curve that a board's tables are for, which is the wanted one if one is.
+fn tables(board: &mut Board<Serial>, wanted: Option<Curve>) -> Result<&'static str, Error> {
+    let Some(curve) = wanted else {
+        let found = curve_of(board)?;
+        return found.ok_or_else(|| of(edof_board::Error::UnknownTables { port: board.port() }));
+    };
+    let name = CURVES.iter().find(|(_, known)| *known == curve).map_or("", |(name, _)| name);
+    let differences = board.verify_tables(&display(curve)).map_err(of)?;
+    let Some(first) = differences.first() else { return Ok(name) };
+    Err(of(edof_board::Error::TablesDiffer {
+        port: board.port(),
+        curve: name.into(),
+        wrong: differences.len(),
+        first: first.to_string(),
+    }))
 }

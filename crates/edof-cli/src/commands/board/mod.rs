@@ -304,8 +304,11 @@ fn info(args: &Args, ui: &Ui) -> Result<(), Error> {
         ui.say(format!("bank {}: {told}{used}", letter(bank)))?;
         banks.push(json!({ "bank": letter(bank), "weights": held, "in_use": bank == in_use }));
     }
+    let curve = load::curve_of(&mut board)?;
+    ui.say(format!("display tables: {}", curve.unwrap_or("of none of the program's curves")))?;
     ui.json(&json!({
         "identity": identity,
+        "curve": curve,
         "design": design.map(|design| design.name),
         "clock_mhz": core,
         "banks": banks,

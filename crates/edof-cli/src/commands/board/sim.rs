@@ -10,6 +10,8 @@ use crate::ui::Ui;
 use crate::weights;
 use edof_board::Simulated;
 use edof_board::terminal::{Device, InRust, Terminal};
+use edof_cosim::system::{Speed, VerilogBoard};
+use edof_cosim::verilator::Options;
 use edof_golden::{Display, Picture};
 use edof_io::{photo, raw};
 use edof_spec::design::FrameSize;
@@ -18,12 +20,17 @@ use ndarray::Array2;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// A simulated board behind a pseudo-terminal, until Ctrl-C: registers, memories and pictures as of the real one, answered in Rust
+/// A simulated board behind a pseudo-terminal, until Ctrl-C: registers, memories and pictures as of the real one
 ///
-/// The same bytes come back as from the circuit, as fast as this machine goes. A raw frame goes round in it at 60 frames a second of the
-/// board's time, which passes with the wall's and with every byte on the line.
+/// It answers from a model in Rust, as fast as this machine goes: a raw frame goes round in it at 60 frames a second of the board's time, which
+/// passes with the wall's and with every byte on the line. With --rtl it is the circuit itself, in Verilator: some hundred thousand of
+/// its cycles a second pass, so a design with small frames (--size) and a fast line (--baud 12500000 is 16 cycles a bit) is best.
 #[derive(clap::Args)]
 pub struct Args {
+    /// Simulate the Verilog of the whole core, with a serial line at its pins, in place of the model in Rust
+    #[arg(long)]
+    rtl: bool,
+
     /// Make this symbolic link to the pseudo-terminal
     #[arg(long, value_name = "PATH")]
     link: Option<PathBuf>,
@@ -70,20 +77,31 @@ fn is_codes(file: &Path) -> bool {
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let design = sized(designs::load(args.design.as_deref().unwrap_or("tiny"))?, sim.size)?;
     let network = network(&design, sim.weights.as_deref())?;
-    let board = Simulated::new(&design, [&network; 2], &Display::default(), frame(&design, sim)?, args.baud)?;
-    let mut device = InRust::new(board, args.baud);
+    let raw = frame(&design, sim)?;
+    let mut device: Box<dyn Device> = if sim.rtl {
+        let with = (Speed::of(args.baud)?, 1);
+        ui.note("compiling the design with Verilator");
+        let options = Options { cache: Options::user_cache(), ..Options::default() };
+        let board = VerilogBoard::new(&design, [&network; 2], &Display::default(), &raw, with, &options);
+        Box::new(board?)
+    } else {
+        let board = Simulated::new(&design, [&network; 2], &Display::default(), raw, args.baud)?;
+        Box::new(InRust::new(board, args.baud))
+    };
+    interrupt::check()?;
     let mut terminal = Terminal::open(sim.link.as_deref())?;
     ui.say(format!(
-        "{}: {} with {}, {}x{}; Ctrl-C ends it",
+        "{}: {} with {}, {}x{}{}; Ctrl-C ends it",
         terminal.path().display(),
         design.name,
         network.origin.name,
         design.frame.width,
-        design.frame.height
+        design.frame.height,
+        if sim.rtl { ", in Verilog" } else { "" }
     ))?;
     let mut shown = None;
     while interrupt::check().is_ok() {
-        terminal.serve(&mut device).map_err(of)?;
+        terminal.serve(&mut *device).map_err(of)?;
         let Some(file) = &sim.picture else { continue };
         let now = device.picture();
         if now != shown {
@@ -98,9 +116,14 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
         "{from} bytes from the host, {to} to it: {seconds:.3} s on a line of {} bits a second",
         args.baud
     ))?;
-    ui.json(
-        &json!({ "bytes_from_host": from, "bytes_to_host": to, "line_seconds": seconds, "baud": args.baud }),
-    )
+    ui.json(&json!({
+        "kind": if sim.rtl { "rtl" } else { "rust" },
+        "bytes_from_host": from,
+        "bytes_to_host": to,
+        "line_seconds": seconds,
+        "baud": args.baud,
+        "mixed_pictures": device.mixed(),
+    }))
 }
 
 fn sized(mut design: Design, size: Option<(usize, usize)>) -> Result<Design, Error> {

@@ -1,0 +1,238 @@
+//! A whole core in Verilator as a board: a serial line at its pins, a frame that goes round, and what the screen shows.
+
+use super::pictures::sent;
+use super::rig::{Begin, Compiled, Rig, project};
+use super::uart::Uart;
+use crate::verilator::Options;
+use edof_board::Error;
+use edof_board::faulty::Resettable;
+use edof_board::line::{BITS_PER_BYTE, Line, line_time};
+use edof_board::terminal::Device;
+use edof_golden::video::video_out::BLACK_PIXEL;
+use edof_golden::{Display, Golden};
+use edof_spec::board::CORE_KILOHERTZ;
+use edof_spec::{Design, FixedNetwork, RawFrame};
+use std::io;
+use std::time::Duration;
+
+/// How fast a line is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Speed {
+    /// Cycles of the core's clock that a bit takes.
+    pub cycles_per_bit: u16,
+    /// Cycles of a pause after which a frame is given up. On the board 100 ms; a simulation takes a minute for so many.
+    pub time_out: u32,
+}
+
+impl Speed {
+    /// A line of so many bits a second, whose time-out a host on the other side of a pseudo-terminal does not wait for in vain: what such a
+    /// host takes for a silence is some ten thousand cycles of a simulation.
+    ///
+    /// # Errors
+    /// A speed that the core's clock cannot make.
+    pub fn of(baud: u32) -> Result<Self, Error> {
+        let clock = 1000 * CORE_KILOHERTZ;
+        let cycles = clock.checked_div(baud).unwrap_or(0);
+        if !(LEAST_CYCLES..=MOST_CYCLES).contains(&cycles) {
+            return Err(Error::Speed {
+                baud,
+                least: clock.div_ceil(MOST_CYCLES),
+                most: clock / LEAST_CYCLES,
+            });
+        }
+        let time_out = TIME_OUT.max(BYTES_OF_TIME_OUT * BITS_PER_BYTE * cycles);
+        Ok(Self { cycles_per_bit: cycles as u16, time_out })
+    }
+
+    /// Bits a second.
+    #[must_use]
+    pub fn baud(self) -> u32 {
+        1000 * CORE_KILOHERTZ / u32::from(self.cycles_per_bit)
+    }
+}
+
+/// Fewer, and the receiver does not find the middle of a bit.
+const LEAST_CYCLES: u32 = 8;
+const MOST_CYCLES: u32 = 1 << 14;
+/// Least cycles of the time-out, and least bytes in it.
+const TIME_OUT: u32 = 16_000;
+const BYTES_OF_TIME_OUT: u32 = 4;
+/// Edges between two looks at what came.
+const AT_ONCE: usize = 64;
+/// Edges that pass while a pseudo-terminal is not looked at.
+const BETWEEN: usize = 2_000;
+/// Pictures that are remembered.
+const REMEMBERED: usize = 64;
+
+/// A core that runs in Verilator, between a camera that sends a frame again and again, a screen, a memory, and a serial line.
+pub struct VerilogBoard {
+    rig: Rig<Uart>,
+    speed: Speed,
+    shown: Vec<Vec<u16>>,
+    /// Frames on the screen so far, black ones too.
+    pub frames: u64,
+    /// Bytes from the host, and to it.
+    pub bytes: [u64; 2],
+}
+
+fn stopped(error: impl std::error::Error + Send + Sync + 'static) -> Error {
+    Error::Simulation(Box::new(error))
+}
+
+impl VerilogBoard {
+    /// The core of a design whose sets start with these networks; everything that is drawn is drawn by the seed.
+    ///
+    /// # Errors
+    /// What does not fit, or a simulator that is missing.
+    pub fn new(
+        design: &Design,
+        sets: [&FixedNetwork; 2],
+        display: &Display,
+        raw: &RawFrame,
+        (speed, seed): (Speed, u64),
+        options: &Options,
+    ) -> Result<Self, Error> {
+        sets.iter().try_for_each(|network| Golden::new((*network).clone()).map(drop))?;
+        let project = project(design, sets, display).map_err(stopped)?;
+        let compiled = Compiled::new(&project, options).map_err(stopped)?;
+        let line = (speed.cycles_per_bit, speed.time_out);
+        let begin = Begin::leisurely(design, seed);
+        let uart = |source: &_, clock| Uart::new(source, clock, line, seed, options);
+        let rig = Rig::start_with(&compiled, &begin, vec![sent(raw)], uart).map_err(stopped)?;
+        Ok(Self { rig, speed, shown: vec![], frames: 0, bytes: [0; 2] })
+    }
+
+    /// Lets so many edges of its clocks pass.
+    ///
+    /// # Errors
+    /// A rule of a port was broken, or the simulation stops.
+    pub fn steps(&mut self, edges: usize) -> Result<(), Error> {
+        self.rig.steps(edges).map_err(stopped)?;
+        for (_, frame) in self.rig.screen.frames.drain(..) {
+            self.frames += 1;
+            if self.shown.last() != Some(&frame) && frame.iter().any(|pixel| *pixel != BLACK_PIXEL) {
+                self.shown.push(frame);
+            }
+        }
+        if self.shown.len() > REMEMBERED {
+            self.shown.drain(..self.shown.len() - REMEMBERED);
+        }
+        // Nobody asks for them here, and a board runs for long.
+        self.rig.memory.written.bursts.clear();
+        self.rig.memory.read.bursts.clear();
+        Ok(())
+    }
+
+    /// Lets time pass until so many more frames were on the screen.
+    ///
+    /// # Errors
+    /// As [`VerilogBoard::steps`].
+    pub fn show(&mut self, frames: u64) -> Result<(), Error> {
+        let wanted = self.frames + frames;
+        while self.frames < wanted {
+            self.steps(AT_ONCE)?;
+        }
+        Ok(())
+    }
+
+    /// Pictures that were on the screen, each once where it came several times in a row; black ones are none.
+    #[must_use]
+    pub fn shown(&self) -> &[Vec<u16>] {
+        &self.shown
+    }
+
+    /// Forgets the pictures that were on the screen.
+    pub fn forget_shown(&mut self) {
+        self.shown.clear();
+    }
+
+    /// Presses its reset.
+    ///
+    /// # Errors
+    /// As [`VerilogBoard::steps`].
+    pub fn reset(&mut self) -> Result<(), Error> {
+        self.rig.reset().map_err(stopped)
+    }
+
+    /// Seconds of its time.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.rig.bench.time_ps() as f64 * 1e-12
+    }
+
+    fn put(&mut self, bytes: &[u8]) {
+        self.bytes[0] += bytes.len() as u64;
+        self.rig.host.terminal.send(bytes.iter().map(|byte| (0, *byte)));
+    }
+
+    fn take(&mut self, most: usize) -> Vec<u8> {
+        let came = &mut self.rig.host.terminal.came;
+        let bytes: Vec<u8> = came.drain(..most.min(came.len())).collect();
+        self.bytes[1] += bytes.len() as u64;
+        bytes
+    }
+
+    /// Whether nothing comes any more, however long one waits: the line is at rest, and a frame that was cut off is given up.
+    fn rests(&self) -> bool {
+        let byte = u64::from(self.speed.cycles_per_bit) * u64::from(BITS_PER_BYTE);
+        self.rig.host.terminal.quiet > u64::from(self.speed.time_out) + 2 * byte
+    }
+}
+
+/// A host in the same program. Time passes while it waits, but no longer than anything can still come.
+impl Line for VerilogBoard {
+    fn name(&self) -> &str {
+        "simulated board (Verilog)"
+    }
+
+    fn baud(&self) -> u32 {
+        self.speed.baud()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.put(bytes);
+        while !self.rig.host.terminal.is_done() {
+            self.steps(AT_ONCE).map_err(io::Error::other)?;
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        let until = self.seconds() + patience.as_secs_f64();
+        while self.rig.host.terminal.came.is_empty() && self.seconds() < until && !self.rests() {
+            self.steps(AT_ONCE).map_err(io::Error::other)?;
+        }
+        Ok(self.take(most))
+    }
+}
+
+impl Resettable for VerilogBoard {
+    fn press_reset(&mut self) -> io::Result<()> {
+        self.reset().map_err(io::Error::other)
+    }
+}
+
+impl Device for VerilogBoard {
+    fn exchange(&mut self, came: &[u8]) -> Result<Vec<u8>, Error> {
+        self.put(came);
+        self.steps(BETWEEN)?;
+        Ok(self.take(usize::MAX))
+    }
+
+    fn picture(&self) -> Option<Vec<u16>> {
+        self.shown.last().cloned()
+    }
+
+    fn mixed(&self) -> Option<u64> {
+        None
+    }
+
+    fn carried(&self) -> ([u64; 2], f64) {
+        let bytes = self.bytes;
+        (bytes, line_time((bytes[0] + bytes[1]) as usize, self.speed.baud()).as_secs_f64())
+    }
+
+    fn is_busy(&self) -> bool {
+        true
+    }
+}
