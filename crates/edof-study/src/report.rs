@@ -31,7 +31,7 @@ pub struct Figure {
 pub enum Layout {
     /// As large as there is room for.
     Wide,
-    /// Small ones, each pixel three times as large.
+    /// Small ones, each pixel two to three times as large.
     Enlarged,
 }
 

@@ -25,8 +25,8 @@ use std::path::PathBuf;
 /// Show what a camera's optics do, or design a mask
 ///
 /// Writes figure1.svg (the paper's Figure 1: response to spatial frequency without the mask, contrast through focus with
-/// and without it), mtf.svg (response without and with the mask), and psf.png (point spread functions, 31x31 pixels, each
-/// channel to its own peak; first row with the mask, second without). Beside them the same as numbers for NumPy: psf.npz (a PSF
+/// and without it), mtf.svg (response without and with the mask), and psf.png (point spread functions as far as they
+/// can be seen, each channel to its own peak, with a scale; first row with the mask, second without). Beside them the same as numbers for NumPy: psf.npz (a PSF
 /// bank, which --psf-bank takes back) and mtf.npz (OTF and MTF; docs/your-own-lens.md lists the arrays).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
