@@ -253,7 +253,7 @@ mod tests {
         // Light that arrives a row lower: a pixel knows of one row of the patch what it knew of the next.
         let moved = psfs.map(|psf| {
             let mut kernel = Array2::zeros((psf.side() + 2, psf.side() + 2));
-            kernel.slice_mut(ndarray::s![2.., 1..-1]).assign(&psf.kernel);
+            kernel.slice_mut(ndarray::s![2.., 1..=psf.side()]).assign(&psf.kernel);
             Psf::new(kernel).unwrap()
         });
         let moved = crossed(&moved, &statistics, &sites);

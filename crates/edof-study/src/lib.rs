@@ -8,6 +8,7 @@
 //! | | [`dictionary`] | sharp atoms for pursuits, learned from photographs |
 //! | | [`spec`] | methods with their settings, and how each prepares for a case |
 //! | | [`pursuit`] | OMP and FISTA in the dictionary as the camera shows it |
+//! | | [`untrained`] | the paper's network before training, ISTA cut off |
 //! | | [`deconvolution`] | demosaicing and deconvolution of each colour |
 //! | | [`patchwork`] | frames as windows and patches |
 //! | | [`board`] | a network on a design: its golden picture, and its cycles as time |
@@ -71,3 +72,4 @@ pub mod spec;
 pub mod speed;
 pub mod summary;
 pub mod tables;
+pub mod untrained;

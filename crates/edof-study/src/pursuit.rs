@@ -94,8 +94,7 @@ fn dictionaries(
     let mut seen = vec![colours(window)];
     let mut sharp = vec![dictionary.atoms.slice(s![.., ..FREE]).t().to_owned()];
     for &psi in psis {
-        let map = seen_of_patch(camera, psi, &statistics, window)?.mapv(|v| v as f32);
-        seen.push(map.dot(&own));
+        seen.push(shown(dictionary, camera, psi, &statistics, window)?);
         sharp.push(own.t().to_owned());
     }
     let join = |axis, parts: &[Array2<f32>]| {
@@ -105,8 +104,20 @@ fn dictionaries(
     Ok((join(Axis(1), &seen), join(Axis(0), &sharp)))
 }
 
+/// All atoms but the free ones as the camera shows them at a depth: window pixels × atoms.
+pub(crate) fn shown(
+    dictionary: &Dictionary,
+    camera: &Camera,
+    psi: f64,
+    statistics: &Statistics,
+    window: Window,
+) -> Result<Array2<f32>, SeenError> {
+    let map = seen_of_patch(camera, psi, statistics, window)?.mapv(|v| v as f32);
+    Ok(map.dot(&dictionary.atoms.slice(s![.., FREE..])))
+}
+
 /// The free atoms, a patch of one colour each, as every camera shows them: no blur changes what does not vary.
-fn colours(window: Window) -> Array2<f32> {
+pub(crate) fn colours(window: Window) -> Array2<f32> {
     let side = window.side();
     Array2::from_shape_fn((window.pixels(), FREE), |(i, plane)| {
         let channel = CfaPhase::Rggb.channel(i / side, i % side);

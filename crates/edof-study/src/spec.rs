@@ -5,6 +5,7 @@ use crate::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::dictionary::Dictionary;
 use crate::method::{Family, Format, Method};
 use crate::pursuit::{BLIND_DEPTHS, Pursuit, PursuitReconstructor};
+use crate::untrained;
 use edof_deblur::hyper_laplacian::Prior;
 use edof_deblur::{Directional, Malvar, blind};
 use edof_golden::GoldenReconstructor;
@@ -44,6 +45,17 @@ pub enum MethodSpec {
     Pursuit {
         /// Which.
         family: Family,
+        /// Step of the patches.
+        stride: Stride,
+        /// Sharp atoms.
+        dictionary: Arc<Dictionary>,
+    },
+    /// The paper's network before training.
+    Untrained {
+        /// Whether DC is removed.
+        family: Family,
+        /// T.
+        layers: usize,
         /// Step of the patches.
         stride: Stride,
         /// Sharp atoms.
@@ -105,7 +117,7 @@ pub enum PrepareError {
 }
 
 /// What users call the methods that need no weights.
-const NAMES: [(&str, Family); 10] = [
+const NAMES: [(&str, Family); 12] = [
     ("malvar", Family::DemosaicMalvar),
     ("directional", Family::DemosaicDirectional),
     ("wiener", Family::Wiener),
@@ -116,7 +128,12 @@ const NAMES: [(&str, Family); 10] = [
     ("omp-known", Family::OmpKnownDepth),
     ("fista", Family::Fista),
     ("fista-known", Family::FistaKnownDepth),
+    ("untrained", Family::Untrained),
+    ("untrained-dc-removed", Family::UntrainedDcRemoved),
 ];
+
+/// T of networks before training: the paper's.
+const LAYERS: std::ops::RangeInclusive<usize> = 3..=10;
 
 /// The pursuits' window: the paper's.
 const WINDOW: usize = 8;
@@ -148,7 +165,17 @@ impl MethodSpec {
         let (_, family) = known.ok_or_else(|| PrepareError::Unknown(name.to_owned()))?;
         let pursuit =
             |&stride: &Stride| Self::Pursuit { family: *family, stride, dictionary: Arc::clone(dictionary) };
+        let untrained = |&stride: &Stride| {
+            let (family, dictionary) = (*family, Arc::clone(dictionary));
+            LAYERS.map(move |layers| Self::Untrained {
+                family,
+                layers,
+                stride,
+                dictionary: Arc::clone(&dictionary),
+            })
+        };
         Ok(match family {
+            Family::Untrained | Family::UntrainedDcRemoved => strides.iter().flat_map(untrained).collect(),
             Family::DemosaicMalvar => vec![Self::Malvar],
             Family::DemosaicDirectional => vec![Self::Directional],
             Family::Omp | Family::OmpKnownDepth | Family::Fista | Family::FistaKnownDepth => {
@@ -172,6 +199,9 @@ impl MethodSpec {
             Self::Directional => Method::of_frames(Family::DemosaicDirectional),
             Self::Deconvolution(family) => Method::of_frames(*family),
             Self::Pursuit { family, stride, .. } => Method::of_patches(*family, stride.pixels()),
+            Self::Untrained { family, layers, stride, .. } => {
+                Method::untrained(*family, stride.pixels(), *layers)
+            }
             Self::Float { network, stride, .. } => {
                 Method::network(&network.origin.name, Format::Float, stride.pixels(), network.form.layers)
             }
@@ -188,7 +218,7 @@ impl MethodSpec {
     #[must_use]
     pub fn weights(&self) -> Option<&str> {
         match self {
-            Self::Pursuit { dictionary, .. } => Some(&dictionary.sha256),
+            Self::Pursuit { dictionary, .. } | Self::Untrained { dictionary, .. } => Some(&dictionary.sha256),
             Self::Float { sha256, .. } | Self::Fixed { sha256, .. } | Self::Board { sha256, .. } => {
                 Some(sha256)
             }
@@ -218,21 +248,17 @@ impl MethodSpec {
                     Family::Omp | Family::OmpKnownDepth => Pursuit::Omp { atoms: OMP_ATOMS },
                     _ => Pursuit::Fista { steps: FISTA_STEPS, penalty: FISTA_PENALTY },
                 };
-                let window = Window::new(WINDOW).unwrap_or_else(|e| unreachable!("{e}"));
-                Box::new(PursuitReconstructor::new(
-                    name,
-                    dictionary,
-                    case.camera,
-                    psis,
-                    (window, *stride),
-                    pursuit,
-                )?)
+                let geometry = (window(), *stride);
+                Box::new(PursuitReconstructor::new(name, dictionary, case.camera, psis, geometry, pursuit)?)
             }
-            Self::Float { network, stride, .. } => {
-                let float =
-                    FloatReconstructor::new((**network).clone(), *stride, Overlap::default(), Output::Rgb);
-                Box::new(float.map_err(|source| PrepareError::Float { net: name, source })?)
+            Self::Untrained { family, layers, stride, dictionary } => {
+                let dc_removed = *family == Family::UntrainedDcRemoved;
+                let (camera, penalty) = (case.camera, FISTA_PENALTY);
+                let network =
+                    untrained::network(&name, dictionary, camera, window(), *layers, dc_removed, penalty)?;
+                float(network, *stride, name)?
             }
+            Self::Float { network, stride, .. } => float((**network).clone(), *stride, name)?,
             Self::Board { network, design, .. } => {
                 let board = BoardReconstructor::new(network, design, name.clone());
                 Box::new(board.map_err(|source| PrepareError::Board { net: name, source })?)
@@ -243,6 +269,15 @@ impl MethodSpec {
             }
         })
     }
+}
+
+fn window() -> Window {
+    Window::new(WINDOW).unwrap_or_else(|e| unreachable!("{e}"))
+}
+
+fn float(network: Network, stride: Stride, net: String) -> Result<Box<dyn Reconstructor>, PrepareError> {
+    let float = FloatReconstructor::new(network, stride, Overlap::default(), Output::Rgb);
+    Ok(Box::new(float.map_err(|source| PrepareError::Float { net, source })?))
 }
 
 /// What a picture of middle light is: there the noise of photons is judged.

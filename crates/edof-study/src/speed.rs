@@ -144,7 +144,8 @@ impl Speed {
             "Means over {photos} photographs. PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, nothing clipped, where a \
              photograph's numbers are taken for it; of the encoded picture, clipped to 0…1, where they are decoded (“real light”). Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
              and a noise level and stands beside it: kernels, dictionaries and what follows from them. NAME/s4 is a method of patches at \
-             stride 4; a network's fixed rows are the board's integers in software. NAME.board is \
+             stride 4; a network's fixed rows are the board's integers in software. untrained-tT is what the paper trains from: ISTA in the pursuits' \
+             dictionary, all depths in one, cut off after T − 1 shrinkages. NAME.board is \
              the board: cycles of these very frames by the cycle model at the clock that is planned for it, which is no measured time.",
             self.machine
         )
@@ -159,11 +160,16 @@ impl Speed {
         self.claims.iter().map(of).collect()
     }
 
-    /// PSNR against time; the strides of one method are joined.
+    /// PSNR against time; the strides of one method are joined, and the layers of untrained networks.
     fn plot(&self, of: &Claims) -> Plot {
         let mut series: Vec<Series> = vec![];
         for point in self.points.iter().filter(|p| of.hold(p)) {
-            let (label, at) = (point.identity.to_string(), [point.seconds_per_megapixel, point.psnr_db]);
+            let label = if point.identity.is_untrained() {
+                name(&Method { layers: None, ..point.identity.clone() })
+            } else {
+                point.identity.to_string()
+            };
+            let at = [point.seconds_per_megapixel, point.psnr_db];
             match series.iter_mut().find(|s| s.label == label) {
                 Some(series) => series.points.push(at),
                 None => series.push(Series::new(label, Mark::LineAndPoints, [at])),
@@ -291,7 +297,8 @@ fn all_claims(points: &[&Point]) -> Vec<Claim> {
     let times = |slow: &Point, fast: &Point| {
         format!("{:.1} times", slow.seconds_per_megapixel / fast.seconds_per_megapixel)
     };
-    for net in points.iter().copied().filter(|p| p.identity.format == Some(Format::Float)) {
+    let trained = |p: &&Point| p.identity.format == Some(Format::Float) && !p.identity.is_untrained();
+    for net in points.iter().copied().filter(trained) {
         if let Some(omp) = omp(net.identity.stride) {
             add(format!("{} less {}", net.method, omp.method), "at least 0 dB", db(net, omp));
             add(
@@ -323,12 +330,7 @@ fn all_claims(points: &[&Point]) -> Vec<Claim> {
             );
         }
     }
-    let layers = |t| {
-        points
-            .iter()
-            .copied()
-            .find(move |p| p.identity.layers == Some(t) && p.identity.format == Some(Format::Float))
-    };
+    let layers = |t| points.iter().copied().filter(trained).find(move |p| p.identity.layers == Some(t));
     match (layers(8), layers(10)) {
         (Some(eight), Some(ten)) => {
             add(format!("{} less {}", eight.method, ten.method), "about 0 dB", db(eight, ten))
@@ -338,6 +340,14 @@ fn all_claims(points: &[&Point]) -> Vec<Claim> {
             "about 0 dB",
             "not measured: no networks of 8 and 10 layers".into(),
         ),
+    }
+    for eight in points.iter().copied().filter(|p| p.identity.is_untrained() && p.identity.layers == Some(8))
+    {
+        let twin = Method { layers: Some(10), ..eight.identity.clone() };
+        if let Some(ten) = points.iter().find(|p| p.identity == twin) {
+            let of = format!("{} less {}", eight.method, ten.method);
+            add(of, "about 0 dB, of trained ones", db(eight, ten));
+        }
     }
     claims
 }
@@ -369,6 +379,8 @@ mod tests {
             timed(&Method::of_patches(Family::Omp, 8), "a", 30.0, 6.0),
             timed(&Method::of_patches(Family::Omp, 2), "a", 31.0, 60.0),
             timed(&Method::of_frames(Family::BlindDeconvolution), "a", 29.0, 120.0),
+            timed(&Method::untrained(Family::Untrained, 8, 8), "a", 27.0, 0.2),
+            timed(&Method::untrained(Family::Untrained, 8, 10), "a", 27.5, 0.3),
         ];
         Speed::new(&rows, "a machine".into())
     }
@@ -378,7 +390,7 @@ mod tests {
         let points = speed().points;
         let first = &points[0];
         assert_eq!((first.method.as_str(), first.photos, first.psnr_db), ("n.float/s8", 2, 32.0));
-        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 5);
+        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 7);
     }
 
     #[test]
@@ -393,9 +405,11 @@ mod tests {
             "| omp/s2 less blind-deconvolution | more than 1 dB | +2.00 dB |",
             "| omp/s2 is faster than blind-deconvolution | about 30 times | 2.0 times |",
             "| T = 8 less T = 10 | about 0 dB | not measured: no networks of 8 and 10 layers |",
+            "| untrained-t8.float/s8 less untrained-t10.float/s8 | about 0 dB, of trained ones | -0.50 dB |",
         ] {
             assert!(page.contains(line), "{line}\n{page}");
         }
+        assert!(!page.contains("untrained-t8.float/s8 less omp"), "{page}");
     }
 
     #[test]
@@ -403,7 +417,7 @@ mod tests {
         let speed = speed();
         assert_eq!(
             speed.plot(&speed.claims[0]).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
-            [1, 1, 2, 1]
+            [1, 1, 2, 1, 2]
         );
         let html = speed.report("edof study single-depth").to_html();
         assert!(html.contains("<title>omp: 60, 31</title>"), "{html}");

@@ -33,7 +33,9 @@ Methods:
                               demosaicing and deconvolution with the PSF known
   blind                       demosaicing and blind deconvolution of each colour (Krishnan, Tay, Fergus 2011)
   omp, fista                  sparse pursuit in the dictionary of psi 1 to 8
-  omp-known, fista-known      the same with psi known")]
+  omp-known, fista-known      the same with psi known
+  untrained                   the paper's network before training, T = 3 to 10: ISTA in one dictionary of all psi
+  untrained-dc-removed        the same with each colour's mean taken out")]
 pub struct Args {
     /// File of rows, JSON lines; gone on with if it is there
     #[arg(long, value_name = "FILE")]
