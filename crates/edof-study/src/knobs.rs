@@ -22,9 +22,11 @@ use edof_optics::scene::Scene;
 use edof_spec::camera::Spectrum;
 use edof_spec::digest::sha256;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
+use edof_spec::{Camera, ColourFrame, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -335,11 +337,12 @@ pub fn run(
         }
     }
     let own = plan.shard.own(cells);
+    let mut exacts = Exacts::new();
     let (of, mut done) = (own.len(), 0);
     for (key, (index, mut row)) in own {
         if !journal.holds(&key) {
             let photo = &photos[index];
-            let (db, seconds) = plan.measure(row.knob, row.value, photo)?;
+            let (db, seconds) = plan.measure(row.knob, row.value, photo, &mut exacts)?;
             let (height, width) = photo.frame.size();
             row.psnr_db = db;
             row.seconds_per_megapixel = seconds / ((height * width) as f64 * 1e-6);
@@ -360,6 +363,9 @@ const MOST_DB: f64 = 160.0;
 /// Half the width of the bands in nanometres that stand for colours where wavelengths are counted.
 const HALF_BAND_NM: f64 = 30.0;
 
+/// Light of exact captures, which all values of a knob are held against, by knob and photograph.
+type Exacts = BTreeMap<(Knob, String), ColourFrame>;
+
 impl Plan {
     fn weights(&self, knob: Knob) -> Option<String> {
         match knob {
@@ -370,15 +376,28 @@ impl Plan {
     }
 
     /// PSNR in dB and seconds of a knob at a value on a photograph.
-    fn measure(&self, knob: Knob, value: f64, photo: &Photo) -> Result<(f64, f64), KnobsError> {
+    fn measure(
+        &self,
+        knob: Knob,
+        value: f64,
+        photo: &Photo,
+        exacts: &mut Exacts,
+    ) -> Result<(f64, f64), KnobsError> {
         if knob.is_of_capture() {
-            self.captured(knob, value, photo)
+            exacts.retain(|(of, _), _| *of == knob);
+            self.captured(knob, value, photo, exacts)
         } else {
             self.reconstructed(knob, value, photo)
         }
     }
 
-    fn captured(&self, knob: Knob, value: f64, photo: &Photo) -> Result<(f64, f64), KnobsError> {
+    fn captured(
+        &self,
+        knob: Knob,
+        value: f64,
+        photo: &Photo,
+        exacts: &mut Exacts,
+    ) -> Result<(f64, f64), KnobsError> {
         let whole = Settings { energy: 1.0, wavelength_tolerance: 0.0, exact: false };
         let flat = || Scene::flat(photo.name.clone(), photo.frame.clone(), self.psi);
         let usual = Approximation::default();
@@ -409,9 +428,12 @@ impl Plan {
             capture(scene, &camera, &sensor(&photo.name, self.psi, Noise::None), how)
                 .map_err(|source| KnobsError::Capture { image: image(), source })
         };
-        let exact = taken(&reference, &exact)?;
+        let exact = match exacts.entry((knob, image())) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(taken(&reference, &exact)?.light),
+        };
         let cut = taken(&scene, &cut)?;
-        let quality = Quality::of(&exact.light, &cut.light, BORDER);
+        let quality = Quality::of(exact, &cut.light, BORDER);
         let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
         Ok((db.min(MOST_DB), cut.seconds))
     }
@@ -434,8 +456,9 @@ impl Plan {
         let shot = capture(&scene, &self.camera, &sensor, &Approximation::default())
             .map_err(|source| KnobsError::Capture { image: image(), source })?;
         let method = self.prepared(knob, value)?;
-        let (result, _) = timed(method.as_ref(), &shot.raw)
-            .map_err(|source| KodakError::Reconstruct { image: image(), source })?;
+        let result = timed(method.as_ref(), &shot.raw)
+            .map_err(|source| KodakError::Reconstruct { image: image(), source })?
+            .result;
         let quality = Quality::of(&photo.frame, &result.frame, BORDER);
         let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
         Ok((db, result.seconds))
@@ -625,7 +648,6 @@ impl Knobs {
 mod tests {
     use super::*;
     use crate::journal::Header;
-    use edof_spec::ColourFrame;
 
     fn photo() -> Photo {
         let mut frame = ColourFrame::zeros(40, 48);
@@ -688,7 +710,9 @@ mod tests {
     fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
         for knob in [Knob::KernelEnergy, Knob::Depths] {
             let rows = rows(&[knob]);
-            assert!(rows.windows(2).all(|pair| pair[0].psnr_db <= pair[1].psnr_db + 0.1), "{rows:?}");
+            // More layers have more borders, which move light too.
+            let slack = if knob == Knob::Depths { 1.0 } else { 0.1 };
+            assert!(rows.windows(2).all(|pair| pair[0].psnr_db <= pair[1].psnr_db + slack), "{rows:?}");
             assert!(rows[0].psnr_db + 5.0 < rows.last().unwrap().psnr_db, "{rows:?}");
         }
         // A smaller tolerance is the finer one.

@@ -14,6 +14,7 @@
 //! | | [`board`] | a network on a design: its golden picture, and its cycles as time |
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
+//! | | [`cpu_time`] | what a run costs whatever else the machine does |
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
 //! | | [`knobs`] | what can be left out: a curve for each knob |
@@ -45,6 +46,7 @@
 //! ```
 
 pub mod board;
+pub mod cpu_time;
 pub mod csv;
 pub mod deconvolution;
 pub mod demo;

@@ -87,8 +87,12 @@ mod tests {
         let (camera, dictionary) = (Camera::resolve("ring-2018").unwrap(), Dictionary::load(None).unwrap());
         let window = Window::new(8).unwrap();
         let mut random = Random::new(7, 0, 0);
-        let values = Array2::from_shape_simple_fn((8, 8), || (30_000.0 + 8000.0 * random.normal()) as u16);
-        let signal = values.mapv(|v| f32::from(v) / 65536.0).into_shape_with_order((1, 64)).unwrap();
+        let values = Array2::from_shape_simple_fn((16, 16), || (30_000.0 + 8000.0 * random.normal()) as u16);
+        let corners = [(0, 0), (0, 8), (8, 0), (8, 8)];
+        let signals = Array2::from_shape_fn((4, 64), |(i, pixel)| {
+            let (row, column) = corners[i];
+            f32::from(values[(row + pixel / 8, column + pixel % 8)]) / 65536.0
+        });
         let raw = RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap();
 
         let statistics = Statistics::natural();
@@ -104,7 +108,7 @@ mod tests {
             let lasso = Lasso::new(seen.view(), penalties.view(), free);
             for layers in [3, 8] {
                 let effort = Effort { steps: layers - 1, tolerance: 0.0 };
-                let patch = lasso.ista(signal.view(), effort).codes.dot(&dictionary.atoms.t());
+                let patches = lasso.ista(signals.view(), effort).codes.dot(&dictionary.atoms.t());
                 let network =
                     network("n", &dictionary, &camera, window, layers, dc_removed, penalty).unwrap();
                 let float = FloatReconstructor::new(
@@ -114,7 +118,9 @@ mod tests {
                     Output::Rgb,
                 );
                 let frame = float.unwrap().reconstruct(&raw).unwrap().frame;
-                for (ours, theirs) in frame.planes.iter().zip(&patch) {
+                for ((i, value), &theirs) in patches.indexed_iter() {
+                    let (row, column) = corners[i];
+                    let ours = frame.planes[(value / 64, row + value % 64 / 8, column + value % 8)];
                     assert!(
                         (ours - theirs).abs() < 1e-4,
                         "T {layers}, DC removed {dc_removed}: {ours} {theirs}"
