@@ -99,7 +99,7 @@ fn a_generated_design_is_whole_and_the_same_every_time() {
         serde_json::from_slice(&std::fs::read(place.path("one/manifest.json")).unwrap()).unwrap();
     let files = manifest["files"].as_array().unwrap();
     assert!(files.iter().all(|file| place.path("one").join(file["path"].as_str().unwrap()).is_file()));
-    assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 185);
+    assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 189);
 }
 
 #[test]

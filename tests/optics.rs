@@ -15,7 +15,8 @@ fn json(text: &str) -> Value {
 #[test]
 fn a_camera_is_shown_in_figures_and_numbers() {
     let place = Place::new();
-    let run = place.edof("optics ring-2018 --psi 1,5 --energy 0.99 --nominal 10 --out figures --json").done();
+    let run =
+        place.edof("optics ring-2018 --psi 1,4.1946m --energy 0.99 --nominal 10 --out figures --json").done();
     let shown = json(&run.out);
     let contrast = |depth: usize, channel: usize| {
         shown["depths"][depth]["contrast_quarter_cutoff"][channel].as_f64().unwrap()
@@ -30,6 +31,9 @@ fn a_camera_is_shown_in_figures_and_numbers() {
         assert!(svg.starts_with("<svg") && svg.contains("polyline") || svg.contains("<path"), "{file}");
     }
     assert!(photo::load(&place.path("figures/psf.png")).unwrap().size().1 > 200);
+    assert!((shown["depths"][1]["psi"].as_f64().unwrap() - 5.0).abs() < 1e-3, "{shown}");
+    assert!(std::fs::read_to_string(place.path("figures/mtf.svg")).unwrap().contains("ψ = 5, 4.19 m"));
+    place.edof("optics ring-2018 --psi 3m --out no").refused(&["depth 3m", "--nominal"]);
 }
 
 #[test]
@@ -168,6 +172,52 @@ fn a_lens_with_coma_is_seen_trained_for_and_reconstructed() {
     place
         .edof("capture photos/a.png --camera mine.json --psi 6 --out no.png")
         .refused(&["psi 6", "reaches from 0 to 5"]);
+}
+
+#[test]
+fn a_mask_may_be_a_picture_of_its_heights() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let mask = |name: &str, side: usize, height: &dyn Fn(usize, usize) -> f32| {
+        let planes = Array3::from_shape_fn((3, side, side), |(_, r, c)| height(r, c));
+        photo::save(&place.path(name), &ColourFrame { planes }, 16).unwrap();
+    };
+    let map = "{\"height_map\": {\"file\": \"mask.png\", \"white_um\": 0.8, \"cauchy\": [1.458, 0.00354]},";
+    place.write("mine.json", include_str!("../cameras/clear.json").replacen('{', map, 1));
+    let line = "capture photo.png --camera mine.json --psi 2 --no-measure --out";
+    place.edof(&format!("{line} no.png")).refused(&["mask.png: cannot read"]);
+    mask("mask.png", 64, &|_, _| 0.5);
+    place.edof(&format!("{line} flat.png")).done();
+    place.edof("capture photo.png --camera clear --psi 2 --no-measure --out clear.png").done();
+    let light = |name: &str| photo::load_grey(&place.path(name)).unwrap();
+    let moved =
+        |name: &str| (&light(name) - &light("clear.png")).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+    assert!(moved("flat.png") < 1e-3, "glass of one height is a window: {}", moved("flat.png"));
+    // Half of the aperture half a wave behind the other.
+    mask("mask.png", 64, &|_, c| f32::from(u8::from(c >= 32)));
+    place.edof(&format!("{line} raw.png")).done();
+    assert!(moved("raw.png") > 0.01, "{}", moved("raw.png"));
+    // Frames and networks know which mask it was.
+    place.edof("reconstruct raw.png --weights edof-t4w12 --out no.png").refused(&["was taken by clear"]);
+    let flat = std::fs::read_to_string(place.path("flat.png.json")).unwrap();
+    let other = std::fs::read_to_string(place.path("raw.png.json")).unwrap();
+    let hash = |text: &str| json(text)["camera"]["height_map"]["sha256"].clone();
+    assert!(hash(&flat).is_string() && hash(&flat) != hash(&other));
+    let stated = format!("\"sha256\": {}, \"cauchy\"", hash(&flat));
+    let text = std::fs::read_to_string(place.path("mine.json")).unwrap();
+    place.write("mine.json", text.replace("\"cauchy\"", &stated));
+    place
+        .edof(&format!("{line} no.png"))
+        .refused(&["mask.png: its heights have the SHA-256", "camera clear states"]);
+    place.write("mine.json", text.replace("0.8", "0"));
+    place.edof(&format!("{line} no.png")).refused(&["height_map is 0 um", "more than 0"]);
+    place.write("mine.json", &text);
+    place.photo("mask.png", 64, 48);
+    place.edof(&format!("{line} no.png")).refused(&["mask.png: ", "expected a grey one"]);
+    place
+        .edof("capture photo.png --camera mine.json --psi 2 --no-measure --out mask.png")
+        .refused(&["mask.png"]);
+    assert!(!place.path("no.png").exists());
 }
 
 #[test]

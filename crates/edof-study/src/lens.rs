@@ -3,6 +3,7 @@
 use crate::picture::{caption, enlarged, psf_picture, sheet, stacked};
 use crate::plot::{Axis, Mark, Plot, Series, sequential};
 use edof_optics::bank;
+use edof_optics::depth::distance_m;
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, through_focus};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_spec::{Camera, Channel, ColourFrame, Tone};
@@ -25,7 +26,7 @@ const SCALE: usize = 5;
 #[must_use]
 pub fn without_mask(camera: &Camera) -> Camera {
     let name = format!("{} without mask", camera.name);
-    Camera { name, rings: vec![], profile: None, psf_bank: None, ..camera.clone() }
+    Camera { name, rings: vec![], profile: None, height_map: None, psf_bank: None, ..camera.clone() }
 }
 
 /// Figure 1(a): green's response over spatial frequency, as a share of the cut-off, at each ψ; negative where contrast is
@@ -40,7 +41,7 @@ pub fn mtf_plot(camera: &Camera, psis: &[f64]) -> Result<Plot, NoPsf> {
         let response = otf(camera, Channel::Green, psi, Footprint::Lens)?;
         let share = |i: u32| f64::from(i) / f64::from(POINTS);
         let points = (0..=POINTS).map(|i| [share(i), response.at(share(i) * cutoff)]);
-        Ok(Series::new(format!("ψ = {psi}"), Mark::Line, points).coloured(sequential(index as f64 / last)))
+        Ok(Series::new(depth(camera, psi), Mark::Line, points).coloured(sequential(index as f64 / last)))
     });
     Ok(Plot {
         title: format!("Response to spatial frequency, green: {}", camera.name),
@@ -67,7 +68,8 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         Ok(CHANNELS.into_iter().enumerate().map(curve).collect())
     };
     let mut series = curves(camera, Mark::Line, "")?;
-    if !camera.rings.is_empty() || camera.profile.is_some() || camera.psf_bank.is_some() {
+    let smooth = camera.profile.is_some() || camera.height_map.is_some();
+    if !camera.rings.is_empty() || smooth || camera.psf_bank.is_some() {
         series.extend(curves(&without_mask(camera), Mark::Dotted, ", no mask")?);
     }
     Ok(Plot {
@@ -76,6 +78,14 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         y: Axis::linear("contrast").from(0.0),
         series,
     })
+}
+
+/// A depth as figures name it: in metres, too, where the camera knows the distance of ψ = 0.
+fn depth(camera: &Camera, psi: f64) -> String {
+    let metres =
+        camera.nominal_m.and_then(|nominal| distance_m(camera, psi, nominal)).filter(|m| m.is_finite());
+    let psi = (100.0 * psi).round() / 100.0;
+    metres.map_or_else(|| format!("ψ = {psi}"), |metres| format!("ψ = {psi}, {metres:.2} m"))
 }
 
 /// The camera's range of ψ, no wider than its bank's.
@@ -103,7 +113,7 @@ pub fn psf_sheet(cameras: &[&Camera], psis: &[f64], settings: &Settings) -> Resu
     for (camera, row) in cameras.iter().zip(&rows) {
         let named = |(psfs, psi): (&[Psf; 3], &f64)| {
             let picture = enlarged(&psf_picture(psfs.each_ref().map(|p| &p.kernel), side), factor);
-            stacked(&[picture, caption(&format!("ψ = {psi}"), side * factor, Tone::Linear)], Tone::Linear)
+            stacked(&[picture, caption(&depth(camera, *psi), side * factor, Tone::Linear)], Tone::Linear)
         };
         parts.push(caption(&camera.name, width, Tone::Linear));
         parts.push(sheet(&[row.iter().zip(psis).map(named).collect()], GAP));
@@ -145,6 +155,17 @@ mod tests {
         let plot = mtf_plot(&Camera::resolve("clear").unwrap(), &[0.0, 5.0]).unwrap();
         assert!(plot.series.iter().all(|s| s.points[0] == [0.0, 1.0]));
         assert!(plot.series[1].points.iter().any(|p| p[1] < 0.0), "reversed contrast at 5");
+    }
+
+    #[test]
+    fn depths_are_told_in_metres_where_the_camera_knows_its_focus() {
+        let camera = Camera::resolve("ring-2018").unwrap();
+        assert_eq!(depth(&camera, 8.0), "ψ = 8");
+        let camera = Camera { nominal_m: Some(10.0), ..camera };
+        assert_eq!(depth(&camera, 7.9999), "ψ = 8, 3.11 m");
+        assert_eq!(mtf_plot(&camera, &[8.0]).unwrap().series[0].label, "ψ = 8, 3.11 m");
+        let camera = Camera { nominal_m: Some(f64::INFINITY), ..camera };
+        assert_eq!(depth(&camera, 0.0), "ψ = 0");
     }
 
     #[test]

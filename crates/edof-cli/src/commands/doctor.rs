@@ -47,12 +47,7 @@ const TOOLS: [Known; 6] = [
     known("make", "--version", "the same", "apt-get install make"),
     known("iverilog", "-V", "edof cosim --icarus", "apt-get install iverilog"),
     known("yosys", "-V", "edof timing", "apt-get install yosys"),
-    known(
-        "vivado",
-        "-version",
-        "building the bitstream of edof generate",
-        "AMD's installer; nothing else needs it",
-    ),
+    known("vivado", "-version", "the bitstream of edof generate", "AMD's installer; nothing else needs it"),
 ];
 
 #[derive(Serialize)]
@@ -95,7 +90,10 @@ pub fn run(_: Args, ui: &Ui) -> Result<(), Error> {
     let found = Found {
         tools: TOOLS.map(looked_for).into(),
         networks: weights::names(),
-        photographs: photos::default_folder().ok().filter(|folder| folder.is_dir()),
+        photographs: photos::default_folder()
+            .ok()
+            .and_then(|folder| folder.canonicalize().ok())
+            .filter(|f| f.is_dir()),
         caches: [("compiled models", Options::user_cache()), ("timing of blocks", timing::user_cache())]
             .into_iter()
             .filter_map(|(holds, folder)| Some(cache_at(holds, &folder?)))

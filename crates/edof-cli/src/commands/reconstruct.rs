@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
+use crate::lens;
 use crate::ui::Ui;
 use crate::weights;
 use crate::words;
@@ -22,9 +23,7 @@ use edof_spec::network::Origin;
 use edof_spec::overlap::Overlap;
 use edof_spec::provenance::Input;
 use edof_spec::reconstructor::Multiplications;
-use edof_spec::{
-    Camera, CfaPhase, Channel, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone,
-};
+use edof_spec::{CfaPhase, Channel, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -408,7 +407,7 @@ impl Job<'_> {
     /// The network must have been trained for the lens that the user states, and for the one that took the frame.
     fn fits_camera(&self, origin: &Origin, taken: &Taken) -> Result<(), Error> {
         let (args, record) = (self.args, taken.record.as_ref());
-        let stated = args.camera.as_deref().map(Camera::resolve).transpose()?;
+        let stated = args.camera.as_deref().map(lens::camera).transpose()?;
         let tone = self.tone(taken);
         let Some(camera) = stated.as_ref().or(record.map(|r| &r.camera)) else { return Ok(()) };
         if origin.camera.same_lens(camera) {

@@ -170,7 +170,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',')]
     seed: Vec<u64>,
 
-    /// Threads, up to 8 of use [default: one for each core]
+    /// Threads [default: one for each core, 8 at most: more are of no use]
     #[arg(long)]
     threads: Option<usize>,
 
@@ -268,8 +268,12 @@ impl Beginning {
     }
 }
 
+/// Threads that training is divided among at most.
+const OF_USE: usize = 8;
+
 fn threads(args: &Args) -> usize {
-    args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+    args.threads
+        .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |cores| cores.get().min(OF_USE)))
 }
 
 fn one_seed<'a>(

@@ -157,9 +157,9 @@ fn pixels(raw: &Directory<'_>) -> Result<Array2<u16>, Refusal> {
     if parts.offsets.len() != across * down || parts.bytes.len() != across * down {
         return Err("it has not as many tiles or strips as its size needs".into());
     }
-    // Before memory is asked for: a pixel takes a bit at least.
-    let held: usize = parts.bytes.iter().map(|bytes| (*bytes).min(raw.tiff().length())).sum();
-    if held < height * width / 8 {
+    // Before memory is asked for: a pixel takes a bit at least, of the parts and of the file, in which parts may lie over each other.
+    let held = parts.bytes.iter().fold(0usize, |sum, bytes| sum.saturating_add(*bytes));
+    if held.min(raw.tiff().length()) < height * width / 8 {
         return Err("it ends before its pixels do".into());
     }
     let mut all = Array2::zeros(size);
@@ -381,7 +381,9 @@ mod tests {
             })
             .collect();
         let lengths: Vec<u32> = parts.iter().map(|part| part.len() as u32).collect();
-        raw.push(shorts(tag::WIDTH, &[WIDTH as u16]));
+        if raw.iter().all(|(tag, ..)| *tag != tag::WIDTH) {
+            raw.push(shorts(tag::WIDTH, &[WIDTH as u16]));
+        }
         raw.push(shorts(tag::HEIGHT, &[HEIGHT as u16]));
         raw.push(shorts(tag::INTERPRETATION, &[32803]));
         match tiles {
@@ -530,6 +532,20 @@ mod tests {
         let end = bytes.len();
         bytes[end - 4..].copy_from_slice(&8u32.to_le_bytes());
         assert!(decoded(&[&b"II*\0\x08\0\0\0"[..], &bytes].concat()).is_err());
+    }
+
+    #[test]
+    fn tiles_that_share_their_bytes_make_no_large_frame_of_a_small_file() {
+        const TILES: usize = 60_000 / 16;
+        let mut raw = pattern([0, 1, 1, 2]);
+        raw.extend([
+            shorts(tag::WIDTH, &[60_000]),
+            shorts(tag::TILE_HEIGHT, &[16]),
+            shorts(tag::TILE_WIDTH, &[16]),
+        ]);
+        raw.extend([longs(tag::TILE_OFFSETS, &[8; TILES]), longs(tag::TILE_BYTES, &[512; TILES])]);
+        let bytes = file(&[vec![0; 512]], vec![], raw, None);
+        assert!(decoded(&bytes).unwrap_err().contains("it ends before its pixels do"));
     }
 
     proptest! {

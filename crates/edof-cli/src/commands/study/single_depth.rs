@@ -4,9 +4,10 @@ use super::nets;
 use super::options::{Kernels, Outputs, Photographs, machine, unless_interrupted};
 use crate::error::Error;
 use crate::files::Files;
+use crate::lens;
 use crate::ui::Ui;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, Stride, Tone};
+use edof_spec::{Noise, Stride, Tone};
 use edof_study::dictionary::Dictionary;
 use edof_study::journal::{Header, Journal, Shard};
 use edof_study::kodak::{KodakError, usual_noise};
@@ -144,7 +145,7 @@ pub fn tell_rows(journal: &Journal<Row>, outputs: &Outputs, ui: &Ui) -> Result<(
 impl Args {
     /// What is to be measured, and what was left out, one line each.
     fn plan(&self, ui: &Ui) -> Result<(Plan, Vec<String>), Error> {
-        let camera = Camera::resolve(&self.camera)?;
+        let camera = lens::resolve(&self.camera, None)?.camera;
         ui.used(Input::camera(&camera));
         let strides = self.stride.iter().map(|&step| Stride::new(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
