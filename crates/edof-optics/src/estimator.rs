@@ -93,7 +93,7 @@ pub fn seen_of_patch(
 ) -> Result<Array2<f64>, SeenError> {
     let sites = Sites::new(window);
     // PSFs of one's own, and those of a lens with errors, need not be even.
-    let yx = if camera.psf_bank.is_none() && camera.aberrations.is_empty() {
+    let yx = if camera.psf_bank.is_none() && camera.is_round() {
         Seen::new(camera, psi, statistics, &sites).yx
     } else {
         crossed(&channel_psfs(camera, psi, &Settings::default())?, statistics, &sites)
