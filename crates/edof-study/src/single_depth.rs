@@ -286,6 +286,7 @@ mod tests {
     use super::*;
     use crate::dictionary::Dictionary;
     use crate::journal::Header;
+    use crate::method::Family;
     use edof_spec::{ColourFrame, Stride};
     use std::path::{Path, PathBuf};
     use std::sync::Arc;
@@ -392,12 +393,10 @@ mod tests {
         let journal = go(&plan, &folder.path().join("rows.jsonl"), usize::MAX).unwrap();
         assert_eq!(journal.rows().len(), 2 * MethodSpec::names().len());
         for row in journal.rows() {
-            assert!(
-                row.measured.picture.psnr_db > 10.0,
-                "{}: {}",
-                row.measured.method,
-                row.measured.picture.psnr_db
-            );
+            let Measured { method, identity, picture, .. } = &row.measured;
+            // Nine steps do not reach the mean where it is one atom among all.
+            let least = if identity.family == Family::Untrained { 5.0 } else { 10.0 };
+            assert!(picture.psnr_db > least, "{method}: {}", picture.psnr_db);
         }
     }
 

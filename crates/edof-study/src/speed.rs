@@ -441,7 +441,7 @@ mod tests {
             [1, 1, 2, 1, 2]
         );
         let html = speed.report("edof study single-depth").to_html();
-        assert!(html.contains("<title>omp: 60, 31</title>"), "{html}");
+        assert!(html.contains("<title>omp: 90, 31</title>"), "{html}");
         assert!(
             !html.contains("http://")
                 || html.matches("http://").count() == html.matches("http://www.w3.org/2000/svg").count()
