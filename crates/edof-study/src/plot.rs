@@ -171,7 +171,7 @@ impl Plot {
              <g clip-path=\"url(#{id})\">"
         );
         for (index, series) in self.series.iter().enumerate() {
-            draw_series(&mut svg, series, colour(series, index), &x, &y);
+            draw_series(&mut svg, series, index, &x, &y);
         }
         svg.push_str("</g>\n");
         self.draw_legend(&mut svg, WIDTH - right + 14.0);
@@ -238,7 +238,7 @@ impl Plot {
                 );
             }
             if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
-                let _ = write!(svg, "<circle cx=\"{middle:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>");
+                svg.push_str(&dot(index, [middle, y], colour, ""));
             }
             let _ = writeln!(
                 svg,
@@ -272,6 +272,16 @@ fn colour(series: &Series, index: usize) -> &str {
     series.colour.as_deref().unwrap_or(PALETTE[index % PALETTE.len()])
 }
 
+/// A dot; series that the palette has no colour of their own for have another shape.
+fn dot(index: usize, [x, y]: [f64; 2], colour: &str, told: &str) -> String {
+    let (tag, place) = match index / PALETTE.len() {
+        0 => ("circle", format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"")),
+        1 => ("rect", format!("x=\"{:.1}\" y=\"{:.1}\" width=\"6\" height=\"6\"", x - 3.0, y - 3.0)),
+        _ => ("path", format!("d=\"M{:.1} {y:.1}l4 -4l4 4l-4 4z\"", x - 4.0)),
+    };
+    format!("<{tag} {place} fill=\"{colour}\">{told}</{tag}>")
+}
+
 /// The line's dash attribute; none where no line is drawn.
 const fn dashes(mark: Mark) -> Option<&'static str> {
     match mark {
@@ -282,7 +292,8 @@ const fn dashes(mark: Mark) -> Option<&'static str> {
     }
 }
 
-fn draw_series(svg: &mut String, series: &Series, colour: &str, x: &Ruler, y: &Ruler) {
+fn draw_series(svg: &mut String, series: &Series, index: usize, x: &Ruler, y: &Ruler) {
+    let colour = colour(series, index);
     let placed: Vec<Option<[f64; 2]>> = series
         .points
         .iter()
@@ -303,13 +314,10 @@ fn draw_series(svg: &mut String, series: &Series, colour: &str, x: &Ruler, y: &R
     }
     if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
         for (place, [x, y]) in placed.into_iter().zip(&series.points) {
-            let Some([a, b]) = place else { continue };
+            let Some(at) = place else { continue };
             // Shown where the pointer rests on the dot.
-            let told = format!("{}: {}, {}", escape(&series.label), short(*x), short(*y));
-            let _ = writeln!(
-                svg,
-                "<circle cx=\"{a:.1}\" cy=\"{b:.1}\" r=\"3\" fill=\"{colour}\"><title>{told}</title></circle>"
-            );
+            let told = format!("<title>{}: {}, {}</title>", escape(&series.label), short(*x), short(*y));
+            let _ = writeln!(svg, "{}", dot(index, at, colour, &told));
         }
     }
 }
