@@ -103,8 +103,11 @@ macro_rules! kernels {
                                 }
                             }
                         }
-                        for (split, acc) in split.iter_mut().flatten().zip(acc.iter().flatten()) {
-                            split.add(*acc);
+                        // Nested loops are unrolled, and only then do the sums above stay in registers.
+                        for (split, acc) in split.iter_mut().zip(acc) {
+                            for (split, acc) in split.iter_mut().zip(acc) {
+                                split.add(acc);
+                            }
                         }
                     }
                     for (p, split) in split.iter().enumerate() {
