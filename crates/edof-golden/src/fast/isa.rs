@@ -47,7 +47,7 @@ impl Isa {
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl")
             && is_x86_feature_detected!("avx512vnni");
-        let avx512 = avx512.then(|| Self::Avx512(Avx512(())));
+        let avx512 = if avx512 { Some(Self::Avx512(Avx512(()))) } else { None };
         [Some(Self::Portable), avx2, avx512].into_iter().flatten()
     }
 
