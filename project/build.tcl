@@ -12,6 +12,18 @@ proc files {pattern} {
     return [lsort [glob -directory $here $pattern]]
 }
 
+# Vivado would go on without a memory image, with zeros in its place.
+if {[file exists [file join $here manifest.json]]} {
+    set manifest [open [file join $here manifest.json]]
+    foreach {entry path} [regexp -all -inline {"path": "(mem/[^"]+)"} [read $manifest]] {
+        if {![file exists [file join $here $path]]} {
+            puts stderr "build.tcl: $path: this memory image is missing; generate the directory again"
+            exit 1
+        }
+    }
+    close $manifest
+}
+
 # Memory images are found from any working directory: their paths start here.
 create_project -in_memory -part $part
 set_property target_language Verilog [current_project]

@@ -6,5 +6,6 @@ source scripts/prepare.sh
 
 say "building (a few minutes the first time)"
 cargo build --release --locked --package edof-cli
-say "edof demo"
-"${CARGO_TARGET_DIR:-target}/release/edof" demo "$@"
+edof="${CARGO_TARGET_DIR:-target}/release/edof"
+say "edof demo ($edof, $(($(stat -c %s "$edof") / 1000000)) MB)"
+"$edof" demo "$@"

@@ -33,12 +33,24 @@ need_python() {
     python3 -c 'import venv, ensurepip' 2>/dev/null || install_packages python3 python3-venv
 }
 
+# Installs Rust by the system's rustup, where it has one; else says how.
+need_rust() {
+    if ! { command -v apt-cache && apt-cache show rustup; } >/dev/null 2>&1; then
+        fail "no cargo found; install Rust 1.95 or newer by this, then run this again: curl --proto '=https' -sSf https://sh.rustup.rs | sh -s -- -y --profile minimal"
+    fi
+    command -v rustup >/dev/null || install_packages rustup
+    say "installing Rust"
+    rustup default stable >/dev/null || fail "rustup could not install Rust"
+    command -v cargo >/dev/null || PATH="${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
+    command -v cargo >/dev/null || fail "no cargo found although rustup has installed Rust"
+}
+
 # rustup puts cargo here; a shell that was started before does not know.
 if ! command -v cargo >/dev/null && [ -x "${CARGO_HOME:-$HOME/.cargo}/bin/cargo" ]; then
     PATH="${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
 fi
 if ! command -v cargo >/dev/null; then
-    fail "no cargo found; install Rust 1.95 or newer by rustup, then run this again"
+    need_rust
 fi
 if ! command -v cc >/dev/null; then
     install_packages gcc libc6-dev

@@ -82,7 +82,6 @@ const CRATES: &[Row] = &[
         name: "edof-study",
         uses: &[
             "edof-spec",
-            "edof-numerics",
             "edof-sparse",
             "edof-io",
             "edof-optics",

@@ -224,7 +224,7 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     place.edof("study dictionary --images photos --photos all --atoms 12 --patches 400 --rounds 2 --out d.safetensors").done();
     let study = |more: &str| {
         let line = "study single-depth --rows rows.jsonl --camera clear --nets net.safetensors --images photos --psi 2 --noise none \
-                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --csv rows.csv --methods ";
+                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --csv rows.csv --plot p.svg --methods ";
         let out = place.edof(&format!("{line}{more}")).done().out;
         let rows = std::fs::read_to_string(place.path("rows.jsonl")).unwrap();
         (out, rows)
@@ -238,6 +238,7 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     assert!(page.contains("| net.float/s8 less omp/s8 | at least 0 dB |"), "{page}");
     let report = std::fs::read_to_string(place.path("r.html")).unwrap();
     assert!(report.contains("<svg") && !report.contains("src=\"http"));
+    assert!(std::fs::read_to_string(place.path("p.svg")).unwrap().starts_with("<svg"));
     let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
     assert!(csv.starts_with("method,family,") && csv.lines().count() == rows.lines().count(), "{csv}");
     let refused = |options: &str, words: &str| {
@@ -259,7 +260,7 @@ fn timeless(file: &std::path::Path) -> Vec<String> {
     let line = |line: &str| {
         let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
         let fields = row.as_object_mut().unwrap();
-        for time in ["seconds_per_megapixel", "prepare_seconds", "repetitions"] {
+        for time in ["seconds_per_megapixel", "cpu_seconds_per_megapixel", "prepare_seconds", "repetitions"] {
             fields.remove(time);
         }
         row.to_string()
@@ -275,7 +276,7 @@ fn a_study_in_parts_one_of_them_killed_gives_the_same_file_as_a_whole_one() {
     place.float_network("net.safetensors");
     let line = |rows: &str, shard: &str| {
         format!(
-            "study single-depth --rows {rows} --shard {shard} --camera clear --nets net.safetensors --images photos --psi 2,3,4,5,6 \
+            "study single-depth --rows {rows} --shard {shard} --camera clear --nets net.safetensors --images photos --psi 2,4,6 \
              --noise none,0.01 --stride 8 --methods malvar,wiener"
         )
     };
@@ -334,4 +335,36 @@ fn blind_deconvolution_is_tried_on_drawn_blurs() {
     let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
     assert!(csv.starts_with("image,blur,blurred_db,") && csv.lines().count() == 4, "{csv}");
     place.edof("study blind --images photos --side 4").refused(&["--side 4: must be odd"]);
+}
+
+#[test]
+fn knobs_and_foldings_are_drawn_with_their_defaults_and_fronts() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    let line = "study knobs --net net.safetensors --images photos --psi 2 --knobs stride,kernel-energy";
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    place.edof(&format!("{line} --rows whole --markdown k.md")).done();
+    place.edof("study merge 1 2 --out merged --report k.html").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    let page = std::fs::read_to_string(place.path("k.md")).unwrap();
+    let defaults: Vec<&str> = page.lines().filter(|line| line.contains("| default |")).collect();
+    assert!(
+        defaults.len() == 2 && defaults[0].starts_with("| 0.999 |") && defaults[1].starts_with("| 8 |"),
+        "{page}"
+    );
+    let wrong = place.edof(&format!("{line} --rows other --knobs magic"));
+    assert_eq!(wrong.code, Some(2));
+    assert!(wrong.err.contains("knob 'magic': must be one of kernel-energy, "), "{}", wrong.err);
+    place.edof("study merge 1 photos/p03.png --out wrong").refused(&["p03.png: cannot read"]);
+
+    let run = place.edof("study design --weights paper-t4 --csv f.csv --report f.html").done();
+    assert!(run.out.contains("paper-t4") && run.out.contains("ring-2018"), "{}", run.out);
+    let csv = std::fs::read_to_string(place.path("f.csv")).unwrap();
+    assert!(
+        csv.starts_with("network,camera,psnr_db,stages,cycles_per_patch,") && csv.lines().count() > 3,
+        "{csv}"
+    );
 }

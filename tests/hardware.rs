@@ -99,7 +99,7 @@ fn a_generated_design_is_whole_and_the_same_every_time() {
         serde_json::from_slice(&std::fs::read(place.path("one/manifest.json")).unwrap()).unwrap();
     let files = manifest["files"].as_array().unwrap();
     assert!(files.iter().all(|file| place.path("one").join(file["path"].as_str().unwrap()).is_file()));
-    assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 185);
+    assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 189);
 }
 
 #[test]
@@ -120,9 +120,34 @@ fn memory_images_are_found_from_any_directory() {
 }
 
 #[test]
+fn a_missing_memory_image_is_told_before_anything_is_built() {
+    let place = Place::new();
+    place.edof("random-network --design tiny --out drawn.fixed.safetensors").done();
+    place.edof("generate --design tiny --weights drawn.fixed.safetensors --out here").done();
+    let folder = place.path("here");
+    let told = |program: &str, words: &[&str]| {
+        let output = Command::new(program).args(words).current_dir(&folder).output().unwrap();
+        assert!(!output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    std::fs::remove_file(folder.join("mem/stage1_thresholds.hex")).unwrap();
+    for target in ["sim", "synth"] {
+        let said = told("make", &[target, "SIM=icarus"]);
+        assert!(said.contains("mem/stage1_thresholds.hex: this memory image is missing"), "{said}");
+    }
+    let said = told("tclsh", &["build.tcl"]);
+    assert!(said.starts_with("build.tcl: mem/stage1_thresholds.hex: this memory image is missing"), "{said}");
+    assert!(!folder.join("build/icarus").exists());
+}
+
+#[test]
 fn a_network_of_another_form_names_both() {
     let run = Place::new().edof("generate --design kc705 --weights paper-t4 --out x");
-    run.refused(&["network paper-t4 does not fit design kc705", "form"]);
+    run.refused(&[
+        "network paper-t4 does not fit design kc705: it has windows of 8x8, two-sided shrinkage, no linear path, \
+         the design windows of 12x12, one-sided shrinkage, a linear path; use --weights ",
+        "edof-t4w12-outer",
+    ]);
 }
 
 #[test]

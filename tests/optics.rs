@@ -15,7 +15,8 @@ fn json(text: &str) -> Value {
 #[test]
 fn a_camera_is_shown_in_figures_and_numbers() {
     let place = Place::new();
-    let run = place.edof("optics ring-2018 --psi 1,5 --energy 0.99 --nominal 10 --out figures --json").done();
+    let run =
+        place.edof("optics ring-2018 --psi 1,4.1946m --energy 0.99 --nominal 10 --out figures --json").done();
     let shown = json(&run.out);
     let contrast = |depth: usize, channel: usize| {
         shown["depths"][depth]["contrast_quarter_cutoff"][channel].as_f64().unwrap()
@@ -30,6 +31,9 @@ fn a_camera_is_shown_in_figures_and_numbers() {
         assert!(svg.starts_with("<svg") && svg.contains("polyline") || svg.contains("<path"), "{file}");
     }
     assert!(photo::load(&place.path("figures/psf.png")).unwrap().size().1 > 200);
+    assert!((shown["depths"][1]["psi"].as_f64().unwrap() - 5.0).abs() < 1e-3, "{shown}");
+    assert!(std::fs::read_to_string(place.path("figures/mtf.svg")).unwrap().contains("ψ = 5, 4.19 m"));
+    place.edof("optics ring-2018 --psi 3m --out no").refused(&["depth 3m", "--nominal"]);
 }
 
 #[test]
@@ -171,6 +175,46 @@ fn a_lens_with_coma_is_seen_trained_for_and_reconstructed() {
 }
 
 #[test]
+fn a_mask_may_be_a_picture_of_its_heights() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let mask = |height: &dyn Fn(usize) -> f32| {
+        let planes = Array3::from_shape_fn((3, 64, 64), |(_, _, c)| height(c));
+        photo::save(&place.path("mask.png"), &ColourFrame { planes }, 16).unwrap();
+    };
+    let map = "{\"height_map\": {\"file\": \"mask.png\", \"white_um\": 0.8, \"cauchy\": [1.458, 0.00354]},";
+    place.write("mine.json", include_str!("../cameras/clear.json").replacen('{', map, 1));
+    let line = "capture photo.png --camera mine.json --psi 2 --no-measure --out";
+    place.edof(&format!("{line} no.png")).refused(&["mask.png: cannot read"]);
+    // A wedge: the picture moves.
+    mask(&|c| c as f32 / 63.0);
+    place.edof(&format!("{line} raw.png")).done();
+    place.edof("capture photo.png --camera clear --psi 2 --no-measure --out clear.png").done();
+    let [light, without] = ["raw.png", "clear.png"].map(|name| photo::load_grey(&place.path(name)).unwrap());
+    let moved = (light - without).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+    assert!(moved > 0.01, "{moved}");
+    // Frames and networks know which mask it was.
+    place.edof("reconstruct raw.png --weights edof-t4w12 --out no.png").refused(&["was taken by clear"]);
+    let record = json(&std::fs::read_to_string(place.path("raw.png.json")).unwrap());
+    let stated = format!("\"sha256\": {}, \"cauchy\"", record["camera"]["height_map"]["sha256"]);
+    mask(&|_| 0.5);
+    let text = std::fs::read_to_string(place.path("mine.json")).unwrap();
+    place.write("mine.json", text.replace("\"cauchy\"", &stated));
+    place
+        .edof(&format!("{line} no.png"))
+        .refused(&["mask.png: its heights have the SHA-256", "camera clear states"]);
+    place.write("mine.json", text.replace("0.8", "0"));
+    place.edof(&format!("{line} no.png")).refused(&["height_map is 0 um", "more than 0"]);
+    place.write("mine.json", &text);
+    place.photo("mask.png", 64, 48);
+    place.edof(&format!("{line} no.png")).refused(&["mask.png: ", "expected a grey one"]);
+    place
+        .edof("capture photo.png --camera mine.json --psi 2 --no-measure --out mask.png")
+        .refused(&["mask.png"]);
+    assert!(!place.path("no.png").exists());
+}
+
+#[test]
 fn a_photograph_with_a_depth_map_is_captured_and_reconstructed() {
     let place = Place::new();
     place.photo("photo.png", 97, 64);
@@ -254,4 +298,72 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
         place.edof(line).refused(&words);
         assert_eq!(place.files(), before, "{line}");
     }
+}
+
+/// A background, and a card in front of its left half.
+fn layers(place: &Place) {
+    place.photo("room.png", 64, 48);
+    let mut card = ColourFrame::zeros(48, 64);
+    card.planes.fill(0.8);
+    edof_io::photo::save(&place.path("card.png"), &card, 8).unwrap();
+    let mut matte = ColourFrame::zeros(48, 64);
+    matte.planes.slice_mut(ndarray::s![.., .., ..32]).fill(1.0);
+    edof_io::photo::save(&place.path("matte.png"), &matte, 8).unwrap();
+}
+
+const SCENE: &str = r#"{"layers": [{"picture": "room.png", "depth": 0},
+    {"picture": "card.png", "matte": "matte.png", "depth": 4.5}]}"#;
+
+#[test]
+fn a_scene_of_layers_is_captured_with_its_occlusion() {
+    let place = Place::new();
+    layers(&place);
+    place.write("scene.json", SCENE);
+    let capture = "capture scene.json --camera clear --tone linear --no-measure";
+    place.edof(&format!("{capture} --out raw.png --sharp sharp.png --light light.png")).done();
+    let [room, sharp, light] = ["room.png", "sharp.png", "light.png"]
+        .map(|name| edof_io::photo::load(&place.path(name)).unwrap().planes);
+    for ((p, r, c), value) in sharp.indexed_iter() {
+        let expected = if c < 32 { 0.8 } else { room[(p, r, c)] };
+        assert!((value - expected).abs() < 2.0 / 255.0, "row {r}, column {c}: {value}, not {expected}");
+    }
+    // The lens is focused on the room; the card in front of it is blurred over its edge, and not farther.
+    let alone = "capture room.png --psi 0 --camera clear --tone linear --no-measure --out alone.png --light without.png";
+    place.edof(alone).done();
+    let without = edof_io::photo::load(&place.path("without.png")).unwrap().planes;
+    let over_the_edge = |column: usize| light[(1, 24, column)] - without[(1, 24, column)];
+    assert!(over_the_edge(33) > 0.015 && over_the_edge(60).abs() < 0.005, "{}", over_the_edge(33));
+    let text = std::fs::read_to_string(place.path("raw.png.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(record["psi"], serde_json::json!([0.0, 4.5]));
+    let metres = SCENE.replace("4.5", "\"2m\"").replace("\"depth\": 0}", "\"depth\": \"infm\"}");
+    place.write("scene.json", metres);
+    place.edof(&format!("{capture} --nominal inf --out metres.png")).done();
+}
+
+#[test]
+fn layers_that_make_no_scene_are_told_by_file_and_place() {
+    let place = Place::new();
+    layers(&place);
+    place.photo("small.png", 32, 48);
+    let refused = |scene: &str, more: &str, words: &[&str]| {
+        place.write("scene.json", scene);
+        let before = place.snapshot();
+        place.edof(&format!("capture scene.json --camera clear --out raw.png {more}")).refused(words);
+        assert_eq!(place.snapshot(), before, "{scene}");
+    };
+    refused("{", "", &["scene.json: no scene of layers: "]);
+    refused(r#"{"layers": []}"#, "", &["scene.json: 0 layers, expected 1 to 64"]);
+    refused(r#"{"layers": [{"picture": "room.png", "depth": 0, "blur": 1}]}"#, "", &["unknown field `blur`"]);
+    refused(&SCENE.replace(r#", "matte": "matte.png""#, ""), "", &["scene.json: layer 1 has no matte"]);
+    let matted = r#"{"layers": [{"picture": "room.png", "matte": "matte.png", "depth": 0}]}"#;
+    refused(matted, "", &["scene.json: its first layer has a matte"]);
+    refused(&SCENE.replace("matte.png", "small.png"), "", &["small.png: "]);
+    refused(&SCENE.replace("card.png", "none.png"), "", &["none.png: cannot read"]);
+    refused(&SCENE.replace("card.png", "small.png"), "", &["matte.png: 64x48, expected 32x48 as small.png"]);
+    refused(&SCENE.replace("4.5", "\"near\""), "", &["scene.json: layer 1: depth 'near': must be a psi"]);
+    refused(&SCENE.replace("4.5", "1e9"), "", &["psi"]);
+    refused(SCENE, "--psi 3", &["--psi: scene.json says it for each of its layers"]);
+    refused(SCENE, "--sharp card.png", &["--sharp card.png: would replace "]);
+    refused(SCENE, "--json matte.png", &["--json matte.png: would replace "]);
 }

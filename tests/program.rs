@@ -3,6 +3,7 @@
 mod architecture;
 mod bad_input;
 mod board;
+mod developing;
 mod happy;
 mod hardware;
 mod optics;
@@ -13,5 +14,6 @@ mod stopping;
 mod support;
 mod tone;
 mod too_big;
+mod tools;
 mod workspace;
 mod wrong_files;

@@ -4,7 +4,7 @@
 use crate::support::Place;
 
 /// Commands with a gap for the file that is wrong.
-const COMMANDS: [&str; 46] = [
+const COMMANDS: [&str; 50] = [
     "reconstruct {} --weights net.fixed.safetensors --out o.png",
     "reconstruct raw.png --weights {} --out o.png",
     "reconstruct raw.png --float --weights {} --out o.png",
@@ -29,6 +29,10 @@ const COMMANDS: [&str; 46] = [
     "study multi-depth --clear-net {}",
     "study multi-depth --dictionary {}",
     "study merge {} --out o",
+    "study knobs --rows o --images photos --net {}",
+    "study knobs --rows o --images {} --net net.safetensors",
+    "study blind --images {}",
+    "study design --weights {}",
     "demo --net {} --out o",
     "demo --clear-net {} --out o",
     "estimate --design {}",
@@ -122,7 +126,7 @@ const CAPTURE: &str = "capture photo.png --no-measure --out o.png";
 const TRAIN: &str = "train --form two-sided,w8,t2,c8 --camera clear --images photos --photos all --out o";
 
 /// Commands and, for each of their options, values that it cannot have. What is refused as usage has exit status 2.
-const OPTIONS: [(&str, &[&str]); 20] = [
+const OPTIONS: [(&str, &[&str]); 21] = [
     (
         RECONSTRUCT,
         &[
@@ -154,6 +158,20 @@ const OPTIONS: [(&str, &[&str]); 20] = [
             "--json raw.png",
             "--board --float",
             "--fixed --float",
+            "--black-level 70000",
+            "--black-level -1",
+            "--black-level 1,2",
+            "--white-level 0",
+            "--white-level 70000",
+            "--white-level nan",
+            "--white-balance 1,0,1",
+            "--white-balance 1,1",
+            "--white-balance 1,1,1 --board",
+            "--colour-matrix 1,0,0",
+            "--colour-matrix 1,0,0,0,1,0,0,0,9",
+            "raw.png",
+            "photo.png",
+            "--out folder",
             "--no-such",
         ],
     ),
@@ -172,6 +190,8 @@ const OPTIONS: [(&str, &[&str]); 20] = [
             "--psi 1 --nominal nan",
             "--psi 1 --depth 7",
             "--psi 1 --depth 99",
+            "--psi 1 --black-level 4096",
+            "--psi 1 --black-level -1",
             "--psi 1 --noise -1",
             "--psi 1 --noise 2",
             "--psi 1 --noise sensor:gain=0",
@@ -366,6 +386,18 @@ const OPTIONS: [(&str, &[&str]); 20] = [
             "--methods none",
             "--noise loud",
             "--stride 3",
+        ],
+    ),
+    (
+        "study knobs --rows o --images photos --net net.safetensors --knobs stride",
+        &[
+            "--knobs magic",
+            "--psi 900",
+            "--psi nan",
+            "--noise loud",
+            "--shard 2/1",
+            "--photos 99",
+            "--net none",
         ],
     ),
     (

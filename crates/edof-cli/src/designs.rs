@@ -1,8 +1,9 @@
 //! Designs by name or by file: `kc705` stands for `designs/kc705.json`, which travels inside the program.
 
 use crate::error::Error;
-use edof_spec::Design;
+use crate::weights;
 use edof_spec::provenance::{Input, InputKind};
+use edof_spec::{Design, FixedNetwork};
 use std::path::Path;
 
 /// The designs inside the program.
@@ -36,6 +37,21 @@ pub fn load(name_or_path: &str) -> Result<Design, Error> {
 /// None, unless the program was built from broken ones.
 pub fn all() -> Result<Vec<Design>, Error> {
     EMBEDDED.iter().map(|(_, text)| Ok(Design::from_json(text)?)).collect()
+}
+
+/// Holds a network against a design, for who chose both by name.
+///
+/// # Errors
+/// They do not fit each other: in what, and what would.
+pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), Error> {
+    let Err(misfit) = design.check_network(network) else { return Ok(()) };
+    let fitting = |name: &&str| weights::fixed(name).is_ok_and(|own| design.check_network(&own).is_ok());
+    let own: Vec<&str> = weights::names().into_iter().filter(fitting).collect();
+    let instead = match own[..] {
+        [] => format!("draw one that does by 'edof random-network --design {}'", design.name),
+        _ => format!("use --weights {}", own.join(" or ")),
+    };
+    Err(Error::message(format!("{misfit}; {instead}")))
 }
 
 /// A design as the input of a result, by its JSON.

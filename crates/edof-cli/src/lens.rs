@@ -1,6 +1,7 @@
 //! The camera that a command is told of, with PSFs of its own in place of its lens's where it is told of any, and depths before it.
 
 use crate::error::Error;
+use edof_io::photo;
 use edof_optics::bank;
 use edof_optics::depth::psi_at;
 use edof_spec::Camera;
@@ -19,7 +20,10 @@ pub struct Lens {
 /// No such camera, or PSFs that cannot be used.
 pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, Error> {
     let mut files = vec![PathBuf::from(name)];
-    let mut camera = Camera::resolve(name)?;
+    let mut camera = self::camera(name)?;
+    if let Some(map) = &camera.height_map {
+        files.push(folder(Path::new(name)).join(&map.file));
+    }
     if let Some(own) = &camera.psf_bank {
         files.push(folder(Path::new(name)).join(&own.file));
     }
@@ -35,6 +39,26 @@ pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, Error> {
         camera.psi_range = camera.psi_range.map(|psi| psi.clamp(low, high));
     }
     Ok(Lens { camera, files })
+}
+
+/// A camera by name or file, with its PSF bank and the picture of its mask.
+///
+/// # Errors
+/// No such camera, or a file that it names and that cannot be used.
+pub fn camera(name: &str) -> Result<Camera, Error> {
+    let mut camera = Camera::resolve(name)?;
+    read_mask(&mut camera, folder(Path::new(name)))?;
+    Ok(camera)
+}
+
+/// Reads the picture of a camera's mask, if it has one, from a folder.
+///
+/// # Errors
+/// No picture, or none that the camera means.
+pub fn read_mask(camera: &mut Camera, folder: &Path) -> Result<(), Error> {
+    let Some(map) = &mut camera.height_map else { return Ok(()) };
+    let path = folder.join(&map.file);
+    Ok(map.take(photo::load_grey(&path)?, path, &camera.name)?)
 }
 
 fn folder(file: &Path) -> &Path {

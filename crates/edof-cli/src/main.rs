@@ -36,6 +36,7 @@ mod memory;
 mod npz;
 mod pictures;
 mod provenance;
+mod scene_file;
 mod sources;
 mod ui;
 mod weights;

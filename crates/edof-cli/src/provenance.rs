@@ -5,9 +5,9 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use edof_spec::provenance::{Host, Provenance};
 
 /// Options that no byte of a result depends on: where files lie, how much is told, on how many threads.
-const NOT_IN_RESULTS: [&str; 16] = [
+const NOT_IN_RESULTS: [&str; 17] = [
     "json", "quiet", "out", "images", "report", "sharp", "light", "resume", "threads", "waveform", "junit",
-    "words", "rows", "markdown", "csv", "shard",
+    "words", "rows", "markdown", "csv", "shard", "plot",
 ];
 
 /// The record of this run, as far as it is known before the work begins.

@@ -1,5 +1,6 @@
 //! The sources of a bitstream: everything that `edof generate` and `edof demo` write for a board.
 
+use crate::designs;
 use crate::error::Error;
 use crate::folder::{self, Contents};
 use edof_cosim::system::{self, TableWords};
@@ -78,7 +79,7 @@ impl Sources {
 
 /// The sources, with the display tables that a board starts with and words that its benches try it with.
 fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, Error> {
-    design.check_network(network)?;
+    designs::fits(design, network)?;
     let display = Display::default();
     let words = TableWords::of(&display);
     let identity = Identity {

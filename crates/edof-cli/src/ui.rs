@@ -114,7 +114,9 @@ impl Ui {
         } else {
             ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden())
         };
-        Progress { bar, what, plain: !terminal && !self.quiet, last_line: Mutex::new(Instant::now()) }
+        let plain =
+            (!terminal && !self.quiet).then(|| Mutex::new(Plain { last: Instant::now(), first: None }));
+        Progress { bar, what, plain }
     }
 }
 
@@ -122,24 +124,31 @@ impl Ui {
 pub struct Progress {
     bar: ProgressBar,
     what: String,
-    plain: bool,
-    last_line: Mutex<Instant>,
+    plain: Option<Mutex<Plain>>,
+}
+
+/// Progress in lines.
+struct Plain {
+    /// When the last one was written.
+    last: Instant,
+    /// When the first step was told of, and which it was: a job that goes on did those before it another time.
+    first: Option<(Instant, u64)>,
 }
 
 impl Progress {
     /// Steps done in all.
     pub fn set(&self, position: u64) {
         self.bar.set_position(position);
-        if !self.plain {
-            return;
-        }
-        let Ok(mut last) = self.last_line.lock() else { return };
-        if last.elapsed() >= PLAIN_EVERY {
-            *last = Instant::now();
+        let Some(plain) = &self.plain else { return };
+        let Ok(mut plain) = plain.lock() else { return };
+        let (begun, first) = *plain.first.get_or_insert_with(|| (Instant::now(), position));
+        if plain.last.elapsed() >= PLAIN_EVERY {
+            plain.last = Instant::now();
             let message = self.bar.message();
             let gap = if message.is_empty() { "" } else { " " };
             let total = self.bar.length().unwrap_or(0);
-            crate::ui::last_line(&format!("{}: {position}/{total}{gap}{message}", self.what));
+            let left = left(begun.elapsed(), position.saturating_sub(first), total.saturating_sub(position));
+            crate::ui::last_line(&format!("{}: {position}/{total}{left}{gap}{message}", self.what));
         }
     }
 
@@ -158,6 +167,19 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// What is left of a job of equal steps, in words.
+fn left(elapsed: Duration, done: u64, to_do: u64) -> String {
+    if done == 0 || to_do == 0 {
+        return String::new();
+    }
+    let seconds = elapsed.as_secs_f64() * to_do as f64 / done as f64;
+    match seconds {
+        0.0..90.0 => format!(", {seconds:.0} s left"),
+        90.0..5400.0 => format!(", {:.0} min left", seconds / 60.0),
+        _ => format!(", {:.1} h left", seconds / 3600.0),
     }
 }
 
@@ -189,6 +211,15 @@ pub fn last_line(line: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_follows_from_what_was_done() {
+        let left = |seconds, done, to_do| left(Duration::from_secs(seconds), done, to_do);
+        assert_eq!(left(10, 5, 20), ", 40 s left");
+        assert_eq!(left(60, 1, 9), ", 9 min left");
+        assert_eq!(left(600, 1, 12), ", 2.0 h left");
+        assert_eq!((left(10, 0, 5), left(10, 5, 0)), (String::new(), String::new()));
+    }
 
     #[test]
     fn days_have_their_dates() {

@@ -6,6 +6,7 @@
 //! from every directory, and a newly trained one takes precedence where it lies.
 
 use crate::error::Error;
+use crate::lens;
 use edof_spec::fixed_network::FixedNetwork;
 use edof_spec::network::Network;
 use edof_spec::provenance::{Input, InputKind};
@@ -37,11 +38,12 @@ pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, Error> {
     Ok(network)
 }
 
-/// Reads the PSFs that a network's camera has of its own, from beside the network or from the working directory. Where they are in
-/// neither, whoever needs them is told so ([`edof_optics::psf::NoPsf::Missing`]); a network can be run without.
+/// Reads the PSFs or the mask's surface that a network's camera has of its own, from beside the network or from the working directory.
+/// Where they are in neither, whoever needs them is told so ([`edof_optics::psf::NoPsf`]); a network can be run without.
 fn find_bank(camera: &mut Camera, network: &Path) {
     let folders = [network.parent().unwrap_or(Path::new("")), Path::new("")];
     let _ = folders.into_iter().find(|folder| camera.read_bank(folder).is_ok());
+    let _ = folders.into_iter().find(|folder| lens::read_mask(camera, folder).is_ok());
 }
 
 /// A float network's file as an input, with the hash that [`FixedNetwork::float_hash`] states.

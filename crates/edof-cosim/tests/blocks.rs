@@ -172,7 +172,9 @@ fn window_guard() {
 #[test]
 fn registers() {
     let shifts = [3, 9].map(|result| Shifts { result, base: 5, code: 2, linear: 7 });
-    agree(Registers::new(shifts, true), RESET as usize, &[], |b, draw, last| {
+    let text = shifts.map(|shifts| format!("{:05x}\n", shifts.word())).concat();
+    let (image, images) = ("mem/shifts.hex".to_owned(), [("mem/shifts.hex".to_owned(), text)]);
+    agree_with_images(Registers::new(image, shifts, true), RESET as usize, &[], &images, |b, draw, last| {
         b.reset.next = last.cycle < RESET || draw.whole(0, 100) == 0;
         b.write_enable.next = bit(draw);
         b.write_row.next = (draw.whole(0, 4) as u64).into();

@@ -12,13 +12,17 @@ use edof_spec::draw::Draw;
 use edof_spec::weight_file;
 use std::collections::BTreeSet;
 
+/// The design with a trained network in one set and an extreme one in the other: one setup of each, whose simulation takes a minute to compile.
+fn setup(name: &str, weights: &str) -> Setup {
+    let design = committed(name);
+    let file = root().join(format!("weights/{weights}.fixed.safetensors"));
+    let extreme = edof_random::for_design(&design, 1);
+    Setup::new_with(design, [weight_file::load_fixed(&file).unwrap(), extreme])
+}
+
 /// 2,000 patches, natural and extreme, zeros skipped and not, with and without stalls.
 fn agrees_in_every_word_and_cycle(name: &str, weights: &str) {
-    let design = committed(name);
-    let trained =
-        weight_file::load_fixed(&root().join(format!("weights/{weights}.fixed.safetensors"))).unwrap();
-    let extreme = edof_random::for_design(&design, 1);
-    let setup = Setup::new_with(design, [trained, extreme]);
+    let setup = setup(name, weights);
     for (seed, skip, stalled, count) in
         [(1, true, 0, 800), (2, false, 0, 600), (3, true, 60, 400), (4, false, 160, 200)]
     {
@@ -51,9 +55,7 @@ fn places(stage: &StagePlan) -> Vec<Space> {
 /// What is written to far corners of all memories stays there, and is read back from there.
 #[test]
 fn every_bit_of_an_address_of_kc705_is_looked_at_in_writing_and_in_reading() {
-    let design = committed("kc705");
-    let networks = [1, 2].map(|seed| edof_random::for_design(&design, seed));
-    let setup = Setup::new_with(design, networks);
+    let setup = setup("kc705", "edof-t4w12-outer");
     let (mut device, draw) = (setup.start(1), &mut Draw::new(1));
     reset(&mut device);
     let stages: Vec<StagePlan> = setup.design.stages().collect();

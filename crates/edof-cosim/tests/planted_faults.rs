@@ -64,10 +64,16 @@ fn a_wrong_shift() {
     let design = committed("tiny");
     let shifts = Shifts::of(&moderate(&design, 5), &design.stage(3));
     let wrong = Shifts { result: shifts.result + 1, ..shifts };
-    let start = |shifts: Shifts| format!(".START_0(20'h{:x})", shifts.word());
+    let image = memory::shift_image(&design.stage(3));
     let first = patches(&design, 60, 1).iter().position(|patch| patch.set == memory::Set::First).unwrap();
 
-    let difference = found(|p| replaced(p, "stages_3", &start(shifts), &start(wrong)));
+    let difference = found(|mut project| {
+        let (_, words) = project.memory.iter_mut().find(|(name, _)| *name == image).unwrap();
+        let word = |shifts: Shifts| format!("{:05x}\n", shifts.word());
+        assert!(words.starts_with(&word(shifts)));
+        *words = words.replacen(&word(shifts), &word(wrong), 1);
+        project
+    });
 
     assert_eq!((difference.fault, difference.stage.as_str()), (Fault::Word, "F"));
     assert_eq!((difference.patch, difference.element), (first as u64, 0));

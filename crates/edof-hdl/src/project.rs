@@ -3,7 +3,8 @@
 use crate::blocks::chain::Chain;
 use crate::describe::Circuit;
 use crate::verilog::{EmitError, Port, emit};
-use edof_spec::design::{Design, DesignError, memory};
+use edof_spec::design::memory::{self, Shifts};
+use edof_spec::design::{Design, DesignError};
 use edof_spec::{FixedNetwork, fixed_network::FixedNetworkError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -102,6 +103,8 @@ pub fn images(design: &Design, sets: [&FixedNetwork; 2]) -> Vec<(String, String)
             let words = sets.iter().flat_map(|network| memory::threshold_words(network, &stage, before));
             images.push((memory::threshold_image(&stage, before), hexadecimal(words.map(u64::from), 8)));
         }
+        let shifts = sets.iter().map(|network| u64::from(Shifts::of(network, &stage).word()));
+        images.push((memory::shift_image(&stage), hexadecimal(shifts, 5)));
     }
     images
 }

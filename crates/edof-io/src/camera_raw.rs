@@ -1,4 +1,5 @@
-//! Camera raw files (DNG, CR2, NEF, ARW, …) as raw frames, by the crate `rawler`; only with the feature `camera-raw`.
+//! Camera raw files of makers' own formats (CR2, NEF, ARW, …) as raw frames, by the crate `rawler`; only with the feature `camera-raw`. DNG
+//! needs no such feature ([`crate::dng`]), but for those that are compressed in rarer ways.
 //!
 //! Black levels are taken off and white becomes full scale, so that the frame is linear light of 16 bits; borders that the
 //! sensor keeps dark are cut off; the Bayer phase is the file's own. Why a feature: `docs/decisions/0004-camera-raw.md`.
@@ -7,15 +8,14 @@ use edof_spec::RawFrame;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that are taken for camera raw.
-const ENDINGS: [&str; 12] =
-    ["dng", "cr2", "cr3", "nef", "nrw", "arw", "raf", "rw2", "orf", "pef", "srw", "3fr"];
+const ENDINGS: [&str; 11] = ["cr2", "cr3", "nef", "nrw", "arw", "raf", "rw2", "orf", "pef", "srw", "3fr"];
 
 /// A camera raw file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum CameraRawError {
     /// The program was built without the feature.
-    #[error("{path}: camera raw needs a build with --features camera-raw; or convert it to a 16-bit PNG, TIFF or PGM", path = path.display())]
+    #[error("{path}: camera raw needs a build with --features camera-raw; or convert it to DNG, or a 16-bit PNG, TIFF or PGM", path = path.display())]
     NotBuiltIn { path: PathBuf },
     /// Damaged, or of a camera that is not known.
     #[error("{path}: cannot read camera raw: {reason}", path = path.display())]
@@ -124,15 +124,15 @@ mod tests {
 
     #[test]
     fn camera_raw_is_told_by_its_ending() {
-        assert!(is_camera_raw(Path::new("a/IMG_1.DNG")) && is_camera_raw(Path::new("x.nef")));
+        assert!(is_camera_raw(Path::new("a/IMG_1.CR3")) && is_camera_raw(Path::new("x.nef")));
         assert!(!is_camera_raw(Path::new("x.png")) && !is_camera_raw(Path::new("dng")));
     }
 
     #[cfg(not(feature = "camera-raw"))]
     #[test]
     fn a_build_without_the_feature_says_what_would_help() {
-        let error = load(Path::new("x.dng")).unwrap_err().to_string();
-        assert!(error.starts_with("x.dng: camera raw needs a build with --features camera-raw"), "{error}");
+        let error = load(Path::new("x.nef")).unwrap_err().to_string();
+        assert!(error.starts_with("x.nef: camera raw needs a build with --features camera-raw"), "{error}");
     }
 
     #[cfg(feature = "camera-raw")]

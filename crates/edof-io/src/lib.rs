@@ -5,8 +5,11 @@
 //! | photographs: PNG, JPEG, WebP, TIFF, BMP, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
 //! | raw frames: PNG, TIFF, PGM, and headerless files | [`raw`], whose pixels may be packed [`packing`] |
 //! | what a raw frame knows of itself: phase, sensor, camera, depth | [`record`] |
+//! | what its values are of light: black and white level | [`levels`] |
+//! | from its colours to those of a screen: white balance, colour matrix | [`rendering`] |
 //! | whether it was read as it was taken | [`doubt`] |
-//! | camera raw (DNG and friends), with the feature `camera-raw` | [`camera_raw`] |
+//! | DNG: a camera's raw frame with its levels and colours | [`dng`] |
+//! | other cameras' raw files, with the feature `camera-raw` | [`camera_raw`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
@@ -28,11 +31,14 @@
 //! ```
 
 pub mod camera_raw;
+pub mod dng;
 pub mod doubt;
+pub mod levels;
 pub mod packing;
 pub mod photo;
 pub mod picture;
 pub mod pnm;
 pub mod raw;
 pub mod record;
+pub mod rendering;
 pub mod samples;

@@ -2,7 +2,11 @@
 
 use crate::pnm;
 use crate::samples::Samples;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use image::codecs::jpeg::JpegDecoder;
+use image::codecs::png::PngEncoder;
+use image::codecs::tiff::TiffEncoder;
+use image::codecs::webp::WebPDecoder;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageResult, Limits};
 use ndarray::{Array3, ArrayView3};
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -156,13 +160,21 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Samples, PictureError> {
     Ok(Samples { planes, full_scale })
 }
 
-fn image(bytes: &[u8], format: ImageFormat) -> image::ImageResult<DynamicImage> {
-    let reader = ImageReader::with_format(Cursor::new(bytes), format);
-    // A mosaic keeps its rows and columns whatever its file says.
-    if !matches!(format, ImageFormat::Jpeg | ImageFormat::WebP) {
-        return reader.decode();
+/// By the decoders that are compiled in their own crate, where there are any: generic ones would all be compiled here again.
+fn image(bytes: &[u8], format: ImageFormat) -> ImageResult<DynamicImage> {
+    match format {
+        ImageFormat::Jpeg => turned(JpegDecoder::new(Cursor::new(bytes))?),
+        ImageFormat::WebP => turned(WebPDecoder::new(Cursor::new(bytes))?),
+        // A mosaic keeps its rows and columns whatever its file says.
+        _ => image::load_from_memory_with_format(bytes, format),
     }
-    let mut decoder = reader.into_decoder()?;
+}
+
+/// A photograph as its camera was held.
+fn turned(mut decoder: impl ImageDecoder) -> ImageResult<DynamicImage> {
+    let mut limits = Limits::default();
+    limits.reserve(decoder.total_bytes())?;
+    decoder.set_limits(limits)?;
     let orientation = decoder.orientation()?;
     let mut image = DynamicImage::from_decoder(decoder)?;
     image.apply_orientation(orientation);
@@ -193,15 +205,19 @@ pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
     let refused = |reason: String| PictureError::Encode { path: path.to_owned(), width, height, reason };
     let bytes = match format {
         Format::Pnm => pnm::encode(samples),
-        Format::Png => picture(samples).and_then(|i| encode(&i, ImageFormat::Png)).map_err(refused)?,
-        _ => picture(samples).and_then(|i| encode(&i, ImageFormat::Tiff)).map_err(refused)?,
+        format => picture(samples).and_then(|image| encoded(&image, format)).map_err(refused)?,
     };
     Ok(edof_spec::atomic::write(path, &bytes)?)
 }
 
-fn encode(image: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>, String> {
+/// As PNG, or else as TIFF.
+fn encoded(image: &DynamicImage, format: Format) -> Result<Vec<u8>, String> {
     let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, format).map_err(|e| e.to_string())?;
+    match format {
+        Format::Png => image.write_with_encoder(PngEncoder::new(&mut bytes)),
+        _ => image.write_with_encoder(TiffEncoder::new(&mut bytes)),
+    }
+    .map_err(|e| e.to_string())?;
     Ok(bytes.into_inner())
 }
 
@@ -228,6 +244,12 @@ fn picture(samples: &Samples) -> Result<DynamicImage, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn encode(image: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>, String> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).map_err(|e| e.to_string())?;
+        Ok(bytes.into_inner())
+    }
 
     #[test]
     fn every_format_keeps_every_sample() {

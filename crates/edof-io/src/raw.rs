@@ -7,13 +7,17 @@
 //! | PGM | what the file states | at the bottom, for a maximum of 2^depth − 1; else as in PNG |
 //! | headerless 16-bit words | 65535 | at the bottom, unless stated otherwise |
 //! | headerless 8-bit or packed 12-bit pixels ([`crate::packing`]) | 255, 4095 | all bits are there |
-//! | camera raw ([`crate::camera_raw`]) | what the file states | the file states its phase, too |
+//! | DNG ([`crate::dng`]) | what the file states | the file states its phase, too |
+//! | other camera raw ([`crate::camera_raw`]) | what the file states | the file states its phase, too |
 //!
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
 use crate::camera_raw::{self, CameraRawError};
+use crate::dng::{self, Dng};
+use crate::levels::Levels;
 use crate::packing::{ByteOrder, Packing};
 use crate::picture::{self, Format, PictureError};
+use crate::rendering::Rendering;
 use crate::samples::Samples;
 use edof_spec::frame::FrameError;
 use edof_spec::{CfaPhase, RawFrame};
@@ -149,14 +153,49 @@ impl std::str::FromStr for Size {
     }
 }
 
-/// Reads a raw frame.
+/// A raw frame, and what its file says of its levels and colours, where it says anything.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Opened {
+    /// The sensor's values.
+    pub frame: RawFrame,
+    /// What darkness and full light are among them.
+    pub levels: Option<Levels>,
+    /// What its camera would do to the colours.
+    pub rendering: Rendering,
+}
+
+/// Reads a raw frame with what its file says of it.
+///
+/// # Errors
+/// Any [`RawError`], naming the file.
+pub fn open(path: &Path, options: &RawOptions) -> Result<Opened, RawError> {
+    let alone = |frame| Opened { frame, levels: None, rendering: Rendering::default() };
+    if dng::is_dng(path) {
+        let bytes = std::fs::read(path).map_err(cannot_read(path))?;
+        return match dng::decode(&bytes, path) {
+            Ok(Dng { frame, levels, rendering }) => Ok(Opened { frame, levels: Some(levels), rendering }),
+            // Of a kind that is rarer than it is worth here.
+            Err(CameraRawError::Decode { .. }) if cfg!(feature = "camera-raw") => {
+                Ok(alone(camera_raw::load(path)?))
+            }
+            Err(error) => Err(error.into()),
+        };
+    }
+    if camera_raw::is_camera_raw(path) {
+        return Ok(alone(camera_raw::load(path)?));
+    }
+    Ok(alone(picture_or_headerless(path, options)?))
+}
+
+/// A raw frame alone.
 ///
 /// # Errors
 /// Any [`RawError`], naming the file.
 pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
-    if camera_raw::is_camera_raw(path) {
-        return Ok(camera_raw::load(path)?);
-    }
+    Ok(open(path, options)?.frame)
+}
+
+fn picture_or_headerless(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
     let (mut file, mut bytes) = picture::open(path)?;
     if let Some(depth) = options.depth.filter(|d| !(8..=16).contains(d)) {
         return Err(RawError::Frame { path: path.to_owned(), source: FrameError::Depth(depth) });

@@ -3,7 +3,9 @@
 //! A mosaic looks alike in every phase and behind every lens, and a network that is given the wrong one makes a wrong picture
 //! without complaint. So [`crate::raw`]'s files carry what they cannot say themselves.
 
+use crate::levels::{Black, Levels};
 use crate::raw::{Alignment, RawOptions};
+use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
 use edof_spec::atomic::{self, WriteError};
 use edof_spec::provenance::{Input, Provenance};
 use edof_spec::{Camera, CfaPhase, Noise, RawFrame, Tone};
@@ -21,7 +23,16 @@ pub struct RawRecord {
     /// Where in the file's words values of fewer than 16 bits lie.
     pub alignment: Alignment,
     /// Sensor value of no light.
-    pub black_level: u16,
+    pub black_level: Black,
+    /// Sensor value of full light, where that is not the end of its bits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub white_level: Option<f64>,
+    /// What makes white of what the sensor sees of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub white_balance: Option<WhiteBalance>,
+    /// From balanced colours of the sensor to linear sRGB.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour_matrix: Option<ColourMatrix>,
     /// The camera.
     pub camera: Camera,
     /// Defocus of each layer of the scene, at the camera's reference wavelength.
@@ -98,6 +109,20 @@ pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
     serde_json::from_str(&text).map(Some).map_err(|source| RecordError::Foreign { path, source })
 }
 
+fn agree(
+    raw: &Path,
+    option: &'static str,
+    given: Option<String>,
+    recorded: String,
+) -> Result<(), RecordError> {
+    match given {
+        Some(given) if given != recorded => {
+            Err(RecordError::Contradicted { path: path_of(raw), option, given, recorded })
+        }
+        _ => Ok(()),
+    }
+}
+
 impl RawRecord {
     /// Options that read the frame as it was written; `given` are the user's, each of which may be left out.
     ///
@@ -109,12 +134,7 @@ impl RawRecord {
         given: RawOptions,
         phase: Option<CfaPhase>,
     ) -> Result<RawOptions, RecordError> {
-        let agree = |option, given: Option<String>, recorded: String| match given {
-            Some(given) if given != recorded => {
-                Err(RecordError::Contradicted { path: path_of(raw), option, given, recorded })
-            }
-            _ => Ok(()),
-        };
+        let agree = |option, given, recorded| agree(raw, option, given, recorded);
         agree("phase", phase.map(|p| p.to_string()), self.phase.to_string())?;
         agree("depth", given.depth.map(|d| d.to_string()), self.depth.to_string())?;
         agree("align", given.alignment.map(|a| a.to_string()), self.alignment.to_string())?;
@@ -124,6 +144,29 @@ impl RawRecord {
             alignment: Some(self.alignment),
             ..given
         })
+    }
+
+    /// What darkness and full light are in the frame; `given` are the user's.
+    ///
+    /// # Errors
+    /// [`RecordError::Contradicted`] for the first that differs.
+    pub fn levels(
+        &self,
+        raw: &Path,
+        black: Option<Black>,
+        white: Option<f64>,
+    ) -> Result<Levels, RecordError> {
+        let recorded = Levels { black: self.black_level, white: self.white_level };
+        agree(raw, "black-level", black.map(|b| b.to_string()), recorded.black.to_string())?;
+        let full = f64::from(1u32 << self.depth.min(16));
+        agree(raw, "white-level", white.map(|w| w.to_string()), recorded.white.unwrap_or(full).to_string())?;
+        Ok(recorded)
+    }
+
+    /// What is to be done with the picture's colours.
+    #[must_use]
+    pub const fn rendering(&self) -> Rendering {
+        Rendering { white_balance: self.white_balance, matrix: self.colour_matrix }
     }
 
     /// # Errors
@@ -151,7 +194,10 @@ mod tests {
             phase,
             depth: 12,
             alignment: alignment_of(&path),
-            black_level: 0,
+            black_level: Black::from(64),
+            white_level: None,
+            white_balance: Some(WhiteBalance::try_from([2.0, 1.0, 1.5]).unwrap()),
+            colour_matrix: None,
             camera: Camera::resolve("clear").unwrap(),
             psi: vec![8.0],
             tone: Tone::Linear,
@@ -201,6 +247,10 @@ mod tests {
             refused(RawOptions { alignment: Some(Alignment::Bottom), ..plain }, None).contains("says top")
         );
         assert!(record.options(&path, plain, Some(CfaPhase::Gbrg)).is_ok());
+        let levels = |black: Option<u16>, white| record.levels(&path, black.map(Black::from), white);
+        assert!(levels(Some(0), None).unwrap_err().to_string().ends_with("says 64; leave --black-level out"));
+        assert!(levels(None, Some(4000.0)).unwrap_err().to_string().contains("says 4096"));
+        assert_eq!(levels(Some(64), Some(4096.0)).unwrap(), Levels { black: 64.into(), white: None });
     }
 
     #[test]

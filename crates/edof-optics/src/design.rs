@@ -177,6 +177,7 @@ fn camera(base: &Camera, search: &Search, genes: &[f64]) -> Camera {
         focus_psi: focus.first().copied().or(search.focus).unwrap_or(base.focus_psi),
         defocus_sign: Sign::Plus,
         profile: None,
+        height_map: None,
         ..base.clone()
     }
 }

@@ -6,7 +6,7 @@
 //! pictures: a camera is judged in tens of milliseconds.
 
 use crate::cosine::{EvenTransform, period};
-use crate::psf::{pixel_transfer, wavelengths};
+use crate::psf::{NoPsf, Psf, Settings, channel_psfs, pixel_transfer, wavelengths};
 use crate::statistics::{SIDE, Statistics, pair};
 use edof_numerics::{Cholesky, NotPositive};
 use edof_spec::geometry::{PATCH, Window};
@@ -84,15 +84,20 @@ pub fn judge(camera: &Camera, statistics: &Statistics, task: &Task) -> Result<Ve
 /// blurred into it foretold by how photographs vary.
 ///
 /// # Errors
-/// [`NotPositive`] if the statistics are no covariances.
+/// [`SeenError`]: a depth that the camera has no PSFs for, or statistics that are no covariances.
 pub fn seen_of_patch(
     camera: &Camera,
     psi: f64,
     statistics: &Statistics,
     window: Window,
-) -> Result<Array2<f64>, NotPositive> {
+) -> Result<Array2<f64>, SeenError> {
     let sites = Sites::new(window);
-    let seen = Seen::new(camera, psi, statistics, &sites);
+    // PSFs of one's own, and those of a lens with errors, need not be even.
+    let yx = if camera.psf_bank.is_none() && camera.is_round() {
+        Seen::new(camera, psi, statistics, &sites).yx
+    } else {
+        crossed(&channel_psfs(camera, psi, &Settings::default())?, statistics, &sites)
+    };
     let sharp = covariances(
         &sites.patch,
         &sites.patch,
@@ -100,7 +105,50 @@ pub fn seen_of_patch(
     );
     // Photographs are rounded to 8 bits.
     let rounded = sharp + Array2::<f64>::eye(sites.patch.len()) * (1.0 / 255.0f64.powi(2) / 12.0);
-    Ok(Cholesky::new(rounded.view())?.solve(seen.yx.t()).reversed_axes())
+    Ok(Cholesky::new(rounded.view())?.solve(yx.t()).reversed_axes())
+}
+
+/// A camera whose view of patches cannot be foretold.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SeenError {
+    /// A depth that the camera has no PSFs for.
+    #[error(transparent)]
+    Psf(#[from] NoPsf),
+    /// No statistics.
+    #[error(transparent)]
+    Statistics(#[from] NotPositive),
+}
+
+/// Covariances of a window with its patch behind PSFs of any shape: a pixel that is seen is the sum of what lies around it, so is its
+/// covariance with a sharp one. Lags beyond the statistics' torus count as its farthest.
+fn crossed(psfs: &[Psf; 3], statistics: &Statistics, sites: &Sites) -> Array2<f64> {
+    let half = psfs.iter().map(|psf| psf.side() / 2).max().unwrap_or(0);
+    let most = (sites.reach + half + 1).min(SIDE / 2 + 1);
+    let wide = Sites { window: vec![], patch: vec![], reach: most };
+    let sharp = correlations(&wide, |a, b| statistics.spectra[pair(a, b)].clone());
+    // Lags of −reach…reach, row by row.
+    let reach = sites.reach as isize;
+    let maps: Vec<Array2<f64>> = (0..9)
+        .map(|channels| {
+            let (kernel, sharp) = (&psfs[channels / 3].kernel, &sharp[channels]);
+            let middle = (kernel.nrows() / 2) as isize;
+            let far = |lag: isize| lag.unsigned_abs().min(most - 1);
+            let side = (2 * reach + 1) as usize;
+            Array2::from_shape_fn((side, side), |(i, j)| {
+                let (down, right) = (i as isize - reach, j as isize - reach);
+                let term = |((r, c), k): ((usize, usize), &f32)| {
+                    let lag = (down - (r as isize - middle), right - (c as isize - middle));
+                    f64::from(*k) * sharp[(far(lag.0), far(lag.1))]
+                };
+                kernel.indexed_iter().map(term).sum()
+            })
+        })
+        .collect();
+    Array2::from_shape_fn((sites.window.len(), sites.patch.len()), |(i, j)| {
+        let ((r, c, a), (s, d, b)) = (sites.window[i], sites.patch[j]);
+        let lag = |x: usize, y: usize| (x as isize - y as isize + reach) as usize;
+        maps[3 * a + b][(lag(r, s), lag(c, d))]
+    })
 }
 
 /// Row, column, channel.
@@ -189,6 +237,30 @@ mod tests {
             noises: vec![noise],
             window: Window::new(8).unwrap(),
             worst_weight: 0.5,
+        }
+    }
+
+    #[test]
+    fn psfs_as_they_are_give_what_the_lens_gives_and_move_with_the_picture() {
+        let camera = Camera::resolve("ring-2018").unwrap();
+        let (statistics, sites) = (Statistics::natural(), Sites::new(Window::new(8).unwrap()));
+        let lens = Seen::new(&camera, 4.0, &statistics, &sites).yx;
+        let psfs = channel_psfs(&camera, 4.0, &Settings { energy: 0.9999, ..Settings::default() }).unwrap();
+        let own = crossed(&psfs, &statistics, &sites);
+        let largest = lens.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let apart = (&own - &lens).iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        assert!(apart < 1e-2 * largest, "{apart} of {largest}");
+        // Light that arrives a row lower: a pixel knows of one row of the patch what it knew of the next.
+        let moved = psfs.map(|psf| {
+            let mut kernel = Array2::zeros((psf.side() + 2, psf.side() + 2));
+            kernel.slice_mut(ndarray::s![2.., 1..=psf.side()]).assign(&psf.kernel);
+            Psf::new(kernel).unwrap()
+        });
+        let moved = crossed(&moved, &statistics, &sites);
+        for (j, &(row, column, plane)) in sites.patch.iter().enumerate() {
+            let next = sites.patch.iter().position(|p| *p == (row + 1, column, plane));
+            let columns = next.map(|next| (moved.column(j), own.column(next)));
+            assert!(columns.is_none_or(|(a, b)| (&a - &b).iter().all(|e| e.abs() < 1e-6 * largest)));
         }
     }
 

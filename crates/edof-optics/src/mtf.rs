@@ -43,7 +43,7 @@ impl Otf {
     }
 }
 
-/// The OTF of a channel for an object at `psi`. Of a bank or an aberrated lens it is taken from the PSF: the magnitude, where that is
+/// The OTF of a channel for an object at `psi`. Of a bank or a lens that is not round it is taken from the PSF: the magnitude, where that is
 /// not even, and it ends where pixels see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it is divided out, with
 /// all that pixels fold over.
 ///
@@ -52,7 +52,7 @@ impl Otf {
 pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<Otf, NoPsf> {
     psf::check(camera, psi)?;
     let step_per_mm = 1e3 / (SUPPORT as f64 * camera.pixel_pitch_um);
-    if camera.psf_bank.is_some() || !camera.aberrations.is_empty() {
+    if camera.psf_bank.is_some() || !camera.is_round() {
         let psf = &channel_psfs(camera, psi, &Settings::default())?[channel.plane()];
         return Ok(Otf { step_per_mm, values: contrast_of(psf, footprint) });
     }

@@ -157,6 +157,11 @@ pub enum NoPsf {
         "camera {camera}: its PSFs are those of {file} (SHA-256 {sha256}), found neither beside the network nor here"
     )]
     Missing { camera: String, file: String, sha256: String },
+    /// The picture of a mask that was not read: it lies elsewhere.
+    #[error(
+        "camera {camera}: its mask is that of {file} (SHA-256 {sha256}), found neither beside the network nor here"
+    )]
+    NoMask { camera: String, file: String, sha256: String },
 }
 
 /// Whether a camera has PSFs for an object at `psi`.
@@ -166,6 +171,9 @@ pub enum NoPsf {
 pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
     let (name, focus) = (camera.name.clone(), camera.focus_psi);
     let Some(bank) = &camera.psf_bank else {
+        if let Some(map) = camera.height_map.as_ref().filter(|map| map.heights.is_none()) {
+            return Err(NoPsf::NoMask { camera: name, file: map.file.clone(), sha256: map.sha256.clone() });
+        }
         let near = (psi - focus).abs() <= MOST_DEFOCUS;
         return if near { Ok(()) } else { Err(NoPsf::Focus { psi, camera: name, focus }) };
     };
@@ -207,8 +215,8 @@ pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> 
     let spectrum = camera.spectrum(channel);
     let middle = wavelengths(spectrum, 1)[0];
     let (support, energy_beyond) = support(camera, middle, psi, settings);
-    if !camera.aberrations.is_empty() {
-        let support = wavefront::support(camera, middle, support);
+    if !camera.is_round() {
+        let support = wavefront::support(camera, middle, psi, support);
         let at = |nm: f64| wavefront::whole_psf(camera, nm, psi, support);
         let (whole, wavelengths_nm, wavelength_error) = summed(spectrum, settings, at, |plane| plane.sum());
         let (half, energy_kept) = cut(&wavefront::square_sums(&whole), settings);

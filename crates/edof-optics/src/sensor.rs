@@ -19,11 +19,13 @@ pub struct Sensor {
     pub noise: Noise,
     /// Same seed, same noise.
     pub seed: u64,
+    /// Value of no light; what noise takes below it is kept.
+    pub black_level: u16,
 }
 
 impl Default for Sensor {
     fn default() -> Self {
-        Self { depth: 12, phase: CfaPhase::Rggb, noise: Noise::default(), seed: 0 }
+        Self { depth: 12, phase: CfaPhase::Rggb, noise: Noise::default(), seed: 0, black_level: 0 }
     }
 }
 
@@ -36,6 +38,16 @@ pub enum SensorError {
     /// A noise parameter out of range.
     #[error(transparent)]
     Noise(#[from] NoiseError),
+    /// No room for light above it.
+    #[error("black level {black}: must be less than {full}, for a sensor of {depth} bits")]
+    Black {
+        /// The level.
+        black: u16,
+        /// One more than the largest value.
+        full: u32,
+        /// Bits of the sensor.
+        depth: u32,
+    },
 }
 
 impl Sensor {
@@ -43,7 +55,12 @@ impl Sensor {
     /// [`SensorError`] for noise or a depth that no sensor has.
     pub fn check(&self) -> Result<(), SensorError> {
         self.noise.check()?;
-        if (8..=16).contains(&self.depth) { Ok(()) } else { Err(FrameError::Depth(self.depth).into()) }
+        let Self { depth, black_level: black, .. } = *self;
+        if !(8..=16).contains(&depth) {
+            return Err(FrameError::Depth(depth).into());
+        }
+        let full = 1u32 << depth;
+        if u32::from(black) < full { Ok(()) } else { Err(SensorError::Black { black, full, depth }) }
     }
 }
 
@@ -86,17 +103,16 @@ fn electrons(mean: f64, generator: &mut Pcg64) -> f64 {
     if mean <= 0.0 { 0.0 } else { Poisson::new(mean).map_or(mean, |p| p.sample(generator)) }
 }
 
-/// The raw frame: mosaic, noise, then code = round(light·2^depth), saturated to 0…2^depth − 1.
+/// The raw frame: mosaic, noise, then value = round(black + light·(2^depth − black)), saturated to 0…2^depth − 1.
 ///
 /// # Errors
-/// [`SensorError`]: odd sides, a depth outside 8…16, noise out of range.
+/// [`SensorError`]: odd sides, a depth outside 8…16, noise or a black level out of range.
 pub fn expose(frame: &ColourFrame, sensor: &Sensor) -> Result<RawFrame, SensorError> {
-    if !(8..=16).contains(&sensor.depth) {
-        return Err(FrameError::Depth(sensor.depth).into());
-    }
-    let full_scale = (1u32 << sensor.depth) as f32;
+    sensor.check()?;
+    let (full_scale, black) = ((1u32 << sensor.depth) as f32, f32::from(sensor.black_level));
     let light = mosaic_with_noise(frame, sensor)?;
-    let values = light.mapv(|v| (v * full_scale).round().clamp(0.0, full_scale - 1.0) as u16);
+    let range = full_scale - black;
+    let values = light.mapv(|v| (black + v * range).round().clamp(0.0, full_scale - 1.0) as u16);
     Ok(RawFrame::from_values(values, sensor.depth, sensor.phase)?)
 }
 
@@ -138,6 +154,14 @@ mod tests {
             let most = ((1u32 << depth) - 1) as u16;
             assert!(expose(&flat(1.5), &sensor).unwrap().values().iter().all(|&c| c == most));
             assert!(expose(&flat(-0.5), &sensor).unwrap().values().iter().all(|&c| c == 0));
+        }
+    }
+
+    #[test]
+    fn darkness_reads_as_the_black_level_and_full_light_as_full_scale() {
+        let sensor = Sensor { black_level: 64, ..Sensor::default() };
+        for (light, value) in [(0.0, 64), (0.5, 2080), (1.0, 4095), (-0.01, 24)] {
+            assert!(expose(&flat(light), &sensor).unwrap().values().iter().all(|&v| v == value), "{light}");
         }
     }
 
@@ -196,6 +220,10 @@ mod tests {
     fn impossible_sensors_are_refused() {
         let refused = |sensor: Sensor| expose(&flat(0.1), &sensor).unwrap_err().to_string();
         assert_eq!(refused(Sensor { depth: 20, ..Sensor::default() }), "bit depth 20: must be 8 to 16");
+        assert_eq!(
+            refused(Sensor { depth: 8, black_level: 256, ..Sensor::default() }),
+            "black level 256: must be less than 256, for a sensor of 8 bits"
+        );
         let noise = Noise::sensor(0.0);
         assert!(refused(Sensor { noise, ..Sensor::default() }).starts_with("noise: gain is 0, expected 1"));
         assert!(

@@ -6,7 +6,7 @@ use edof_optics::capture::CaptureError;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
 use edof_spec::network::{Condition, Origin};
-use edof_spec::{CfaPhase, ColourFrame, Noise};
+use edof_spec::{ColourFrame, Noise};
 use rayon::prelude::*;
 
 /// Depths that scenes are captured at, evenly over the camera's range.
@@ -57,7 +57,7 @@ fn shots<'a>(
     let tone = condition.tone;
     let noisy = Some(condition.noise).filter(|noise| *noise != Noise::None);
     let shot = |(seed, noise): (u64, Noise)| {
-        let sensor = Sensor { depth: DEPTH, phase: CfaPhase::Rggb, noise, seed };
+        let sensor = Sensor { depth: DEPTH, noise, seed, ..Sensor::default() };
         let raw = expose(blurred, &sensor)?;
         Ok(Scene { name: format!("{name}, {tone}, psi {psi}, noise {noise}"), raw, sharp, tone })
     };

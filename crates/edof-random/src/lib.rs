@@ -183,6 +183,7 @@ fn origin(name: &str) -> Origin {
         psi_range: [0.0, 8.0],
         rings: vec![],
         profile: None,
+        height_map: None,
         aberrations: vec![],
         psf_bank: None,
         source: "drawn".into(),

@@ -1,6 +1,7 @@
 //! A camera: lens, phase mask, focus and sensor, and the JSON files that describe one.
 
 use crate::cfa::Channel;
+use crate::height_map::{HeightMap, etched_rad};
 use crate::psf_bank::{BankError, PsfBank};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -45,6 +46,9 @@ pub struct Camera {
     /// A phase of the mask that changes smoothly with the radius, besides its rings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile: Option<Profile>,
+    /// A mask of any shape, besides its rings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_map: Option<HeightMap>,
     /// What the lens does besides focusing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub aberrations: Vec<Aberration>,
@@ -161,10 +165,7 @@ impl Delay {
     pub fn phase_rad(self, wavelength_nm: f64) -> f64 {
         match self {
             Self::Phase { rad, at_nm } => rad * at_nm / wavelength_nm,
-            Self::Etched { height_um, cauchy: [a, b] } => {
-                let um = wavelength_nm * 1e-3;
-                std::f64::consts::TAU * height_um * (a + b / (um * um) - 1.0) / um
-            }
+            Self::Etched { height_um, cauchy } => etched_rad(height_um, cauchy, wavelength_nm),
         }
     }
 }
@@ -206,6 +207,8 @@ pub struct Aberration {
 /// The largest of Noll's indices that is taken, and the largest path in nanometres.
 const MOST_NOLL: u32 = 66;
 const MOST_RMS_NM: f64 = 10_000.0;
+/// The highest mask, micrometres.
+const MOST_HEIGHT_UM: f64 = 100.0;
 /// Most points of a profile.
 const MOST_POINTS: usize = 4096;
 
@@ -241,7 +244,7 @@ macro_rules! presets {
 presets!("clear", "clear-mid", "ring-2015", "ring-2018", "ring-depth-2018", "ring-outer");
 
 impl Camera {
-    /// A preset by its name or a camera from a JSON file.
+    /// A preset by its name or a camera from a JSON file; the picture of a height map is not read.
     ///
     /// ```
     /// let camera = edof_spec::Camera::resolve("ring-2018")?;
@@ -279,7 +282,7 @@ impl Camera {
         }
     }
 
-    /// A camera from JSON text, without reading a PSF bank that it may name; `origin` names it in errors.
+    /// A camera from JSON text, without reading what other files it may name; `origin` names it in errors.
     ///
     /// # Errors
     /// [`CameraError::Parse`] or [`CameraError::Value`].
@@ -307,6 +310,12 @@ impl Camera {
             ..self.clone()
         };
         renamed == *other
+    }
+
+    /// Whether the pupil looks the same whichever way it is turned, so that all PSFs are even.
+    #[must_use]
+    pub const fn is_round(&self) -> bool {
+        self.aberrations.is_empty() && self.height_map.is_none()
     }
 
     /// Focal length over aperture diameter.
@@ -392,6 +401,13 @@ impl Camera {
                     found,
                     "1 to 4096 [radius 0 to 1, radians] pairs of ascending radius",
                 );
+            }
+        }
+        if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map {
+            let glass = cauchy.iter().all(|v| v.is_finite());
+            if !(*white_um > 0.0 && *white_um <= MOST_HEIGHT_UM && glass) {
+                let found = format!("{white_um} um of {cauchy:?}");
+                return refuse("height_map", found, "more than 0 and at most 100 um, of two finite numbers");
             }
         }
         let wrong = |a: &&Aberration| {

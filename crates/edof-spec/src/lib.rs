@@ -10,6 +10,7 @@
 //! | the averaging window of overlapping patches | [`overlap`] |
 //! | lens, mask and sensor, and their files | [`camera`] |
 //! | PSFs of one's own in place of a lens's | [`psf_bank`] |
+//! | A mask by the height of its surface | [`height_map`] |
 //! | arrays in files of other programs | [`arrays`] |
 //! | light and its sRGB encoding | [`tone`] |
 //! | a sensor's noise | [`noise`] |
@@ -49,6 +50,7 @@ pub mod fifos;
 pub mod fixed_network;
 pub mod frame;
 pub mod geometry;
+pub mod height_map;
 pub mod i2c;
 pub mod network;
 pub mod noise;

@@ -3,7 +3,7 @@
 //! Drawn scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
 use crate::metrics::{BORDER, MetricError, Quality, decibel, shown};
-use crate::picture::sheet;
+use crate::picture::{caption, sheet, stacked};
 use crate::tables::Table;
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
@@ -202,14 +202,18 @@ impl Demo {
         self.table().to_text().trim_end().to_owned()
     }
 
-    /// The scene's light and that of all pictures in one, three in a row, in the order of [`Demo::pictures`].
+    /// The scene's light and that of all pictures in one, three in a row, in the order of [`Demo::pictures`], each with its name below;
+    /// to be shown encoded.
     #[must_use]
     pub fn overview(&self) -> ColourFrame {
-        let all: Vec<&ColourFrame> =
-            std::iter::once(&self.truth).chain(self.pictures.iter().map(|p| &p.frame)).collect();
-        let rows: Vec<Vec<ColourFrame>> =
-            all.chunks(3).map(|row| row.iter().map(|&frame| frame.clone()).collect()).collect();
-        sheet(&rows, 4)
+        let named = |frame: &ColourFrame, name: &str| {
+            let words = caption(name, self.width, Tone::Srgb);
+            stacked(&[frame.clone(), words], Tone::Srgb)
+        };
+        let own = |p: &Picture| named(&p.frame, &format!("{}, {}", p.lens, p.treatment));
+        let all: Vec<ColourFrame> =
+            std::iter::once(named(&self.truth, "The scene")).chain(self.pictures.iter().map(own)).collect();
+        sheet(&all.chunks(3).map(<[_]>::to_vec).collect::<Vec<_>>(), 4)
     }
 
     /// PSNRs and SSIM of all pictures.
@@ -277,10 +281,15 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_overview_starts_with_the_scene() {
+    fn the_overview_shows_every_picture_whole_and_its_name_below() {
         let demo = demo();
         let overview = demo.overview();
-        assert_eq!(overview.size(), (96 + 8, 3 * 128 + 16));
+        let (height, width) = overview.size();
+        assert_eq!(width, 3 * 128 + 16);
+        assert!(height > 96 + 8 + 14, "{height}");
         assert_eq!(overview.crop(4, 4, 96, 128), demo.truth);
+        assert_eq!(overview.crop(4, 4 + 132, 96, 128), demo.pictures[0].frame);
+        let below = overview.crop(4 + 96, 4 + 132, height - 104, 128);
+        assert!(below.planes.iter().any(|v| *v < 0.05), "no ink");
     }
 }

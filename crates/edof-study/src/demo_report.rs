@@ -32,7 +32,7 @@ impl Demo {
         report.heading("Pictures");
         report.paragraph("Each opens at a click; arrows flip between them, E shows the difference to the scene. Exact PNG files lie beside this page.");
         report.figures(&self.figures()?, Layout::Wide);
-        report.heading("Each depth, three times as large");
+        report.heading("Each depth, enlarged");
         for psi in self.psis() {
             let figures = self.parts(psi)?;
             if !figures.is_empty() {

@@ -5,6 +5,7 @@
 //! photographs, weights and cameras by their hashes, settings by their values. So it does not matter which run made it. A finished file
 //! holds its rows in the order of their keys; runs that were interrupted, shared out or not give the same file, times aside.
 
+use edof_spec::Noise;
 use edof_spec::atomic::{self, WriteError};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -251,6 +252,42 @@ fn parsed<T: DeserializeOwned>(path: &Path, line: usize, text: &str) -> Result<T
 
 fn line(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_else(|e| unreachable!("rows are plain data: {e}"))
+}
+
+/// A number that has its place among all others.
+#[derive(Debug, Clone, Copy)]
+pub struct Ordered(pub f64);
+
+impl Ord for Ordered {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Ordered {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Ordered {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Ordered {}
+
+impl Ordered {
+    /// Numbers of a noise; none for none, which comes first.
+    #[must_use]
+    pub fn of_noise(noise: Noise) -> Vec<Self> {
+        match noise {
+            Noise::None => vec![],
+            Noise::Gaussian { sigma } => vec![Self(sigma)],
+            Noise::Sensor(s) => [s.gain, s.full_well_e, s.read_noise_e].map(Self).to_vec(),
+        }
+    }
 }
 
 /// A part of a study: every `of`-th of its rows.

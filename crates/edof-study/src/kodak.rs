@@ -13,7 +13,7 @@ use edof_optics::blur::blur_frame;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
 use edof_spec::reconstructor::Multiplications;
-use edof_spec::{Camera, CfaPhase, ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
+use edof_spec::{Camera, ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -266,7 +266,7 @@ pub fn sensor(image: &str, psi: f64, noise: Noise) -> Sensor {
     // FNV-1a over whole words.
     let seed = words
         .fold(0xcbf2_9ce4_8422_2325, |hash: u64, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3));
-    Sensor { depth: DEPTH, phase: CfaPhase::Rggb, noise, seed }
+    Sensor { depth: DEPTH, noise, seed, ..Sensor::default() }
 }
 
 #[cfg(test)]

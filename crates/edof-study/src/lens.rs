@@ -1,25 +1,32 @@
 //! Figures of a camera's optics: MTF at several depths, contrast through focus (the paper's Figure 1), and a sheet of PSFs.
 
-use crate::picture::{enlarged, psf_picture, sheet};
-use crate::plot::{Axis, Mark, Plot, Series};
+use crate::picture::{caption, enlarged, psf_picture, sheet, stacked};
+use crate::plot::{Axis, Mark, Plot, Series, sequential};
 use edof_optics::bank;
+use edof_optics::depth::distance_m;
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, through_focus};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_spec::{Camera, Channel, ColourFrame};
+use edof_spec::{Camera, Channel, ColourFrame, Tone};
+use ndarray::Array2;
 
 /// Points of a curve.
 const POINTS: u32 = 60;
 /// Colours of red, green and blue.
 const CHANNELS: [(&str, &str); 3] = [("red", "#d62728"), ("green", "#2ca02c"), ("blue", "#1f77b4")];
-/// Pixels of a PSF that the sheet shows along each side, and how large each is drawn.
-const SHOWN: usize = 31;
-const ENLARGED: usize = 4;
+/// The sheet shows PSFs as far as any of them has so much of its peak, but no more and no fewer pixels than these.
+const FAINTEST: f32 = 0.004;
+const SHOWN: [usize; 2] = [9, 63];
+/// Side of a PSF on the sheet, about; and the space between two.
+const CELL: usize = 150;
+const GAP: usize = 4;
+/// Pixels of the sensor that the sheet's scale is long.
+const SCALE: usize = 5;
 
 /// The same lens, sensor and focus without the mask; computed, whatever PSFs the camera has of its own.
 #[must_use]
 pub fn without_mask(camera: &Camera) -> Camera {
     let name = format!("{} without mask", camera.name);
-    Camera { name, rings: vec![], profile: None, psf_bank: None, ..camera.clone() }
+    Camera { name, rings: vec![], profile: None, height_map: None, psf_bank: None, ..camera.clone() }
 }
 
 /// Figure 1(a): green's response over spatial frequency, as a share of the cut-off, at each ψ; negative where contrast is
@@ -29,11 +36,12 @@ pub fn without_mask(camera: &Camera) -> Camera {
 /// [`NoPsf`].
 pub fn mtf_plot(camera: &Camera, psis: &[f64]) -> Result<Plot, NoPsf> {
     let cutoff = green_cutoff_per_mm(camera);
-    let series = psis.iter().map(|&psi| {
+    let last = psis.len().saturating_sub(1).max(1) as f64;
+    let series = psis.iter().enumerate().map(|(index, &psi)| {
         let response = otf(camera, Channel::Green, psi, Footprint::Lens)?;
         let share = |i: u32| f64::from(i) / f64::from(POINTS);
         let points = (0..=POINTS).map(|i| [share(i), response.at(share(i) * cutoff)]);
-        Ok(Series::new(format!("ψ = {psi}"), Mark::Line, points))
+        Ok(Series::new(depth(camera, psi), Mark::Line, points).coloured(sequential(index as f64 / last)))
     });
     Ok(Plot {
         title: format!("Response to spatial frequency, green: {}", camera.name),
@@ -60,7 +68,8 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         Ok(CHANNELS.into_iter().enumerate().map(curve).collect())
     };
     let mut series = curves(camera, Mark::Line, "")?;
-    if !camera.rings.is_empty() || camera.profile.is_some() || camera.psf_bank.is_some() {
+    let smooth = camera.profile.is_some() || camera.height_map.is_some();
+    if !camera.rings.is_empty() || smooth || camera.psf_bank.is_some() {
         series.extend(curves(&without_mask(camera), Mark::Dotted, ", no mask")?);
     }
     Ok(Plot {
@@ -69,6 +78,14 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         y: Axis::linear("contrast").from(0.0),
         series,
     })
+}
+
+/// A depth as figures name it: in metres, too, where the camera knows the distance of ψ = 0.
+fn depth(camera: &Camera, psi: f64) -> String {
+    let metres =
+        camera.nominal_m.and_then(|nominal| distance_m(camera, psi, nominal)).filter(|m| m.is_finite());
+    let psi = (100.0 * psi).round() / 100.0;
+    metres.map_or_else(|| format!("ψ = {psi}"), |metres| format!("ψ = {psi}, {metres:.2} m"))
 }
 
 /// The camera's range of ψ, no wider than its bank's.
@@ -80,18 +97,43 @@ fn depths(camera: &Camera) -> [f64; 2] {
     }
 }
 
-/// PSFs of one camera a row, each ψ a column; every channel scaled to its own peak, brightness raised to show faint rings.
+/// PSFs of one camera a row, each ψ a column, and a scale; every channel scaled to its own peak, brightness raised to show faint
+/// rings. What lies farther out than anything that could be seen is cut off. To be shown as it is ([`Tone::Linear`]).
 ///
 /// # Errors
 /// [`NoPsf`].
 pub fn psf_sheet(cameras: &[&Camera], psis: &[f64], settings: &Settings) -> Result<ColourFrame, NoPsf> {
-    let picture = |camera: &Camera, psi: f64| -> Result<ColourFrame, NoPsf> {
-        let psfs: [Psf; 3] = channel_psfs(camera, psi, settings)?;
-        Ok(enlarged(&psf_picture(psfs.each_ref().map(|p| &p.kernel), SHOWN), ENLARGED))
-    };
-    let row =
-        |camera: &&Camera| psis.iter().map(|&psi| picture(camera, psi)).collect::<Result<Vec<_>, NoPsf>>();
-    Ok(sheet(&cameras.iter().map(row).collect::<Result<Vec<_>, NoPsf>>()?, ENLARGED))
+    let of = |camera: &Camera| psis.iter().map(|&psi| channel_psfs(camera, psi, settings)).collect();
+    let rows: Vec<Vec<[Psf; 3]>> = cameras.iter().map(|&camera| of(camera)).collect::<Result<_, NoPsf>>()?;
+    let reach = rows.iter().flatten().flatten().map(|psf| reach(&psf.kernel)).max().unwrap_or(0);
+    let side = (2 * reach + 1).clamp(SHOWN[0], SHOWN[1]);
+    let factor = (CELL / side).max(2);
+    let width = GAP + psis.len() * (side * factor + GAP);
+    let mut parts = vec![];
+    for (camera, row) in cameras.iter().zip(&rows) {
+        let named = |(psfs, psi): (&[Psf; 3], &f64)| {
+            let picture = enlarged(&psf_picture(psfs.each_ref().map(|p| &p.kernel), side), factor);
+            stacked(&[picture, caption(&depth(camera, *psi), side * factor, Tone::Linear)], Tone::Linear)
+        };
+        parts.push(caption(&camera.name, width, Tone::Linear));
+        parts.push(sheet(&[row.iter().zip(psis).map(named).collect()], GAP));
+    }
+    let mut scale = ColourFrame::zeros(2 * GAP, GAP + SCALE * factor);
+    scale.planes.fill(1.0);
+    scale.planes.slice_mut(ndarray::s![.., GAP.., GAP..]).fill(0.0);
+    let pitch = cameras.first().map_or(0.0, |camera| camera.pixel_pitch_um);
+    let length = (SCALE as f64 * pitch * 100.0).round() / 100.0;
+    parts.push(scale);
+    parts.push(caption(&format!("{SCALE} pixels = {length} µm"), width, Tone::Linear));
+    Ok(stacked(&parts, Tone::Linear))
+}
+
+/// How far from its middle, along rows or columns, a kernel can still be seen.
+fn reach(kernel: &Array2<f32>) -> usize {
+    let (height, width) = kernel.dim();
+    let peak = kernel.iter().fold(0.0f32, |most, v| most.max(*v));
+    let seen = kernel.indexed_iter().filter(|(_, v)| **v > FAINTEST * peak);
+    seen.map(|((r, c), _)| r.abs_diff(height / 2).max(c.abs_diff(width / 2))).max().unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -116,12 +158,50 @@ mod tests {
     }
 
     #[test]
-    fn a_sheet_has_a_row_a_camera_and_a_column_a_depth() {
-        let camera = Camera::resolve("ring-outer").unwrap();
-        let clear = without_mask(&camera);
-        let settings = Settings { energy: 0.9, ..Settings::default() };
-        let frame = psf_sheet(&[&camera, &clear], &[0.0, 4.0, 8.0], &settings).unwrap();
-        let cell = SHOWN * ENLARGED + ENLARGED;
-        assert_eq!(frame.size(), (2 * cell + ENLARGED, 3 * cell + ENLARGED));
+    fn depths_are_told_in_metres_where_the_camera_knows_its_focus() {
+        let camera = Camera::resolve("ring-2018").unwrap();
+        assert_eq!(depth(&camera, 8.0), "ψ = 8");
+        let camera = Camera { nominal_m: Some(10.0), ..camera };
+        assert_eq!(depth(&camera, 7.9999), "ψ = 8, 3.11 m");
+        assert_eq!(mtf_plot(&camera, &[8.0]).unwrap().series[0].label, "ψ = 8, 3.11 m");
+        let camera = Camera { nominal_m: Some(f64::INFINITY), ..camera };
+        assert_eq!(depth(&camera, 0.0), "ψ = 0");
+    }
+
+    #[test]
+    fn every_depth_has_a_colour_of_its_own_along_one_scale() {
+        let psis: Vec<f64> = (0..=8).map(f64::from).collect();
+        let plot = mtf_plot(&Camera::resolve("clear").unwrap(), &psis).unwrap();
+        let colours: std::collections::BTreeSet<_> = plot.series.iter().map(|s| s.colour.clone()).collect();
+        assert_eq!(colours.len(), 9);
+        assert!(mtf_plot(&Camera::resolve("clear").unwrap(), &[2.0]).unwrap().series[0].colour.is_some());
+    }
+
+    #[test]
+    fn a_sheet_has_a_row_a_camera_and_a_column_a_depth_and_is_cut_to_what_is_seen() {
+        let camera = Camera::resolve("clear").unwrap();
+        let settings = Settings::default();
+        let size = |cameras: &[&Camera], psis: &[f64]| psf_sheet(cameras, psis, &settings).unwrap().size();
+        let reach_at =
+            |psi| channel_psfs(&camera, psi, &settings).unwrap().map(|p| reach(&p.kernel)).into_iter().max();
+        let cell = |psi| {
+            let side = (2 * reach_at(psi).unwrap() + 1).clamp(SHOWN[0], SHOWN[1]);
+            side * (CELL / side)
+        };
+        assert_eq!(size(&[&camera], &[0.0]).1, cell(0.0) + 2 * GAP);
+        assert_eq!(size(&[&camera], &[0.0, 4.0, 8.0]).1, 3 * (cell(8.0) + GAP) + GAP);
+        assert!(reach_at(8.0) > reach_at(0.0));
+        let (one, two) = (size(&[&camera], &[4.0]).0, size(&[&camera, &camera], &[4.0]).0);
+        assert!(two - one > cell(4.0), "{one} {two}");
+    }
+
+    #[test]
+    fn a_kernel_reaches_as_far_as_it_can_be_seen() {
+        let mut kernel = Array2::zeros((9, 7));
+        kernel[(4, 3)] = 1.0;
+        assert_eq!(reach(&kernel), 0);
+        kernel[(4, 5)] = 0.01;
+        kernel[(1, 3)] = 0.001;
+        assert_eq!(reach(&kernel), 2);
     }
 }

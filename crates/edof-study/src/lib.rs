@@ -8,12 +8,17 @@
 //! | | [`dictionary`] | sharp atoms for pursuits, learned from photographs |
 //! | | [`spec`] | methods with their settings, and how each prepares for a case |
 //! | | [`pursuit`] | OMP and FISTA in the dictionary as the camera shows it |
+//! | | [`untrained`] | the paper's network before training, ISTA cut off |
 //! | | [`deconvolution`] | demosaicing and deconvolution of each colour |
 //! | | [`patchwork`] | frames as windows and patches |
+//! | | [`board`] | a network on a design: its golden picture, and its cycles as time |
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
+//! | | [`cpu_time`] | what a run costs whatever else the machine does |
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
+//! | | [`knobs`] | what can be left out: a curve for each knob |
+//! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`known_blurs`] | blind deconvolution of drawn blurs |
 //! | | [`journal`] | rows in a file, shared out among machines, put together again |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
@@ -40,12 +45,16 @@
 //! # Ok::<(), edof_study::metrics::MetricError>(())
 //! ```
 
+pub mod board;
+pub mod cpu_time;
 pub mod csv;
 pub mod deconvolution;
 pub mod demo;
 pub mod demo_report;
+pub mod design;
 pub mod dictionary;
 pub mod journal;
+pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;
 pub mod lens;
@@ -65,3 +74,4 @@ pub mod spec;
 pub mod speed;
 pub mod summary;
 pub mod tables;
+pub mod untrained;

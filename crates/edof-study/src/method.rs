@@ -44,6 +44,10 @@ pub enum Family {
     FistaKnownDepth,
     /// An unrolled sparse-coding network.
     Network,
+    /// The paper's network before training: ISTA in one dictionary of all depths, cut off after T − 1 shrinkages.
+    Untrained,
+    /// The same with each colour's mean taken out.
+    UntrainedDcRemoved,
 }
 
 impl Family {
@@ -61,6 +65,8 @@ impl Family {
             Self::Fista => "fista",
             Self::FistaKnownDepth => "fista-known-depth",
             Self::Network => "network",
+            Self::Untrained => "untrained",
+            Self::UntrainedDcRemoved => "untrained-dc-removed",
         }
     }
 }
@@ -75,6 +81,8 @@ pub enum Format {
     Float422,
     /// The board's integers, 4:2:2.
     Fixed,
+    /// The same, its time the cycles of a design at its planned clock.
+    Board,
 }
 
 /// A method that can run.
@@ -116,6 +124,19 @@ impl Method {
         }
     }
 
+    /// A network of `layers` layers that nobody trained, in floating point.
+    #[must_use]
+    pub const fn untrained(family: Family, stride: usize, layers: usize) -> Self {
+        let layers = Some(layers);
+        Self { family, network: None, format: Some(Format::Float), stride: Some(stride), layers }
+    }
+
+    /// Whether it is a network that nobody trained.
+    #[must_use]
+    pub const fn is_untrained(&self) -> bool {
+        matches!(self.family, Family::Untrained | Family::UntrainedDcRemoved)
+    }
+
     /// The same network in another format.
     #[must_use]
     pub fn in_format(&self, format: Format) -> Self {
@@ -124,15 +145,18 @@ impl Method {
 }
 
 impl std::fmt::Display for Method {
-    /// Short name for tables, as in `edof-t4w12.fixed`.
+    /// Short name for tables, as in `edof-t4w12.fixed` and `untrained-t8.float`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = self.network.as_deref().unwrap_or(self.family.name());
+        let layers =
+            self.layers.filter(|_| self.is_untrained()).map_or_else(String::new, |t| format!("-t{t}"));
         let format = self.format.map_or("", |format| match format {
             Format::Float => ".float",
             Format::Float422 => ".float422",
             Format::Fixed => ".fixed",
+            Format::Board => ".board",
         });
-        f.pad(&format!("{name}{format}"))
+        f.pad(&format!("{name}{layers}{format}"))
     }
 }
 
@@ -151,5 +175,6 @@ mod tests {
             })
         );
         assert_eq!(Method::demosaic().to_string(), "demosaic-malvar");
+        assert_eq!(Method::untrained(Family::Untrained, 8, 10).to_string(), "untrained-t10.float");
     }
 }

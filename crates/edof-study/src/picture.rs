@@ -1,22 +1,24 @@
-//! Frames as PNG bytes for reports, and sheets of small pictures.
+//! Frames as PNG bytes for reports, sheets of small pictures, and words below them.
 //!
 //! A frame that holds light is encoded ([`Tone::Srgb`]); one whose values are shown as they are, such as kernels or a photograph
 //! whose sRGB codes were taken for light, is not ([`Tone::Linear`]).
 
+use edof_optics::draw::font;
 use edof_spec::{ColourFrame, Tone};
+use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
-use image::{DynamicImage, ImageFormat, RgbImage};
+use image::codecs::png::PngEncoder;
 use ndarray::{Array2, s};
-use std::io::Cursor;
 
 /// An 8-bit PNG of a frame, its values encoded by `tone`; what lies outside 0…1 is clipped.
 ///
 /// # Errors
 /// What the encoder says.
 pub fn png(frame: &ColourFrame, tone: Tone) -> image::ImageResult<Vec<u8>> {
-    let mut bytes = Cursor::new(Vec::new());
-    DynamicImage::ImageRgb8(pixels(frame, tone)).write_to(&mut bytes, ImageFormat::Png)?;
-    Ok(bytes.into_inner())
+    let mut bytes = Vec::new();
+    // Not `write_to`, with which the encoders of all formats would be compiled here.
+    pixels(frame, tone).write_with_encoder(PngEncoder::new(&mut bytes))?;
+    Ok(bytes)
 }
 
 /// The same as JPEG, of a quality that the eye takes for the picture itself; for pages that should be small.
@@ -92,6 +94,67 @@ pub fn enlarged(frame: &ColourFrame, factor: usize) -> ColourFrame {
     out
 }
 
+/// How bright captions' paper and ink are shown.
+const PAPER: f32 = 0.94;
+const INK: f32 = 0.1;
+/// Pixels of a letter's dot.
+const DOT: usize = 2;
+/// Pixels around a caption.
+const MARGIN: usize = 6;
+
+/// A strip of `width` pixels with a text in capitals, wrapped between words: what stands below a picture and covers nothing of it.
+/// `tone` is that of the picture, as [`png`] is told it.
+#[must_use]
+pub fn caption(text: &str, width: usize, tone: Tone) -> ColourFrame {
+    // The font knows no Greek.
+    let text = text.replace('ψ', "psi").replace('µ', "u").to_uppercase();
+    let letters = (width.saturating_sub(2 * MARGIN) / (DOT * font::ADVANCE as usize)).max(1);
+    let lines = wrapped(&text, letters);
+    let pitch = DOT * (font::HEIGHT as usize + 2);
+    let mut strip = ColourFrame::zeros(MARGIN + pitch * lines.len() + MARGIN, width);
+    let [paper, ink] = [PAPER, INK].map(|shown| tone.decode(shown));
+    strip.planes.fill(paper);
+    for ((_, row, column), value) in strip.planes.indexed_iter_mut() {
+        let (Some(y), Some(x)) = (row.checked_sub(MARGIN), column.checked_sub(MARGIN)) else { continue };
+        let Some(line) = lines.get(y / pitch) else { continue };
+        if font::is_ink(line, x as f64 / DOT as f64, (y % pitch) as f64 / DOT as f64) {
+            *value = ink;
+        }
+    }
+    strip
+}
+
+/// Lines of at most so many letters; a longer word is cut.
+fn wrapped(text: &str, letters: usize) -> Vec<String> {
+    let mut lines: Vec<String> = vec![];
+    for word in text.split_whitespace() {
+        let word: String = word.chars().take(letters).collect();
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= letters => {
+                line.push(' ');
+                line.push_str(&word);
+            }
+            _ => lines.push(word),
+        }
+    }
+    lines
+}
+
+/// Pictures one below the other, each at the left; what is narrower is continued on paper.
+#[must_use]
+pub fn stacked(frames: &[ColourFrame], tone: Tone) -> ColourFrame {
+    let width = frames.iter().map(|f| f.size().1).max().unwrap_or(0);
+    let mut all = ColourFrame::zeros(frames.iter().map(|f| f.size().0).sum(), width);
+    all.planes.fill(tone.decode(PAPER));
+    let mut top = 0;
+    for frame in frames {
+        let (height, width) = frame.size();
+        all.planes.slice_mut(s![.., top..top + height, ..width]).assign(&frame.planes);
+        top += height;
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,6 +202,30 @@ mod tests {
             [paper.planes[(0, 1, 4)], paper.planes[(0, 4, 4)], paper.planes[(0, 0, 0)]],
             [1.0, 0.5, 0.5]
         );
+    }
+
+    #[test]
+    fn a_caption_is_wrapped_and_has_ink_where_letters_are() {
+        let letter = DOT * font::ADVANCE as usize;
+        let width = 2 * MARGIN + 9 * letter;
+        let strip = caption("ψ = 4, clear lens", width, Tone::Linear);
+        assert_eq!(wrapped("PSI = 4, CLEAR LENS", 9), ["PSI = 4,", "CLEAR", "LENS"]);
+        assert_eq!(strip.size(), (2 * MARGIN + 3 * DOT * 9, width));
+        let ink = |columns: std::ops::Range<usize>| {
+            strip.planes.slice(s![0, MARGIN..MARGIN + 14, columns]).iter().filter(|v| **v == INK).count()
+        };
+        assert!(ink(MARGIN..MARGIN + letter) > 0, "a P");
+        assert_eq!(ink(MARGIN + 8 * letter..width), 0, "nothing after the comma");
+        assert_eq!(wrapped("TOOLONG", 3), ["TOO"]);
+    }
+
+    #[test]
+    fn what_is_stacked_keeps_every_pixel() {
+        let (mut first, second) = (ColourFrame::zeros(2, 3), ColourFrame::zeros(1, 5));
+        first.planes.fill(0.5);
+        let all = stacked(&[first.clone(), second.clone()], Tone::Linear);
+        assert_eq!((all.size(), all.crop(0, 0, 2, 3), all.crop(2, 0, 1, 5)), ((3, 5), first, second));
+        assert_eq!(all.planes[(0, 1, 4)], PAPER);
     }
 
     #[test]

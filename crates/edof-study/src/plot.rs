@@ -121,6 +121,27 @@ pub enum Mark {
 pub const PALETTE: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c8c00"];
 
+/// Colours of a quantity that grows, from dark to light, told apart by most eyes and in grey ("viridis" without its lightest end, which
+/// paper swallows).
+const SEQUENCE: [[f64; 3]; 6] = [
+    [68.0, 1.0, 84.0],
+    [64.0, 67.0, 135.0],
+    [41.0, 120.0, 142.0],
+    [34.0, 167.0, 132.0],
+    [94.0, 201.0, 97.0],
+    [190.0, 205.0, 30.0],
+];
+
+/// The colour of a quantity at `share`, 0…1, of its range.
+#[must_use]
+pub fn sequential(share: f64) -> String {
+    let place = share.clamp(0.0, 1.0) * (SEQUENCE.len() - 1) as f64;
+    let first = (place as usize).min(SEQUENCE.len() - 2);
+    let part = place - first as f64;
+    let code = |i: usize| (SEQUENCE[first][i] * (1.0 - part) + SEQUENCE[first + 1][i] * part).round() as u8;
+    format!("#{:02x}{:02x}{:02x}", code(0), code(1), code(2))
+}
+
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 400.0;
 const LEFT: f64 = 66.0;
@@ -150,7 +171,7 @@ impl Plot {
              <g clip-path=\"url(#{id})\">"
         );
         for (index, series) in self.series.iter().enumerate() {
-            draw_series(&mut svg, series, colour(series, index), &x, &y);
+            draw_series(&mut svg, series, index, &x, &y);
         }
         svg.push_str("</g>\n");
         self.draw_legend(&mut svg, WIDTH - right + 14.0);
@@ -217,7 +238,7 @@ impl Plot {
                 );
             }
             if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
-                let _ = write!(svg, "<circle cx=\"{middle:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>");
+                svg.push_str(&dot(index, [middle, y], colour, ""));
             }
             let _ = writeln!(
                 svg,
@@ -251,6 +272,16 @@ fn colour(series: &Series, index: usize) -> &str {
     series.colour.as_deref().unwrap_or(PALETTE[index % PALETTE.len()])
 }
 
+/// A dot; series that the palette has no colour of their own for have another shape.
+fn dot(index: usize, [x, y]: [f64; 2], colour: &str, told: &str) -> String {
+    let (tag, place) = match index / PALETTE.len() {
+        0 => ("circle", format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"")),
+        1 => ("rect", format!("x=\"{:.1}\" y=\"{:.1}\" width=\"6\" height=\"6\"", x - 3.0, y - 3.0)),
+        _ => ("path", format!("d=\"M{:.1} {y:.1}l4 -4l4 4l-4 4z\"", x - 4.0)),
+    };
+    format!("<{tag} {place} fill=\"{colour}\">{told}</{tag}>")
+}
+
 /// The line's dash attribute; none where no line is drawn.
 const fn dashes(mark: Mark) -> Option<&'static str> {
     match mark {
@@ -261,7 +292,8 @@ const fn dashes(mark: Mark) -> Option<&'static str> {
     }
 }
 
-fn draw_series(svg: &mut String, series: &Series, colour: &str, x: &Ruler, y: &Ruler) {
+fn draw_series(svg: &mut String, series: &Series, index: usize, x: &Ruler, y: &Ruler) {
+    let colour = colour(series, index);
     let placed: Vec<Option<[f64; 2]>> = series
         .points
         .iter()
@@ -282,13 +314,10 @@ fn draw_series(svg: &mut String, series: &Series, colour: &str, x: &Ruler, y: &R
     }
     if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
         for (place, [x, y]) in placed.into_iter().zip(&series.points) {
-            let Some([a, b]) = place else { continue };
+            let Some(at) = place else { continue };
             // Shown where the pointer rests on the dot.
-            let told = format!("{}: {}, {}", escape(&series.label), short(*x), short(*y));
-            let _ = writeln!(
-                svg,
-                "<circle cx=\"{a:.1}\" cy=\"{b:.1}\" r=\"3\" fill=\"{colour}\"><title>{told}</title></circle>"
-            );
+            let told = format!("<title>{}: {}, {}</title>", escape(&series.label), short(*x), short(*y));
+            let _ = writeln!(svg, "{}", dot(index, at, colour, &told));
         }
     }
 }
@@ -413,6 +442,22 @@ mod tests {
         };
         assert_eq!(texts(0.0, 1.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(texts(28.4, 38.9), ["28", "30", "32", "34", "36", "38", "40"]);
+    }
+
+    #[test]
+    fn a_sequence_of_colours_grows_lighter() {
+        assert_eq!([sequential(0.0), sequential(0.2), sequential(1.0)], ["#440154", "#404387", "#becd1e"]);
+        let lightness = |share: f64| {
+            let colour = u32::from_str_radix(&sequential(share)[1..], 16).unwrap();
+            [16, 8, 0]
+                .map(|bit| f64::from(colour >> bit & 255))
+                .iter()
+                .zip([0.2126, 0.7152, 0.0722])
+                .map(|(c, w)| c * w)
+                .sum()
+        };
+        let steps: Vec<f64> = (0..=20).map(|i| lightness(f64::from(i) / 20.0)).collect();
+        assert!(steps.windows(2).all(|pair| pair[1] > pair[0] + 2.0), "{steps:?}");
     }
 
     #[test]

@@ -6,8 +6,7 @@
 
 use crate::dictionary::{Dictionary, FREE};
 use crate::patchwork::Patchwork;
-use edof_numerics::NotPositive;
-use edof_optics::estimator::seen_of_patch;
+use edof_optics::estimator::{SeenError, seen_of_patch};
 use edof_optics::statistics::Statistics;
 use edof_sparse::lasso::{Effort, Lasso};
 use edof_sparse::omp::{Omp, Stop};
@@ -57,7 +56,7 @@ impl PursuitReconstructor {
     /// Prepares the dictionary of a camera at `psis`.
     ///
     /// # Errors
-    /// [`NotPositive`] if the statistics of photographs are no covariances.
+    /// [`SeenError`]: a depth that the camera has no PSFs for, or statistics of photographs that are no covariances.
     pub fn new(
         name: String,
         dictionary: &Dictionary,
@@ -65,7 +64,7 @@ impl PursuitReconstructor {
         psis: &[f64],
         geometry: (Window, Stride),
         pursuit: Pursuit,
-    ) -> Result<Self, NotPositive> {
+    ) -> Result<Self, SeenError> {
         let (window, stride) = geometry;
         let (seen, sharp) = dictionaries(dictionary, camera, psis, window)?;
         let solver = match pursuit {
@@ -89,14 +88,13 @@ fn dictionaries(
     camera: &Camera,
     psis: &[f64],
     window: Window,
-) -> Result<(Array2<f32>, Array2<f32>), NotPositive> {
+) -> Result<(Array2<f32>, Array2<f32>), SeenError> {
     let statistics = Statistics::natural();
     let own = dictionary.atoms.slice(s![.., FREE..]);
     let mut seen = vec![colours(window)];
     let mut sharp = vec![dictionary.atoms.slice(s![.., ..FREE]).t().to_owned()];
     for &psi in psis {
-        let map = seen_of_patch(camera, psi, &statistics, window)?.mapv(|v| v as f32);
-        seen.push(map.dot(&own));
+        seen.push(shown(dictionary, camera, psi, &statistics, window)?);
         sharp.push(own.t().to_owned());
     }
     let join = |axis, parts: &[Array2<f32>]| {
@@ -106,8 +104,20 @@ fn dictionaries(
     Ok((join(Axis(1), &seen), join(Axis(0), &sharp)))
 }
 
+/// All atoms but the free ones as the camera shows them at a depth: window pixels × atoms.
+pub(crate) fn shown(
+    dictionary: &Dictionary,
+    camera: &Camera,
+    psi: f64,
+    statistics: &Statistics,
+    window: Window,
+) -> Result<Array2<f32>, SeenError> {
+    let map = seen_of_patch(camera, psi, statistics, window)?.mapv(|v| v as f32);
+    Ok(map.dot(&dictionary.atoms.slice(s![.., FREE..])))
+}
+
 /// The free atoms, a patch of one colour each, as every camera shows them: no blur changes what does not vary.
-fn colours(window: Window) -> Array2<f32> {
+pub(crate) fn colours(window: Window) -> Array2<f32> {
     let side = window.side();
     Array2::from_shape_fn((window.pixels(), FREE), |(i, plane)| {
         let channel = CfaPhase::Rggb.channel(i / side, i % side);

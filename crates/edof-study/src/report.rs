@@ -12,6 +12,7 @@ pub struct Report {
     title: String,
     body: String,
     has_pictures: bool,
+    has_tables: bool,
 }
 
 /// A picture and what stands below it.
@@ -30,7 +31,7 @@ pub struct Figure {
 pub enum Layout {
     /// As large as there is room for.
     Wide,
-    /// Small ones, each pixel three times as large.
+    /// Small ones, each pixel two to three times as large.
     Enlarged,
 }
 
@@ -38,7 +39,7 @@ impl Report {
     /// An empty report.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), body: String::new(), has_pictures: false }
+        Self { title: title.into(), body: String::new(), has_pictures: false, has_tables: false }
     }
 
     /// A heading for what follows.
@@ -85,11 +86,12 @@ impl Report {
         self.add(&(row + "</div>"))
     }
 
-    /// A table; cells that are numbers stand right. `best` holds row and column of cells that are set off.
+    /// A table; cells that are numbers stand right, and a click on the name of a column sorts by it. `best` holds row and column of cells that are set off.
     pub fn table(&mut self, header: &[&str], rows: &[Vec<String>], best: &[(usize, usize)]) -> &mut Self {
+        self.has_tables = true;
         let mut table = String::from("<div class=\"wide\"><table><thead><tr>");
         for cell in header {
-            let _ = write!(table, "<th>{}</th>", escape(cell));
+            let _ = write!(table, "<th><button class=\"sort\">{}</button></th>", escape(cell));
         }
         table.push_str("</tr></thead><tbody>");
         for (r, row) in rows.iter().enumerate() {
@@ -119,11 +121,12 @@ impl Report {
     pub fn to_html(&self) -> String {
         let title = escape(&self.title);
         let viewer = if self.has_pictures { VIEWER } else { "" };
+        let sorter = if self.has_tables { SORTER } else { "" };
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style></head>\n\
-             <body><h1>{title}</h1>\n{}{viewer}</body></html>\n",
+             <body><h1>{title}</h1>\n{}{viewer}{sorter}</body></html>\n",
             self.body
         )
     }
@@ -145,6 +148,7 @@ impl Report {
 
 const STYLE: &str = include_str!("report/style.css");
 const VIEWER: &str = include_str!("report/viewer.html");
+const SORTER: &str = include_str!("report/sorter.html");
 
 #[cfg(test)]
 mod tests {
@@ -184,7 +188,7 @@ mod tests {
     fn a_report_without_pictures_has_no_viewer_and_asks_for_nothing_elsewhere() {
         let html = Report::new("plain").paragraph("text").to_html();
         assert!(!html.contains("<script"));
-        for part in [html.as_str(), VIEWER, STYLE] {
+        for part in [html.as_str(), VIEWER, SORTER, STYLE] {
             assert!(!part.contains("http"), "a report needs nothing else");
         }
     }

@@ -1,18 +1,21 @@
 //! What may enter a study of one depth, as data, and what each prepares before it sees a frame.
 
+use crate::board::BoardReconstructor;
 use crate::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::dictionary::Dictionary;
 use crate::method::{Family, Format, Method};
 use crate::pursuit::{BLIND_DEPTHS, Pursuit, PursuitReconstructor};
+use crate::untrained;
 use edof_deblur::hyper_laplacian::Prior;
 use edof_deblur::{Directional, Malvar, blind};
 use edof_golden::GoldenReconstructor;
-use edof_numerics::NotPositive;
+use edof_golden::cycle::CycleError;
+use edof_optics::estimator::SeenError;
 use edof_optics::psf::{NoPsf, Settings, channel_psfs};
 use edof_spec::fixed_network::FixedNetworkError;
 use edof_spec::network::NetworkError;
 use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
+use edof_spec::{Camera, Design, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use std::sync::Arc;
 
@@ -47,6 +50,17 @@ pub enum MethodSpec {
         /// Sharp atoms.
         dictionary: Arc<Dictionary>,
     },
+    /// The paper's network before training.
+    Untrained {
+        /// Whether DC is removed.
+        family: Family,
+        /// T.
+        layers: usize,
+        /// Step of the patches.
+        stride: Stride,
+        /// Sharp atoms.
+        dictionary: Arc<Dictionary>,
+    },
     /// A network in floating point.
     Float {
         /// Its weights.
@@ -55,6 +69,17 @@ pub enum MethodSpec {
         sha256: String,
         /// Step of the patches.
         stride: Stride,
+    },
+    /// The same on a design's calculator: its time is that of its cycles.
+    Board {
+        /// Its weights, made for the design's stride.
+        network: Arc<FixedNetwork>,
+        /// The design.
+        design: Arc<Design>,
+        /// Name in reports.
+        name: String,
+        /// SHA-256 of weights and design.
+        sha256: String,
     },
     /// A network in the board's integers.
     Fixed {
@@ -68,7 +93,7 @@ pub enum MethodSpec {
 }
 
 /// A method that cannot be prepared.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PrepareError {
     /// Not one of ours.
@@ -80,16 +105,19 @@ pub enum PrepareError {
     /// A fixed net that cannot run.
     #[error("net '{net}': {source}")]
     Fixed { net: String, source: FixedNetworkError },
+    /// A network that does not fit its design.
+    #[error("net '{net}': {source}")]
+    Board { net: String, source: CycleError },
     /// A depth that the camera has no PSFs for.
     #[error(transparent)]
     Psf(#[from] NoPsf),
-    /// No statistics.
+    /// No dictionary of what the camera sees.
     #[error(transparent)]
-    Statistics(#[from] NotPositive),
+    Seen(#[from] SeenError),
 }
 
 /// What users call the methods that need no weights.
-const NAMES: [(&str, Family); 10] = [
+const NAMES: [(&str, Family); 12] = [
     ("malvar", Family::DemosaicMalvar),
     ("directional", Family::DemosaicDirectional),
     ("wiener", Family::Wiener),
@@ -100,14 +128,19 @@ const NAMES: [(&str, Family); 10] = [
     ("omp-known", Family::OmpKnownDepth),
     ("fista", Family::Fista),
     ("fista-known", Family::FistaKnownDepth),
+    ("untrained", Family::Untrained),
+    ("untrained-dc-removed", Family::UntrainedDcRemoved),
 ];
+
+/// T of networks before training: the paper's.
+const LAYERS: std::ops::RangeInclusive<usize> = 3..=10;
 
 /// The pursuits' window: the paper's.
 const WINDOW: usize = 8;
 /// Settings chosen on training photographs at ψ = 8 (docs/decisions/0015-single-depth.md).
 const OMP_ATOMS: usize = 16;
 const FISTA_STEPS: usize = 100;
-const FISTA_PENALTY: f32 = 0.004;
+pub(crate) const FISTA_PENALTY: f32 = 0.004;
 /// Variance of a difference of neighbouring pixels of photographs, and of what blur, mosaic and rounding leave unexplained: what
 /// Wiener's ratio and the weight of the data are made from, with the noise's own variance.
 const CONTRAST: f64 = 0.0036;
@@ -132,7 +165,17 @@ impl MethodSpec {
         let (_, family) = known.ok_or_else(|| PrepareError::Unknown(name.to_owned()))?;
         let pursuit =
             |&stride: &Stride| Self::Pursuit { family: *family, stride, dictionary: Arc::clone(dictionary) };
+        let untrained = |&stride: &Stride| {
+            let (family, dictionary) = (*family, Arc::clone(dictionary));
+            LAYERS.map(move |layers| Self::Untrained {
+                family,
+                layers,
+                stride,
+                dictionary: Arc::clone(&dictionary),
+            })
+        };
         Ok(match family {
+            Family::Untrained | Family::UntrainedDcRemoved => strides.iter().flat_map(untrained).collect(),
             Family::DemosaicMalvar => vec![Self::Malvar],
             Family::DemosaicDirectional => vec![Self::Directional],
             Family::Omp | Family::OmpKnownDepth | Family::Fista | Family::FistaKnownDepth => {
@@ -156,11 +199,17 @@ impl MethodSpec {
             Self::Directional => Method::of_frames(Family::DemosaicDirectional),
             Self::Deconvolution(family) => Method::of_frames(*family),
             Self::Pursuit { family, stride, .. } => Method::of_patches(*family, stride.pixels()),
+            Self::Untrained { family, layers, stride, .. } => {
+                Method::untrained(*family, stride.pixels(), *layers)
+            }
             Self::Float { network, stride, .. } => {
                 Method::network(&network.origin.name, Format::Float, stride.pixels(), network.form.layers)
             }
             Self::Fixed { network, name, .. } => {
                 Method::network(name, Format::Fixed, network.stride.pixels(), network.form.layers)
+            }
+            Self::Board { network, name, .. } => {
+                Method::network(name, Format::Board, network.stride.pixels(), network.form.layers)
             }
         }
     }
@@ -169,8 +218,10 @@ impl MethodSpec {
     #[must_use]
     pub fn weights(&self) -> Option<&str> {
         match self {
-            Self::Pursuit { dictionary, .. } => Some(&dictionary.sha256),
-            Self::Float { sha256, .. } | Self::Fixed { sha256, .. } => Some(sha256),
+            Self::Pursuit { dictionary, .. } | Self::Untrained { dictionary, .. } => Some(&dictionary.sha256),
+            Self::Float { sha256, .. } | Self::Fixed { sha256, .. } | Self::Board { sha256, .. } => {
+                Some(sha256)
+            }
             Self::Malvar | Self::Directional | Self::Deconvolution(_) => None,
         }
     }
@@ -197,20 +248,20 @@ impl MethodSpec {
                     Family::Omp | Family::OmpKnownDepth => Pursuit::Omp { atoms: OMP_ATOMS },
                     _ => Pursuit::Fista { steps: FISTA_STEPS, penalty: FISTA_PENALTY },
                 };
-                let window = Window::new(WINDOW).unwrap_or_else(|e| unreachable!("{e}"));
-                Box::new(PursuitReconstructor::new(
-                    name,
-                    dictionary,
-                    case.camera,
-                    psis,
-                    (window, *stride),
-                    pursuit,
-                )?)
+                let geometry = (window(), *stride);
+                Box::new(PursuitReconstructor::new(name, dictionary, case.camera, psis, geometry, pursuit)?)
             }
-            Self::Float { network, stride, .. } => {
-                let float =
-                    FloatReconstructor::new((**network).clone(), *stride, Overlap::default(), Output::Rgb);
-                Box::new(float.map_err(|source| PrepareError::Float { net: name, source })?)
+            Self::Untrained { family, layers, stride, dictionary } => {
+                let dc_removed = *family == Family::UntrainedDcRemoved;
+                let (camera, penalty) = (case.camera, FISTA_PENALTY);
+                let network =
+                    untrained::network(&name, dictionary, camera, window(), *layers, dc_removed, penalty)?;
+                float(network, *stride, name)?
+            }
+            Self::Float { network, stride, .. } => float((**network).clone(), *stride, name)?,
+            Self::Board { network, design, .. } => {
+                let board = BoardReconstructor::new(network, design, name.clone());
+                Box::new(board.map_err(|source| PrepareError::Board { net: name, source })?)
             }
             Self::Fixed { network, .. } => {
                 let golden = GoldenReconstructor::new((**network).clone(), name.clone());
@@ -220,15 +271,28 @@ impl MethodSpec {
     }
 }
 
+fn window() -> Window {
+    Window::new(WINDOW).unwrap_or_else(|e| unreachable!("{e}"))
+}
+
+fn float(network: Network, stride: Stride, net: String) -> Result<Box<dyn Reconstructor>, PrepareError> {
+    let float = FloatReconstructor::new(network, stride, Overlap::default(), Output::Rgb);
+    Ok(Box::new(float.map_err(|source| PrepareError::Float { net, source })?))
+}
+
+/// What a picture of middle light is: there the noise of photons is judged.
+const MIDDLE_LIGHT: f64 = 0.25;
+
+/// Wiener's ratio of noise to contrast.
+pub(crate) fn wiener_ratio(noise: Noise) -> f32 {
+    ((noise.variance(MIDDLE_LIGHT) + UNEXPLAINED) / CONTRAST) as f32
+}
+
 /// A deconvolution for a case; the blind one takes nothing from it.
 fn deconvolution(family: Family, case: &Case<'_>) -> Result<Deconvolution, NoPsf> {
-    let sigma = match case.noise {
-        Noise::Gaussian { sigma } => sigma,
-        Noise::None | Noise::Sensor(_) => 0.0,
-    };
-    let variance = sigma * sigma + UNEXPLAINED;
+    let variance = case.noise.variance(MIDDLE_LIGHT) + UNEXPLAINED;
     let how = match family {
-        Family::Wiener => Known::Wiener((variance / CONTRAST) as f32),
+        Family::Wiener => Known::Wiener(wiener_ratio(case.noise)),
         Family::RichardsonLucy => Known::RichardsonLucy(RICHARDSON_LUCY_STEPS),
         Family::HyperLaplacian => Known::HyperLaplacian(Prior {
             lambda: (HYPER_LAPLACIAN_SHARE / variance) as f32,

@@ -2,7 +2,7 @@
 
 use crate::kodak::Row as Measured;
 use crate::method::{Family, Format, Method};
-use crate::plot::{Axis, Mark, Plot, Series};
+use crate::plot::{Axis, Mark, Plot, Series, side_by_side};
 use crate::report::Report;
 use crate::single_depth::Row;
 use crate::tables::{Table, noise_words};
@@ -30,8 +30,10 @@ pub struct Point {
     pub psnr_db: f64,
     /// Mean SSIM.
     pub ssim: f64,
-    /// Mean seconds a megapixel.
+    /// Mean wall-clock seconds a megapixel.
     pub seconds_per_megapixel: f64,
+    /// Mean seconds a megapixel that all threads together were on a processor, where all rows tell it.
+    pub cpu_seconds_per_megapixel: Option<f64>,
     /// Seconds of preparation for the case.
     pub prepare_seconds: f64,
     /// Mean non-zeros of a patch, after each shrinkage or of its code.
@@ -132,13 +134,22 @@ impl Speed {
         report
     }
 
+    /// The diagrams of all depths and noise levels, side by side in one SVG.
+    #[must_use]
+    pub fn diagrams(&self) -> String {
+        side_by_side(&self.claims.iter().map(|claims| self.plot(claims)).collect::<Vec<_>>())
+    }
+
     fn explanation(&self) -> String {
         let photos = self.points.iter().map(|p| p.photos).max().unwrap_or(0);
         format!(
             "Means over {photos} photographs. PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, nothing clipped, where a \
              photograph's numbers are taken for it; of the encoded picture, clipped to 0…1, where they are decoded (“real light”). Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
-             and a noise level and stands beside it: kernels, dictionaries and what follows from them. NAME/s4 is a method of patches at \
-             stride 4; a network's fixed rows are the board's integers in software, not the board.",
+             and a noise level and stands beside it: kernels, dictionaries and what follows from them. CPU seconds are those that all threads together \
+             were on a processor: what else the machine did is not in them. NAME/s4 is a method of patches at \
+             stride 4; a network's fixed rows are the board's integers in software. untrained-tT is what the paper trains from: ISTA in the pursuits' \
+             dictionary, all depths in one, cut off after T − 1 shrinkages. NAME.board is \
+             the board: cycles of these very frames by the cycle model at the clock that is planned for it, which is no measured time.",
             self.machine
         )
     }
@@ -152,11 +163,16 @@ impl Speed {
         self.claims.iter().map(of).collect()
     }
 
-    /// PSNR against time; the strides of one method are joined.
+    /// PSNR against time; the strides of one method are joined, and the layers of untrained networks.
     fn plot(&self, of: &Claims) -> Plot {
         let mut series: Vec<Series> = vec![];
         for point in self.points.iter().filter(|p| of.hold(p)) {
-            let (label, at) = (point.identity.to_string(), [point.seconds_per_megapixel, point.psnr_db]);
+            let label = if point.identity.is_untrained() {
+                name(&Method { layers: None, ..point.identity.clone() })
+            } else {
+                point.identity.to_string()
+            };
+            let at = [point.cost(), point.psnr_db];
             match series.iter_mut().find(|s| s.label == label) {
                 Some(series) => series.points.push(at),
                 None => series.push(Series::new(label, Mark::LineAndPoints, [at])),
@@ -164,7 +180,11 @@ impl Speed {
         }
         Plot {
             title: format!("Error against speed: {}", of.title()),
-            x: Axis::log("seconds a megapixel"),
+            x: Axis::log(if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
+                "CPU seconds a megapixel, all threads; .board: cycles"
+            } else {
+                "seconds a megapixel"
+            }),
             y: Axis::linear("PSNR (dB)"),
             series,
         }
@@ -189,6 +209,11 @@ impl Claims {
 }
 
 impl Point {
+    /// Seconds a megapixel that do not depend on what else the machine does, where they are known.
+    fn cost(&self) -> f64 {
+        self.cpu_seconds_per_megapixel.unwrap_or(self.seconds_per_megapixel)
+    }
+
     fn is_of(&self, row: &Row) -> bool {
         let Measured { identity, psi, noise, tone, .. } = &row.measured;
         (&self.identity, self.psi.to_bits(), self.noise, self.tone)
@@ -226,6 +251,8 @@ impl Point {
             psnr_db: mean(&|r| r.measured.picture.psnr_db),
             ssim: mean(&|r| r.measured.picture.ssim),
             seconds_per_megapixel: mean(&|r| r.measured.seconds_per_megapixel),
+            cpu_seconds_per_megapixel: Some(mean(&|r| r.cpu_seconds_per_megapixel.unwrap_or(f64::NAN)))
+                .filter(|seconds| seconds.is_finite()),
             prepare_seconds: mean(&|r| r.prepare_seconds),
             nonzeros_a_patch: nonzeros,
             identity,
@@ -243,6 +270,7 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
         "PSNR dB",
         "SSIM",
         "seconds a megapixel",
+        "CPU seconds a megapixel",
         "seconds to prepare",
         "non-zeros a patch",
         "photos",
@@ -257,6 +285,7 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
             format!("{:.2}", p.psnr_db),
             format!("{:.3}", p.ssim),
             format!("{:.3}", p.seconds_per_megapixel),
+            p.cpu_seconds_per_megapixel.map_or_else(|| "–".to_owned(), |seconds| format!("{seconds:.3}")),
             format!("{:.3}", p.prepare_seconds),
             nonzeros,
             p.photos.to_string(),
@@ -282,9 +311,14 @@ fn all_claims(points: &[&Point]) -> Vec<Claim> {
     let mut add = |of: String, paper: &'static str, here: String| claims.push(Claim { of, paper, here });
     let db = |a: &Point, b: &Point| format!("{:+.2} dB", a.psnr_db - b.psnr_db);
     let times = |slow: &Point, fast: &Point| {
-        format!("{:.1} times", slow.seconds_per_megapixel / fast.seconds_per_megapixel)
+        let wall = format!("{:.1} times", slow.seconds_per_megapixel / fast.seconds_per_megapixel);
+        match slow.cpu_seconds_per_megapixel.zip(fast.cpu_seconds_per_megapixel) {
+            Some((slow, fast)) => format!("{wall}, {:.1} times in CPU time", slow / fast),
+            None => wall,
+        }
     };
-    for net in points.iter().copied().filter(|p| p.identity.format == Some(Format::Float)) {
+    let trained = |p: &&Point| p.identity.format == Some(Format::Float) && !p.identity.is_untrained();
+    for net in points.iter().copied().filter(trained) {
         if let Some(omp) = omp(net.identity.stride) {
             add(format!("{} less {}", net.method, omp.method), "at least 0 dB", db(net, omp));
             add(
@@ -316,12 +350,7 @@ fn all_claims(points: &[&Point]) -> Vec<Claim> {
             );
         }
     }
-    let layers = |t| {
-        points
-            .iter()
-            .copied()
-            .find(move |p| p.identity.layers == Some(t) && p.identity.format == Some(Format::Float))
-    };
+    let layers = |t| points.iter().copied().filter(trained).find(move |p| p.identity.layers == Some(t));
     match (layers(8), layers(10)) {
         (Some(eight), Some(ten)) => {
             add(format!("{} less {}", eight.method, ten.method), "about 0 dB", db(eight, ten))
@@ -331,6 +360,14 @@ fn all_claims(points: &[&Point]) -> Vec<Claim> {
             "about 0 dB",
             "not measured: no networks of 8 and 10 layers".into(),
         ),
+    }
+    for eight in points.iter().copied().filter(|p| p.identity.is_untrained() && p.identity.layers == Some(8))
+    {
+        let twin = Method { layers: Some(10), ..eight.identity.clone() };
+        if let Some(ten) = points.iter().find(|p| p.identity == twin) {
+            let of = format!("{} less {}", eight.method, ten.method);
+            add(of, "about 0 dB, of trained ones", db(eight, ten));
+        }
     }
     claims
 }
@@ -347,6 +384,7 @@ mod tests {
             measured,
             prepare_seconds: 0.5,
             repetitions: 3,
+            cpu_seconds_per_megapixel: (method.family == Family::Omp).then_some(1.5 * seconds),
             weights_sha256: None,
             photo_sha256: image.into(),
             camera_sha256: String::new(),
@@ -362,6 +400,8 @@ mod tests {
             timed(&Method::of_patches(Family::Omp, 8), "a", 30.0, 6.0),
             timed(&Method::of_patches(Family::Omp, 2), "a", 31.0, 60.0),
             timed(&Method::of_frames(Family::BlindDeconvolution), "a", 29.0, 120.0),
+            timed(&Method::untrained(Family::Untrained, 8, 8), "a", 27.0, 0.2),
+            timed(&Method::untrained(Family::Untrained, 8, 10), "a", 27.5, 0.3),
         ];
         Speed::new(&rows, "a machine".into())
     }
@@ -371,7 +411,7 @@ mod tests {
         let points = speed().points;
         let first = &points[0];
         assert_eq!((first.method.as_str(), first.photos, first.psnr_db), ("n.float/s8", 2, 32.0));
-        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 5);
+        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 7);
     }
 
     #[test]
@@ -386,9 +426,11 @@ mod tests {
             "| omp/s2 less blind-deconvolution | more than 1 dB | +2.00 dB |",
             "| omp/s2 is faster than blind-deconvolution | about 30 times | 2.0 times |",
             "| T = 8 less T = 10 | about 0 dB | not measured: no networks of 8 and 10 layers |",
+            "| untrained-t8.float/s8 less untrained-t10.float/s8 | about 0 dB, of trained ones | -0.50 dB |",
         ] {
             assert!(page.contains(line), "{line}\n{page}");
         }
+        assert!(!page.contains("untrained-t8.float/s8 less omp"), "{page}");
     }
 
     #[test]
@@ -396,10 +438,10 @@ mod tests {
         let speed = speed();
         assert_eq!(
             speed.plot(&speed.claims[0]).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
-            [1, 1, 2, 1]
+            [1, 1, 2, 1, 2]
         );
         let html = speed.report("edof study single-depth").to_html();
-        assert!(html.contains("<title>omp: 60, 31</title>"), "{html}");
+        assert!(html.contains("<title>omp: 90, 31</title>"), "{html}");
         assert!(
             !html.contains("http://")
                 || html.matches("http://").count() == html.matches("http://www.w3.org/2000/svg").count()

@@ -207,7 +207,7 @@ impl Summary {
             let mark = match m.identity.format {
                 Some(Format::Float422) => return None,
                 Some(Format::Float) => Mark::LineAndPoints,
-                Some(Format::Fixed) => Mark::Dotted,
+                Some(Format::Fixed | Format::Board) => Mark::Dotted,
                 None => Mark::Dashed,
             };
             Some(Series::new(format!("{}, {}", m.method, m.camera), mark, m.picture.psi_db.iter().copied()))

@@ -434,10 +434,14 @@ fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {
     rates
 }
 
+/// # Errors
+/// [`RecipeError`] for a number of threads that no run can have.
+pub fn check_threads(threads: usize) -> Result<(), RecipeError> {
+    if (1..=256).contains(&threads) { Ok(()) } else { Err(value("threads", threads, "1 to 256")) }
+}
+
 fn pool(threads: usize) -> Result<rayon::ThreadPool, RecipeError> {
-    if threads == 0 || threads > 256 {
-        return Err(value("threads", threads, "1 to 256"));
-    }
+    check_threads(threads)?;
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

@@ -18,6 +18,7 @@ pub const LEAVES: &[(&str, &str)] = &[
     ("edof_ram", include_str!("../../../rtl/edof_ram.v")),
     ("edof_reset_sync", include_str!("../../../rtl/edof_reset_sync.v")),
     ("edof_scale", include_str!("../../../rtl/edof_scale.v")),
+    ("edof_start", include_str!("../../../rtl/edof_start.v")),
     ("edof_sync", include_str!("../../../rtl/edof_sync.v")),
     ("edof_table", include_str!("../../../rtl/edof_table.v")),
 ];

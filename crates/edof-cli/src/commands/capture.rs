@@ -4,6 +4,7 @@ use crate::commands::scene::{Drawing, fits};
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
+use crate::scene_file::{self, BYTES_A_LAYER, SceneFile};
 use crate::ui::Ui;
 use crate::{memory, pictures};
 use edof_io::record::{self, RawRecord};
@@ -26,7 +27,8 @@ use std::path::{Path, PathBuf};
 /// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene
 ///
 /// A photograph lies at one depth (--psi), or each of its pixels at that of a depth map: it is then cut into layers, and blur at the
-/// edge of a near thing shows what could be behind.
+/// edge of a near thing shows what could be behind. Or it is one of several layers, each a picture with a matte at a depth, that a
+/// JSON file lists from back to front (docs/your-own-lens.md).
 ///
 /// Only what the scene needs is computed: the depths it has, kernels up to an asked share of the energy, as many wavelengths
 /// as a tolerance asks for. What each of these approximations changes of the light on the sensor, and the time it saves, is
@@ -34,7 +36,8 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// A photograph (PNG, JPEG, WebP, TIFF, BMP, PPM), or chart, chart-4, leaves, leaves-4, which are drawn as light
+    /// A photograph (PNG, JPEG, WebP, TIFF, BMP, PPM), a JSON file that lists layers with mattes and depths, or chart, chart-4, leaves,
+    /// leaves-4, which are drawn as light
     #[arg(value_name = "SCENE")]
     scene: String,
 
@@ -90,6 +93,10 @@ pub struct Args {
     #[arg(long, default_value_t = Noise::None, value_name = "NOISE", allow_hyphen_values = true)]
     noise: Noise,
 
+    /// Sensor value of no light
+    #[arg(long, default_value_t = 0, value_name = "LEVEL")]
+    black_level: u16,
+
     /// Share of the energy that a cut kernel keeps, more than 0 and at most 1
     #[arg(long, default_value_t = 0.999, value_name = "SHARE")]
     energy: f64,
@@ -132,13 +139,11 @@ const EXAMPLES: &str = "\
 Examples:
   edof capture photo.jpg --depth-map depth.png --range 8:0 --out raw.png
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
+  edof capture scene.json --out raw.png
   edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
   edof capture leaves --psi 6 --noise sensor:gain=4 --depth 10 --phase bggr --out raw.png --exact";
-
-/// Bytes a pixel that a layer takes: colours and matte, sharp and blurred, and their spectra.
-const BYTES_A_LAYER: f64 = 48.0;
 
 #[derive(Serialize)]
 struct Captured {
@@ -161,8 +166,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     raw::check_ending(&args.out)?;
     let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     let camera = args.drawing.before(camera)?;
+    let listed = args.listed()?;
     let mut files = Files::new(ui)
         .reads(&args.scene)
+        .reads_all(listed.iter().flat_map(SceneFile::files))
         .reads_all(&args.depth_map)
         .reads_all(files)
         .writes("--out", &args.out);
@@ -173,9 +180,19 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         }
     }
     files.check()?;
-    let scene = open(&args, &camera, ui)?;
+    let sensor = Sensor {
+        depth: args.depth,
+        phase: args.phase,
+        noise: args.noise,
+        seed: args.drawing.seed,
+        black_level: args.black_level,
+    };
+    sensor.check()?;
+    let scene = match listed {
+        Some(file) => file.scene(args.tone, &camera, ui)?,
+        None => open(&args, &camera, ui)?,
+    };
     let approximation = args.approximation()?;
-    let sensor = Sensor { depth: args.depth, phase: args.phase, noise: args.noise, seed: args.drawing.seed };
     let shot = capture(&scene, &camera, &sensor, &approximation)?;
     raw::save(&args.out, &shot.raw)?;
     record::save(&args.out, &record_of(&args, &camera, &scene, &shot.raw, ui))?;
@@ -219,7 +236,10 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
         phase: frame.phase(),
         depth: frame.depth(),
         alignment: record::alignment_of(&args.out),
-        black_level: 0,
+        black_level: args.black_level.into(),
+        white_level: None,
+        white_balance: None,
+        colour_matrix: None,
         camera: camera.clone(),
         psi: scene.layers.iter().map(|layer| layer.psi).collect(),
         tone: args.tone,
@@ -308,6 +328,22 @@ impl MapOf {
 }
 
 impl Args {
+    /// The layers of a scene that a file lists; what only photographs and drawn scenes have is refused.
+    fn listed(&self) -> Result<Option<SceneFile>, Error> {
+        if !scene_file::is_scene_file(&self.scene) {
+            return Ok(None);
+        }
+        let given = [
+            ("--psi", !self.drawing.psi.is_empty()),
+            ("--depth-map", self.depth_map.is_some()),
+            ("--size", self.drawing.size.is_some()),
+        ];
+        if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
+            return Err(Error::message(format!("{option}: {} says it for each of its layers", self.scene)));
+        }
+        SceneFile::load(Path::new(&self.scene)).map(Some)
+    }
+
     fn approximation(&self) -> Result<Approximation, Error> {
         if self.exact {
             return Ok(Approximation::exact());

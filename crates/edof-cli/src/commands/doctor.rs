@@ -7,6 +7,7 @@ use crate::ui::Ui;
 use crate::weights;
 use edof_cosim::tool;
 use edof_cosim::verilator::Options;
+use edof_cosim::yosys::timing;
 use edof_study::photos;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -46,12 +47,7 @@ const TOOLS: [Known; 6] = [
     known("make", "--version", "the same", "apt-get install make"),
     known("iverilog", "-V", "edof cosim --icarus", "apt-get install iverilog"),
     known("yosys", "-V", "edof timing", "apt-get install yosys"),
-    known(
-        "vivado",
-        "-version",
-        "building the bitstream of edof generate",
-        "AMD's installer; nothing else needs it",
-    ),
+    known("vivado", "-version", "the bitstream of edof generate", "AMD's installer; nothing else needs it"),
 ];
 
 #[derive(Serialize)]
@@ -60,8 +56,7 @@ struct Found {
     networks: Vec<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     photographs: Option<PathBuf>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cache: Option<Cache>,
+    caches: Vec<Cache>,
     #[serde(skip_serializing_if = "Option::is_none")]
     free_memory_bytes: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,9 +73,10 @@ struct Tool {
     get: &'static str,
 }
 
-/// What was compiled and kept.
+/// What was computed and kept.
 #[derive(Serialize)]
 struct Cache {
+    holds: &'static str,
     folder: PathBuf,
     files: u64,
     bytes: u64,
@@ -94,8 +90,14 @@ pub fn run(_: Args, ui: &Ui) -> Result<(), Error> {
     let found = Found {
         tools: TOOLS.map(looked_for).into(),
         networks: weights::names(),
-        photographs: photos::default_folder().ok().filter(|folder| folder.is_dir()),
-        cache: Options::user_cache().and_then(|models| models.parent().map(cache_at)),
+        photographs: photos::default_folder()
+            .ok()
+            .and_then(|folder| folder.canonicalize().ok())
+            .filter(|f| f.is_dir()),
+        caches: [("compiled models", Options::user_cache()), ("timing of blocks", timing::user_cache())]
+            .into_iter()
+            .filter_map(|(holds, folder)| Some(cache_at(holds, &folder?)))
+            .collect(),
         free_memory_bytes: memory::free(),
         free_disk_bytes: free_disk(Path::new(".")),
     };
@@ -114,12 +116,12 @@ fn version(name: &str, option: &str) -> Option<String> {
     Some(line.unwrap_or("tells no version").to_owned())
 }
 
-fn cache_at(folder: &Path) -> Cache {
+fn cache_at(holds: &'static str, folder: &Path) -> Cache {
     let (files, bytes) = size(folder);
     // Where it is not there yet, whether it could be made.
     let standing = folder.ancestors().find(|place| place.is_dir()).unwrap_or(Path::new("/"));
     let writable = std::fs::metadata(standing).is_ok_and(|about| !about.permissions().readonly());
-    Cache { folder: folder.to_owned(), files, bytes, writable }
+    Cache { holds, folder: folder.to_owned(), files, bytes, writable }
 }
 
 /// Files below a folder and their bytes.
@@ -166,10 +168,10 @@ fn tell(found: &Found, ui: &Ui) -> Result<(), Error> {
             ui.say("photographs of the study: none; edof study and train want --images, or EDOF_KODAK")?
         }
     }
-    if let Some(Cache { folder, files, bytes, writable }) = &found.cache {
-        let note = if *writable { "" } else { ", cannot be written: models are compiled anew each time" };
+    for Cache { holds, folder, files, bytes, writable } in &found.caches {
+        let note = if *writable { "" } else { ", cannot be written: they are made anew each time" };
         ui.say(format!(
-            "compiled models: {files} files, {:.1} MB in {}{note}",
+            "{holds}: {files} files, {:.1} MB in {}{note}",
             *bytes as f64 / 1e6,
             folder.display()
         ))?;

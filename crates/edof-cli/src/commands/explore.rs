@@ -61,23 +61,24 @@ pub struct Args {
 type Picture = Vec<Vec<usize>>;
 
 /// A folding of a network.
-struct Found {
-    network: String,
-    db: f64,
-    folding: String,
-    cycles: f64,
-    worst_cycles: f64,
-    frames: f64,
-    used: Resources,
+pub struct Found {
+    pub network: String,
+    pub camera: String,
+    pub db: f64,
+    pub folding: String,
+    pub cycles: f64,
+    pub worst_cycles: f64,
+    pub frames: f64,
+    pub used: Resources,
 }
 
 impl Found {
-    fn ramb36(&self) -> f64 {
+    pub fn ramb36(&self) -> f64 {
         self.used.ramb36e1 as f64 + self.used.ramb18e1 as f64 / 2.0
     }
 
     /// What is better where it is less.
-    fn figures(&self) -> [f64; 4] {
+    pub fn figures(&self) -> [f64; 4] {
         [-self.db, self.cycles, self.used.dsp48e1 as f64, self.ramb36()]
     }
 }
@@ -85,28 +86,11 @@ impl Found {
 /// # Errors
 /// A network, design or picture that cannot be used, or nothing that fits the device.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = args
-        .weights
-        .iter()
-        .fold(Files::new(ui).reads(&args.design), |files, name| files.reads_all(weights::fixed_file(name)));
-    files.reads_all(&args.photo).check()?;
+    args.files(Files::new(ui)).check()?;
     if !(args.fps > 0.0 && args.fps.is_finite()) {
         return Err(Error::message(format!("--fps {}: must be more than 0", args.fps)));
     }
-    let base = designs::load(&args.design)?;
-    ui.used(designs::input(&base));
-    let mut found = vec![];
-    for name in &args.weights {
-        ui.used(weights::fixed_input(name)?);
-        found.extend(of_network(&args, &base, name, &weights::fixed(name)?, ui)?);
-    }
-    if found.is_empty() {
-        return Err(Error::message(format!(
-            "no folding of {} fits {}",
-            args.weights.join(", "),
-            args.device
-        )));
-    }
+    let (base, mut found) = args.found(ui)?;
     let fast = found.iter().any(|one| one.frames >= args.fps);
     found.retain(|one| !fast || one.frames >= args.fps);
     let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
@@ -116,7 +100,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
     ui.say("   dB  cycles   worst  frames/s  DSP48E1  RAMB36E1  network, lanes x rows")?;
     for one in &kept {
-        let Found { network, db, folding, cycles, worst_cycles, frames, used } = one;
+        let Found { network, db, folding, cycles, worst_cycles, frames, used, .. } = one;
         let ramb36 = one.ramb36();
         ui.say(format!(
             "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {:7}  {ramb36:8.1}  {network}, {folding}",
@@ -149,6 +133,47 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }))
 }
 
+impl Args {
+    /// Adds what is read to the files of a command.
+    pub fn files(&self, files: Files) -> Files {
+        let read = |files: Files, name: &String| files.reads_all(weights::fixed_file(name));
+        self.weights.iter().fold(files.reads(&self.design), read).reads_all(&self.photo)
+    }
+
+    /// The design, and all foldings of all networks that fit the device.
+    ///
+    /// # Errors
+    /// A network, design or picture that cannot be used, or nothing that fits.
+    pub fn found(&self, ui: &Ui) -> Result<(Design, Vec<Found>), Error> {
+        let base = designs::load(&self.design)?;
+        ui.used(designs::input(&base));
+        let mut found = vec![];
+        for name in &self.weights {
+            ui.used(weights::fixed_input(name)?);
+            found.extend(of_network(self, &base, name, &weights::fixed(name)?, ui)?);
+        }
+        if found.is_empty() {
+            let names = self.weights.join(", ");
+            return Err(Error::message(format!("no folding of {names} fits {}", self.device)));
+        }
+        Ok((base, found))
+    }
+
+    /// What it is that foldings must fit.
+    pub fn device(&self) -> &str {
+        &self.device
+    }
+
+    /// What they are measured on, in words.
+    pub fn pictures(&self) -> String {
+        match self.photo.len() {
+            0 => "a drawn scene of dead leaves".into(),
+            1 => "a photograph".into(),
+            several => format!("{several} photographs"),
+        }
+    }
+}
+
 /// All foldings of a network that fit the device.
 fn of_network(
     args: &Args,
@@ -178,6 +203,7 @@ fn of_network(
         let sizes = design.stages.iter().map(|size| format!("{}x{}", size.lanes, size.rows));
         found.push(Found {
             network: name.into(),
+            camera: network.origin.camera.name.clone(),
             db,
             folding: sizes.collect::<Vec<_>>().join(" "),
             cycles,

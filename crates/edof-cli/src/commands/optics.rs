@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
-use crate::lens::{self, Lens};
+use crate::lens::{self, Depth, Lens};
 use crate::npz::Npz;
 use crate::ui::Ui;
 use edof_optics::bank;
@@ -25,8 +25,8 @@ use std::path::PathBuf;
 /// Show what a camera's optics do, or design a mask
 ///
 /// Writes figure1.svg (the paper's Figure 1: response to spatial frequency without the mask, contrast through focus with
-/// and without it), mtf.svg (response without and with the mask), and psf.png (point spread functions, 31x31 pixels, each
-/// channel to its own peak; first row with the mask, second without). Beside them the same as numbers for NumPy: psf.npz (a PSF
+/// and without it), mtf.svg (response without and with the mask), and psf.png (point spread functions as far as they
+/// can be seen, each channel to its own peak, with a scale; first row with the mask, second without). Beside them the same as numbers for NumPy: psf.npz (a PSF
 /// bank, which --psf-bank takes back) and mtf.npz (OTF and MTF; docs/your-own-lens.md lists the arrays).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
@@ -46,9 +46,9 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "out/optics")]
     out: PathBuf,
 
-    /// Depths: the defocus parameter in radians [default: 0,1,2,3,4,5,6,7,8, or those of the PSF bank]
+    /// Depths: the defocus parameter psi in radians, or distances as in 1.5m [default: 0,1,2,3,4,5,6,7,8, or those of the PSF bank]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
-    psi: Vec<f64>,
+    psi: Vec<Depth>,
 
     /// Also tell each depth's distance when psi 0 lies at this many metres (inf for infinity) [default: what the camera says]
     #[arg(long, value_name = "METRES")]
@@ -67,6 +67,7 @@ const EXAMPLES: &str = "\
 Examples:
   edof optics ring-2018 --out out/optics
   edof optics ring-outer --psi 0,4,8 --nominal 10 --json
+  edof optics ring-outer --psi 3m,5m,10m --nominal 10
   edof optics ring-outer --psf-bank measured.npz --out out/measured
   edof optics design --out mine.json
   edof optics design --rings 2 --psi-range -4,4 --noise 0.01 --images photos/train --out mine.json";
@@ -175,7 +176,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
     ui.used(Input::camera(&camera));
-    let (settings, psis) = (args.settings(&camera)?, args.depths(&camera));
+    let camera = args.before(camera)?;
+    let (settings, psis) = (args.settings()?, args.depths(&camera)?);
     let files = FILES.map(|name| args.out.join(name));
     let clear = without_mask(&camera);
     let (mtf_clear, mtf) = (mtf_plot(&clear, &psis)?, mtf_plot(&camera, &psis)?);
@@ -183,10 +185,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let psfs =
         psis.iter().map(|&psi| channel_psfs(&camera, psi, &settings)).collect::<Result<Vec<_>, _>>()?;
     let sheet = png(&psf_sheet(&[&camera, &clear], &psis, &settings)?, Tone::Linear)?;
-    let depths = psis
-        .iter()
-        .zip(&psfs)
-        .map(|(&psi, psfs)| shown(&camera, psi, args.nominal.or(camera.nominal_m), psfs));
+    let depths = psis.iter().zip(&psfs).map(|(&psi, psfs)| shown(&camera, psi, psfs));
     let depths = depths.collect::<Result<Vec<_>, _>>()?;
     edof_spec::atomic::write(&files[0], figure1.as_bytes())?;
     edof_spec::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
@@ -206,38 +205,49 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 impl Args {
-    /// The depths that are asked for, or else those that the camera's bank holds, or the usual ones.
-    fn depths(&self, camera: &Camera) -> Vec<f64> {
-        let own = camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref());
-        match own {
-            _ if !self.psi.is_empty() => self.psi.clone(),
-            Some(kernels) => kernels.psis().to_vec(),
-            None => (0..=8).map(f64::from).collect(),
+    /// The camera, with the distance that is ψ = 0 where one is given.
+    fn before(&self, camera: Camera) -> Result<Camera, Error> {
+        if let Some(metres) = self.nominal.filter(|m| m.is_nan() || *m <= 0.0) {
+            return Err(Error::message(format!("--nominal {metres}: must be a distance of more than 0 m")));
         }
+        Ok(Camera { nominal_m: self.nominal.or(camera.nominal_m), ..camera })
     }
 
-    fn settings(&self, camera: &Camera) -> Result<Settings, Error> {
+    /// The depths that are asked for, or else those that the camera's bank holds, or the usual ones.
+    fn depths(&self, camera: &Camera) -> Result<Vec<f64>, Error> {
+        let own = camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref());
+        match own {
+            Some(kernels) if self.psi.is_empty() => return Ok(kernels.psis().to_vec()),
+            None if self.psi.is_empty() => return Ok((0..=8).map(f64::from).collect()),
+            _ => {}
+        }
+        let asked = |depth: &Depth| {
+            let psi = depth.psi(camera)?;
+            psf::check(camera, psi).map_err(|e| Error::message(format!("--{e}")))?;
+            Ok(psi)
+        };
+        self.psi.iter().map(asked).collect()
+    }
+
+    fn settings(&self) -> Result<Settings, Error> {
         if !(self.energy > 0.0 && self.energy <= 1.0) {
             return Err(Error::message(format!(
                 "--energy {}: must be more than 0 and at most 1",
                 self.energy
             )));
         }
-        for psi in &self.psi {
-            psf::check(camera, *psi).map_err(|e| Error::message(format!("--{e}")))?;
-        }
-        if let Some(metres) = self.nominal.filter(|m| m.is_nan() || *m <= 0.0) {
-            return Err(Error::message(format!("--nominal {metres}: must be a distance of more than 0 m")));
-        }
         Ok(Settings { energy: self.energy, exact: self.exact, ..Settings::default() })
     }
 }
 
-fn shown(camera: &Camera, psi: f64, nominal: Option<f64>, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf> {
+fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf> {
     let contrast = through_focus(camera, green_cutoff_per_mm(camera) / 4.0, &[psi], Footprint::Lens)?;
     Ok(ShownDepth {
         psi,
-        distance_m: nominal.and_then(|metres| distance_m(camera, psi, metres)).filter(|m| m.is_finite()),
+        distance_m: camera
+            .nominal_m
+            .and_then(|nominal| distance_m(camera, psi, nominal))
+            .filter(|m| m.is_finite()),
         kernel_side: psfs.each_ref().map(Psf::side),
         energy_kept: psfs.each_ref().map(|p| p.energy_kept),
         energy_beyond: psfs.each_ref().map(|p| p.energy_beyond),
@@ -358,7 +368,7 @@ impl Design {
     fn base(&self) -> Result<Camera, Error> {
         let mut base = Camera::resolve(&self.camera)?;
         // Another mask has other PSFs.
-        base.psf_bank = None;
+        (base.psf_bank, base.height_map) = (None, None);
         if !base.aberrations.is_empty() {
             return Err(Error::message(format!(
                 "--camera {}: has aberrations; masks are designed for lenses without",

@@ -1,5 +1,6 @@
 //! `edof random-network`: a drawn network, where there is no trained one.
 
+use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::form;
@@ -17,6 +18,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof random-network --form two-sided,w8,t3,c40,difference --bits 12 --stride 4 --seed 7 --out extreme.fixed.safetensors
+  edof random-network --design tiny --out drawn.fixed.safetensors
   edof random-network --kind natural --form edof-t4w12 --stride 2 --out natural.fixed.safetensors")]
 pub struct Args {
     /// What it is like
@@ -26,6 +28,10 @@ pub struct Args {
     /// Form of the network
     #[arg(long, value_parser = form::parse, default_value = "edof-t4w12", long_help = form::HELP)]
     form: Form,
+
+    /// Draw an extreme one that fits this design: tiny, paper, kc705, or a JSON file
+    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["kind", "form", "bits", "stride"])]
+    design: Option<String>,
 
     /// Bits of weights, thresholds and sparse codes, 8 to 16; natural ones have 16
     #[arg(long, default_value_t = 16)]
@@ -55,12 +61,28 @@ enum Kind {
 /// # Errors
 /// A form that cannot be drawn, a network that no accumulator could hold, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    Files::new(ui).writes("--out", &args.out).check()?;
-    let mut network = network(&args)?;
+    Files::new(ui).reads_all(&args.design).writes("--out", &args.out).check()?;
+    let mut network = match &args.design {
+        Some(name) => for_design(name, args.seed, ui)?,
+        None => network(&args)?,
+    };
     network.origin.provenance = ui.provenance().for_file();
     weight_file::save_fixed(&args.out, &network)?;
-    ui.say(format!("{}: {}, stride {}", args.out.display(), form::words(&args.form), args.stride))?;
-    ui.json(&json!({ "out": args.out.display().to_string(), "form": args.form, "stride": args.stride, "seed": args.seed }))
+    ui.say(format!(
+        "{}: {}, stride {}",
+        args.out.display(),
+        form::words(&network.form),
+        network.stride.pixels()
+    ))?;
+    ui.json(&json!({ "out": args.out.display().to_string(), "form": network.form, "stride": network.stride, "seed": args.seed }))
+}
+
+fn for_design(name: &str, seed: u64, ui: &Ui) -> Result<FixedNetwork, Error> {
+    let design = designs::load(name)?;
+    ui.used(designs::input(&design));
+    let network = edof_random::for_design(&design, seed);
+    design.check_network(&network)?;
+    Ok(network)
 }
 
 fn network(args: &Args) -> Result<FixedNetwork, Error> {

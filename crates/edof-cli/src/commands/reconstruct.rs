@@ -2,15 +2,20 @@
 
 use crate::error::Error;
 use crate::files::Files;
+use crate::interrupt;
+use crate::lens;
 use crate::ui::Ui;
 use crate::weights;
 use crate::words;
 use clap::ValueEnum;
 use edof_golden::{Counts, Curve, Display, Golden};
 use edof_io::doubt::{self, Doubt};
+use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing};
+use edof_io::picture::Format;
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_io::record::{self, RawRecord};
+use edof_io::rendering::{ColourMatrix, Rendering, WhiteBalance};
 use edof_io::{photo, raw};
 use edof_spec::display::DisplayMode;
 use edof_spec::fixed_network::layer_names;
@@ -18,29 +23,32 @@ use edof_spec::network::Origin;
 use edof_spec::overlap::Overlap;
 use edof_spec::provenance::Input;
 use edof_spec::reconstructor::Multiplications;
-use edof_spec::{
-    Camera, CfaPhase, Channel, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone,
-};
+use edof_spec::{CfaPhase, Channel, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Reconstruct a sharp picture from a raw Bayer frame
+/// Reconstruct a sharp picture from a raw Bayer frame, or one from each of several
 ///
 /// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or as a PGM's maximum says), or a
 /// headerless file with --size. How the frame was taken is read from RAW.json, which 'edof capture' writes, and
-/// contradictions are refused; with the optional feature camera-raw also DNG and other camera files. The network runs in the board's integers unless --float is given.
+/// contradictions are refused. Of a camera it may be a DNG (a Bayer mosaic, uncompressed or as lossless JPEG), whose levels, white
+/// balance and colour matrix are used; with the optional feature camera-raw also other makers' files. The network runs in the
+/// board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof reconstruct raw.png --out sharp.png
   edof reconstruct raw.png --weights edof-t4w12 --float --stride 4 --out sharp.tif
   edof reconstruct frame.bin --size 1920x1080 --depth 12 --phase gbrg --weights edof-t4w12 --out sharp.png
+  edof reconstruct night/*.png --out night-sharp/
+  edof reconstruct frame.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out sharp.png
   edof reconstruct raw.png --board --out board.png     what leaves the HDMI port (board.yuyv) and what a screen shows of it
   edof reconstruct raw.png --words words --json counters.json --out sharp.png")]
 pub struct Args {
-    /// Raw Bayer frame
-    raw: PathBuf,
+    /// Raw Bayer frames
+    #[arg(required = true)]
+    raw: Vec<PathBuf>,
 
     /// Network: a name such as edof-t4w12-outer, or a weight file; it must have been trained for the camera that took RAW
     /// [default: edof-t4w12-outer-light, for linear pictures edof-t4w12-outer]
@@ -88,6 +96,25 @@ pub struct Args {
     #[arg(long, requires = "size")]
     packing: Option<Packing>,
 
+    /// Sensor value of no light; or four, with commas, for the 2x2 pixels from the first on, row by row [default: what RAW.json or a
+    /// DNG says, else 0]
+    #[arg(long, value_name = "LEVEL")]
+    black_level: Option<Black>,
+
+    /// Sensor value of full light [default: what RAW.json or a DNG says, else where the sensor's bits end]
+    #[arg(long, value_name = "LEVEL")]
+    white_level: Option<f64>,
+
+    /// Factors of red, green and blue that make white of what the sensor sees of it, as in 2.1,1,1.6; only their proportions count
+    /// [default: what RAW.json or a DNG says, else none]
+    #[arg(long, value_name = "R,G,B", conflicts_with = "board")]
+    white_balance: Option<WhiteBalance>,
+
+    /// From balanced colours of the sensor to linear sRGB: nine numbers, row by row, each row adding up to 1 [default: what RAW.json
+    /// or a DNG says, else none]
+    #[arg(long, value_name = "NUMBERS", conflicts_with = "board", allow_hyphen_values = true)]
+    colour_matrix: Option<ColourMatrix>,
+
     /// What the picture's numbers mean: srgb is for looking at; linear writes the network's light as it is, for frames and networks
     /// that take a photograph's codes for light [default: what RAW.json says of the scene, else srgb: a sensor measures light]
     #[arg(long)]
@@ -110,12 +137,12 @@ pub struct Args {
     #[arg(long, default_value_t, conflicts_with = "float")]
     display: DisplayMode,
 
-    /// Write the words at every stage boundary to DIR/words.npz, laid out as docs/contract.md says
+    /// Write the words at every stage boundary to DIR/words.npz, laid out as docs/contract.md says; of one frame
     #[arg(long, value_name = "DIR", conflicts_with = "float")]
     words: Option<PathBuf>,
 
-    /// Picture to write: .png, .tif, .tiff or .ppm
-    #[arg(long, value_name = "FILE")]
+    /// Picture to write: .png, .tif, .tiff or .ppm; or a folder, where pictures are PNG and have their frames' names
+    #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
 }
 
@@ -133,48 +160,72 @@ enum Gamma {
 /// # Errors
 /// A frame, network or option that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let jobs = jobs(&args)?;
+    check_files(&args, &jobs, ui)?;
+    if jobs.len() > 1 {
+        // A frame that cannot be used is told before the first is computed.
+        jobs.iter().try_for_each(|job| job.open(ui).map(drop))?;
+    }
+    let mut reports = vec![];
+    for job in &jobs {
+        interrupt::check()?;
+        reports.push(job.run(ui)?);
+    }
+    match &reports[..] {
+        [one] => ui.json(one),
+        all => ui.json(&json!({ "frames": all })),
+    }
+}
+
+/// A frame and the picture that it becomes.
+struct Job<'a> {
+    args: &'a Args,
+    raw: &'a Path,
+    out: PathBuf,
+}
+
+/// One for each frame.
+fn jobs(args: &Args) -> Result<Vec<Job<'_>>, Error> {
+    let several = args.raw.len() > 1;
+    let ends_with_slash = args.out.as_os_str().as_encoded_bytes().ends_with(b"/");
+    let folder = several || ends_with_slash || args.out.is_dir();
+    if several && !args.out.is_dir() && Format::of_ending(&args.out).is_some() {
+        return Err(Error::message(format!(
+            "--out {}: {} frames need a folder, not a picture",
+            args.out.display(),
+            args.raw.len()
+        )));
+    }
+    if let Some(words) = args.words.as_ref().filter(|_| several) {
+        return Err(Error::message(format!(
+            "--words {}: of one frame only, not of {}",
+            words.display(),
+            args.raw.len()
+        )));
+    }
+    let out = |raw: &Path| match (folder, raw.file_stem()) {
+        (true, Some(stem)) => {
+            let mut name = stem.to_owned();
+            name.push(".png");
+            args.out.join(name)
+        }
+        _ => args.out.clone(),
+    };
+    Ok(args.raw.iter().map(|raw| Job { args, raw, out: out(raw) }).collect())
+}
+
+fn check_files(args: &Args, jobs: &[Job<'_>], ui: &Ui) -> Result<(), Error> {
     let file = if args.float { weights::float_file } else { weights::fixed_file };
     // Which default it is, the frame's record says.
     let networks =
         args.weights.as_deref().map_or(Tone::ALL.map(weights::default_for).to_vec(), |name| vec![name]);
-    let networks = networks.into_iter().filter_map(file);
-    let record = record::path_of(&args.raw);
-    let files = Files::new(ui).reads(&args.raw).reads(record).reads_all(networks).reads_all(&args.camera);
-    let words = args.words.as_deref().map(words::file);
-    files
-        .writes_picture("--out", &args.out)?
-        .may_write("--board", codes_file(&args))
-        .may_write("--words", words)
-        .check()?;
-    let (frame, record) = open(&args, ui)?;
-    if record.is_none() {
-        remark(&frame, &args, ui);
+    let files = Files::new(ui).reads_all(networks.into_iter().filter_map(file)).reads_all(&args.camera);
+    let files = files.reads_all(&args.raw).reads_all(args.raw.iter().map(|raw| record::path_of(raw)));
+    let mut files = files.may_write("--words", args.words.as_deref().map(words::file));
+    for job in jobs {
+        files = files.writes_picture("--out", &job.out)?.may_write("--board", job.codes_file());
     }
-    let record = record.as_ref();
-    let made = if args.float { float(&args, &frame, record, ui)? } else { fixed(&args, &frame, record, ui)? };
-    let (height, width) = frame.size();
-    let per_megapixel = made.seconds / ((height * width) as f64 / 1e6);
-    ui.say(format!(
-        "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s a megapixel)",
-        args.out.display(),
-        made.name,
-        made.seconds,
-    ))?;
-    let mut report = json!({
-        "method": made.name,
-        "raw": args.raw.display().to_string(),
-        "picture": args.out.display().to_string(),
-        "width": width,
-        "height": height,
-        "tone": made.tone,
-        "seconds": made.seconds,
-        "seconds_per_megapixel": per_megapixel,
-        "multiplications": made.multiplications,
-    });
-    if let (Value::Object(report), Value::Object(more)) = (&mut report, made.more) {
-        report.extend(more);
-    }
-    ui.json(&report)
+    files.check()
 }
 
 /// What has been made and written.
@@ -187,58 +238,233 @@ struct Made {
     more: Value,
 }
 
-fn float(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> Result<Made, Error> {
-    let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
-    let tone = tone(args, record);
-    let name = args.network(tone);
-    let network = weights::float(name)?;
-    ui.used(weights::float_input(name)?);
-    fits_camera(&network.origin, args, record)?;
-    let method = FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?;
-    let result = method.reconstruct(frame).map_err(|e| of_frame(args, e))?;
-    photo::save(&args.out, &encoded(result.frame, curve(args, tone)), args.bits)?;
-    let name = method.name().to_owned();
-    Ok(Made {
-        name,
-        tone,
-        seconds: result.seconds,
-        multiplications: result.multiplications,
-        more: Value::Null,
-    })
+/// A frame as the network is to see it, and what is known of it.
+struct Taken {
+    frame: RawFrame,
+    record: Option<RawRecord>,
+    rendering: Rendering,
 }
 
-fn fixed(args: &Args, frame: &RawFrame, record: Option<&RawRecord>, ui: &Ui) -> Result<Made, Error> {
-    let network = fixed_network(args, record, ui)?;
-    let name = format!("{}.fixed", network.origin.name);
-    let tone = tone(args, record);
-    let golden = Golden::new(network)?;
-    let start = Instant::now();
-    let out = golden.frame(frame).map_err(|e| of_frame(args, e))?;
-    let seconds = start.elapsed().as_secs_f64();
-    let (picture, shown) = out.picture(&Display::new(args.display, curve(args, tone)));
-    let board = codes_file(args);
-    if let Some(codes) = &board {
-        photo::save(&args.out, &picture.shown_frame(), args.bits)?;
-        edof_spec::atomic::write(codes, &picture.yuyv())?;
-    } else {
-        photo::save(&args.out, &encoded(out.colour(), curve(args, tone)), args.bits)?;
+impl Job<'_> {
+    /// Reads, computes and writes; gives what there is to report.
+    fn run(&self, ui: &Ui) -> Result<Value, Error> {
+        let taken = self.open(ui)?;
+        if taken.record.is_none() {
+            self.remark(&taken.frame, ui);
+        }
+        let made = if self.args.float { self.float(&taken, ui)? } else { self.fixed(&taken, ui)? };
+        let (height, width) = taken.frame.size();
+        let per_megapixel = made.seconds / ((height * width) as f64 / 1e6);
+        ui.say(format!(
+            "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s a megapixel)",
+            self.out.display(),
+            made.name,
+            made.seconds,
+        ))?;
+        let mut report = json!({
+            "method": made.name,
+            "raw": self.raw.display().to_string(),
+            "picture": self.out.display().to_string(),
+            "width": width,
+            "height": height,
+            "tone": made.tone,
+            "seconds": made.seconds,
+            "seconds_per_megapixel": per_megapixel,
+            "multiplications": made.multiplications,
+        });
+        if let (Value::Object(report), Value::Object(more)) = (&mut report, made.more) {
+            report.extend(more);
+        }
+        Ok(report)
     }
-    if let Some(folder) = &args.words {
-        words::save(folder, &golden.words(frame).map_err(|e| of_frame(args, e))?, &out.frame, &picture)?;
-    }
-    let more = json!({
-        "counters": counters(&out.counts),
-        "display": { "mode": args.display, "clamped_chroma": shown.clamped_chroma, "out_of_gamut": shown.out_of_gamut },
-        "board": board.map(|file| file.display().to_string()),
-        "words": args.words.as_deref().map(|folder| words::file(folder).display().to_string()),
-    });
-    let multiplications = Some(out.counts.multiplications(golden.network()));
-    Ok(Made { name, tone, seconds, multiplications, more })
-}
 
-/// Where the board's codes go, if they are asked for.
-fn codes_file(args: &Args) -> Option<PathBuf> {
-    args.board.then(|| args.out.with_extension("yuyv"))
+    fn float(&self, taken: &Taken, ui: &Ui) -> Result<Made, Error> {
+        let args = self.args;
+        let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
+        let tone = self.tone(taken);
+        let name = args.network(tone);
+        let network = weights::float(name)?;
+        ui.used(weights::float_input(name)?);
+        self.fits_camera(&network.origin, taken)?;
+        let method = FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?;
+        let result = method.reconstruct(&taken.frame).map_err(|e| self.failed(e))?;
+        self.save(result.frame, taken)?;
+        let name = method.name().to_owned();
+        Ok(Made {
+            name,
+            tone,
+            seconds: result.seconds,
+            multiplications: result.multiplications,
+            more: Value::Null,
+        })
+    }
+
+    fn fixed(&self, taken: &Taken, ui: &Ui) -> Result<Made, Error> {
+        let args = self.args;
+        let network = self.fixed_network(taken, ui)?;
+        let name = format!("{}.fixed", network.origin.name);
+        let tone = self.tone(taken);
+        let golden = Golden::new(network)?;
+        let start = Instant::now();
+        let out = golden.frame(&taken.frame).map_err(|e| self.failed(e))?;
+        let seconds = start.elapsed().as_secs_f64();
+        let (picture, shown) = out.picture(&Display::new(args.display, curve(args, tone)));
+        let board = self.codes_file();
+        if let Some(codes) = &board {
+            photo::save(&self.out, &picture.shown_frame(), args.bits)?;
+            edof_spec::atomic::write(codes, &picture.yuyv())?;
+        } else {
+            self.save(out.colour(), taken)?;
+        }
+        if let Some(folder) = &args.words {
+            let boundaries = golden.words(&taken.frame).map_err(|e| self.failed(e))?;
+            words::save(folder, &boundaries, &out.frame, &picture)?;
+        }
+        let more = json!({
+            "counters": counters(&out.counts),
+            "display": { "mode": args.display, "clamped_chroma": shown.clamped_chroma, "out_of_gamut": shown.out_of_gamut },
+            "board": board.map(|file| file.display().to_string()),
+            "words": args.words.as_deref().map(|folder| words::file(folder).display().to_string()),
+        });
+        let multiplications = Some(out.counts.multiplications(golden.network()));
+        Ok(Made { name, tone, seconds, multiplications, more })
+    }
+
+    /// Writes a picture of the network's light.
+    fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(), Error> {
+        taken.rendering.apply(&mut light);
+        let curve = curve(self.args, self.tone(taken));
+        Ok(photo::save(&self.out, &encoded(light, curve), self.args.bits)?)
+    }
+
+    /// Where the board's codes go, if they are asked for.
+    fn codes_file(&self) -> Option<PathBuf> {
+        self.args.board.then(|| self.out.with_extension("yuyv"))
+    }
+
+    /// An error that names the raw frame's file.
+    fn failed(&self, error: impl std::fmt::Display) -> Error {
+        Error::message(format!("{}: {error}", self.raw.display()))
+    }
+
+    /// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.
+    fn tone(&self, taken: &Taken) -> Tone {
+        self.args.tone.or(taken.record.as_ref().map(|r| r.tone)).unwrap_or(Tone::Srgb)
+    }
+
+    /// The frame as light, and its record where one lies beside it.
+    fn open(&self, ui: &Ui) -> Result<Taken, Error> {
+        let (args, raw) = (self.args, self.raw);
+        let record = record::load(raw)?;
+        let stated = raw_options(args);
+        let options = match &record {
+            Some(record) => record.options(raw, stated, args.phase)?,
+            None => stated,
+        };
+        let raw::Opened { frame, levels: of_file, rendering: own } = raw::open(raw, &options)?;
+        if let Some(given) = args.phase.filter(|phase| *phase != frame.phase()) {
+            return Err(self.failed(format!("says {}; leave --phase {given} out", frame.phase())));
+        }
+        if let Some(record) = &record {
+            record.check(raw, &frame)?;
+        }
+        let levels = match &record {
+            Some(record) => record.levels(raw, args.black_level, args.white_level)?,
+            None => {
+                let Levels { black, white } = of_file.unwrap_or_default();
+                Levels { black: args.black_level.unwrap_or(black), white: args.white_level.or(white) }
+            }
+        };
+        let own = record.as_ref().map_or(own, RawRecord::rendering);
+        let rendering = Rendering {
+            white_balance: args.white_balance.or(own.white_balance),
+            matrix: args.colour_matrix.or(own.matrix),
+        };
+        let name = raw.file_name().unwrap_or_default().to_string_lossy();
+        ui.used(Input::raw_frame(&name, &frame));
+        let frame = levels.light(&frame).map_err(|e| self.failed(e))?;
+        Ok(Taken { frame, record, rendering })
+    }
+
+    fn fixed_network(&self, taken: &Taken, ui: &Ui) -> Result<FixedNetwork, Error> {
+        let args = self.args;
+        let name = args.network(self.tone(taken));
+        let network = weights::fixed(name)?;
+        ui.used(weights::fixed_input(name)?);
+        self.fits_camera(&network.origin, taken)?;
+        match args.stride.map(Stride::new).transpose()? {
+            Some(stride) if stride != network.stride => Err(Error::message(format!(
+                "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
+                stride.pixels(),
+                name,
+                network.stride.pixels(),
+                stride.pixels()
+            ))),
+            _ => Ok(network),
+        }
+    }
+
+    /// The network must have been trained for the lens that the user states, and for the one that took the frame.
+    fn fits_camera(&self, origin: &Origin, taken: &Taken) -> Result<(), Error> {
+        let (args, record) = (self.args, taken.record.as_ref());
+        let stated = args.camera.as_deref().map(lens::camera).transpose()?;
+        let tone = self.tone(taken);
+        let Some(camera) = stated.as_ref().or(record.map(|r| &r.camera)) else { return Ok(()) };
+        if origin.camera.same_lens(camera) {
+            return Ok(());
+        }
+        let trained = &origin.camera.name;
+        if stated.is_some() {
+            return Err(Error::message(format!(
+                "--weights {}: trained for the camera {trained}, whose lens or mask is not that of {}",
+                args.network(tone),
+                camera.name
+            )));
+        }
+        let instead = match weights::trained_for(camera, tone) {
+            Some(name) => format!("use --weights {name}"),
+            None => format!("train one by 'edof train --camera {}'", camera.name),
+        };
+        Err(Error::message(format!(
+            "--weights {}: trained for the camera {trained}, but {} was taken by {} ({}); {instead}",
+            args.network(tone),
+            self.raw.display(),
+            camera.name,
+            record::path_of(self.raw).display()
+        )))
+    }
+
+    /// Of a frame without a record: what of it says that it was read otherwise than it was taken.
+    fn remark(&self, frame: &RawFrame, ui: &Ui) {
+        let args = self.args;
+        let raw = self.raw.display();
+        for doubt in doubt::doubts(frame) {
+            match doubt {
+                Doubt::Dim(brightest) => {
+                    let advice = match (args.depth, args.align.as_deref()) {
+                        (None, None) if args.size.is_some() => {
+                            "if its values have fewer than 16 bits, give --depth"
+                        }
+                        (None, None) => {
+                            "if its values have fewer than 16 bits, give --depth, and --align bottom where they lie at the \
+                             bottom of each word"
+                        }
+                        _ => "a dark picture, or --depth and --align are not as it was taken",
+                    };
+                    ui.note(format!("{raw}: brightest pixel is {brightest} of 65535; {advice}"));
+                }
+                Doubt::Phase => {
+                    let phase = frame.phase();
+                    let others = CfaPhase::ALL.into_iter().filter(|p| green_first(*p) != green_first(phase));
+                    let others: Vec<String> = others.map(|p| format!("--phase {p}")).collect();
+                    ui.note(format!(
+                        "{raw}: what --phase {phase} takes for green differs as red and blue do; it may have been taken with {}",
+                        others.join(" or ")
+                    ));
+                }
+            }
+        }
+    }
 }
 
 /// Saturations and non-zeros of every stage.
@@ -256,16 +482,6 @@ fn counters(counts: &Counts) -> Value {
         })
         .collect();
     json!({ "patches": counts.patches, "stages": stages, "saturated_sums": counts.saturated_sums })
-}
-
-/// An error that names the raw frame's file.
-fn of_frame(args: &Args, error: impl std::fmt::Display) -> Error {
-    Error::message(format!("{}: {error}", args.raw.display()))
-}
-
-/// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.
-fn tone(args: &Args, record: Option<&RawRecord>) -> Tone {
-    args.tone.or(record.map(|r| r.tone)).unwrap_or(Tone::Srgb)
 }
 
 impl Args {
@@ -291,23 +507,6 @@ fn encoded(mut light: ColourFrame, curve: Curve) -> ColourFrame {
     light
 }
 
-/// The frame, and its record where one lies beside it.
-fn open(args: &Args, ui: &Ui) -> Result<(RawFrame, Option<RawRecord>), Error> {
-    let record = record::load(&args.raw)?;
-    let stated = raw_options(args);
-    let options = match &record {
-        Some(record) => record.options(&args.raw, stated, args.phase)?,
-        None => stated,
-    };
-    let frame = raw::load(&args.raw, &options)?;
-    if let Some(record) = &record {
-        record.check(&args.raw, &frame)?;
-    }
-    let name = args.raw.file_name().unwrap_or_default().to_string_lossy();
-    ui.used(Input::raw_frame(&name, &frame));
-    Ok((frame, record))
-}
-
 fn raw_options(args: &Args) -> RawOptions {
     RawOptions {
         phase: args.phase.unwrap_or_default(),
@@ -316,83 +515,6 @@ fn raw_options(args: &Args) -> RawOptions {
         alignment: args.align.as_deref().map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom }),
         order: if args.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
         packing: args.packing.unwrap_or_default(),
-    }
-}
-
-fn fixed_network(args: &Args, record: Option<&RawRecord>, ui: &Ui) -> Result<FixedNetwork, Error> {
-    let name = args.network(tone(args, record));
-    let network = weights::fixed(name)?;
-    ui.used(weights::fixed_input(name)?);
-    fits_camera(&network.origin, args, record)?;
-    match args.stride.map(Stride::new).transpose()? {
-        Some(stride) if stride != network.stride => Err(Error::message(format!(
-            "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
-            stride.pixels(),
-            name,
-            network.stride.pixels(),
-            stride.pixels()
-        ))),
-        _ => Ok(network),
-    }
-}
-
-/// The network must have been trained for the lens that the user states, and for the one that took the frame.
-fn fits_camera(origin: &Origin, args: &Args, record: Option<&RawRecord>) -> Result<(), Error> {
-    let stated = args.camera.as_deref().map(Camera::resolve).transpose()?;
-    let tone = tone(args, record);
-    let Some(camera) = stated.as_ref().or(record.map(|r| &r.camera)) else { return Ok(()) };
-    if origin.camera.same_lens(camera) {
-        return Ok(());
-    }
-    let trained = &origin.camera.name;
-    if stated.is_some() {
-        return Err(Error::message(format!(
-            "--weights {}: trained for the camera {trained}, whose lens or mask is not that of {}",
-            args.network(tone),
-            camera.name
-        )));
-    }
-    let instead = match weights::trained_for(camera, tone) {
-        Some(name) => format!("use --weights {name}"),
-        None => format!("train one by 'edof train --camera {}'", camera.name),
-    };
-    Err(Error::message(format!(
-        "--weights {}: trained for the camera {trained}, but {} was taken by {} ({}); {instead}",
-        args.network(tone),
-        args.raw.display(),
-        camera.name,
-        record::path_of(&args.raw).display()
-    )))
-}
-
-/// Of a frame without a record: what of it says that it was read otherwise than it was taken.
-fn remark(frame: &RawFrame, args: &Args, ui: &Ui) {
-    let raw = args.raw.display();
-    for doubt in doubt::doubts(frame) {
-        match doubt {
-            Doubt::Dim(brightest) => {
-                let advice = match (args.depth, args.align.as_deref()) {
-                    (None, None) if args.size.is_some() => {
-                        "if its values have fewer than 16 bits, give --depth"
-                    }
-                    (None, None) => {
-                        "if its values have fewer than 16 bits, give --depth, and --align bottom where they lie at the \
-                         bottom of each word"
-                    }
-                    _ => "a dark picture, or --depth and --align are not as it was taken",
-                };
-                ui.note(format!("{raw}: brightest pixel is {brightest} of 65535; {advice}"));
-            }
-            Doubt::Phase => {
-                let phase = frame.phase();
-                let others = CfaPhase::ALL.into_iter().filter(|p| green_first(*p) != green_first(phase));
-                let others: Vec<String> = others.map(|p| format!("--phase {p}")).collect();
-                ui.note(format!(
-                    "{raw}: what --phase {phase} takes for green differs as red and blue do; it may have been taken with {}",
-                    others.join(" or ")
-                ));
-            }
-        }
     }
 }
 

@@ -47,7 +47,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let network = match &args.weights {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);
-            weights::fixed(name)?
+            let network = weights::fixed(name)?;
+            designs::fits(&design, &network)?;
+            network
         }
         None => edof_random::for_design(&design, 1),
     };

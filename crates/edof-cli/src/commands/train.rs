@@ -15,7 +15,7 @@ use edof_train::checkpoint::{self, Run};
 use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
 use edof_train::recipe::Recipe;
-use edof_train::train::{Best, Continue, Progress, Trainer};
+use edof_train::train::{Best, Continue, Progress, Trainer, check_threads};
 use edof_train::validation::Validation;
 use edof_train::weighting::Weighting;
 use serde_json::{Value, json};
@@ -170,7 +170,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',')]
     seed: Vec<u64>,
 
-    /// Threads, up to 8 of use [default: one for each core]
+    /// Threads [default: one for each core, 8 at most: more are of no use]
     #[arg(long)]
     threads: Option<usize>,
 
@@ -209,6 +209,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     }
     let recipe = &seeds[0].0;
     recipe.check()?;
+    check_threads(threads(args))?;
     memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
@@ -267,6 +268,14 @@ impl Beginning {
     }
 }
 
+/// Threads that training is divided among at most.
+const OF_USE: usize = 8;
+
+fn threads(args: &Args) -> usize {
+    args.threads
+        .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |cores| cores.get().min(OF_USE)))
+}
+
 fn one_seed<'a>(
     dataset: &'a Dataset,
     run: &Run,
@@ -275,8 +284,7 @@ fn one_seed<'a>(
     args: &Args,
     ui: &Ui,
 ) -> Result<Trained<'a>, Error> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.unwrap_or(cores);
+    let threads = threads(args);
     let recipe = run.recipe.clone();
     let mut trainer = match from {
         _ if file.exists() => Trainer::resume(recipe, dataset, threads, checkpoint::load(file, run)?)?,

@@ -39,6 +39,7 @@ pub mod results;
 pub mod sequencer;
 pub mod shrink;
 pub mod stage;
+pub mod start;
 pub mod window_guard;
 pub mod window_ring;
 

@@ -1,6 +1,7 @@
 //! What the host sets in a stage.
 
 use super::Row;
+use super::start::Start;
 use crate::describe::Circuit;
 use edof_spec::design::memory::{CONTROL_SKIP, Shifts};
 use rust_hdl::prelude::*;
@@ -10,7 +11,7 @@ use rust_hdl::prelude::*;
 pub struct Registers {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Back to the values of the generated design.
+    /// Back to the values of the generated design; held for two cycles or more.
     pub reset: Signal<In, Bit>,
     /// Writes a register.
     pub write_enable: Signal<In, Bit>,
@@ -24,8 +25,7 @@ pub struct Registers {
     pub shifts_1: Signal<Out, Bits<20>>,
     /// Whether zeros are left out.
     pub skip_zeros: Signal<Out, Bit>,
-    start_0: Constant<Bits<20>>,
-    start_1: Constant<Bits<20>>,
+    start: Start<20>,
     start_skip: Constant<Bit>,
     shifts_0_q: DFF<Bits<20>>,
     shifts_1_q: DFF<Bits<20>>,
@@ -33,13 +33,11 @@ pub struct Registers {
 }
 
 impl Registers {
-    /// Registers that start with these shifts and this skip bit.
+    /// Registers that start with these shifts, which the image holds, and this skip bit.
     #[must_use]
-    pub fn new(shifts: [Shifts; 2], skip_zeros: bool) -> Self {
-        let start = shifts.map(|s| Constant::new(u64::from(s.word()).into()));
+    pub fn new(image: String, shifts: [Shifts; 2], skip_zeros: bool) -> Self {
         Self::from_parts(RegistersParts {
-            start_0: start[0],
-            start_1: start[1],
+            start: Start::new(image, shifts.map(|shifts| shifts.word().into())),
             start_skip: Constant::new(skip_zeros),
         })
     }
@@ -52,6 +50,7 @@ impl Logic for Registers {
     #[hdl_gen]
     fn update(&mut self) {
         dff_setup!(self, clock, shifts_0_q, shifts_1_q, skip_q);
+        self.start.clock.next = self.clock.val();
         if self.write_enable.val() {
             if self.write_row.val() == 0 {
                 self.shifts_0_q.d.next = self.write_data.val().get_bits::<20>(0);
@@ -62,8 +61,8 @@ impl Logic for Registers {
             }
         }
         if self.reset.val() {
-            self.shifts_0_q.d.next = self.start_0.val();
-            self.shifts_1_q.d.next = self.start_1.val();
+            self.shifts_0_q.d.next = self.start.first.val();
+            self.shifts_1_q.d.next = self.start.second.val();
             self.skip_q.d.next = self.start_skip.val();
         }
         self.shifts_0.next = self.shifts_0_q.q.val();

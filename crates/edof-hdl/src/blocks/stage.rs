@@ -18,7 +18,7 @@ use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
 use crate::verilog::Optional;
 use edof_spec::FixedNetwork;
-use edof_spec::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN};
+use edof_spec::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN, shift_image};
 use edof_spec::design::reading::READ_REGISTER;
 use edof_spec::design::{Design, StagePlan};
 use rust_hdl::prelude::*;
@@ -153,7 +153,11 @@ impl Stage {
             drain: Drain::new(stage),
             results: Results::new(design, stage, sets),
             base_fifo: Optional::when(stage.shrinks(), || Fifo::new(stage.feeds_m)),
-            registers: Registers::new(sets.map(|n| Shifts::of(n, stage)), design.skip_zeros),
+            registers: Registers::new(
+                shift_image(stage),
+                sets.map(|n| Shifts::of(n, stage)),
+                design.skip_zeros,
+            ),
             _role: role(stage),
         })
     }

@@ -129,6 +129,10 @@ pub struct BoardRegisters {
     word: DFF<Bits<32>>,
     is_bad: DFF<Bit>,
     controls: [DFF<Bits<32>>; 4],
+    // Where a word to write goes, known before it is judged.
+    at_control: [DFF<Bit>; 4],
+    at_tables: DFF<Bit>,
+    at_weights: DFF<Bit>,
     guard: BankGuard,
     is_checked: DFF<Bit>,
     refuses: DFF<Bit>,
@@ -199,11 +203,12 @@ impl Logic for BoardRegisters {
     fn update(&mut self) {
         dff_setup!(
             self, clock, phase, address, word, is_bad, found_any, is_stage, result, is_checked, refuses,
-            refused
+            refused, at_tables, at_weights
         );
         for i in 0..4 {
             self.controls[i].clock.next = self.clock.val();
             self.controls[i].d.next = self.controls[i].q.val();
+            self.at_control[i].clock.next = self.clock.val();
         }
 
         for i in 0..2 {
@@ -292,9 +297,15 @@ impl Logic for BoardRegisters {
         self.may_write[1].next = self.is_checked.q.val() || !self.controls[3].q.val().get_bit(1);
         self.may_write[2].next = true;
         self.may_write[3].next = self.is_checked.q.val();
+        for i in 4..8 {
+            self.at_control[i - 4].d.next =
+                self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val());
+        }
+        self.at_tables.d.next = self.in_window[1].val();
+        self.at_weights.d.next = self.in_window[2].val();
         self.bars.next = self.controls[3].q.val().get_bit(0)
-            && ((self.in_window[1].val() && self.controls[1].q.val().get_bit(0))
-                || (self.in_window[2].val() && self.guard.hits.val()));
+            && ((self.at_tables.q.val() && self.controls[1].q.val().get_bit(0))
+                || (self.at_weights.q.val() && self.guard.hits.val()));
         self.kept_out.next = false;
         if self.refuses.q.val() {
             self.refused.d.next = self.refused.q.val() + 1;
@@ -323,12 +334,12 @@ impl Logic for BoardRegisters {
                 } else if self.bars.val() {
                     self.kept_out.next = true;
                     self.phase.d.next = Phase::WriteAnswer;
-                } else if self.in_window[1].val() {
+                } else if self.at_tables.q.val() {
                     self.table_valid.next = true;
                     if self.table_ready.val() {
                         self.phase.d.next = Phase::WriteAnswer;
                     }
-                } else if self.in_window[2].val() {
+                } else if self.at_weights.q.val() {
                     self.weight_valid.next = true;
                     if self.weight_ready.val() {
                         self.phase.d.next = Phase::WriteAnswer;
@@ -336,9 +347,7 @@ impl Logic for BoardRegisters {
                 } else {
                     self.phase.d.next = Phase::WriteAnswer;
                     for i in 4..8 {
-                        if self.in_area.val()
-                            && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val())
-                        {
+                        if self.at_control[i - 4].q.val() {
                             if self.may_write[i - 4].val() {
                                 self.controls[i - 4].d.next = self.word.q.val() & self.masks[i].val();
                                 self.written.next = true;

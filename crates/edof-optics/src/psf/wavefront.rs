@@ -1,4 +1,4 @@
-//! PSFs of lenses whose wavefront is not round: the pupil with its Zernike terms, transformed whole.
+//! PSFs of lenses whose wavefront is not round: the pupil with its Zernike terms and the surface of its mask, transformed whole.
 //!
 //! The steps are those of the round case ([`super`]), on grids that have no symmetry to save by.
 
@@ -11,10 +11,23 @@ use ndarray::Array2;
 /// Most points along a side of the finest grid.
 const MOST_POINTS: usize = 4096;
 
-/// The support that a grid has room for, at most `wanted` pixels a side.
-pub fn support(camera: &Camera, wavelength_nm: f64, wanted: usize) -> usize {
+/// Most of the light of a mask that may fall beyond the middle half of the support's sides; where more does, some is beyond the support.
+const OUTSIDE: f64 = 0.02;
+
+/// The support that a grid has room for, at most `wanted` pixels a side. A mask of any shape may throw light farther than its lens: then
+/// it is larger, as far as there is room.
+pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> usize {
     let room = MOST_POINTS / steps_a_pixel(camera, wavelength_nm);
-    wanted.min(if room.is_power_of_two() { room } else { room.next_power_of_two() / 2 })
+    let room = if room.is_power_of_two() { room } else { room.next_power_of_two() / 2 };
+    let mut support = wanted.min(room);
+    while camera.height_map.is_some() && support < room.min(super::SUPPORT) {
+        let sums = square_sums(&whole_psf(camera, wavelength_nm, psi, support));
+        if sums[support / 4] >= 1.0 - OUTSIDE {
+            break;
+        }
+        support *= 2;
+    }
+    support
 }
 
 /// The PSF at one wavelength, integrated over pixels: offset (r, c) from the middle at index (r, c) modulo `support`. Sums to 1.
@@ -67,6 +80,7 @@ fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize, n: usize
     let radius = support as f64 * camera.pixel_pitch_um / (2.0 * wave_um(camera, wavelength_nm));
     let round = Pupil::new(camera, wavelength_nm, psi);
     let terms: Vec<Term> = camera.aberrations.iter().map(Term::new).collect();
+    let white_rad = camera.height_map.as_ref().map_or(0.0, |map| map.white_rad(wavelength_nm));
     let reach = (radius.ceil() as isize + 1).min(n as isize / 2 - 1);
     let mut plane = Array2::from_elem((n, n), Complex64::new(0.0, 0.0));
     let index = |q: isize| q.rem_euclid(n as isize) as usize;
@@ -77,7 +91,8 @@ fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize, n: usize
             let sample = round.sample(rho, 1.0 / radius);
             if sample.norm_sqr() > 0.0 {
                 let path_nm: f64 = terms.iter().map(|term| term.at(rho, angle)).sum();
-                let phase = std::f64::consts::TAU * path_nm / wavelength_nm;
+                let surface = camera.height_map.as_ref().map_or(0.0, |map| map.at(x, y)) * white_rad;
+                let phase = std::f64::consts::TAU * path_nm / wavelength_nm + surface;
                 plane[(index(down), index(across))] = sample * Complex64::cis(phase);
             }
         }
@@ -138,6 +153,7 @@ fn transform(plane: Array2<Complex64>) -> Array2<Complex64> {
 mod tests {
     use super::*;
     use crate::psf::quarter_psf;
+    use edof_spec::height_map::HeightMap;
 
     fn aberrated(noll: u32, rms_nm: f64) -> Camera {
         Camera { aberrations: vec![Aberration { noll, rms_nm }], ..Camera::resolve("clear").unwrap() }
@@ -194,6 +210,56 @@ mod tests {
         let lean: f64 = (1..8).map(|c| coma[(0, c)] - coma[(0, 128 - c)]).sum();
         assert!(lean < -0.01, "its tail points to the left: {lean}");
         assert!((1..8).all(|r| (coma[(r, 3)] - coma[(128 - r, 3)]).abs() < 1e-9));
+    }
+
+    /// A clear lens with a mask of a surface, heights by place in the aperture, of one wave of 535 nm where it is white.
+    fn masked(height: impl Fn(f64, f64) -> f64) -> Camera {
+        let side = 512;
+        let place = |i: usize| (i as f64 + 0.5) / f64::from(side as u32) * 2.0 - 1.0;
+        let heights = Array2::from_shape_fn((side, side), |(r, c)| height(place(c), -place(r)) as f32);
+        let mut map = HeightMap {
+            file: "mask.png".into(),
+            white_um: 1.07,
+            cauchy: [1.5, 0.0],
+            sha256: String::new(),
+            heights: None,
+        };
+        map.take(heights, "mask.png".into(), "masked").unwrap();
+        Camera { height_map: Some(map), ..Camera::resolve("clear").unwrap() }
+    }
+
+    fn furthest(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
+        let peak = b.iter().fold(0.0f64, |most, v| most.max(*v));
+        a.iter().zip(b).fold(0.0f64, |most, (a, b)| most.max((a - b).abs())) / peak
+    }
+
+    #[test]
+    fn a_surface_of_glass_is_the_wavefront_that_it_makes() {
+        let clear = Camera::resolve("clear").unwrap();
+        let psf = |camera: &Camera, nm: f64, psi: f64| whole_psf(camera, nm, psi, 128);
+        let flat = masked(|_, _| 0.7);
+        assert!(furthest(&psf(&flat, 535.0, 3.0), &psf(&clear, 535.0, 3.0)) < 1e-9);
+        // A bowl of half a wave at its edge is a defocus of pi there, at every wavelength.
+        let bowl = masked(|x, y| 0.5 * (x * x + y * y));
+        let psi = std::f64::consts::PI * 535.0 / clear.reference_wavelength_nm * clear.defocus_sign.factor();
+        for nm in [460.0, 610.0] {
+            assert!(furthest(&psf(&bowl, nm, 1.0), &psf(&clear, nm, 1.0 + psi)) < 1e-2);
+        }
+        // A wedge of a wave from edge to edge is a tilt of a quarter of that, root mean square.
+        let (right, up) = (masked(|x, _| 0.5 * (x + 1.0)), masked(|_, y| 0.5 * (y + 1.0)));
+        for (wedge, noll) in [(right, 2), (up, 3)] {
+            let expected = psf(&aberrated(noll, 535.0 / 4.0), 535.0, 0.0);
+            assert!(furthest(&psf(&wedge, 535.0, 0.0), &expected) < 1e-2, "{noll}");
+        }
+    }
+
+    #[test]
+    fn light_that_a_mask_throws_far_has_room() {
+        let support = |camera: &Camera| support(camera, 535.0, 0.0, 256);
+        assert_eq!(support(&masked(|x, y| 0.5 * (x * x + y * y))), 256);
+        let mut far = masked(|x, _| 0.5 + 0.5 * (6.0 * std::f64::consts::PI * x).cos());
+        far.height_map.as_mut().unwrap().white_um = 20.0;
+        assert!(support(&far) > 256);
     }
 
     #[test]

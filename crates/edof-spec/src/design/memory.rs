@@ -207,6 +207,12 @@ pub fn weight_images(stage: &StagePlan) -> String {
     format!("mem/stage{}_bank", stage.index)
 }
 
+/// Path of the image of the shifts that a stage begins with: [`Shifts::word`] of set 0, then of set 1.
+#[must_use]
+pub fn shift_image(stage: &StagePlan) -> String {
+    format!("mem/stage{}_shifts.hex", stage.index)
+}
+
 /// Path of a threshold memory's image.
 #[must_use]
 pub fn threshold_image(stage: &StagePlan, before: bool) -> String {

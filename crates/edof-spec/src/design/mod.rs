@@ -15,7 +15,7 @@ pub use stage::{Kind, StagePlan};
 
 use crate::fixed_network::FixedNetwork;
 use crate::geometry::{Geometry, GeometryError, Stride};
-use crate::network::{Form, NetworkError};
+use crate::network::{Form, NetworkError, Recurrence, Shrinkage};
 use crate::number::ACCUMULATOR_BITS;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -97,9 +97,9 @@ pub enum DesignError {
     /// A field out of range.
     #[error("{field} {value}: must be {expected}")]
     Field { field: String, value: String, expected: String },
-    /// The network's weights do not fit the design.
-    #[error("network {network} does not fit design {design}: {what} is {found}, the design has {expected}")]
-    Misfit { network: String, design: String, what: &'static str, found: String, expected: String },
+    /// The network is another than the design computes.
+    #[error("network {network} does not fit design {design}: it has {found}, the design {expected}")]
+    Misfit { network: String, design: String, found: String, expected: String },
 }
 
 impl Design {
@@ -177,41 +177,67 @@ impl Design {
     }
 
     /// # Errors
-    /// [`DesignError::Misfit`] for the first thing in which the network and the design differ.
+    /// [`DesignError::Misfit`] with everything of their forms in which the network and the design differ, or the first other thing.
     pub fn check_network(&self, network: &FixedNetwork) -> Result<(), DesignError> {
-        let misfit = |what, found: String, expected: String| DesignError::Misfit {
+        let misfit = |found: String, expected: String| DesignError::Misfit {
             network: network.origin.name.clone(),
             design: self.name.clone(),
-            what,
             found,
             expected,
         };
-        let (theirs, ours) = (Form { tied: false, ..network.form }, Form { tied: false, ..self.form });
-        if theirs != ours {
-            return Err(misfit("form", json(&theirs), json(&ours)));
+        if let Some((theirs, ours)) = differing(network.form, self.form) {
+            return Err(misfit(theirs, ours));
         }
         if network.code_bits != self.code_bits {
-            return Err(misfit("code_bits", network.code_bits.to_string(), self.code_bits.to_string()));
+            return Err(misfit(format!("weights of {} bits", network.code_bits), self.code_bits.to_string()));
         }
         if network.stride != self.frame.stride {
-            return Err(misfit("stride", json(&network.stride), json(&self.frame.stride)));
+            let stride = network.stride.pixels();
+            return Err(misfit(format!("a stride of {stride}"), self.frame.stride.pixels().to_string()));
         }
         let widest = network.accumulator_bits().into_iter().max().unwrap_or(0);
         if widest > self.accumulator_bits {
-            let expected = format!("at most {}", self.accumulator_bits);
-            return Err(misfit("width of its sums", widest.to_string(), expected));
+            return Err(misfit(
+                format!("sums of {widest} bits"),
+                format!("{} at most", self.accumulator_bits),
+            ));
         }
         let shifts = network.final_shifts();
         let shift = shifts.dictionary.max(shifts.linear_path);
         if shift > MOST_VALUE_SHIFT {
-            return Err(misfit("alignment of F", shift.to_string(), format!("at most {MOST_VALUE_SHIFT}")));
+            return Err(misfit(
+                format!("an alignment of F by {shift} bits"),
+                format!("{MOST_VALUE_SHIFT} at most"),
+            ));
         }
         Ok(())
     }
 }
 
-fn json(value: &impl Serialize) -> String {
-    serde_json::to_string(value).unwrap_or_default()
+/// What differs between the forms of a network and of a design, in words of either. A design has a memory for each M layer's S, tied
+/// or not.
+fn differing(network: Form, design: Form) -> Option<(String, String)> {
+    let parts = |form: Form| {
+        [
+            format!("windows of {0}x{0}", form.window.side()),
+            format!("{} values of sparse code", form.codes),
+            format!("{} layers", form.layers),
+            match form.shrinkage {
+                Shrinkage::OneSided => "one-sided shrinkage",
+                Shrinkage::TwoSided => "two-sided shrinkage",
+            }
+            .to_owned(),
+            match form.recurrence {
+                Recurrence::Direct => "direct recurrence",
+                Recurrence::Difference => "recurrence of differences",
+            }
+            .to_owned(),
+            if form.linear_path { "a linear path" } else { "no linear path" }.to_owned(),
+        ]
+    };
+    let pairs = parts(network).into_iter().zip(parts(design));
+    let (theirs, ours): (Vec<String>, Vec<String>) = pairs.filter(|(theirs, ours)| theirs != ours).unzip();
+    (!theirs.is_empty()).then(|| (theirs.join(", "), ours.join(", ")))
 }
 
 fn require(field: &str, value: impl ToString, holds: bool, expected: &str) -> Result<(), DesignError> {

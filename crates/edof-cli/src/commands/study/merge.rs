@@ -1,11 +1,12 @@
 //! `edof study merge`: the parts of a study that several machines measured.
 
 use super::options::Outputs;
-use super::single_depth;
+use super::{knobs, single_depth};
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
-use edof_study::journal::Journal;
+use edof_study::journal::{Header, Journal, Line};
+use edof_study::knobs::Row as KnobRow;
 use std::path::PathBuf;
 
 /// Put files of rows of one study together, as if one run had measured them
@@ -18,7 +19,7 @@ Example:
   for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
   edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
 pub struct Args {
-    /// Files of rows, as --rows of single-depth wrote them
+    /// Files of rows, as --rows of single-depth or knobs wrote them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -39,7 +40,17 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(&args.files).writes("--out", &args.out);
     args.outputs.of(files).check()?;
+    // The first file says of what study they all are.
+    let study = args.files.first().map(|file| Header::read(file)).transpose()?.map(|header| header.study);
+    if study.as_deref() == Some(KnobRow::STUDY) {
+        return knobs::tell_rows(&merged(&args)?, &args.outputs, ui);
+    }
+    single_depth::tell_rows(&merged(&args)?, &args.outputs, ui)
+}
+
+/// All rows, in a file of their own.
+fn merged<L: Line>(args: &Args) -> Result<Journal<L>, Error> {
     let mut journal = Journal::merged(&args.out, &args.files, args.any_machine)?;
     journal.finish()?;
-    single_depth::tell_rows(&journal, &args.outputs, ui)
+    Ok(journal)
 }

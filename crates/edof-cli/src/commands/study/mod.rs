@@ -1,7 +1,9 @@
 //! `edof study`: experiments on photographs.
 
 mod blind;
+mod design;
 mod dictionary;
+mod knobs;
 mod kodak;
 mod merge;
 mod multi_depth;
@@ -35,6 +37,8 @@ enum Experiment {
     SingleDepth(single_depth::Args),
     MultiDepth(multi_depth::Args),
     Blind(blind::Args),
+    Knobs(knobs::Args),
+    Design(design::Args),
     Merge(merge::Args),
     Dictionary(dictionary::Args),
 }
@@ -47,6 +51,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::SingleDepth(args) => single_depth::run(args, ui),
         Experiment::MultiDepth(args) => multi_depth::run(args, ui),
         Experiment::Blind(args) => blind::run(args, ui),
+        Experiment::Knobs(args) => knobs::run(args, ui),
+        Experiment::Design(args) => design::run(args, ui),
         Experiment::Merge(args) => merge::run(args, ui),
         Experiment::Dictionary(args) => dictionary::run(args, ui),
     }

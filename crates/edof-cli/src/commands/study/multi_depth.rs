@@ -54,11 +54,11 @@ pub struct Args {
     stride: usize,
 
     /// Rows of the scenes, even
-    #[arg(long, default_value_t = 480, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 320, value_name = "PIXELS")]
     height: usize,
 
     /// Columns of the scenes, even
-    #[arg(long, default_value_t = 720, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 480, value_name = "PIXELS")]
     width: usize,
 
     /// Seed of scenes and noise
@@ -145,9 +145,10 @@ impl Args {
         let networks = |camera: &Camera, nets: &[String]| -> Result<Vec<(String, MethodSpec)>, Error> {
             let mut all = vec![];
             for net in nets {
-                let (methods, note) = nets::methods(net, camera, &stride, ui)?;
-                note.iter().for_each(|note| ui.note(note));
-                all.extend(methods.into_iter().map(|spec| (spec.method().to_string(), spec)));
+                let (methods, notes) = nets::methods(net, camera, &stride, ui)?;
+                notes.iter().for_each(|note| ui.note(note));
+                let pictures = methods.into_iter().filter(|m| !matches!(m, MethodSpec::Board { .. }));
+                all.extend(pictures.map(|spec| (spec.method().to_string(), spec)));
             }
             Ok(all)
         };

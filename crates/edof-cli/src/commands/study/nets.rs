@@ -3,9 +3,12 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
-use crate::weights;
+use crate::{designs, interrupt, weights};
+use edof_optics::draw::{Builtin, draw};
+use edof_quantize::{Calibration, QuantizeOptions, capture, quantize};
+use edof_spec::design::FrameSize;
 use edof_spec::weight_file::WeightFileError;
-use edof_spec::{Camera, FixedNetwork, Network, Stride};
+use edof_spec::{Camera, Design, FixedNetwork, Network, Stride, digest};
 use edof_study::nets::Net;
 use edof_study::spec::MethodSpec;
 use std::sync::Arc;
@@ -51,7 +54,8 @@ pub fn of_kodak(name: &str, stride: Stride, ui: &Ui) -> Result<(Net, Option<Stri
     Ok(Net::new(name, float, &sha256, fixed.map(|(fixed, _)| fixed), stride))
 }
 
-/// A network at every stride in float, and in fixed point where its weights are for one of them; a line that says so where they are not.
+/// A network at every stride in float, in fixed point, and on a design that it fits; lines that tell where its integers come from. Its own
+/// are for one stride; for the others it is quantized here. One without integers has none at any stride.
 ///
 /// # Errors
 /// Nothing of that name, a file that is broken, or a network of another camera.
@@ -60,7 +64,7 @@ pub fn methods(
     camera: &Camera,
     strides: &[Stride],
     ui: &Ui,
-) -> Result<(Vec<MethodSpec>, Option<String>), Error> {
+) -> Result<(Vec<MethodSpec>, Vec<String>), Error> {
     let Loaded { mut float, name: shown, sha256, fixed } = load(name, ui)?;
     if float.origin.camera != *camera {
         let own = &float.origin.camera.name;
@@ -75,13 +79,45 @@ pub fn methods(
         .iter()
         .map(|&stride| MethodSpec::Float { network: Arc::clone(&float), sha256: sha256.clone(), stride })
         .collect();
-    let Some((fixed, own_sha256)) = fixed else { return Ok((methods, None)) };
-    if !strides.contains(&fixed.stride) || fixed.float_hash != sha256 {
-        let why = "its fixed-point weights are for another stride or other float weights";
-        return Ok((methods, Some(format!("NO {shown}.fixed ROWS: {why}"))));
+    let Some((fixed, own_sha256)) = fixed else { return Ok((methods, vec![])) };
+    if fixed.float_hash != sha256 {
+        let why = "its fixed-point weights were made from other float weights";
+        return Ok((methods, vec![format!("NO {shown}.fixed ROWS: {why}")]));
     }
-    methods.push(MethodSpec::Fixed { network: Arc::new(fixed), name: shown, sha256: own_sha256 });
-    Ok((methods, None))
+    let mut notes = vec![];
+    let mut add = |fixed: FixedNetwork, sha256: String| -> Result<(), Error> {
+        let (network, name) = (Arc::new(fixed), shown.clone());
+        if let Some(design) = design_of(&network)? {
+            let json = serde_json::to_string(&design)?;
+            let sha256 = digest::sha256(format!("{sha256}\n{json}").as_bytes());
+            let (network, design, name) = (Arc::clone(&network), Arc::new(design), name.clone());
+            methods.push(MethodSpec::Board { network, design, name, sha256 });
+        }
+        methods.push(MethodSpec::Fixed { network, name, sha256 });
+        Ok(())
+    };
+    let missing: Vec<Stride> = strides.iter().copied().filter(|stride| *stride != fixed.stride).collect();
+    let bits = fixed.code_bits;
+    if strides.contains(&fixed.stride) {
+        add(fixed, own_sha256)?;
+    }
+    for fixed in quantized(&float, &sha256, &[bits], &missing, ui)? {
+        let stride = fixed.stride.pixels();
+        notes.push(format!("{shown}.fixed at stride {stride}: quantized here, on drawn scenes"));
+        let own = digest::sha256(format!("{sha256}\n{bits} bits, stride {stride}, drawn scenes").as_bytes());
+        add(fixed, own)?;
+    }
+    Ok((methods, notes))
+}
+
+/// A design that a network fits at its own stride, if there is one.
+fn design_of(network: &FixedNetwork) -> Result<Option<Design>, Error> {
+    let at_stride = |design: Design| {
+        let frame = FrameSize { stride: network.stride, ..design.frame };
+        Design { frame, ..design }
+    };
+    let fits = |design: &Design| design.check().is_ok() && design.check_network(network).is_ok();
+    Ok(designs::all()?.into_iter().map(at_stride).find(fits))
 }
 
 /// The camera that a network was trained for.
@@ -90,6 +126,56 @@ pub fn methods(
 /// Nothing of that name, or a file that is broken.
 pub fn camera(name: &str) -> Result<Camera, Error> {
     Ok(weights::float(name)?.origin.camera)
+}
+
+/// A float network, and the hash of its weights.
+///
+/// # Errors
+/// Nothing of that name, or a file that is broken.
+pub fn float(name: &str, ui: &Ui) -> Result<(Network, String), Error> {
+    let Loaded { float, sha256, .. } = load(name, ui)?;
+    Ok((float, sha256))
+}
+
+/// Built-in scenes that networks are quantized on here, and their size. Committed networks
+/// saw photographs; these do without.
+const SCENES: u64 = 2;
+const SCENE_SIZE: (usize, usize) = (192, 256);
+
+/// A float network in integers for each number of bits and each stride, with nothing trained after.
+///
+/// # Errors
+/// A network that cannot be quantized so, or Ctrl-C.
+pub fn quantized(
+    network: &Network,
+    sha256: &str,
+    bits: &[u32],
+    strides: &[Stride],
+    ui: &Ui,
+) -> Result<Vec<FixedNetwork>, Error> {
+    let mut all = vec![];
+    if bits.is_empty() || strides.is_empty() {
+        return Ok(all);
+    }
+    let (height, width) = SCENE_SIZE;
+    let pictures = (0..SCENES)
+        .map(|seed| {
+            Ok((format!("leaves-{seed}"), draw(Builtin::Leaves, height, width, &[0.0], seed)?.sharp()))
+        })
+        .collect::<Result<Vec<_>, Error>>()?;
+    let progress = ui.progress(SCENES, "scenes captured to quantize with");
+    let scenes = capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
+    drop(progress);
+    let frames = scenes.iter().map(|scene| &scene.raw);
+    let calibration = Calibration::measure_while(network, frames, || interrupt::check().is_ok())?;
+    interrupt::check()?;
+    for &stride in strides {
+        for &bits in bits {
+            let options = QuantizeOptions { bits, stride, ..QuantizeOptions::default() };
+            all.push(quantize(network, &options, &calibration, sha256)?.0);
+        }
+    }
+    Ok(all)
 }
 
 /// What reports call a net.

@@ -4,9 +4,10 @@ use super::nets;
 use super::options::{Kernels, Outputs, Photographs, machine, unless_interrupted};
 use crate::error::Error;
 use crate::files::Files;
+use crate::lens;
 use crate::ui::Ui;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, Stride, Tone};
+use edof_spec::{Noise, Stride, Tone};
 use edof_study::dictionary::Dictionary;
 use edof_study::journal::{Header, Journal, Shard};
 use edof_study::kodak::{KodakError, usual_noise};
@@ -33,7 +34,9 @@ Methods:
                               demosaicing and deconvolution with the PSF known
   blind                       demosaicing and blind deconvolution of each colour (Krishnan, Tay, Fergus 2011)
   omp, fista                  sparse pursuit in the dictionary of psi 1 to 8
-  omp-known, fista-known      the same with psi known")]
+  omp-known, fista-known      the same with psi known
+  untrained                   the paper's network before training, T = 3 to 10: ISTA in one dictionary of all psi
+  untrained-dc-removed        the same with each colour's mean taken out")]
 pub struct Args {
     /// File of rows, JSON lines; gone on with if it is there
     #[arg(long, value_name = "FILE")]
@@ -88,6 +91,10 @@ pub struct Args {
     #[command(flatten)]
     outputs: Outputs,
 
+    /// Also write the diagrams of PSNR against time as one SVG
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+
     #[command(flatten)]
     kernels: Kernels,
 }
@@ -97,9 +104,10 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(&args.dictionary);
     let files = nets::read(files, &args.nets).reads_pictures_of(args.photographs.folder.path()?);
-    args.outputs.of(files.writes("--rows", &args.rows)).check()?;
-    let (plan, notes) = args.plan(ui)?;
+    let files = files.writes("--rows", &args.rows).may_write("--plot", args.plot.as_ref());
+    args.outputs.of(files).check()?;
     let (photos, skipped) = args.photographs.load(ui)?;
+    let (plan, notes) = args.plan(ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
     let mut journal = Journal::open(&args.rows, Header::of::<Row>(args.kernels.exact, machine(ui)))?;
@@ -114,6 +122,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         other => other?,
     }
     drop(progress);
+    if let Some(path) = &args.plot {
+        let speed = Speed::new(journal.rows(), journal.header().machine.clone());
+        edof_spec::atomic::write(path, speed.diagrams().as_bytes())?;
+    }
     tell_rows(&journal, &args.outputs, ui)
 }
 
@@ -133,27 +145,33 @@ pub fn tell_rows(journal: &Journal<Row>, outputs: &Outputs, ui: &Ui) -> Result<(
 impl Args {
     /// What is to be measured, and what was left out, one line each.
     fn plan(&self, ui: &Ui) -> Result<(Plan, Vec<String>), Error> {
-        let camera = Camera::resolve(&self.camera)?;
+        let camera = lens::resolve(&self.camera, None)?.camera;
         ui.used(Input::camera(&camera));
         let strides = self.stride.iter().map(|&step| Stride::new(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
+        // What is quick to refuse comes before what takes its time.
+        let mut others = vec![];
+        for name in self.named() {
+            others.extend(MethodSpec::named(name, &strides, &dictionary)?);
+        }
         let (mut methods, mut notes) = (vec![], vec![]);
         for net in &self.nets {
             let (own, note) = nets::methods(net, &camera, &strides, ui)?;
             methods.extend(own);
             notes.extend(note);
         }
-        let named: Vec<&str> = if self.methods.is_empty() {
-            MethodSpec::names().to_vec()
-        } else {
-            self.methods.iter().map(String::as_str).collect()
-        };
-        for name in named {
-            methods.extend(MethodSpec::named(name, &strides, &dictionary)?);
-        }
+        methods.extend(others);
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
         let (psi, optics) = (self.psi.clone(), self.kernels.settings());
         Ok((Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.shard }, notes))
+    }
+
+    fn named(&self) -> Vec<&str> {
+        if self.methods.is_empty() {
+            MethodSpec::names().to_vec()
+        } else {
+            self.methods.iter().map(String::as_str).collect()
+        }
     }
 }

@@ -110,8 +110,7 @@ module chain (
         .MACC_INIT("mem/stage1_bank"),
         .BASE_FIFO_DEPTH(128),
         .RESULTS_INIT("mem/stage1_thresholds.hex"),
-        .START_0(20'd651),
-        .START_1(20'd651)
+        .REGISTERS_INIT("mem/stage1_shifts.hex")
     ) stages_1 (
         .clock_i(clock_i),
         .reset_i(reset_i),
@@ -141,8 +140,7 @@ module chain (
         .MACC_INIT("mem/stage2_bank"),
         .BASE_FIFO_DEPTH(0),
         .RESULTS_INIT("mem/stage2_thresholds.hex"),
-        .START_0(20'd654),
-        .START_1(20'd654)
+        .REGISTERS_INIT("mem/stage2_shifts.hex")
     ) stages_2 (
         .clock_i(clock_i),
         .reset_i(reset_i),

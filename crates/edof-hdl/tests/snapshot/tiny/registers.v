@@ -4,11 +4,10 @@
 `default_nettype none
 
 module registers #(
-    parameter [19:0] START_0 = 20'd12,
-    parameter [19:0] START_1 = 20'd12
+    parameter INIT = "mem/stage0_shifts.hex"
 ) (
     input  wire        clock_i,        // Clock.
-    input  wire        reset_i,        // Back to the values of the generated design.
+    input  wire        reset_i,        // Back to the values of the generated design; held for two cycles or more.
     input  wire        write_enable_i, // Writes a register.
     input  wire [11:0] write_row_i,    // Which: 0 and 1 are the shifts of each set, 2 is control.
     input  wire [31:0] write_data_i,   // Its new value.
@@ -19,8 +18,13 @@ module registers #(
 
     localparam START_SKIP = 1'b1;
 
+    wire [19:0] start_first, start_second;
     reg  [19:0] shifts_0_q, shifts_0_d, shifts_1_q, shifts_1_d;
     reg  skip_q, skip_d;
+
+    edof_start #(.WIDTH(20), .INIT(INIT)) start (
+        .clock_i(clock_i), .first_o(start_first), .second_o(start_second)
+    );
 
     always @* begin
         shifts_0_d = shifts_0_q;
@@ -30,7 +34,7 @@ module registers #(
             end
         end
         if (reset_i) begin
-            shifts_0_d = START_0;
+            shifts_0_d = start_first;
         end
     end
 
@@ -42,7 +46,7 @@ module registers #(
             end
         end
         if (reset_i) begin
-            shifts_1_d = START_1;
+            shifts_1_d = start_second;
         end
     end
 

@@ -262,7 +262,7 @@ module stage_f (
         .data_o(fifo_front_data)
     );
 
-    registers #(.START_0(20'h10002), .START_1(20'h10002)) registers (
+    registers #(.INIT("mem/stage3_shifts.hex")) registers (
         .clock_i(clock_i),
         .reset_i(reset_registers_later),
         .write_enable_i(registers_2_q),

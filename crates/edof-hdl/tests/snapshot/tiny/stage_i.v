@@ -258,7 +258,7 @@ module stage_i (
         .data_o(out_base_o)
     );
 
-    registers #(.START_0(20'd12), .START_1(20'd12)) registers (
+    registers #(.INIT("mem/stage0_shifts.hex")) registers (
         .clock_i(clock_i),
         .reset_i(reset_registers_later),
         .write_enable_i(registers_2_q),

@@ -9,8 +9,7 @@ module stage_m #(
     parameter MACC_INIT = "mem/stage1_bank",
     parameter BASE_FIFO_DEPTH = 128,
     parameter RESULTS_INIT = "mem/stage1_thresholds.hex",
-    parameter [19:0] START_0 = 20'd651,
-    parameter [19:0] START_1 = 20'd651
+    parameter REGISTERS_INIT = "mem/stage1_shifts.hex"
 ) (
     input  wire        clock_i,          // Clock.
     input  wire        reset_i,          // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
@@ -270,7 +269,7 @@ module stage_m #(
         .data_o(out_base_o)
     );
 
-    registers #(.START_0(START_0), .START_1(START_1)) registers (
+    registers #(.INIT(REGISTERS_INIT)) registers (
         .clock_i(clock_i),
         .reset_i(reset_registers_later),
         .write_enable_i(registers_2_q),

@@ -1,0 +1,67 @@
+//! `edof study design`: which networks and foldings are worth building.
+
+use super::options::Outputs;
+use crate::commands::explore::{self, Found};
+use crate::error::Error;
+use crate::files::Files;
+use crate::ui::Ui;
+use edof_golden::cycle::explore::front;
+use edof_study::design::{Folding, Foldings};
+
+/// Foldings of networks that fit the board: dB against cycles, multipliers and frames a second, and those that nothing beats
+///
+/// The foldings and figures are those of edof explore; here all that nothing of their own network beats are kept, however slow, and drawn.
+#[derive(clap::Args)]
+#[group(skip)]
+#[command(after_help = "\
+Examples:
+  edof study design --weights paper-t4,edof-t4w12,edof-t4w12-outer --report design.html
+  edof study design --weights edof-t4w12 --photo kodim01.png --psi 0,4,8 --csv foldings.csv")]
+pub struct Args {
+    #[command(flatten)]
+    explore: explore::Args,
+
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// # Errors
+/// A network, design or picture that cannot be used, or nothing that fits the device.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    args.outputs.of(args.explore.files(Files::new(ui))).check()?;
+    let (base, found) = args.explore.found(ui)?;
+    let all = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
+    let mut foldings = vec![];
+    for own in found.iter().zip(&all).collect::<Vec<_>>().chunk_by(|a, b| a.0.network == b.0.network) {
+        let kept = front(&own.iter().map(|(one, _)| one.figures()).collect::<Vec<_>>());
+        let kept = own.iter().zip(kept).filter(|(_, keep)| *keep);
+        foldings.extend(kept.map(|((one, on_front), _)| folding(one, **on_front)));
+    }
+    let study = Foldings {
+        foldings,
+        design: base.name,
+        clock_mhz: base.clock_mhz,
+        device: args.explore.device().to_uppercase(),
+        pictures: args.explore.pictures(),
+    };
+    let command = ui.provenance().command;
+    let report = || Ok(study.report(&ui.signed(&command)));
+    args.outputs.write(|| study.to_markdown(&command), report, &study.foldings)?;
+    ui.say(study.to_text())?;
+    ui.json(&study)
+}
+
+fn folding(one: &Found, on_front: bool) -> Folding {
+    Folding {
+        network: one.network.clone(),
+        camera: one.camera.clone(),
+        psnr_db: one.db,
+        stages: one.folding.clone(),
+        cycles_per_patch: one.cycles,
+        worst_picture_cycles_per_patch: one.worst_cycles,
+        frames_per_second: one.frames,
+        dsp48e1: one.used.dsp48e1,
+        ramb36: one.ramb36(),
+        on_front,
+    }
+}

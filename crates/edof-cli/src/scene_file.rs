@@ -1,0 +1,159 @@
+//! A scene of one's own: pictures with mattes, each at a depth, listed in a JSON file.
+
+use crate::error::Error;
+use crate::lens::Depth;
+use crate::ui::Ui;
+use crate::{memory, pictures};
+use edof_io::photo;
+use edof_optics::layers::MOST_LAYERS;
+use edof_optics::scene::{Layer, Scene};
+use edof_spec::provenance::Input;
+use edof_spec::{Camera, ColourFrame, Tone};
+use ndarray::{Array2, Axis, s};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// Bytes a pixel that a layer takes: colours and matte, sharp and blurred, and their spectra.
+pub const BYTES_A_LAYER: f64 = 48.0;
+
+/// What the file holds.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Content {
+    /// From back to front.
+    layers: Vec<LayerFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LayerFile {
+    /// Beside the file.
+    picture: PathBuf,
+    /// Grey: white where the layer covers, black where it is not; none covers all.
+    #[serde(default)]
+    matte: Option<PathBuf>,
+    depth: WrittenDepth,
+}
+
+/// As `--psi` takes it, or ψ as a number.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum WrittenDepth {
+    Psi(f64),
+    Text(String),
+}
+
+/// A scene file that has been read, its pictures not yet.
+#[derive(Debug)]
+pub struct SceneFile {
+    path: PathBuf,
+    layers: Vec<LayerFile>,
+}
+
+/// Whether a scene is one of these.
+pub fn is_scene_file(scene: &str) -> bool {
+    Path::new(scene).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+}
+
+impl SceneFile {
+    /// # Errors
+    /// A file that cannot be read or lists no scene.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let refused = |reason: String| Error::message(format!("{}: {reason}", path.display()));
+        let text = std::fs::read_to_string(path).map_err(|e| refused(format!("cannot read: {e}")))?;
+        let Content { layers } =
+            serde_json::from_str(&text).map_err(|e| refused(format!("no scene of layers: {e}")))?;
+        if !(1..=MOST_LAYERS).contains(&layers.len()) {
+            return Err(refused(format!("{} layers, expected 1 to {MOST_LAYERS}", layers.len())));
+        }
+        if layers[0].matte.is_some() {
+            return Err(refused(
+                "its first layer has a matte, expected a background that covers everything".into(),
+            ));
+        }
+        if let Some(at) = layers.iter().skip(1).position(|layer| layer.matte.is_none()) {
+            let at = at + 1;
+            return Err(refused(format!(
+                "layer {at} has no matte, so it hides all behind it; only layer 0 has none"
+            )));
+        }
+        Ok(Self { path: path.to_owned(), layers })
+    }
+
+    /// Every picture that it names.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
+        self.layers
+            .iter()
+            .flat_map(|layer| [Some(&layer.picture), layer.matte.as_ref()])
+            .flatten()
+            .map(|f| self.beside(f))
+    }
+
+    fn beside(&self, file: &Path) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    /// The scene before a camera; `tone` says what its pictures hold.
+    ///
+    /// # Errors
+    /// A picture, matte or depth that cannot be used.
+    pub fn scene(&self, tone: Tone, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
+        let name = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let layer = |(index, layer): (usize, &LayerFile)| {
+            let light = self.light(index, layer, tone, ui)?;
+            Ok(Layer { light: light.0, matte: light.1, psi: self.psi(index, layer, camera)? })
+        };
+        let layers = self.layers.iter().enumerate().map(layer).collect::<Result<_, Error>>()?;
+        let scene = Scene { name, layers };
+        scene.check().map_err(|e| Error::message(format!("{}: {e}", self.path.display())))?;
+        Ok(scene)
+    }
+
+    /// A layer's light, already behind its matte.
+    fn light(
+        &self,
+        index: usize,
+        layer: &LayerFile,
+        tone: Tone,
+        ui: &Ui,
+    ) -> Result<(ColourFrame, Option<Array2<f32>>), Error> {
+        let file = self.beside(&layer.picture);
+        let mut light = tone.decoded(&pictures::load(&file, ui)?);
+        let (height, width) = light.size();
+        let job = format!("{}: {} layers of {width}x{height}", self.path.display(), self.layers.len());
+        memory::check(
+            &job,
+            BYTES_A_LAYER * (self.layers.len() - index + 8) as f64 * (width * height) as f64,
+        )?;
+        ui.used(Input::photograph(&layer.picture.display().to_string(), &light));
+        let Some(matte) = &layer.matte else { return Ok((light, None)) };
+        let path = self.beside(matte);
+        let whole = photo::load_grey(&path)?;
+        let (rows, columns) = whole.dim();
+        if pictures::whole_cells((rows, columns)) != (height, width) {
+            return Err(Error::message(format!(
+                "{}: {columns}x{rows}, expected {width}x{height} as {}",
+                path.display(),
+                file.display()
+            )));
+        }
+        let whole = whole.slice(s![..height, ..width]).to_owned();
+        ui.used(Input::photograph(
+            &matte.display().to_string(),
+            &ColourFrame { planes: whole.clone().insert_axis(Axis(0)) },
+        ));
+        light.planes *= &whole;
+        Ok((light, Some(whole)))
+    }
+
+    fn psi(&self, index: usize, layer: &LayerFile, camera: &Camera) -> Result<f64, Error> {
+        let depth = match &layer.depth {
+            WrittenDepth::Psi(psi) => Ok(Depth::Psi(*psi)),
+            WrittenDepth::Text(text) => text.parse(),
+        };
+        depth
+            .map_err(Error::message)
+            .and_then(|depth| depth.psi(camera))
+            .map_err(|e| Error::message(format!("{}: layer {index}: {e}", self.path.display())))
+    }
+}
