@@ -4,6 +4,7 @@
 //! Both modes start from chroma at every pixel of the raw frame's size (between its sites the mean of its neighbours, kept
 //! doubled so that nothing is lost), so that all CFA phases leave in the raw frame's size with chroma sited at even columns.
 
+use crate::fast::isa::{Isa, for_each_isa};
 use crate::gamma::{ColourTable, Curve, LumaTable};
 use edof_spec::display::{
     BLACK, CHROMA_ZERO, CODES, COLOUR_ADDRESS_BITS, DisplayMode, SINK_CHROMA, SINK_LUMA, SINK_SHIFT,
@@ -11,7 +12,7 @@ use edof_spec::display::{
 };
 use edof_spec::number::CHROMA_SHIFT;
 use edof_spec::{ColourFrame, Frame422};
-use ndarray::{Array2, Array3, ArrayView1, ArrayViewMut1};
+use ndarray::{Array2, Array3, ArrayViewMut1};
 use rayon::prelude::*;
 
 /// The display step with its tables.
@@ -82,14 +83,15 @@ impl Display {
         let [cb, cr] = &mut chroma;
         let codes = luma.outer_iter_mut().zip(cb.outer_iter_mut()).zip(cr.outer_iter_mut());
         let lines: Vec<_> = codes.map(|((luma, cb), cr)| Codes { luma, chroma: [cb, cr] }).collect();
+        let isa = Isa::best();
         let counts = lines
             .into_par_iter()
             .enumerate()
-            .map(|(row, codes)| {
-                let words = Line::new(frame, top + row, left);
+            .map_init(Buffers::default, |buffers, (row, codes)| {
+                let words = Line::new(frame, top + row, left, width);
                 match self.mode {
-                    DisplayMode::Luma => self.luma_only(&words, codes),
-                    DisplayMode::Colour => self.colour(&words, codes),
+                    DisplayMode::Luma => self.luma_only(&words, codes, buffers),
+                    DisplayMode::Colour => self.colour(isa, &words, codes, buffers),
                 }
             })
             .reduce(DisplayCounts::default, std::ops::Add::add);
@@ -97,61 +99,113 @@ impl Display {
     }
 
     /// The paper's way: a table for luma, chroma rounds.
-    fn luma_only(&self, words: &Line<'_>, mut codes: Codes<'_>) -> DisplayCounts {
+    fn luma_only(&self, words: &Line<'_>, mut codes: Codes<'_>, buffers: &mut Buffers) -> DisplayCounts {
         let mut counts = DisplayCounts::default();
-        for (x, code) in codes.luma.indexed_iter_mut() {
-            *code = self.luma.code(words.luma(x));
+        for (code, word) in codes.luma.iter_mut().zip(words.luma) {
+            *code = self.luma.code(*word);
         }
-        for pair in 0..codes.chroma[0].len() {
-            for (which, doubled) in words.doubled_chroma(2 * pair).into_iter().enumerate() {
-                let code = CHROMA_ZERO + rounded(doubled, CHROMA_SHIFT + 1);
-                let sent = wire(code);
-                counts.clamped_chroma += u64::from(i32::from(sent) != code);
-                codes.chroma[which][pair] = sent;
+        for (doubled, codes) in words.doubled_chroma(buffers).into_iter().zip(&mut codes.chroma) {
+            for (sent, doubled) in codes.iter_mut().zip(doubled.iter().step_by(2)) {
+                let code = CHROMA_ZERO + rounded(*doubled, CHROMA_SHIFT + 1);
+                *sent = wire(code);
+                counts.clamped_chroma += u64::from(i32::from(*sent) != code);
             }
         }
         counts
     }
 
     /// To light of each colour, through its table, and back.
-    fn colour(&self, words: &Line<'_>, mut codes: Codes<'_>) -> DisplayCounts {
-        let mut counts = DisplayCounts::default();
-        let mut encoded = vec![[0; 3]; codes.luma.len()];
-        for (x, encoded) in encoded.iter_mut().enumerate() {
-            let light = light(words.luma(x), words.doubled_chroma(x));
-            counts.out_of_gamut +=
-                u64::from(light.iter().any(|l| !(0..=1 << COLOUR_ADDRESS_BITS).contains(l)));
-            *encoded = std::array::from_fn(|plane| self.colours[plane].encoded(light[plane]));
-            codes.luma[x] = wire(i32::from(BLACK) + rounded(sum(TO_LUMA, *encoded), TO_LUMA_SHIFT));
+    fn colour(
+        &self,
+        isa: Isa,
+        words: &Line<'_>,
+        mut codes: Codes<'_>,
+        buffers: &mut Buffers,
+    ) -> DisplayCounts {
+        let width = words.luma.len();
+        let mut light = std::mem::take(&mut buffers.light);
+        light.iter_mut().for_each(|plane| plane.resize(width, 0));
+        let doubled = words.doubled_chroma(buffers);
+        let out_of_gamut = light_line(isa, words.luma, doubled, &mut light);
+        for (plane, table) in light.iter_mut().zip(&self.colours) {
+            plane.iter_mut().for_each(|light| *light = table.encoded(*light));
         }
-        for pair in 0..codes.chroma[0].len() {
-            let x = 2 * pair;
-            // Before the first column the line is mirrored about it.
-            let before = if x == 0 { 1 } else { x - 1 };
-            let filtered = std::array::from_fn(|plane| {
-                encoded[before][plane] + 2 * encoded[x][plane] + encoded[x + 1][plane]
-            });
-            for (which, row) in TO_CHROMA.into_iter().enumerate() {
-                codes.chroma[which][pair] = wire(CHROMA_ZERO + rounded(sum(row, filtered), TO_CHROMA_SHIFT));
-            }
+        let encoded = light.each_ref().map(Vec::as_slice);
+        luma_codes(isa, encoded, codes.luma.as_slice_mut().unwrap_or_default());
+        for (codes, row) in codes.chroma.iter_mut().zip(TO_CHROMA) {
+            chroma_codes(isa, row, encoded, codes.as_slice_mut().unwrap_or_default());
         }
-        counts
+        buffers.light = light;
+        DisplayCounts { clamped_chroma: 0, out_of_gamut }
     }
 }
 
-/// Red, green and blue light of a pixel, with as many fraction bits as its luma word.
-fn light(luma: i16, doubled_chroma: [i32; 2]) -> [i32; 3] {
-    TO_RGB.map(|[cb, cr]| {
-        let chroma =
-            i64::from(cb) * i64::from(doubled_chroma[0]) + i64::from(cr) * i64::from(doubled_chroma[1]);
-        let sum = (i64::from(luma) << TO_RGB_SHIFT) + chroma;
-        ((sum + (1 << (TO_RGB_SHIFT - 1))) >> TO_RGB_SHIFT) as i32
-    })
+/// Lines of numbers that a thread works on.
+#[derive(Debug, Default)]
+struct Buffers {
+    /// Twice Cb and Cr at every pixel of the enlarged frame.
+    doubled: [Vec<i32>; 2],
+    /// Red, green and blue of every pixel: light, then encoded.
+    light: [Vec<i32>; 3],
+}
+
+for_each_isa! {
+    /// Red, green and blue light of a line, with as many fraction bits as its luma words; gives how many pixels no screen has.
+    fn light_line(luma: &[i16], doubled: [&[i32]; 2], light: &mut [Vec<i32>; 3]) -> u64 {
+        let [red, green, blue] = light;
+        let mut out_of_gamut = 0u32;
+        let each = luma.iter().zip(doubled[0]).zip(doubled[1]);
+        for (((((luma, cb), cr), red), green), blue) in each.zip(red).zip(green).zip(blue) {
+            let light = |row| i32::from(*luma) + from_chroma(row, [*cb, *cr]);
+            let (r, g, b) = (light(TO_RGB[0]), light(TO_RGB[1]), light(TO_RGB[2]));
+            let (least, most) = (r.min(g).min(b), r.max(g).max(b));
+            out_of_gamut += u32::from((least < 0) | (most > 1 << COLOUR_ADDRESS_BITS));
+            (*red, *green, *blue) = (r, g, b);
+        }
+        out_of_gamut.into()
+    }
+}
+
+/// (Σ coefficient·doubled + 2^16) >> 17, in 32 bits: a coefficient's whole part passes the shift, and so does half of the doubled word
+/// but for its last bit.
+#[inline(always)]
+fn from_chroma(coefficients: [i32; 2], doubled: [i32; 2]) -> i32 {
+    const SHIFT: u32 = TO_RGB_SHIFT - 1;
+    let whole = |coefficient: i32| (coefficient + (1 << (SHIFT - 1))) >> SHIFT;
+    let rest = |coefficient: i32| coefficient - (whole(coefficient) << SHIFT);
+    let ([of_cb, of_cr], [cb, cr]) = (coefficients, [doubled[0] >> 1, doubled[1] >> 1]);
+    let last = of_cb * (doubled[0] & 1) + of_cr * (doubled[1] & 1);
+    let fraction = rest(of_cb) * cb + rest(of_cr) * cr + ((last + (1 << SHIFT)) >> 1);
+    whole(of_cb) * cb + whole(of_cr) * cr + (fraction >> SHIFT)
+}
+
+for_each_isa! {
+    /// Luma codes of encoded red, green and blue.
+    fn luma_codes(encoded: [&[i32]; 3], codes: &mut [u8]) -> () {
+        let [red, green, blue] = encoded;
+        for (((code, red), green), blue) in codes.iter_mut().zip(red).zip(green).zip(blue) {
+            *code = wire(i32::from(BLACK) + rounded(sum(TO_LUMA, [*red, *green, *blue]), TO_LUMA_SHIFT));
+        }
+    }
+}
+
+for_each_isa! {
+    /// Chroma codes of encoded red, green and blue, filtered at even columns; before the first column the line is mirrored about it.
+    fn chroma_codes(row: [i32; 3], encoded: [&[i32]; 3], codes: &mut [u8]) -> () {
+        let [red, green, blue] = encoded.map(|plane| &plane[..2 * codes.len()]);
+        for (pair, code) in codes.iter_mut().enumerate() {
+            let (x, before) = (2 * pair, if pair == 0 { 1 } else { 2 * pair - 1 });
+            let filtered = |plane: &[i32]| plane[before] + 2 * plane[x] + plane[x + 1];
+            let rgb = [filtered(red), filtered(green), filtered(blue)];
+            *code = wire(CHROMA_ZERO + rounded(sum(row, rgb), TO_CHROMA_SHIFT));
+        }
+    }
 }
 
 /// Σ coefficient·value: below 2³¹ for all encoded values.
+#[inline(always)]
 fn sum(coefficients: [i32; 3], values: [i32; 3]) -> i32 {
-    coefficients.iter().zip(values).map(|(c, v)| c * v).sum()
+    coefficients[0] * values[0] + coefficients[1] * values[1] + coefficients[2] * values[2]
 }
 
 /// (value + 2^(shift−1)) >> shift: ties toward +∞.
@@ -160,35 +214,46 @@ const fn rounded(value: i32, shift: u32) -> i32 {
 }
 
 /// Nearest code that is no sync.
+#[inline(always)]
 fn wire(code: i32) -> u8 {
     code.clamp(CODES[0].into(), CODES[1].into()) as u8
 }
 
 /// A line of words, seen from the raw frame's first column.
 struct Line<'a> {
-    luma: ArrayView1<'a, i16>,
-    chroma: [ArrayView1<'a, i16>; 2],
+    /// Of the raw frame's columns.
+    luma: &'a [i16],
+    /// Cb and Cr of the enlarged frame's.
+    chroma: [&'a [i16]; 2],
     left: usize,
 }
 
 impl<'a> Line<'a> {
-    fn new(frame: &'a Frame422, row: usize, left: usize) -> Self {
-        Self { luma: frame.luma.row(row), chroma: frame.chroma.each_ref().map(|c| c.row(row)), left }
+    fn new(frame: &'a Frame422, row: usize, left: usize, width: usize) -> Self {
+        let line = |plane: &'a Array2<i16>| {
+            let words = plane.as_slice().unwrap_or_default();
+            &words[row * plane.ncols()..][..plane.ncols()]
+        };
+        Self { luma: &line(&frame.luma)[left..left + width], chroma: frame.chroma.each_ref().map(line), left }
     }
 
-    fn luma(&self, x: usize) -> i16 {
-        self.luma[self.left + x]
-    }
-
-    /// Twice Cb and Cr at a pixel: twice the word at a site, the sum of both neighbours between sites; after the last site twice
+    /// Twice Cb and Cr at every pixel: twice the word at a site, the sum of both neighbours between sites; after the last site twice
     /// its word.
-    fn doubled_chroma(&self, x: usize) -> [i32; 2] {
-        let site = (self.left + x) / 2;
-        self.chroma.map(|words| doubled(self.left + x, site, words.len(), |site| i32::from(words[site])))
+    fn doubled_chroma<'b>(&self, buffers: &'b mut Buffers) -> [&'b [i32]; 2] {
+        for (doubled, words) in buffers.doubled.iter_mut().zip(self.chroma) {
+            doubled.resize(2 * words.len(), 0);
+            let next = words.iter().skip(1).chain(words.last());
+            for ((two, word), next) in doubled.as_chunks_mut().0.iter_mut().zip(words).zip(next) {
+                *two = [2 * i32::from(*word), i32::from(*word) + i32::from(*next)];
+            }
+        }
+        buffers.doubled.each_ref().map(|doubled| &doubled[self.left..][..self.luma.len()])
     }
 }
 
-fn doubled(column: usize, site: usize, sites: usize, word: impl Fn(usize) -> i32) -> i32 {
+/// Twice the chroma at a column: that of its site twice, or of both neighbours.
+fn doubled(column: usize, sites: usize, word: impl Fn(usize) -> i32) -> i32 {
+    let site = column / 2;
     let next = if column.is_multiple_of(2) { site } else { (site + 1).min(sites - 1) };
     word(site) + word(next)
 }
@@ -217,7 +282,7 @@ impl Picture {
         for ((row, x), &luma) in self.luma.indexed_iter() {
             let chroma = self.chroma.each_ref().map(|plane| {
                 let word = |site| i32::from(plane[(row, site)]) - CHROMA_ZERO;
-                doubled(x, x / 2, width / 2, word)
+                doubled(x, width / 2, word)
             });
             for (plane, [cb, cr]) in SINK_CHROMA.into_iter().enumerate() {
                 let sum = SINK_LUMA * (i32::from(luma) - i32::from(BLACK)) + cb * chroma[0] + cr * chroma[1];
@@ -357,6 +422,21 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn light_in_32_bits_is_the_contracts(luma: i16, cb in -65_536..=65_534, cr in -65_536..=65_534) {
+            let contract = TO_RGB.map(|[of_cb, of_cr]| {
+                let chroma = i64::from(of_cb) * i64::from(cb) + i64::from(of_cr) * i64::from(cr);
+                ((i64::from(luma) << TO_RGB_SHIFT) + chroma + (1 << (TO_RGB_SHIFT - 1))) >> TO_RGB_SHIFT
+            });
+            for isa in Isa::available() {
+                let mut light = [0; 3].map(|_| vec![0; 40]);
+                light_line(isa, &[luma; 40], [&[cb; 40], &[cr; 40]], &mut light);
+                for (plane, expected) in light.iter().zip(contract) {
+                    prop_assert!(plane.iter().all(|light| i64::from(*light) == expected), "{isa:?}");
+                }
+            }
+        }
+
         #[test]
         fn grey_stays_grey_and_every_colour_shows_within_two_and_a_half_codes(rgb in prop::array::uniform3(0.0f64..1.0)) {
             prop_assert!(farthest(rgb) <= 2.5, "{:?}", shown(rgb, DisplayMode::Colour));

@@ -3,66 +3,133 @@
 //! F's weights carry the averaging window, so here is only addition: words of all patches over a pixel are summed in 32 bits
 //! (at most 16 words of 16 bits), saturated to 16 bits once a pixel.
 
+use crate::fast::isa::{Isa, for_each_isa};
 use crate::trace::Counts;
 use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::number::saturate;
 use edof_spec::{Frame422, Geometry};
 use ndarray::Array2;
+use std::ops::Range;
 
 /// Sums of words over a band of lines.
 #[derive(Debug, Clone)]
 pub struct Band {
-    /// Rows × columns.
-    luma: Array2<i32>,
-    /// Cb and Cr: rows × columns/2.
-    chroma: [Array2<i32>; 2],
+    /// Luma, Cb and Cr.
+    planes: [Plane; 3],
 }
+
+/// Sums of one kind of words, line by line.
+#[derive(Debug, Clone)]
+struct Plane {
+    sums: Vec<i32>,
+    width: usize,
+}
+
+/// Some lines of a 4:2:2 frame to be filled: luma, Cb, Cr.
+#[derive(Debug)]
+pub struct Lines<'a>([&'a mut [i16]; 3]);
 
 impl Band {
     /// An empty band of `rows`×`width` pixels (`width` even).
     #[must_use]
     pub fn new(rows: usize, width: usize) -> Self {
-        let chroma = || Array2::zeros((rows, width / 2));
-        Self { luma: Array2::zeros((rows, width)), chroma: [chroma(), chroma()] }
+        let plane = |width| Plane { sums: vec![0; rows * width], width };
+        Self { planes: [width, width / 2, width / 2].map(plane) }
     }
 
     /// Empties the band.
     pub fn clear(&mut self) {
-        self.planes_mut().for_each(|plane| plane.fill(0));
+        self.planes.iter_mut().for_each(|plane| plane.sums.fill(0));
     }
 
     /// Adds a patch of 128 words whose corner lies at `row`, `column` (even); what lies outside the band is left out.
     pub fn add_patch(&mut self, words: &[i16], row: isize, column: isize) {
         let (luma, chroma) = words.split_at(PATCH_PIXELS);
         let (cb, cr) = chroma.split_at(PATCH_PIXELS / 2);
-        let [sum_cb, sum_cr] = &mut self.chroma;
-        add_block(&mut self.luma, luma, PATCH, row, column);
-        add_block(sum_cb, cb, PATCH / 2, row, column / 2);
-        add_block(sum_cr, cr, PATCH / 2, row, column / 2);
+        let [sums_luma, sums_cb, sums_cr] = &mut self.planes;
+        sums_luma.add_block::<PATCH>(luma, row, column);
+        sums_cb.add_block::<{ PATCH / 2 }>(cb, row, column / 2);
+        sums_cr.add_block::<{ PATCH / 2 }>(cr, row, column / 2);
     }
 
-    /// Adds a band of the same width whose first line is this one's line `row`; what lies outside is left out.
-    pub fn add_band(&mut self, other: &Self, row: isize) {
-        let first = usize::try_from(-row).unwrap_or(0);
-        let start = usize::try_from(row).unwrap_or(0);
-        for (plane, more) in self.planes_mut().zip([&other.luma, &other.chroma[0], &other.chroma[1]]) {
-            let lines = plane.outer_iter_mut().skip(start).zip(more.outer_iter().skip(first));
-            lines.for_each(|(mut line, more)| line += &more);
+    /// Adds lines that another band of the same width has from its line `row` on to the first lines of this one.
+    pub fn add_lines(&mut self, other: &Self, row: usize) {
+        for (plane, more) in self.planes.iter_mut().zip(&other.planes) {
+            let more = &more.sums[row * plane.width..];
+            plane.sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
         }
     }
 
-    /// Saturates the sums to the 4:2:2 frame and counts what did not fit.
+    /// The lines from `rows.start` to `rows.end` alone.
     #[must_use]
-    pub fn finish(&self, counts: &mut Counts) -> Frame422 {
-        let mut words = |sums: &Array2<i32>| {
-            counts.saturated_sums += sums.iter().filter(|s| i32::from(**s as i16) != **s).count() as u64;
-            sums.mapv(|s| saturate(s.into(), 16).0)
+    pub fn part(&self, rows: Range<usize>) -> Self {
+        let part = |plane: &Plane| Plane {
+            sums: plane.sums[rows.start * plane.width..rows.end * plane.width].to_vec(),
+            width: plane.width,
         };
-        Frame422 { luma: words(&self.luma), chroma: self.chroma.each_ref().map(words) }
+        Self { planes: self.planes.each_ref().map(part) }
     }
 
-    fn planes_mut(&mut self) -> impl Iterator<Item = &mut Array2<i32>> {
-        std::iter::once(&mut self.luma).chain(&mut self.chroma)
+    /// Saturates the sums from line `row` on into as many words as `lines` has; gives how many did not fit.
+    pub fn finish(&self, row: usize, lines: &mut Lines<'_>) -> u64 {
+        let planes = self.planes.iter().zip(&mut lines.0);
+        planes.map(|(plane, words)| saturated(Isa::best(), &plane.sums[row * plane.width..], words)).sum()
+    }
+}
+
+impl Plane {
+    /// Adds a block of lines `SIDE` words long at `row`, `column`, cut at the plane's borders.
+    fn add_block<const SIDE: usize>(&mut self, block: &[i16], row: isize, column: isize) {
+        let hidden = |start: isize| usize::try_from(-start).unwrap_or(0);
+        let visible = |start: isize| usize::try_from(start).unwrap_or(0);
+        let lines = self.sums.chunks_exact_mut(self.width).skip(visible(row));
+        for (line, words) in lines.zip(block.as_chunks::<SIDE>().0.iter().skip(hidden(row))) {
+            let sums = line.get_mut(visible(column)..).unwrap_or_default();
+            match sums.first_chunk_mut::<SIDE>() {
+                Some(sums) if column >= 0 => add(sums, words),
+                _ => add(sums, words.get(hidden(column)..).unwrap_or_default()),
+            }
+        }
+    }
+}
+
+/// Adds words to sums.
+#[inline]
+fn add(sums: &mut [i32], words: &[i16]) {
+    sums.iter_mut().zip(words).for_each(|(sum, word)| *sum += i32::from(*word));
+}
+
+for_each_isa! {
+    /// Saturates sums to words and gives how many did not fit.
+    fn saturated(sums: &[i32], words: &mut [i16]) -> u64 {
+        let mut clipped = 0u32;
+        for (word, sum) in words.iter_mut().zip(sums) {
+            let held = (*sum).clamp(i16::MIN.into(), i16::MAX.into());
+            clipped += u32::from(held != *sum);
+            *word = held as i16;
+        }
+        clipped.into()
+    }
+}
+
+impl<'a> Lines<'a> {
+    /// All lines of a frame in standard layout.
+    #[must_use]
+    pub fn of(frame: &'a mut Frame422) -> Self {
+        let [cb, cr] = &mut frame.chroma;
+        Self([&mut frame.luma, cb, cr].map(|plane| plane.as_slice_mut().unwrap_or_default()))
+    }
+
+    /// Takes the first `rows` lines of `width` pixels, or as many as there are.
+    #[must_use]
+    pub fn take_first(&mut self, rows: usize, width: usize) -> Self {
+        let lengths = [width, width / 2, width / 2].into_iter();
+        let mut taken = self.0.iter_mut().zip(lengths).map(|(plane, width)| {
+            let length = (rows * width).min(plane.len());
+            let (first, rest) = std::mem::take(plane).split_at_mut(length);
+            *plane = rest;
+            first
+        });
+        Self(std::array::from_fn(|_| taken.next().unwrap_or_default()))
     }
 }
 
@@ -76,21 +143,19 @@ pub fn overlap_add(
 ) -> Frame422 {
     let (rows, columns) = geometry.patches(height, width);
     let mut band = Band::new(height, width);
+    let mut frame = empty_frame(height, width);
     for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
         band.add_patch(&words(row, column), geometry.patch_start(row), geometry.patch_start(column));
     }
-    band.finish(counts)
+    counts.saturated_sums += band.finish(0, &mut Lines::of(&mut frame));
+    frame
 }
 
-/// Adds a block of lines `side` words long at `row`, `column` of a plane, cut at the plane's borders.
-fn add_block(plane: &mut Array2<i32>, block: &[i16], side: usize, row: isize, column: isize) {
-    let hidden = |start: isize| usize::try_from(-start).unwrap_or(0);
-    let visible = |start: isize| usize::try_from(start).unwrap_or(0);
-    let lines = plane.outer_iter_mut().skip(visible(row)).zip(block.chunks_exact(side).skip(hidden(row)));
-    for (mut line, words) in lines {
-        let sums = line.iter_mut().skip(visible(column));
-        sums.zip(words.iter().skip(hidden(column))).for_each(|(sum, word)| *sum += i32::from(*word));
-    }
+/// A frame of zeros.
+#[must_use]
+pub fn empty_frame(height: usize, width: usize) -> Frame422 {
+    let chroma = || Array2::zeros((height, width / 2));
+    Frame422 { luma: Array2::zeros((height, width)), chroma: [chroma(), chroma()] }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use edof_spec::geometry::mirror;
 use edof_spec::number::input_word;
 use edof_spec::{Geometry, RawFrame};
+use std::ops::Range;
 
 /// Input words of the window around patch (`row`, `column`) of a red-first frame, row by row, mirrored at the borders.
 /// Reads like the specification; [`Mirrored`] gives the same words faster.
@@ -17,37 +18,63 @@ pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> 
         .collect()
 }
 
-/// A frame as input words with its mirrored border around it, so that every window is a plain block.
+/// The lines that some rows of patches see, as input words with the mirrored border around them, so that every window is a plain block.
 #[derive(Debug, Clone)]
 pub struct Mirrored {
     words: Vec<i16>,
     width: usize,
     geometry: Geometry,
+    /// First row of patches.
+    first: usize,
 }
 
 impl Mirrored {
-    /// Takes a red-first frame that [`Geometry::check_frame`] accepts.
+    /// No lines yet.
     #[must_use]
-    pub fn new(raw: &RawFrame, geometry: Geometry) -> Self {
-        let (height, width) = raw.size();
-        let reach = geometry.reach();
-        let inside = |index: usize, length| mirror(index as isize - reach as isize, length);
-        let columns: Vec<usize> = (0..width + 2 * reach).map(|c| inside(c, width)).collect();
-        let mut words = Vec::with_capacity((height + 2 * reach) * columns.len());
-        for r in 0..height + 2 * reach {
-            let line = raw.pixels().row(inside(r, height));
-            words.extend(columns.iter().map(|&c| input_word(line[c])));
-        }
-        Self { words, width: columns.len(), geometry }
+    pub const fn new(geometry: Geometry) -> Self {
+        Self { words: Vec::new(), width: 0, geometry, first: 0 }
     }
 
-    /// Writes the window around patch (`row`, `column`) into `out`, row by row.
-    pub fn copy_window(&self, row: usize, column: usize, out: &mut [i16]) {
-        let start = |index| (self.geometry.window_start(index) + self.geometry.reach() as isize) as usize;
-        let (top, left, side) = (start(row), start(column), self.geometry.window.side());
-        for (line, out) in self.words.chunks_exact(self.width).skip(top).zip(out.chunks_exact_mut(side)) {
-            out.copy_from_slice(&line[left..left + side]);
+    /// Takes the lines around some rows of patches of a red-first frame that [`Geometry::check_frame`] accepts.
+    pub fn take(&mut self, raw: &RawFrame, rows: Range<usize>) {
+        let (height, width) = raw.size();
+        let (reach, side) = (self.geometry.reach(), self.geometry.window.side());
+        self.first = rows.start;
+        self.width = width + 2 * reach;
+        self.words.clear();
+        let top = self.geometry.window_start(rows.start);
+        let bottom = self.geometry.window_start(rows.end - 1) + side as isize;
+        for line in top..bottom {
+            let line = raw.pixels().row(mirror(line, height));
+            let outside = |columns: Range<isize>| columns.map(|c| input_word(line[mirror(c, width)]));
+            let (reach, width) = (reach as isize, width as isize);
+            self.words.extend(outside(-reach..0));
+            match line.as_slice() {
+                Some(line) => self.words.extend(line.iter().map(|v| input_word(*v))),
+                None => self.words.extend(outside(0..width)),
+            }
+            self.words.extend(outside(width..width + reach));
         }
+    }
+
+    /// Writes the window around patch (`row`, `column`), one of the rows taken, into `out`, row by row.
+    pub fn copy_window(&self, row: usize, column: usize, out: &mut [i16]) {
+        let side = self.geometry.window.side();
+        let top = (row - self.first) * self.geometry.stride.pixels();
+        let left = (self.geometry.window_start(column) + self.geometry.reach() as isize) as usize;
+        let words = &self.words[top * self.width + left..];
+        match side {
+            8 => copy_block::<8>(words, self.width, out),
+            12 => copy_block::<12>(words, self.width, out),
+            _ => copy_block::<16>(words, self.width, out),
+        }
+    }
+}
+
+/// Writes a block whose lines are `SIDE` words long: a length that the compiler knows makes them a few moves.
+fn copy_block<const SIDE: usize>(words: &[i16], width: usize, out: &mut [i16]) {
+    for (line, out) in words.chunks(width).zip(out.as_chunks_mut::<SIDE>().0) {
+        out.copy_from_slice(&line[..SIDE]);
     }
 }
 
@@ -64,9 +91,10 @@ mod tests {
         let raw = RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap();
         for (side, step) in [(8, 8), (8, 2), (12, 4), (16, 8), (16, 2)] {
             let g = Geometry::new(Window::new(side).unwrap(), Stride::new(step).unwrap());
-            let mirrored = Mirrored::new(&raw, g);
+            let mut mirrored = Mirrored::new(g);
             let (rows, columns) = g.patches(height, width);
             for (r, c) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
+                mirrored.take(&raw, r / 2 * 2..rows.min(r / 2 * 2 + 2));
                 let mut block = vec![0; side * side];
                 mirrored.copy_window(r, c, &mut block);
                 assert_eq!(block, window(&raw, g, r, c), "window {side} stride {step} patch {r},{c}");

@@ -28,9 +28,10 @@ impl Golden {
         self.geometry().check_frame(raw.size())?;
         let (aligned, _) = raw.to_rggb();
         let (rows, columns) = self.geometry().patches(aligned.size().0, aligned.size().1);
-        let mirrored = Mirrored::new(&aligned, self.geometry());
         let pixels = self.network().form.window.pixels();
         let row_of_traces = |row| {
+            let mut mirrored = Mirrored::new(self.geometry());
+            mirrored.take(&aligned, row..row + 1);
             let mut windows = vec![0; columns * pixels];
             let each = windows.chunks_exact_mut(pixels).enumerate();
             each.for_each(|(column, window)| mirrored.copy_window(row, column, window));

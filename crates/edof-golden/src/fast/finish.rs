@@ -1,133 +1,195 @@
-//! From accumulators to words: round, shift, saturate; soft threshold; difference. Each function is plain Rust that is
-//! compiled once for every instruction set, and gives how many words saturated.
+//! From sums to words: round, shift, saturate; soft threshold; difference. Each function of the vectors' is plain Rust that is compiled
+//! once for every instruction set, and gives how many words saturated.
+//!
+//! Words of a stage whose shifts are [`narrow`](Finish::is_narrow) follow from its sums' high parts, in 32 bits; others from whole sums,
+//! one by one, as the specification has it.
 
-use super::isa::Isa;
+use super::isa::{Isa, for_each_isa};
+use super::sums::{LOW_BITS, SUM_BITS, Sums};
 use edof_spec::fixed_network::FinalShifts;
 use edof_spec::network::Shrinkage;
+use edof_spec::number::requantize;
+
+/// Bits of an output word.
+const OUTPUT_BITS: u32 = 16;
 
 /// How an I or M stage ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Finish {
-    /// Left shift of the base.
-    pub base_shift: u32,
+    /// Left shift of the base; none where the stage has no base.
+    pub base_shift: Option<u32>,
     /// Right shift of the sum.
     pub shift: u32,
     /// Bits of a word.
     pub bits: u32,
+    /// Bits of the accumulator in the worst case.
+    pub accumulator_bits: u32,
 }
 
-/// The soft threshold of a stage.
+impl Finish {
+    /// Whether high parts are enough: no bit of a low part reaches the word, and no sum passes [`SUM_BITS`].
+    #[must_use]
+    pub fn is_narrow(&self) -> bool {
+        let base = self.base_shift.is_none_or(|shift| shift >= LOW_BITS);
+        base && drops_low(self.shift) && self.accumulator_bits <= SUM_BITS
+    }
+
+    /// `(base << base_shift) + sum` of sums from `from` on, rounded, shifted and saturated to its width.
+    pub fn words(&self, isa: Isa, sums: &Sums, from: usize, base: Option<&[i16]>, out: &mut [i16]) -> u64 {
+        if self.is_narrow() {
+            return narrow_words(isa, *self, &sums.high[from..], base, out);
+        }
+        let base_of = |i: usize| base.map_or(0, |base| i64::from(base[i]) << self.base_shift.unwrap_or(0));
+        let sums = sums.exact(from, out.len()).enumerate().map(|(i, sum)| base_of(i) + sum);
+        exact_words(sums, self.shift, self.bits, out)
+    }
+}
+
+/// How F ends.
 #[derive(Debug, Clone, Copy)]
-pub struct Threshold<'a> {
-    /// Two- or one-sided.
-    pub shrinkage: Shrinkage,
-    /// θ of each pre-activation.
-    pub theta: &'a [i16],
-    /// Bits of a word.
-    pub bits: u32,
+pub struct FinishOutputs {
+    /// Shifts of both products and of their sum.
+    pub shifts: FinalShifts,
+    /// Bits of the accumulator in the worst case.
+    pub accumulator_bits: u32,
 }
 
-/// Defines a function that runs the given body, compiled for the wanted instruction set.
-macro_rules! for_each_isa {
-    ($(#[$doc:meta])* $name:ident($($arg:ident: $type:ty),*) -> u64 $body:block) => {
-        $(#[$doc])*
-        pub fn $name(isa: Isa, $($arg: $type),*) -> u64 {
-            #[inline(always)]
-            fn body($($arg: $type),*) -> u64 $body
+impl FinishOutputs {
+    /// As [`Finish::is_narrow`]; and low parts that are shifted left stay within 32 bits.
+    #[must_use]
+    pub fn is_narrow(&self) -> bool {
+        let left = self.shifts.dictionary.max(self.shifts.linear_path);
+        left + LOW_BITS < 30 && drops_low(self.shifts.result) && self.accumulator_bits <= SUM_BITS
+    }
 
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2")]
-            fn avx2($($arg: $type),*) -> u64 { body($($arg),*) }
-
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-            fn avx512($($arg: $type),*) -> u64 { body($($arg),*) }
-
-            match isa {
-                Isa::Portable => body($($arg),*),
-                // SAFETY: the token proves that this machine has these instructions.
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2(_) => unsafe { avx2($($arg),*) },
-                // SAFETY: as above.
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx512(_) => unsafe { avx512($($arg),*) },
-                #[cfg(not(target_arch = "x86_64"))]
-                _ => body($($arg),*),
+    /// `(D·z << dictionary) + (R·y << linear_path)`, rounded, shifted and saturated to 16 bits; sums from `from` on.
+    pub fn words(&self, isa: Isa, sums: &Sums, linear: Option<&Sums>, from: usize, out: &mut [i16]) -> u64 {
+        let shifts = self.shifts;
+        if self.is_narrow() {
+            return narrow_outputs(isa, shifts, parts(sums, from), linear.map(|sums| parts(sums, from)), out);
+        }
+        let products = sums.exact(from, out.len()).map(|sum| sum << shifts.dictionary);
+        match linear {
+            None => exact_words(products, shifts.result, OUTPUT_BITS, out),
+            Some(linear) => {
+                let linear = linear.exact(from, out.len()).map(|sum| sum << shifts.linear_path);
+                exact_words(products.zip(linear).map(|(d, r)| d + r), shifts.result, OUTPUT_BITS, out)
             }
         }
-    };
-}
-
-for_each_isa! {
-    /// `(base << base_shift) + sum`, rounded, shifted and saturated to its width.
-    words(finish: Finish, sums: &[i64], base: Option<&[i16]>, out: &mut [i16]) -> u64 {
-        let round = rounding(finish.shift);
-        let most = (1i64 << (finish.bits - 1)) - 1;
-        let mut saturated = 0;
-        let mut finish_one = |out: &mut i16, sum: i64| {
-            let word = (sum + round) >> finish.shift;
-            let held = word.clamp(-most - 1, most);
-            saturated += u64::from(held != word);
-            *out = held as i16;
-        };
-        match base {
-            None => out.iter_mut().zip(sums).for_each(|(out, sum)| finish_one(out, *sum)),
-            Some(base) => out.iter_mut().zip(sums).zip(base).for_each(|((out, sum), base)| {
-                finish_one(out, (i64::from(*base) << finish.base_shift) + sum);
-            }),
-        }
-        saturated
     }
 }
 
-for_each_isa! {
-    /// F's words: `(D·z << dictionary) + (R·y << linear_path)`, rounded, shifted and saturated to 16 bits.
-    outputs(shifts: FinalShifts, sums: &[i64], linear: Option<&[i64]>, out: &mut [i16]) -> u64 {
-        let round = rounding(shifts.result);
-        let mut saturated = 0;
-        let mut finish_one = |out: &mut i16, sum: i64| {
-            let word = (sum + round) >> shifts.result;
-            let held = word.clamp(i64::from(i16::MIN), i64::from(i16::MAX));
-            saturated += u64::from(held != word);
-            *out = held as i16;
-        };
-        match linear {
-            None => out.iter_mut().zip(sums).for_each(|(out, sum)| finish_one(out, sum << shifts.dictionary)),
-            Some(linear) => out.iter_mut().zip(sums).zip(linear).for_each(|((out, sum), linear)| {
-                finish_one(out, (sum << shifts.dictionary) + (linear << shifts.linear_path));
-            }),
-        }
-        saturated
+/// Whether a rounded shift depends on nothing of a sum's low part, and rounds by less than 2^30 of its high part.
+const fn drops_low(shift: u32) -> bool {
+    shift > LOW_BITS && shift < LOW_BITS + 31
+}
+
+/// The specification's words, one by one.
+fn exact_words(sums: impl Iterator<Item = i64>, shift: u32, bits: u32, out: &mut [i16]) -> u64 {
+    let mut saturated = 0;
+    for (out, sum) in out.iter_mut().zip(sums) {
+        let (word, clipped) = requantize(sum, shift, bits);
+        *out = word;
+        saturated += u64::from(clipped);
     }
+    saturated
+}
+
+/// Both parts of the sums from one on.
+fn parts(sums: &Sums, from: usize) -> Parts<'_> {
+    Parts { high: &sums.high[from..], low: &sums.low[from..] }
+}
+
+/// Both parts of some sums.
+#[derive(Clone, Copy)]
+struct Parts<'a> {
+    high: &'a [i32],
+    low: &'a [i32],
 }
 
 for_each_isa! {
-    /// The soft threshold of each pre-activation.
-    shrink(threshold: Threshold<'_>, b: &[i16], z: &mut [i16]) -> u64 {
-        let most = (1i32 << (threshold.bits - 1)) - 1;
+    /// [`Finish::words`] of high parts.
+    fn narrow_words(finish: Finish, high: &[i32], base: Option<&[i16]>, out: &mut [i16]) -> u64 {
+        let (round, shift) = rounding(finish.shift);
+        let most = (1i32 << (finish.bits - 1)) - 1;
         let mut saturated = 0u32;
-        let mut finish_one = |z: &mut i16, word: i32| {
+        let mut finish_one = |out: &mut i16, sum: i32| {
+            let word = (sum + round) >> shift;
             let held = word.clamp(-most - 1, most);
             saturated += u32::from(held != word);
-            *z = held as i16;
+            *out = held as i16;
         };
-        let each = z.iter_mut().zip(b).zip(threshold.theta);
-        match threshold.shrinkage {
-            Shrinkage::OneSided => {
-                each.for_each(|((z, b), theta)| finish_one(z, (i32::from(*b) - i32::from(*theta)).max(0)));
-            }
-            Shrinkage::TwoSided => each.for_each(|((z, b), theta)| {
-                let size = (i32::from(*b).abs() - i32::from(*theta)).max(0);
-                finish_one(z, if *b < 0 { -size } else { size });
+        match (base, finish.base_shift) {
+            (Some(base), Some(base_shift)) => out.iter_mut().zip(high).zip(base).for_each(|((out, sum), base)| {
+                finish_one(out, (i32::from(*base) << (base_shift - LOW_BITS)) + sum);
             }),
+            _ => out.iter_mut().zip(high).for_each(|(out, sum)| finish_one(out, *sum)),
         }
         saturated.into()
     }
 }
 
 for_each_isa! {
+    /// [`FinishOutputs::words`] of sums in two parts.
+    fn narrow_outputs(shifts: FinalShifts, sums: Parts<'_>, linear: Option<Parts<'_>>, out: &mut [i16]) -> u64 {
+        let (round, shift) = rounding(shifts.result);
+        let mut saturated = 0u32;
+        let mut finish_one = |out: &mut i16, high: i32, low: i32| {
+            let word = (high + (low >> LOW_BITS) + round) >> shift;
+            let held = word.clamp(i16::MIN.into(), i16::MAX.into());
+            saturated += u32::from(held != word);
+            *out = held as i16;
+        };
+        let products = sums.high.iter().zip(sums.low).map(|(h, l)| (h << shifts.dictionary, l << shifts.dictionary));
+        match linear {
+            None => out.iter_mut().zip(products).for_each(|(out, (high, low))| finish_one(out, high, low)),
+            Some(Parts { high, low }) => {
+                let linear = high.iter().zip(low).map(|(h, l)| (h << shifts.linear_path, l << shifts.linear_path));
+                let both = out.iter_mut().zip(products).zip(linear);
+                both.for_each(|((out, d), r)| finish_one(out, d.0 + r.0, d.1 + r.1));
+            }
+        }
+        saturated.into()
+    }
+}
+
+for_each_isa! {
+    /// Two-sided soft threshold of each pre-activation: what is left of it outside of −θ…θ, which never saturates.
+    fn shrink_two_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+        for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
+            // −32768 has no opposite, but thresholds are 0 or more.
+            *z = *b - (*b).min(*theta).max(-theta.max(&0));
+        }
+        0
+    }
+}
+
+for_each_isa! {
+    /// One-sided soft threshold of each pre-activation.
+    fn shrink_one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+        let most = ((1i32 << (bits - 1)) - 1) as i16;
+        let mut saturated = 0u16;
+        for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
+            let word = b.saturating_sub(*theta).max(0);
+            let clipped = (word > most) | ((word == i16::MAX) & (b.wrapping_sub(*theta) < 0));
+            saturated += u16::from(clipped);
+            *z = word.min(most);
+        }
+        saturated.into()
+    }
+}
+
+/// The soft threshold of each pre-activation of `bits` bits.
+pub fn shrink(isa: Isa, shrinkage: Shrinkage, bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    match shrinkage {
+        Shrinkage::OneSided => shrink_one_sided(isa, bits, theta, b, z),
+        Shrinkage::TwoSided => shrink_two_sided(isa, theta, b, z),
+    }
+}
+
+for_each_isa! {
     /// `z − previous`, saturated to its width.
-    difference(bits: u32, z: &[i16], previous: &[i16], out: &mut [i16]) -> u64 {
+    pub fn difference(bits: u32, z: &[i16], previous: &[i16], out: &mut [i16]) -> u64 {
         let most = (1i32 << (bits - 1)) - 1;
         let mut saturated = 0u32;
         for ((out, z), previous) in out.iter_mut().zip(z).zip(previous) {
@@ -142,22 +204,12 @@ for_each_isa! {
 
 for_each_isa! {
     /// How many words are not zero.
-    nonzeros(words: &[i16]) -> u64 {
+    pub fn nonzeros(words: &[i16]) -> u64 {
         words.iter().map(|w| u16::from(*w != 0)).sum::<u16>().into()
     }
 }
 
-for_each_isa! {
-    /// Bit i tells whether word i (of at most 64) is not zero.
-    nonzero_mask(words: &[i16]) -> u64 {
-        let bytes = words.chunks(8).map(|eight| {
-            eight.iter().enumerate().map(|(i, w)| u8::from(*w != 0) << i).fold(0, |byte, bit| byte | bit)
-        });
-        bytes.enumerate().map(|(i, byte)| u64::from(byte) << (8 * i)).fold(0, |mask, byte| mask | byte)
-    }
-}
-
-/// What is added before shifting right by `shift`.
-const fn rounding(shift: u32) -> i64 {
-    if shift == 0 { 0 } else { 1 << (shift - 1) }
+/// What is added to a high part before shifting it right, and by how much.
+const fn rounding(shift: u32) -> (i32, u32) {
+    (1 << (shift - LOW_BITS - 1), shift - LOW_BITS)
 }

@@ -30,27 +30,63 @@ impl Isa {
     /// Those that this machine can run, slowest first.
     #[must_use]
     pub fn available() -> Vec<Self> {
-        let mut all = vec![Self::Portable];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                all.push(Self::Avx2(Avx2(())));
-            }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512vnni")
-            {
-                all.push(Self::Avx512(Avx512(())));
-            }
-        }
-        all
+        Self::detected().collect()
     }
 
     /// The fastest that this machine can run.
     #[must_use]
     pub fn best() -> Self {
-        Self::available().pop().unwrap_or(Self::Portable)
+        Self::detected().last().unwrap_or(Self::Portable)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn detected() -> impl Iterator<Item = Self> {
+        let avx2 = is_x86_feature_detected!("avx2").then(|| Self::Avx2(Avx2(())));
+        let avx512 = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512vnni");
+        let avx512 = if avx512 { Some(Self::Avx512(Avx512(()))) } else { None };
+        [Some(Self::Portable), avx2, avx512].into_iter().flatten()
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn detected() -> impl Iterator<Item = Self> {
+        std::iter::once(Self::Portable)
     }
 }
+
+/// Defines a function whose body, plain Rust, is compiled once for every instruction set.
+macro_rules! for_each_isa {
+    ($(#[$doc:meta])* $vis:vis fn $name:ident($($arg:ident: $type:ty),*) -> $out:ty $body:block) => {
+        $(#[$doc])*
+        $vis fn $name(isa: $crate::fast::isa::Isa, $($arg: $type),*) -> $out {
+            use $crate::fast::isa::Isa;
+
+            #[inline(always)]
+            fn body($($arg: $type),*) -> $out $body
+
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2")]
+            fn avx2($($arg: $type),*) -> $out { body($($arg),*) }
+
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+            fn avx512($($arg: $type),*) -> $out { body($($arg),*) }
+
+            match isa {
+                Isa::Portable => body($($arg),*),
+                // SAFETY: the token proves that this machine has these instructions.
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx2(_) => unsafe { avx2($($arg),*) },
+                // SAFETY: as above.
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx512(_) => unsafe { avx512($($arg),*) },
+                #[cfg(not(target_arch = "x86_64"))]
+                _ => body($($arg),*),
+            }
+        }
+    };
+}
+pub(crate) use for_each_isa;

@@ -2,44 +2,60 @@
 //!
 //! | what | module |
 //! |---|---|
-//! | weights packed for a kernel, and what bounds their sums | [`pack`] |
-//! | which non-zero sparse codes multiply which columns | [`pairs`] |
+//! | weights packed for the kernels, and what bounds their sums | [`pack`] |
+//! | sums of 40 bits in two numbers of 32 | [`sums`] |
+//! | which pairs of sparse codes are not zero | [`active`] |
 //! | instruction sets, and tokens for those that were detected | [`isa`] |
-//! | kernels in plain Rust | [`portable`] |
-//! | kernels for AVX2 and AVX-512 | `x86` |
-//! | accumulators to words: round, shift, saturate, shrink | [`finish`] |
+//! | matrix products | [`kernels`] |
+//! | in plain Rust | [`portable`] |
+//! | for AVX2 and AVX-512 | `x86` |
+//! | sums to words: round, shift, saturate, shrink | [`finish`] |
 //!
-//! Sums run in 32 bits as long as a bound proves that they fit, and are then added to 64-bit accumulators. For dense products
-//! the bound is a block's largest row sum of |weights| times the batch's largest input; for sparse ones it is each column's
-//! largest |weight| times its sparse code, summed as they come. Both hold for every partial sum.
+//! Sums run in 32 bits as long as a bound proves that they fit, and are then split into [`sums::Sums`]. For dense products the bound is a
+//! block's largest row sum of weights of one sign times the batch's largest input; for sparse ones it is the matrix's largest |weight| times
+//! Σ |sparse code|. Both hold for every partial sum.
 
+pub mod active;
 pub mod finish;
 pub mod isa;
+pub mod kernels;
 pub mod pack;
-pub mod pairs;
 pub mod portable;
+pub mod sums;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::scalar::sends_difference;
+use crate::scalar::{self, sends_difference};
 use crate::trace::{LayerWords, StageCounts, Trace};
+use active::Active;
 use edof_spec::FixedNetwork;
 use edof_spec::colour::OUTPUTS_422;
 use edof_spec::network::Recurrence;
-use finish::{Finish, Threshold};
+use finish::{Finish, FinishOutputs};
 use isa::Isa;
-use pack::{Dense, Sparse};
-use pairs::Pairs;
+use pack::{Packed, padded};
+use sums::Sums;
 
 /// A network packed for one instruction set.
 #[derive(Debug, Clone)]
 pub struct Fast {
     network: FixedNetwork,
     isa: Isa,
-    analysis: Dense,
-    recurrent: Vec<Sparse>,
-    dictionary: Sparse,
-    linear_path: Option<Dense>,
+    analysis: Packed,
+    stages: Vec<Stage>,
+    recurrent: Vec<Packed>,
+    dictionary: Packed,
+    linear_path: Option<Packed>,
+    finish: FinishOutputs,
+}
+
+/// What an I or M stage does with its sums.
+#[derive(Debug, Clone)]
+struct Stage {
+    finish: Finish,
+    /// θ of each pre-activation, zeros after the last.
+    theta: Vec<i16>,
+    sends_difference: bool,
 }
 
 /// Room for the words of [`Batch::PATCHES`] patches at every stage boundary.
@@ -47,38 +63,40 @@ pub struct Fast {
 pub struct Batch {
     input: Vec<i16>,
     pixels: usize,
+    /// Of each patch as many words as a matrix has padded rows; zeros after the last.
     words: Vec<LayerWords>,
-    length: usize,
+    codes: usize,
     output: Vec<i16>,
     stages: Vec<StageCounts>,
     layers: usize,
-    accumulators: Vec<i64>,
-    linear: Vec<i64>,
-    pairs: Pairs,
+    sums: Sums,
+    linear: Sums,
+    active: Active,
 }
 
 impl Batch {
-    /// Patches in a batch.
-    pub const PATCHES: usize = 48;
+    /// Patches in a batch: four tiles, whose words fit the second cache beside the weights.
+    pub const PATCHES: usize = 24;
 
     /// Room for batches of this network.
     #[must_use]
     pub fn new(fast: &Fast) -> Self {
         let form = fast.network.form;
-        let words = || vec![0; Self::PATCHES * form.codes];
+        let rows = padded(form.codes);
+        let words = || vec![0; Self::PATCHES * rows];
         Self {
             input: vec![0; Self::PATCHES * form.window.pixels()],
             pixels: form.window.pixels(),
             words: (0..form.shrinkages())
                 .map(|_| LayerWords { b: words(), z: words(), sent: words() })
                 .collect(),
-            length: form.codes,
+            codes: form.codes,
             output: vec![0; Self::PATCHES * OUTPUTS_422],
             stages: vec![StageCounts::default(); Self::PATCHES * form.layers],
             layers: form.layers,
-            accumulators: vec![0; Self::PATCHES * pack::padded(form.codes.max(OUTPUTS_422))],
-            linear: vec![0; Self::PATCHES * pack::padded(OUTPUTS_422)],
-            pairs: Pairs::default(),
+            sums: Sums::new(Self::PATCHES * rows.max(OUTPUTS_422)),
+            linear: Sums::new(Self::PATCHES * OUTPUTS_422),
+            active: Active::default(),
         }
     }
 
@@ -97,7 +115,7 @@ impl Batch {
     /// Every boundary of patch `i`, as the specification gives it.
     #[must_use]
     pub fn trace(&self, i: usize) -> Trace {
-        let part = |words: &[i16]| words[i * self.length..][..self.length].to_vec();
+        let part = |words: &[i16]| words[i * padded(self.codes)..][..self.codes].to_vec();
         Trace {
             input: self.input[i * self.pixels..][..self.pixels].to_vec(),
             layers: self
@@ -108,6 +126,18 @@ impl Batch {
             output: self.output(i).to_vec(),
             stages: self.stages(i).to_vec(),
         }
+    }
+
+    /// Keeps what the specification gives of patch `i`.
+    fn set(&mut self, i: usize, trace: &Trace) {
+        let at = i * padded(self.codes)..i * padded(self.codes) + self.codes;
+        for (all, one) in self.words.iter_mut().zip(&trace.layers) {
+            all.b[at.clone()].copy_from_slice(&one.b);
+            all.z[at.clone()].copy_from_slice(&one.z);
+            all.sent[at.clone()].copy_from_slice(&one.sent);
+        }
+        self.output[i * OUTPUTS_422..][..OUTPUTS_422].copy_from_slice(&trace.output);
+        self.stages[i * self.layers..][..self.layers].copy_from_slice(&trace.stages);
     }
 }
 
@@ -121,12 +151,20 @@ impl Fast {
     /// Packs a checked network for given kernels.
     #[must_use]
     pub fn with_isa(network: FixedNetwork, isa: Isa) -> Self {
+        let accumulator_bits = network.accumulator_bits();
         Self {
             isa,
-            analysis: Dense::new(&network.analysis.weights),
-            recurrent: network.recurrent.iter().map(|s| Sparse::new(&s.weights, isa)).collect(),
-            dictionary: Sparse::new(&network.dictionary.weights, isa),
-            linear_path: network.linear_path.as_ref().map(|r| Dense::new(&r.weights)),
+            analysis: Packed::new(&network.analysis.weights),
+            stages: (0..network.form.shrinkages())
+                .map(|t| Stage::new(&network, t, accumulator_bits[t]))
+                .collect(),
+            recurrent: network.recurrent.iter().map(|s| Packed::new(&s.weights)).collect(),
+            dictionary: Packed::new(&network.dictionary.weights),
+            linear_path: network.linear_path.as_ref().map(|r| Packed::new(&r.weights)),
+            finish: FinishOutputs {
+                shifts: network.final_shifts(),
+                accumulator_bits: accumulator_bits[network.form.layers - 1],
+            },
             network,
         }
     }
@@ -156,64 +194,53 @@ impl Fast {
         let count = count.min(Batch::PATCHES);
         let pixels = batch.pixels;
         batch.input.chunks_exact_mut(pixels).take(count).enumerate().for_each(|(i, words)| fill(i, words));
-        batch.stages.fill(StageCounts::default());
-        let input = &batch.input[..count * pixels];
-        self.dense(&self.analysis, input, &mut batch.accumulators);
-        for t in 0..self.network.form.shrinkages() {
-            self.layer(batch, t, count);
+        if self.matrices().all(Packed::fits) {
+            batch.stages.fill(StageCounts::default());
+            (0..self.stages.len()).for_each(|t| self.layer(batch, t, count));
+            self.outputs(batch, count);
+        } else {
+            for i in 0..count {
+                let trace = scalar::run(&self.network, &batch.input[i * pixels..][..pixels]);
+                batch.set(i, &trace);
+            }
         }
-        if let Some(r) = &self.linear_path {
-            self.dense(r, &batch.input[..count * pixels], &mut batch.linear);
-        }
-        self.outputs(batch, count);
+    }
+
+    fn matrices(&self) -> impl Iterator<Item = &Packed> {
+        [&self.analysis, &self.dictionary].into_iter().chain(&self.recurrent).chain(&self.linear_path)
     }
 
     /// Stage t (0 = I): b, z and what it sends, for `count` patches.
     fn layer(&self, batch: &mut Batch, t: usize, count: usize) {
-        let n = batch.length;
-        let stride = pack::padded(n);
+        let (rows, bits) = (padded(batch.codes), self.network.code_bits);
+        let stage = &self.stages[t];
         let (before, rest) = batch.words.split_at_mut(t);
-        let before = &*before;
         let LayerWords { b, z, sent } = &mut rest[0];
-        let bits = self.network.code_bits;
-        let threshold = Threshold {
-            shrinkage: self.network.form.shrinkage,
-            theta: self.network.thresholds[t].as_slice().unwrap_or_default(),
-            bits,
+        match before.last() {
+            None => {
+                let input = &batch.input[..count * batch.pixels];
+                kernels::dense(self.isa, &self.analysis, input, &mut batch.sums);
+            }
+            Some(last) => {
+                let matrix = &self.recurrent[self.network.form.recurrent_index(t - 1)];
+                self.sparse(matrix, &last.sent[..count * rows], rows, &mut batch.active, &mut batch.sums);
+            }
+        }
+        let base = match self.network.form.recurrence {
+            Recurrence::Direct => before.first(),
+            Recurrence::Difference => before.last(),
         };
-        let (finish, matrix) = if t == 0 {
-            (Finish { base_shift: 0, shift: self.network.analysis_shift(), bits }, None)
-        } else {
-            let shifts = self.network.middle_shifts(t - 1);
-            let matrix = &self.recurrent[self.network.form.recurrent_index(t - 1)];
-            (Finish { base_shift: shifts.base, shift: shifts.result, bits }, Some(matrix))
-        };
-        let sends_difference = sends_difference(&self.network, t);
         for i in 0..count {
-            let (at, counts) = (i * n..(i + 1) * n, &mut batch.stages[i * batch.layers + t]);
-            let base = match (self.network.form.recurrence, before) {
-                (_, []) => None,
-                (Recurrence::Direct, [first, ..]) => Some(&first.b[at.clone()]),
-                (Recurrence::Difference, [.., last]) => Some(&last.b[at.clone()]),
-            };
-            let sums = match (matrix, before) {
-                (Some(matrix), [.., last]) => {
-                    let sums = &mut batch.accumulators[..stride];
-                    batch.pairs.collect(self.isa, &last.sent[at.clone()], &matrix.bounds);
-                    self.sparse(matrix, &batch.pairs, sums);
-                    &*sums
-                }
-                _ => &batch.accumulators[i * stride..(i + 1) * stride],
-            };
-            let b = &mut b[at.clone()];
-            counts.saturated_results = finish::words(self.isa, finish, &sums[..n], base, b);
-            let z = &mut z[at.clone()];
-            counts.saturated_codes = finish::shrink(self.isa, threshold, b, z);
-            let sent = &mut sent[at.clone()];
-            let previous = before.last().map(|last| &last.z[at]);
-            match (sends_difference, previous) {
-                (true, Some(previous)) => {
-                    counts.saturated_differences = finish::difference(self.isa, bits, z, previous, sent);
+            let (at, counts) = (i * rows..(i + 1) * rows, &mut batch.stages[i * batch.layers + t]);
+            let (b, z, sent) = (&mut b[at.clone()], &mut z[at.clone()], &mut sent[at.clone()]);
+            let base = base.map(|base| &base.b[at.clone()]);
+            counts.saturated_results = stage.finish.words(self.isa, &batch.sums, at.start, base, b);
+            counts.saturated_codes =
+                finish::shrink(self.isa, self.network.form.shrinkage, bits, &stage.theta, b, z);
+            match before.last() {
+                Some(last) if stage.sends_difference => {
+                    counts.saturated_differences =
+                        finish::difference(self.isa, bits, z, &last.z[at.clone()], sent);
                 }
                 _ => sent.copy_from_slice(z),
             }
@@ -223,45 +250,43 @@ impl Fast {
 
     /// F's words of `count` patches.
     fn outputs(&self, batch: &mut Batch, count: usize) {
-        let (n, stride) = (batch.length, pack::padded(OUTPUTS_422));
-        let shifts = self.network.final_shifts();
+        let rows = padded(batch.codes);
         let Some(last) = batch.words.last() else { return };
-        for i in 0..count {
-            let sums = &mut batch.accumulators[..stride];
-            batch.pairs.collect(self.isa, &last.sent[i * n..(i + 1) * n], &self.dictionary.bounds);
-            self.sparse(&self.dictionary, &batch.pairs, sums);
-            let linear = self.linear_path.is_some().then(|| &batch.linear[i * stride..][..OUTPUTS_422]);
-            let output = &mut batch.output[i * OUTPUTS_422..][..OUTPUTS_422];
-            let saturated = finish::outputs(self.isa, shifts, &sums[..OUTPUTS_422], linear, output);
+        self.sparse(&self.dictionary, &last.sent[..count * rows], rows, &mut batch.active, &mut batch.sums);
+        if let Some(r) = &self.linear_path {
+            kernels::dense(self.isa, r, &batch.input[..count * batch.pixels], &mut batch.linear);
+        }
+        let linear = self.linear_path.is_some().then_some(&batch.linear);
+        for (i, out) in batch.output.chunks_exact_mut(OUTPUTS_422).take(count).enumerate() {
+            let saturated = self.finish.words(self.isa, &batch.sums, linear, i * OUTPUTS_422, out);
             batch.stages[(i + 1) * batch.layers - 1].saturated_results = saturated;
         }
     }
 
-    /// Dense products of patches that lie one after the other, into rows of [`pack::padded`] accumulators each.
-    fn dense(&self, matrix: &Dense, input: &[i16], sums: &mut [i64]) {
-        // The packed kernels' bound holds for inputs of 0 or more, which is what windows hold.
-        let isa = if input.iter().any(|v| *v < 0) { Isa::Portable } else { self.isa };
-        match isa {
-            Isa::Portable => portable::dense(matrix, input, sums),
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(token) => x86::avx2::dense(token, matrix, input, sums),
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx512(token) => x86::avx512::dense(token, matrix, input, sums),
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => portable::dense(matrix, input, sums),
-        }
+    /// Products of sparse vectors, `length` words each.
+    fn sparse(&self, matrix: &Packed, vectors: &[i16], length: usize, active: &mut Active, sums: &mut Sums) {
+        active.clear();
+        vectors.chunks_exact(length).for_each(|vector| active.push(self.isa, vector, matrix.largest));
+        kernels::sparse(self.isa, matrix, vectors, length, active, sums);
     }
+}
 
-    /// The product of one sparse vector into [`pack::padded`] accumulators.
-    fn sparse(&self, matrix: &Sparse, pairs: &Pairs, sums: &mut [i64]) {
-        match self.isa {
-            Isa::Portable => portable::sparse(matrix, pairs, sums),
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(token) => x86::avx2::sparse(token, matrix, pairs, sums),
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx512(token) => x86::avx512::sparse(token, matrix, pairs, sums),
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => portable::sparse(matrix, pairs, sums),
+impl Stage {
+    /// Stage t (0 = I) of a checked network.
+    fn new(network: &FixedNetwork, t: usize, accumulator_bits: u32) -> Self {
+        let (base_shift, shift) = match t.checked_sub(1) {
+            None => (None, network.analysis_shift()),
+            Some(middle) => {
+                let shifts = network.middle_shifts(middle);
+                (Some(shifts.base), shifts.result)
+            }
+        };
+        let mut theta = network.thresholds[t].to_vec();
+        theta.resize(padded(network.form.codes), 0);
+        Self {
+            finish: Finish { base_shift, shift, bits: network.code_bits, accumulator_bits },
+            theta,
+            sends_difference: sends_difference(network, t),
         }
     }
 }

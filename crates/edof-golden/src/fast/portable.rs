@@ -1,28 +1,31 @@
-//! Kernels in plain Rust, for machines without the others; 64-bit sums throughout.
+//! Kernels in plain Rust, for machines without the others and for what the others' 32 bits cannot hold; 64-bit sums throughout.
 
-use super::pack::{Dense, Sparse};
-use super::pairs::Pairs;
+use super::pack::{Line, PANEL};
+use super::sums::split;
 
-/// Products of a dense matrix with inputs that lie one after the other.
-pub fn dense(matrix: &Dense, input: &[i16], sums: &mut [i64]) {
-    for (y, sums) in input.chunks_exact(matrix.columns).zip(sums.chunks_exact_mut(matrix.stride)) {
-        sums.fill(0);
-        for (two, weights) in y.chunks_exact(2).zip(matrix.weights.chunks_exact(2 * matrix.stride)) {
-            for (sum, w) in sums.iter_mut().zip(weights.chunks_exact(2)) {
-                *sum += i64::from(w[0]) * i64::from(two[0]) + i64::from(w[1]) * i64::from(two[1]);
-            }
-        }
-    }
+/// Products of a panel with all pairs of a vector's words, into 64 sums' high and low parts.
+pub fn dense(panel: &[Line], vector: &[i16], high: &mut [i32], low: &mut [i32]) {
+    products(panel, vector, 0..vector.len() / 2, high, low);
 }
 
-/// The product of a sparse vector.
-pub fn sparse(matrix: &Sparse, pairs: &Pairs, sums: &mut [i64]) {
-    sums.fill(0);
-    for pair in pairs.segments().flatten() {
-        let column = |index: u32| &matrix.weights[index as usize * matrix.stride..][..matrix.stride];
-        let (a, b) = (i64::from(pair.words as i16), i64::from(pair.words >> 16));
-        for ((sum, wa), wb) in sums.iter_mut().zip(column(pair.first)).zip(column(pair.second)) {
-            *sum += i64::from(*wa) * a + i64::from(*wb) * b;
+/// Products of a panel with some pairs of a vector's words.
+pub fn products(
+    panel: &[Line],
+    vector: &[i16],
+    pairs: impl Iterator<Item = usize>,
+    high: &mut [i32],
+    low: &mut [i32],
+) {
+    const LINES: usize = super::pack::LINES;
+    let mut sums = [0i64; PANEL];
+    for pair in pairs {
+        let (first, second) = (i64::from(vector[2 * pair]), i64::from(vector[2 * pair + 1]));
+        let rows = panel[pair * LINES..][..LINES].iter().flat_map(|line| line.0.chunks_exact(2));
+        for (sum, w) in sums.iter_mut().zip(rows) {
+            *sum += i64::from(w[0]) * first + i64::from(w[1]) * second;
         }
+    }
+    for ((sum, high), low) in sums.into_iter().zip(high).zip(low) {
+        (*high, *low) = split(sum);
     }
 }

@@ -1,46 +1,41 @@
 //! Kernels for AVX2 and AVX-512. They add the same products as [`super::portable`], in 32 bits where [`super::pack`] and
-//! [`super::pairs`] prove that the sums fit, so the result is the same to the bit.
+//! [`super::active`] prove that the sums fit, so the result is the same to the bit.
 //!
 //! Both sets run the same code, written once over the names that they give to the same operations.
 
 use super::isa::{Avx2, Avx512};
-use super::pack::{Dense, GROUP, Sparse};
-use super::pairs::Pairs;
+use super::pack::{LINES, Line, PANEL, Packed};
+use super::sums::{LOW, LOW_BITS, Sums};
 use std::arch::x86_64::*;
 
-/// Patches that share a load of weights.
+/// Vectors of inputs that share a load of weights.
 const TILE: usize = 6;
 
-/// One group of rows times a few patches.
+/// A panel times a few vectors of inputs.
 struct Tile<'a> {
-    matrix: &'a Dense,
-    /// First row of the group.
-    row: usize,
+    panel: &'a [Line],
     /// Pairs of columns that may be summed in 32 bits.
     block: usize,
-    /// The patches' inputs, one after the other.
+    /// Words of a vector.
+    columns: usize,
+    /// The vectors, one after the other.
     input: &'a [i16],
-    /// The patches' accumulators, `matrix.stride` each.
-    sums: &'a mut [i64],
+    /// From one vector's sums to the next one's.
+    stride: usize,
+    high: &'a mut [i32],
+    low: &'a mut [i32],
 }
 
-impl<'a> Tile<'a> {
-    /// The same, patch by patch.
-    fn singles(self) -> impl Iterator<Item = Tile<'a>> {
-        let Tile { matrix, row, block, input, sums } = self;
-        let patches = input.chunks_exact(matrix.columns).zip(sums.chunks_exact_mut(matrix.stride));
-        patches.map(move |(input, sums)| Tile { matrix, row, block, input, sums })
-    }
-}
-
-/// Cuts a dense product into tiles.
-fn each_tile(matrix: &Dense, input: &[i16], sums: &mut [i64], mut run: impl FnMut(Tile<'_>)) {
-    let largest = input.iter().copied().max().unwrap_or(0);
-    for group in 0..matrix.stride / GROUP {
-        let block = matrix.block(group, largest);
-        let tiles = input.chunks(TILE * matrix.columns).zip(sums.chunks_mut(TILE * matrix.stride));
-        for (input, sums) in tiles {
-            run(Tile { matrix, row: group * GROUP, block, input, sums });
+/// Cuts a dense product into tiles. Panics if `sums` are too few.
+fn each_tile(matrix: &Packed, input: &[i16], sums: &mut Sums, mut run: impl FnMut(Tile<'_>)) {
+    let largest = input.iter().copied().fold(0, i16::max);
+    let (columns, stride) = (2 * matrix.pairs, matrix.rows);
+    for (row, panel) in matrix.panels() {
+        let block = matrix.block(row / PANEL, largest);
+        for (i, input) in input.chunks(TILE * columns).enumerate() {
+            let from = i * TILE * stride + row;
+            let (high, low) = (&mut sums.high[from..], &mut sums.low[from..]);
+            run(Tile { panel, block, columns, input, stride, high, low });
         }
     }
 }
@@ -50,10 +45,9 @@ macro_rules! kernels {
     (
         $(#[$doc:meta])*
         mod $isa:ident, token $Token:ident, features $features:literal, vectors $vector:ident of $lanes:literal sums;
-        a dense tile holds $dense:literal of them, a sparse one up to $sparse:literal pairs;
+        a dense tile holds $dense:literal of them;
         zero $zero:ident, load $load:ident, store $store:ident, all $all:ident, multiply_add $multiply_add:path,
-        interleave $interleave_low:ident $interleave_high:ident,
-        halves $low:ident $high:path, widen $widen:ident, add_wide $add_wide:ident;
+        add $add:ident, and $and:ident, shift_right $shift_right:ident;
     ) => {
         $(#[$doc])*
         pub mod $isa {
@@ -61,42 +55,47 @@ macro_rules! kernels {
 
             /// 32-bit sums in a vector.
             const LANES: usize = $lanes;
-            /// Vectors of sums that a patch of a dense tile keeps in registers.
+            /// Vectors of sums that each input of a dense tile keeps in registers.
             const DENSE: usize = $dense;
+            /// Vectors of sums in a panel.
+            const WHOLE: usize = PANEL / LANES;
 
-            /// Dense products. Inputs are 0…32767. Panics if slices do not hold whole vectors.
-            pub fn dense(_: $Token, matrix: &Dense, input: &[i16], sums: &mut [i64]) {
+            /// Dense products; inputs are 0…32767. Panics if slices do not hold whole vectors.
+            pub fn dense(_: $Token, matrix: &Packed, input: &[i16], sums: &mut Sums) {
                 each_tile(matrix, input, sums, |tile| {
                     // SAFETY: the token proves that these features were detected.
                     unsafe {
-                        match tile.input.len() / matrix.columns {
-                            TILE => patches::<TILE>(tile),
-                            _ => tile.singles().for_each(|one| patches::<1>(one)),
+                        match tile.input.len() / tile.columns {
+                            1 => tile_of::<1>(tile),
+                            2 => tile_of::<2>(tile),
+                            3 => tile_of::<3>(tile),
+                            4 => tile_of::<4>(tile),
+                            5 => tile_of::<5>(tile),
+                            _ => tile_of::<TILE>(tile),
                         }
                     }
                 });
             }
 
-            /// `P` patches × 64 rows, as many at a time as the registers hold.
+            /// `P` inputs × a panel, as many rows at a time as the registers hold.
             #[target_feature(enable = $features)]
-            fn patches<const P: usize>(tile: Tile<'_>) {
-                let Tile { matrix, row, block, input, sums } = tile;
-                let (columns, stride) = (matrix.columns, matrix.stride);
+            fn tile_of<const P: usize>(tile: Tile<'_>) {
+                let Tile { panel, block, columns, input, stride, high, low } = tile;
                 let pairs = columns / 2;
-                assert!(input.len() == P * columns && sums.len() >= P * stride && row + GROUP <= stride);
-                assert!(matrix.weights.len() == columns * stride && block > 0);
-                let (weights, y, out) = (matrix.weights.as_ptr(), input.as_ptr(), sums.as_mut_ptr());
-                for row in (row..row + GROUP).step_by(DENSE * LANES) {
+                assert!(input.len() == P * columns && panel.len() == pairs * LINES && block > 0);
+                assert!(high.len() >= (P - 1) * stride + PANEL && low.len() >= (P - 1) * stride + PANEL);
+                let (weights, y) = (panel.as_ptr().cast::<i32>(), input.as_ptr());
+                for row in (0..PANEL).step_by(DENSE * LANES) {
+                    let mut split = [[Split::zero(); DENSE]; P];
                     for start in (0..pairs).step_by(block) {
                         let mut acc = [[$zero(); DENSE]; P];
                         for pair in start..pairs.min(start + block) {
-                            // SAFETY: pair < columns/2 and row + DENSE·LANES ≤ stride, so all vectors lie inside the
-                            // columns·stride weights.
+                            // SAFETY: pair < pairs and row + DENSE·LANES ≤ PANEL, so all vectors lie inside the panel.
                             let w: [$vector; DENSE] = std::array::from_fn(|v| unsafe {
-                                $load(weights.add((pair * stride + row + LANES * v) * 2).cast())
+                                $load(weights.add(pair * PANEL + row + LANES * v).cast())
                             });
                             for (p, acc) in acc.iter_mut().enumerate() {
-                                // SAFETY: the two words lie inside patch p's `columns` inputs.
+                                // SAFETY: the two words lie inside vector p's `columns` words.
                                 let two = unsafe { y.add(p * columns + 2 * pair).cast::<i32>().read_unaligned() };
                                 let two = $all(two);
                                 for (acc, w) in acc.iter_mut().zip(w) {
@@ -104,79 +103,105 @@ macro_rules! kernels {
                                 }
                             }
                         }
-                        for (p, acc) in acc.iter().enumerate() {
-                            for (v, acc) in acc.iter().enumerate() {
-                                // SAFETY: these rows of patch p lie inside its `stride` accumulators.
-                                unsafe { widen(*acc, out.add(p * stride + row + LANES * v), start == 0) };
+                        // Nested loops are unrolled, and only then do the sums above stay in registers.
+                        for (split, acc) in split.iter_mut().zip(acc) {
+                            for (split, acc) in split.iter_mut().zip(acc) {
+                                split.add(acc);
                             }
                         }
                     }
-                }
-            }
-
-            /// The product of a sparse vector.
-            pub fn sparse(_: $Token, matrix: &Sparse, pairs: &Pairs, sums: &mut [i64]) {
-                let mut row = 0;
-                while row < matrix.stride {
-                    // SAFETY: the token proves that these features were detected.
-                    row += unsafe {
-                        match ((matrix.stride - row) / (2 * LANES)).min($sparse) {
-                            6.. => rows::<6>(matrix, row, pairs, sums),
-                            4.. => rows::<4>(matrix, row, pairs, sums),
-                            _ => rows::<2>(matrix, row, pairs, sums),
-                        }
-                    };
-                }
-            }
-
-            /// `V` vectors of weights, which have two rows a sum, from `row` on; gives how many rows these are.
-            #[target_feature(enable = $features)]
-            fn rows<const V: usize>(matrix: &Sparse, row: usize, pairs: &Pairs, sums: &mut [i64]) -> usize {
-                let (stride, weights) = (matrix.stride, matrix.weights.as_ptr());
-                let columns = matrix.bounds.len();
-                assert!(row + 2 * LANES * V <= stride && sums.len() >= stride);
-                assert!(matrix.weights.len() == columns * stride);
-                let out = sums.as_mut_ptr();
-                for (segment, pairs) in pairs.segments().enumerate() {
-                    let mut acc = [[$zero(); 2]; V];
-                    for pair in pairs {
-                        let (first, second) = (pair.first as usize, pair.second as usize);
-                        assert!(first < columns && second < columns);
-                        let two = $all(pair.words);
-                        for (v, [low, high]) in acc.iter_mut().enumerate() {
-                            let row = row + 2 * LANES * v;
-                            // SAFETY: both columns exist and 2·LANES rows from this one on lie inside their `stride` words.
-                            let (a, b) = unsafe {
-                                let at = |column: usize| $load(weights.add(column * stride + row).cast());
-                                (at(first), at(second))
-                            };
-                            *low = $multiply_add(*low, $interleave_low(a, b), two);
-                            *high = $multiply_add(*high, $interleave_high(a, b), two);
-                        }
-                    }
-                    for (v, acc) in acc.iter().enumerate() {
-                        for (half, acc) in acc.iter().enumerate() {
-                            // SAFETY: these rows lie inside the `stride` accumulators.
-                            unsafe { widen(*acc, out.add(row + LANES * (2 * v + half)), segment == 0) };
+                    for (p, split) in split.iter().enumerate() {
+                        for (v, split) in split.iter().enumerate() {
+                            let at = p * stride + row + LANES * v;
+                            // SAFETY: `LANES` sums from here on lie inside both slices.
+                            unsafe { split.store(high.as_mut_ptr().add(at), low.as_mut_ptr().add(at)) };
                         }
                     }
                 }
-                2 * LANES * V
             }
 
-            /// Stores or adds a vector of sums as 64-bit numbers.
-            ///
-            /// # Safety
-            /// `out` must be valid for `LANES` reads and writes.
+            /// The product of a panel and the active pairs of a vector, into the parts of `PANEL` sums.
+            pub fn sparse<'a>(
+                _: $Token,
+                panel: &[Line],
+                vector: &[i16],
+                segments: impl Iterator<Item = &'a [u16]>,
+                high: &mut [i32],
+                low: &mut [i32],
+            ) {
+                // SAFETY: the token proves that these features were detected.
+                unsafe { active_pairs(panel, vector, segments, high, low) }
+            }
+
             #[target_feature(enable = $features)]
-            #[inline]
-            unsafe fn widen(sums: $vector, out: *mut i64, store: bool) {
-                for (i, wide) in [$widen($low(sums)), $widen($high(sums))].into_iter().enumerate() {
-                    // SAFETY: half of the numbers each, which the caller vouches for.
+            fn active_pairs<'a>(
+                panel: &[Line],
+                vector: &[i16],
+                segments: impl Iterator<Item = &'a [u16]>,
+                high: &mut [i32],
+                low: &mut [i32],
+            ) {
+                let pairs = (vector.len() / 2).min(panel.len() / LINES);
+                assert!(high.len() >= PANEL && low.len() >= PANEL);
+                let (weights, words) = (panel.as_ptr().cast::<i32>(), vector.as_ptr());
+                let mut split = [Split::zero(); WHOLE];
+                for segment in segments {
+                    let mut acc = [$zero(); WHOLE];
+                    for &pair in segment {
+                        let pair = usize::from(pair);
+                        assert!(pair < pairs);
+                        // SAFETY: the vector has both words of this pair.
+                        let two = $all(unsafe { words.add(2 * pair).cast::<i32>().read_unaligned() });
+                        for (v, acc) in acc.iter_mut().enumerate() {
+                            // SAFETY: the panel has all lines of this pair, `PANEL` rows in `WHOLE` vectors.
+                            let w = unsafe { $load(weights.add(pair * PANEL + LANES * v).cast()) };
+                            *acc = $multiply_add(*acc, w, two);
+                        }
+                    }
+                    for (split, acc) in split.iter_mut().zip(acc) {
+                        split.add(acc);
+                    }
+                }
+                for (v, split) in split.iter().enumerate() {
+                    // SAFETY: `WHOLE` vectors of `LANES` sums are `PANEL`, which both slices hold.
+                    unsafe { split.store(high.as_mut_ptr().add(LANES * v), low.as_mut_ptr().add(LANES * v)) };
+                }
+            }
+
+            /// A vector of sums in two parts; the low ones not yet carried.
+            #[derive(Clone, Copy)]
+            struct Split {
+                high: $vector,
+                low: $vector,
+            }
+
+            impl Split {
+                #[target_feature(enable = $features)]
+                #[inline]
+                fn zero() -> Self {
+                    Self { high: $zero(), low: $zero() }
+                }
+
+                /// Adds sums of 32 bits.
+                #[target_feature(enable = $features)]
+                #[inline]
+                fn add(&mut self, sums: $vector) {
+                    self.high = $add(self.high, $shift_right::<{ LOW_BITS as _ }>(sums));
+                    self.low = $add(self.low, $and(sums, $all(LOW)));
+                }
+
+                /// Carries and writes both parts.
+                ///
+                /// # Safety
+                /// `high` and `low` must be valid for `LANES` writes.
+                #[target_feature(enable = $features)]
+                #[inline]
+                unsafe fn store(&self, high: *mut i32, low: *mut i32) {
+                    let carried = $add(self.high, $shift_right::<{ LOW_BITS as _ }>(self.low));
+                    // SAFETY: the caller vouches for both.
                     unsafe {
-                        let at = out.add(LANES / 2 * i).cast::<$vector>();
-                        let before = if store { $zero() } else { $load(at) };
-                        $store(at, $add_wide(before, wide));
+                        $store(high.cast(), carried);
+                        $store(low.cast(), $and(self.low, $all(LOW)));
                     }
                 }
             }
@@ -187,23 +212,19 @@ macro_rules! kernels {
 kernels! {
     /// With AVX-512 F, BW, DQ, VL and VNNI.
     mod avx512, token Avx512, features "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni", vectors __m512i of 16 sums;
-    a dense tile holds 4 of them, a sparse one up to 6 pairs;
+    a dense tile holds 4 of them;
     zero _mm512_setzero_si512, load _mm512_loadu_si512, store _mm512_storeu_si512, all _mm512_set1_epi32,
     multiply_add _mm512_dpwssd_epi32,
-    interleave _mm512_unpacklo_epi16 _mm512_unpackhi_epi16,
-    halves _mm512_castsi512_si256 _mm512_extracti64x4_epi64::<1>, widen _mm512_cvtepi32_epi64,
-    add_wide _mm512_add_epi64;
+    add _mm512_add_epi32, and _mm512_and_si512, shift_right _mm512_srai_epi32;
 }
 
 kernels! {
     /// With AVX2.
     mod avx2, token Avx2, features "avx2", vectors __m256i of 8 sums;
-    a dense tile holds 2 of them, a sparse one up to 4 pairs;
+    a dense tile holds 2 of them;
     zero _mm256_setzero_si256, load _mm256_loadu_si256, store _mm256_storeu_si256, all _mm256_set1_epi32,
     multiply_add multiply_add_avx2,
-    interleave _mm256_unpacklo_epi16 _mm256_unpackhi_epi16,
-    halves _mm256_castsi256_si128 _mm256_extracti128_si256::<1>, widen _mm256_cvtepi32_epi64,
-    add_wide _mm256_add_epi64;
+    add _mm256_add_epi32, and _mm256_and_si256, shift_right _mm256_srai_epi32;
 }
 
 /// What `_mm512_dpwssd_epi32` does, of which AVX2 has only the product.

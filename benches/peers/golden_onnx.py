@@ -1,0 +1,158 @@
+"""The float network in ONNX Runtime and in NumPy, raw frame in and picture out, beside the golden pipeline: same frame, same threads, in turn.
+
+Usage: golden_onnx.py THROUGHPUT WEIGHTS-STEM RAW.png SHARP.png THREADS ROUNDS OUT.json
+
+WEIGHTS-STEM.safetensors is the float network, WEIGHTS-STEM.fixed.safetensors what the golden pipeline runs; stride 8. Every method runs
+FRAMES frames a round; ratios are taken round by round. Processor time is what a busy machine does not add to.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+threads = int(sys.argv[5])
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[name] = str(threads)
+
+import numpy as np
+import onnx
+import onnxruntime
+from onnx import TensorProto, helper, numpy_helper
+from PIL import Image
+from safetensors.numpy import load_file
+
+FRAMES = 5
+STRIDE = 8
+
+
+def graph(weights, height, width, convolve):
+    """The network as ONNX: on a padded raw frame by convolutions, or on rows of windows by matrix products."""
+    nodes, constants = [], []
+
+    def constant(name, value):
+        constants.append(numpy_helper.from_array(np.ascontiguousarray(value, dtype=np.float32), name))
+        return name
+
+    def node(op, inputs, output, **attributes):
+        nodes.append(helper.make_node(op, inputs, [output], **attributes))
+        return output
+
+    def product(of, matrix, output):
+        w = weights[matrix]
+        if not convolve:
+            return node("MatMul", [of, constant(matrix, w.T)], output)
+        side = int(w.shape[1] ** 0.5) if of == "y" else 1
+        kernel = w.reshape(len(w), -1, side, side)
+        step = STRIDE if of == "y" else 1
+        return node("Conv", [of, constant(matrix, kernel)], output, kernel_shape=[side, side], strides=[step, step])
+
+    def shrink(b, t):
+        theta = weights[f"threshold.{t}"].reshape((1, -1, 1, 1) if convolve else (1, -1))
+        return node("Relu", [node("Sub", [b, constant(f"theta{t}", theta)], f"b{t}-theta")], f"z{t}")
+
+    b = first = product("y", "analysis", "b")
+    middle = sum(name.startswith("recurrent") for name in weights)
+    for t in range(middle):
+        b = node("Add", [first, product(shrink(b, t), f"recurrent.{t}", f"s{t}")], f"b{t + 1}")
+    out = node("Add", [product(shrink(b, middle), "dictionary", "d"), product("y", "linear_path", "r")], "patches")
+    if convolve:
+        out = node("DepthToSpace", [out], "picture", blocksize=STRIDE, mode="CRD")
+    margin = int(weights["analysis"].shape[1] ** 0.5) - STRIDE
+    shape = [1, 1, height + margin, width + margin] if convolve else ["patches", weights["analysis"].shape[1]]
+    y = helper.make_tensor_value_info("y", TensorProto.FLOAT, shape)
+    result = helper.make_tensor_value_info(out, TensorProto.FLOAT, None)
+    model = helper.make_model(
+        helper.make_graph(nodes, "network", [y], [result], constants),
+        opset_imports=[helper.make_opsetid("", 17)],
+        ir_version=8,
+    )
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    return onnxruntime.InferenceSession(model.SerializeToString(), options, providers=["CPUExecutionProvider"])
+
+
+def padded(raw, side):
+    margin = (side - STRIDE) // 2
+    return np.pad(raw.astype(np.float32) / 65536, margin, mode="reflect")
+
+
+def windows(raw, side):
+    view = np.lib.stride_tricks.sliding_window_view(padded(raw, side), (side, side))[::STRIDE, ::STRIDE]
+    return view.reshape(-1, side * side)
+
+
+def assembled(patches, height, width):
+    blocks = patches.reshape(height // STRIDE, width // STRIDE, 3, STRIDE, STRIDE)
+    return np.ascontiguousarray(blocks.transpose(2, 0, 3, 1, 4)).reshape(3, height, width)
+
+
+def in_numpy(weights, y):
+    b = first = y @ weights["analysis"].T
+    middle = sum(name.startswith("recurrent") for name in weights)
+    for t in range(middle):
+        b = first + np.maximum(b - weights[f"threshold.{t}"], 0) @ weights[f"recurrent.{t}"].T
+    z = np.maximum(b - weights[f"threshold.{middle}"], 0)
+    return z @ weights["dictionary"].T + y @ weights["linear_path"].T
+
+
+def psnr(picture, sharp):
+    return float(-10 * np.log10(np.mean((np.clip(picture, 0, 1) - sharp) ** 2)))
+
+
+def timed(run):
+    start, cpu = time.perf_counter(), time.process_time()
+    for _ in range(FRAMES):
+        run()
+    return {
+        "frames_per_second": FRAMES / (time.perf_counter() - start),
+        "processor_seconds_per_frame": (time.process_time() - cpu) / FRAMES,
+    }
+
+
+def main():
+    program, stem, raw_path, sharp_path, _, rounds, out = sys.argv[1:]
+    weights = load_file(stem + ".safetensors")
+    side = int(weights["analysis"].shape[1] ** 0.5)
+    raw = np.asarray(Image.open(raw_path), dtype=np.uint16)
+    height, width = raw.shape
+    code = np.asarray(Image.open(sharp_path).convert("RGB")).transpose(2, 0, 1) / 255.0
+    sharp = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+    by_convolution, by_product = graph(weights, height, width, True), graph(weights, height, width, False)
+    methods = {
+        "ONNX Runtime, convolutions": lambda: by_convolution.run(None, {"y": padded(raw, side)[None, None]})[0][0],
+        "ONNX Runtime, matrix products": lambda: assembled(by_product.run(None, {"y": windows(raw, side)})[0], height, width),
+        "NumPy": lambda: assembled(in_numpy(weights, windows(raw, side)), height, width),
+    }
+    result = {
+        "network": os.path.basename(stem),
+        "size": [height, width],
+        "threads": threads,
+        "versions": {"onnxruntime": onnxruntime.__version__, "numpy": np.__version__},
+        "psnr_db": {name: psnr(run(), sharp) for name, run in methods.items()},
+        "rounds": [],
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(int(rounds)):
+            picture = os.path.join(folder, "picture.f32")
+            args = [program, stem + ".fixed.safetensors", raw_path, str(threads), str(4 * FRAMES), picture]
+            one = {"golden": json.loads(subprocess.run(args, check=True, capture_output=True, text=True).stdout)}
+            one |= {name: timed(run) for name, run in methods.items()}
+            result["rounds"].append(one)
+            print(json.dumps(one), file=sys.stderr)
+        golden = np.fromfile(picture, dtype="<f4").reshape(3, height, width)
+        result["psnr_db"]["golden"] = psnr(golden, sharp)
+    cpu, rate = "processor_seconds_per_frame", "frames_per_second"
+    for name in methods:
+        by_cpu = sorted(one[name][cpu] / one["golden"][cpu] for one in result["rounds"])
+        by_wall = sorted(one["golden"][rate] / one[name][rate] for one in result["rounds"])
+        print(f"golden against {name}: {by_cpu[len(by_cpu) // 2]:.2f} times ({by_cpu[0]:.2f} to {by_cpu[-1]:.2f}) as many frames a second of "
+              f"processor time, {by_wall[len(by_wall) // 2]:.2f} times ({by_wall[0]:.2f} to {by_wall[-1]:.2f}) by the clock")
+    print("PSNR in linear light, dB:", {name: round(db, 2) for name, db in result["psnr_db"].items()})
+    with open(out, "w") as file:
+        json.dump(result, file, indent=1)
+
+
+main()
