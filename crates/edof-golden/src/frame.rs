@@ -179,7 +179,7 @@ impl Worker {
     fn new(golden: &Golden, width: usize) -> Self {
         Self {
             batch: Batch::new(&golden.fast),
-            mirrored: Mirrored::new(golden.geometry),
+            mirrored: Mirrored::empty(golden.geometry),
             band: Band::new(STRIP + PATCH, width),
         }
     }

@@ -29,9 +29,17 @@ pub struct Mirrored {
 }
 
 impl Mirrored {
+    /// The lines of all patches of a red-first frame that [`Geometry::check_frame`] accepts.
+    #[must_use]
+    pub fn new(raw: &RawFrame, geometry: Geometry) -> Self {
+        let mut all = Self::empty(geometry);
+        all.take(raw, 0..geometry.patches(raw.size().0, raw.size().1).0);
+        all
+    }
+
     /// No lines yet.
     #[must_use]
-    pub const fn new(geometry: Geometry) -> Self {
+    pub const fn empty(geometry: Geometry) -> Self {
         Self { words: Vec::new(), width: 0, geometry, first: 0 }
     }
 
@@ -91,7 +99,7 @@ mod tests {
         let raw = RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap();
         for (side, step) in [(8, 8), (8, 2), (12, 4), (16, 8), (16, 2)] {
             let g = Geometry::new(Window::new(side).unwrap(), Stride::new(step).unwrap());
-            let mut mirrored = Mirrored::new(g);
+            let mut mirrored = Mirrored::empty(g);
             let (rows, columns) = g.patches(height, width);
             for (r, c) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
                 mirrored.take(&raw, r / 2 * 2..rows.min(r / 2 * 2 + 2));

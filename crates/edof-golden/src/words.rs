@@ -30,7 +30,7 @@ impl Golden {
         let (rows, columns) = self.geometry().patches(aligned.size().0, aligned.size().1);
         let pixels = self.network().form.window.pixels();
         let row_of_traces = |row| {
-            let mut mirrored = Mirrored::new(self.geometry());
+            let mut mirrored = Mirrored::empty(self.geometry());
             mirrored.take(&aligned, row..row + 1);
             let mut windows = vec![0; columns * pixels];
             let each = windows.chunks_exact_mut(pixels).enumerate();
