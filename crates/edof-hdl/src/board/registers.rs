@@ -381,7 +381,8 @@ impl Logic for BoardRegisters {
                 } else if self.is_stage.q.val() {
                     self.result.d.next = self.stage_counter.val();
                 } else {
-                    self.result.d.next = self.found[0].q.val() | self.found[1].q.val() | self.found[2].q.val();
+                    self.result.d.next =
+                        self.found[0].q.val() | self.found[1].q.val() | self.found[2].q.val();
                 }
             }
             Phase::ReadAnswer => {
