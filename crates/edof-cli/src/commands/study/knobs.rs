@@ -65,8 +65,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui).reads_all(&args.dictionary), std::slice::from_ref(&args.net));
     let files = files.reads_pictures_of(args.photographs.folder.path()?).writes("--rows", &args.rows);
     args.outputs.of(files).check()?;
-    let plan = args.plan(ui)?;
     let (photos, notes) = args.photographs.load(ui)?;
+    let plan = args.plan(ui)?;
     notes.iter().for_each(|note| ui.note(note));
     let mut journal = Journal::open(&args.rows, Header::of::<Row>(false, machine(ui)))?;
     let progress = ui.progress(1, "rows");
