@@ -115,7 +115,7 @@ impl Levels {
     /// use edof_spec::{CfaPhase, RawFrame};
     /// let frame = RawFrame::from_values(ndarray::array![[64, 64], [2080, 4095]], 12, CfaPhase::Rggb)?;
     /// let light = Levels { black: Black::from(64), white: None }.light(&frame)?;
-    /// assert_eq!(light.pixels(), ndarray::array![[0, 0], [32768, 65519]]);
+    /// assert_eq!(light.pixels(), ndarray::array![[0, 0], [32768, 65520]]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
