@@ -260,7 +260,13 @@ fn timeless(file: &std::path::Path) -> Vec<String> {
     let line = |line: &str| {
         let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
         let fields = row.as_object_mut().unwrap();
-        for time in ["seconds_per_megapixel", "cpu_seconds_per_megapixel", "prepare_seconds", "repetitions"] {
+        for time in [
+            "seconds_per_megapixel",
+            "cpu_seconds_per_megapixel",
+            "prepare_seconds",
+            "repetitions",
+            "peak_memory_bytes",
+        ] {
             fields.remove(time);
         }
         row.to_string()

@@ -25,7 +25,7 @@ pub trait Line: Clone + PartialEq + Serialize + DeserializeOwned {
     /// What this one is of.
     fn key(&self) -> Self::Key;
 
-    /// The row without its times, which no two runs agree about.
+    /// The row without its times and its memory, which no two runs agree about.
     fn timeless(&self) -> Self;
 }
 

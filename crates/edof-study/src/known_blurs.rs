@@ -5,7 +5,7 @@ use crate::metrics::{BORDER, MetricError, Quality};
 use crate::photos::Photo;
 use crate::report::Report;
 use crate::tables::Table;
-use edof_deblur::blind::{self, Settings};
+use edof_deblur::blind::{self, Estimate, Settings};
 use edof_deblur::hyper_laplacian::hyper_laplacian;
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::Psf;
@@ -115,7 +115,7 @@ pub fn restore(photo: &Photo, blur: &Blur, settings: &Settings) -> Result<Row, T
     seen.planes.mapv_inplace(|v| (v * STEPS).round().clamp(0.0, STEPS) / STEPS);
     let start = Instant::now();
     let grey = seen.planes.mean_axis(Axis(0)).unwrap_or_else(|| unreachable!("three colours have a mean"));
-    let (kernel, halvings) = blind::estimate(grey.view(), settings);
+    let Estimate { kernel, halvings, .. } = blind::estimate(grey.view(), settings);
     let restored = deconvolved(&seen, kernel.view(), settings);
     let seconds = start.elapsed().as_secs_f64();
     let known = deconvolved(&seen, blur.psf.kernel.view(), settings);

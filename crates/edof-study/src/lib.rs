@@ -15,6 +15,7 @@
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
 //! | | [`cpu_time`] | what a run costs whatever else the machine does |
+//! | | [`memory`] | the most memory that a run held |
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
 //! | | [`knobs`] | what can be left out: a curve for each knob |
@@ -58,6 +59,7 @@ pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;
 pub mod lens;
+pub mod memory;
 pub mod method;
 pub mod metrics;
 pub mod mtf50;

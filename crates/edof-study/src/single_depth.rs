@@ -7,6 +7,7 @@
 use crate::cpu_time;
 use crate::journal::{Journal, JournalError, Line, Ordered, Shard};
 use crate::kodak::{Conditions, KodakError, Row as Measured, Setup, Trial};
+use crate::memory;
 use crate::method::{Format, Method};
 use crate::photos::Photo;
 use crate::spec::{Case, MethodSpec, PrepareError};
@@ -51,6 +52,13 @@ pub struct Row {
     /// in rows from before it was.
     #[serde(default)]
     pub cpu_seconds_per_megapixel: Option<f64>,
+    /// Steps of an iterative method, mean over patches or colours; none for methods without, and in rows from before they were counted.
+    #[serde(default)]
+    pub iterations: Option<f64>,
+    /// Most bytes of memory that the process held while the method ran, photographs and other methods included; none where the system
+    /// does not tell, and in rows from before it was asked.
+    #[serde(default)]
+    pub peak_memory_bytes: Option<u64>,
     /// SHA-256 of the weights or dictionary, the photograph's values and the camera: what tells this row from another of the same names.
     pub weights_sha256: Option<String>,
     /// See `weights_sha256`.
@@ -93,7 +101,7 @@ impl Line for Row {
     fn timeless(&self) -> Self {
         let mut row = self.clone();
         (row.measured.seconds_per_megapixel, row.prepare_seconds, row.repetitions) = (0.0, 0.0, 0);
-        row.cpu_seconds_per_megapixel = None;
+        (row.cpu_seconds_per_megapixel, row.peak_memory_bytes) = (None, None);
         row
     }
 }
@@ -200,9 +208,10 @@ pub fn run(
                 // A computed time does not vary.
                 let is_measured = spec.method().format != Some(Format::Board);
                 let once = |method: &dyn Reconstructor| {
-                    Ok(Timed { result: method.reconstruct(raw)?, cpu_seconds: None, repetitions: 1 })
+                    let result = method.reconstruct(raw)?;
+                    Ok(Timed { result, cpu_seconds: None, peak_memory_bytes: None, repetitions: 1 })
                 };
-                let Timed { result, cpu_seconds, repetitions } =
+                let Timed { result, cpu_seconds, peak_memory_bytes, repetitions } =
                     if is_measured { timed(method, raw) } else { once(method) }
                         .map_err(|source| KodakError::Reconstruct { image: photo.name.clone(), source })?;
                 let (height, width) = photo.frame.size();
@@ -212,6 +221,8 @@ pub fn run(
                     measured,
                     prepare_seconds,
                     repetitions,
+                    iterations: result.iterations,
+                    peak_memory_bytes,
                     cpu_seconds_per_megapixel: cpu_seconds.map(|s| s / ((height * width) as f64 * 1e-6)),
                     weights_sha256: spec.weights().map(str::to_owned),
                     photo_sha256: hashes[cell.photo].clone(),
@@ -256,6 +267,8 @@ pub(crate) struct Timed {
     pub(crate) result: Reconstruction,
     /// Of all threads together.
     pub(crate) cpu_seconds: Option<f64>,
+    /// Of the process, in the first run.
+    pub(crate) peak_memory_bytes: Option<u64>,
     pub(crate) repetitions: usize,
 }
 
@@ -267,9 +280,11 @@ pub(crate) fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Timed,
         let spent = cpu_time::seconds().zip(before).map(|(after, before)| after - before);
         Ok((result, spent))
     };
+    memory::forget_peak();
     let (mut result, first) = run()?;
+    let peak_memory_bytes = memory::peak_bytes();
     if result.seconds > FAST {
-        return Ok(Timed { result, cpu_seconds: first, repetitions: 1 });
+        return Ok(Timed { result, cpu_seconds: first, peak_memory_bytes, repetitions: 1 });
     }
     let runs = (0..RUNS).map(|_| run()).collect::<Result<Vec<_>, _>>()?;
     let median = |mut seconds: Vec<f64>| {
@@ -278,7 +293,7 @@ pub(crate) fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Timed,
     };
     result.seconds = median(runs.iter().map(|(r, _)| r.seconds).collect()).unwrap_or(result.seconds);
     let cpu_seconds = median(runs.iter().filter_map(|(_, spent)| *spent).collect());
-    Ok(Timed { result, cpu_seconds, repetitions: RUNS })
+    Ok(Timed { result, cpu_seconds, peak_memory_bytes, repetitions: RUNS })
 }
 
 #[cfg(test)]

@@ -34,6 +34,10 @@ pub struct Point {
     pub seconds_per_megapixel: f64,
     /// Mean seconds a megapixel that all threads together were on a processor, where all rows tell it.
     pub cpu_seconds_per_megapixel: Option<f64>,
+    /// Mean steps of an iterative method, where all rows tell them.
+    pub iterations: Option<f64>,
+    /// Most bytes that the process held while it ran, over all photographs, where rows tell it.
+    pub peak_memory_bytes: Option<u64>,
     /// Seconds of preparation for the case.
     pub prepare_seconds: f64,
     /// Mean non-zeros of a patch, after each shrinkage or of its code.
@@ -146,7 +150,8 @@ impl Speed {
             "Means over {photos} photographs. PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, nothing clipped, where a \
              photograph's numbers are taken for it; of the encoded picture, clipped to 0…1, where they are decoded (“real light”). Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
              and a noise level and stands beside it: kernels, dictionaries and what follows from them. CPU seconds are those that all threads together \
-             were on a processor: what else the machine did is not in them. NAME/s4 is a method of patches at \
+             were on a processor: what else the machine did is not in them. Steps are those of iterative methods, mean over patches or colours. Memory is the most that \
+             the process held, photographs and the other methods included. NAME/s4 is a method of patches at \
              stride 4; a network's fixed rows are the board's integers in software. untrained-tT is what the paper trains from: ISTA in the pursuits' \
              dictionary, all depths in one, cut off after T − 1 shrinkages. NAME.board is \
              the board: cycles of these very frames by the cycle model at the clock that is planned for it, which is no measured time.",
@@ -253,6 +258,8 @@ impl Point {
             seconds_per_megapixel: mean(&|r| r.measured.seconds_per_megapixel),
             cpu_seconds_per_megapixel: Some(mean(&|r| r.cpu_seconds_per_megapixel.unwrap_or(f64::NAN)))
                 .filter(|seconds| seconds.is_finite()),
+            iterations: Some(mean(&|r| r.iterations.unwrap_or(f64::NAN))).filter(|steps| steps.is_finite()),
+            peak_memory_bytes: own.iter().filter_map(|r| r.peak_memory_bytes).max(),
             prepare_seconds: mean(&|r| r.prepare_seconds),
             nonzeros_a_patch: nonzeros,
             identity,
@@ -272,26 +279,34 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
         "seconds a megapixel",
         "CPU seconds a megapixel",
         "seconds to prepare",
+        "steps",
+        "memory, MiB",
         "non-zeros a patch",
         "photos",
     ];
     let row = |p: &Point| {
-        let nonzeros = p.nonzeros_a_patch.as_ref().map_or_else(
-            || "–".to_owned(),
-            |n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "),
-        );
+        let nonzeros = p
+            .nonzeros_a_patch
+            .as_ref()
+            .map(|n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "));
         vec![
             p.method.clone(),
             format!("{:.2}", p.psnr_db),
             format!("{:.3}", p.ssim),
             format!("{:.3}", p.seconds_per_megapixel),
-            p.cpu_seconds_per_megapixel.map_or_else(|| "–".to_owned(), |seconds| format!("{seconds:.3}")),
+            or_dash(p.cpu_seconds_per_megapixel.map(|seconds| format!("{seconds:.3}"))),
             format!("{:.3}", p.prepare_seconds),
-            nonzeros,
+            or_dash(p.iterations.map(|steps| format!("{steps:.0}"))),
+            or_dash(p.peak_memory_bytes.map(|bytes| (bytes >> 20).to_string())),
+            or_dash(nonzeros),
             p.photos.to_string(),
         ]
     };
     Table { header: header.map(str::to_owned).to_vec(), rows: points.map(row).collect() }
+}
+
+fn or_dash(text: Option<String>) -> String {
+    text.unwrap_or_else(|| "–".to_owned())
 }
 
 fn claims_table(claims: &[Claim]) -> Table {
@@ -384,6 +399,8 @@ mod tests {
             measured,
             prepare_seconds: 0.5,
             repetitions: 3,
+            iterations: (method.family == Family::Omp).then_some(16.0),
+            peak_memory_bytes: Some(300 << 20),
             cpu_seconds_per_megapixel: (method.family == Family::Omp).then_some(1.5 * seconds),
             weights_sha256: None,
             photo_sha256: image.into(),

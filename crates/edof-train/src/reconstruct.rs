@@ -185,6 +185,7 @@ impl Reconstructor for FloatReconstructor {
             seconds: start.elapsed().as_secs_f64(),
             multiplications: Some(self.multiplications(rows, columns)),
             counters: None,
+            iterations: None,
         })
     }
 }
