@@ -459,7 +459,7 @@ mod tests {
         let sharp = cards_of((160, 192));
         let kernel = disc(2.5);
         let seen = with_noise(&blurred(&sharp, &kernel), 0.001);
-        let (found, _) = estimate(seen.view(), &settings(25));
+        let found = estimate(seen.view(), &settings(25)).kernel;
         let like = likeness(found.view(), kernel.view());
         assert!(like > 0.8, "kernels differ, {like}");
     }
@@ -506,6 +506,7 @@ mod tests {
             sharp_sum: 0.0,
             step: 1.0,
             halvings: 0,
+            steps: 0,
             plan: Fourier::new(plane),
         };
         let lags = scale.lags(&correlation(&spectrum, &spectrum), 4);

@@ -4,17 +4,16 @@
 //! measured again, and several machines may share a study ([`Shard`]). Noise depends on photograph, ψ and noise level alone, as in
 //! [`kodak`](crate::kodak), and all methods see the same captures.
 
-use crate::cpu_time;
-use crate::journal::{Journal, JournalError, Line, Ordered, Shard};
+use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Shard};
 use crate::kodak::{Conditions, KodakError, Row as Measured, Setup, Trial};
-use crate::memory;
 use crate::method::{Format, Method};
 use crate::photos::Photo;
 use crate::spec::{Case, MethodSpec, PrepareError};
+use crate::timing::{Timed, timed};
 use edof_optics::psf::{Settings, channel_psfs};
 use edof_spec::digest::sha256;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor, Tone};
+use edof_spec::{Camera, Noise, Reconstructor, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -120,21 +119,6 @@ pub enum StudyError {
     Journal(#[from] JournalError),
 }
 
-/// How far a study is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Progress {
-    /// Rows done, those that were there included.
-    pub done: usize,
-    /// How many there will be.
-    pub of: usize,
-    /// What was measured last.
-    pub last: String,
-}
-
-/// Runs of a fast method, after one that warms up; what takes longer than [`FAST`] seconds runs once.
-const RUNS: usize = 3;
-const FAST: f64 = 0.5;
-
 /// A row to be measured, by places in the plan and the list of photographs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Cell {
@@ -207,12 +191,8 @@ pub fn run(
                 let (method, prepare_seconds) = ready.method(cell.noise, cell.method)?;
                 // A computed time does not vary.
                 let is_measured = spec.method().format != Some(Format::Board);
-                let once = |method: &dyn Reconstructor| {
-                    let result = method.reconstruct(raw)?;
-                    Ok(Timed { result, cpu_seconds: None, peak_memory_bytes: None, repetitions: 1 })
-                };
                 let Timed { result, cpu_seconds, peak_memory_bytes, repetitions } =
-                    if is_measured { timed(method, raw) } else { once(method) }
+                    if is_measured { timed(method, raw) } else { method.reconstruct(raw).map(Timed::not) }
                         .map_err(|source| KodakError::Reconstruct { image: photo.name.clone(), source })?;
                 let (height, width) = photo.frame.size();
                 let measured = trial.row(*noise, &spec.method(), &result)?;
@@ -260,40 +240,6 @@ impl Ready<'_> {
         };
         Ok((entry.0.as_ref(), entry.1))
     }
-}
-
-/// A reconstruction, its times the medians of several runs where those cost little.
-pub(crate) struct Timed {
-    pub(crate) result: Reconstruction,
-    /// Of all threads together.
-    pub(crate) cpu_seconds: Option<f64>,
-    /// Of the process, in the first run.
-    pub(crate) peak_memory_bytes: Option<u64>,
-    pub(crate) repetitions: usize,
-}
-
-/// Runs a method and times it.
-pub(crate) fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Timed, ReconstructError> {
-    let run = || -> Result<_, ReconstructError> {
-        let before = cpu_time::seconds();
-        let result = method.reconstruct(raw)?;
-        let spent = cpu_time::seconds().zip(before).map(|(after, before)| after - before);
-        Ok((result, spent))
-    };
-    memory::forget_peak();
-    let (mut result, first) = run()?;
-    let peak_memory_bytes = memory::peak_bytes();
-    if result.seconds > FAST {
-        return Ok(Timed { result, cpu_seconds: first, peak_memory_bytes, repetitions: 1 });
-    }
-    let runs = (0..RUNS).map(|_| run()).collect::<Result<Vec<_>, _>>()?;
-    let median = |mut seconds: Vec<f64>| {
-        seconds.sort_by(f64::total_cmp);
-        seconds.get(RUNS / 2).copied()
-    };
-    result.seconds = median(runs.iter().map(|(r, _)| r.seconds).collect()).unwrap_or(result.seconds);
-    let cpu_seconds = median(runs.iter().filter_map(|(_, spent)| *spent).collect());
-    Ok(Timed { result, cpu_seconds, peak_memory_bytes, repetitions: RUNS })
 }
 
 #[cfg(test)]
