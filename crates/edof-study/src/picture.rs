@@ -52,7 +52,7 @@ impl<'de> Deserialize<'de> for Encoded {
 }
 
 /// Of a hundred.
-const JPEG_QUALITY: u8 = 93;
+const JPEG_QUALITY: u8 = 90;
 
 fn pixels(frame: &ColourFrame, tone: Tone) -> RgbImage {
     let (height, width) = frame.size();
