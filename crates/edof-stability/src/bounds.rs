@@ -4,9 +4,9 @@
 //! A climb starts from a drawn window and a result of one stage, and changes some input words at a time as long as that result comes
 //! further off; what is far off is a rounding of every sum in the same direction, so it is found by trying, not by following a slope.
 
+use crate::bench::{Bench, Trained};
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::subjects::Subjects;
-use crate::suite::{Bench, Trained};
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
 use edof_quantize::bounds::{Arithmetic, StageBound, reference};

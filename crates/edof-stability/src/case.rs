@@ -130,7 +130,7 @@ pub fn short(value: f64) -> String {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Trial {
-    /// [`crate::frames`].
+    /// A scene behind a camera, and every method on its frame.
     Frame(Frame),
     /// A frame that is read with another phase than it was taken with.
     Phase {
@@ -148,14 +148,14 @@ pub enum Trial {
     },
     /// A frame of so many megapixels through the golden pipeline.
     Megapixels(usize),
-    /// [`crate::words`].
+    /// A network of words driven to its ends.
     Words(Words),
-    /// [`crate::bounds`].
+    /// A network's bounds of error.
     Bounds {
         /// Name of the network, or `drawn-WINDOW-STRIDE`.
         network: String,
     },
-    /// [`crate::pursuits`].
+    /// OMP, ISTA and FISTA.
     Pursuit {
         /// The dictionary.
         dictionary: Atoms,
@@ -173,11 +173,11 @@ pub enum Trial {
         /// Where it starts.
         dictionary: Atoms,
     },
-    /// [`crate::solves`].
+    /// A system of equations.
     Solve(System),
-    /// [`crate::lenses`].
+    /// A lens's PSFs and blur.
     Lens(Lens),
-    /// [`crate::deblurring`].
+    /// A plane, blurred and deconvolved.
     Deblur {
         /// The picture.
         picture: Scene,
@@ -190,10 +190,10 @@ pub enum Trial {
         #[serde(default = "a_small_plane")]
         size: [usize; 2],
     },
-    /// [`crate::numbers`].
+    /// Sums, tables and steps.
     Numbers(Numbers),
-    /// Something that must be refused ([`crate::refusals`]).
-    Refusal(crate::refusals::Refusal),
+    /// Something that must be refused.
+    Refusal(Refusal),
 }
 
 const fn a_tenth() -> f64 {
@@ -470,6 +470,60 @@ pub enum Numbers {
     Requantize,
 }
 
+/// Something that cannot be right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Refusal {
+    /// Weights and shifts whose sums may need more than 48 bits.
+    WideSums,
+    /// A shift beyond 47.
+    LongShift,
+    /// Fraction bits that would need a shift to the left.
+    NegativeShift,
+    /// A weight that its width does not hold.
+    WideWeight,
+    /// A negative threshold where shrinkage is two-sided.
+    NegativeThreshold,
+    /// Formats that differ in the difference form.
+    UnequalFractions,
+    /// A float weight that is no number.
+    WeightNoNumber,
+    /// An infinite threshold.
+    InfiniteThreshold,
+    /// One layer.
+    FewLayers,
+    /// Seven bits.
+    FewBits,
+    /// Headroom that is no number.
+    Headroom,
+    /// A sensor of seven bits.
+    SensorBits,
+    /// A value that the sensor's bits do not hold.
+    WideValue,
+    /// Noise of more than full scale.
+    MuchNoise,
+    /// A full scale of less than an electron.
+    LessThanAnElectron,
+    /// A camera with a number that is none.
+    CameraNoNumber,
+    /// Depth that is no number.
+    PsiNoNumber,
+    /// A scene's depth that is no number.
+    ScenePsiNoNumber,
+    /// A kernel that makes light.
+    KernelSum,
+    /// A kernel without a middle pixel.
+    KernelSide,
+    /// A table that is too short.
+    ShortTable,
+    /// A table's entry of more than 12 bits.
+    WideEntry,
+    /// Pictures of two sizes compared.
+    TwoSizes,
+    /// Pictures too small for a border.
+    SmallPicture,
+}
+
 /// Cases that cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
@@ -569,4 +623,26 @@ fn read(files: impl IntoIterator<Item = (String, String)>) -> Result<Vec<Case>, 
         }
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cases_of_one_name_or_of_a_name_that_is_none_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let refused = |text: &str| {
+            std::fs::write(folder.path().join("a.json"), text).unwrap();
+            of_folder(folder.path()).unwrap_err().to_string()
+        };
+        let one = |id: &str| {
+            format!(
+                r#"{{"id": "{id}", "intent": "i", "danger": "d", "trial": {{"solve": "twin-inputs"}}, "promise": {{"bounded": {{"because": "b"}}}}}}"#
+            )
+        };
+        assert!(refused(&format!("[{}, {}]", one("a"), one("a"))).ends_with("case id 'a': is there twice"));
+        assert!(refused(&format!("[{}]", one("A b"))).contains("must be of small letters"));
+        assert!(refused("[{}]").contains("not a list of cases: missing field"));
+    }
 }

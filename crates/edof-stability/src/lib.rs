@@ -11,12 +11,13 @@
 //! | | `bounds` | a-priori bounds of error on random and climbing windows |
 //! | | `pursuits`, `solves` | dictionaries and systems that are nearly singular |
 //! | | `lenses`, `deblurring` | PSFs at the edge of what can be computed; deconvolution with little to go by |
-//! | | `numbers`, [`refusals`] | sums, tables and steps at the ends of numbers; what must be refused |
-//! | run | [`suite`] | all of them, one after the other; a panic is a broken promise |
+//! | | `numbers`, `refusals` | sums, tables and steps at the ends of numbers; what must be refused |
+//! | run | [`bench`] | what they are run with; `methods` prepares those that need no weights |
+//! | | [`suite`] | all of them, one after the other; a panic is a broken promise |
 //! | tell | [`outcome`], [`report`] | what was seen against its limit; a card a case |
 //!
 //! ```
-//! use edof_stability::{case, suite::{Bench, Suite}};
+//! use edof_stability::{case, bench::Bench, suite::Suite};
 //! use std::ops::ControlFlow;
 //! let cases: Vec<_> = case::own()?.into_iter().filter(|case| case.id == "gamma-index").collect();
 //! let suite = Suite::run(&Bench::new(vec![], 0), &cases, |_, _| ControlFlow::Continue(())).unwrap();
@@ -24,17 +25,19 @@
 //! # Ok::<(), case::CasesError>(())
 //! ```
 
+pub mod bench;
 mod bounds;
 pub mod case;
 mod deblurring;
 mod frames;
 mod lenses;
+mod methods;
 mod numbers;
 pub mod outcome;
 #[cfg(test)]
 mod planted;
 mod pursuits;
-pub mod refusals;
+mod refusals;
 pub mod report;
 pub mod scenes;
 mod sizes;

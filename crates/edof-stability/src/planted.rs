@@ -1,8 +1,9 @@
 //! Planted instabilities: each must break a case of the suite that names it. And the quick suite itself, on the product's own functions.
 
+use crate::bench::{Bench, Trained};
 use crate::case::{self, Case};
 use crate::subjects::Subjects;
-use crate::suite::{Bench, Suite, Trained};
+use crate::suite::Suite;
 use edof_golden::fast::Fast;
 use edof_golden::{ColourTable, Trace, scalar};
 use edof_spec::{ColourFrame, weight_file};
@@ -142,21 +143,4 @@ fn an_index_that_is_not_held_to_its_table_is_found() {
         i32::from(table.entries()[(light & 16_383) as usize])
     }
     found(Subjects { encoded: wrapped, ..Subjects::default() }, &["gamma-index"]);
-}
-
-#[test]
-fn cases_of_one_name_or_of_a_name_that_is_none_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let refused = |text: &str| {
-        std::fs::write(folder.path().join("a.json"), text).unwrap();
-        case::of_folder(folder.path()).unwrap_err().to_string()
-    };
-    let one = |id: &str| {
-        format!(
-            r#"{{"id": "{id}", "intent": "i", "danger": "d", "trial": {{"solve": "twin-inputs"}}, "promise": {{"bounded": {{"because": "b"}}}}}}"#
-        )
-    };
-    assert!(refused(&format!("[{}, {}]", one("a"), one("a"))).ends_with("case id 'a': is there twice"));
-    assert!(refused(&format!("[{}]", one("A b"))).contains("must be of small letters"));
-    assert!(refused("[{}]").contains("not a list of cases: missing field"));
 }

@@ -1,7 +1,8 @@
 //! What must be refused, in words that name what is wrong.
 
+use crate::bench::Bench;
+use crate::case::Refusal;
 use crate::outcome::{Stopped, Tried};
-use crate::suite::Bench;
 use edof_golden::{ColourTable, Golden};
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use edof_optics::scene::Scene;
@@ -11,61 +12,6 @@ use edof_spec::network::{Form, Recurrence, Shrinkage};
 use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, Noise, RawFrame, Stride, Window};
 use edof_study::metrics::Quality;
 use ndarray::Array2;
-use serde::{Deserialize, Serialize};
-
-/// Something that cannot be right.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Refusal {
-    /// Weights and shifts whose sums may need more than 48 bits.
-    WideSums,
-    /// A shift beyond 47.
-    LongShift,
-    /// Fraction bits that would need a shift to the left.
-    NegativeShift,
-    /// A weight that its width does not hold.
-    WideWeight,
-    /// A negative threshold where shrinkage is two-sided.
-    NegativeThreshold,
-    /// Formats that differ in the difference form.
-    UnequalFractions,
-    /// A float weight that is no number.
-    WeightNoNumber,
-    /// An infinite threshold.
-    InfiniteThreshold,
-    /// One layer.
-    FewLayers,
-    /// Seven bits.
-    FewBits,
-    /// Headroom that is no number.
-    Headroom,
-    /// A sensor of seven bits.
-    SensorBits,
-    /// A value that the sensor's bits do not hold.
-    WideValue,
-    /// Noise of more than full scale.
-    MuchNoise,
-    /// A full scale of less than an electron.
-    LessThanAnElectron,
-    /// A camera with a number that is none.
-    CameraNoNumber,
-    /// Depth that is no number.
-    PsiNoNumber,
-    /// A scene's depth that is no number.
-    ScenePsiNoNumber,
-    /// A kernel that makes light.
-    KernelSum,
-    /// A kernel without a middle pixel.
-    KernelSide,
-    /// A table that is too short.
-    ShortTable,
-    /// A table's entry of more than 12 bits.
-    WideEntry,
-    /// Pictures of two sizes compared.
-    TwoSizes,
-    /// Pictures too small for a border.
-    SmallPicture,
-}
 
 /// Tries it; what comes back is the refusal, unless it was let pass.
 pub(crate) fn refusal(bench: &Bench, given: Refusal) -> Result<Tried, Stopped> {

@@ -1,9 +1,9 @@
 //! Frames of the least sizes, of one line, and of a hundred megapixels.
 
+use crate::bench::Bench;
 use crate::case::{Promise, Scene};
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::scenes;
-use crate::suite::Bench;
 use edof_deblur::{Directional, Malvar};
 use edof_golden::Golden;
 use edof_golden::frame::scalar_frame;

@@ -1,50 +1,16 @@
 //! The suite: cases run one after the other, each on all threads, and what they say together.
 
+use crate::bench::Bench;
 use crate::case::{Case, Trial};
 use crate::outcome::{Outcome, Stopped, Tried, judged};
-use crate::subjects::Subjects;
 use crate::{bounds, deblurring, frames, lenses, numbers, pursuits, refusals, sizes, solves, words};
-use edof_spec::{FixedNetwork, Network};
 use serde::Serialize;
 use std::any::Any;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-/// A trained network in both its forms.
-#[derive(Debug, Clone)]
-pub struct Trained {
-    /// What reports call it.
-    pub name: String,
-    /// The float network.
-    pub float: Network,
-    /// The integers made from it.
-    pub fixed: FixedNetwork,
-}
-
-/// What cases are run with.
-pub struct Bench {
-    /// The functions under trial.
-    pub subjects: Subjects,
-    /// The trained networks.
-    pub networks: Vec<Trained>,
-    /// Windows that bounds are tried on, for each network: random ones, and as many on a climb.
-    pub windows: usize,
-    methods: frames::Methods,
-}
-
 impl Bench {
-    /// For the product's functions.
-    #[must_use]
-    pub fn new(networks: Vec<Trained>, windows: usize) -> Self {
-        Self { subjects: Subjects::default(), networks, windows, methods: frames::Methods::default() }
-    }
-
-    /// The methods of whole frames, prepared when they are first asked for.
-    pub(crate) const fn methods(&self) -> &frames::Methods {
-        &self.methods
-    }
-
     /// Runs one case.
     #[must_use]
     pub fn run(&self, case: &Case) -> Outcome {

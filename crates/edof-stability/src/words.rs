@@ -4,10 +4,10 @@
 //! and a clamp. Words and counts of saturations must be the same, no sum may be larger than the bits of its accumulator allow, and
 //! the bounds against real numbers hold here too.
 
+use crate::bench::Bench;
 use crate::bounds::Compared;
 use crate::case::{Instead, Windows, WordNetwork, Words};
 use crate::outcome::{Seen, Stopped, Tried};
-use crate::suite::Bench;
 use edof_golden::{StageCounts, Trace};
 use edof_spec::draw::Draw;
 use edof_spec::fixed_network::{FixedMatrix, layer_names};

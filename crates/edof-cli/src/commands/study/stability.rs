@@ -5,8 +5,9 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
+use edof_stability::bench::{Bench, Trained};
 use edof_stability::case::{self, Case};
-use edof_stability::suite::{Bench, Suite, Trained};
+use edof_stability::suite::Suite;
 use std::path::PathBuf;
 
 /// Hard cases: what is promised on each, the worst that is seen, and whether it holds
