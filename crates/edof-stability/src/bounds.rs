@@ -68,7 +68,7 @@ impl Off {
     fn add(&mut self, off: f64, worst: f64, unit: f64) {
         let slack = SLACK * (worst + unit);
         let share = if worst > 0.0 { off / worst } else { 0.0 };
-        let beyond = !(off <= worst + slack);
+        let beyond = off.is_nan() || off > worst + slack;
         if share > self.share || (beyond && self.violations == 0) {
             (self.share, self.bits, self.bound) = (share, off / unit, worst / unit);
         }
