@@ -12,7 +12,7 @@
 //! | | `pursuits`, `solves` | dictionaries and systems that are nearly singular |
 //! | | `lenses`, `deblurring` | PSFs at the edge of what can be computed; deconvolution with little to go by |
 //! | | `numbers`, `refusals` | sums, tables and steps at the ends of numbers; what must be refused |
-//! | run | [`bench`] | what they are run with; `methods` prepares those that need no weights |
+//! | run | [`mod@bench`] | what they are run with; `methods` prepares those that need no weights |
 //! | | [`suite`] | all of them, one after the other; a panic is a broken promise |
 //! | tell | [`outcome`], [`report`] | what was seen against its limit; a card a case |
 //!
