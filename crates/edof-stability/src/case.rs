@@ -175,6 +175,13 @@ pub enum Trial {
     },
     /// A system of equations.
     Solve(System),
+    /// A map fitted for noise of one σ that meets noise of another.
+    Fitted {
+        /// σ that it is fitted for.
+        trained: f64,
+        /// σ that it meets.
+        met: f64,
+    },
     /// A lens's PSFs and blur.
     Lens(Lens),
     /// A plane, blurred and deconvolved.

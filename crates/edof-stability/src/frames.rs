@@ -17,7 +17,7 @@ use edof_io::doubt::{Doubt, doubts};
 use edof_optics::capture::{Approximation, Capture, capture};
 use edof_optics::sensor::{Sensor, expose};
 use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Tone};
+use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, Geometry, RawFrame, Reconstructor, Tone};
 use edof_study::picture::{png, sheet};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use rayon::prelude::*;
@@ -33,11 +33,17 @@ struct Shot {
     demosaiced: ColourFrame,
 }
 
-fn shot(frame: &Frame, camera: &Camera) -> Result<Shot, Stopped> {
+/// What the sensor gives of a case's scene behind a camera, and the scene without blur.
+pub(crate) fn raw(frame: &Frame, camera: &Camera) -> Result<(RawFrame, ColourFrame), Stopped> {
     let scene = scenes::layers(&frame.scene, frame.psi, SIZE.0, SIZE.1)?;
     let sensor = Sensor { depth: frame.depth, noise: frame.noise, seed: 1, ..Sensor::default() };
     let Capture { sharp, raw, .. } = capture(&scene, camera, &sensor, &Approximation::default())?;
     let raw = frame.defects.map_or_else(|| Ok(raw.clone()), |defects| scenes::broken(&raw, defects))?;
+    Ok((raw, sharp))
+}
+
+fn shot(frame: &Frame, camera: &Camera) -> Result<Shot, Stopped> {
+    let (raw, sharp) = raw(frame, camera)?;
     let demosaiced = Malvar::default().reconstruct(&raw)?.frame;
     // What is brighter than white is white on any screen.
     let sharp = ColourFrame { planes: sharp.planes.mapv(|v| v.clamp(0.0, 1.0)) };
@@ -54,7 +60,7 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
         let camera = frame.camera.as_deref().map_or_else(|| Ok(own.clone()), Camera::resolve)?;
         let shot = shot(frame, &camera)?;
         let compared = Compared::trained(bench.subjects, trained)?;
-        let found = compared.look(&windows(&compared, &shot.raw));
+        let found = compared.look(&windows(&trained.fixed, &shot.raw));
         tried.seen.extend(compared.seen(&trained.name, &found, true));
         let fixed = GoldenReconstructor::new(trained.fixed.clone(), format!("{}.fixed", trained.name))?;
         let float = FloatReconstructor::new(
@@ -102,8 +108,7 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
 }
 
 /// All windows of a frame, as input words.
-pub(crate) fn windows(compared: &Compared, raw: &RawFrame) -> Vec<i16> {
-    let network = compared.fast.network();
+pub(crate) fn windows(network: &FixedNetwork, raw: &RawFrame) -> Vec<i16> {
     let geometry = Geometry::new(network.form.window, network.stride);
     let (raw, _) = raw.to_rggb();
     let (rows, columns) = geometry.patches(raw.size().0, raw.size().1);

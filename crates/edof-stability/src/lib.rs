@@ -10,10 +10,12 @@
 //! | | `words` | networks of words whose sums and saturations are driven to their ends |
 //! | | `bounds` | a-priori bounds of error on random and climbing windows |
 //! | | `pursuits`, `solves` | dictionaries and systems that are nearly singular |
+//! | | `fitting` | maps that meet more noise than they were fitted for |
 //! | | `lenses`, `deblurring` | PSFs at the edge of what can be computed; deconvolution with little to go by |
 //! | | `numbers`, `refusals` | sums, tables and steps at the ends of numbers; what must be refused |
 //! | run | [`mod@bench`] | what they are run with; `methods` prepares those that need no weights |
 //! | | [`suite`] | all of them, one after the other; a panic is a broken promise |
+//! | elsewhere | [`inputs`] | its windows for any network, for the circuit |
 //! | tell | [`outcome`], [`report`] | what was seen against its limit; a card a case |
 //!
 //! ```
@@ -29,7 +31,9 @@ pub mod bench;
 mod bounds;
 pub mod case;
 mod deblurring;
+mod fitting;
 mod frames;
+pub mod inputs;
 mod lenses;
 mod methods;
 mod numbers;

@@ -7,7 +7,7 @@ use edof_study::report::{Figure, Layout, Report};
 use std::fmt::Write;
 
 /// Kinds of cases in the order in which tables tell them, and what each is about.
-const KINDS: [(&str, &str); 12] = [
+const KINDS: [(&str, &str); 13] = [
     ("frames", "Raw frames, every method"),
     ("phase", "Frames read with another phase"),
     ("sizes", "Sizes of frames"),
@@ -16,6 +16,7 @@ const KINDS: [(&str, &str); 12] = [
     ("pursuits", "Pursuits"),
     ("learning", "Learned dictionaries"),
     ("solves", "Systems of equations"),
+    ("fitting", "More noise than was trained for"),
     ("lenses", "Point spread functions and blur"),
     ("deblurring", "Deconvolution"),
     ("numbers", "Sums, tables, steps"),
@@ -32,10 +33,11 @@ const fn kind(trial: &Trial) -> &'static str {
         Trial::Pursuit { .. } => KINDS[5].0,
         Trial::Learning { .. } => KINDS[6].0,
         Trial::Solve(_) => KINDS[7].0,
-        Trial::Lens(_) => KINDS[8].0,
-        Trial::Deblur { .. } => KINDS[9].0,
-        Trial::Numbers(_) => KINDS[10].0,
-        Trial::Refusal(_) => KINDS[11].0,
+        Trial::Fitted { .. } => KINDS[8].0,
+        Trial::Lens(_) => KINDS[9].0,
+        Trial::Deblur { .. } => KINDS[10].0,
+        Trial::Numbers(_) => KINDS[11].0,
+        Trial::Refusal(_) => KINDS[12].0,
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::case::{Case, Trial};
 use crate::outcome::{Outcome, Stopped, Tried, judged};
-use crate::{bounds, deblurring, frames, lenses, numbers, pursuits, refusals, sizes, solves, words};
+use crate::{bounds, deblurring, fitting, frames, lenses, numbers, pursuits, refusals, sizes, solves, words};
 use serde::Serialize;
 use std::any::Any;
 use std::ops::ControlFlow;
@@ -34,6 +34,7 @@ impl Bench {
             }
             Trial::Learning { dictionary } => Ok(pursuits::learning(*dictionary, promise)),
             Trial::Solve(system) => solves::solve(&self.subjects, *system, promise),
+            Trial::Fitted { trained, met } => fitting::fitted(&self.subjects, *trained, *met, promise),
             Trial::Lens(lens) => lenses::lens(lens, promise),
             Trial::Deblur { picture, kernel, ratio, size } => {
                 deblurring::deblur(picture, *kernel, *ratio as f32, *size, promise)

@@ -8,6 +8,7 @@ use crate::bench::Bench;
 use crate::bounds::Compared;
 use crate::case::{Instead, Windows, WordNetwork, Words};
 use crate::outcome::{Seen, Stopped, Tried};
+use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
 use edof_spec::draw::Draw;
 use edof_spec::fixed_network::{FixedMatrix, layer_names};
@@ -29,11 +30,7 @@ pub(crate) fn words(bench: &Bench, given: &Words) -> Result<Tried, Stopped> {
     let network = network(bench, &given.network)?;
     network.check()?;
     let compared = Compared::words(bench.subjects, network.clone())?;
-    let windows = match given.windows {
-        Windows::Extreme => extreme(&network),
-        Windows::BySignsOfRows => by_signs(&network),
-        Windows::Climbing => climbing(&network, |windows| (bench.subjects.words)(&compared.fast, windows)),
-    };
+    let windows = windows(&compared.fast, bench.subjects.words, given.windows);
     let traces = (bench.subjects.words)(&compared.fast, &windows);
     let mut checked = Checked::new(&network);
     traces.iter().for_each(|trace| checked.add(&network, trace));
@@ -45,6 +42,15 @@ pub(crate) fn words(bench: &Bench, given: &Words) -> Result<Tried, Stopped> {
     let mut seen = checked.seen(name, traces.len());
     seen.extend(compared.seen(name, &found, true));
     Ok(Tried { saturations: found.saturations, ..Tried::of(seen) })
+}
+
+/// Windows of one kind for a network.
+pub(crate) fn windows(fast: &Fast, run: fn(&Fast, &[i16]) -> Vec<Trace>, kind: Windows) -> Vec<i16> {
+    match kind {
+        Windows::Extreme => extreme(fast.network()),
+        Windows::BySignsOfRows => by_signs(fast.network()),
+        Windows::Climbing => climbing(fast.network(), |windows| run(fast, windows)),
+    }
 }
 
 fn network(bench: &Bench, which: &WordNetwork) -> Result<FixedNetwork, Stopped> {
