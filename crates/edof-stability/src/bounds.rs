@@ -5,7 +5,7 @@
 //! further off; what is far off is a rounding of every sum in the same direction, so it is found by trying, not by following a slope.
 
 use crate::bench::{Bench, Trained};
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Seen, StageSeen, Stopped, Tried};
 use crate::subjects::Subjects;
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
@@ -249,27 +249,32 @@ impl Compared {
         let mut seen = vec![];
         let kinds =
             self.against.iter().map(|against| (format!("{name}.fixed"), against.what, &against.bounds));
-        let single = self.single.iter().map(|(_, bounds)| (format!("{name}.f32"), "float64", bounds));
+        let single = self.single.iter().map(|(_, bounds)| (format!("{name}.f32"), "f64", bounds));
         for ((subject, what, bounds), off) in kinds.chain(single).zip(&found.off) {
             for (index, (bound, off)) in bounds.iter().zip(off).enumerate() {
                 if only_last && index + 1 < bounds.len() {
                     continue;
                 }
-                let what = format!("{} off the {what}, of its bound", bound.name);
-                let mut one = Seen::new(&subject, what, off.share, 1.0 + SLACK);
-                one.held = off.violations == 0;
                 let summary = bound.summary();
-                let statistical = if summary.deviation_bits > 0.0 {
-                    let tail = (2.0 * (2.0 * found.windows as f64 * bound.worst.len() as f64).ln()).sqrt();
-                    format!(", statistical {:.3}", tail * summary.deviation_bits)
-                } else {
-                    String::new()
+                let tail = (2.0 * (2.0 * found.windows as f64 * bound.worst.len() as f64).ln()).sqrt();
+                let deviation = Some(summary.deviation_bits).filter(|bits| *bits > 0.0);
+                let stage = StageSeen {
+                    stage: bound.name.clone(),
+                    against: what,
+                    bound: off.bound,
+                    seen: off.bits,
+                    largest_bound: summary.worst_bits,
+                    furthest: off.most_bits,
+                    statistical: deviation.map(|bits| tail * bits),
+                    violations: off.violations,
+                    windows: found.windows,
                 };
-                let note = format!(
-                    "{:.3} of {:.3} last bits; most of any {:.3}, bound of any {:.3}{statistical}; {} violations",
-                    off.bits, off.bound, off.most_bits, summary.worst_bits, off.violations
-                );
-                seen.push(one.noted(note));
+                let note =
+                    format!("{:.3} of {:.3} last bits, {} violations", off.bits, off.bound, off.violations);
+                let what = format!("{} off the {what}, of its bound", bound.name);
+                let mut one = Seen::new(&subject, what, off.share, 1.0 + SLACK).noted(note);
+                (one.held, one.stage) = (off.violations == 0, Some(stage));
+                seen.push(one);
             }
         }
         seen
@@ -332,10 +337,8 @@ pub(crate) fn bounds(bench: &Bench, network: &str) -> Result<Tried, Stopped> {
     let found = random.merged(climbs);
     let mut seen = compared.seen(network, &found, false);
     if let Some(first) = seen.first_mut() {
-        first.note = format!(
-            "{} windows, {} values of the float network itself held to the end of a range; {}",
-            found.windows, found.clipped, first.note
-        );
+        let held = format!("{} values of the float network itself held to the end of a range", found.clipped);
+        first.note = format!("{}; {} windows, {held}", first.note, found.windows);
     }
     Ok(Tried { saturations, ..Tried::of(seen) })
 }

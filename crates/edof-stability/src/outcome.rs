@@ -19,14 +19,41 @@ pub struct Seen {
     /// Something to know, such as what was counted.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
+    /// Distances and bounds of one stage, where that is what was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<StageSeen>,
+}
+
+/// One stage of a network against a bound that was told before; distances in last bits of its results.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageSeen {
+    /// I, M1, M2, …, F.
+    pub stage: String,
+    /// What it is compared with.
+    pub against: &'static str,
+    /// The bound of that result which came nearest to its own.
+    pub bound: f64,
+    /// How far off it was.
+    pub seen: f64,
+    /// The largest bound of all results.
+    pub largest_bound: f64,
+    /// The furthest that any result was off.
+    pub furthest: f64,
+    /// What nothing should exceed if roundings were independent; none for `f32`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub statistical: Option<f64>,
+    /// Results beyond their bounds.
+    pub violations: u64,
+    /// Windows looked at.
+    pub windows: u64,
 }
 
 impl Seen {
     /// A measured value against its limit.
     #[must_use]
     pub fn new(subject: impl Into<String>, what: impl Into<String>, worst: f64, limit: f64) -> Self {
-        let note = String::new();
-        Self { subject: subject.into(), what: what.into(), worst, limit, held: worst <= limit, note }
+        let (subject, what) = (subject.into(), what.into());
+        Self { subject, what, worst, limit, held: worst <= limit, note: String::new(), stage: None }
     }
 
     /// Something that is so or not.

@@ -97,8 +97,12 @@ impl Suite {
         }
         let bounds = self.bounds();
         if !bounds.is_empty() {
-            let header = ["network", "against", "share of the bound", "what"];
-            let _ = write!(text, "\n## Every stage\n\n| {} |\n|---|---|---|---|\n", header.join(" | "));
+            let _ = write!(
+                text,
+                "\n## Every stage\n\nIn last bits of the stage's result. The ratio is that of the result which came nearest to its own bound.\n\n| {} |\n|{}\n",
+                STAGE_HEADER.join(" | "),
+                "---|".repeat(STAGE_HEADER.len())
+            );
             for row in bounds {
                 let _ = writeln!(text, "| {} |", row.join(" | "));
             }
@@ -118,9 +122,10 @@ impl Suite {
         if !bounds.is_empty() {
             report.heading("Bounds of error, stage by stage").paragraph(
                 "What no window exceeds, told before any was seen, and the worst found on random windows and on windows that climb \
-                 towards the bound.",
+                 towards the bound; in last bits of the stage's result. The ratio is that of the result which came nearest to its own \
+                 bound; the furthest is of any result.",
             );
-            report.table(&["network", "against", "share of the bound", "in last bits"], &bounds, &[]);
+            report.table(&STAGE_HEADER, &bounds, &[]);
         }
         for outcome in &self.cases {
             card(&mut report, outcome);
@@ -128,16 +133,43 @@ impl Suite {
         report
     }
 
-    /// Network, what is compared, share of the bound, distances.
+    /// A row for every stage of every network, as [`STAGE_HEADER`] has it.
     fn bounds(&self) -> Vec<Vec<String>> {
         let own = self.cases.iter().filter(|outcome| matches!(outcome.case.trial, Trial::Bounds { .. }));
-        let row = |seen: &Seen| {
-            vec![seen.subject.clone(), seen.what.clone(), format!("{:.3}", seen.worst), seen.note.clone()]
-        };
-        let mut rows: Vec<Vec<String>> = own.flat_map(|outcome| outcome.seen.iter().map(row)).collect();
-        rows.sort();
-        rows
+        let mut own: Vec<&Outcome> = own.collect();
+        own.sort_by(|a, b| a.case.id.cmp(&b.case.id));
+        own.into_iter().flat_map(|outcome| &outcome.seen).filter_map(stage_row).collect()
     }
+}
+
+const STAGE_HEADER: [&str; 10] = [
+    "network",
+    "against",
+    "stage",
+    "bound",
+    "seen",
+    "ratio",
+    "largest bound",
+    "furthest",
+    "statistical",
+    "violations",
+];
+
+fn stage_row(seen: &Seen) -> Option<Vec<String>> {
+    let stage = seen.stage.as_ref()?;
+    let bits = |value: f64| format!("{value:.2}");
+    Some(vec![
+        seen.subject.clone(),
+        stage.against.to_owned(),
+        stage.stage.clone(),
+        bits(stage.bound),
+        bits(stage.seen),
+        format!("{:.4}", seen.worst),
+        bits(stage.largest_bound),
+        bits(stage.furthest),
+        stage.statistical.map_or_else(|| "-".to_owned(), bits),
+        format!("{} in {} windows", stage.violations, stage.windows),
+    ])
 }
 
 fn used(outcome: &Outcome) -> String {

@@ -71,6 +71,8 @@ pub(crate) fn megapixels(bench: &Bench, count: usize, promise: &Promise) -> Resu
     let values = Array2::from_shape_fn(size, |(r, c)| ((r * 7919 + c * 104_729) % 4093) as u16);
     let raw = RawFrame::from_values(values, 12, CfaPhase::Rggb)?;
     let golden = Golden::new(trained.fixed.clone())?;
+    // The peak so far is that of other cases; where the system does not forget it, it only makes this one look worse.
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
     let before = memory("VmRSS:");
     let made = golden.frame(&raw)?;
     let (peak, pixels) = (memory("VmHWM:"), (size.0 * size.1) as f64);
