@@ -15,6 +15,7 @@
 //! | | `numbers`, `refusals` | sums, tables and steps at the ends of numbers; what must be refused |
 //! | run | [`mod@bench`] | what they are run with; `methods` prepares those that need no weights |
 //! | | [`suite`] | all of them, one after the other; a panic is a broken promise |
+//! | beside | [`bits`] | which layer's bits matter, and the fewest that do |
 //! | elsewhere | [`inputs`] | its windows for any network, for the circuit |
 //! | tell | [`outcome`], [`report`] | what was seen against its limit; a card a case |
 //!
@@ -28,6 +29,7 @@
 //! ```
 
 pub mod bench;
+pub mod bits;
 mod bounds;
 pub mod case;
 mod deblurring;

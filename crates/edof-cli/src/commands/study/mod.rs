@@ -1,5 +1,6 @@
 //! `edof study`: experiments on photographs.
 
+mod bits;
 mod blind;
 mod design;
 mod dictionary;
@@ -44,6 +45,7 @@ enum Experiment {
     Merge(merge::Args),
     Dictionary(dictionary::Args),
     Stability(stability::Args),
+    Bits(bits::Args),
 }
 
 /// # Errors
@@ -59,5 +61,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::Merge(args) => merge::run(args, ui),
         Experiment::Dictionary(args) => dictionary::run(args, ui),
         Experiment::Stability(args) => stability::run(args, ui),
+        Experiment::Bits(args) => bits::run(args, ui),
     }
 }
