@@ -403,6 +403,7 @@ const OPTIONS: [(&str, &[&str]); 23] = [
             "--net none",
         ],
     ),
+    ("study bits", &["--allowed -1", "--allowed nan", "--allowed x", "--nets none"]),
     (
         "study stability",
         &["--only none", "--windows 0", "--windows x", "--nets none", "--cases none", "--quick x"],
