@@ -54,8 +54,21 @@ pub fn with_stage_bits(fixed: &FixedNetwork, bits: &[u32]) -> Result<FixedNetwor
         network.code_fractions[stage] -= k;
         theta.mapv_inplace(|word| shifted(word, k));
     }
-    network.check()?;
-    Ok(network)
+    checked(network)
+}
+
+/// Codes of few bits are counted as if they filled their words, so F's sums may seem too wide beside R's fine products: R then gives up
+/// fraction bits until they are not, as it does when a network is quantized.
+fn checked(mut network: FixedNetwork) -> Result<FixedNetwork, StageBitsError> {
+    loop {
+        match (network.check(), &mut network.linear_path) {
+            (Err(FixedNetworkError::Overflow { what: "F", .. }), Some(r)) if r.fraction > 0 => {
+                r.fraction -= 1;
+                r.weights.mapv_inplace(|word| shifted(word, 1));
+            }
+            (checked, _) => return Ok(checked.map(|()| network)?),
+        }
+    }
 }
 
 /// Nearest, ties up.

@@ -39,7 +39,7 @@ pub struct StageSeen {
     pub largest_bound: f64,
     /// The furthest that any result was off.
     pub furthest: f64,
-    /// What nothing should exceed if roundings were independent; none for `f32`.
+    /// What nothing should exceed if roundings were independent and every code open, for rounding on the way alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub statistical: Option<f64>,
     /// Results beyond their bounds.
