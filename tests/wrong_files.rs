@@ -306,6 +306,7 @@ const OPTIONS: [(&str, &[&str]); 23] = [
             "--depths 0",
             "--depths 1001",
             "--psi 8:0",
+            "--psi 1m:2m",
             "--psi 8",
             "--tone x",
             "--noise -1",
