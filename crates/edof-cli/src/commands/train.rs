@@ -85,7 +85,7 @@ pub struct Args {
     #[arg(long, value_parser = ["linear", "srgb", "both"])]
     tone: Option<String>,
 
-    /// Largest noise σ of linear windows, in units of full scale; what has seen none loses 6 to 11 dB to σ 0.01
+    /// Largest noise σ of linear windows, in units of full scale; what has seen none loses 6 to 11 dB to σ 0.01 (docs/stability.md)
     #[arg(long)]
     noise: Option<f32>,
 
