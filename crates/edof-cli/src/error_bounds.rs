@@ -9,7 +9,7 @@ use edof_quantize::bounds::StageError;
 /// # Errors
 /// Standard output that cannot be written.
 pub fn tell(errors: &[StageError], ui: &Ui) -> Result<(), Error> {
-    ui.say("  no window is further off than this, in last bits of the stage's result:")?;
+    ui.say("  no window is further off than this, both held to the same ranges, in last bits of the stage's result:")?;
     ui.say("  stage  by rounding on the way  its deviation  by rounding of weights, too")?;
     for error in errors {
         let weights = error.weights.as_ref().map_or_else(|| "-".into(), |w| format!("{:.1}", w.worst_bits));

@@ -225,3 +225,31 @@ fn card(report: &mut Report, outcome: &Outcome) {
         report.paragraph(&format!("And {facts} things that are so or not, all of them so."));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::Bench;
+    use crate::case;
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn cards_come_nearest_to_their_limits_first_and_say_what_was_promised() {
+        let ids = ["gamma-index", "solve-twin-inputs", "bounds-drawn-8-8", "deblur-flat-black"];
+        let cases: Vec<_> =
+            case::own().unwrap().into_iter().filter(|case| ids.contains(&case.id.as_str())).collect();
+        let suite = Suite::run(&Bench::new(vec![], 200), &cases, |_, _| ControlFlow::Continue(())).unwrap();
+        let page = suite.report("edof study stability").to_html();
+        let place =
+            |id: &str| page.find(&format!("<h2>{id}: held")).unwrap_or_else(|| panic!("{id} in {page}"));
+        assert!(place("bounds-drawn-8-8") < place("deblur-flat-black"));
+        assert!(place("deblur-flat-black") < place("gamma-index"));
+        // A picture where there is one, and a row for each stage in words and in f32.
+        assert_eq!(page.matches("<figure>").count(), 1);
+        assert_eq!(page.matches("<td>words without rounding</td>").count(), 4);
+        assert!(page.contains("<dt>Promised</dt><dd>same, to a bound told before; formats and weights"));
+        let table = suite.to_markdown("edof study stability");
+        assert!(table.contains("## Deconvolution") && !table.contains("## What is refused"), "{table}");
+        assert!(table.contains("| drawn-8-8.f32 | f64 | M1 |"), "{table}");
+    }
+}
