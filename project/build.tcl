@@ -43,7 +43,7 @@ read_xdc [file join $here constraints kc705.xdc]
 read_xdc [file join $here constraints crossings.xdc]
 set_property PROCESSING_ORDER LATE [get_files [file join $here constraints crossings.xdc]]
 
-synth_design -top kc705_top -part $part -flatten_hierarchy rebuilt -verilog_define EDOF_DIR="$here/"
+synth_design -top kc705_top -part $part -flatten_hierarchy rebuilt -verilog_define EDOF_DIR="$here/" -verilog_define SYNTHESIS
 write_checkpoint -force [file join $out synthesised.dcp]
 report_utilization -hierarchical -file [file join $out synthesised_utilization.rpt]
 

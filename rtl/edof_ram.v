@@ -25,6 +25,16 @@ module edof_ram #(
     localparam BITS = $clog2(DEPTH);
     localparam IMAGE = {`EDOF_DIR, INIT};
 
+`ifndef SYNTHESIS
+    // Icarus would go on with unknown words; Verilator stops by itself.
+    integer image;
+    initial if (INIT != "") begin
+        image = $fopen(IMAGE, "r");
+        if (image == 0) $fatal(1, "%m: memory image %0s cannot be read", IMAGE);
+        $fclose(image);
+    end
+`endif
+
     reg [WIDTH-1:0] read_q;
     generate
         if (BLOCK != 0) begin : in_block

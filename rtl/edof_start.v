@@ -20,6 +20,16 @@ module edof_start #(
     reg [WIDTH-1:0] second_q;
     initial $readmemh(IMAGE, words);
 
+`ifndef SYNTHESIS
+    // Icarus would go on with unknown words; Verilator stops by itself.
+    integer image;
+    initial begin
+        image = $fopen(IMAGE, "r");
+        if (image == 0) $fatal(1, "%m: memory image %0s cannot be read", IMAGE);
+        $fclose(image);
+    end
+`endif
+
     always @(posedge clock_i) begin
         first_q <= words[0];
         second_q <= words[1];

@@ -27,6 +27,16 @@ module edof_table #(
     (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
     initial if (INIT != "") $readmemh(IMAGE, words);
 
+`ifndef SYNTHESIS
+    // Icarus would go on with unknown words; Verilator stops by itself.
+    integer image;
+    initial if (INIT != "") begin
+        image = $fopen(IMAGE, "r");
+        if (image == 0) $fatal(1, "%m: memory image %0s cannot be read", IMAGE);
+        $fclose(image);
+    end
+`endif
+
     reg [WIDTH-1:0] read_q;
     always @(posedge clock_i) read_q <= words[read_address_i[BITS-1:0]];
     always @(posedge clock_i) read_data_o <= read_q;

@@ -54,9 +54,11 @@ cargo test --workspace --lib --bins --tests --examples --locked --no-run
 # Circuits in simulation beside all else, whose programs come one after another. Programs are named of the whole workspace: for a
 # package alone cargo would choose other features and build everything again.
 others=(--lib --bins --examples)
-for program in tests/program.rs crates/*/tests/*.rs; do
-    [[ $program == crates/edof-cosim/* ]] || others+=(--test "$(basename "$program" .rs)")
-done
+programs=$(cargo metadata --no-deps --format-version 1 --locked | python3 -c '
+import json, sys
+targets = [target for package in json.load(sys.stdin)["packages"] for target in package["targets"]]
+print(*[target["name"] for target in targets if target["kind"] == ["test"] and target["name"] != "circuits"])')
+for program in $programs; do others+=(--test "$program"); done
 tests() { cargo test --workspace --no-fail-fast --locked "$@"; }
 beside "tests of circuits" tests --test circuits
 # Whoever runs this waits for minutes, and is told everything that failed.

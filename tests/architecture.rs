@@ -93,6 +93,24 @@ const CRATES: &[Row] = &[
         knows_nothing_of: &["edof-hdl"],
     },
     Row {
+        name: "edof-stability",
+        uses: &[
+            "edof-spec",
+            "edof-numerics",
+            "edof-sparse",
+            "edof-io",
+            "edof-optics",
+            "edof-deblur",
+            "edof-golden",
+            "edof-random",
+            "edof-train",
+            "edof-quantize",
+            "edof-study",
+        ],
+        tests_use: &[],
+        knows_nothing_of: &["edof-hdl"],
+    },
+    Row {
         name: "edof-cli",
         uses: &[
             "edof-spec",
@@ -107,6 +125,7 @@ const CRATES: &[Row] = &[
             "edof-train",
             "edof-quantize",
             "edof-study",
+            "edof-stability",
         ],
         tests_use: &[],
         knows_nothing_of: &[],

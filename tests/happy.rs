@@ -367,6 +367,63 @@ fn blind_deconvolution_is_tried_on_drawn_blurs() {
 }
 
 #[test]
+fn hard_cases_are_run_and_a_broken_promise_is_a_failure_that_names_them() {
+    let place = Place::new();
+    let run = place
+        .edof("study stability --only gamma-index,refuse-psi --report r.html --markdown m.md --json j.json")
+        .done();
+    assert!(run.out.contains("All 2 promises hold"), "{}", run.out);
+    let page = std::fs::read_to_string(place.path("r.html")).unwrap();
+    assert!(page.contains("gamma-index: held") && page.contains("<dt>Danger</dt>"), "{page}");
+    assert!(std::fs::read_to_string(place.path("m.md")).unwrap().contains("| `refuse-psi-nan` |"));
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("j.json")).unwrap()).unwrap();
+    assert_eq!((&json["broken"], json["cases"].as_array().unwrap().len()), (&0.into(), 2));
+
+    std::fs::create_dir(place.path("cases")).unwrap();
+    let case = |id: &str, error: f64| {
+        format!(
+            r#"{{"id": "{id}", "intent": "i", "danger": "d", "trial": {{"numbers": "gradient-in-single"}}, "promise": {{"same": {{"error": {error}, "because": "b"}}}}}}"#
+        )
+    };
+    place.write("cases/a.json", format!("[{}, {}]", case("fair", 1e-3), case("unfair", 1e-30)));
+    let run = place.edof("study stability --cases cases");
+    assert_eq!(run.code, Some(1), "{}", run.err);
+    assert!(run.err.contains("1 of 2 promises are broken: unfair."), "{}", run.err);
+    assert!(run.out.lines().next().unwrap().starts_with("BROKEN  beyond  unfair"), "{}", run.out);
+    place
+        .edof("study stability --only nothing-of-the-kind")
+        .refused(&["--only nothing-of-the-kind: no case"]);
+}
+
+#[test]
+fn bits_of_each_stage_are_told_and_the_fewest_that_lose_next_to_nothing() {
+    let place = Place::new();
+    place.fixed_network("net.fixed.safetensors");
+    let run = place
+        .edof("study bits --nets net.fixed.safetensors --report b.html --markdown b.md --json b.json")
+        .done();
+    assert!(
+        run.out.starts_with("small: I ") && run.out.contains(" dB together, of 0.02 allowed"),
+        "{}",
+        run.out
+    );
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("b.json")).unwrap()).unwrap();
+    let network = &json["networks"][0];
+    assert!(network["fewest_lost_db"].as_f64().unwrap() <= 0.02, "{network}");
+    // Three stages and all of them, from 5 to 16 bits.
+    assert_eq!(network["points"].as_array().unwrap().len(), 12 * 4);
+    assert!(
+        std::fs::read_to_string(place.path("b.md"))
+            .unwrap()
+            .contains("| 16 | 0.0000 | 0.0000 | 0.0000 | 0.0000 |")
+    );
+    assert!(std::fs::read_to_string(place.path("b.html")).unwrap().contains("<svg"));
+    place.edof("study bits --allowed nan").refused(&["--allowed NaN: must be 0 or more"]);
+}
+
+#[test]
 fn knobs_and_foldings_are_drawn_with_their_defaults_and_fronts() {
     let place = Place::new();
     place.float_network("net.safetensors");

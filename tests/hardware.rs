@@ -226,6 +226,34 @@ fn a_folder_without_the_calculator_is_refused() {
     place.edof("cosim --design tiny --random 5 --rtl empty").refused(&["empty/chain.v: has no port reset_i"]);
 }
 
+/// What is stable on paper is so in the circuit: windows of the suite's hard cases, every word and cycle.
+fn hard_cases_through_the_circuit(words: &str, patches: usize, least: u64) {
+    let place = Place::new();
+    let line =
+        format!("cosim --design tiny --cases {words} --patches {patches} --stalls 0.1 --json cosim.json");
+    let run = place.edof(&line).done();
+    assert!(run.out.contains("no difference"), "{}", run.out);
+    let json: Value = serde_json::from_slice(&std::fs::read(place.path("cosim.json")).unwrap()).unwrap();
+    assert!(json["patches"].as_u64().unwrap() >= least && json["differences"] == 0, "{json}");
+}
+
+#[test]
+fn hard_cases_of_each_kind_go_through_the_circuit_bit_for_bit() {
+    hard_cases_through_the_circuit(
+        "words-extreme,words-signs-of-rows,words-climbing,flat-white,noise-5-photons-read",
+        16,
+        60,
+    );
+    let place = Place::new();
+    place.edof("cosim --design tiny --cases nothing-like-it").refused(&["--cases nothing-like-it: no case"]);
+}
+
+#[test]
+#[ignore = "minutes: every frame and every network of words"]
+fn every_hard_case_goes_through_the_circuit_bit_for_bit() {
+    hard_cases_through_the_circuit("all", 192, 8000);
+}
+
 #[test]
 fn stalls_without_end_are_refused() {
     Place::new().edof("cosim --design tiny --stalls 1").refused(&["--stalls 1", "0 to 0.99"]);

@@ -13,6 +13,9 @@ fn ready() -> Place {
     place.float_network("net.safetensors");
     place.fixed_network("net.fixed.safetensors");
     place.write("camera.json", include_str!("../cameras/clear.json"));
+    let map = "{\"height_map\": {\"file\": \"mask.png\", \"white_um\": 0.8, \"cauchy\": [1.458, 0.00354]},";
+    place.write("masked.json", include_str!("../cameras/clear.json").replacen('{', map, 1));
+    place.raw("mask.png", 32, 32);
     place.write("design.json", include_str!("../designs/tiny.json"));
     std::os::unix::fs::symlink("raw.png", place.path("link.png")).unwrap();
     place
@@ -35,6 +38,7 @@ fn no_output_replaces_an_input() {
         format!("reconstruct raw.png {fixed} --out out.png --json raw.png"),
         format!("reconstruct raw.png {fixed} --out out.png --json net.fixed.safetensors"),
         format!("reconstruct raw.png {fixed} --out out.png --camera camera.json --json camera.json"),
+        format!("reconstruct raw.png {fixed} --out mask.png --camera masked.json"),
         "reconstruct raw.png --float --weights net.safetensors --out out.png --json net.safetensors"
             .to_owned(),
         "capture photo.png --psi 1 --out photo.png".to_owned(),

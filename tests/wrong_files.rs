@@ -4,7 +4,7 @@
 use crate::support::Place;
 
 /// Commands with a gap for the file that is wrong.
-const COMMANDS: [&str; 50] = [
+const COMMANDS: [&str; 53] = [
     "reconstruct {} --weights net.fixed.safetensors --out o.png",
     "reconstruct raw.png --weights {} --out o.png",
     "reconstruct raw.png --float --weights {} --out o.png",
@@ -33,6 +33,9 @@ const COMMANDS: [&str; 50] = [
     "study knobs --rows o --images {} --net net.safetensors",
     "study blind --images {}",
     "study design --weights {}",
+    "study bits --nets {}",
+    "study stability --only gamma-index --cases {}",
+    "study stability --only gamma-index --nets {}",
     "demo --net {} --out o",
     "demo --clear-net {} --out o",
     "estimate --design {}",
@@ -126,7 +129,7 @@ const CAPTURE: &str = "capture photo.png --no-measure --out o.png";
 const TRAIN: &str = "train --form two-sided,w8,t2,c8 --camera clear --images photos --photos all --out o";
 
 /// Commands and, for each of their options, values that it cannot have. What is refused as usage has exit status 2.
-const OPTIONS: [(&str, &[&str]); 21] = [
+const OPTIONS: [(&str, &[&str]); 23] = [
     (
         RECONSTRUCT,
         &[
@@ -303,6 +306,7 @@ const OPTIONS: [(&str, &[&str]); 21] = [
             "--depths 0",
             "--depths 1001",
             "--psi 8:0",
+            "--psi 1m:2m",
             "--psi 8",
             "--tone x",
             "--noise -1",
@@ -399,6 +403,11 @@ const OPTIONS: [(&str, &[&str]); 21] = [
             "--photos 99",
             "--net none",
         ],
+    ),
+    ("study bits", &["--allowed -1", "--allowed nan", "--allowed x", "--nets none"]),
+    (
+        "study stability",
+        &["--only none", "--windows 0", "--windows x", "--nets none", "--cases none", "--quick x"],
     ),
     (
         "study multi-depth",

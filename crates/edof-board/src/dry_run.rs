@@ -53,6 +53,10 @@ impl Line for Counted {
         self.board.baud()
     }
 
+    fn time(&self) -> Duration {
+        self.board.time()
+    }
+
     fn send(&mut self, bytes: &[u8]) -> std::io::Result<()> {
         self.turns += 1;
         self.board.send(bytes)

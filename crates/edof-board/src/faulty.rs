@@ -120,6 +120,10 @@ impl<B: Resettable> Line for Faulty<'_, B> {
         self.board.baud()
     }
 
+    fn time(&self) -> Duration {
+        self.board.time()
+    }
+
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         // All up to the fault at once: a line that is simulated bit by bit takes its time for each piece.
         let mut piece = vec![];

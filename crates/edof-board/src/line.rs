@@ -4,7 +4,7 @@ use crate::error::Error;
 use edof_spec::board::BAUD;
 use serialport::{ClearBuffer, SerialPort, SerialPortType};
 use std::io::{self, IsTerminal, Read, Write};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Bits on the line for a byte: start, eight, stop.
 pub const BITS_PER_BYTE: u32 = 10;
@@ -16,6 +16,9 @@ pub trait Line {
 
     /// Bits a second.
     fn baud(&self) -> u32;
+
+    /// Time on the line's own clock: the wall's, or a simulation's.
+    fn time(&self) -> Duration;
 
     /// Sends bytes.
     ///
@@ -45,6 +48,10 @@ impl<L: Line + ?Sized> Line for Box<L> {
         (**self).baud()
     }
 
+    fn time(&self) -> Duration {
+        (**self).time()
+    }
+
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         (**self).send(bytes)
     }
@@ -63,6 +70,10 @@ impl<L: Line + ?Sized> Line for &mut L {
         (**self).baud()
     }
 
+    fn time(&self) -> Duration {
+        (**self).time()
+    }
+
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         (**self).send(bytes)
     }
@@ -77,6 +88,7 @@ pub struct Serial {
     port: Box<dyn SerialPort>,
     name: String,
     baud: u32,
+    opened: Instant,
 }
 
 /// How long sending may take beyond the time that bytes are on the line.
@@ -95,7 +107,7 @@ impl Serial {
             None => failed(error),
         })?;
         port.clear(ClearBuffer::Input).map_err(failed)?;
-        Ok(Self { port, name: name.into(), baud })
+        Ok(Self { port, name: name.into(), baud, opened: Instant::now() })
     }
 }
 
@@ -119,6 +131,10 @@ impl Line for Serial {
 
     fn baud(&self) -> u32 {
         self.baud
+    }
+
+    fn time(&self) -> Duration {
+        self.opened.elapsed()
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {

@@ -27,10 +27,18 @@ const THROWN_AWAY: usize = 4096;
 /// How long an answer may take beyond its time on the line, where the user says nothing else.
 pub const PATIENCE: Duration = Duration::from_millis(250);
 
+/// How much longer than as fast as ever an answer may take: what simulates a circuit shares its machine with others.
+const SLACK: u32 = 4;
 /// A line, and what is known of the board's side.
 pub struct Link<L> {
     line: L,
     patience: Duration,
+    /// The shortest time that a byte took until now, there or back, with all that lay between question and answer.
+    byte: Option<Duration>,
+    /// Answers that did not come since the last one that did.
+    missed: u32,
+    /// How long the last answer was waited for at most.
+    waited: Duration,
     /// What `uart_broken` and `writes_refused` were last.
     counts: Option<Vec<u32>>,
     /// Frames that were sent again.
@@ -38,9 +46,10 @@ pub struct Link<L> {
 }
 
 impl<L: Line> Link<L> {
-    /// Over a line whose other end answers within `patience` and the time that bytes take.
+    /// Over a line whose other end answers within `patience` and the time that bytes take: on the line, or as they have been seen to take
+    /// where the other end is slower than its line, as a simulated circuit is.
     pub const fn new(line: L, patience: Duration) -> Self {
-        Self { line, patience, counts: None, repeats: 0 }
+        Self { line, patience, byte: None, missed: 0, waited: patience, counts: None, repeats: 0 }
     }
 
     /// What the line is called in messages.
@@ -62,18 +71,29 @@ impl<L: Line> Link<L> {
     fn exchange(&mut self, frames: &[u8], words: usize) -> Result<Option<Vec<u32>>, Error> {
         let failed = self.failed();
         self.throw_away(Duration::ZERO)?;
+        let begun = self.line.time();
         self.line.send(frames).map_err(&failed)?;
         let wanted = 4 * words;
-        let patience = self.patience + line_time(frames.len() + wanted, self.line.baud());
+        self.waited = self.patience + self.time_of(frames.len() + wanted);
         let mut bytes = Vec::with_capacity(wanted);
         while bytes.len() < wanted {
-            let some = self.line.receive(wanted - bytes.len(), patience).map_err(&failed)?;
+            let some = self.line.receive(wanted - bytes.len(), self.waited).map_err(&failed)?;
             if some.is_empty() {
+                self.missed += 1;
                 return Ok(None);
             }
             bytes.extend(some);
         }
+        let took = self.line.time().saturating_sub(begun) / (frames.len() + wanted).max(1) as u32;
+        self.byte = Some(self.byte.map_or(took, |byte| byte.min(took)));
+        self.missed = 0;
         Ok(Some(protocol::words(&bytes)))
+    }
+
+    /// How long so many bytes may take: twice as long after each answer that did not come.
+    fn time_of(&self, bytes: usize) -> Duration {
+        let seen = self.byte.unwrap_or_default() * bytes as u32 * SLACK;
+        line_time(bytes, self.line.baud()).max(seen) * (1 << self.missed.min(ATTEMPTS))
     }
 
     /// Throws away what comes, until nothing comes for so long.
@@ -93,7 +113,7 @@ impl<L: Line> Link<L> {
     pub fn settle(&mut self) -> Result<(), Error> {
         self.counts = None;
         self.repeats += 1;
-        self.throw_away(QUIET.max(self.patience))
+        self.throw_away(QUIET.max(self.waited))
     }
 
     /// Waits until the board has given up what another host may have begun.

@@ -6,6 +6,7 @@ use edof_optics::bank;
 use edof_optics::depth::psi_at;
 use edof_spec::Camera;
 use edof_spec::psf_bank::PsfBank;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// A camera and the files that it was read from.
@@ -80,11 +81,20 @@ impl std::str::FromStr for Depth {
     fn from_str(text: &str) -> Result<Self, String> {
         let depth = match text.strip_suffix('m') {
             Some(metres) => metres.parse().ok().filter(|m| *m > 0.0).map(Self::Metres),
-            None => text.parse().ok().map(Self::Psi),
+            None => text.parse().ok().filter(|psi: &f64| psi.is_finite()).map(Self::Psi),
         };
         depth.ok_or_else(|| {
             format!("depth '{text}': must be a psi such as 4, or a distance such as 1.5m or infm")
         })
+    }
+}
+
+impl fmt::Display for Depth {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Psi(psi) => write!(f, "{psi}"),
+            Self::Metres(metres) => write!(f, "{metres}m"),
+        }
     }
 }
 
@@ -98,7 +108,7 @@ impl Depth {
             (Self::Psi(psi), _) => Ok(psi),
             (Self::Metres(metres), Some(nominal)) => Ok(psi_at(camera, metres, nominal)),
             (Self::Metres(metres), None) => Err(Error::message(format!(
-                "depth {metres}m: camera {} does not know the distance at which psi is 0; give it by --nominal or as nominal_m in its file",
+                "depth {metres}m: camera {} does not know the distance at which psi is 0; give it as nominal_m in its file, or where a command has it by --nominal",
                 camera.name
             ))),
         }
@@ -123,6 +133,23 @@ impl std::str::FromStr for DepthRange {
     }
 }
 
+impl fmt::Display for DepthRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.near, self.far)
+    }
+}
+
+impl DepthRange {
+    /// Least and greatest ψ before a camera.
+    ///
+    /// # Errors
+    /// As [`Depth::psi`].
+    pub fn psi(self, camera: &Camera) -> Result<[f64; 2], Error> {
+        let (near, far) = (self.near.psi(camera)?, self.far.psi(camera)?);
+        Ok([near.min(far), near.max(far)])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,7 +160,7 @@ mod tests {
         assert_eq!("-0.5".parse(), Ok(Depth::Psi(-0.5)));
         assert_eq!("1.5m".parse(), Ok(Depth::Metres(1.5)));
         assert_eq!("infm".parse(), Ok(Depth::Metres(f64::INFINITY)));
-        for text in ["", "m", "-1m", "0m", "nanm", "near", "4 m"] {
+        for text in ["", "m", "-1m", "0m", "nanm", "nan", "inf", "near", "4 m"] {
             assert!(text.parse::<Depth>().unwrap_err().contains("must be a psi such as 4"), "{text}");
         }
         assert_eq!("8:0".parse(), Ok(DepthRange { near: Depth::Psi(8.0), far: Depth::Psi(0.0) }));
@@ -147,5 +174,9 @@ mod tests {
         camera.nominal_m = Some(10.0);
         assert!(Depth::Metres(10.0).psi(&camera).unwrap().abs() < 1e-12);
         assert!((Depth::Metres(3.1109).psi(&camera).unwrap() - 8.0).abs() < 1e-3);
+        let range: DepthRange = "3.1109m:infm".parse().unwrap();
+        assert_eq!(range.to_string(), "3.1109m:infm");
+        let [low, high] = range.psi(&camera).unwrap();
+        assert!(low < 0.0 && (high - 8.0).abs() < 1e-3, "{low} to {high}");
     }
 }

@@ -27,6 +27,7 @@ mod cosim_system;
 mod demo_board;
 mod designs;
 mod error;
+mod error_bounds;
 mod files;
 mod folder;
 mod form;

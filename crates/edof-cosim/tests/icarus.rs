@@ -4,6 +4,7 @@ use crate::support::{build, counter, images, machine, wide};
 use edof_cosim::verilator::Start;
 use edof_cosim::{Layout, Rows, Source, icarus};
 use std::path::Path;
+use std::process::Command;
 
 /// Random rows, after two cycles of reset, which is the first input.
 fn stimulus(source: &Source, cycles: usize, seed: u64) -> Rows {
@@ -68,6 +69,28 @@ fn a_missing_memory_image_stops_it() {
     let (source, dir) = (machine(), tempfile::tempdir().unwrap());
     let error = icarus::run(&source, &stimulus(&source, 5, 1), Some(dir.path())).unwrap_err().to_string();
     assert!(error.starts_with("simulation stopped: ") && error.contains("images/machine.hex"), "{error}");
+}
+
+/// As somebody's own bench has it, in which nobody of ours looks for images.
+#[test]
+fn each_memory_itself_says_that_its_image_is_missing() {
+    let place = tempfile::tempdir().unwrap();
+    let rtl = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rtl");
+    for memory in ["edof_ram", "edof_table", "edof_start"] {
+        let bench =
+            format!("module bench;\n{memory} #(.INIT(\"no.hex\")) dut (.clock_i(1'b0));\nendmodule\n");
+        std::fs::write(place.path().join("bench.v"), bench).unwrap();
+        let file = rtl.join(format!("{memory}.v"));
+        let mut compile = Command::new("iverilog");
+        compile.current_dir(place.path()).args(["-g2005", "-o", "bench.vvp", "bench.v"]).arg(file);
+        assert!(compile.status().unwrap().success());
+        let run = Command::new("vvp").current_dir(place.path()).args(["-n", "bench.vvp"]).output().unwrap();
+        let said = String::from_utf8(run.stdout).unwrap();
+        assert!(
+            !run.status.success() && said.contains("bench.dut: memory image ./no.hex cannot be read"),
+            "{said}"
+        );
+    }
 }
 
 #[test]

@@ -8,6 +8,8 @@
 //! | formats | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
 //! | round | [`rounding`] | weights rounded so that their errors hide in what they are multiplied with |
 //! | tune | [`mod@finetune`] | weights that have learned to live with few bits, by the gradient of [`simulated`] |
+//! | bound | [`mod@bounds`] | how far off any window can be, stage by stage, against real numbers ([`twin`]) |
+//! | leave out | [`stage_bits`] | fewer bits in single stages, and the fewest that lose no more than is allowed |
 //! | check | [`mod@evaluate`] | dB lost and saturations, against the float network in the board's own output format |
 //!
 //! Ranges are measured on the float network, so that integers hold every value seen, times a headroom. All layers share the
@@ -24,6 +26,7 @@
 //! # }
 //! ```
 
+pub mod bounds;
 pub mod calibration;
 pub mod capture;
 pub mod evaluate;
@@ -32,6 +35,8 @@ pub mod fold;
 pub mod formats;
 pub mod rounding;
 pub mod simulated;
+pub mod stage_bits;
+pub mod twin;
 
 pub use calibration::Calibration;
 pub use capture::capture;

@@ -265,10 +265,9 @@ impl Plot {
             let Some(best) = spots.min_by(|a, b| covered(a).total_cmp(&covered(b))) else { continue };
             let _ = writeln!(
                 svg,
-                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" textLength=\"{:.1}\" fill=\"{}\">{}</text>",
+                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" fill=\"{}\">{}</text>",
                 best.x[0],
                 best.y[1] - 3.0,
-                size[0],
                 colour(series, index),
                 escape(&series.label)
             );
@@ -600,7 +599,8 @@ mod tests {
             .lines()
             .filter(|line| line.contains("class=\"name\""))
             .map(|line| {
-                let [x, y, width] = ["x", "y", "textLength"].map(|name| number(line, &format!(" {name}")));
+                let [x, y] = ["x", "y"].map(|name| number(line, &format!(" {name}")));
+                let width = "method 0".len() as f64 * LETTER[0];
                 Area { x: [x, x + width], y: [y + 3.0 - LETTER[1], y + 3.0] }
             })
             .collect();

@@ -260,6 +260,10 @@ impl Line for Simulated {
         self.baud
     }
 
+    fn time(&self) -> Duration {
+        Duration::from_nanos(self.now)
+    }
+
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         bytes.iter().for_each(|byte| self.byte(*byte));
         Ok(())

@@ -132,7 +132,7 @@ fn what_does_not_fit_is_refused_before_a_word_is_written() {
     other_format.code_bits = 12;
     let other_hash = Design { name: "another".into(), ..design.clone() };
     for (design, wrong, words) in [
-        (&design, network(&other_window, 1), "form"),
+        (&design, network(&other_window, 1), "windows of 12x12"),
         (&design, other_format, "12 bits cannot hold"),
         (&other_hash, old.clone(), "that of --design another is"),
     ] {

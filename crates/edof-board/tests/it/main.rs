@@ -6,3 +6,4 @@ mod faults;
 mod loading;
 mod page;
 mod registers;
+mod slow;

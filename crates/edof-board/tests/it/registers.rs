@@ -95,6 +95,10 @@ impl Line for Parrot {
         BAUD
     }
 
+    fn time(&self) -> Duration {
+        Duration::ZERO
+    }
+
     fn send(&mut self, _: &[u8]) -> io::Result<()> {
         self.1.clone_from(&self.0);
         Ok(())

@@ -21,6 +21,8 @@ use edof_hdl::project::{self, Project};
 use edof_spec::design::memory::Set;
 use edof_spec::draw::Draw;
 use edof_spec::{Design, FixedNetwork, Noise};
+use edof_stability::case::{self, Case};
+use edof_stability::inputs;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -42,6 +44,7 @@ const WAVEFORM_CYCLES: u64 = 300;
 #[command(after_help = "Examples:
   edof cosim --design tiny --random 2000 --stalls 0.3
   edof cosim --design paper --weights paper-t4 --photo photo.png --patches 2000 --json result.json
+  edof cosim --design tiny --cases all --patches 40
   edof cosim --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 4 --noise 0.01
   edof cosim --design paper --weights paper-t4 --rtl build/paper/rtl
   edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml
@@ -72,6 +75,10 @@ pub struct Args {
     /// Use N drawn windows with extreme values in place of a picture
     #[arg(long, value_name = "N")]
     random: Option<usize>,
+
+    /// Use windows of the hard cases of edof study stability whose names hold one of these words, or of all; --patches of each at most
+    #[arg(long, value_delimiter = ',', value_name = "WORD,…|all", conflicts_with_all = ["random", "photo", "psi", "noise", "system"])]
+    cases: Vec<String>,
 
     /// Most patches of the picture that are run
     #[arg(long, default_value_t = 500, value_name = "N")]
@@ -182,9 +189,30 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
         };
         return Ok((0..count).map(patch).collect());
     }
+    if !args.cases.is_empty() {
+        return hard(args, network);
+    }
     let raw = args.shot().frame(network, ui)?;
     let windows = windows::of(network, &raw)?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
+}
+
+/// Windows of hard cases, through both sets of weights by turns.
+fn hard(args: &Args, network: &FixedNetwork) -> Result<Vec<Patch>, Error> {
+    let named = |case: &Case| args.cases.iter().any(|word| word == "all" || case.id.contains(word));
+    let mut patches = vec![];
+    for case in case::own()?.into_iter().filter(named) {
+        interrupt::check()?;
+        let windows = inputs::windows(&case, network, args.patches)
+            .map_err(|why| Error::message(format!("--cases {}: {why}", case.id)))?;
+        let set = |i: usize| if i.is_multiple_of(2) { Set::First } else { Set::Second };
+        patches.extend(windows.into_iter().enumerate().map(|(i, window)| Patch { set: set(i), window }));
+    }
+    if patches.is_empty() {
+        let words = args.cases.join(",");
+        return Err(Error::message(format!("--cases {words}: no case of such a name has windows")));
+    }
+    Ok(patches)
 }
 
 fn waveform_file(args: &Args, waveform: Waveform) -> PathBuf {

@@ -2,12 +2,14 @@
 
 use super::train::photographs;
 use crate::error::Error;
+use crate::error_bounds;
 use crate::files::Files;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_golden::Golden;
 use edof_optics::draw::{Builtin, draw};
+use edof_quantize::bounds::{self, StageError};
 use edof_quantize::capture::{self, depths};
 use edof_quantize::{
     Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, evaluate, finetune,
@@ -131,9 +133,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let golden = Golden::new(fixed)?;
     let evaluation = judge(&network, &golden, &options, &scenes)?;
     weight_file::save_fixed(&out, golden.network())?;
+    let errors = bounds::stage_errors(golden.network(), Some(&network));
     tell(ui, &layers, &evaluation)?;
+    error_bounds::tell(&errors, ui)?;
     ui.say(format!("{}: written", out.display()))?;
-    ui.json(&report(&args, &out, &layers, &evaluation, calibration.windows))
+    ui.json(&report(&args, &out, &layers, &errors, &evaluation, calibration.windows))
 }
 
 /// How the integers came to be.
@@ -249,7 +253,14 @@ fn summary(evaluation: &Evaluation) -> String {
     format!("{mean} on average over {} scenes{worst}", evaluation.scenes.len())
 }
 
-fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluation, windows: u64) -> Value {
+fn report(
+    args: &Args,
+    out: &Path,
+    layers: &[LayerReport],
+    errors: &[StageError],
+    evaluation: &Evaluation,
+    windows: u64,
+) -> Value {
     let patches = evaluation.counts.patches.max(1) as f64;
     let layers: Vec<Value> = layers
         .iter()
@@ -282,6 +293,7 @@ fn report(args: &Args, out: &Path, layers: &[LayerReport], evaluation: &Evaluati
         "finetune_steps": args.finetune,
         "calibration_windows": windows,
         "layers": layers,
+        "error_bounds": errors,
         "saturated_sums": evaluation.counts.saturated_sums,
         "mean_lost_db": evaluation.mean_lost_db(),
         "worst_lost_db": evaluation.worst().map(|w| w.lost_db()),

@@ -219,7 +219,9 @@ fn check_files(args: &Args, jobs: &[Job<'_>], ui: &Ui) -> Result<(), Error> {
     // Which default it is, the frame's record says.
     let networks =
         args.weights.as_deref().map_or(Tone::ALL.map(weights::default_for).to_vec(), |name| vec![name]);
-    let files = Files::new(ui).reads_all(networks.into_iter().filter_map(file)).reads_all(&args.camera);
+    let files = Files::new(ui).reads_all(networks.into_iter().filter_map(file));
+    let lens = args.camera.as_deref().map(|name| lens::resolve(name, None)).transpose()?;
+    let files = files.reads_all(lens.into_iter().flat_map(|lens| lens.files));
     let files = files.reads_all(&args.raw).reads_all(args.raw.iter().map(|raw| record::path_of(raw)));
     let mut files = files.may_write("--words", args.words.as_deref().map(words::file));
     for job in jobs {

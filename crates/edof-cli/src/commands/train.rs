@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::files::Files;
-use crate::lens::{self, Lens};
+use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::ui::Ui;
 use crate::{form, interrupt, memory, weights};
 use edof_io::photo;
@@ -76,16 +76,16 @@ pub struct Args {
     #[arg(long, default_value_t = 9)]
     depths: usize,
 
-    /// Range of ψ as LOW:HIGH, where it is not the camera's
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
-    psi: Option<[f64; 2]>,
+    /// Range of ψ, where it is not the camera's, as in 0:8; or distances as in 0.7m:3m before a camera that knows its nominal_m
+    #[arg(long, value_name = "LOW:HIGH", value_parser = depths, allow_hyphen_values = true)]
+    psi: Option<DepthRange>,
 
     /// What a photograph's values are: linear (the paper's: light itself), srgb (codes of light, noise as a sensor has it,
     /// errors measured on codes), or both, half of the windows each
     #[arg(long, value_parser = ["linear", "srgb", "both"])]
     tone: Option<String>,
 
-    /// Largest noise σ of linear windows, in units of full scale
+    /// Largest noise σ of linear windows, in units of full scale; what has seen none loses 6 to 11 dB to σ 0.01 (docs/stability.md)
     #[arg(long)]
     noise: Option<f32>,
 
@@ -198,7 +198,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(files).reads_all(args.from.as_deref().and_then(weights::float_file));
     let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
-    camera.psi_range = args.psi.unwrap_or(camera.psi_range);
+    camera.psi_range = args.psi.map_or(Ok(camera.psi_range), |range| range.psi(&camera))?;
     ui.used(Input::camera(&camera));
     from.iter().for_each(|from| ui.used(from.input.clone()));
     if let Some((_, file)) = seeds.iter().find(|(_, file)| file.exists() && !args.resume) {
@@ -581,6 +581,15 @@ fn range(text: &str) -> Result<[f64; 2], String> {
     ends.filter(|[low, high]| low <= high).ok_or_else(|| "expected LOW:HIGH, as in 0:8".to_owned())
 }
 
+/// A range of ψ from its lower end on, or of distances.
+fn depths(text: &str) -> Result<DepthRange, String> {
+    let depths: DepthRange = text.parse()?;
+    match (depths.near, depths.far) {
+        (Depth::Psi(_), Depth::Psi(_)) => range(text).map(|_| depths),
+        _ => Ok(depths),
+    }
+}
+
 fn checkpoint_file(args: &Args, seed: u64) -> PathBuf {
     let mut name = args.out.as_os_str().to_owned();
     if args.seed.len() > 1 {
@@ -619,7 +628,7 @@ fn command(args: &Args, r: &Recipe) -> String {
     let photos = args.photos.as_ref().map(|p| format!(" --photos {p}")).unwrap_or_default();
     let bank = args.psf_bank.as_deref().and_then(Path::file_name);
     let bank = bank.map(|file| format!(" --psf-bank {}", file.display())).unwrap_or_default();
-    let psi = args.psi.map(|[low, high]| format!(" --psi {low}:{high}")).unwrap_or_default();
+    let psi = args.psi.map(|range| format!(" --psi {range}")).unwrap_or_default();
     let budget = match &r.budget {
         Some(b) => format!("{} --budget-rate {}", joined(&b.non_zeros), b.rate),
         None => "none".to_owned(),
@@ -787,6 +796,7 @@ mod tests {
     #[test]
     fn a_range_has_two_ends_in_order() {
         assert_eq!(range("-4:4.5"), Ok([-4.0, 4.5]));
+        assert!(depths("0.7m:3m").is_ok() && depths("-4:4.5").is_ok() && depths("8:0").is_err());
         assert!(range("4").is_err() && range("8:0").is_err() && range("a:b").is_err());
     }
 }

@@ -1,10 +1,12 @@
 //! `edof weights`: what a weight file holds.
 
 use crate::error::Error;
+use crate::error_bounds;
 use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use crate::weights;
+use edof_quantize::bounds::{self, StageError};
 use edof_spec::fixed_network::{FixedMatrix, layer_names};
 use edof_spec::network::Origin;
 use edof_spec::number::OUTPUT_FRACTION;
@@ -82,6 +84,7 @@ struct Fixed {
     overlap: edof_spec::overlap::Overlap,
     float_sha256: String,
     layers: Vec<Layer>,
+    error_bounds: Vec<StageError>,
     #[serde(skip_serializing_if = "Option::is_none")]
     quantized: Option<edof_spec::fixed_network::Quantized>,
     origin: Origin,
@@ -114,6 +117,10 @@ fn float(name: &str) -> Result<Option<Float>, Error> {
 
 fn fixed(name: &str) -> Result<Option<Fixed>, Error> {
     let Some(network) = of_kind(weights::fixed(name))? else { return Ok(None) };
+    // Only the very float network that the words were made from says what they cost.
+    let float = of_kind(weights::float(name))?;
+    let own = |_: &Network| weights::float_input(name).is_ok_and(|input| input.sha256 == network.float_hash);
+    let float = float.filter(own);
     Ok(Some(Fixed {
         form: form::words(&network.form),
         sha256: weights::fixed_input(name)?.sha256,
@@ -122,6 +129,7 @@ fn fixed(name: &str) -> Result<Option<Fixed>, Error> {
         overlap: network.overlap,
         float_sha256: network.float_hash.clone(),
         layers: layers(&network),
+        error_bounds: bounds::stage_errors(&network, float.as_ref()),
         quantized: network.quantized,
         origin: network.origin,
     }))
@@ -239,6 +247,7 @@ fn tell_fixed(fixed: &Fixed, ui: &Ui) -> Result<(), Error> {
             l.accumulator_bits
         ))?;
     }
+    error_bounds::tell(&fixed.error_bounds, ui)?;
     let Some(quantized) = &fixed.quantized else { return Ok(()) };
     let seen = &quantized.calibration;
     ui.say(format!(

@@ -189,6 +189,10 @@ impl Line for VerilogBoard {
         self.speed.baud()
     }
 
+    fn time(&self) -> Duration {
+        Duration::from_secs_f64(self.seconds())
+    }
+
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.put(bytes);
         while !self.rig.host.terminal.is_done() {

@@ -1,5 +1,6 @@
 //! `edof study`: experiments on photographs.
 
+mod bits;
 mod blind;
 mod design;
 mod dictionary;
@@ -10,6 +11,7 @@ mod multi_depth;
 mod nets;
 mod options;
 mod single_depth;
+mod stability;
 
 use crate::error::Error;
 use crate::ui::Ui;
@@ -29,7 +31,8 @@ Examples:
   edof study kodak --tone srgb --nets edof-t4w12-outer --noise none,sensor,sensor:gain=8 --markdown study.md
   edof study kodak --nets my/net.safetensors --photos train --psi 8
   edof study single-depth --rows rows.jsonl --report speed.html
-  edof study multi-depth --report four-depths.html";
+  edof study multi-depth --report four-depths.html
+  edof study stability --report hard-cases.html";
 
 #[derive(Subcommand)]
 enum Experiment {
@@ -41,6 +44,8 @@ enum Experiment {
     Design(design::Args),
     Merge(merge::Args),
     Dictionary(dictionary::Args),
+    Stability(stability::Args),
+    Bits(bits::Args),
 }
 
 /// # Errors
@@ -55,5 +60,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::Design(args) => design::run(args, ui),
         Experiment::Merge(args) => merge::run(args, ui),
         Experiment::Dictionary(args) => dictionary::run(args, ui),
+        Experiment::Stability(args) => stability::run(args, ui),
+        Experiment::Bits(args) => bits::run(args, ui),
     }
 }

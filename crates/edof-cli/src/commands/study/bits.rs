@@ -1,0 +1,61 @@
+//! `edof study bits`: which layer's bits matter.
+
+use super::options::Outputs;
+use crate::error::Error;
+use crate::files::Files;
+use crate::interrupt;
+use crate::ui::Ui;
+use crate::weights;
+use edof_stability::bits;
+
+/// Which layer's bits matter: dB lost against the bits of one stage or of all, and the fewest that lose next to nothing
+///
+/// A stage of so many bits has weights that are multiples of a power of two, and results of as many bits fewer in the range that they had.
+/// Both run through the golden pipeline, on drawn scenes behind the network's own camera.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  edof study bits --report bits.html
+  edof study bits --nets edof-t4w12-outer --allowed 0.05 --json bits.json")]
+pub struct Args {
+    /// Fixed networks of the direct form [default: all that come with the program]
+    #[arg(long, value_delimiter = ',', value_name = "NET,…")]
+    nets: Vec<String>,
+
+    /// dB that the fewest bits may lose together
+    #[arg(long, default_value_t = 0.02, value_name = "DB")]
+    allowed: f64,
+
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// # Errors
+/// A network that cannot be read or judged, or Ctrl-C.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    if !(args.allowed.is_finite() && args.allowed >= 0.0) {
+        return Err(Error::message(format!("--allowed {}: must be 0 or more", args.allowed)));
+    }
+    let files = args.nets.iter().fold(Files::new(ui), |files, net| files.reads_all(weights::fixed_file(net)));
+    args.outputs.of(files).check()?;
+    let own: Vec<String> = weights::names().into_iter().map(str::to_owned).collect();
+    let names = if args.nets.is_empty() { own } else { args.nets.clone() };
+    let networks =
+        names.iter().map(|name| Ok((name, weights::fixed(name)?))).collect::<Result<Vec<_>, Error>>()?;
+    let progress = ui.progress(networks.len() as u64, "networks");
+    let mut all = vec![];
+    for (name, network) in networks {
+        interrupt::check()?;
+        ui.used(weights::fixed_input(name)?);
+        all.push(bits::of(&network.origin.name, &network, args.allowed)?);
+        progress.set(all.len() as u64);
+    }
+    drop(progress);
+    let command = ui.provenance().command;
+    let report = || Ok(bits::report(&all, &ui.signed(&command)));
+    args.outputs.write(|| bits::to_markdown(&all, &command), report, || edof_study::csv::of(&all))?;
+    for bits in &all {
+        ui.say(bits.verdict())?;
+    }
+    ui.json(&serde_json::json!({ "networks": all }))
+}

@@ -1,0 +1,110 @@
+//! `edof study stability`: hard cases, and whether what is promised on each holds.
+
+use super::options::{Outputs, unless_interrupted};
+use crate::error::Error;
+use crate::files::Files;
+use crate::ui::Ui;
+use crate::weights;
+use edof_stability::bench::{Bench, Trained};
+use edof_stability::case::{self, Case};
+use edof_stability::suite::Suite;
+use std::path::PathBuf;
+
+/// Hard cases: what is promised on each, the worst that is seen, and whether it holds
+///
+/// Cases are data: an intent, what could go wrong, what is run, and the promise: the same result to a stated error, a stated loss at
+/// most, or a refusal. Each runs through every method that it concerns, in f64, f32 and fixed point. A panic, a value that is no number, or
+/// a limit passed is a broken promise, and then the exit status is not 0.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  edof study stability --report hard-cases.html --markdown hard-cases.md
+  edof study stability --quick
+  edof study stability --only bounds- --windows 1000000 --json bounds.json
+  edof study stability --cases my/cases --nets my/net.safetensors")]
+pub struct Args {
+    /// Folder of case files (*.json) [default: the cases inside the program]
+    #[arg(long, value_name = "DIR")]
+    cases: Option<PathBuf>,
+
+    /// Cases whose names hold one of these words, alone
+    #[arg(long, value_delimiter = ',', value_name = "WORD,…")]
+    only: Vec<String>,
+
+    /// Without the cases that take more than moments
+    #[arg(long)]
+    quick: bool,
+
+    /// Networks, each with its integers [default: all that come with the program]
+    #[arg(long, value_delimiter = ',', value_name = "NET,…")]
+    nets: Vec<String>,
+
+    /// Random windows that bounds of error are tried on, for each network; about as many more climb towards the bound
+    #[arg(long, default_value_t = 20_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    windows: u32,
+
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// # Errors
+/// Cases or networks that cannot be read, no case of that name, a broken promise, or Ctrl-C.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let files = args.nets.iter().fold(Files::new(ui), |files, net| {
+        files.reads_all(weights::float_file(net)).reads_all(weights::fixed_file(net))
+    });
+    let files = args.cases.iter().fold(files, |files, folder| files.reads_pictures_of(folder));
+    args.outputs.of(files).check()?;
+    let cases = args.chosen()?;
+    let bench = Bench::new(args.networks(ui)?, args.windows as usize);
+    let progress = ui.progress(cases.len() as u64, "cases");
+    let suite = Suite::run(&bench, &cases, |done, next| {
+        progress.message(&next.id);
+        progress.set(done as u64);
+        unless_interrupted()
+    });
+    drop(progress);
+    let suite = suite.ok_or(Error::Interrupted)?;
+    let command = ui.provenance().command;
+    let rows: Vec<_> = suite.cases.iter().flat_map(|outcome| &outcome.seen).collect();
+    let report = || Ok(suite.report(&ui.signed(&command)));
+    args.outputs.write(|| suite.to_markdown(&command), report, || edof_study::csv::of(&rows))?;
+    ui.say(suite.to_text())?;
+    ui.json(&suite)?;
+    if suite.broken == 0 { Ok(()) } else { Err(Error::message(suite.verdict())) }
+}
+
+impl Args {
+    fn chosen(&self) -> Result<Vec<Case>, Error> {
+        let all = match &self.cases {
+            Some(folder) => case::of_folder(folder)?,
+            None => case::own()?,
+        };
+        let named = |case: &Case| self.only.is_empty() || self.only.iter().any(|word| case.id.contains(word));
+        let chosen: Vec<Case> =
+            all.into_iter().filter(|case| named(case) && !(self.quick && case.slow)).collect();
+        if chosen.is_empty() {
+            let (words, quick) = (self.only.join(","), if self.quick { " --quick" } else { "" });
+            return Err(Error::message(format!("--only {words}{quick}: no case of such a name")));
+        }
+        Ok(chosen)
+    }
+
+    fn networks(&self, ui: &Ui) -> Result<Vec<Trained>, Error> {
+        let all: Vec<String> = weights::names().into_iter().map(str::to_owned).collect();
+        let names = if self.nets.is_empty() { all } else { self.nets.clone() };
+        let trained = |name: String| {
+            let (float, fixed) = (weights::float(&name)?, weights::fixed(&name)?);
+            if weights::float_input(&name)?.sha256 != fixed.float_hash {
+                return Err(Error::message(format!(
+                    "--nets {name}: its integers were made of another float network"
+                )));
+            }
+            ui.used(weights::float_input(&name)?);
+            ui.used(weights::fixed_input(&name)?);
+            let name = float.origin.name.clone();
+            Ok(Trained { name, float, fixed })
+        };
+        names.into_iter().map(trained).collect()
+    }
+}

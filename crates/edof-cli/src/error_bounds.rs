@@ -1,0 +1,20 @@
+//! A-priori bounds of what integers cost, in a table.
+
+use crate::error::Error;
+use crate::ui::Ui;
+use edof_quantize::bounds::StageError;
+
+/// Tells the bounds of every stage, in units of its result's last bit.
+///
+/// # Errors
+/// Standard output that cannot be written.
+pub fn tell(errors: &[StageError], ui: &Ui) -> Result<(), Error> {
+    ui.say("  no window is further off than this, both held to the same ranges, in last bits of the stage's result:")?;
+    ui.say("  stage  by rounding on the way  its deviation  by rounding of weights, too")?;
+    for error in errors {
+        let weights = error.weights.as_ref().map_or_else(|| "-".into(), |w| format!("{:.1}", w.worst_bits));
+        let (worst, deviation) = (error.rounding.worst_bits, error.rounding.deviation_bits);
+        ui.say(format!("  {:5}  {worst:>22.1}  {deviation:>13.2}  {weights:>26}", error.stage))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,199 @@
+//! Which layer's bits matter: dB lost against the bits of one stage, of all, and the fewest that lose next to nothing.
+
+use edof_optics::draw::{Builtin, DrawError, draw};
+use edof_quantize::stage_bits::{LEAST, StageBitsError, fewest, mean_db, with_stage_bits};
+use edof_quantize::{Scene, capture};
+use edof_spec::fixed_network::layer_names;
+use edof_spec::{ColourFrame, FixedNetwork};
+use edof_study::metrics::{BORDER, psnr};
+use edof_study::plot::{Axis, Mark, Plot, Series};
+use edof_study::report::Report;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Drawn scenes, and their size.
+const SCENES: u64 = 2;
+const SIZE: (usize, usize) = (160, 240);
+/// Of their captures, at nine depths with and without noise, one in so many is judged.
+const EVERY: usize = 5;
+
+/// What bits are worth to one network.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Bits {
+    /// Its name.
+    pub network: String,
+    /// Stages: I, M1, …, F.
+    pub stages: Vec<String>,
+    /// One stage with fewer bits, and all of them.
+    pub points: Vec<Point>,
+    /// Bits of each stage that lose no more than was allowed together.
+    pub fewest: Vec<u32>,
+    /// dB that they lose.
+    pub fewest_lost_db: f64,
+    /// dB that were allowed.
+    pub allowed_db: f64,
+    /// Frames judged.
+    pub frames: usize,
+}
+
+/// One measurement.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// The stage that has fewer bits; none where all have.
+    pub stage: Option<String>,
+    /// Bits of its weights and results.
+    pub bits: u32,
+    /// dB below the network as it is.
+    pub lost_db: f64,
+}
+
+/// A network that cannot be judged.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum BitsError {
+    /// Drawn scenes.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
+    /// Scenes behind its camera.
+    #[error(transparent)]
+    Capture(#[from] edof_optics::capture::CaptureError),
+    /// Its bits.
+    #[error("net {network}: {source}")]
+    Bits { network: String, source: StageBitsError },
+}
+
+/// Measures one network on drawn scenes behind its own camera.
+///
+/// # Errors
+/// [`BitsError`]; networks of the difference form, whose codes share a format, among them.
+pub fn of(network: &str, fixed: &FixedNetwork, allowed_db: f64) -> Result<Bits, BitsError> {
+    let pictures: Vec<(String, ColourFrame)> = (0..SCENES)
+        .map(|seed| {
+            Ok((format!("leaves-{seed}"), draw(Builtin::Leaves, SIZE.0, SIZE.1, &[0.0], seed)?.sharp()))
+        })
+        .collect::<Result<_, DrawError>>()?;
+    let scenes: Vec<Scene<'_>> =
+        capture(&pictures, &fixed.origin, |_| ())?.into_iter().step_by(EVERY).collect();
+    let judge = |sharp: &ColourFrame, picture: &ColourFrame| psnr(sharp, picture, BORDER);
+    let db = |bits: &[u32]| -> Result<f64, StageBitsError> {
+        mean_db(with_stage_bits(fixed, bits)?, &scenes, judge)
+    };
+    let named = |source| BitsError::Bits { network: network.to_owned(), source };
+    let names = layer_names(fixed.form.layers).enumerate();
+    let stages: Vec<String> =
+        names.map(|(i, n)| if n == "M" { format!("M{i}") } else { n.to_owned() }).collect();
+    let all = vec![fixed.code_bits; stages.len()];
+    let whole = db(&all).map_err(named)?;
+    let mut points = vec![];
+    for bits in LEAST..=fixed.code_bits {
+        for (index, stage) in stages.iter().enumerate() {
+            let mut own = all.clone();
+            own[index] = bits;
+            let lost_db = whole - db(&own).map_err(named)?;
+            points.push(Point { stage: Some(stage.clone()), bits, lost_db });
+        }
+        let lost_db = whole - db(&vec![bits; stages.len()]).map_err(named)?;
+        points.push(Point { stage: None, bits, lost_db });
+    }
+    let (fewest, fewest_lost_db) = fewest(fixed.code_bits, stages.len(), allowed_db, db).map_err(named)?;
+    let frames = scenes.len();
+    Ok(Bits { network: network.to_owned(), stages, points, fewest, fewest_lost_db, allowed_db, frames })
+}
+
+impl Bits {
+    fn lost(&self, stage: Option<&str>, bits: u32) -> f64 {
+        let found = self.points.iter().find(|p| p.stage.as_deref() == stage && p.bits == bits);
+        found.map_or(f64::NAN, |point| point.lost_db)
+    }
+
+    fn most(&self) -> u32 {
+        self.points.iter().map(|point| point.bits).max().unwrap_or(0)
+    }
+
+    /// The fewest bits, in words.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let each: Vec<String> =
+            self.stages.iter().zip(&self.fewest).map(|(s, b)| format!("{s} {b}")).collect();
+        format!(
+            "{}: {} bits lose {:.4} dB together, of {} allowed ({} frames)",
+            self.network,
+            each.join(", "),
+            self.fewest_lost_db,
+            self.allowed_db,
+            self.frames
+        )
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        (LEAST..=self.most())
+            .rev()
+            .map(|bits| {
+                let each = self.stages.iter().map(|stage| self.lost(Some(stage), bits));
+                let losses = each.chain([self.lost(None, bits)]).map(|db| format!("{db:.4}"));
+                std::iter::once(bits.to_string()).chain(losses).collect()
+            })
+            .collect()
+    }
+
+    fn header(&self) -> Vec<String> {
+        let stages = self.stages.iter().map(|stage| format!("{stage} alone"));
+        std::iter::once("bits".to_owned()).chain(stages).chain(["all".to_owned()]).collect()
+    }
+
+    fn plot(&self) -> Plot {
+        let line = |label: &str, stage: Option<&str>| {
+            let points = (LEAST..=self.most()).map(|bits| [f64::from(bits), self.lost(stage, bits)]);
+            Series::new(label, Mark::Line, points)
+        };
+        let mut series: Vec<Series> = self.stages.iter().map(|stage| line(stage, Some(stage))).collect();
+        series.push(line("all", None));
+        Plot {
+            title: self.network.clone(),
+            x: Axis::linear("bits of weights and results"),
+            // Below a ten-thousandth of a dB rounding goes either way.
+            y: Axis::log("dB lost").from(1e-4),
+            series,
+        }
+    }
+}
+
+/// Tables of all networks.
+#[must_use]
+pub fn to_markdown(all: &[Bits], command: &str) -> String {
+    let mut text = format!("`{command}`: dB lost where a stage, or all, have fewer bits.\n");
+    for bits in all {
+        let header = bits.header();
+        let _ = write!(
+            text,
+            "\n{}.\n\n| {} |\n|{}\n",
+            bits.verdict(),
+            header.join(" | "),
+            "---|".repeat(header.len())
+        );
+        bits.rows().iter().for_each(|row| {
+            let _ = writeln!(text, "| {} |", row.join(" | "));
+        });
+    }
+    text
+}
+
+/// A page of all networks.
+#[must_use]
+pub fn report(all: &[Bits], command: &str) -> Report {
+    let mut report = Report::new("Which layer's bits matter");
+    all.iter().for_each(|bits| {
+        report.verdict(&bits.verdict());
+    });
+    report.paragraph(command).paragraph(
+        "Weights of a stage are multiples of a power of two, and its results have as many bits fewer, in the range that they had; F's \
+         results keep their 16. Drawn scenes behind each network's own camera.",
+    );
+    report.plots(&all.iter().map(Bits::plot).collect::<Vec<_>>());
+    for bits in all {
+        let header = bits.header();
+        let header: Vec<&str> = header.iter().map(String::as_str).collect();
+        report.heading(&bits.network).table(&header, &bits.rows(), &[]);
+    }
+    report
+}
