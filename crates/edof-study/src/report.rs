@@ -114,7 +114,10 @@ impl Report {
 
     /// Plots side by side, or below each other where there is no room; none is shown so small that its text cannot be read.
     pub fn plots(&mut self, plots: &[Plot]) -> &mut Self {
-        let each = |plot: &Plot| format!("<div class=\"plot\">{}</div>", plot.to_svg());
+        let each = |plot: &Plot| {
+            let least = READABLE * plot.size[0];
+            format!("<div class=\"plot\" style=\"--least:{least:.0}px\">{}</div>", plot.to_svg())
+        };
         self.add(&format!("<div class=\"plots\">{}</div>", plots.iter().map(each).collect::<String>()))
     }
 
@@ -147,6 +150,9 @@ impl Report {
         self
     }
 }
+
+/// The share of its size below which a plot's text is too small to be read.
+const READABLE: f64 = 0.9;
 
 const STYLE: &str = include_str!("report/style.css");
 const VIEWER: &str = include_str!("report/viewer.html");
