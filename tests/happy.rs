@@ -260,7 +260,15 @@ fn timeless(file: &std::path::Path) -> Vec<String> {
     let line = |line: &str| {
         let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
         let fields = row.as_object_mut().unwrap();
-        for time in ["seconds_per_megapixel", "cpu_seconds_per_megapixel", "prepare_seconds", "repetitions"] {
+        for time in [
+            "seconds_per_megapixel",
+            "cpu_seconds_per_megapixel",
+            "prepare_seconds",
+            "repetitions",
+            "peak_memory_bytes",
+            "seconds",
+            "cpu_seconds",
+        ] {
             fields.remove(time);
         }
         row.to_string()
@@ -323,6 +331,20 @@ fn scenes_at_four_depths_fill_the_papers_columns() {
     let json: serde_json::Value =
         serde_json::from_slice(&std::fs::read(place.path("j.json")).unwrap()).unwrap();
     assert_eq!(json["scenes"][0]["pictures"].as_array().unwrap().len(), 9);
+
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    place.edof(&format!("{line} --rows whole --markdown m.md")).done();
+    place.edof("study merge 2 1 --out merged --report merged.html --csv merged.csv").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    let [from_parts, from_one] =
+        ["merged.html", "r.html"].map(|f| std::fs::read_to_string(place.path(f)).unwrap());
+    assert_eq!(from_parts.matches("<figure>").count(), from_one.matches("<figure>").count());
+    let whole = std::fs::read_to_string(place.path("whole")).unwrap();
+    place.edof(&format!("{line} --rows whole")).done();
+    assert_eq!(std::fs::read_to_string(place.path("whole")).unwrap(), whole, "nothing is measured twice");
+    let wrong = place.edof(&format!("{line} --shard 1/2"));
+    assert!(wrong.code == Some(2) && wrong.err.contains("--rows"), "{}", wrong.err);
 }
 
 #[test]
@@ -333,7 +355,14 @@ fn blind_deconvolution_is_tried_on_drawn_blurs() {
     let run = place.edof("study blind --images photos --side 7 --csv rows.csv").done();
     assert!(run.out.contains("Over 3 blurred photographs: "), "{}", run.out);
     let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
-    assert!(csv.starts_with("image,blur,blurred_db,") && csv.lines().count() == 4, "{csv}");
+    assert!(csv.starts_with("image,blur,side,blurred_db,") && csv.lines().count() == 4, "{csv}");
+    let line = "study blind --images photos --side 7 --rows";
+    place.edof(&format!("{line} 1 --shard 1/2")).done();
+    place.edof(&format!("{line} 2 --shard 2/2")).done();
+    place.edof(&format!("{line} whole")).done();
+    let merged = place.edof("study merge 1 2 --out merged").done();
+    assert!(merged.out.contains("Over 3 blurred photographs: "), "{}", merged.out);
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
     place.edof("study blind --images photos --side 4").refused(&["--side 4: must be odd"]);
 }
 

@@ -79,6 +79,6 @@ until done_all; do sleep 0.5; done
 submit
 until done_all; do sleep 0.5; done
 [ -s "$here/parts/report.html" ] || { cat "$here"/parts/*.log >&2; fail "no report"; }
-timeless() { sed -E 's/"((cpu_)?seconds_per_megapixel|prepare_seconds|repetitions)":[^,]*,//g' "$1"; }
+timeless() { sed -E 's/"((cpu_)?seconds_per_megapixel|prepare_seconds|repetitions|peak_memory_bytes)":[^,]*,//g' "$1"; }
 cmp <(timeless "$here/parts/rows.jsonl") <(timeless "$here/whole.jsonl") || fail "the parts do not make the whole"
 echo "slurm.sh: $(wc -l < "$here/whole.jsonl") lines, the same from three killed and resumed parts as from one run"

@@ -6,11 +6,11 @@
 # The program: $EDOF, else target/release/edof. Options for sbatch: $SBATCH_OPTIONS (as in "--partition=long --time=8:00:00").
 set -euo pipefail
 fail() { echo "slurm/study.sh: $*" >&2; exit 1; }
-[ $# -ge 3 ] || fail "needs PARTS, DIR and a study: single-depth or knobs"
+[ $# -ge 3 ] || fail "needs PARTS, DIR and a study: single-depth, multi-depth, blind or knobs"
 parts=$1 folder=$2 study=$3
 shift 3
 [[ $parts =~ ^[1-9][0-9]*$ ]] || fail "PARTS '$parts': must be a number above 0"
-[[ $study =~ ^(single-depth|knobs)$ ]] || fail "study '$study': must be single-depth or knobs, whose rows can be shared out"
+[[ $study =~ ^(single-depth|multi-depth|blind|knobs)$ ]] || fail "study '$study': must be single-depth, multi-depth, blind or knobs, whose rows can be shared out"
 command -v sbatch > /dev/null || fail "no sbatch here: this is no node of a Slurm cluster"
 edof=${EDOF:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/target/release/edof}
 [ -x "$edof" ] || fail "$edof: not there; cargo build --release, or name it in EDOF"

@@ -69,6 +69,19 @@ pub struct Found {
     pub kernel: Array2<f32>,
     /// How often δ was halved, over all scales.
     pub halvings: usize,
+    /// Shrinkage steps, over all scales.
+    pub steps: usize,
+}
+
+/// A kernel, and what it took to find it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Odd sides, nowhere negative, sum 1.
+    pub kernel: Array2<f32>,
+    /// How often δ was halved, over all scales.
+    pub halvings: usize,
+    /// Shrinkage steps, over all scales.
+    pub steps: usize,
 }
 
 /// The smallest kernel side, at the coarsest scale.
@@ -85,18 +98,18 @@ const LEAST_ENTRY: f32 = 1e-3;
 /// Deconvolves a plane of 0…1 blind. Planes smaller than twice the kernel get a smaller one.
 #[must_use]
 pub fn deconvolve(plane: ArrayView2<'_, f32>, settings: &Settings) -> Found {
-    let (kernel, halvings) = estimate(plane, settings);
-    Found { picture: hyper_laplacian(plane, kernel.view(), settings.prior), kernel, halvings }
+    let Estimate { kernel, halvings, steps } = estimate(plane, settings);
+    Found { picture: hyper_laplacian(plane, kernel.view(), settings.prior), kernel, halvings, steps }
 }
 
-/// The kernel alone, odd sides, nowhere negative, sum 1; and how often δ was halved.
+/// The kernel alone.
 #[must_use]
-pub fn estimate(plane: ArrayView2<'_, f32>, settings: &Settings) -> (Array2<f32>, usize) {
+pub fn estimate(plane: ArrayView2<'_, f32>, settings: &Settings) -> Estimate {
     let (height, width) = plane.dim();
     let side = settings.side.min(height.min(width) / 2).max(COARSEST) | 1;
     let scales = scales(side);
     let mut kernel = first_kernel();
-    let mut halvings = 0;
+    let (mut halvings, mut steps) = (0, 0);
     let mut sharp: Option<[Array2<f32>; 2]> = None;
     for &(side, factor) in &scales {
         let size = [height, width].map(|n| ((n as f32 * factor).round() as usize).max(COARSEST));
@@ -112,8 +125,9 @@ pub fn estimate(plane: ArrayView2<'_, f32>, settings: &Settings) -> (Array2<f32>
         kernel = shifted(&kernel, shift);
         sharp = Some(scale.picture(shift));
         halvings += scale.halvings;
+        steps += scale.steps;
     }
-    (kernel, halvings)
+    Estimate { kernel, halvings, steps }
 }
 
 /// A kernel without entries below a share of its largest.
@@ -212,6 +226,7 @@ struct Scale {
     sharp_sum: f32,
     step: f32,
     halvings: usize,
+    steps: usize,
 }
 
 impl Scale {
@@ -239,7 +254,8 @@ impl Scale {
         }
         let sharp_sum = sum_of_sizes(&plane);
         let sharp = plan.forward(&plane);
-        Self { plan, size, side, seen: transformed, sharp, sharp_sum, step: settings.step, halvings: 0 }
+        let step = settings.step;
+        Self { plan, size, side, seen: transformed, sharp, sharp_sum, step, halvings: 0, steps: 0 }
     }
 
     /// ‖·‖₂² of the plane of a spectrum (Parseval).
@@ -294,6 +310,7 @@ impl Scale {
         plane.mapv_inplace(|v| Sample::new(shrink(v.re), shrink(v.im)));
         self.sharp_sum = sum_of_sizes(&plane);
         self.sharp = self.plan.forward(&plane);
+        self.steps += 1;
     }
 
     /// A turn of k: (XᵀX + ψ/2λ·diag(1/k))·k' = Xᵀy, one re-weighting, by conjugate gradients from k; then k' ≥ 0 and Σk' = 1. A
@@ -442,7 +459,7 @@ mod tests {
         let sharp = cards_of((160, 192));
         let kernel = disc(2.5);
         let seen = with_noise(&blurred(&sharp, &kernel), 0.001);
-        let (found, _) = estimate(seen.view(), &settings(25));
+        let found = estimate(seen.view(), &settings(25)).kernel;
         let like = likeness(found.view(), kernel.view());
         assert!(like > 0.8, "kernels differ, {like}");
     }
@@ -489,6 +506,7 @@ mod tests {
             sharp_sum: 0.0,
             step: 1.0,
             halvings: 0,
+            steps: 0,
             plan: Fourier::new(plane),
         };
         let lags = scale.lags(&correlation(&spectrum, &spectrum), 4);

@@ -43,6 +43,7 @@ impl Reconstructor for Directional {
             seconds: start.elapsed().as_secs_f64(),
             multiplications: None,
             counters: None,
+            iterations: None,
         })
     }
 }

@@ -81,7 +81,7 @@ impl Reconstructor for Malvar {
         let start = Instant::now();
         let frame = demosaic(raw);
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Reconstruction { frame, seconds, multiplications: None, counters: None })
+        Ok(Reconstruction { frame, seconds, multiplications: None, counters: None, iterations: None })
     }
 }
 

@@ -43,6 +43,7 @@ impl Reconstructor for GoldenReconstructor {
             seconds,
             multiplications: Some(out.counts.multiplications(self.golden.network())),
             counters: Some(out.counts.counters()),
+            iterations: None,
         })
     }
 }

@@ -15,6 +15,8 @@ pub struct Reconstruction {
     pub multiplications: Option<Multiplications>,
     /// What the method's counters say, where it has some.
     pub counters: Option<Counters>,
+    /// Steps of an iterative method, mean over patches or colours; a network has layers instead.
+    pub iterations: Option<f64>,
 }
 
 /// Counters of a fixed-point network for a whole frame.

@@ -6,7 +6,7 @@ use edof_quantize::{Scene, capture};
 use edof_spec::fixed_network::layer_names;
 use edof_spec::{ColourFrame, FixedNetwork};
 use edof_study::metrics::{BORDER, psnr};
-use edof_study::plot::{Axis, Mark, Plot, Series};
+use edof_study::plot::{Axis, Mark, Plot, Series, USUAL};
 use edof_study::report::Report;
 use serde::Serialize;
 use std::fmt::Write;
@@ -153,6 +153,7 @@ impl Bits {
             x: Axis::linear("bits of weights and results"),
             // Below a ten-thousandth of a dB rounding goes either way.
             y: Axis::log("dB lost").from(1e-4),
+            size: USUAL,
             series,
         }
     }

@@ -35,15 +35,21 @@ impl Deconvolution {
         Self::Known(Box::new(psfs.map(|psf| psf.kernel)), how)
     }
 
-    fn plane(&self, channel: usize, plane: ArrayView2<'_, f32>) -> Array2<f32> {
+    /// A plane deconvolved, and the steps that took where the method goes in steps.
+    fn plane(&self, channel: usize, plane: ArrayView2<'_, f32>) -> (Array2<f32>, Option<usize>) {
         match self {
-            Self::Blind(settings) => blind::deconvolve(plane, settings).picture,
+            Self::Blind(settings) => {
+                let found = blind::deconvolve(plane, settings);
+                (found.picture, Some(found.steps))
+            }
             Self::Known(kernels, how) => {
                 let kernel = kernels[channel].view();
                 match *how {
-                    Known::Wiener(ratio) => known::wiener(plane, kernel, ratio),
-                    Known::RichardsonLucy(steps) => known::richardson_lucy(plane, kernel, steps),
-                    Known::HyperLaplacian(prior) => hyper_laplacian(plane, kernel, prior),
+                    Known::Wiener(ratio) => (known::wiener(plane, kernel, ratio), None),
+                    Known::RichardsonLucy(steps) => {
+                        (known::richardson_lucy(plane, kernel, steps), Some(steps))
+                    }
+                    Known::HyperLaplacian(prior) => (hyper_laplacian(plane, kernel, prior), None),
                 }
             }
         }
@@ -73,11 +79,13 @@ impl Reconstructor for DeconvolutionReconstructor {
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let start = Instant::now();
         let mut done = Malvar::default().reconstruct(raw)?;
-        let planes: Vec<Array2<f32>> = (0..3)
+        let (planes, steps): (Vec<Array2<f32>>, Vec<Option<usize>>) = (0..3)
             .into_par_iter()
             .map(|channel| self.how.plane(channel, done.frame.planes.index_axis(Axis(0), channel)))
-            .collect();
+            .unzip();
         done.frame.planes.axis_iter_mut(Axis(0)).zip(&planes).for_each(|(mut to, plane)| to.assign(plane));
+        let steps: Option<usize> = steps.into_iter().sum();
+        done.iterations = steps.map(|sum| sum as f64 / 3.0);
         done.seconds = start.elapsed().as_secs_f64();
         Ok(done)
     }

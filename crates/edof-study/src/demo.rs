@@ -2,16 +2,13 @@
 //!
 //! Drawn scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
-use crate::metrics::{BORDER, MetricError, Quality, decibel, shown};
+use crate::metrics::MetricError;
 use crate::picture::{caption, sheet, stacked};
-use crate::tables::Table;
+use crate::pictures::{self, Names, Part, Picture, Truth};
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{
-    Camera, ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor, Tone,
-};
-use ndarray::Array2;
+use edof_spec::{Camera, ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -25,31 +22,6 @@ pub struct Lens<'a> {
     pub camera: Camera,
     /// Methods and what each is called in tables.
     pub methods: Vec<(String, &'a dyn Reconstructor)>,
-}
-
-/// A picture of the experiment and how near it comes to the truth.
-#[derive(Debug, Clone, Serialize)]
-pub struct Picture {
-    /// Which lens.
-    pub lens: String,
-    /// Its camera's name.
-    pub camera: String,
-    /// What was done.
-    pub treatment: String,
-    /// Name of the method.
-    pub method: String,
-    /// Quality of the picture as it is looked at.
-    #[serde(flatten)]
-    pub picture: Quality,
-    /// Quality of the light; the same where light is what is measured.
-    pub light: Quality,
-    /// PSNR of the picture where each depth is seen: pairs of ψ and dB.
-    pub psi_db: Vec<[f64; 2]>,
-    /// Seconds that the method took.
-    pub seconds: f64,
-    /// The light that the method saw.
-    #[serde(skip)]
-    pub frame: ColourFrame,
 }
 
 /// The whole experiment.
@@ -69,15 +41,18 @@ pub struct Demo {
     pub depth: u32,
     /// All pictures, lens by lens.
     pub pictures: Vec<Picture>,
+    /// The light that the method of each saw.
+    #[serde(skip)]
+    pub frames: Vec<ColourFrame>,
     /// Title of each lens, and what it is in a sentence.
     #[serde(skip)]
     pub lenses: Vec<(String, String)>,
     /// The scene without blur.
     #[serde(skip)]
     pub truth: ColourFrame,
-    /// ψ of each of its pixels.
+    /// A busy part of it at each depth.
     #[serde(skip)]
-    pub depths: Array2<f32>,
+    pub parts: Vec<Part>,
     /// What the sensor gave behind each lens.
     #[serde(skip)]
     pub raws: Vec<RawFrame>,
@@ -116,90 +91,33 @@ pub fn run(
     mut tell: impl FnMut(&str) -> ControlFlow<()>,
 ) -> Result<Demo, DemoError> {
     let truth = Truth::of(scene, tone);
-    let (mut pictures, mut raws) = (vec![], vec![]);
+    let (mut pictures, mut frames, mut raws) = (vec![], vec![], vec![]);
     for lens in lenses {
         let raw = capture(scene, &lens.camera, sensor, &Approximation::default())?.raw;
         for (treatment, method) in &lens.methods {
             if tell(&format!("{}: {}, {treatment}", scene.name, lens.title)).is_break() {
                 return Err(DemoError::Stopped);
             }
-            pictures.push(truth.judge(lens, treatment, method.name(), method.reconstruct(&raw)?)?);
+            let result = method.reconstruct(&raw)?;
+            let (camera, method) = (lens.camera.name.as_str(), method.name());
+            let names = Names { lens: &lens.title, camera, treatment, method };
+            pictures.push(truth.judge(names, &result.frame, result.seconds)?);
+            frames.push(result.frame);
         }
         raws.push(raw);
     }
     let ((height, width), scene) = (truth.light.size(), scene.name.clone());
     let (noise, depth) = (sensor.noise, sensor.depth);
     let lenses = lenses.iter().map(|lens| (lens.title.clone(), lens.about.clone())).collect();
-    let Truth { light: truth, depths, .. } = truth;
-    Ok(Demo { scene, height, width, noise, tone, depth, pictures, lenses, truth, depths, raws })
-}
-
-/// The scene without blur, as light and as it is looked at, and where each depth is seen.
-struct Truth {
-    light: ColourFrame,
-    shown: ColourFrame,
-    depths: Array2<f32>,
-    tone: Tone,
-}
-
-impl Truth {
-    fn of(scene: &Scene, tone: Tone) -> Self {
-        let light = scene.sharp();
-        Self { shown: shown(&light, tone), light, depths: scene.psi_map(), tone }
-    }
-
-    fn judge(
-        &self,
-        lens: &Lens<'_>,
-        treatment: &str,
-        method: &str,
-        result: Reconstruction,
-    ) -> Result<Picture, MetricError> {
-        let picture = shown(&result.frame, self.tone);
-        Ok(Picture {
-            lens: lens.title.clone(),
-            camera: lens.camera.name.clone(),
-            treatment: treatment.to_owned(),
-            method: method.to_owned(),
-            picture: Quality::of(&self.shown, &picture, BORDER)?,
-            light: Quality::of(&self.light, &result.frame, BORDER)?,
-            psi_db: psnr_by_depth(&self.shown, &picture, &self.depths),
-            seconds: result.seconds,
-            frame: result.frame,
-        })
-    }
-}
-
-/// PSNR over the pixels of each depth inside the border, ψ ascending.
-fn psnr_by_depth(truth: &ColourFrame, estimate: &ColourFrame, depths: &Array2<f32>) -> Vec<[f64; 2]> {
-    let (height, width) = truth.size();
-    let mut sums: Vec<(f32, f64, f64)> = vec![];
-    for row in BORDER..height - BORDER {
-        for column in BORDER..width - BORDER {
-            let psi = depths[(row, column)];
-            let error = |p| {
-                (f64::from(truth.planes[(p, row, column)]) - f64::from(estimate.planes[(p, row, column)]))
-                    .powi(2)
-            };
-            let square = error(0) + error(1) + error(2);
-            match sums.iter_mut().find(|s| s.0 == psi) {
-                Some(sum) => {
-                    sum.1 += square;
-                    sum.2 += 3.0;
-                }
-                None => sums.push((psi, square, 3.0)),
-            }
-        }
-    }
-    sums.sort_by(|a, b| a.0.total_cmp(&b.0));
-    sums.into_iter().map(|(psi, sum, count)| [f64::from(psi), decibel(sum / count)]).collect()
+    let (parts, truth) = (truth.parts(), truth.light);
+    Ok(Demo { scene, height, width, noise, tone, depth, pictures, frames, lenses, truth, parts, raws })
 }
 
 impl Demo {
     /// PSNRs for a terminal: of the picture, and of its light where that is measured beside it.
     #[must_use]
     pub fn to_text(&self) -> String {
-        self.table().to_text().trim_end().to_owned()
+        pictures::table(&self.pictures).to_text().trim_end().to_owned()
     }
 
     /// The scene's light and that of all pictures in one, three in a row, in the order of [`Demo::pictures`], each with its name below;
@@ -210,35 +128,10 @@ impl Demo {
             let words = caption(name, self.width, Tone::Srgb);
             stacked(&[frame.clone(), words], Tone::Srgb)
         };
-        let own = |p: &Picture| named(&p.frame, &format!("{}, {}", p.lens, p.treatment));
-        let all: Vec<ColourFrame> =
-            std::iter::once(named(&self.truth, "The scene")).chain(self.pictures.iter().map(own)).collect();
+        let own =
+            self.frames.iter().zip(&self.pictures).map(|(frame, picture)| named(frame, &picture.name()));
+        let all: Vec<ColourFrame> = std::iter::once(named(&self.truth, "The scene")).chain(own).collect();
         sheet(&all.chunks(3).map(<[_]>::to_vec).collect::<Vec<_>>(), 4)
-    }
-
-    /// PSNRs and SSIM of all pictures.
-    #[must_use]
-    pub fn table(&self) -> Table {
-        let mut header = vec!["PSNR in dB".to_owned(), "all".into()];
-        header.extend(self.psis().iter().map(|psi| format!("ψ = {psi:.1}")));
-        header.extend(["SSIM".to_owned(), "light".into(), "seconds".into()]);
-        let row = |p: &Picture| {
-            let mut cells = vec![format!("{}, {}", p.lens, p.treatment), format!("{:.2}", p.picture.psnr_db)];
-            cells.extend(p.psi_db.iter().map(|d| format!("{:.2}", d[1])));
-            cells.extend([
-                format!("{:.4}", p.picture.ssim),
-                format!("{:.2}", p.light.psnr_db),
-                format!("{:.3}", p.seconds),
-            ]);
-            cells
-        };
-        Table { header, rows: self.pictures.iter().map(row).collect() }
-    }
-
-    /// Depths of the scene, ascending.
-    #[must_use]
-    pub fn psis(&self) -> Vec<f64> {
-        self.pictures.first().map(|p| p.psi_db.iter().map(|d| d[0]).collect()).unwrap_or_default()
     }
 }
 
@@ -288,7 +181,7 @@ pub(crate) mod tests {
         assert_eq!(width, 3 * 128 + 16);
         assert!(height > 96 + 8 + 14, "{height}");
         assert_eq!(overview.crop(4, 4, 96, 128), demo.truth);
-        assert_eq!(overview.crop(4, 4 + 132, 96, 128), demo.pictures[0].frame);
+        assert_eq!(overview.crop(4, 4 + 132, 96, 128), demo.frames[0]);
         let below = overview.crop(4 + 96, 4 + 132, height - 104, 128);
         assert!(below.planes.iter().any(|v| *v < 0.05), "no ink");
     }

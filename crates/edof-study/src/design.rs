@@ -1,6 +1,6 @@
 //! What foldings of networks are worth: dB against cycles, multipliers and frames a second, and which of them nothing beats.
 
-use crate::plot::{Axis, Mark, Plot, Series};
+use crate::plot::{Axis, Mark, Plot, Series, USUAL};
 use crate::report::Report;
 use crate::tables::Table;
 use serde::Serialize;
@@ -134,6 +134,7 @@ impl Foldings {
             title: format!("dB against {label}: the front"),
             x: Axis::log(label),
             y: Axis::linear("PSNR (dB)"),
+            size: USUAL,
             series: self.networks().iter().map(series).collect(),
         }
     }
@@ -149,6 +150,7 @@ impl Foldings {
             title: "Frames a second against multipliers".into(),
             x: Axis::log("multipliers (DSP48E1)"),
             y: Axis::linear("frames a second").from(0.0),
+            size: USUAL,
             series: self.networks().iter().map(series).collect(),
         }
     }

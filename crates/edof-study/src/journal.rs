@@ -25,7 +25,7 @@ pub trait Line: Clone + PartialEq + Serialize + DeserializeOwned {
     /// What this one is of.
     fn key(&self) -> Self::Key;
 
-    /// The row without its times, which no two runs agree about.
+    /// The row without its times and its memory, which no two runs agree about.
     fn timeless(&self) -> Self;
 }
 
@@ -101,7 +101,8 @@ const MOST_BYTES: u64 = 256 << 20;
 /// The rows that there are, in their file.
 #[derive(Debug)]
 pub struct Journal<L: Line> {
-    path: PathBuf,
+    /// None: rows are kept in memory alone.
+    path: Option<PathBuf>,
     header: Header,
     /// Each row, and the line that holds it: one that is there stays as it is, to the last digit.
     rows: Vec<L>,
@@ -116,7 +117,7 @@ impl<L: Line> Journal<L> {
     /// # Errors
     /// [`JournalError`]: another file, or rows of another study.
     pub fn open(path: &Path, header: Header) -> Result<Self, JournalError> {
-        let mut journal = Self::begun(path, header);
+        let mut journal = Self::begun(Some(path.to_owned()), header);
         let Some(text) = read(path)?.filter(|text| !text.is_empty()) else { return Ok(journal) };
         let found: Header = parsed(path, 1, text.lines().next().unwrap_or_default())?;
         if found != journal.header {
@@ -137,7 +138,8 @@ impl<L: Line> Journal<L> {
         let mut machines: Vec<String> = vec![];
         for file in files {
             let header = Header::read(file)?;
-            let (all, first) = journal.get_or_insert_with(|| (Self::begun(path, header.clone()), file));
+            let (all, first) =
+                journal.get_or_insert_with(|| (Self::begun(Some(path.to_owned()), header.clone()), file));
             let alike = Header { machine: all.header.machine.clone(), ..header.clone() } == all.header;
             if !alike || !(any_machine || header.machine == all.header.machine) || header.study != L::STUDY {
                 let hint = if alike { "; --any-machine takes both, and says so" } else { "" };
@@ -157,8 +159,14 @@ impl<L: Line> Journal<L> {
         Ok(all)
     }
 
-    fn begun(path: &Path, header: Header) -> Self {
-        Self { path: path.to_owned(), header, rows: vec![], lines: vec![], places: BTreeMap::new() }
+    /// Rows without a file: what is measured lasts as long as the program.
+    #[must_use]
+    pub fn in_memory(header: Header) -> Self {
+        Self::begun(None, header)
+    }
+
+    fn begun(path: Option<PathBuf>, header: Header) -> Self {
+        Self { path, header, rows: vec![], lines: vec![], places: BTreeMap::new() }
     }
 
     /// Takes the rows of a file's text over.
@@ -225,9 +233,10 @@ impl<L: Line> Journal<L> {
     }
 
     fn write(&self) -> Result<(), JournalError> {
+        let Some(path) = &self.path else { return Ok(()) };
         let lines = std::iter::once(line(&self.header)).chain(self.lines.iter().cloned());
         let text: String = lines.map(|line| line + "\n").collect();
-        Ok(atomic::write(&self.path, text.as_bytes())?)
+        Ok(atomic::write(path, text.as_bytes())?)
     }
 }
 
@@ -252,6 +261,17 @@ fn parsed<T: DeserializeOwned>(path: &Path, line: usize, text: &str) -> Result<T
 
 fn line(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_else(|e| unreachable!("rows are plain data: {e}"))
+}
+
+/// How far a study is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Progress {
+    /// Rows done, those that were there included.
+    pub done: usize,
+    /// How many there will be.
+    pub of: usize,
+    /// What was measured last.
+    pub last: String,
 }
 
 /// A number that has its place among all others.

@@ -5,24 +5,29 @@
 
 use crate::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::dictionary::Dictionary;
-use crate::journal::{Journal, JournalError, Line, Ordered, Shard};
+use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Shard};
 use crate::kodak::{KodakError, sensor};
+use crate::method::Family;
 use crate::metrics::{BORDER, MetricError, Quality};
 use crate::photos::Photo;
-use crate::plot::{Axis, Mark, Plot, Series};
+use crate::plot::{Axis, Mark, Plot, Series, USUAL};
 use crate::pursuit::{Pursuit, PursuitReconstructor};
 use crate::report::Report;
-use crate::single_depth::timed;
 use crate::spec::{Case, FISTA_PENALTY, MethodSpec, PrepareError, wiener_ratio};
 use crate::tables::Table;
+use crate::timing::timed;
+use crate::told::{Told, ToldError};
 use edof_optics::capture::{Approximation, Capture, CaptureError, capture};
 use edof_optics::layers::{self, LayersError};
 use edof_optics::psf::{NoPsf, Settings, channel_psfs};
 use edof_optics::scene::Scene;
 use edof_spec::camera::Spectrum;
 use edof_spec::digest::sha256;
+use edof_spec::fixed_network::FixedMatrix;
+use edof_spec::overlap::Overlap;
 use edof_spec::provenance::Input;
 use edof_spec::{Camera, ColourFrame, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
+use edof_train::reconstruct::{FloatReconstructor, Output};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -45,6 +50,16 @@ pub enum Knob {
     Stride,
     /// Bits of a network's weights and codes.
     Bits,
+    /// Bits of the words of A and R, by themselves.
+    AnalysisBits,
+    /// Bits of the words of every S, by themselves.
+    RecurrentBits,
+    /// Bits of the words of D, by themselves.
+    DictionaryBits,
+    /// Sparse codes that may be other than 0 in a patch, after each shrinkage.
+    Budget,
+    /// T, of networks before training.
+    Layers,
     /// Atoms a patch of OMP, besides the colours' own.
     Atoms,
     /// Steps of FISTA.
@@ -70,12 +85,17 @@ impl std::str::FromStr for Knob {
 
 impl Knob {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 14] = [
         Self::KernelEnergy,
         Self::Wavelengths,
         Self::Depths,
         Self::Stride,
         Self::Bits,
+        Self::AnalysisBits,
+        Self::RecurrentBits,
+        Self::DictionaryBits,
+        Self::Budget,
+        Self::Layers,
         Self::Atoms,
         Self::Steps,
         Self::Window,
@@ -91,6 +111,11 @@ impl Knob {
             Self::Depths => "depths",
             Self::Stride => "stride",
             Self::Bits => "bits",
+            Self::AnalysisBits => "analysis-bits",
+            Self::RecurrentBits => "recurrent-bits",
+            Self::DictionaryBits => "dictionary-bits",
+            Self::Budget => "budget",
+            Self::Layers => "layers",
             Self::Atoms => "atoms",
             Self::Steps => "steps",
             Self::Window => "window",
@@ -107,6 +132,11 @@ impl Knob {
             Self::Depths => &[2.0, 4.0, 8.0, 16.0, 32.0],
             Self::Stride => &[8.0, 4.0, 2.0],
             Self::Bits => &[8.0, 9.0, 10.0, 12.0, 16.0],
+            Self::AnalysisBits | Self::RecurrentBits | Self::DictionaryBits => {
+                &[4.0, 6.0, 8.0, 10.0, 12.0, 16.0]
+            }
+            Self::Budget => &[8.0, 16.0, 32.0, 64.0, 96.0, 192.0],
+            Self::Layers => &[3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0],
             Self::Atoms => &[2.0, 4.0, 8.0, 16.0, 24.0],
             Self::Steps => &[3.0, 4.0, 6.0, 8.0, 10.0, 30.0, 100.0],
             Self::Window => &[8.0, 12.0, 16.0],
@@ -120,6 +150,9 @@ impl Knob {
             Self::KernelEnergy => Settings::default().energy,
             Self::Wavelengths => Settings::default().wavelength_tolerance,
             Self::Depths | Self::Bits | Self::Atoms => 16.0,
+            Self::AnalysisBits | Self::RecurrentBits | Self::DictionaryBits => 16.0,
+            Self::Budget => 192.0,
+            Self::Layers => 4.0,
             Self::Stride | Self::Window => 8.0,
             Self::Steps => 100.0,
             Self::NoiseClass => match noise {
@@ -152,6 +185,24 @@ impl Knob {
                 "Weights and codes of the fixed network, quantized for so many bits with nothing trained after. 16: what the board's multipliers take without \
                  costing more of them. Time is that of the software model, which does not depend on bits; what it saves is memory on the board."
             }
+            Self::AnalysisBits => {
+                "Words of A and of the linear path R of the fixed network rounded to so many bits, all else 16. 16: as for all words. Where the curve is flat the board's memory \
+                 holds bits that no picture needs."
+            }
+            Self::RecurrentBits => {
+                "Words of every S of the fixed network rounded to so many bits, all else 16. 16: as for all words. S is most of the network's memory."
+            }
+            Self::DictionaryBits => {
+                "Words of D of the fixed network rounded to so many bits, all else 16. 16: as for all words."
+            }
+            Self::Budget => {
+                "Sparse codes of a patch that may be other than 0 after each shrinkage of the float network, the largest; all others are dropped. 192: all, no budget. A board that \
+                 skips zeros takes cycles by the non-zeros of the busiest stage, so a budget bounds its time; here time is that of a program that skips nothing."
+            }
+            Self::Layers => {
+                "T of the paper's network before training, each colour's mean taken out: ISTA in the pursuits' dictionary, cut off. 4: what the board runs. Networks trained for \
+                 other T are not kept here; the curve says what a layer adds where training has not made up for it."
+            }
             Self::Atoms => {
                 "Atoms that orthogonal matching pursuit may use in a patch, ψ known. 16: chosen without noise (docs/decisions/0015-single-depth.md); with noise \
                  fewer may be better."
@@ -178,10 +229,27 @@ impl Knob {
             Self::Wavelengths => "share of the energy that may move",
             Self::Depths => "layers",
             Self::Stride | Self::Window => "pixels",
-            Self::Bits => "bits",
+            Self::Bits | Self::AnalysisBits | Self::RecurrentBits | Self::DictionaryBits => "bits",
+            Self::Budget => "non-zeros a patch",
+            Self::Layers => "layers",
             Self::Atoms => "atoms",
             Self::Steps => "steps",
             Self::NoiseClass => "σ prepared for",
+        }
+    }
+
+    /// Whether it takes bits from the words of one matrix.
+    const fn is_of_words(self) -> bool {
+        matches!(self, Self::AnalysisBits | Self::RecurrentBits | Self::DictionaryBits)
+    }
+
+    /// Numbers of bits that a plan's fixed networks must have for it.
+    #[must_use]
+    pub fn quantized_bits(self) -> Vec<u32> {
+        match self {
+            Self::Bits => self.values().iter().map(|&bits| bits as u32).collect(),
+            knob if knob.is_of_words() => vec![WORD_BITS],
+            _ => vec![],
         }
     }
 
@@ -190,6 +258,9 @@ impl Knob {
         matches!(self, Self::KernelEnergy | Self::Wavelengths | Self::Depths)
     }
 }
+
+/// Bits of a network's words where no knob takes any.
+const WORD_BITS: u32 = 16;
 
 /// What is measured.
 pub struct Plan {
@@ -203,7 +274,7 @@ pub struct Plan {
     pub network: Arc<Network>,
     /// SHA-256 of its file.
     pub network_sha256: String,
-    /// The same network in integers, for each of the knob's numbers of bits.
+    /// The same network in integers, for each number of [`Knob::quantized_bits`].
     pub fixed: Vec<FixedNetwork>,
     /// Atoms of pursuits.
     pub dictionary: Arc<Dictionary>,
@@ -311,7 +382,7 @@ pub fn run(
     plan: &Plan,
     photos: &[Photo],
     journal: &mut Journal<Row>,
-    mut tell: impl FnMut(usize, usize, &Row) -> ControlFlow<()>,
+    mut tell: impl FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<(), KnobsError> {
     let camera_sha256 = sha256(plan.camera.to_json().as_bytes());
     let mut cells: Vec<(Key, (usize, Row))> = vec![];
@@ -349,7 +420,8 @@ pub fn run(
             journal.push(row.clone())?;
         }
         done += 1;
-        if tell(done, of, &row).is_break() {
+        let last = format!("{} {} on {}", row.knob.name(), row.value, row.image);
+        if tell(Progress { done, of, last }).is_break() {
             return Err(KodakError::Stopped.into());
         }
     }
@@ -369,8 +441,9 @@ type Exacts = BTreeMap<(Knob, String), ColourFrame>;
 impl Plan {
     fn weights(&self, knob: Knob) -> Option<String> {
         match knob {
-            Knob::Stride | Knob::Bits => Some(self.network_sha256.clone()),
-            Knob::Atoms | Knob::Steps | Knob::Window => Some(self.dictionary.sha256.clone()),
+            Knob::Stride | Knob::Bits | Knob::Budget => Some(self.network_sha256.clone()),
+            knob if knob.is_of_words() => Some(self.network_sha256.clone()),
+            Knob::Layers | Knob::Atoms | Knob::Steps | Knob::Window => Some(self.dictionary.sha256.clone()),
             _ => None,
         }
     }
@@ -464,6 +537,17 @@ impl Plan {
         Ok((db, result.seconds))
     }
 
+    /// The network in so many bits.
+    fn in_bits(&self, bits: u32) -> &FixedNetwork {
+        let network = self.fixed.iter().find(|fixed| fixed.code_bits == bits);
+        network.unwrap_or_else(|| unreachable!("a plan has a network of every number of bits"))
+    }
+
+    fn fixed(&self, knob: Knob, network: FixedNetwork) -> MethodSpec {
+        let (network, sha256) = (Arc::new(network), self.network_sha256.clone());
+        MethodSpec::Fixed { network, name: knob.name().into(), sha256 }
+    }
+
     fn prepared(&self, knob: Knob, value: f64) -> Result<Box<dyn Reconstructor>, KnobsError> {
         let optics = Settings::default();
         let case = Case { camera: &self.camera, psi: self.psi, noise: self.noise, optics };
@@ -487,12 +571,31 @@ impl Plan {
                 let how = Known::Wiener(wiener_ratio(Noise::gaussian(value)));
                 Box::new(DeconvolutionReconstructor::new(knob.name().into(), Deconvolution::known(psfs, how)))
             }
-            Knob::Bits => {
-                let network = self.fixed.iter().find(|fixed| f64::from(fixed.code_bits) == value);
-                let network =
-                    network.unwrap_or_else(|| unreachable!("a plan has a network of every number of bits"));
-                let (network, sha256) = (Arc::new(network.clone()), self.network_sha256.clone());
-                MethodSpec::Fixed { network, name: knob.name().into(), sha256 }.prepare(&case)?
+            Knob::Bits => self.fixed(knob, self.in_bits(value as u32).clone()).prepare(&case)?,
+            Knob::AnalysisBits | Knob::RecurrentBits | Knob::DictionaryBits => {
+                let mut network = self.in_bits(WORD_BITS).clone();
+                let matrices: Vec<&mut FixedMatrix> = match knob {
+                    Knob::AnalysisBits => {
+                        std::iter::once(&mut network.analysis).chain(network.linear_path.as_mut()).collect()
+                    }
+                    Knob::RecurrentBits => network.recurrent.iter_mut().collect(),
+                    _ => vec![&mut network.dictionary],
+                };
+                matrices.into_iter().for_each(|matrix| keep_bits(matrix, value as u32));
+                self.fixed(knob, network).prepare(&case)?
+            }
+            Knob::Budget => {
+                let network = (*self.network).clone();
+                let name = network.origin.name.clone();
+                let float = FloatReconstructor::new(network, Stride::PATCH, Overlap::default(), Output::Rgb);
+                Box::new(
+                    float.map_err(|source| PrepareError::Float { net: name, source })?.within(value as usize),
+                )
+            }
+            Knob::Layers => {
+                let (dictionary, layers) = (Arc::clone(&self.dictionary), value as usize);
+                let family = Family::UntrainedDcRemoved;
+                MethodSpec::Untrained { family, layers, stride: Stride::PATCH, dictionary }.prepare(&case)?
             }
             _ => {
                 let (network, sha256) = (Arc::clone(&self.network), self.network_sha256.clone());
@@ -500,6 +603,16 @@ impl Plan {
             }
         })
     }
+}
+
+/// Rounds a matrix's words to their first `bits` bits.
+fn keep_bits(matrix: &mut FixedMatrix, bits: u32) {
+    let step = 1i32 << (WORD_BITS - bits);
+    let most = i32::from(i16::MAX) / step * step;
+    matrix.weights.mapv_inplace(|word| {
+        let rounded = (i32::from(word) + step / 2).div_euclid(step) * step;
+        rounded.min(most) as i16
+    });
 }
 
 /// The camera with a band in place of each line.
@@ -539,10 +652,10 @@ pub struct Knobs {
 
 const TITLE: &str = "What can be left out: speed against error";
 
-impl Knobs {
-    /// What rows say.
-    #[must_use]
-    pub fn new(rows: &[Row], machine: String) -> Self {
+impl Told for Knobs {
+    type Row = Row;
+
+    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
         let mut points: Vec<Point> = vec![];
         for row in rows {
             let same = |other: &&Row| other.knob == row.knob && other.value == row.value;
@@ -560,12 +673,10 @@ impl Knobs {
                 seconds_per_megapixel: mean(|row| row.seconds_per_megapixel),
             });
         }
-        Self { points, machine }
+        Ok(Self { points, machine })
     }
 
-    /// Tables for a terminal.
-    #[must_use]
-    pub fn to_text(&self) -> String {
+    fn to_text(&self) -> String {
         let mut text = String::new();
         for (knob, table) in self.tables() {
             let _ = write!(text, "{}\n{}\n", knob.name(), table.to_text());
@@ -573,9 +684,7 @@ impl Knobs {
         text.trim_end().to_owned()
     }
 
-    /// The same as a Markdown page; `command` tells how to make it again.
-    #[must_use]
-    pub fn to_markdown(&self, command: &str) -> String {
+    fn to_markdown(&self, command: &str) -> String {
         let mut page = format!("# {TITLE}\n\nMade by `{command}`.\n\n{}\n", self.explanation());
         for (knob, table) in self.tables() {
             let _ = write!(page, "\n## {}\n\n{}\n\n{}", knob.name(), knob.reason(), table.to_markdown());
@@ -583,9 +692,7 @@ impl Knobs {
         page
     }
 
-    /// A report with a curve for each knob.
-    #[must_use]
-    pub fn report(&self, command: &str) -> Report {
+    fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
         report.paragraph(&self.explanation()).paragraph(&format!("Made by `{command}`."));
         for (knob, table) in self.tables() {
@@ -594,7 +701,9 @@ impl Knobs {
         }
         report
     }
+}
 
+impl Knobs {
     fn explanation(&self) -> String {
         format!(
             "Each curve turns one knob and leaves all others where they stand; its default is marked, and the text says why it is there. Photographs' numbers are \
@@ -639,6 +748,7 @@ impl Knobs {
             title: format!("{}: {}", knob.name(), knob.unit()),
             x: Axis::log("seconds a megapixel"),
             y: Axis::linear("PSNR (dB)"),
+            size: USUAL,
             series: std::iter::once(curve).chain(each).collect(),
         }
     }
@@ -699,7 +809,7 @@ mod tests {
         let header = || Header::of::<Row>(false, "m".into());
         let mut journal = Journal::open(&path, header()).unwrap();
         let plan = plan(knobs, &edof_random::natural(8, 8, 7));
-        run(&plan, &[photo()], &mut journal, |_, _, _| ControlFlow::Continue(())).unwrap();
+        run(&plan, &[photo()], &mut journal, |_| ControlFlow::Continue(())).unwrap();
         // What was written is read again: nothing in it is no number.
         let keys = |journal: &Journal<Row>| journal.rows().iter().map(Line::key).collect::<Vec<_>>();
         assert_eq!(keys(&Journal::open(&path, header()).unwrap()), keys(&journal));
@@ -724,19 +834,31 @@ mod tests {
 
     #[test]
     fn every_knob_of_reconstruction_has_a_row_for_each_value_and_one_default() {
-        let knobs = [Knob::Stride, Knob::Atoms, Knob::Steps, Knob::Window, Knob::NoiseClass];
+        let knobs: Vec<Knob> =
+            Knob::ALL.into_iter().filter(|knob| !knob.is_of_capture() && *knob != Knob::Bits).collect();
         let rows = rows(&knobs);
-        for knob in knobs {
+        for &knob in &knobs {
             let own: Vec<&Row> = rows.iter().filter(|row| row.knob == knob).collect();
             assert_eq!(own.len(), knob.values().len());
             assert_eq!(own.iter().filter(|row| row.is_default).count(), 1, "{}", knob.name());
         }
-        let study = Knobs::new(&rows, "m".into());
+        let study = Knobs::new(&rows, "m".into()).unwrap();
         assert_eq!(study.points.len(), rows.len());
         let html = study.report("edof study knobs").to_html();
         // Where the pointer rests on the dot.
         assert_eq!(html.matches("<title>").count() - 1, rows.len());
         assert_eq!(html.matches("(default): ").count(), knobs.len());
+    }
+
+    #[test]
+    fn words_keep_their_first_bits_and_their_sign() {
+        let weights = ndarray::array![[0x7fff, 0x1234, -0x1234, -0x8000]];
+        let mut matrix = FixedMatrix { weights, fraction: 15 };
+        keep_bits(&mut matrix, 8);
+        assert_eq!(matrix.weights, ndarray::array![[0x7f00, 0x1200, -0x1200, -0x8000]]);
+        let before = matrix.clone();
+        keep_bits(&mut matrix, 16);
+        assert_eq!(matrix, before);
     }
 
     #[test]

@@ -1,18 +1,23 @@
 //! Blind deconvolution where the blur is known to whoever judges it: photographs blurred with drawn kernels, which the method has to
-//! find.
+//! find. Rows go to a [`Journal`] as those of other studies.
 
+use crate::cpu_time;
+use crate::journal::{Journal, JournalError, Line, Progress, Shard};
 use crate::metrics::{BORDER, MetricError, Quality};
 use crate::photos::Photo;
 use crate::report::Report;
 use crate::tables::Table;
-use edof_deblur::blind::{self, Settings};
+use crate::told::{Told, ToldError};
+use edof_deblur::blind::{self, Estimate, Settings};
 use edof_deblur::hyper_laplacian::hyper_laplacian;
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::Psf;
 use edof_spec::ColourFrame;
+use edof_spec::provenance::Input;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// A kernel and what it is called.
@@ -73,12 +78,14 @@ fn splatted(points: &[[f64; 2]]) -> Array2<f32> {
 }
 
 /// What the method made of one photograph and kernel.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The photograph.
     pub image: String,
     /// The kernel.
     pub blur: String,
+    /// Side in pixels of the kernel that was looked for.
+    pub side: usize,
     /// PSNR in dB of the blurred picture.
     pub blurred_db: f64,
     /// PSNR in dB of what the method made of it.
@@ -89,8 +96,88 @@ pub struct Row {
     pub correlation: f64,
     /// How often the method's step was halved.
     pub halvings: usize,
+    /// Shrinkage steps that the kernel took.
+    pub steps: usize,
     /// Wall-clock seconds a megapixel.
     pub seconds_per_megapixel: f64,
+    /// Seconds that all threads together were on a processor, a megapixel; none where the system does not tell.
+    pub cpu_seconds_per_megapixel: Option<f64>,
+    /// SHA-256 of the photograph's values.
+    pub photo_sha256: String,
+}
+
+/// What a row is of.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key {
+    side: usize,
+    image: String,
+    photo: String,
+    blur: String,
+}
+
+impl Line for Row {
+    const STUDY: &'static str = "blind";
+    const LAYOUT: u32 = 1;
+    type Key = Key;
+
+    fn key(&self) -> Key {
+        let Self { side, image, blur, photo_sha256, .. } = self;
+        Key { side: *side, image: image.clone(), photo: photo_sha256.clone(), blur: blur.clone() }
+    }
+
+    fn timeless(&self) -> Self {
+        Self { seconds_per_megapixel: 0.0, cpu_seconds_per_megapixel: None, ..self.clone() }
+    }
+}
+
+/// A study that cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum BlindError {
+    /// A photograph.
+    #[error(transparent)]
+    Small(#[from] TooSmall),
+    /// The file of rows.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The listener asked to stop.
+    #[error("stopped")]
+    Stopped,
+}
+
+/// Restores every photograph blurred with every drawn kernel where the journal does not hold the row yet; `tell` hears of every row and
+/// may stop the study.
+///
+/// # Errors
+/// [`BlindError`].
+pub fn run(
+    photos: &[Photo],
+    settings: &Settings,
+    shard: Shard,
+    journal: &mut Journal<Row>,
+    mut tell: impl FnMut(Progress) -> ControlFlow<()>,
+) -> Result<(), BlindError> {
+    let mut cells = vec![];
+    let blurs = drawn();
+    for photo in photos {
+        let sha256 = Input::photograph(&photo.name, &photo.frame).sha256;
+        for blur in &blurs {
+            let (image, blurred) = (photo.name.clone(), blur.name.to_owned());
+            let key = Key { side: settings.side, image, photo: sha256.clone(), blur: blurred };
+            cells.push((key, (photo, blur)));
+        }
+    }
+    let own = shard.own(cells);
+    let of = own.len();
+    for (done, (key, (photo, blur))) in own.into_iter().enumerate() {
+        if !journal.holds(&key) {
+            journal.push(restore(photo, key.photo, blur, settings)?)?;
+        }
+        let last = format!("{} of {}", blur.name, photo.name);
+        if tell(Progress { done: done + 1, of, last }).is_break() {
+            return Err(BlindError::Stopped);
+        }
+    }
+    Ok(journal.finish()?)
 }
 
 /// Values of a photograph's file are in steps of one 255th, and so are those of the blurred one.
@@ -109,17 +196,19 @@ pub struct TooSmall {
 ///
 /// # Errors
 /// [`TooSmall`].
-pub fn restore(photo: &Photo, blur: &Blur, settings: &Settings) -> Result<Row, TooSmall> {
+fn restore(photo: &Photo, photo_sha256: String, blur: &Blur, settings: &Settings) -> Result<Row, TooSmall> {
     let psfs = [blur.psf.clone(), blur.psf.clone(), blur.psf.clone()];
     let mut seen = blur_frame(&photo.frame, &psfs);
     seen.planes.mapv_inplace(|v| (v * STEPS).round().clamp(0.0, STEPS) / STEPS);
-    let start = Instant::now();
+    let (start, cpu_start) = (Instant::now(), cpu_time::seconds());
     let grey = seen.planes.mean_axis(Axis(0)).unwrap_or_else(|| unreachable!("three colours have a mean"));
-    let (kernel, halvings) = blind::estimate(grey.view(), settings);
+    let Estimate { kernel, halvings, steps } = blind::estimate(grey.view(), settings);
     let restored = deconvolved(&seen, kernel.view(), settings);
     let seconds = start.elapsed().as_secs_f64();
+    let cpu_seconds = cpu_time::seconds().zip(cpu_start).map(|(after, before)| after - before);
     let known = deconvolved(&seen, blur.psf.kernel.view(), settings);
     let (height, width) = seen.size();
+    let megapixels = (height * width) as f64 * 1e-6;
     let db = |frame: &ColourFrame| {
         let quality = Quality::of(&photo.frame, frame, BORDER);
         quality.map(|q| q.psnr_db).map_err(|source| TooSmall { image: photo.name.clone(), source })
@@ -130,12 +219,16 @@ pub fn restore(photo: &Photo, blur: &Blur, settings: &Settings) -> Result<Row, T
     Ok(Row {
         image: photo.name.clone(),
         blur: blur.name.into(),
+        side: settings.side,
         blurred_db: db(&seen)?,
         restored_db: db(&restored)?,
         known_db: db(&known)?,
         correlation,
         halvings,
-        seconds_per_megapixel: seconds / ((height * width) as f64 * 1e-6),
+        steps,
+        seconds_per_megapixel: seconds / megapixels,
+        cpu_seconds_per_megapixel: cpu_seconds.map(|seconds| seconds / megapixels),
+        photo_sha256,
     })
 }
 
@@ -154,58 +247,68 @@ pub struct KnownBlurs {
     pub mean_correlation: f64,
     /// The least.
     pub least_correlation: f64,
+    /// How many pictures have lost more than [`DIVERGED_DB`].
+    pub diverged: usize,
+    /// CPU and threads that times are of.
+    pub machine: String,
 }
+
+/// A picture that has lost more than this many dB has diverged.
+pub const DIVERGED_DB: f64 = 1.0;
 
 const TITLE: &str = "Blind deconvolution of drawn blurs";
 
-impl KnownBlurs {
-    /// What rows say.
-    #[must_use]
-    pub fn new(rows: Vec<Row>) -> Self {
+impl Told for KnownBlurs {
+    type Row = Row;
+
+    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
         let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
         let least = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::INFINITY, f64::min);
         let gain = |row: &Row| row.restored_db - row.blurred_db;
-        Self {
+        Ok(Self {
             mean_gain_db: mean(gain),
             mean_known_gain_db: mean(|row| row.known_db - row.blurred_db),
             least_gain_db: least(gain),
             mean_correlation: mean(|row| row.correlation),
             least_correlation: least(|row| row.correlation),
-            rows,
-        }
+            diverged: rows.iter().filter(|row| gain(row) < -DIVERGED_DB).count(),
+            rows: rows.to_vec(),
+            machine,
+        })
     }
 
-    /// A table and a line for a terminal.
-    #[must_use]
-    pub fn to_text(&self) -> String {
+    fn to_text(&self) -> String {
         format!("{}{}", self.table().to_text(), self.sentence())
     }
 
-    /// The same as a Markdown page; `command` tells how to make it again.
-    #[must_use]
-    pub fn to_markdown(&self, command: &str) -> String {
+    fn to_markdown(&self, command: &str) -> String {
         format!("# {TITLE}\n\nMade by `{command}`.\n\n{}\n\n{}", self.sentence(), self.table().to_markdown())
     }
 
-    /// The same as a report.
-    #[must_use]
-    pub fn report(&self, command: &str) -> Report {
+    fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
         report.verdict(&self.sentence()).paragraph(&format!("Made by `{command}`."));
         self.table().add_to(&mut report, &[]);
         report
     }
+}
 
+impl KnownBlurs {
     fn sentence(&self) -> String {
         format!(
             "Over {} blurred photographs: {:+.2} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
-             average, at least by {:.3}.",
+             average, at least by {:.3}. Lost more than {DIVERGED_DB} dB: {}. Seconds are wall-clock and of all threads together on {}.",
             self.rows.len(),
             self.mean_gain_db,
             self.mean_known_gain_db,
             self.least_gain_db,
             self.mean_correlation,
-            self.least_correlation
+            self.least_correlation,
+            match self.diverged {
+                0 => "none".to_owned(),
+                count => count.to_string(),
+            },
+            self.machine
         )
     }
 
@@ -218,12 +321,14 @@ impl KnownBlurs {
             "with the true kernel dB",
             "correlation",
             "seconds a megapixel",
+            "CPU seconds a megapixel",
         ];
         let row = |r: &Row| {
             let db = [r.blurred_db, r.restored_db, r.known_db].map(|v| format!("{v:.2}"));
             let mut cells = vec![r.image.clone(), r.blur.clone()];
             cells.extend(db);
             cells.extend([format!("{:.3}", r.correlation), format!("{:.1}", r.seconds_per_megapixel)]);
+            cells.push(r.cpu_seconds_per_megapixel.map_or_else(|| "–".to_owned(), |s| format!("{s:.1}")));
             cells
         };
         Table { header: header.map(str::to_owned).to_vec(), rows: self.rows.iter().map(row).collect() }
@@ -276,6 +381,7 @@ fn moved(frame: &ColourFrame, (rows, columns): (isize, isize)) -> ColourFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::journal::Header;
 
     /// Cards of many greys on top of each other.
     fn cards() -> Photo {
@@ -284,15 +390,59 @@ mod tests {
     }
 
     #[test]
-    fn a_drawn_blur_is_found_and_undone() {
+    fn a_drawn_blur_is_found_and_undone_and_no_row_is_measured_twice() {
         let settings = Settings { side: 15, ..Settings::default() };
-        let rows = drawn().map(|blur| restore(&cards(), &blur, &settings).unwrap()).to_vec();
-        for row in &rows {
+        let folder = tempfile::tempdir().unwrap();
+        let header = Header::of::<Row>(false, "a machine".into());
+        let go = |file: &str, shard: &str, most: usize| {
+            let mut journal = Journal::open(&folder.path().join(file), header.clone()).unwrap();
+            let mut told = 0;
+            let tell = |_| {
+                told += 1;
+                if told == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            match run(&[cards()], &settings, shard.parse().unwrap(), &mut journal, tell) {
+                Ok(()) | Err(BlindError::Stopped) => journal,
+                Err(error) => panic!("{error}"),
+            }
+        };
+        assert_eq!(go("parts", "1/2", 1).rows().len(), 1);
+        let first = std::fs::read_to_string(folder.path().join("parts")).unwrap();
+        go("parts", "1/2", usize::MAX);
+        let journal = go("parts", "1/1", usize::MAX);
+        let last = std::fs::read_to_string(folder.path().join("parts")).unwrap();
+        assert!(first.lines().all(|line| last.lines().any(|l| l == line)), "what is there stays");
+        let rows = journal.rows();
+        assert_eq!(rows.iter().map(|row| row.blur.as_str()).collect::<Vec<_>>(), ["bow", "disc", "stroke"]);
+        for row in rows {
             assert!(row.known_db > row.blurred_db + 2.0, "the kernel is the blur's own: {row:?}");
         }
-        let study = KnownBlurs::new(rows);
+        let study = KnownBlurs::new(rows, "a machine".into()).unwrap();
         assert!(study.mean_gain_db > 1.0 && study.mean_correlation > 0.7, "{}", study.to_text());
         assert!(study.to_markdown("edof study blind").contains("| leaves | bow | "));
+    }
+
+    #[test]
+    fn what_has_diverged_is_counted() {
+        let row = |restored_db| Row {
+            image: "a".into(),
+            blur: "bow".into(),
+            side: 15,
+            blurred_db: 25.0,
+            restored_db,
+            known_db: 30.0,
+            correlation: 0.9,
+            halvings: 0,
+            steps: 1,
+            seconds_per_megapixel: 1.0,
+            cpu_seconds_per_megapixel: None,
+            photo_sha256: String::new(),
+        };
+        let told = |db: &[f64]| {
+            KnownBlurs::new(&db.iter().map(|&db| row(db)).collect::<Vec<_>>(), "m".into()).unwrap().to_text()
+        };
+        assert!(told(&[24.5, 26.0]).contains("Lost more than 1 dB: none."), "{}", told(&[24.5, 26.0]));
+        assert!(told(&[23.5, 26.0]).contains("Lost more than 1 dB: 1."));
     }
 
     #[test]

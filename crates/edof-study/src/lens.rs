@@ -1,7 +1,7 @@
 //! Figures of a camera's optics: MTF at several depths, contrast through focus (the paper's Figure 1), and a sheet of PSFs.
 
 use crate::picture::{caption, enlarged, psf_picture, sheet, stacked};
-use crate::plot::{Axis, Mark, Plot, Series, sequential};
+use crate::plot::{Axis, Mark, Plot, Series, USUAL, sequential};
 use edof_optics::bank;
 use edof_optics::depth::distance_m;
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, through_focus};
@@ -47,6 +47,7 @@ pub fn mtf_plot(camera: &Camera, psis: &[f64]) -> Result<Plot, NoPsf> {
         title: format!("Response to spatial frequency, green: {}", camera.name),
         x: Axis::linear("frequency / cut-off").from(0.0).to(1.0),
         y: Axis::linear("contrast").to(1.0),
+        size: USUAL,
         series: series.collect::<Result<_, NoPsf>>()?,
     })
 }
@@ -76,6 +77,7 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         title: format!("Contrast at a quarter of the cut-off: {}", camera.name),
         x: Axis::linear("ψ (radians)").from(low).to(high),
         y: Axis::linear("contrast").from(0.0),
+        size: USUAL,
         series,
     })
 }

@@ -15,6 +15,8 @@
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
 //! | | [`cpu_time`] | what a run costs whatever else the machine does |
+//! | | [`memory`] | the most memory that a run held |
+//! | | [`told`] | what a file of rows says, whatever study it is of |
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
 //! | | [`knobs`] | what can be left out: a curve for each knob |
@@ -23,6 +25,7 @@
 //! | | [`journal`] | rows in a file, shared out among machines, put together again |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
 //! | | [`tables`] | the same for a terminal, as Markdown and as a report |
+//! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo`] | one scene at four depths through several lenses |
 //! | | [`demo_report`] | its verdict and its report |
 //! | compare | [`metrics`] | PSNR and SSIM with the conventions of every number of this project |
@@ -58,6 +61,7 @@ pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;
 pub mod lens;
+pub mod memory;
 pub mod method;
 pub mod metrics;
 pub mod mtf50;
@@ -66,6 +70,7 @@ pub mod nets;
 pub mod patchwork;
 pub mod photos;
 pub mod picture;
+pub mod pictures;
 pub mod plot;
 pub mod pursuit;
 pub mod report;
@@ -74,4 +79,6 @@ pub mod spec;
 pub mod speed;
 pub mod summary;
 pub mod tables;
+mod timing;
+pub mod told;
 pub mod untrained;

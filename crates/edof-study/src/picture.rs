@@ -3,12 +3,15 @@
 //! A frame that holds light is encoded ([`Tone::Srgb`]); one whose values are shown as they are, such as kernels or a photograph
 //! whose sRGB codes were taken for light, is not ([`Tone::Linear`]).
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use edof_optics::draw::font;
 use edof_spec::{ColourFrame, Tone};
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use ndarray::{Array2, s};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An 8-bit PNG of a frame, its values encoded by `tone`; what lies outside 0…1 is clipped.
 ///
@@ -31,8 +34,25 @@ pub fn jpeg(frame: &ColourFrame, tone: Tone) -> image::ImageResult<Vec<u8>> {
     Ok(bytes)
 }
 
+/// A PNG or JPEG; in JSON it is text in base64.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Encoded(pub Vec<u8>);
+
+impl Serialize for Encoded {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&BASE64_STANDARD.encode(&self.0))
+    }
+}
+
+impl<'de> Deserialize<'de> for Encoded {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(from)?;
+        BASE64_STANDARD.decode(text).map(Self).map_err(D::Error::custom)
+    }
+}
+
 /// Of a hundred.
-const JPEG_QUALITY: u8 = 93;
+const JPEG_QUALITY: u8 = 90;
 
 fn pixels(frame: &ColourFrame, tone: Tone) -> RgbImage {
     let (height, width) = frame.size();

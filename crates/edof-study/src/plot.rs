@@ -6,6 +6,7 @@
 //!     title: "A parabola".into(),
 //!     x: Axis::linear("x"),
 //!     y: Axis::linear("x²").from(0.0),
+//!     size: edof_study::plot::USUAL,
 //!     series: vec![Series::new("x²", Mark::Line, (0..10).map(|i| [f64::from(i), f64::from(i * i)]))],
 //! };
 //! assert!(plot.to_svg().starts_with("<svg"));
@@ -22,9 +23,14 @@ pub struct Plot {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
+    /// Width and height in pixels.
+    pub size: [f64; 2],
     /// What is drawn, the first lowest.
     pub series: Vec<Series>,
 }
+
+/// The size of most diagrams.
+pub const USUAL: [f64; 2] = [640.0, 400.0];
 
 /// An axis.
 #[derive(Debug, Clone)]
@@ -79,6 +85,8 @@ pub enum Scale {
 pub struct Series {
     /// Name in the legend; none where empty.
     pub label: String,
+    /// Whether its name stands beside one of its points, where there is room, and not in the legend.
+    pub is_named_at_points: bool,
     /// How points are drawn.
     pub mark: Mark,
     /// CSS colour; from [`PALETTE`] in turn where missing.
@@ -91,7 +99,15 @@ impl Series {
     /// A series in the next colour of the palette.
     #[must_use]
     pub fn new(label: impl Into<String>, mark: Mark, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        Self { label: label.into(), mark, colour: None, points: points.into_iter().collect() }
+        let (label, points) = (label.into(), points.into_iter().collect());
+        Self { label, is_named_at_points: false, mark, colour: None, points }
+    }
+
+    /// The same series with its name beside one of its points.
+    #[must_use]
+    pub const fn named_at_points(mut self) -> Self {
+        self.is_named_at_points = true;
+        self
     }
 
     /// The same series in a colour of one's own.
@@ -142,29 +158,31 @@ pub fn sequential(share: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", code(0), code(1), code(2))
 }
 
-const WIDTH: f64 = 640.0;
-const HEIGHT: f64 = 400.0;
 const LEFT: f64 = 66.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 52.0;
 const LINE_HEIGHT: f64 = 18.0;
+/// Mean width of a letter, and height of a line of text, in pixels.
+const LETTER: [f64; 2] = [6.2, 13.0];
 
 impl Plot {
     /// The diagram as a complete SVG document.
     #[must_use]
     pub fn to_svg(&self) -> String {
-        document(WIDTH, &self.group(0.0))
+        document(self.size, &self.group([0.0; 2]))
     }
 
-    /// The diagram as an SVG group whose left edge lies at `x0`.
-    fn group(&self, x0: f64) -> String {
+    /// The diagram as an SVG group whose upper left corner lies at `x0` and `y0`.
+    fn group(&self, [x0, y0]: [f64; 2]) -> String {
+        let [width, height] = self.size;
         let right = self.legend_width();
-        let x = Ruler::new(&self.x, self.values(0), LEFT, WIDTH - right);
-        let y = Ruler::new(&self.y, self.values(1), HEIGHT - BOTTOM, TOP);
-        let mut svg = format!("<g transform=\"translate({x0} 0)\">\n");
+        let x = Ruler::new(&self.x, self.values(0), LEFT, width - right);
+        let y = Ruler::new(&self.y, self.values(1), height - BOTTOM, TOP);
+        let mut svg = format!("<g transform=\"translate({x0} {y0})\">\n");
         self.draw_frame(&mut svg, &x, &y);
-        let id = format!("area{x0}");
         let (w, h) = (x.end - x.start, y.start - y.end);
+        // A page may hold many diagrams: those of one name are of one size.
+        let id = format!("area{w:.0}x{h:.0}");
         let _ = writeln!(
             svg,
             "<clipPath id=\"{id}\"><rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{w:.1}\" height=\"{h:.1}\"/></clipPath>\
@@ -174,7 +192,8 @@ impl Plot {
             draw_series(&mut svg, series, index, &x, &y);
         }
         svg.push_str("</g>\n");
-        self.draw_legend(&mut svg, WIDTH - right + 14.0);
+        self.name_points(&mut svg, &x, &y);
+        self.draw_legend(&mut svg, width - right + 14.0);
         svg.push_str("</g>\n");
         svg
     }
@@ -184,8 +203,8 @@ impl Plot {
     }
 
     fn legend_width(&self) -> f64 {
-        let longest = self.series.iter().map(|s| s.label.chars().count()).max().unwrap_or(0);
-        if longest == 0 { 16.0 } else { (longest as f64).mul_add(6.6, 58.0).min(WIDTH / 2.0) }
+        let longest = self.in_legend().map(|(_, s)| s.label.chars().count()).max().unwrap_or(0);
+        if longest == 0 { 16.0 } else { (longest as f64).mul_add(6.6, 58.0).min(self.size[0] / 2.0) }
     }
 
     fn draw_frame(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
@@ -220,15 +239,48 @@ impl Plot {
             y.start,
             x.end,
             escape(&self.title),
-            HEIGHT - 12.0,
+            self.size[1] - 12.0,
             escape(&self.x.label),
             escape(&self.y.label)
         );
     }
 
+    /// Writes names beside points: each where it covers no point and no other name, or as little as can be.
+    fn name_points(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
+        let frame = Area { x: [x.start, x.end], y: [y.end, y.start] };
+        let placed = |series: &Series| -> Vec<[f64; 2]> {
+            let all = series.points.iter().map(|&[a, b]| [x.place(a), y.place(b)]);
+            all.filter(|&[a, b]| Area::around([a, b], 1.0).shared(&frame) > 0.0).collect()
+        };
+        let mut taken: Vec<Area> =
+            self.series.iter().flat_map(placed).map(|at| Area::around(at, 4.0)).collect();
+        for (index, series) in self.series.iter().enumerate().filter(|(_, s)| s.is_named_at_points) {
+            let size = [series.label.chars().count() as f64 * LETTER[0], LETTER[1]];
+            // The last point first: there a line ends.
+            let spots = placed(series).into_iter().rev().flat_map(|at| Area::beside(at, size));
+            let covered = |area: &Area| {
+                let outside = size[0] * size[1] - area.shared(&frame);
+                taken.iter().map(|other| area.shared(other)).sum::<f64>() + 10.0 * outside
+            };
+            let Some(best) = spots.min_by(|a, b| covered(a).total_cmp(&covered(b))) else { continue };
+            let _ = writeln!(
+                svg,
+                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" fill=\"{}\">{}</text>",
+                best.x[0],
+                best.y[1] - 3.0,
+                colour(series, index),
+                escape(&series.label)
+            );
+            taken.push(best);
+        }
+    }
+
+    fn in_legend(&self) -> impl Iterator<Item = (usize, &Series)> {
+        self.series.iter().enumerate().filter(|(_, s)| !s.label.is_empty() && !s.is_named_at_points)
+    }
+
     fn draw_legend(&self, svg: &mut String, left: f64) {
-        let named = self.series.iter().enumerate().filter(|(_, s)| !s.label.is_empty());
-        for (line, (index, series)) in named.enumerate() {
+        for (line, (index, series)) in self.in_legend().enumerate() {
             let y = TOP + 10.0 + LINE_HEIGHT * line as f64;
             let (colour, middle, end) = (colour(series, index), left + 12.0, left + 24.0);
             if let Some(dashes) = dashes(series.mark) {
@@ -251,20 +303,68 @@ impl Plot {
     }
 }
 
+/// An upright rectangle, in pixels from the upper left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Area {
+    x: [f64; 2],
+    y: [f64; 2],
+}
+
+impl Area {
+    /// A square of so many pixels to each side of a point.
+    const fn around([x, y]: [f64; 2], reach: f64) -> Self {
+        Self { x: [x - reach, x + reach], y: [y - reach, y + reach] }
+    }
+
+    /// Places of so much width and height around a point, the usual ones first: right, left, above, below, then aslant and further off.
+    fn beside([x, y]: [f64; 2], [width, height]: [f64; 2]) -> impl Iterator<Item = Self> {
+        let at = move |left: f64, top: f64| Self { x: [left, left + width], y: [top, top + height] };
+        let (right, left, middle) = (x + 6.0, x - 6.0 - width, x - 0.5 * width);
+        let level = y - 0.5 * height;
+        let near = [(right, level), (left, level), (middle, y - 5.0 - height), (middle, y + 5.0)];
+        let far = [12.0, -12.0, 24.0, -24.0]
+            .into_iter()
+            .flat_map(move |off| [(right, level + off), (left, level + off)]);
+        near.into_iter().chain(far).map(move |(left, top)| at(left, top))
+    }
+
+    /// Pixels that both cover.
+    fn shared(&self, other: &Self) -> f64 {
+        let along = |a: [f64; 2], b: [f64; 2]| (a[1].min(b[1]) - a[0].max(b[0])).max(0.0);
+        along(self.x, other.x) * along(self.y, other.y)
+    }
+}
+
 /// Several diagrams in a row, as one SVG document.
 #[must_use]
 pub fn side_by_side(plots: &[Plot]) -> String {
-    let groups: String = plots.iter().enumerate().map(|(i, p)| p.group(i as f64 * WIDTH)).collect();
-    document(WIDTH * plots.len() as f64, &groups)
+    together(plots, |[width, height], own| ([width, 0.0], [width + own[0], height.max(own[1])]))
 }
 
-fn document(width: f64, inside: &str) -> String {
+/// Several diagrams, each below the one before, as one SVG document.
+#[must_use]
+pub fn stacked(plots: &[Plot]) -> String {
+    together(plots, |[width, height], own| ([0.0, height], [width.max(own[0]), height + own[1]]))
+}
+
+/// Diagrams in one document. `place` says from the size of those before and a diagram's own where its corner lies, and how large all are.
+fn together(plots: &[Plot], place: impl Fn([f64; 2], [f64; 2]) -> ([f64; 2], [f64; 2])) -> String {
+    let (mut size, mut groups) = ([0.0; 2], String::new());
+    for plot in plots {
+        let corner;
+        (corner, size) = place(size, plot.size);
+        groups.push_str(&plot.group(corner));
+    }
+    document(size, &groups)
+}
+
+fn document([width, height]: [f64; 2], inside: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {HEIGHT}\" width=\"{width}\" \
-         height=\"{HEIGHT}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+         height=\"{height}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n\
          <style>.grid{{stroke:#e4e4e4;fill:none}}.axis{{stroke:#444;fill:none}}\
          .line{{fill:none;stroke-width:1.8;stroke-linejoin:round}}.title{{font-size:14px;font-weight:bold}}</style>\n\
-         <rect width=\"{width}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\n{inside}</svg>\n"
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n{inside}</svg>\n"
     )
 }
 
@@ -430,6 +530,7 @@ mod tests {
             title: "a < b".into(),
             x,
             y: Axis::linear("y"),
+            size: USUAL,
             series: vec![Series::new("one", Mark::Line, points.iter().copied())],
         }
     }
@@ -477,6 +578,55 @@ mod tests {
         let path = svg.lines().find(|l| l.contains("class=\"line\"") && l.contains('L')).unwrap();
         assert_eq!(path.matches('M').count(), 2, "{path}");
         assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn names_beside_points_cover_neither_points_nor_each_other() {
+        // Three crowded points and one apart.
+        let at = [[1.0, 1.0], [1.1, 1.0], [1.0, 1.05], [5.0, 3.0]];
+        let named = |(i, point): (usize, &[f64; 2])| {
+            Series::new(format!("method {i}"), Mark::Points, [*point]).named_at_points()
+        };
+        let plot = Plot {
+            series: at.iter().enumerate().map(named).collect(),
+            ..plot(Axis::linear("x").from(0.0).to(6.0), &[])
+        };
+        let svg = plot.to_svg();
+        let number = |line: &str, name: &str| -> f64 {
+            line.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+        };
+        let names: Vec<Area> = svg
+            .lines()
+            .filter(|line| line.contains("class=\"name\""))
+            .map(|line| {
+                let [x, y] = ["x", "y"].map(|name| number(line, &format!(" {name}")));
+                let width = "method 0".len() as f64 * LETTER[0];
+                Area { x: [x, x + width], y: [y + 3.0 - LETTER[1], y + 3.0] }
+            })
+            .collect();
+        assert_eq!(names.len(), 4);
+        let dots: Vec<Area> = svg
+            .lines()
+            .filter(|line| line.starts_with("<circle"))
+            .map(|line| Area::around(["cx", "cy"].map(|name| number(line, &format!(" {name}"))), 3.0))
+            .collect();
+        assert_eq!(dots.len(), 4);
+        for (i, name) in names.iter().enumerate() {
+            let others = names.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
+            assert!(others.chain(&dots).all(|other| name.shared(other) < 1.0), "{name:?} {svg}");
+        }
+        assert_eq!(
+            svg.matches("method 0").count(),
+            2,
+            "its name and what hovering tells: none in the legend"
+        );
+    }
+
+    #[test]
+    fn diagrams_below_each_other_are_as_high_as_all() {
+        let one = plot(Axis::linear("x"), &[[0.0, 1.0]]);
+        let both = stacked(&[one.clone(), Plot { size: [700.0, 300.0], ..one }]);
+        assert!(both.contains("viewBox=\"0 0 700 700\"") && both.contains("translate(0 400)"), "{both}");
     }
 
     #[test]

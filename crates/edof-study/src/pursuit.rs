@@ -132,22 +132,27 @@ impl Reconstructor for PursuitReconstructor {
 
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let start = Instant::now();
-        let mut nonzeros = 0;
+        let (mut nonzeros, mut steps) = (0, 0);
         let (frame, patches) = self.work.frame(raw, |windows| match &self.solver {
             Solver::Omp(omp, stop) => {
                 let codes = omp.codes(windows, *stop);
                 nonzeros += codes.nonzeros();
+                // One atom a step; the free ones are there before the first.
+                steps += (codes.nonzeros() - codes.signals() * FREE) as u64;
                 codes.synthesis(self.sharp.view())
             }
             Solver::Fista(lasso, effort) => {
-                let codes = lasso.fista(windows, *effort).codes;
+                let descent = lasso.fista(windows, *effort);
+                steps += descent.steps;
+                let codes = descent.codes;
                 nonzeros += codes.iter().filter(|z| **z != 0.0).count();
                 codes.dot(&self.sharp)
             }
         })?;
         let counters = Counters { patches: patches as u64, nonzeros: vec![nonzeros as u64], saturations: 0 };
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Reconstruction { frame, seconds, multiplications: None, counters: Some(counters) })
+        let iterations = Some(steps as f64 / patches as f64);
+        Ok(Reconstruction { frame, seconds, multiplications: None, counters: Some(counters), iterations })
     }
 }
 

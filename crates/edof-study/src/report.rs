@@ -86,18 +86,20 @@ impl Report {
         self.add(&(row + "</div>"))
     }
 
-    /// A table; cells that are numbers stand right, and a click on the name of a column sorts by it. `best` holds row and column of cells that are set off.
+    /// A table; columns of numbers stand right, and a click on the name of a column sorts by it. `best` holds row and column of cells that are set off.
     pub fn table(&mut self, header: &[&str], rows: &[Vec<String>], best: &[(usize, usize)]) -> &mut Self {
         self.has_tables = true;
         let mut table = String::from("<div class=\"wide\"><table><thead><tr>");
-        for cell in header {
-            let _ = write!(table, "<th><button class=\"sort\">{}</button></th>", escape(cell));
+        let numbers: Vec<bool> = (0..header.len()).map(|column| is_of_numbers(rows, column)).collect();
+        for (cell, &is_number) in header.iter().zip(&numbers) {
+            let class = if is_number { " class=\"n\"" } else { "" };
+            let _ = write!(table, "<th{class}><button class=\"sort\">{}</button></th>", escape(cell));
         }
         table.push_str("</tr></thead><tbody>");
         for (r, row) in rows.iter().enumerate() {
             table.push_str("<tr>");
             for (c, cell) in row.iter().enumerate() {
-                let number = cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '−');
+                let number = numbers.get(c) == Some(&true);
                 let class = match (number, best.contains(&(r, c))) {
                     (true, true) => " class=\"n best\"",
                     (true, false) => " class=\"n\"",
@@ -112,7 +114,10 @@ impl Report {
 
     /// Plots side by side, or below each other where there is no room; none is shown so small that its text cannot be read.
     pub fn plots(&mut self, plots: &[Plot]) -> &mut Self {
-        let each = |plot: &Plot| format!("<div class=\"plot\">{}</div>", plot.to_svg());
+        let each = |plot: &Plot| {
+            let least = READABLE * plot.size[0];
+            format!("<div class=\"plot\" style=\"--least:{least:.0}px\">{}</div>", plot.to_svg())
+        };
         self.add(&format!("<div class=\"plots\">{}</div>", plots.iter().map(each).collect::<String>()))
     }
 
@@ -146,9 +151,20 @@ impl Report {
     }
 }
 
+/// The share of its size below which a plot's text is too small to be read.
+const READABLE: f64 = 0.9;
+
 const STYLE: &str = include_str!("report/style.css");
 const VIEWER: &str = include_str!("report/viewer.html");
 const SORTER: &str = include_str!("report/sorter.html");
+
+/// Whether a column holds numbers, and dashes where there are none.
+fn is_of_numbers(rows: &[Vec<String>], column: usize) -> bool {
+    // Several in one cell stand as in "31.2 / 30.1".
+    let is_number = |cell: &str| cell.replace('−', "-").split(" / ").all(|word| word.parse::<f64>().is_ok());
+    let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| *cell != "–").peekable();
+    cells.peek().is_some() && cells.all(|cell| is_number(cell))
+}
 
 #[cfg(test)]
 mod tests {
@@ -182,6 +198,18 @@ mod tests {
         let places = parts.into_iter().chain(["base64,AQID", "id=\"viewer\""]).map(|s| html.find(s).unwrap());
         assert!(places.is_sorted());
         assert_eq!(html.matches("base64,AQID").count(), 1, "a picture is embedded once");
+    }
+
+    #[test]
+    fn columns_of_numbers_stand_right_and_others_left() {
+        let row = |cells: [&str; 4]| cells.map(str::to_owned).to_vec();
+        let rows = [row(["a", "1.5", "–", "3 times"]), row(["2", "−2 / 1", "7", "4"])];
+        let html = Report::new("t").table(&["a", "b", "c", "d"], &rows, &[]).to_html();
+        assert!(html.contains("<td class=\"n\">–</td><td>3 times</td>"), "{html}");
+        assert!(
+            html.contains("<td>2</td><td class=\"n\">−2 / 1</td><td class=\"n\">7</td><td>4</td>"),
+            "{html}"
+        );
     }
 
     #[test]

@@ -4,16 +4,16 @@
 //! measured again, and several machines may share a study ([`Shard`]). Noise depends on photograph, ψ and noise level alone, as in
 //! [`kodak`](crate::kodak), and all methods see the same captures.
 
-use crate::cpu_time;
-use crate::journal::{Journal, JournalError, Line, Ordered, Shard};
+use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Shard};
 use crate::kodak::{Conditions, KodakError, Row as Measured, Setup, Trial};
 use crate::method::{Format, Method};
 use crate::photos::Photo;
 use crate::spec::{Case, MethodSpec, PrepareError};
+use crate::timing::{Timed, timed};
 use edof_optics::psf::{Settings, channel_psfs};
 use edof_spec::digest::sha256;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, RawFrame, ReconstructError, Reconstruction, Reconstructor, Tone};
+use edof_spec::{Camera, Noise, Reconstructor, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -51,6 +51,13 @@ pub struct Row {
     /// in rows from before it was.
     #[serde(default)]
     pub cpu_seconds_per_megapixel: Option<f64>,
+    /// Steps of an iterative method, mean over patches or colours; none for methods without, and in rows from before they were counted.
+    #[serde(default)]
+    pub iterations: Option<f64>,
+    /// Most bytes of memory that the process held while the method ran, photographs and other methods included; none where the system
+    /// does not tell, and in rows from before it was asked.
+    #[serde(default)]
+    pub peak_memory_bytes: Option<u64>,
     /// SHA-256 of the weights or dictionary, the photograph's values and the camera: what tells this row from another of the same names.
     pub weights_sha256: Option<String>,
     /// See `weights_sha256`.
@@ -93,7 +100,7 @@ impl Line for Row {
     fn timeless(&self) -> Self {
         let mut row = self.clone();
         (row.measured.seconds_per_megapixel, row.prepare_seconds, row.repetitions) = (0.0, 0.0, 0);
-        row.cpu_seconds_per_megapixel = None;
+        (row.cpu_seconds_per_megapixel, row.peak_memory_bytes) = (None, None);
         row
     }
 }
@@ -111,21 +118,6 @@ pub enum StudyError {
     #[error(transparent)]
     Journal(#[from] JournalError),
 }
-
-/// How far a study is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Progress {
-    /// Rows done, those that were there included.
-    pub done: usize,
-    /// How many there will be.
-    pub of: usize,
-    /// What was measured last.
-    pub last: String,
-}
-
-/// Runs of a fast method, after one that warms up; what takes longer than [`FAST`] seconds runs once.
-const RUNS: usize = 3;
-const FAST: f64 = 0.5;
 
 /// A row to be measured, by places in the plan and the list of photographs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -199,11 +191,8 @@ pub fn run(
                 let (method, prepare_seconds) = ready.method(cell.noise, cell.method)?;
                 // A computed time does not vary.
                 let is_measured = spec.method().format != Some(Format::Board);
-                let once = |method: &dyn Reconstructor| {
-                    Ok(Timed { result: method.reconstruct(raw)?, cpu_seconds: None, repetitions: 1 })
-                };
-                let Timed { result, cpu_seconds, repetitions } =
-                    if is_measured { timed(method, raw) } else { once(method) }
+                let Timed { result, cpu_seconds, peak_memory_bytes, repetitions } =
+                    if is_measured { timed(method, raw) } else { method.reconstruct(raw).map(Timed::not) }
                         .map_err(|source| KodakError::Reconstruct { image: photo.name.clone(), source })?;
                 let (height, width) = photo.frame.size();
                 let measured = trial.row(*noise, &spec.method(), &result)?;
@@ -212,6 +201,8 @@ pub fn run(
                     measured,
                     prepare_seconds,
                     repetitions,
+                    iterations: result.iterations,
+                    peak_memory_bytes,
                     cpu_seconds_per_megapixel: cpu_seconds.map(|s| s / ((height * width) as f64 * 1e-6)),
                     weights_sha256: spec.weights().map(str::to_owned),
                     photo_sha256: hashes[cell.photo].clone(),
@@ -249,36 +240,6 @@ impl Ready<'_> {
         };
         Ok((entry.0.as_ref(), entry.1))
     }
-}
-
-/// A reconstruction, its times the medians of several runs where those cost little.
-pub(crate) struct Timed {
-    pub(crate) result: Reconstruction,
-    /// Of all threads together.
-    pub(crate) cpu_seconds: Option<f64>,
-    pub(crate) repetitions: usize,
-}
-
-/// Runs a method and times it.
-pub(crate) fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Timed, ReconstructError> {
-    let run = || -> Result<_, ReconstructError> {
-        let before = cpu_time::seconds();
-        let result = method.reconstruct(raw)?;
-        let spent = cpu_time::seconds().zip(before).map(|(after, before)| after - before);
-        Ok((result, spent))
-    };
-    let (mut result, first) = run()?;
-    if result.seconds > FAST {
-        return Ok(Timed { result, cpu_seconds: first, repetitions: 1 });
-    }
-    let runs = (0..RUNS).map(|_| run()).collect::<Result<Vec<_>, _>>()?;
-    let median = |mut seconds: Vec<f64>| {
-        seconds.sort_by(f64::total_cmp);
-        seconds.get(RUNS / 2).copied()
-    };
-    result.seconds = median(runs.iter().map(|(r, _)| r.seconds).collect()).unwrap_or(result.seconds);
-    let cpu_seconds = median(runs.iter().filter_map(|(_, spent)| *spent).collect());
-    Ok(Timed { result, cpu_seconds, repetitions: RUNS })
 }
 
 #[cfg(test)]

@@ -2,12 +2,14 @@
 
 use crate::kodak::Row as Measured;
 use crate::method::{Family, Format, Method};
-use crate::plot::{Axis, Mark, Plot, Series, side_by_side};
+use crate::plot::{Axis, Mark, PALETTE, Plot, Series, stacked};
 use crate::report::Report;
 use crate::single_depth::Row;
 use crate::tables::{Table, noise_words};
+use crate::told::{Told, ToldError};
 use edof_spec::{Noise, Tone};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// One method at one depth and noise level, averaged over photographs.
@@ -34,6 +36,10 @@ pub struct Point {
     pub seconds_per_megapixel: f64,
     /// Mean seconds a megapixel that all threads together were on a processor, where all rows tell it.
     pub cpu_seconds_per_megapixel: Option<f64>,
+    /// Mean steps of an iterative method, where all rows tell them.
+    pub iterations: Option<f64>,
+    /// Most bytes that the process held while it ran, over all photographs, where rows tell it.
+    pub peak_memory_bytes: Option<u64>,
     /// Seconds of preparation for the case.
     pub prepare_seconds: f64,
     /// Mean non-zeros of a patch, after each shrinkage or of its code.
@@ -75,10 +81,10 @@ pub struct Claims {
     pub claims: Vec<Claim>,
 }
 
-impl Speed {
-    /// What rows say.
-    #[must_use]
-    pub fn new(rows: &[Row], machine: String) -> Self {
+impl Told for Speed {
+    type Row = Row;
+
+    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
         let mut points: Vec<Point> = vec![];
         for row in rows {
             if !points.iter().any(|point| point.is_of(row)) {
@@ -94,12 +100,10 @@ impl Speed {
                 claims.push(all);
             }
         }
-        Self { points, claims, machine }
+        Ok(Self { points, claims, machine })
     }
 
-    /// Tables for a terminal.
-    #[must_use]
-    pub fn to_text(&self) -> String {
+    fn to_text(&self) -> String {
         let mut text = String::new();
         for (title, tables) in self.tables() {
             for table in tables {
@@ -109,9 +113,7 @@ impl Speed {
         text.trim_end().to_owned()
     }
 
-    /// The same as a Markdown page; `command` tells how to make it again.
-    #[must_use]
-    pub fn to_markdown(&self, command: &str) -> String {
+    fn to_markdown(&self, command: &str) -> String {
         let mut page = format!("# {TITLE}\n\nMade by `{command}`.\n\n{}\n", self.explanation());
         for (title, tables) in self.tables() {
             let _ = write!(page, "\n## {title}\n");
@@ -120,9 +122,7 @@ impl Speed {
         page
     }
 
-    /// A report with a diagram for each depth and noise level.
-    #[must_use]
-    pub fn report(&self, command: &str) -> Report {
+    fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
         report.paragraph(&format!("Made by `{command}`."));
         report.paragraph(&self.explanation());
@@ -133,11 +133,13 @@ impl Speed {
         }
         report
     }
+}
 
-    /// The diagrams of all depths and noise levels, side by side in one SVG.
+impl Speed {
+    /// The diagrams of all depths and noise levels, below each other in one SVG.
     #[must_use]
     pub fn diagrams(&self) -> String {
-        side_by_side(&self.claims.iter().map(|claims| self.plot(claims)).collect::<Vec<_>>())
+        stacked(&self.claims.iter().map(|claims| self.plot(claims)).collect::<Vec<_>>())
     }
 
     fn explanation(&self) -> String {
@@ -146,7 +148,8 @@ impl Speed {
             "Means over {photos} photographs. PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, nothing clipped, where a \
              photograph's numbers are taken for it; of the encoded picture, clipped to 0…1, where they are decoded (“real light”). Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
              and a noise level and stands beside it: kernels, dictionaries and what follows from them. CPU seconds are those that all threads together \
-             were on a processor: what else the machine did is not in them. NAME/s4 is a method of patches at \
+             were on a processor: what else the machine did is not in them. Steps are those of iterative methods, mean over patches or colours. Memory is the most that \
+             the process held, photographs and the other methods included. NAME/s4 is a method of patches at \
              stride 4; a network's fixed rows are the board's integers in software. untrained-tT is what the paper trains from: ISTA in the pursuits' \
              dictionary, all depths in one, cut off after T − 1 shrinkages. NAME.board is \
              the board: cycles of these very frames by the cycle model at the clock that is planned for it, which is no measured time.",
@@ -165,8 +168,9 @@ impl Speed {
 
     /// PSNR against time; the strides of one method are joined, and the layers of untrained networks.
     fn plot(&self, of: &Claims) -> Plot {
+        let own: Vec<&Point> = self.points.iter().filter(|p| of.hold(p)).collect();
         let mut series: Vec<Series> = vec![];
-        for point in self.points.iter().filter(|p| of.hold(p)) {
+        for point in &own {
             let label = if point.identity.is_untrained() {
                 name(&Method { layers: None, ..point.identity.clone() })
             } else {
@@ -175,19 +179,46 @@ impl Speed {
             let at = [point.cost(), point.psnr_db];
             match series.iter_mut().find(|s| s.label == label) {
                 Some(series) => series.points.push(at),
-                None => series.push(Series::new(label, Mark::LineAndPoints, [at])),
+                None => {
+                    let new = Series::new(label, Mark::LineAndPoints, [at]).named_at_points();
+                    series.push(new.coloured(self.colour(&point.identity)));
+                }
             }
         }
+        // From cheap to dear: strides come in the order of their keys.
+        series.iter_mut().for_each(|s| s.points.sort_by(|a, b| a[0].total_cmp(&b[0])));
+        // What nobody trained may lie so deep that nothing else could be told apart.
+        let least = own.iter().filter(|p| !p.identity.is_untrained()).map(|p| p.psnr_db).reduce(f64::min);
+        let axis = Axis::linear("PSNR (dB)");
         Plot {
             title: format!("Error against speed: {}", of.title()),
             x: Axis::log(if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
-                "CPU seconds a megapixel, all threads; .board: cycles"
+                "CPU seconds a megapixel, all threads; .board: cycles at the planned clock"
             } else {
                 "seconds a megapixel"
             }),
-            y: Axis::linear("PSNR (dB)"),
+            y: least.map_or_else(|| axis.clone(), |least| axis.clone().from((least - 2.0).floor())),
+            size: [900.0, 540.0],
             series,
         }
+    }
+
+    /// One for each network, and one for each kind of other methods.
+    fn colour(&self, of: &Method) -> &'static str {
+        let kind = match of.family {
+            Family::DemosaicMalvar | Family::DemosaicDirectional => 6,
+            Family::Wiener | Family::RichardsonLucy | Family::HyperLaplacian => 3,
+            Family::BlindDeconvolution => 1,
+            Family::Omp | Family::OmpKnownDepth | Family::Fista | Family::FistaKnownDepth => 2,
+            Family::Untrained | Family::UntrainedDcRemoved => 7,
+            Family::Network => {
+                let networks = self.points.iter().filter_map(|p| p.identity.network.as_ref());
+                let first = networks.take_while(|name| of.network.as_ref() != Some(name));
+                let before: BTreeSet<&String> = first.collect();
+                [0, 4, 5][before.len() % 3]
+            }
+        };
+        PALETTE[kind]
     }
 }
 
@@ -253,6 +284,8 @@ impl Point {
             seconds_per_megapixel: mean(&|r| r.measured.seconds_per_megapixel),
             cpu_seconds_per_megapixel: Some(mean(&|r| r.cpu_seconds_per_megapixel.unwrap_or(f64::NAN)))
                 .filter(|seconds| seconds.is_finite()),
+            iterations: Some(mean(&|r| r.iterations.unwrap_or(f64::NAN))).filter(|steps| steps.is_finite()),
+            peak_memory_bytes: own.iter().filter_map(|r| r.peak_memory_bytes).max(),
             prepare_seconds: mean(&|r| r.prepare_seconds),
             nonzeros_a_patch: nonzeros,
             identity,
@@ -272,26 +305,34 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
         "seconds a megapixel",
         "CPU seconds a megapixel",
         "seconds to prepare",
+        "steps",
+        "memory, MiB",
         "non-zeros a patch",
         "photos",
     ];
     let row = |p: &Point| {
-        let nonzeros = p.nonzeros_a_patch.as_ref().map_or_else(
-            || "–".to_owned(),
-            |n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "),
-        );
+        let nonzeros = p
+            .nonzeros_a_patch
+            .as_ref()
+            .map(|n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "));
         vec![
             p.method.clone(),
             format!("{:.2}", p.psnr_db),
             format!("{:.3}", p.ssim),
             format!("{:.3}", p.seconds_per_megapixel),
-            p.cpu_seconds_per_megapixel.map_or_else(|| "–".to_owned(), |seconds| format!("{seconds:.3}")),
+            or_dash(p.cpu_seconds_per_megapixel.map(|seconds| format!("{seconds:.3}"))),
             format!("{:.3}", p.prepare_seconds),
-            nonzeros,
+            or_dash(p.iterations.map(|steps| format!("{steps:.0}"))),
+            or_dash(p.peak_memory_bytes.map(|bytes| (bytes >> 20).to_string())),
+            or_dash(nonzeros),
             p.photos.to_string(),
         ]
     };
     Table { header: header.map(str::to_owned).to_vec(), rows: points.map(row).collect() }
+}
+
+fn or_dash(text: Option<String>) -> String {
+    text.unwrap_or_else(|| "–".to_owned())
 }
 
 fn claims_table(claims: &[Claim]) -> Table {
@@ -334,6 +375,19 @@ fn all_claims(points: &[&Point]) -> Vec<Claim> {
                 "more than 500 times",
                 times(blind, net),
             );
+        }
+        let board = net.identity.in_format(Format::Board);
+        if let Some(board) = points.iter().copied().find(|p| p.identity == board) {
+            // Of one real frame of 1920×1080: 0.5 s against 140 s and 450 to 460 s.
+            let mut faster = |slow: &Point, paper| {
+                add(
+                    format!("{} (by its cycles) is faster than {}", board.method, slow.method),
+                    paper,
+                    times(slow, board),
+                );
+            };
+            omp(net.identity.stride).into_iter().for_each(|omp| faster(omp, "280 times"));
+            blind.into_iter().for_each(|blind| faster(blind, "900 times"));
         }
         let twin = net.identity.in_format(Format::Fixed);
         if let Some(fixed) = points.iter().find(|p| p.identity == twin) {
@@ -384,6 +438,8 @@ mod tests {
             measured,
             prepare_seconds: 0.5,
             repetitions: 3,
+            iterations: (method.family == Family::Omp).then_some(16.0),
+            peak_memory_bytes: Some(300 << 20),
             cpu_seconds_per_megapixel: (method.family == Family::Omp).then_some(1.5 * seconds),
             weights_sha256: None,
             photo_sha256: image.into(),
@@ -397,13 +453,14 @@ mod tests {
             timed(&float, "a", 31.0, 0.1),
             timed(&float, "b", 33.0, 0.3),
             timed(&float.in_format(Format::Fixed), "a", 31.99, 0.2),
+            timed(&float.in_format(Format::Board), "a", 31.99, 0.01),
             timed(&Method::of_patches(Family::Omp, 8), "a", 30.0, 6.0),
             timed(&Method::of_patches(Family::Omp, 2), "a", 31.0, 60.0),
             timed(&Method::of_frames(Family::BlindDeconvolution), "a", 29.0, 120.0),
             timed(&Method::untrained(Family::Untrained, 8, 8), "a", 27.0, 0.2),
             timed(&Method::untrained(Family::Untrained, 8, 10), "a", 27.5, 0.3),
         ];
-        Speed::new(&rows, "a machine".into())
+        Speed::new(&rows, "a machine".into()).unwrap()
     }
 
     #[test]
@@ -411,7 +468,7 @@ mod tests {
         let points = speed().points;
         let first = &points[0];
         assert_eq!((first.method.as_str(), first.photos, first.psnr_db), ("n.float/s8", 2, 32.0));
-        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 7);
+        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 8);
     }
 
     #[test]
@@ -423,6 +480,8 @@ mod tests {
             "| n.float/s8 less blind-deconvolution | more than 1 dB | +3.00 dB |",
             "| n.float/s8 is faster than blind-deconvolution | more than 500 times | 600.0 times |",
             "| n.fixed/s8 less n.float/s8 | the same | -0.01 dB |",
+            "| n.board/s8 (by its cycles) is faster than omp/s8 | 280 times | 600.0 times |",
+            "| n.board/s8 (by its cycles) is faster than blind-deconvolution | 900 times | 12000.0 times |",
             "| omp/s2 less blind-deconvolution | more than 1 dB | +2.00 dB |",
             "| omp/s2 is faster than blind-deconvolution | about 30 times | 2.0 times |",
             "| T = 8 less T = 10 | about 0 dB | not measured: no networks of 8 and 10 layers |",
@@ -438,7 +497,7 @@ mod tests {
         let speed = speed();
         assert_eq!(
             speed.plot(&speed.claims[0]).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
-            [1, 1, 2, 1, 2]
+            [1, 1, 1, 2, 1, 2]
         );
         let html = speed.report("edof study single-depth").to_html();
         assert!(html.contains("<title>omp: 90, 31</title>"), "{html}");

@@ -2,7 +2,7 @@
 
 use crate::kodak::Work;
 use crate::method::Format;
-use crate::plot::{Axis, Mark, Plot, Series};
+use crate::plot::{Axis, Mark, Plot, Series, USUAL};
 use crate::report::Report;
 use crate::summary::{Course, MethodSummary, Study, Summary};
 use edof_spec::noise::SensorNoise;
@@ -216,6 +216,7 @@ impl Summary {
             title: noise_words(noise),
             x: Axis::linear("ψ (rad)"),
             y: Axis::linear("PSNR (dB)"),
+            size: USUAL,
             series: self.methods.iter().filter(|m| m.noise == noise).filter_map(line).collect(),
         };
         self.noises().into_iter().map(plot).collect()

@@ -1,6 +1,9 @@
 //! The tables that README.md quotes are those of docs/results, and those are what their JSON files say.
 
+use edof_study::journal::Journal;
+use edof_study::speed::Speed;
 use edof_study::summary::Study;
+use edof_study::told::Told;
 use std::path::{Path, PathBuf};
 
 fn project() -> PathBuf {
@@ -30,6 +33,22 @@ fn the_markdown_pages_say_what_the_rows_say() {
         let again = Study::new(stored.measure.tone, stored.rows, stored.summary.notes);
         assert!(again.to_markdown(between(&page, "Made by `", "`")) == page, "run scripts/tables.sh {tone}");
     }
+}
+
+/// A study from the rows that are kept of it; its page must be theirs.
+fn told<T: Told>(name: &str) -> T {
+    let page = read(&format!("docs/results/{name}.md"));
+    let rows = project().join(format!("docs/results/{name}.jsonl"));
+    let journal = Journal::<T::Row>::merged(Path::new("nowhere"), &[rows], false).unwrap();
+    let study = T::new(journal.rows(), journal.header().machine.clone()).unwrap();
+    assert!(study.to_markdown(between(&page, "Made by `", "`")) == page, "run scripts/comparison.sh: {name}");
+    study
+}
+
+#[test]
+fn the_comparison_says_what_its_rows_say() {
+    let speed: Speed = told("single-depth");
+    assert!(read("docs/figures/speed.svg") == speed.diagrams(), "run scripts/comparison.sh speed");
 }
 
 #[test]

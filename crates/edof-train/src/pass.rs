@@ -39,6 +39,8 @@ pub struct Pass<T = f32> {
     layout: Layout,
     /// What b_t and z_t are rounded to, t = 1…T−1.
     formats: Vec<Format>,
+    /// The most that may stay of each z_t: the largest.
+    budget: Option<usize>,
     /// b_t, t = 1…T−1.
     b: Vec<Vec<T>>,
     /// z_t, t = 1…T−1.
@@ -65,11 +67,19 @@ impl<T: Real> Pass<T> {
         Self::with(form, Layout::giving(&form, outputs), formats.to_vec(), capacity)
     }
 
+    /// Leaves at most so many of each z_t, the largest: [`Pass::forward`] alone, the gradient knows nothing of it.
+    #[must_use]
+    pub const fn within(mut self, budget: Option<usize>) -> Self {
+        self.budget = budget;
+        self
+    }
+
     fn with(form: Form, layout: Layout, formats: Vec<Format>, capacity: usize) -> Self {
         let codes = || vec![T::zero(); capacity * form.codes];
         Self {
             form,
             formats,
+            budget: None,
             b: (0..form.shrinkages()).map(|_| codes()).collect(),
             z: (0..form.shrinkages()).map(|_| codes()).collect(),
             change: (0..form.middle_layers()).map(|_| codes()).collect(),
@@ -127,6 +137,9 @@ impl<T: Real> Pass<T> {
         self.formats[t].round_all(b);
         shrink(self.form.shrinkage, b, &weights[self.layout.thresholds[t].clone()], z);
         self.formats[t].round_all(z);
+        if let Some(budget) = self.budget {
+            z.chunks_exact_mut(self.form.codes).for_each(|one| keep_largest(one, budget));
+        }
     }
 
     /// M layer `t`: b_{t+1} from z_t and what the recurrence adds its product to.
@@ -394,6 +407,18 @@ fn subtract<T: Real>(difference: &mut [T], less: &[T]) {
     difference.iter_mut().zip(less).for_each(|(d, &l)| *d -= l);
 }
 
+/// Makes all but the `budget` largest numbers 0; among equals the first stay.
+fn keep_largest<T: Real>(numbers: &mut [T], budget: usize) {
+    let Some(dropped) = numbers.len().checked_sub(budget).filter(|dropped| *dropped > 0) else { return };
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    let larger = |&a: &usize, &b: &usize| {
+        let sizes = numbers[b].abs().partial_cmp(&numbers[a].abs());
+        sizes.unwrap_or(std::cmp::Ordering::Equal).then(a.cmp(&b))
+    };
+    order.sort_unstable_by(larger);
+    order[numbers.len() - dropped..].iter().for_each(|&place| numbers[place] = T::zero());
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -410,5 +435,15 @@ mod tests {
         let mut z = [0.0; 4];
         shrink(Shrinkage::OneSided, &[3.0, -3.0, -0.5, 0.5], &[1.0, 1.0, -1.0, 1.0], &mut z);
         assert_eq!(z, [2.0, 0.0, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn a_budget_keeps_the_largest_and_all_of_few() {
+        let mut numbers = [0.5f32, -3.0, 0.0, 2.0, -2.0];
+        keep_largest(&mut numbers, 2);
+        assert_eq!(numbers, [0.0, -3.0, 0.0, 2.0, 0.0]);
+        keep_largest(&mut numbers, 5);
+        keep_largest(&mut numbers, 9);
+        assert_eq!(numbers, [0.0, -3.0, 0.0, 2.0, 0.0]);
     }
 }

@@ -34,6 +34,8 @@ pub struct FloatReconstructor {
     /// Weight of each pixel of a patch.
     averaging: Array2<f32>,
     output: Output,
+    /// The most non-zeros of a patch after each shrinkage.
+    budget: Option<usize>,
 }
 
 impl FloatReconstructor {
@@ -59,7 +61,15 @@ impl FloatReconstructor {
             network,
             averaging: overlap.weights(stride).mapv(|w| w as f32),
             output,
+            budget: None,
         })
+    }
+
+    /// The same with at most so many non-zeros a patch after each shrinkage, the largest.
+    #[must_use]
+    pub const fn within(mut self, budget: usize) -> Self {
+        self.budget = Some(budget);
+        self
     }
 
     /// Windows × pixels of one row of patches, mirrored at the borders; 0…1.
@@ -90,7 +100,7 @@ impl FloatReconstructor {
         (0..rows)
             .into_par_iter()
             .map_init(
-                || Pass::new(self.network.form, columns),
+                || Pass::new(self.network.form, columns).within(self.budget),
                 |pass, row| output(pass.forward(&self.weights, &self.windows(pixels, row, columns), columns)),
             )
             .collect()
@@ -185,6 +195,7 @@ impl Reconstructor for FloatReconstructor {
             seconds: start.elapsed().as_secs_f64(),
             multiplications: Some(self.multiplications(rows, columns)),
             counters: None,
+            iterations: None,
         })
     }
 }

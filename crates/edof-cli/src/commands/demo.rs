@@ -163,7 +163,8 @@ fn save(result: &Demo, board: Option<&Told>, args: &Args, ui: &Ui) -> Result<(),
     let mut report = result.report(&ui.signed(&args.command_line(board.is_some())))?;
     board.map_or(Ok(()), |board| board.add_to(&mut report))?;
     report.save(&file)?;
-    let shots = result.pictures.iter().map(|p| (args.out.join(file_name(&p.lens, &p.treatment)), &p.frame));
+    let shots =
+        result.pictures.iter().map(|p| args.out.join(file_name(&p.lens, &p.treatment))).zip(&result.frames);
     for (file, light) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
         edof_spec::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
     }

@@ -53,7 +53,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     drop(progress);
     let command = ui.provenance().command;
     let report = || Ok(bits::report(&all, &ui.signed(&command)));
-    args.outputs.write(|| bits::to_markdown(&all, &command), report, &all)?;
+    args.outputs.write(|| bits::to_markdown(&all, &command), report, || edof_study::csv::of(&all))?;
     for bits in &all {
         ui.say(bits.verdict())?;
     }

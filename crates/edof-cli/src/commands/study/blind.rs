@@ -1,9 +1,8 @@
 //! `edof study blind`: blind deconvolution where the blur is known.
 
-use super::options::{Outputs, Photographs};
+use super::options::{MayKeepRows, Outputs, Photographs, measured, open, tell};
 use crate::error::Error;
 use crate::files::Files;
-use crate::interrupt;
 use crate::ui::Ui;
 use edof_deblur::blind::Settings;
 use edof_study::known_blurs::{self, KnownBlurs};
@@ -16,8 +15,11 @@ use edof_study::known_blurs::{self, KnownBlurs};
 #[command(after_help = "\
 Examples:
   edof study blind --markdown blind.md
-  edof study blind --photos all --side 25 --csv blind.csv")]
+  edof study blind --photos all --side 25 --rows blind.jsonl --csv blind.csv")]
 pub struct Args {
+    #[command(flatten)]
+    rows: MayKeepRows,
+
     #[command(flatten)]
     photographs: Photographs,
 
@@ -39,25 +41,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         )));
     }
     let files = Files::new(ui).reads_pictures_of(args.photographs.folder.path()?);
-    args.outputs.of(files).check()?;
+    args.outputs.of(files.may_write("--rows", args.rows.rows.as_ref())).check()?;
     let (photos, notes) = args.photographs.load(ui)?;
     notes.iter().for_each(|note| ui.note(note));
     let settings = Settings { side: args.side.into(), ..Settings::default() };
-    let blurs = known_blurs::drawn();
-    let progress = ui.progress((photos.len() * blurs.len()) as u64, "blurred photographs");
-    let mut rows = vec![];
-    for photo in &photos {
-        for blur in &blurs {
-            interrupt::check()?;
-            rows.push(known_blurs::restore(photo, blur, &settings)?);
-            progress.set(rows.len() as u64);
-        }
-    }
-    drop(progress);
-    let study = KnownBlurs::new(rows);
-    let command = ui.provenance().command;
-    let report = || Ok(study.report(&ui.signed(&command)));
-    args.outputs.write(|| study.to_markdown(&command), report, &study.rows)?;
-    ui.say(study.to_text())?;
-    ui.json(&study)
+    let mut journal = open(args.rows.rows.as_ref(), false, ui)?;
+    let shard = args.rows.part.shard;
+    measured(ui, |tell| known_blurs::run(&photos, &settings, shard, &mut journal, tell))?;
+    tell::<KnownBlurs>(&journal, &args.outputs, ui)
 }

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use edof_golden::cycle::explore::front;
+use edof_study::csv;
 use edof_study::design::{Folding, Foldings};
 
 /// Foldings of networks that fit the board: dB against cycles, multipliers and frames a second, and those that nothing beats
@@ -46,7 +47,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     };
     let command = ui.provenance().command;
     let report = || Ok(study.report(&ui.signed(&command)));
-    args.outputs.write(|| study.to_markdown(&command), report, &study.foldings)?;
+    args.outputs.write(|| study.to_markdown(&command), report, || csv::of(&study.foldings))?;
     ui.say(study.to_text())?;
     ui.json(&study)
 }

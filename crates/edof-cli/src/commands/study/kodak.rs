@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use edof_spec::{Noise, Stride, Tone};
+use edof_study::csv;
 use edof_study::kodak::{self, Conditions, KodakError, Progress, Row, Setup, usual_noise};
 use edof_study::nets::setups;
 use edof_study::photos::Photo;
@@ -84,7 +85,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.outputs.write(
         || study.to_markdown(&command),
         || Ok(study.report(&ui.signed(&command))),
-        &study.rows,
+        || csv::of(&study.rows),
     )?;
     ui.say(study.to_text())?;
     ui.json(&study)

@@ -1,12 +1,15 @@
 //! `edof study merge`: the parts of a study that several machines measured.
 
-use super::options::Outputs;
-use super::{knobs, single_depth};
+use super::options::{Outputs, tell};
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use edof_study::journal::{Header, Journal, Line};
-use edof_study::knobs::Row as KnobRow;
+use edof_study::knobs::Knobs;
+use edof_study::known_blurs::KnownBlurs;
+use edof_study::multi_depth::MultiDepth;
+use edof_study::speed::Speed;
+use edof_study::told::Told;
 use std::path::PathBuf;
 
 /// Put files of rows of one study together, as if one run had measured them
@@ -19,7 +22,7 @@ Example:
   for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
   edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
 pub struct Args {
-    /// Files of rows, as --rows of single-depth or knobs wrote them
+    /// Files of rows, as --rows of single-depth, multi-depth, blind or knobs wrote them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -42,15 +45,22 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.outputs.of(files).check()?;
     // The first file says of what study they all are.
     let study = args.files.first().map(|file| Header::read(file)).transpose()?.map(|header| header.study);
-    if study.as_deref() == Some(KnobRow::STUDY) {
-        return knobs::tell_rows(&merged(&args)?, &args.outputs, ui);
+    match study.as_deref() {
+        Some(study) if study == study_of::<Knobs>() => merged::<Knobs>(&args, ui),
+        Some(study) if study == study_of::<MultiDepth>() => merged::<MultiDepth>(&args, ui),
+        Some(study) if study == study_of::<KnownBlurs>() => merged::<KnownBlurs>(&args, ui),
+        _ => merged::<Speed>(&args, ui),
     }
-    single_depth::tell_rows(&merged(&args)?, &args.outputs, ui)
 }
 
-/// All rows, in a file of their own.
-fn merged<L: Line>(args: &Args) -> Result<Journal<L>, Error> {
+/// What a study's files call it.
+const fn study_of<T: Told>() -> &'static str {
+    <T::Row as Line>::STUDY
+}
+
+/// All rows, in a file of their own, and what they say.
+fn merged<T: Told>(args: &Args, ui: &Ui) -> Result<(), Error> {
     let mut journal = Journal::merged(&args.out, &args.files, args.any_machine)?;
     journal.finish()?;
-    Ok(journal)
+    tell::<T>(&journal, &args.outputs, ui)
 }

@@ -1,20 +1,19 @@
 //! `edof study multi-depth`: the paper's figure 7.
 
 use super::nets;
-use super::options::{Kernels, Outputs, machine, unless_interrupted};
+use super::options::{Kernels, MayKeepRows, Outputs, measured, open, tell};
 use crate::commands::scene;
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
-use edof_optics::draw::{Builtin, draw, four_depths};
-use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
+use edof_optics::draw::{Builtin, four_depths};
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, Reconstructor, Stride, Tone};
-use edof_study::demo::{DemoError, Lens};
+use edof_spec::{Camera, Noise, Stride, Tone};
 use edof_study::dictionary::Dictionary;
-use edof_study::multi_depth::{self, BEHIND, BLIND, CODED, DEMOSAICED, MIDDLE, OMP};
-use edof_study::spec::{Case, MethodSpec};
+use edof_study::multi_depth::{
+    self, BEHIND, BLIND, CODED, DEMOSAICED, Drawn, Lens, MIDDLE, MultiDepth, OMP, Plan,
+};
+use edof_study::spec::MethodSpec;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -27,8 +26,11 @@ use std::sync::Arc;
 #[command(after_help = "\
 Examples:
   edof study multi-depth --report four-depths.html
-  edof study multi-depth --tone srgb --noise sensor:gain=4 --scenes leaves --stride 4 --csv rows.csv")]
+  edof study multi-depth --tone srgb --noise sensor:gain=4 --scenes leaves --stride 4 --rows rows.jsonl --csv rows.csv")]
 pub struct Args {
+    #[command(flatten)]
+    rows: MayKeepRows,
+
     /// Scenes: chart, leaves
     #[arg(long, value_delimiter = ',', default_value = "chart,leaves", value_name = "SCENE,…")]
     scenes: Vec<String>,
@@ -80,55 +82,39 @@ pub struct Args {
 /// No weights, settings out of range, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui).reads_all(&args.dictionary), &args.nets);
-    args.outputs.of(nets::read(files, std::slice::from_ref(&args.clear_net))).check()?;
+    let files = nets::read(files, std::slice::from_ref(&args.clear_net));
+    args.outputs.of(files.may_write("--rows", args.rows.rows.as_ref())).check()?;
     scene::fits(args.width, args.height)?;
-    let behind = args.behind(ui)?;
-    let scenes = args.scenes(&behind[2].camera)?;
-    let sensor = Sensor { depth: 12, noise: args.noise, seed: args.seed, ..Sensor::default() };
-    let lenses: Vec<Lens<'_>> = behind.iter().map(Behind::lens).collect();
-    let steps = scenes.len() * lenses.iter().map(|lens| lens.methods.len()).sum::<usize>();
-    let progress = ui.progress(steps as u64, "pictures");
-    let mut done = 0;
-    let tell = |next: &str| {
-        progress.message(next);
-        progress.set(done);
-        done += 1;
-        unless_interrupted()
-    };
-    let study = match multi_depth::run(&scenes, &sensor, &lenses, args.tone, machine(ui), tell) {
-        Err(DemoError::Stopped) => return Err(Error::Interrupted),
-        other => other?,
-    };
-    drop(progress);
-    let command = ui.provenance().command;
-    let report = || Ok(study.report(&ui.signed(&command))?);
-    args.outputs.write(|| study.to_markdown(&command), report, &study.rows())?;
-    ui.say(study.to_text())?;
-    ui.json(&study)
-}
-
-/// A lens, and the methods behind it with what tables call them.
-struct Behind {
-    title: &'static str,
-    about: &'static str,
-    camera: Camera,
-    methods: Vec<(String, Box<dyn Reconstructor>)>,
-}
-
-impl Behind {
-    fn lens(&self) -> Lens<'_> {
-        Lens {
-            title: self.title.into(),
-            about: self.about.into(),
-            camera: self.camera.clone(),
-            methods: self.methods.iter().map(|(name, method)| (name.clone(), method.as_ref())).collect(),
-        }
-    }
+    let plan = args.plan(ui)?;
+    let mut journal = open(args.rows.rows.as_ref(), args.kernels.exact, ui)?;
+    measured(ui, |tell| multi_depth::run(&plan, &mut journal, tell))?;
+    tell::<MultiDepth>(&journal, &args.outputs, ui)
 }
 
 impl Args {
+    fn plan(&self, ui: &Ui) -> Result<Plan, Error> {
+        let lenses = self.lenses(ui)?;
+        let depths = lenses.last().map(|coded| four_depths(coded.camera.psi_range)).unwrap_or_default();
+        Ok(Plan {
+            scenes: self.scenes.iter().map(|scene| self.drawn(scene, &depths)).collect::<Result<_, _>>()?,
+            depth: 12,
+            noise: self.noise,
+            tone: self.tone,
+            lenses,
+            optics: self.kernels.settings(),
+            shard: self.rows.part.shard,
+        })
+    }
+
+    /// A scene at four depths.
+    fn drawn(&self, scene: &str, depths: &[f64; 4]) -> Result<Drawn, Error> {
+        scene.parse::<Builtin>()?;
+        let (height, width, seed) = (self.height, self.width, self.seed);
+        Ok(Drawn { scene: format!("{scene}-4"), height, width, psi: depths.to_vec(), seed })
+    }
+
     /// The three lenses, the coded one last, and its best network last of all.
-    fn behind(&self, ui: &Ui) -> Result<[Behind; 3], Error> {
+    fn lenses(&self, ui: &Ui) -> Result<Vec<Lens>, Error> {
         let stride = [Stride::new(self.stride)?];
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
         let named = |name: &str| -> Result<MethodSpec, Error> {
@@ -157,36 +143,10 @@ impl Args {
         let mut at_coded = plain()?;
         at_coded.push((OMP.into(), named("omp")?));
         at_coded.extend(networks(&coded, &self.nets)?);
-        Ok([
-            self.prepared(BEHIND, "sharp at the end of the range, as in the paper.", end, plain()?, ui)?,
-            self.prepared(MIDDLE, "the same lens, sharp half-way.", middle, at_middle, ui)?,
-            self.prepared(CODED, "a ring makes colours focus at different depths.", coded, at_coded, ui)?,
-        ])
-    }
-
-    fn prepared(
-        &self,
-        title: &'static str,
-        about: &'static str,
-        camera: Camera,
-        methods: Vec<(String, MethodSpec)>,
-        ui: &Ui,
-    ) -> Result<Behind, Error> {
-        ui.used(Input::camera(&camera));
-        // Blind ones take no depth from their case, and there is no one depth here.
-        let case = Case { camera: &camera, psi: 0.0, noise: self.noise, optics: self.kernels.settings() };
-        let methods = methods
-            .into_iter()
-            .map(|(name, spec)| Ok((name, spec.prepare(&case)?)))
-            .collect::<Result<Vec<_>, Error>>()?;
-        Ok(Behind { title, about, camera, methods })
-    }
-
-    fn scenes(&self, camera: &Camera) -> Result<Vec<Scene>, Error> {
-        let depths = four_depths(camera.psi_range);
-        let drawn = |name: &String| -> Result<Scene, Error> {
-            Ok(draw(name.parse::<Builtin>()?, self.height, self.width, &depths, self.seed)?)
+        let lens = |title, camera: Camera, methods| {
+            ui.used(Input::camera(&camera));
+            Lens { title, camera, methods }
         };
-        self.scenes.iter().map(drawn).collect()
+        Ok(vec![lens(BEHIND, end, plain()?), lens(MIDDLE, middle, at_middle), lens(CODED, coded, at_coded)])
     }
 }

@@ -6,10 +6,10 @@ use crate::interrupt;
 use crate::ui::Ui;
 use edof_optics::psf::Settings;
 use edof_spec::provenance::Input;
-use edof_study::csv;
+use edof_study::journal::{Header, Journal, JournalError, Line, Progress, Shard};
 use edof_study::photos::{self, Photo, Selection};
 use edof_study::report::Report;
-use serde::Serialize;
+use edof_study::told::Told;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -82,6 +82,76 @@ impl Kernels {
     }
 }
 
+/// Where rows are kept, and which of them are measured.
+#[derive(clap::Args)]
+pub struct Rows {
+    /// File of rows, JSON lines; gone on with if it is there
+    #[arg(long, value_name = "FILE")]
+    pub rows: PathBuf,
+
+    #[command(flatten)]
+    pub part: Part,
+}
+
+/// The same for studies that are short enough to do without a file.
+#[derive(clap::Args)]
+pub struct MayKeepRows {
+    /// File of rows, JSON lines; gone on with if it is there [default: none are kept]
+    #[arg(long, value_name = "FILE")]
+    pub rows: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub part: Part,
+}
+
+/// Which of a study's rows.
+#[derive(clap::Args)]
+pub struct Part {
+    /// A part of the study, such as 2/8 for the second of eight; edof study merge puts their files together
+    #[arg(long, default_value_t = Shard::WHOLE, requires = "rows", value_name = "I/N")]
+    pub shard: Shard,
+}
+
+/// Opens a file of rows or begins one; without a file rows last as long as the program.
+///
+/// # Errors
+/// A file of something else, or of rows of another machine.
+pub fn open<L: Line>(rows: Option<&PathBuf>, exact: bool, ui: &Ui) -> Result<Journal<L>, JournalError> {
+    let header = Header::of::<L>(exact, machine(ui));
+    rows.map_or_else(|| Ok(Journal::in_memory(header.clone())), |path| Journal::open(path, header.clone()))
+}
+
+/// Measures: `study` is given what hears of every row, shows how far it is, and stops it at Ctrl-C.
+///
+/// # Errors
+/// Those of the study, or that it was interrupted.
+pub fn measured<E: Into<Error>>(
+    ui: &Ui,
+    study: impl FnOnce(&dyn Fn(Progress) -> ControlFlow<()>) -> Result<(), E>,
+) -> Result<(), Error> {
+    let bar = ui.progress(1, "rows");
+    let done = study(&|p: Progress| {
+        bar.message(p.last);
+        bar.of(p.done as u64, p.of as u64);
+        unless_interrupted()
+    });
+    interrupt::check()?;
+    done.map_err(Into::into)
+}
+
+/// Tables, reports and data of a file of rows.
+///
+/// # Errors
+/// Rows that no study gave, a file that cannot be written.
+pub fn tell<T: Told>(journal: &Journal<T::Row>, outputs: &Outputs, ui: &Ui) -> Result<(), Error> {
+    let told = T::new(journal.rows(), journal.header().machine.clone())?;
+    let command = ui.provenance().command;
+    let report = || Ok(told.report(&ui.signed(&command)));
+    outputs.write(|| told.to_markdown(&command), report, || T::csv(journal.rows()))?;
+    ui.say(told.to_text())?;
+    ui.json(&told)
+}
+
 /// What a study is written to besides the terminal and `--json`.
 #[derive(clap::Args)]
 pub struct Outputs {
@@ -113,7 +183,7 @@ impl Outputs {
         &self,
         markdown: impl FnOnce() -> String,
         report: impl FnOnce() -> Result<Report, Error>,
-        rows: &[impl Serialize],
+        csv: impl FnOnce() -> String,
     ) -> Result<(), Error> {
         if let Some(path) = &self.markdown {
             edof_spec::atomic::write(path, markdown().as_bytes())?;
@@ -122,20 +192,20 @@ impl Outputs {
             report()?.save(path)?;
         }
         if let Some(path) = &self.csv {
-            edof_spec::atomic::write(path, csv::of(rows).as_bytes())?;
+            edof_spec::atomic::write(path, csv().as_bytes())?;
         }
         Ok(())
     }
 }
 
 /// CPU and threads, which every time is of.
-pub fn machine(ui: &Ui) -> String {
+fn machine(ui: &Ui) -> String {
     let host = ui.provenance().host;
     let threads = || std::thread::available_parallelism().map_or(1, usize::from);
     format!("{}, {} threads", host.cpu, host.threads.unwrap_or_else(threads))
 }
 
-/// What a study is told after each row: to end where Ctrl-C was pressed.
+/// What a study is told after each step: to end where Ctrl-C was pressed.
 pub fn unless_interrupted() -> ControlFlow<()> {
     if interrupt::check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

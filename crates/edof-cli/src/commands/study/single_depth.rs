@@ -1,7 +1,7 @@
 //! `edof study single-depth`: speed against error.
 
 use super::nets;
-use super::options::{Kernels, Outputs, Photographs, machine, unless_interrupted};
+use super::options::{Kernels, Outputs, Photographs, Rows, measured, open, tell};
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens;
@@ -9,11 +9,11 @@ use crate::ui::Ui;
 use edof_spec::provenance::Input;
 use edof_spec::{Noise, Stride, Tone};
 use edof_study::dictionary::Dictionary;
-use edof_study::journal::{Header, Journal, Shard};
-use edof_study::kodak::{KodakError, usual_noise};
-use edof_study::single_depth::{self, Plan, Progress, Row, StudyError};
+use edof_study::kodak::usual_noise;
+use edof_study::single_depth::{self, Plan};
 use edof_study::spec::MethodSpec;
 use edof_study::speed::Speed;
+use edof_study::told::Told;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -38,9 +38,8 @@ Methods:
   untrained                   the paper's network before training, T = 3 to 10: ISTA in one dictionary of all psi
   untrained-dc-removed        the same with each colour's mean taken out")]
 pub struct Args {
-    /// File of rows, JSON lines; gone on with if it is there
-    #[arg(long, value_name = "FILE")]
-    rows: PathBuf,
+    #[command(flatten)]
+    rows: Rows,
 
     /// Camera by name or file: the one that all nets were trained for
     #[arg(long, default_value = "ring-2018", value_name = "CAMERA")]
@@ -84,10 +83,6 @@ pub struct Args {
     #[command(flatten)]
     photographs: Photographs,
 
-    /// A part of the study, such as 2/8 for the second of eight; edof study merge puts their files together
-    #[arg(long, default_value_t = Shard::WHOLE, value_name = "I/N")]
-    shard: Shard,
-
     #[command(flatten)]
     outputs: Outputs,
 
@@ -104,42 +99,19 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(&args.dictionary);
     let files = nets::read(files, &args.nets).reads_pictures_of(args.photographs.folder.path()?);
-    let files = files.writes("--rows", &args.rows).may_write("--plot", args.plot.as_ref());
+    let files = files.writes("--rows", &args.rows.rows).may_write("--plot", args.plot.as_ref());
     args.outputs.of(files).check()?;
     let (photos, skipped) = args.photographs.load(ui)?;
     let (plan, notes) = args.plan(ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
-    let mut journal = Journal::open(&args.rows, Header::of::<Row>(args.kernels.exact, machine(ui)))?;
-    let progress = ui.progress(1, "rows");
-    let tell = |p: Progress| {
-        progress.message(p.last);
-        progress.of(p.done as u64, p.of as u64);
-        unless_interrupted()
-    };
-    match single_depth::run(&plan, &photos, &mut journal, tell) {
-        Err(StudyError::Trial(KodakError::Stopped)) => return Err(Error::Interrupted),
-        other => other?,
-    }
-    drop(progress);
+    let mut journal = open(Some(&args.rows.rows), args.kernels.exact, ui)?;
+    measured(ui, |tell| single_depth::run(&plan, &photos, &mut journal, tell))?;
     if let Some(path) = &args.plot {
-        let speed = Speed::new(journal.rows(), journal.header().machine.clone());
+        let speed = Speed::new(journal.rows(), journal.header().machine.clone())?;
         edof_spec::atomic::write(path, speed.diagrams().as_bytes())?;
     }
-    tell_rows(&journal, &args.outputs, ui)
-}
-
-/// Tables, reports and data of a file of rows.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn tell_rows(journal: &Journal<Row>, outputs: &Outputs, ui: &Ui) -> Result<(), Error> {
-    let speed = Speed::new(journal.rows(), journal.header().machine.clone());
-    let command = ui.provenance().command;
-    let report = || Ok(speed.report(&ui.signed(&command)));
-    outputs.write(|| speed.to_markdown(&command), report, journal.rows())?;
-    ui.say(speed.to_text())?;
-    ui.json(&speed)
+    tell::<Speed>(&journal, &args.outputs, ui)
 }
 
 impl Args {
@@ -164,7 +136,10 @@ impl Args {
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
         let (psi, optics) = (self.psi.clone(), self.kernels.settings());
-        Ok((Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.shard }, notes))
+        Ok((
+            Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.rows.part.shard },
+            notes,
+        ))
     }
 
     fn named(&self) -> Vec<&str> {

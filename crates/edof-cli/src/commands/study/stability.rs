@@ -67,7 +67,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let suite = suite.ok_or(Error::Interrupted)?;
     let command = ui.provenance().command;
     let rows: Vec<_> = suite.cases.iter().flat_map(|outcome| &outcome.seen).collect();
-    args.outputs.write(|| suite.to_markdown(&command), || Ok(suite.report(&ui.signed(&command))), &rows)?;
+    let report = || Ok(suite.report(&ui.signed(&command)));
+    args.outputs.write(|| suite.to_markdown(&command), report, || edof_study::csv::of(&rows))?;
     ui.say(suite.to_text())?;
     ui.json(&suite)?;
     if suite.broken == 0 { Ok(()) } else { Err(Error::message(suite.verdict())) }

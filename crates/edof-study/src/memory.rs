@@ -1,0 +1,37 @@
+//! The most memory that a process held, asked of the system: Linux remembers it, and forgets it when told to.
+
+use std::fs;
+
+/// Makes the system forget what the process held at most, so that [`peak_bytes`] is of what comes next.
+pub fn forget_peak() {
+    // "5" resets the peak (proc(5), clear_refs). Where that cannot be, the peak is that of the whole run, still a bound.
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
+/// The most bytes of memory that the process held since [`forget_peak`], shared libraries and what its allocator keeps included; none
+/// where the system does not tell.
+#[must_use]
+pub fn peak_bytes() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes << 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_counts_what_is_used_for_a_moment() {
+        const BYTES: usize = 48 << 20;
+        let counted = || {
+            forget_peak();
+            let before = peak_bytes()?;
+            drop(std::hint::black_box(vec![1u8; before as usize + BYTES]));
+            Some(peak_bytes()? >= before + BYTES as u64)
+        };
+        // Another test of this process may make the system forget in between.
+        assert!((0..20).any(|_| counted().unwrap_or(true)));
+    }
+}

@@ -1,0 +1,283 @@
+//! What lenses and methods made of one scene of several depths: how near each picture comes to the scene, in a table and in words.
+
+use crate::metrics::{BORDER, MetricError, Quality, decibel, luma, shown};
+use crate::tables::Table;
+use edof_optics::scene::Scene;
+use edof_spec::{ColourFrame, Tone};
+use ndarray::{Array2, ArrayView2, s};
+use serde::{Deserialize, Serialize};
+
+/// A picture of a scene and how near it comes to the truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Picture {
+    /// Which lens, as in `coded lens`.
+    pub lens: String,
+    /// Its camera's name.
+    pub camera: String,
+    /// What was done.
+    pub treatment: String,
+    /// Name of the method.
+    pub method: String,
+    /// Quality of the picture as it is looked at.
+    #[serde(flatten)]
+    pub picture: Quality,
+    /// Quality of the light; the same where light is what is measured.
+    pub light: Quality,
+    /// PSNR of the picture where each depth is seen: pairs of ψ and dB, ψ ascending.
+    pub psi_db: Vec<[f64; 2]>,
+    /// Seconds that the method took.
+    pub seconds: f64,
+}
+
+/// What a picture is called: whose it is, and what was done.
+#[derive(Debug, Clone, Copy)]
+pub struct Names<'a> {
+    /// See [`Picture::lens`].
+    pub lens: &'a str,
+    /// See [`Picture::camera`].
+    pub camera: &'a str,
+    /// See [`Picture::treatment`].
+    pub treatment: &'a str,
+    /// See [`Picture::method`].
+    pub method: &'a str,
+}
+
+impl Picture {
+    /// Lens and treatment, as tables and figures call it.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("{}, {}", self.lens, self.treatment)
+    }
+
+    /// PSNR in dB where a depth is seen.
+    #[must_use]
+    pub fn db_at(&self, psi: f64) -> Option<f64> {
+        // What was read from a file may differ in the last bit.
+        self.psi_db.iter().find(|d| (d[0] - psi).abs() < 1e-6).map(|d| d[1])
+    }
+}
+
+/// The scene without blur, as light and as it is looked at, and where each depth is seen.
+pub struct Truth {
+    /// Its light.
+    pub light: ColourFrame,
+    shown: ColourFrame,
+    depths: Array2<f32>,
+    tone: Tone,
+}
+
+/// Sides in pixels of the enlarged parts, largest first: the first that a depth has room for.
+const SIDES: [usize; 3] = [80, 48, 24];
+/// Pixels from one place that is looked at to the next.
+const STEP: usize = 8;
+
+/// A square part of a scene that lies at one depth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// ψ.
+    pub psi: f64,
+    row: usize,
+    column: usize,
+    side: usize,
+}
+
+impl Part {
+    /// It alone, of the scene or of a picture of it.
+    #[must_use]
+    pub fn of(&self, frame: &ColourFrame) -> ColourFrame {
+        frame.crop(self.row, self.column, self.side, self.side)
+    }
+}
+
+impl Truth {
+    /// Of a scene, under what is measured: light or its encoding.
+    #[must_use]
+    pub fn of(scene: &Scene, tone: Tone) -> Self {
+        let light = scene.sharp();
+        Self { shown: shown(&light, tone), light, depths: scene.psi_map(), tone }
+    }
+
+    /// What a picture of the scene is worth.
+    ///
+    /// # Errors
+    /// [`MetricError`]: a scene too small to measure.
+    pub fn judge(&self, names: Names<'_>, frame: &ColourFrame, seconds: f64) -> Result<Picture, MetricError> {
+        let picture = shown(frame, self.tone);
+        Ok(Picture {
+            lens: names.lens.to_owned(),
+            camera: names.camera.to_owned(),
+            treatment: names.treatment.to_owned(),
+            method: names.method.to_owned(),
+            picture: Quality::of(&self.shown, &picture, BORDER)?,
+            light: Quality::of(&self.light, frame, BORDER)?,
+            psi_db: psnr_by_depth(&self.shown, &picture, &self.depths),
+            seconds,
+        })
+    }
+
+    /// The busiest part of each depth, ψ ascending; depths without room for one are left out.
+    #[must_use]
+    pub fn parts(&self) -> Vec<Part> {
+        let mut psis: Vec<f32> = vec![];
+        for &psi in &self.depths {
+            if !psis.contains(&psi) {
+                psis.push(psi);
+            }
+        }
+        psis.sort_by(f32::total_cmp);
+        let busy = luma(&self.light);
+        let part = |psi: f32| {
+            let found = SIDES.iter().find_map(|&side| Some((busiest(&busy, &self.depths, psi, side)?, side)));
+            found.map(|((row, column), side)| Part { psi: f64::from(psi), row, column, side })
+        };
+        psis.into_iter().filter_map(part).collect()
+    }
+}
+
+/// PSNR over the pixels of each depth inside the border, ψ ascending.
+fn psnr_by_depth(truth: &ColourFrame, estimate: &ColourFrame, depths: &Array2<f32>) -> Vec<[f64; 2]> {
+    let (height, width) = truth.size();
+    let mut sums: Vec<(f32, f64, f64)> = vec![];
+    for row in BORDER..height - BORDER {
+        for column in BORDER..width - BORDER {
+            let psi = depths[(row, column)];
+            let error = |p| {
+                (f64::from(truth.planes[(p, row, column)]) - f64::from(estimate.planes[(p, row, column)]))
+                    .powi(2)
+            };
+            let square = error(0) + error(1) + error(2);
+            match sums.iter_mut().find(|s| s.0 == psi) {
+                Some(sum) => {
+                    sum.1 += square;
+                    sum.2 += 3.0;
+                }
+                None => sums.push((psi, square, 3.0)),
+            }
+        }
+    }
+    sums.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sums.into_iter().map(|(psi, sum, count)| [f64::from(psi), decibel(sum / count)]).collect()
+}
+
+/// Row and column of the square of that side, all at `psi`, in which neighbours differ most.
+fn busiest(light: &Array2<f32>, depths: &Array2<f32>, psi: f32, side: usize) -> Option<(usize, usize)> {
+    let (height, width) = light.dim();
+    let starts = |length: usize| (BORDER..(length + 1).saturating_sub(side + BORDER)).step_by(STEP);
+    let places = starts(height).flat_map(|row| starts(width).map(move |column| (row, column)));
+    let square = |(row, column): (usize, usize)| s![row..row + side, column..column + side];
+    let inside = places.filter(|&at| depths.slice(square(at)).iter().all(|depth| *depth == psi));
+    let busy = |at: &(usize, usize)| change(light.slice(square(*at)));
+    inside.max_by(|a, b| busy(a).total_cmp(&busy(b)))
+}
+
+fn change(part: ArrayView2<'_, f32>) -> f64 {
+    let step = |pair: ndarray::ArrayView1<'_, f32>| f64::from((pair[1] - pair[0]).powi(2));
+    part.rows().into_iter().flat_map(|row| row.windows(2).into_iter().map(step).collect::<Vec<_>>()).sum()
+}
+
+/// PSNRs, SSIM and seconds of all pictures.
+#[must_use]
+pub fn table(pictures: &[Picture]) -> Table {
+    let psis = pictures.first().map(|p| p.psi_db.as_slice()).unwrap_or_default();
+    let mut header = vec!["PSNR in dB".to_owned(), "all".into()];
+    header.extend(psis.iter().map(|[psi, _]| format!("ψ = {psi:.1}")));
+    header.extend(["SSIM".to_owned(), "light".into(), "seconds".into()]);
+    let row = |p: &Picture| {
+        let mut cells = vec![p.name(), format!("{:.2}", p.picture.psnr_db)];
+        cells.extend(p.psi_db.iter().map(|d| format!("{:.2}", d[1])));
+        cells.extend([
+            format!("{:.4}", p.picture.ssim),
+            format!("{:.2}", p.light.psnr_db),
+            format!("{:.3}", p.seconds),
+        ]);
+        cells
+    };
+    Table { header, rows: pictures.iter().map(row).collect() }
+}
+
+/// Row and column of the largest number of each of the table's columns but the last, which is time.
+#[must_use]
+pub fn best(pictures: &[Picture]) -> Vec<(usize, usize)> {
+    let table = table(pictures);
+    let number =
+        |row: usize, column: usize| table.rows[row][column].parse::<f64>().unwrap_or(f64::NEG_INFINITY);
+    let column = |c: usize| {
+        let row = (0..table.rows.len()).max_by(|&a, &b| number(a, c).total_cmp(&number(b, c)))?;
+        Some((row, c))
+    };
+    (1..table.header.len() - 1).filter_map(column).collect()
+}
+
+/// Depths where another is better by less than this many dB are no loss.
+const TIE_DB: f64 = 0.05;
+
+/// The last picture, which is ours, against the best of the others, and where it loses, in words.
+#[must_use]
+pub fn verdict(pictures: &[Picture]) -> String {
+    let Some((ours, others)) = pictures.split_last() else { return String::new() };
+    let better = |a: &&Picture, b: &&Picture| a.picture.psnr_db.total_cmp(&b.picture.psnr_db);
+    let Some(rival) = others.iter().max_by(better) else { return String::new() };
+    let worst =
+        |p: &Picture| p.psi_db.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or_default();
+    let ([our_psi, our_worst], [its_psi, its_worst]) = (worst(ours), worst(rival));
+    let losses: Vec<String> = (0..ours.psi_db.len()).filter_map(|depth| loss(ours, others, depth)).collect();
+    let losses = match losses[..] {
+        [] => "At no depth is any of the others better.".to_owned(),
+        _ => format!("It loses at {}.", losses.join(", and at ")),
+    };
+    format!(
+        "{}: {:.1} dB over the whole picture, {our_worst:.1} at its worst depth (ψ = {our_psi:.1}). The best of the others, {}: \
+         {:.1} and {its_worst:.1} (ψ = {its_psi:.1}). {losses}",
+        capitalised(&ours.name()),
+        ours.picture.psnr_db,
+        rival.name(),
+        rival.picture.psnr_db,
+    )
+}
+
+/// How far the best of the others is ahead at one depth, if it is.
+fn loss(ours: &Picture, others: &[Picture], depth: usize) -> Option<String> {
+    let [psi, db] = *ours.psi_db.get(depth)?;
+    let ahead = |p: &Picture| Some((p.psi_db.get(depth)?[1] - db, p.name()));
+    let (by, who) = others.iter().filter_map(ahead).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (by > TIE_DB).then(|| format!("ψ = {psi:.1} by {by:.1} dB ({who})"))
+}
+
+/// With a capital first letter.
+#[must_use]
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::tests::demo;
+
+    #[test]
+    fn the_verdict_says_where_we_lose() {
+        let mut pictures = demo().pictures;
+        for (picture, db) in pictures.iter_mut().zip([30.0, 31.0]) {
+            picture.psi_db.iter_mut().for_each(|d| d[1] = db);
+            picture.picture.psnr_db = db;
+        }
+        assert!(verdict(&pictures).contains("At no depth"), "{}", verdict(&pictures));
+        pictures[0].psi_db[1][1] = 32.5;
+        let verdict = verdict(&pictures);
+        assert!(verdict.ends_with("It loses at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{verdict}");
+    }
+
+    #[test]
+    fn the_busiest_part_lies_at_its_depth() {
+        let light =
+            Array2::from_shape_fn(
+                (60, 80),
+                |(r, c)| if (30..50).contains(&c) { ((r + c) % 2) as f32 } else { 0.5 },
+            );
+        let depths = Array2::from_shape_fn((60, 80), |(_, c)| if c < 60 { 1.0 } else { 5.0 });
+        let (_, column) = busiest(&light, &depths, 1.0, 24).unwrap();
+        assert!((24..=32).contains(&column), "{column}");
+        assert_eq!(busiest(&light, &depths, 5.0, 24), None);
+    }
+}

@@ -1,0 +1,44 @@
+//! What a file of rows says: every study that is kept in one is told in the same ways.
+
+use crate::csv;
+use crate::journal::Line;
+use crate::report::Report;
+use edof_optics::draw::DrawError;
+use serde::Serialize;
+
+/// A study made from its rows.
+pub trait Told: Serialize + Sized {
+    /// What it is made from.
+    type Row: Line;
+
+    /// What rows say; `machine` names the CPU and threads that times are of.
+    ///
+    /// # Errors
+    /// [`ToldError`]: rows that no study gave.
+    fn new(rows: &[Self::Row], machine: String) -> Result<Self, ToldError>;
+
+    /// Tables for a terminal.
+    fn to_text(&self) -> String;
+
+    /// The same as a Markdown page; `command` tells how to make it again.
+    fn to_markdown(&self, command: &str) -> String;
+
+    /// The same as a report, with plots or pictures.
+    fn report(&self, command: &str) -> Report;
+
+    /// Every row for a spreadsheet.
+    fn csv(rows: &[Self::Row]) -> String {
+        csv::of(rows)
+    }
+}
+
+/// Rows that no study gave.
+#[derive(Debug, thiserror::Error)]
+pub enum ToldError {
+    /// A scene that nothing draws.
+    #[error("rows of {0}")]
+    Scene(#[from] DrawError),
+    /// A scene that cannot be encoded.
+    #[error("picture: {0}")]
+    Picture(#[from] image::ImageError),
+}
