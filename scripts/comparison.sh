@@ -3,7 +3,7 @@
 #   speed   docs/results/single-depth.*, docs/figures/speed.svg and the report out/single-depth.html   (25 minutes on two busy cores)
 #   depths  docs/results/multi-depth.*, the report out/multi-depth.html                                 (5 minutes)
 #           (its rows hold the pictures and stay in out/multi-depth.jsonl)
-#   blind   docs/results/blind.*, the report out/blind.html                                             (15 minutes)
+#   blind   docs/results/blind.* (test photographs) and blind-train.* (the others), reports in out      (15 minutes)
 # Rows that are there (of the same contents, on the same CPU) are kept, and only told again: remove a file of rows to measure it anew.
 # Nothing is chosen on what is measured here. Photographs: $EDOF_KODAK, else ../shared/data/kodak.
 set -euo pipefail
@@ -35,8 +35,12 @@ for part in "$@"; do
             "$edof" study multi-depth --rows out/multi-depth.jsonl $(told multi-depth)
             ;;
         blind)
-            # shellcheck disable=SC2046
-            "$edof" study blind --rows docs/results/blind.jsonl $(told blind) --photos all
+            for set in test train; do
+                page=blind${set/test/}
+                page=${page/train/-train}
+                "$edof" study blind --rows "docs/results/$page.jsonl" --markdown "docs/results/$page.md" --report "out/$page.html" \
+                    --photos "$set" --side 15
+            done
             ;;
     esac
 done
