@@ -7,7 +7,6 @@
 use super::isa::{Isa, for_each_isa};
 use super::sums::{LOW_BITS, SUM_BITS, Sums};
 use edof_spec::fixed_network::FinalShifts;
-use edof_spec::network::Shrinkage;
 use edof_spec::number::requantize;
 
 /// Bits of an output word.
@@ -155,7 +154,7 @@ for_each_isa! {
 
 for_each_isa! {
     /// Two-sided soft threshold of each pre-activation: what is left of it outside of −θ…θ, which never saturates.
-    fn shrink_two_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    pub fn shrink_two_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
             // −32768 has no opposite, but thresholds are 0 or more.
             *z = *b - (*b).min(*theta).max(-theta.max(&0));
@@ -165,8 +164,18 @@ for_each_isa! {
 }
 
 for_each_isa! {
-    /// One-sided soft threshold of each pre-activation.
-    fn shrink_one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    /// One-sided soft threshold of each pre-activation, θ of 0 or more, which never saturates.
+    pub fn shrink_one_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+        for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
+            *z = b.saturating_sub(*theta).max(0);
+        }
+        0
+    }
+}
+
+for_each_isa! {
+    /// One-sided soft threshold of each pre-activation, θ of any sign.
+    pub fn shrink_or_grow(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
         let most = ((1i32 << (bits - 1)) - 1) as i16;
         let mut saturated = 0u16;
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
@@ -176,14 +185,6 @@ for_each_isa! {
             *z = word.min(most);
         }
         saturated.into()
-    }
-}
-
-/// The soft threshold of each pre-activation of `bits` bits.
-pub fn shrink(isa: Isa, shrinkage: Shrinkage, bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
-    match shrinkage {
-        Shrinkage::OneSided => shrink_one_sided(isa, bits, theta, b, z),
-        Shrinkage::TwoSided => shrink_two_sided(isa, theta, b, z),
     }
 }
 
@@ -199,13 +200,6 @@ for_each_isa! {
             *out = held as i16;
         }
         saturated.into()
-    }
-}
-
-for_each_isa! {
-    /// How many words are not zero.
-    pub fn nonzeros(words: &[i16]) -> u64 {
-        words.iter().map(|w| u16::from(*w != 0)).sum::<u16>().into()
     }
 }
 
