@@ -164,27 +164,16 @@ for_each_isa! {
 }
 
 for_each_isa! {
-    /// One-sided soft threshold of each pre-activation, θ of 0 or more, which never saturates.
-    pub fn shrink_one_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
-        for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
-            *z = b.saturating_sub(*theta).max(0);
-        }
-        0
-    }
-}
-
-for_each_isa! {
-    /// One-sided soft threshold of each pre-activation, θ of any sign.
-    pub fn shrink_or_grow(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    /// One-sided soft threshold of each pre-activation, fewer than 2^16.
+    pub fn shrink_one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
         let most = ((1i32 << (bits - 1)) - 1) as i16;
-        let mut saturated = 0u16;
+        let mut saturated = 0i16;
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
-            let word = b.saturating_sub(*theta).max(0);
-            let clipped = (word > most) | ((word == i16::MAX) & (b.wrapping_sub(*theta) < 0));
-            saturated += u16::from(clipped);
-            *z = word.min(most);
+            // Where most + θ saturates, b cannot pass it, and b − θ cannot pass `most`.
+            saturated = saturated.wrapping_add(i16::from(*b > most.saturating_add(*theta)));
+            *z = b.saturating_sub(*theta).max(0).min(most);
         }
-        saturated.into()
+        u64::from(saturated as u16)
     }
 }
 

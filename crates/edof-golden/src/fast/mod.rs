@@ -59,8 +59,6 @@ struct Stage {
     finish: Finish,
     /// θ of each pre-activation, zeros after the last.
     theta: Vec<i16>,
-    /// Whether no θ is negative, so that no code saturates.
-    only_shrinks: bool,
     sends_difference: bool,
 }
 
@@ -334,11 +332,9 @@ impl Stage {
         };
         let mut theta = network.thresholds[t].to_vec();
         theta.resize(padded(network.form.codes), 0);
-        let only_shrinks = theta.iter().all(|theta| *theta >= 0);
         Self {
             finish: Finish { base_shift, shift, bits: network.code_bits, accumulator_bits },
             theta,
-            only_shrinks,
             sends_difference: sends_difference(network, t),
         }
     }
@@ -347,8 +343,7 @@ impl Stage {
     fn shrink(&self, isa: Isa, shrinkage: Shrinkage, bits: u32, b: &[i16], z: &mut [i16]) -> u64 {
         match shrinkage {
             Shrinkage::TwoSided => finish::shrink_two_sided(isa, &self.theta, b, z),
-            Shrinkage::OneSided if self.only_shrinks => finish::shrink_one_sided(isa, &self.theta, b, z),
-            Shrinkage::OneSided => finish::shrink_or_grow(isa, bits, &self.theta, b, z),
+            Shrinkage::OneSided => finish::shrink_one_sided(isa, bits, &self.theta, b, z),
         }
     }
 }
