@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p edof-golden --example throughput -- NETWORK.fixed.safetensors RAW.png [THREADS [FRAMES [OUT.f32]]]`: RAW.png
 //! is grey, red first, 12 bits at the top of each word, as `edof capture` writes it. Prints one JSON line, and writes the frame's linear red,
-//! green and blue to OUT.f32. `benches/peers/golden_onnx.sh` runs it beside the float network.
+//! green and blue to OUT.f32. `benches/peers/golden_float.sh` runs it beside the float network.
 
 use edof_golden::{Display, Golden, Picture};
 use edof_spec::{CfaPhase, RawFrame, weight_file};

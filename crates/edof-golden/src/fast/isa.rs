@@ -54,8 +54,8 @@ impl Isa {
             && is_x86_feature_detected!("avx512vl");
         let vnni =
             avx512 && is_x86_feature_detected!("avx512vnni") && is_x86_feature_detected!("avx512vbmi2");
-        let avx512 = avx512.then(|| Self::Avx512(Avx512(())));
-        let vnni = vnni.then(|| Self::Avx512Vnni(Avx512Vnni(())));
+        let avx512 = if avx512 { Some(Self::Avx512(Avx512(()))) } else { None };
+        let vnni = if vnni { Some(Self::Avx512Vnni(Avx512Vnni(()))) } else { None };
         [Some(Self::Portable), avx2, avx512, vnni].into_iter().flatten()
     }
 
