@@ -157,9 +157,8 @@ mod tests {
     fn every_instruction_set_finds_the_same_words() {
         let draw = &mut Draw::new(7);
         for length in [1, 31, 32, 33, 64, 192, 330] {
-            let vector: Vec<i16> = (0..length)
-                .map(|_| if draw.whole(0, 2) == 0 { draw.extreme(16) as i16 } else { 0 })
-                .collect();
+            let vector: Vec<i16> =
+                (0..length).map(|_| if draw.whole(0, 2) == 0 { draw.extreme(16) } else { 0 }).collect();
             let (mut words, mut columns) = (vec![0; length + SLACK], vec![0; length + SLACK]);
             let (count, magnitude) = portable::collect(&vector, &mut words, &mut columns);
             assert_eq!(count, vector.iter().filter(|w| **w != 0).count());
