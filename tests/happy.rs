@@ -1,9 +1,9 @@
 //! What the program is for, done by the real binary on small inputs.
 
-use crate::support::Place;
+use crate::support::{Place, network};
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_spec::Tone;
+use edof_spec::{Tone, weight_file};
 use serde_json::json;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
@@ -284,7 +284,7 @@ fn a_study_in_parts_one_of_them_killed_gives_the_same_file_as_a_whole_one() {
     place.float_network("net.safetensors");
     let line = |rows: &str, shard: &str| {
         format!(
-            "study single-depth --rows {rows} --shard {shard} --camera clear --nets net.safetensors --images photos --psi 2,4,6 \
+            "study single-depth --rows {rows} --shard {shard} --camera clear --nets net.safetensors --images photos --psi 2,3.9634806967355276,6 \
              --noise none,0.01 --stride 8 --methods malvar,wiener"
         )
     };
@@ -345,6 +345,35 @@ fn scenes_at_four_depths_fill_the_papers_columns() {
     assert_eq!(std::fs::read_to_string(place.path("whole")).unwrap(), whole, "nothing is measured twice");
     let wrong = place.edof(&format!("{line} --shard 1/2"));
     assert!(wrong.code == Some(2) && wrong.err.contains("--rows"), "{}", wrong.err);
+}
+
+#[test]
+fn studies_take_distances_before_cameras_that_know_their_focus() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.float_network("net.safetensors");
+    for nominal in [5.0, 10.0] {
+        let mut network = network();
+        network.origin.camera.nominal_m = Some(nominal);
+        place.write(&format!("from-{nominal}m.json"), network.origin.camera.to_json());
+        weight_file::save_network(&place.path(&format!("from-{nominal}m.safetensors")), &network).unwrap();
+    }
+    let study =
+        |options: &str| place.edof(&format!("study {options} --images photos --psi 3.1109m --noise none"));
+    study("kodak --nets from-10m.safetensors --csv kodak").done();
+    study("single-depth --camera from-10m.json --nets from-10m.safetensors --stride 8 --methods malvar --rows r --csv single").done();
+    study("knobs --net from-10m.safetensors --knobs noise-class --rows k --csv knobs").done();
+    for rows in ["kodak", "single", "knobs"] {
+        let text = std::fs::read_to_string(place.path(rows)).unwrap();
+        let (header, row) = text.split_once('\n').unwrap();
+        let column = header.split(',').position(|field| field == "psi").unwrap();
+        let psi: f64 = row.split(',').nth(column).unwrap().parse().unwrap();
+        assert!((psi - 8.0).abs() < 1e-3, "{rows}: {psi}");
+    }
+    study("kodak --nets net.safetensors").refused(&["depth 3.1109m: camera clear does not know"]);
+    study("kodak --nets from-10m.safetensors,from-5m.safetensors")
+        .refused(&["--psi 3.1109m: is psi 8.001 before camera clear, ", "study their nets one by one"]);
 }
 
 #[test]

@@ -115,6 +115,14 @@ impl Depth {
     }
 }
 
+/// ψ of several depths before a camera.
+///
+/// # Errors
+/// As [`Depth::psi`].
+pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
+    depths.iter().map(|depth| depth.psi(camera)).collect()
+}
+
 /// Two depths, as in `8:0` or `0.7m:3m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {

@@ -1,6 +1,7 @@
 //! Windows of a picture as a network's own camera sees it: what the hardware is fed with in trials and estimates.
 
 use crate::error::Error;
+use crate::lens::Depth;
 use crate::pictures;
 use crate::ui::Ui;
 use edof_golden::windows;
@@ -21,7 +22,7 @@ pub struct Shot {
     /// A photograph; without it, a built-in scene of dead leaves.
     pub photo: Option<PathBuf>,
     /// Its depth; without it, the far end of the network's range, where blur is hardest.
-    pub psi: Option<f64>,
+    pub psi: Option<Depth>,
     /// Noise; without it, the most of the first condition that the network was trained for.
     pub noise: Option<Noise>,
     pub seed: u64,
@@ -29,11 +30,11 @@ pub struct Shot {
 
 impl Shot {
     /// Every photograph (or the built-in scene) at every depth (or the usual one).
-    pub fn all(photos: &[PathBuf], psis: &[f64], noise: Option<Noise>) -> Vec<Self> {
-        let or_usual = |depths: Vec<Option<f64>>| if depths.is_empty() { vec![None] } else { depths };
+    pub fn all(photos: &[PathBuf], psis: &[Depth], noise: Option<Noise>) -> Vec<Self> {
+        let or_usual = |depths: Vec<Option<Depth>>| if depths.is_empty() { vec![None] } else { depths };
         let psis = or_usual(psis.iter().copied().map(Some).collect());
         let at_depths = |photo: Option<&PathBuf>| {
-            let shot = |psi: &Option<f64>| Self { photo: photo.cloned(), psi: *psi, noise, seed: 0 };
+            let shot = |psi: &Option<Depth>| Self { photo: photo.cloned(), psi: *psi, noise, seed: 0 };
             psis.iter().map(shot).collect::<Vec<_>>()
         };
         if photos.is_empty() {
@@ -44,14 +45,18 @@ impl Shot {
     }
 
     /// What results call it, at the depth where it is.
-    pub fn name(&self, network: &FixedNetwork) -> String {
+    ///
+    /// # Errors
+    /// As [`Depth::psi`].
+    pub fn name(&self, network: &FixedNetwork) -> Result<String, Error> {
         let photo =
             self.photo.as_ref().map_or_else(|| "dead leaves".into(), |path| path.display().to_string());
-        format!("{photo} at psi {}", self.depth(network))
+        Ok(format!("{photo} at psi {}", self.depth(network)?))
     }
 
-    fn depth(&self, network: &FixedNetwork) -> f64 {
-        self.psi.unwrap_or(network.origin.camera.psi_range[1])
+    fn depth(&self, network: &FixedNetwork) -> Result<f64, Error> {
+        let camera = &network.origin.camera;
+        self.psi.map_or(Ok(camera.psi_range[1]), |depth| depth.psi(camera))
     }
 
     /// The raw frame.
@@ -65,9 +70,9 @@ impl Shot {
     /// The raw frame and what it is a picture of, with the [`tone`] of the network.
     ///
     /// # Errors
-    /// A photograph that cannot be read or used, a depth that is out of the lens model's reach.
+    /// A photograph that cannot be read or used, a depth that is out of the lens model's reach or of no known ψ.
     pub fn taken(&self, network: &FixedNetwork, ui: &Ui) -> Result<Capture, Error> {
-        let (camera, psi) = (&network.origin.camera, self.depth(network));
+        let (camera, psi) = (&network.origin.camera, self.depth(network)?);
         let scene = match &self.photo {
             Some(path) => {
                 let (name, photograph) = (path.display().to_string(), pictures::load(path, ui)?);

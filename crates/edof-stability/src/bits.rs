@@ -186,7 +186,7 @@ pub fn report(all: &[Bits], command: &str) -> Report {
     all.iter().for_each(|bits| {
         report.verdict(&bits.verdict());
     });
-    report.paragraph(command).paragraph(
+    report.made_by(command).paragraph(
         "Weights of a stage are multiples of a power of two, and its results have as many bits fewer, in the range that they had; F's \
          results keep their 16. Drawn scenes behind each network's own camera.",
     );

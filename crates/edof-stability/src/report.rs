@@ -114,7 +114,7 @@ impl Suite {
     #[must_use]
     pub fn report(&self, command: &str) -> Report {
         let mut report = Report::new("Hard cases");
-        report.verdict(&self.verdict()).paragraph(command).paragraph(
+        report.verdict(&self.verdict()).made_by(command).paragraph(
             "Cases that use most of their limits come first. Every case says what could go wrong, what is promised, why the limit is \
              what it is, and the worst that was seen of every method, solver or network.",
         );
@@ -221,8 +221,10 @@ fn card(report: &mut Report, outcome: &Outcome) {
     if !rows.is_empty() {
         report.table(&["what", "measured", "worst", "limit", "remark"], &rows, &[]);
     }
-    if facts > 0 {
-        report.paragraph(&format!("And {facts} things that are so or not, all of them so."));
+    match facts {
+        0 => {}
+        1 => _ = report.paragraph("And one thing that is so or not, and it is."),
+        several => _ = report.paragraph(&format!("And {several} things that are so or not, all of them so.")),
     }
 }
 

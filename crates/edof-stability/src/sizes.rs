@@ -14,6 +14,7 @@ use edof_spec::draw::Draw;
 use edof_spec::geometry::PATCH;
 use edof_spec::overlap::Overlap;
 use edof_spec::{CfaPhase, RawFrame, Reconstructor, Stride};
+use edof_study::memory;
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use ndarray::{Array2, s};
 
@@ -72,10 +73,10 @@ pub(crate) fn megapixels(bench: &Bench, count: usize, promise: &Promise) -> Resu
     let raw = RawFrame::from_values(values, 12, CfaPhase::Rggb)?;
     let golden = Golden::new(trained.fixed.clone())?;
     // The peak so far is that of other cases; where the system does not forget it, it only makes this one look worse.
-    let _ = std::fs::write("/proc/self/clear_refs", "5");
-    let before = memory("VmRSS:");
+    memory::forget_peak();
+    let before = memory::held_bytes();
     let made = golden.frame(&raw)?;
-    let (peak, pixels) = (memory("VmHWM:"), (size.0 * size.1) as f64);
+    let (peak, pixels) = (memory::peak_bytes(), (size.0 * size.1) as f64);
     let draw = &mut Draw::new(3);
     let geometry = golden.geometry();
     let wrong = (0..PLACES).filter(|_| {
@@ -90,15 +91,8 @@ pub(crate) fn megapixels(bench: &Bench, count: usize, promise: &Promise) -> Resu
     let mut seen =
         vec![Seen::fact(&name, "words at drawn places are the specification's", wrong.count() == 0)];
     if let (Some(before), Some(peak), Some(limit)) = (before, peak, promise.limit(&name)) {
-        let bytes = (peak - before).max(0.0) * 1024.0 / pixels;
+        let bytes = peak.saturating_sub(before) as f64 / pixels;
         seen.push(Seen::new(&name, "bytes a pixel beside the raw frame", bytes, limit));
     }
     Ok(Tried { saturations: made.counts.saturations(), ..Tried::of(seen) })
-}
-
-/// Kibibytes that the system says this program takes; none where it does not say.
-fn memory(field: &str) -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix(field))?;
-    line.split_whitespace().next()?.parse().ok()
 }

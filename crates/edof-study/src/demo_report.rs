@@ -40,7 +40,7 @@ impl Demo {
              seen. The best of each column is set off."
         ));
         pictures::table(&self.pictures).add_to(&mut report, &pictures::best(&self.pictures));
-        report.paragraph(&format!("Made by: {command}"));
+        report.made_by(command);
         Ok(report)
     }
 
@@ -111,7 +111,7 @@ mod tests {
         let demo = demo();
         let html = demo.report("edof demo --scene chart").unwrap().to_html();
         assert_eq!(html.matches("<figure>").count(), 3 + 4 * 3);
-        assert!(html.contains("edof demo --scene chart") && html.contains("ring-outer"));
+        assert!(html.contains("<span>edof demo</span> <span>--scene chart") && html.contains("ring-outer"));
         assert!(html.find("class=\"verdict\"") < html.find("<h2>"));
         assert_eq!(html.matches("class=\"n best\"").count(), 7, "one cell of each column");
     }

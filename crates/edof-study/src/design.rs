@@ -68,7 +68,7 @@ impl Foldings {
     #[must_use]
     pub fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.paragraph(&self.explanation()).paragraph(&format!("Made by `{command}`."));
+        report.paragraph(&self.explanation()).made_by(command);
         report.plots(&[
             self.plot("cycles a patch", |f| f.cycles_per_patch),
             self.plot("multipliers (DSP48E1)", |f| f.dsp48e1 as f64),
@@ -82,9 +82,9 @@ impl Foldings {
 
     fn explanation(&self) -> String {
         format!(
-            "Every folding that fits a {}, by the cycle model on {}, with the picture and the clock of design {} ({} MHz, planned and not measured; \
-             multipliers and block RAM are exact). PSNR is that of each network behind its own camera, so networks of different cameras are different \
-             lenses too. The front holds what no other folding of any network beats in dB, cycles, multipliers and block RAM at once.",
+            "Every folding that fits a {}, by the cycle model on {}, with the picture and the clock of design {} ({} MHz, planned). Frames \
+             a second are cycles at that clock: computed, measured on no board; multipliers and block RAM are exact. PSNR is that of each network behind its \
+             own camera, so networks of different cameras are different lenses too. The front holds what no other folding of any network beats in dB, cycles, multipliers and block RAM at once.",
             self.device, self.pictures, self.design, self.clock_mhz
         )
     }
@@ -133,10 +133,14 @@ impl Foldings {
         Plot {
             title: format!("dB against {label}: the front"),
             x: Axis::log(label),
-            y: Axis::linear("PSNR (dB)"),
+            y: Axis::linear("PSNR (dB)").from((self.least_db() - 0.5).floor()),
             size: USUAL,
             series: self.networks().iter().map(series).collect(),
         }
+    }
+
+    fn least_db(&self) -> f64 {
+        self.foldings.iter().map(|f| f.psnr_db).fold(f64::INFINITY, f64::min)
     }
 
     /// What frames a second cost in multipliers.
@@ -149,7 +153,7 @@ impl Foldings {
         Plot {
             title: "Frames a second against multipliers".into(),
             x: Axis::log("multipliers (DSP48E1)"),
-            y: Axis::linear("frames a second").from(0.0),
+            y: Axis::linear(format!("frames a second, cycles at {} MHz", self.clock_mhz)).from(0.0),
             size: USUAL,
             series: self.networks().iter().map(series).collect(),
         }

@@ -415,6 +415,16 @@ mod tests {
     }
 
     #[test]
+    fn numbers_come_back_to_the_last_bit() {
+        // What a hasty reader of decimals takes for a neighbour.
+        let numbers = [3.9634806967355276, 2.3182529167238846, 0.9671196784464513, 1.3627935748454505];
+        let folder = tempfile::tempdir().unwrap();
+        let rows: Vec<Measured> = numbers.map(|n| row(&n.to_string(), n, n)).to_vec();
+        let path = file(folder.path(), "rows", "m", &rows);
+        assert_eq!(Journal::<Measured>::open(&path, header("m")).unwrap().rows(), rows);
+    }
+
+    #[test]
     fn shards_share_all_rows_out_and_merged_they_are_the_whole_file() {
         let folder = tempfile::tempdir().unwrap();
         let rows: Vec<Measured> = ["e", "b", "a", "d", "c", "b"].map(|n| row(n, 1.0, 0.1)).to_vec();

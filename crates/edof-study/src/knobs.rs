@@ -201,7 +201,7 @@ impl Knob {
             }
             Self::Layers => {
                 "T of the paper's network before training, each colour's mean taken out: ISTA in the pursuits' dictionary, cut off. 4: what the board runs. Networks trained for \
-                 other T are not kept here; the curve says what a layer adds where training has not made up for it."
+                 other T stand in docs/results/layers.md; the curve says what a layer adds where training has not made up for it."
             }
             Self::Atoms => {
                 "Atoms that orthogonal matching pursuit may use in a patch, ψ known. 16: chosen without noise (docs/decisions/0015-single-depth.md); with noise \
@@ -694,7 +694,7 @@ impl Told for Knobs {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.paragraph(&self.explanation()).paragraph(&format!("Made by `{command}`."));
+        report.paragraph(&self.explanation()).made_by(command);
         for (knob, table) in self.tables() {
             report.heading(knob.name()).paragraph(knob.reason()).plots(&[self.plot(knob)]);
             table.add_to(&mut report, &[]);

@@ -287,7 +287,7 @@ impl Told for KnownBlurs {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.verdict(&self.sentence()).paragraph(&format!("Made by `{command}`."));
+        report.verdict(&self.sentence()).made_by(command);
         self.table().add_to(&mut report, &[]);
         report
     }
@@ -318,7 +318,7 @@ impl KnownBlurs {
             "kernel",
             "blurred dB",
             "restored dB",
-            "with the true kernel dB",
+            "true kernel dB",
             "correlation",
             "seconds a megapixel",
             "CPU seconds a megapixel",

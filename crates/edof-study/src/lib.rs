@@ -15,7 +15,7 @@
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
 //! | | [`cpu_time`] | what a run costs whatever else the machine does |
-//! | | [`memory`] | the most memory that a run held |
+//! | | [`memory`] | the memory that the process holds, and the most that a run held |
 //! | | [`told`] | what a file of rows says, whatever study it is of |
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |

@@ -470,7 +470,7 @@ impl Told for MultiDepth {
     /// The paper's columns, then each scene with all pictures and, row by row, a part of each depth.
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.paragraph(&self.explanation());
+        report.made_by(command).method(&self.explanation());
         let (title, table) = self.columns();
         report.heading(&title);
         table.add_to(&mut report, &[]);
@@ -487,7 +487,6 @@ impl Told for MultiDepth {
                 report.figures(figures, Layout::Enlarged);
             }
         }
-        report.paragraph(&format!("Made by: {command}"));
         report
     }
 

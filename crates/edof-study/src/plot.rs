@@ -1,4 +1,4 @@
-//! Line and scatter plots as SVG text: axes with round numbers, a legend beside them, linear or logarithmic scales.
+//! Line and scatter plots as SVG text: axes with round numbers, a legend beside or below them, linear or logarithmic scales.
 //!
 //! ```
 //! use edof_study::plot::{Axis, Mark, Plot, Series};
@@ -23,7 +23,7 @@ pub struct Plot {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Width and height in pixels.
+    /// Width and height in pixels; a legend that would take too much of the width stands below and adds to the height.
     pub size: [f64; 2],
     /// What is drawn, the first lowest.
     pub series: Vec<Series>,
@@ -162,20 +162,31 @@ const LEFT: f64 = 66.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 52.0;
 const LINE_HEIGHT: f64 = 18.0;
-/// Mean width of a letter, and height of a line of text, in pixels.
-const LETTER: [f64; 2] = [6.2, 13.0];
+/// Mean width of a letter in the widest of the usual fonts, and height of a line of text, in pixels.
+const LETTER: [f64; 2] = [7.0, 13.0];
+/// The most of a diagram's width that a legend beside it may take.
+const LEGEND_SHARE: f64 = 0.3;
+/// Pixels of a line drawn from which names keep away.
+const STEP_ALONG: f64 = 8.0;
 
 impl Plot {
     /// The diagram as a complete SVG document.
     #[must_use]
     pub fn to_svg(&self) -> String {
-        document(self.size, &self.group([0.0; 2]))
+        document(self.whole_size(), &self.group([0.0; 2]))
+    }
+
+    /// Width and height with the legend, in pixels.
+    fn whole_size(&self) -> [f64; 2] {
+        let [width, height] = self.size;
+        let lines = self.legend_below().map_or(0, |columns| self.in_legend().count().div_ceil(columns));
+        [width, LINE_HEIGHT.mul_add(lines as f64, height)]
     }
 
     /// The diagram as an SVG group whose upper left corner lies at `x0` and `y0`.
     fn group(&self, [x0, y0]: [f64; 2]) -> String {
         let [width, height] = self.size;
-        let right = self.legend_width();
+        let right = if self.legend_below().is_some() { 16.0 } else { self.legend_width() };
         let x = Ruler::new(&self.x, self.values(0), LEFT, width - right);
         let y = Ruler::new(&self.y, self.values(1), height - BOTTOM, TOP);
         let mut svg = format!("<g transform=\"translate({x0} {y0})\">\n");
@@ -204,7 +215,13 @@ impl Plot {
 
     fn legend_width(&self) -> f64 {
         let longest = self.in_legend().map(|(_, s)| s.label.chars().count()).max().unwrap_or(0);
-        if longest == 0 { 16.0 } else { (longest as f64).mul_add(6.6, 58.0).min(self.size[0] / 2.0) }
+        if longest == 0 { 16.0 } else { (longest as f64).mul_add(LETTER[0], 58.0) }
+    }
+
+    /// Columns of a legend that stands below; none where it stands beside.
+    fn legend_below(&self) -> Option<usize> {
+        let (own, width) = (self.legend_width(), self.size[0]);
+        (own > LEGEND_SHARE * width).then(|| (((width - LEFT) / own) as usize).max(1))
     }
 
     fn draw_frame(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
@@ -231,13 +248,14 @@ impl Plot {
         let _ = writeln!(
             svg,
             "<path class=\"axis\" d=\"M{:.1} {:.1}V{:.1}H{:.1}\"/>\
-             <text class=\"title\" x=\"{middle_x:.1}\" y=\"24\" text-anchor=\"middle\">{}</text>\
+             <text class=\"title\" x=\"{:.1}\" y=\"24\">{}</text>\
              <text x=\"{middle_x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
              <text transform=\"translate(16 {middle_y:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             x.start,
             y.end,
             y.start,
             x.end,
+            x.start,
             escape(&self.title),
             self.size[1] - 12.0,
             escape(&self.x.label),
@@ -252,8 +270,9 @@ impl Plot {
             let all = series.points.iter().map(|&[a, b]| [x.place(a), y.place(b)]);
             all.filter(|&[a, b]| Area::around([a, b], 1.0).shared(&frame) > 0.0).collect()
         };
-        let mut taken: Vec<Area> =
-            self.series.iter().flat_map(placed).map(|at| Area::around(at, 4.0)).collect();
+        let dots = self.series.iter().flat_map(placed).map(|at| Area::around(at, 4.0));
+        let lines = self.series.iter().filter(|s| dashes(s.mark).is_some()).flat_map(|s| along(&placed(s)));
+        let mut taken: Vec<Area> = dots.chain(lines.map(|at| Area::around(at, 1.0))).collect();
         for (index, series) in self.series.iter().enumerate().filter(|(_, s)| s.is_named_at_points) {
             let size = [series.label.chars().count() as f64 * LETTER[0], LETTER[1]];
             // The last point first: there a line ends.
@@ -280,8 +299,15 @@ impl Plot {
     }
 
     fn draw_legend(&self, svg: &mut String, left: f64) {
-        for (line, (index, series)) in self.in_legend().enumerate() {
-            let y = TOP + 10.0 + LINE_HEIGHT * line as f64;
+        let below = self.legend_below();
+        for (place, (index, series)) in self.in_legend().enumerate() {
+            let (left, y) = match below {
+                Some(columns) => (
+                    LEFT + self.legend_width() * (place % columns) as f64,
+                    self.size[1] + LINE_HEIGHT * (place / columns) as f64,
+                ),
+                None => (left, TOP + 10.0 + LINE_HEIGHT * place as f64),
+            };
             let (colour, middle, end) = (colour(series, index), left + 12.0, left + 24.0);
             if let Some(dashes) = dashes(series.mark) {
                 let _ = write!(
@@ -301,6 +327,19 @@ impl Plot {
             );
         }
     }
+}
+
+/// Points along a line through others, without its corners.
+fn along(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let between = |pair: &[[f64; 2]]| {
+        let [[a, b], [c, d]] = [pair[0], pair[1]];
+        let steps = ((c - a).hypot(d - b) / STEP_ALONG) as usize;
+        (1..=steps).map(move |step| {
+            let share = step as f64 / (steps + 1) as f64;
+            [a + share * (c - a), b + share * (d - b)]
+        })
+    };
+    corners.windows(2).flat_map(between).collect()
 }
 
 /// An upright rectangle, in pixels from the upper left.
@@ -352,7 +391,7 @@ fn together(plots: &[Plot], place: impl Fn([f64; 2], [f64; 2]) -> ([f64; 2], [f6
     let (mut size, mut groups) = ([0.0; 2], String::new());
     for plot in plots {
         let corner;
-        (corner, size) = place(size, plot.size);
+        (corner, size) = place(size, plot.whole_size());
         groups.push_str(&plot.group(corner));
     }
     document(size, &groups)
@@ -619,6 +658,26 @@ mod tests {
             svg.matches("method 0").count(),
             2,
             "its name and what hovering tells: none in the legend"
+        );
+    }
+
+    #[test]
+    fn a_legend_that_would_take_much_of_the_width_stands_below() {
+        let named = |label: &str| {
+            let one = Series::new(label, Mark::Line, [[0.0, 1.0], [1.0, 2.0]]);
+            Plot { series: vec![one; 3], ..plot(Axis::linear("x"), &[]) }
+        };
+        assert_eq!(named("short").whole_size(), USUAL);
+        // Two beside each other, and one more.
+        let long = named(&"l".repeat(30));
+        assert_eq!(long.whole_size(), [640.0, 400.0 + 2.0 * LINE_HEIGHT]);
+        assert!(long.to_svg().contains("viewBox=\"0 0 640 436\""));
+        let texts = long.to_svg();
+        let heights =
+            texts.lines().filter(|line| line.contains("lll")).map(|line| line.split(" y=\"").nth(1).unwrap());
+        assert_eq!(
+            heights.map(|rest| rest.split('"').next().unwrap()).collect::<Vec<_>>(),
+            ["404.0", "404.0", "422.0"]
         );
     }
 

@@ -52,6 +52,29 @@ impl Report {
         self.add(&format!("<p>{}</p>", escape(text)))
     }
 
+    /// The command that made it, which breaks between its options alone where there is room for them.
+    pub fn made_by(&mut self, command: &str) -> &mut Self {
+        let mut parts: Vec<String> = vec![];
+        for word in command.split_whitespace() {
+            match parts.last_mut() {
+                Some(part) if !word.starts_with("--") && word != "#" => {
+                    *part += &format!(" {}", escape(word))
+                }
+                _ => parts.push(escape(word)),
+            }
+        }
+        let parts: Vec<String> = parts.into_iter().map(|part| format!("<span>{part}</span>")).collect();
+        self.add(&format!("<p class=\"made\">Made by <code>{}</code></p>", parts.join(" ")))
+    }
+
+    /// How numbers came to be, which who knows it need not read again: it opens where it is asked for.
+    pub fn method(&mut self, text: &str) -> &mut Self {
+        self.add(&format!(
+            "<details><summary>How this was measured</summary><p>{}</p></details>",
+            escape(text)
+        ))
+    }
+
     /// What matters most, in a box.
     pub fn verdict(&mut self, text: &str) -> &mut Self {
         self.add(&format!("<p class=\"verdict\">{}</p>", escape(text)))
@@ -198,6 +221,13 @@ mod tests {
         let places = parts.into_iter().chain(["base64,AQID", "id=\"viewer\""]).map(|s| html.find(s).unwrap());
         assert!(places.is_sorted());
         assert_eq!(html.matches("base64,AQID").count(), 1, "a picture is embedded once");
+    }
+
+    #[test]
+    fn a_command_breaks_between_its_options() {
+        let html = Report::new("t").made_by("edof study x --psi 4,8 --exact  # edof 1, 2026").to_html();
+        let parts = "<code><span>edof study x</span> <span>--psi 4,8</span> <span>--exact</span> <span># edof 1, 2026</span></code>";
+        assert!(html.contains(parts), "{html}");
     }
 
     #[test]

@@ -124,8 +124,7 @@ impl Told for Speed {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.paragraph(&format!("Made by `{command}`."));
-        report.paragraph(&self.explanation());
+        report.made_by(command).method(&self.explanation());
         for ((title, tables), claims) in self.tables().into_iter().zip(&self.claims) {
             report.heading(&title);
             report.plots(&[self.plot(claims)]);

@@ -77,7 +77,7 @@ impl Study {
     #[must_use]
     pub fn report(&self, command: &str) -> Report {
         let mut report = Report::new(self.title());
-        report.paragraph(&format!("Made by `{command}`."));
+        report.made_by(command);
         report.paragraph(&self.explanation());
         self.summary.notes.iter().for_each(|note| {
             report.paragraph(note);

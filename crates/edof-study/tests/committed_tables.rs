@@ -1,6 +1,7 @@
 //! The tables that README.md quotes are those of docs/results, and those are what their JSON files say.
 
 use edof_study::journal::Journal;
+use edof_study::known_blurs::KnownBlurs;
 use edof_study::speed::Speed;
 use edof_study::summary::Study;
 use edof_study::told::Told;
@@ -49,6 +50,17 @@ fn told<T: Told>(name: &str) -> T {
 fn the_comparison_says_what_its_rows_say() {
     let speed: Speed = told("single-depth");
     assert!(read("docs/figures/speed.svg") == speed.diagrams(), "run scripts/comparison.sh speed");
+}
+
+/// Three blurs of every photograph.
+fn diverges_on_none(name: &str, photographs: usize) {
+    let study: KnownBlurs = told(name);
+    assert_eq!((study.rows.len(), study.diverged), (3 * photographs, 0), "{name}");
+}
+
+#[test]
+fn blind_deconvolution_diverges_on_no_photograph() {
+    diverges_on_none("blind-train", 16);
 }
 
 #[test]

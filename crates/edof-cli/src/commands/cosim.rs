@@ -5,6 +5,7 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
+use crate::lens::Depth;
 use crate::memory;
 use crate::ui::Ui;
 use crate::weights;
@@ -64,9 +65,9 @@ pub struct Args {
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     photo: Option<PathBuf>,
 
-    /// Depth of the picture [default: the far end of the network's range]
-    #[arg(long, allow_negative_numbers = true, conflicts_with = "random")]
-    psi: Option<f64>,
+    /// Depth of the picture: psi in radians, or a distance as in 1.5m [default: the far end of the network's range]
+    #[arg(long, allow_hyphen_values = true, conflicts_with = "random")]
+    psi: Option<Depth>,
 
     /// Noise of the picture, as edof capture takes it [default: the most that the network was trained for]
     #[arg(long, conflicts_with = "random")]

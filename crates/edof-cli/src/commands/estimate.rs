@@ -4,6 +4,7 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
+use crate::lens::Depth;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
@@ -40,9 +41,15 @@ pub struct Args {
     #[arg(long, value_name = "FILE", requires = "weights")]
     photo: Vec<PathBuf>,
 
-    /// Depths of the pictures, commas between them [default: the far end of the network's range]
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true, requires = "weights")]
-    psi: Vec<f64>,
+    /// Depths of the pictures, commas between them: psi in radians, or distances as in 1.5m [default: the far end of the network's range]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        value_name = "PSI,…",
+        requires = "weights"
+    )]
+    psi: Vec<Depth>,
 
     /// Noise of the pictures, as edof capture takes it [default: the most that the network was trained for]
     #[arg(long, requires = "weights")]
@@ -194,7 +201,7 @@ impl Measured {
                 summary.add(&patch);
                 interrupt::check()?;
             }
-            pictures.push(Picture { name: shot.name(network), summary });
+            pictures.push(Picture { name: shot.name(network)?, summary });
             bar.set(pictures.len() as u64);
         }
         Ok(Self(pictures))

@@ -4,6 +4,7 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
+use crate::lens::Depth;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
@@ -48,9 +49,9 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     photo: Vec<PathBuf>,
 
-    /// Depths of the pictures, commas between them [default: the far end of the network's range]
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
-    psi: Vec<f64>,
+    /// Depths of the pictures, commas between them: psi in radians, or distances as in 1.5m [default: the far end of the network's range]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
+    psi: Vec<Depth>,
 
     /// Noise of the pictures, as edof capture takes it [default: the most that the network was trained for]
     #[arg(long)]

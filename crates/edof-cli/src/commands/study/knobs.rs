@@ -4,6 +4,7 @@ use super::nets;
 use super::options::{Outputs, Photographs, Rows, measured, open, tell};
 use crate::error::Error;
 use crate::files::Files;
+use crate::lens::Depth;
 use crate::ui::Ui;
 use edof_spec::provenance::Input;
 use edof_spec::{Noise, Stride};
@@ -34,9 +35,9 @@ pub struct Args {
     #[arg(long, default_value = "edof-t4w12", value_name = "NET")]
     net: String,
 
-    /// Depth: the defocus parameter in radians
-    #[arg(long, default_value_t = 8.0, allow_hyphen_values = true)]
-    psi: f64,
+    /// Depth: the defocus parameter in radians, or a distance as in 1.5m before a camera that knows its nominal_m
+    #[arg(long, default_value = "8", allow_hyphen_values = true)]
+    psi: Depth,
 
     /// Noise, where something is reconstructed
     #[arg(long, default_value = "0.01", value_name = "NOISE")]
@@ -79,7 +80,7 @@ impl Args {
         let fixed = nets::quantized(&network, &network_sha256, &bits, &[Stride::PATCH], ui)?;
         Ok(Plan {
             camera: network.origin.camera.clone(),
-            psi: self.psi,
+            psi: self.psi.psi(&network.origin.camera)?,
             noise: self.noise,
             network: Arc::new(network),
             network_sha256,

@@ -4,6 +4,7 @@ use super::nets;
 use super::options::{Kernels, Outputs, Photographs, unless_interrupted};
 use crate::error::Error;
 use crate::files::Files;
+use crate::lens::{self, Depth};
 use crate::ui::Ui;
 use edof_spec::{Noise, Stride, Tone};
 use edof_study::csv;
@@ -34,7 +35,7 @@ pub struct Args {
     #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
     tone: Tone,
 
-    /// Depths: the defocus parameter in radians
+    /// Depths: the defocus parameter in radians, or distances as in 1.5m before cameras that know their nominal_m
     #[arg(
         long,
         value_delimiter = ',',
@@ -42,7 +43,7 @@ pub struct Args {
         allow_hyphen_values = true,
         value_name = "PSI,…"
     )]
-    psi: Vec<f64>,
+    psi: Vec<Depth>,
 
     /// Noise levels: none, the standard deviation of Gaussian noise in units of full scale, or sensor, the photon and read
     /// noise of edof capture's reference sensor [default: none,0.01,0.02; with --tone srgb none,sensor,sensor:gain=8]
@@ -75,11 +76,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         loaded.push(net);
         notes.extend(note);
     }
+    let setups = setups(loaded, stride)?;
+    let conditions = args.conditions(&setups)?;
     let (photos, skipped) = args.photographs.load(ui)?;
     notes.extend(skipped);
     notes.iter().for_each(|note| ui.note(note));
 
-    let rows = rows(&setups(loaded, stride)?, &photos, &args.conditions(), ui)?;
+    let rows = rows(&setups, &photos, &conditions, ui)?;
     let study = Study::new(args.tone, rows, notes);
     let command = args.command_line();
     args.outputs.write(
@@ -111,9 +114,25 @@ impl Args {
         if self.noise.is_empty() { usual_noise(self.tone).to_vec() } else { self.noise.clone() }
     }
 
-    fn conditions(&self) -> Conditions {
-        let optics = self.kernels.settings();
-        Conditions { tone: self.tone, psi: self.psi.clone(), noise: self.noise(), optics }
+    fn conditions(&self, setups: &[Setup]) -> Result<Conditions, Error> {
+        let (optics, psi) = (self.kernels.settings(), self.depths(setups)?);
+        Ok(Conditions { tone: self.tone, psi, noise: self.noise(), optics })
+    }
+
+    /// ψ of the depths, which must be the same before all cameras: tables stand them side by side.
+    fn depths(&self, setups: &[Setup]) -> Result<Vec<f64>, Error> {
+        let [first, others @ ..] = setups else { return Ok(vec![]) };
+        let psi = lens::psis(&self.psi, &first.camera)?;
+        for Setup { camera, .. } in others {
+            let own = lens::psis(&self.psi, camera)?;
+            if let Some(((depth, a), b)) = self.psi.iter().zip(&psi).zip(own).find(|((_, a), b)| **a != *b) {
+                return Err(Error::message(format!(
+                    "--psi {depth}: is psi {a:.3} before camera {}, {b:.3} before {}: study their nets one by one",
+                    first.camera.name, camera.name
+                )));
+            }
+        }
+        Ok(psi)
     }
 
     /// What was run, as tables and reports state it: every option that their numbers depend on.

@@ -4,7 +4,7 @@ use super::nets;
 use super::options::{Kernels, Outputs, Photographs, Rows, measured, open, tell};
 use crate::error::Error;
 use crate::files::Files;
-use crate::lens;
+use crate::lens::{self, Depth};
 use crate::ui::Ui;
 use edof_spec::provenance::Input;
 use edof_spec::{Noise, Stride, Tone};
@@ -53,7 +53,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "METHOD,…")]
     methods: Vec<String>,
 
-    /// Depths: the defocus parameter in radians
+    /// Depths: the defocus parameter in radians, or distances as in 1.5m before a camera that knows its nominal_m
     #[arg(
         long,
         value_delimiter = ',',
@@ -61,7 +61,7 @@ pub struct Args {
         allow_hyphen_values = true,
         value_name = "PSI,…"
     )]
-    psi: Vec<f64>,
+    psi: Vec<Depth>,
 
     /// What photographs hold: linear, light itself (the paper's convention), or srgb, encoded light
     #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
@@ -135,7 +135,7 @@ impl Args {
         methods.extend(others);
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
-        let (psi, optics) = (self.psi.clone(), self.kernels.settings());
+        let (psi, optics) = (lens::psis(&self.psi, &camera)?, self.kernels.settings());
         Ok((
             Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.rows.part.shard },
             notes,
