@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release -p edof-golden --example throughput -- NETWORK.fixed.safetensors RAW.png [THREADS [FRAMES [OUT.f32]]]`: RAW.png
 //! is grey, red first, 12 bits at the top of each word, as `edof capture` writes it. Prints one JSON line, and writes the frame's linear red,
-//! green and blue to OUT.f32. `benches/peers/golden_onnx.sh` runs it beside the float network.
+//! green and blue to OUT.f32. `benches/peers/golden_float.sh` runs it beside the float network.
 
-use edof_golden::{Display, Golden};
+use edof_golden::{Display, Golden, Picture};
 use edof_spec::{CfaPhase, RawFrame, weight_file};
 use ndarray::Array2;
 use std::error::Error;
@@ -29,13 +29,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let executed = out.counts.multiplications(golden.network()).executed;
     let (mut network_time, mut display_time) = (Duration::ZERO, Duration::ZERO);
+    let (mut stream, mut picture) = (golden.stream(), Picture::empty());
+    stream.frame(&raw)?.picture_into(&display, &mut picture);
     let (start, cpu) = (Instant::now(), processor_seconds()?);
     for _ in 0..frames {
         let begin = Instant::now();
-        let out = golden.frame(&raw)?;
+        let out = stream.frame(&raw)?;
         network_time += begin.elapsed();
         let begin = Instant::now();
-        std::hint::black_box(out.picture(&display));
+        std::hint::black_box(out.picture_into(&display, &mut picture));
         display_time += begin.elapsed();
     }
     let per_frame = |seconds: f64| seconds / frames as f64;

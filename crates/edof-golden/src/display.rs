@@ -78,33 +78,56 @@ impl Display {
         (top, left): (usize, usize),
         (height, width): (usize, usize),
     ) -> (Picture, DisplayCounts) {
-        let mut luma = Array2::zeros((height, width));
-        let mut chroma = [Array2::zeros((height, width / 2)), Array2::zeros((height, width / 2))];
-        let [cb, cr] = &mut chroma;
+        let mut picture = Picture::empty();
+        let counts = self.picture_into(frame, (top, left), (height, width), &mut picture);
+        (picture, counts)
+    }
+
+    /// As [`Display::picture`], in the memory of another picture: none is allocated where that has the same size.
+    pub fn picture_into(
+        &self,
+        frame: &Frame422,
+        (top, left): (usize, usize),
+        (height, width): (usize, usize),
+        picture: &mut Picture,
+    ) -> DisplayCounts {
+        if picture.luma.dim() != (height, width) {
+            *picture = Picture::black(height, width);
+        }
+        let Picture { luma, chroma: [cb, cr] } = picture;
         let codes = luma.outer_iter_mut().zip(cb.outer_iter_mut()).zip(cr.outer_iter_mut());
         let lines: Vec<_> = codes.map(|((luma, cb), cr)| Codes { luma, chroma: [cb, cr] }).collect();
         let isa = Isa::best();
-        let counts = lines
+        let tables = self.colours.each_ref().map(|table| {
+            // Tables that are the same are looked up in one place, which the cache holds.
+            if *table == self.colours[0] { &self.colours[0] } else { table }
+        });
+        lines
             .into_par_iter()
             .enumerate()
             .map_init(Buffers::default, |buffers, (row, codes)| {
                 let words = Line::new(frame, top + row, left, width);
                 match self.mode {
-                    DisplayMode::Luma => self.luma_only(&words, codes, buffers),
-                    DisplayMode::Colour => self.colour(isa, &words, codes, buffers),
+                    DisplayMode::Luma => self.luma_only(isa, &words, codes, buffers),
+                    DisplayMode::Colour => colour(isa, tables, &words, codes, buffers),
                 }
             })
-            .reduce(DisplayCounts::default, std::ops::Add::add);
-        (Picture { luma, chroma }, counts)
+            .reduce(DisplayCounts::default, std::ops::Add::add)
     }
 
     /// The paper's way: a table for luma, chroma rounds.
-    fn luma_only(&self, words: &Line<'_>, mut codes: Codes<'_>, buffers: &mut Buffers) -> DisplayCounts {
+    fn luma_only(
+        &self,
+        isa: Isa,
+        words: &Line<'_>,
+        mut codes: Codes<'_>,
+        buffers: &mut Buffers,
+    ) -> DisplayCounts {
         let mut counts = DisplayCounts::default();
         for (code, word) in codes.luma.iter_mut().zip(words.luma) {
             *code = self.luma.code(*word);
         }
-        for (doubled, codes) in words.doubled_chroma(buffers).into_iter().zip(&mut codes.chroma) {
+        for (doubled, codes) in words.doubled_chroma(isa, buffers).into_iter().zip(&mut codes.chroma) {
             for (sent, doubled) in codes.iter_mut().zip(doubled.iter().step_by(2)) {
                 let code = CHROMA_ZERO + rounded(*doubled, CHROMA_SHIFT + 1);
                 *sent = wire(code);
@@ -113,31 +136,31 @@ impl Display {
         }
         counts
     }
+}
 
-    /// To light of each colour, through its table, and back.
-    fn colour(
-        &self,
-        isa: Isa,
-        words: &Line<'_>,
-        mut codes: Codes<'_>,
-        buffers: &mut Buffers,
-    ) -> DisplayCounts {
-        let width = words.luma.len();
-        let mut light = std::mem::take(&mut buffers.light);
-        light.iter_mut().for_each(|plane| plane.resize(width, 0));
-        let doubled = words.doubled_chroma(buffers);
-        let out_of_gamut = light_line(isa, words.luma, doubled, &mut light);
-        for (plane, table) in light.iter_mut().zip(&self.colours) {
-            plane.iter_mut().for_each(|light| *light = table.encoded(*light));
-        }
-        let encoded = light.each_ref().map(Vec::as_slice);
-        luma_codes(isa, encoded, codes.luma.as_slice_mut().unwrap_or_default());
-        for (codes, row) in codes.chroma.iter_mut().zip(TO_CHROMA) {
-            chroma_codes(isa, row, encoded, codes.as_slice_mut().unwrap_or_default());
-        }
-        buffers.light = light;
-        DisplayCounts { clamped_chroma: 0, out_of_gamut }
+/// To light of each colour, through its table, and back.
+fn colour(
+    isa: Isa,
+    tables: [&ColourTable; 3],
+    words: &Line<'_>,
+    mut codes: Codes<'_>,
+    buffers: &mut Buffers,
+) -> DisplayCounts {
+    let width = words.luma.len();
+    let mut light = std::mem::take(&mut buffers.light);
+    light.iter_mut().for_each(|plane| plane.resize(width, 0));
+    let doubled = words.doubled_chroma(isa, buffers);
+    let out_of_gamut = light_line(isa, words.luma, doubled, &mut light);
+    for (plane, table) in light.iter_mut().zip(tables) {
+        table.encode(plane);
     }
+    let encoded = light.each_ref().map(Vec::as_slice);
+    luma_codes(isa, encoded, codes.luma.as_slice_mut().unwrap_or_default());
+    for (codes, row) in codes.chroma.iter_mut().zip(TO_CHROMA) {
+        chroma_codes(isa, row, encoded, codes.as_slice_mut().unwrap_or_default());
+    }
+    buffers.light = light;
+    DisplayCounts { clamped_chroma: 0, out_of_gamut }
 }
 
 /// Lines of numbers that a thread works on.
@@ -145,25 +168,31 @@ impl Display {
 struct Buffers {
     /// Twice Cb and Cr at every pixel of the enlarged frame.
     doubled: [Vec<i32>; 2],
-    /// Red, green and blue of every pixel: light, then encoded.
-    light: [Vec<i32>; 3],
+    /// Red, green and blue of every pixel: a table's address, then its entry.
+    light: [Vec<u16>; 3],
 }
 
 for_each_isa! {
-    /// Red, green and blue light of a line, with as many fraction bits as its luma words; gives how many pixels no screen has.
-    fn light_line(luma: &[i16], doubled: [&[i32]; 2], light: &mut [Vec<i32>; 3]) -> u64 {
+    /// Red, green and blue light of a line as addresses of the tables, the nearest there is; gives how many pixels no screen has.
+    fn light_line(luma: &[i16], doubled: [&[i32]; 2], light: &mut [Vec<u16>; 3]) -> u64 {
         let [red, green, blue] = light;
         let mut out_of_gamut = 0u32;
         let each = luma.iter().zip(doubled[0]).zip(doubled[1]);
         for (((((luma, cb), cr), red), green), blue) in each.zip(red).zip(green).zip(blue) {
-            let light = |row| i32::from(*luma) + from_chroma(row, [*cb, *cr]);
-            let (r, g, b) = (light(TO_RGB[0]), light(TO_RGB[1]), light(TO_RGB[2]));
+            let [r, g, b] = light_of(*luma, [*cb, *cr]);
             let (least, most) = (r.min(g).min(b), r.max(g).max(b));
             out_of_gamut += u32::from((least < 0) | (most > 1 << COLOUR_ADDRESS_BITS));
-            (*red, *green, *blue) = (r, g, b);
+            let address = |light: i32| light.clamp(0, (1 << COLOUR_ADDRESS_BITS) - 1) as u16;
+            (*red, *green, *blue) = (address(r), address(g), address(b));
         }
         out_of_gamut.into()
     }
+}
+
+/// Red, green and blue light of a pixel, with as many fraction bits as its luma word.
+#[inline(always)]
+fn light_of(luma: i16, doubled: [i32; 2]) -> [i32; 3] {
+    TO_RGB.map(|row| i32::from(luma) + from_chroma(row, doubled))
 }
 
 /// (Σ coefficient·doubled + 2^16) >> 17, in 32 bits: a coefficient's whole part passes the shift, and so does half of the doubled word
@@ -181,21 +210,21 @@ fn from_chroma(coefficients: [i32; 2], doubled: [i32; 2]) -> i32 {
 
 for_each_isa! {
     /// Luma codes of encoded red, green and blue.
-    fn luma_codes(encoded: [&[i32]; 3], codes: &mut [u8]) -> () {
+    fn luma_codes(encoded: [&[u16]; 3], codes: &mut [u8]) -> () {
         let [red, green, blue] = encoded;
         for (((code, red), green), blue) in codes.iter_mut().zip(red).zip(green).zip(blue) {
-            *code = wire(i32::from(BLACK) + rounded(sum(TO_LUMA, [*red, *green, *blue]), TO_LUMA_SHIFT));
+            *code = wire(i32::from(BLACK) + rounded(sum(TO_LUMA, [*red, *green, *blue].map(i32::from)), TO_LUMA_SHIFT));
         }
     }
 }
 
 for_each_isa! {
     /// Chroma codes of encoded red, green and blue, filtered at even columns; before the first column the line is mirrored about it.
-    fn chroma_codes(row: [i32; 3], encoded: [&[i32]; 3], codes: &mut [u8]) -> () {
+    fn chroma_codes(row: [i32; 3], encoded: [&[u16]; 3], codes: &mut [u8]) -> () {
         let [red, green, blue] = encoded.map(|plane| &plane[..2 * codes.len()]);
         for (pair, code) in codes.iter_mut().enumerate() {
             let (x, before) = (2 * pair, if pair == 0 { 1 } else { 2 * pair - 1 });
-            let filtered = |plane: &[i32]| plane[before] + 2 * plane[x] + plane[x + 1];
+            let filtered = |plane: &[u16]| i32::from(plane[before] + 2 * plane[x] + plane[x + 1]);
             let rgb = [filtered(red), filtered(green), filtered(blue)];
             *code = wire(CHROMA_ZERO + rounded(sum(row, rgb), TO_CHROMA_SHIFT));
         }
@@ -239,15 +268,25 @@ impl<'a> Line<'a> {
 
     /// Twice Cb and Cr at every pixel: twice the word at a site, the sum of both neighbours between sites; after the last site twice
     /// its word.
-    fn doubled_chroma<'b>(&self, buffers: &'b mut Buffers) -> [&'b [i32]; 2] {
+    fn doubled_chroma<'b>(&self, isa: Isa, buffers: &'b mut Buffers) -> [&'b [i32]; 2] {
         for (doubled, words) in buffers.doubled.iter_mut().zip(self.chroma) {
             doubled.resize(2 * words.len(), 0);
-            let next = words.iter().skip(1).chain(words.last());
-            for ((two, word), next) in doubled.as_chunks_mut().0.iter_mut().zip(words).zip(next) {
-                *two = [2 * i32::from(*word), i32::from(*word) + i32::from(*next)];
+            between_sites(isa, words, doubled.as_chunks_mut().0);
+            if let (Some(end), Some(word)) = (doubled.as_chunks_mut().0.last_mut(), words.last()) {
+                *end = [2 * i32::from(*word); 2];
             }
         }
         buffers.doubled.each_ref().map(|doubled| &doubled[self.left..][..self.luma.len()])
+    }
+}
+
+for_each_isa! {
+    /// Twice the words of all sites but the last, and their sums with the next.
+    fn between_sites(words: &[i16], doubled: &mut [[i32; 2]]) -> () {
+        for (two, words) in doubled.iter_mut().zip(words.windows(2)) {
+            let [word, next] = [0, 1].map(|i| i32::from(words[i]));
+            *two = [2 * word, word + next];
+        }
     }
 }
 
@@ -265,6 +304,18 @@ struct Codes<'a> {
 }
 
 impl Picture {
+    /// A picture without pixels, for [`Display::picture_into`] to make.
+    #[must_use]
+    pub fn empty() -> Self {
+        Self::black(0, 0)
+    }
+
+    /// Codes of 0.
+    fn black(height: usize, width: usize) -> Self {
+        let chroma = || Array2::zeros((height, width / 2));
+        Self { luma: Array2::zeros((height, width)), chroma: [chroma(), chroma()] }
+    }
+
     /// The codes in the order of YUYV (YUY2) files: of each pair of pixels Y of the left one, Cb, Y of the right one, Cr; row by row.
     #[must_use]
     pub fn yuyv(&self) -> Vec<u8> {
@@ -424,15 +475,18 @@ mod tests {
     proptest! {
         #[test]
         fn light_in_32_bits_is_the_contracts(luma: i16, cb in -65_536..=65_534, cr in -65_536..=65_534) {
-            let contract = TO_RGB.map(|[of_cb, of_cr]| {
+            let contract: [i64; 3] = TO_RGB.map(|[of_cb, of_cr]| {
                 let chroma = i64::from(of_cb) * i64::from(cb) + i64::from(of_cr) * i64::from(cr);
                 ((i64::from(luma) << TO_RGB_SHIFT) + chroma + (1 << (TO_RGB_SHIFT - 1))) >> TO_RGB_SHIFT
             });
+            prop_assert_eq!(light_of(luma, [cb, cr]).map(i64::from), contract);
             for isa in Isa::available() {
                 let mut light = [0; 3].map(|_| vec![0; 40]);
-                light_line(isa, &[luma; 40], [&[cb; 40], &[cr; 40]], &mut light);
+                let outside = light_line(isa, &[luma; 40], [&[cb; 40], &[cr; 40]], &mut light);
+                prop_assert_eq!(outside == 40, contract.iter().any(|light| !(0..=1 << 14).contains(light)));
                 for (plane, expected) in light.iter().zip(contract) {
-                    prop_assert!(plane.iter().all(|light| i64::from(*light) == expected), "{isa:?}");
+                    let address = expected.clamp(0, (1 << 14) - 1);
+                    prop_assert!(plane.iter().all(|light| i64::from(*light) == address), "{isa:?}");
                 }
             }
         }

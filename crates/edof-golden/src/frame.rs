@@ -1,21 +1,16 @@
 //! Whole frames: every window through the network, patches added up, 4:2:2 out.
 
 use crate::display::{Display, DisplayCounts, Picture};
-use crate::fast::{Batch, Fast};
-use crate::overlap_add::{Band, Lines, empty_frame, overlap_add};
+use crate::fast::Fast;
+use crate::overlap_add::overlap_add;
 use crate::scalar;
+use crate::stream::Stream;
 use crate::trace::Counts;
-use crate::windows::{Mirrored, window};
+use crate::windows::window;
 use edof_spec::colour::rgb_from_422;
 use edof_spec::fixed_network::FixedNetworkError;
-use edof_spec::geometry::{GeometryError, PATCH};
-use edof_spec::{CfaPhase, ColourFrame, FixedNetwork, Frame422, Geometry, RawFrame};
-use rayon::prelude::*;
-use std::borrow::Cow;
-use std::ops::Range;
-
-/// Lines from one strip to the next: at least a patch's, so that strips share lines with their neighbours alone.
-const STRIP: usize = 16;
+use edof_spec::geometry::GeometryError;
+use edof_spec::{ColourFrame, FixedNetwork, Frame422, Geometry, RawFrame};
 
 /// The golden pipeline, ready to run frames on all threads.
 #[derive(Debug, Clone)]
@@ -49,6 +44,11 @@ impl GoldenFrame {
     #[must_use]
     pub fn picture(&self, display: &Display) -> (Picture, DisplayCounts) {
         display.picture(&self.frame, self.offset, self.size)
+    }
+
+    /// As [`GoldenFrame::picture`], in the memory of another picture.
+    pub fn picture_into(&self, display: &Display, picture: &mut Picture) -> DisplayCounts {
+        display.picture_into(&self.frame, self.offset, self.size, picture)
     }
 }
 
@@ -84,104 +84,15 @@ impl Golden {
     /// # Errors
     /// [`GeometryError`] for frames too small for a window.
     pub fn frame(&self, raw: &RawFrame) -> Result<GoldenFrame, GeometryError> {
-        self.geometry.check_frame(raw.size())?;
-        let (aligned, offset) = match raw.phase() {
-            CfaPhase::Rggb => (Cow::Borrowed(raw), (0, 0)),
-            _ => {
-                let (aligned, offset) = raw.to_rggb();
-                (Cow::Owned(aligned), offset)
-            }
-        };
-        let (height, width) = aligned.size();
-        let mut frame = empty_frame(height, width);
-        let mut strips = self.strips(Lines::of(&mut frame), height, width);
-        let done: Vec<(Counts, Seams)> = strips
-            .par_iter_mut()
-            .map_init(|| Worker::new(self, width), |worker, strip| self.strip(&aligned, strip, worker))
-            .collect();
-        let mut counts = Counts::new(self.network().form.layers);
-        done.iter().for_each(|(part, _)| counts.merge(part));
-        for (above, (strip, (_, below))) in done.iter().zip(strips.iter_mut().zip(&done).skip(1)) {
-            let mut seam = below.top.clone();
-            seam.add_lines(&above.1.bottom, 0);
-            counts.saturated_sums += seam.finish(0, &mut strip.seam);
-        }
-        drop(strips);
-        Ok(GoldenFrame { frame, offset, size: raw.size(), counts })
+        let mut stream = self.stream();
+        stream.frame(raw)?;
+        Ok(stream.into_last())
     }
 
-    /// Cuts a frame into strips of a few rows of patches each. The lines of a strip end where the next one's begin.
-    fn strips<'a>(&self, mut lines: Lines<'a>, height: usize, width: usize) -> Vec<Strip<'a>> {
-        let stride = self.geometry.stride.pixels();
-        let (rows, _) = self.geometry.patches(height, width);
-        (0..rows)
-            .step_by(STRIP / stride)
-            .map(|first| {
-                let rows = first..rows.min(first + STRIP / stride);
-                // The grid's first patches start so far before the frame that its first lines have no strip above.
-                let seam = if first == 0 { 0 } else { PATCH - stride };
-                let whole = (rows.len() * stride).saturating_sub(PATCH - stride);
-                Strip { rows, seam: lines.take_first(seam, width), rest: lines.take_first(whole, width) }
-            })
-            .collect()
-    }
-
-    /// Reconstructs a strip but for the lines that it shares with the one above.
-    fn strip(&self, raw: &RawFrame, strip: &mut Strip<'_>, worker: &mut Worker) -> (Counts, Seams) {
-        let Worker { batch, mirrored, band } = worker;
-        let mut counts = Counts::new(self.network().form.layers);
-        let stride = self.geometry.stride.pixels();
-        let (_, columns) = self.geometry.patches(PATCH, raw.size().1);
-        mirrored.take(raw, strip.rows.clone());
-        band.clear();
-        let place = |i: usize| (strip.rows.start + i / columns, i % columns);
-        let patches = strip.rows.len() * columns;
-        for first in (0..patches).step_by(Batch::PATCHES) {
-            let some = first..patches.min(first + Batch::PATCHES);
-            self.fast.run(batch, some.len(), |i, words| {
-                let (row, column) = place(first + i);
-                mirrored.copy_window(row, column, words);
-            });
-            for (i, (row, column)) in some.map(place).enumerate() {
-                let line = (row - strip.rows.start) * stride;
-                band.add_patch(batch.output(i), line as isize, self.geometry.patch_start(column));
-                counts.add(batch.stages(i));
-            }
-        }
-        let (shared, end) = (PATCH - stride, strip.rows.len() * stride);
-        counts.saturated_sums += band.finish(shared, &mut strip.rest);
-        (counts, Seams { top: band.part(0..shared), bottom: band.part(end..end + shared) })
-    }
-}
-
-/// A few rows of patches, and the lines of the frame between the first one's and the first one's of the strip below.
-struct Strip<'a> {
-    rows: Range<usize>,
-    /// The lines that patches of the strip above cover, too.
-    seam: Lines<'a>,
-    rest: Lines<'a>,
-}
-
-/// Sums of the lines that a strip shares with its neighbours.
-struct Seams {
-    top: Band,
-    bottom: Band,
-}
-
-/// What a thread needs of its own.
-struct Worker {
-    batch: Batch,
-    mirrored: Mirrored,
-    band: Band,
-}
-
-impl Worker {
-    fn new(golden: &Golden, width: usize) -> Self {
-        Self {
-            batch: Batch::new(&golden.fast),
-            mirrored: Mirrored::empty(golden.geometry),
-            band: Band::new(STRIP + PATCH, width),
-        }
+    /// Room for frames one after the other.
+    #[must_use]
+    pub fn stream(&self) -> Stream<'_> {
+        Stream::new(self)
     }
 }
 

@@ -118,6 +118,15 @@ impl ColourTable {
     pub fn encoded(&self, light: i32) -> i32 {
         i32::from(self.0[light.clamp(0, COLOUR_ENTRIES as i32 - 1) as usize])
     }
+
+    /// Puts the entries in the place of their addresses, which are below 2^14.
+    pub fn encode(&self, addresses: &mut [u16]) {
+        if let Some(entries) = self.0.first_chunk::<COLOUR_ENTRIES>() {
+            addresses
+                .iter_mut()
+                .for_each(|address| *address = entries[usize::from(*address) % COLOUR_ENTRIES]);
+        }
+    }
 }
 
 fn check(

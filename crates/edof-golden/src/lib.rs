@@ -9,6 +9,7 @@
 //! | counters | [`trace`] | saturations and non-zeros of each stage |
 //! | overlap | [`overlap_add`] | the sum of overlapping patches: the 4:2:2 frame in words |
 //! | frame | [`frame`] | a whole frame on all threads ([`Golden`]), and its slow twin |
+//! | frames | [`stream`] | one after the other, in memory that is kept ([`Stream`]) |
 //! | words | [`words`] | every boundary of a whole frame, for whoever wants to check |
 //! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
 //! | tables | [`gamma`] | light to codes: loadable tables for luma and for each colour |
@@ -38,6 +39,7 @@ pub mod gamma;
 pub mod overlap_add;
 pub mod reconstructor;
 pub mod scalar;
+pub mod stream;
 pub mod trace;
 pub mod video;
 pub mod windows;
@@ -47,4 +49,5 @@ pub use display::{Display, DisplayCounts, Picture};
 pub use frame::{Golden, GoldenFrame};
 pub use gamma::{ColourTable, Curve, LumaTable};
 pub use reconstructor::GoldenReconstructor;
+pub use stream::Stream;
 pub use trace::{Counts, LayerWords, StageCounts, Trace};

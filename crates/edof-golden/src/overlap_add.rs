@@ -36,9 +36,13 @@ impl Band {
         Self { planes: [width, width / 2, width / 2].map(plane) }
     }
 
-    /// Empties the band.
-    pub fn clear(&mut self) {
-        self.planes.iter_mut().for_each(|plane| plane.sums.fill(0));
+    /// Makes it an empty band of `rows`×`width` pixels.
+    pub fn clear(&mut self, rows: usize, width: usize) {
+        for (plane, width) in self.planes.iter_mut().zip([width, width / 2, width / 2]) {
+            plane.sums.clear();
+            plane.sums.resize(rows * width, 0);
+            plane.width = width;
+        }
     }
 
     /// Adds a patch of 128 words whose corner lies at `row`, `column` (even); what lies outside the band is left out.
@@ -92,6 +96,18 @@ impl Plane {
     }
 }
 
+/// Writes a block of lines `SIDE` words long into a plane's lines.
+fn put_block<const SIDE: usize>(plane: &mut [i16], width: usize, block: &[i16], row: usize, column: usize) {
+    let lines = plane.chunks_exact_mut(width).skip(row);
+    for (line, words) in lines.zip(block.as_chunks::<SIDE>().0) {
+        let line = &mut line[column..];
+        match line.first_chunk_mut::<SIDE>() {
+            Some(whole) => *whole = *words,
+            None => line.copy_from_slice(&words[..line.len()]),
+        }
+    }
+}
+
 /// Adds words to sums.
 #[inline]
 fn add(sums: &mut [i32], words: &[i16]) {
@@ -117,6 +133,17 @@ impl<'a> Lines<'a> {
     pub fn of(frame: &'a mut Frame422) -> Self {
         let [cb, cr] = &mut frame.chroma;
         Self([&mut frame.luma, cb, cr].map(|plane| plane.as_slice_mut().unwrap_or_default()))
+    }
+
+    /// Writes a patch of 128 words that no other overlaps, its corner at `row`, `column` (even) of lines of `width` pixels; what lies
+    /// outside is left out.
+    pub fn put_patch(&mut self, width: usize, words: &[i16], row: usize, column: usize) {
+        let (luma, chroma) = words.split_at(PATCH_PIXELS);
+        let (cb, cr) = chroma.split_at(PATCH_PIXELS / 2);
+        let [lines_luma, lines_cb, lines_cr] = &mut self.0;
+        put_block::<PATCH>(lines_luma, width, luma, row, column);
+        put_block::<{ PATCH / 2 }>(lines_cb, width / 2, cb, row, column / 2);
+        put_block::<{ PATCH / 2 }>(lines_cr, width / 2, cr, row, column / 2);
     }
 
     /// Takes the first `rows` lines of `width` pixels, or as many as there are.

@@ -1,10 +1,10 @@
-//! Scalar and fast agree on every stage boundary of every window of all 24 photographs, for a network in `weights/` each (for every
-//! one in `scripts/soak.sh`), and so do the frames they add up to. Photographs: `EDOF_KODAK`, else `../shared/data/kodak` beside the project.
+//! Scalar and fast agree on every stage boundary of every window of all 24 photographs, for a network in `weights/` and an instruction
+//! set each (for every one of both in `scripts/soak.sh`), and so do the frames they add up to. Photographs: `EDOF_KODAK`, else `../shared/data/kodak` beside the project.
 
-use edof_golden::fast::Fast;
+use edof_golden::fast::{Fast, isa::Isa};
 use edof_golden::overlap_add::overlap_add;
 use edof_golden::windows::window;
-use edof_golden::{Counts, Golden, scalar};
+use edof_golden::{Counts, Golden, Trace, scalar};
 use edof_spec::{CfaPhase, FixedNetwork, Geometry, RawFrame, weight_file};
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -46,14 +46,14 @@ fn networks() -> Vec<FixedNetwork> {
     all
 }
 
-/// Compares one photograph.
-fn compare(network: &FixedNetwork, path: &Path) {
+/// Compares one photograph on some instruction sets, and the frame on the fastest.
+fn compare(network: &FixedNetwork, isas: &[Isa], path: &Path) {
     let raw = mosaic(path);
     let geometry = Geometry::new(network.form.window, network.stride);
     let size = raw.size();
     let columns = geometry.patches(size.0, size.1).1;
-    let fast = Fast::new(network.clone());
-    let mut row_of = (usize::MAX, vec![]);
+    let kernels: Vec<Fast> = isas.iter().map(|isa| Fast::with_isa(network.clone(), *isa)).collect();
+    let mut row_of: (usize, Vec<Vec<Trace>>) = (usize::MAX, vec![]);
     let mut patches = Counts::new(network.form.layers);
     let mut sums = patches.clone();
     let frame = overlap_add(
@@ -62,10 +62,12 @@ fn compare(network: &FixedNetwork, path: &Path) {
         |row, column| {
             if row_of.0 != row {
                 let windows: Vec<i16> = (0..columns).flat_map(|c| window(&raw, geometry, row, c)).collect();
-                row_of = (row, fast.traces(&windows));
+                row_of = (row, kernels.iter().map(|fast| fast.traces(&windows)).collect());
             }
             let trace = scalar::run(network, &window(&raw, geometry, row, column));
-            assert_eq!(row_of.1[column], trace, "{}, patch {row},{column}", path.display());
+            for (isa, traces) in isas.iter().zip(&row_of.1) {
+                assert_eq!(traces[column], trace, "{isa:?}, {}, patch {row},{column}", path.display());
+            }
             patches.add(&trace.stages);
             trace.output
         },
@@ -76,31 +78,34 @@ fn compare(network: &FixedNetwork, path: &Path) {
     assert_eq!((out.frame, &out.counts), (frame, &patches), "{}", path.display());
 }
 
-/// Compares those pairs of a photograph and a network that are asked for, by their places in the lists.
-fn compare_all(wanted: impl Fn(usize, usize) -> bool + Sync) {
+/// Compares those pairs of a photograph and a network that are asked for, by their places in the lists; on one instruction set each
+/// where `in_turn` says so.
+fn compare_all(in_turn: bool, wanted: impl Fn(usize, usize) -> bool + Sync) {
     let photos = photos();
     if photos.is_empty() {
         // Straight to the terminal: the harness would keep what a passing test prints.
         let loud = "\nSKIPPED all_photos: NO PHOTOGRAPHS. Set EDOF_KODAK to a folder with kodim01.png ... kodim24.png.\n";
         return std::io::stderr().write_all(loud.as_bytes()).unwrap();
     }
+    let isas = Isa::available();
+    let isas_of = |photo: usize| if in_turn { &isas[photo % isas.len()..][..1] } else { &isas[..] };
     for (n, network) in networks().iter().enumerate() {
         photos
             .par_iter()
             .enumerate()
             .filter(|(p, _)| wanted(*p, n))
-            .for_each(|(_, path)| compare(network, path));
+            .for_each(|(p, path)| compare(network, isas_of(p), path));
     }
 }
 
 #[test]
 fn every_boundary_of_a_photo_is_the_same_for_the_networks_in_turn() {
     let networks = networks().len();
-    compare_all(|photo, network| photo % networks == network);
+    compare_all(true, |photo, network| photo % networks == network);
 }
 
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn every_boundary_of_every_photo_is_the_same_for_every_network() {
-    compare_all(|_, _| true);
+    compare_all(false, |_, _| true);
 }

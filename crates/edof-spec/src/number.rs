@@ -22,6 +22,7 @@ pub const ACCUMULATOR_BITS: u32 = 48;
 /// assert_eq!(f64::from(input_word(0x8000)) / f64::from(1 << INPUT_FRACTION), 0.5);
 /// ```
 #[must_use]
+#[inline]
 pub const fn input_word(pixel: u16) -> i16 {
     (pixel >> 1) as i16
 }

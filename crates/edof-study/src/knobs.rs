@@ -763,7 +763,7 @@ mod tests {
     use crate::journal::Header;
 
     fn photo() -> Photo {
-        let mut frame = ColourFrame::zeros(40, 48);
+        let mut frame = ColourFrame::zeros(32, 32);
         frame.planes.indexed_iter_mut().for_each(|((p, r, c), v)| {
             *v = 0.5 + 0.3 * ((r / (3 + p)) as f32).sin() * ((c / 4) as f32).cos();
         });

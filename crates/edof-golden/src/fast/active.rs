@@ -1,18 +1,44 @@
-//! Which pairs of neighbouring words of sparse vectors are not both zero, cut where a 32-bit sum could overflow.
+//! The words of sparse vectors that are not zero, two by two, cut where a 32-bit sum could overflow.
 
-use super::isa::{Isa, for_each_isa};
+use super::isa::Isa;
 use super::pack::MOST;
+use super::portable;
+#[cfg(target_arch = "x86_64")]
+use super::x86;
 
-/// The active pairs of a batch of vectors, in segments whose sums fit 32 bits whatever the row.
+/// Entries that kernels may write beyond the last: whole vectors.
+pub const SLACK: usize = 64;
+
+/// The active words of a batch of vectors, in segments whose sums fit 32 bits whatever the row.
 #[derive(Debug, Clone, Default)]
 pub struct Active {
-    pairs: Vec<u16>,
-    /// Ends of segments in `pairs`.
-    segments: Vec<usize>,
-    /// For each vector, the end of its segments and whether no segment could hold its largest pair.
-    vectors: Vec<(usize, bool)>,
-    /// Pairs in use.
+    words: Vec<i16>,
+    columns: Vec<u16>,
+    /// Entries in use, an even number.
     used: usize,
+    /// Ends of segments.
+    segments: Vec<usize>,
+    vectors: Vec<Vector>,
+}
+
+/// A vector's part.
+#[derive(Debug, Clone, Copy)]
+struct Vector {
+    /// Where its entries start.
+    start: usize,
+    /// Its first segment, and that of the next.
+    segments: (usize, usize),
+    /// Whether the products of each two words fit 32 bits.
+    fits: bool,
+}
+
+/// Active words and their columns: an even number, with a zero at the end where it takes one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Entries<'a> {
+    /// The words.
+    pub words: &'a [i16],
+    /// The column that each is multiplied by.
+    pub columns: &'a [u16],
 }
 
 impl Active {
@@ -23,91 +49,129 @@ impl Active {
         self.used = 0;
     }
 
-    /// Adds a vector of an even number of words, at most 2^16; its products are with weights of at most `largest`.
-    pub fn push(&mut self, isa: Isa, vector: &[i16], largest: u64) {
-        let first = self.used;
-        let room = first + vector.len() / 2;
-        if self.pairs.len() < room {
-            self.pairs.resize(room, 0);
+    /// Adds a vector of at most 2^16 words, which are to be multiplied by weights of at most `largest`; gives how many are not zero.
+    pub fn push(&mut self, isa: Isa, vector: &[i16], largest: u64) -> u64 {
+        let start = self.used;
+        let room = start + vector.len() + SLACK;
+        if self.words.len() < room {
+            self.words.resize(room, 0);
+            self.columns.resize(room, 0);
         }
-        self.used += collect(vector, &mut self.pairs[first..room]);
+        let (count, magnitude) =
+            collect(isa, vector, &mut self.words[start..room], &mut self.columns[start..room]);
+        self.used += count;
+        if !count.is_multiple_of(2) {
+            (self.words[self.used], self.columns[self.used]) = (0, 0);
+            self.used += 1;
+        }
+        let first = self.segments.len();
         let most = MOST / largest.max(1);
-        let mut too_large = false;
-        if magnitude(isa, vector) > most {
-            let mut sum = 0;
-            for (i, &pair) in self.pairs[first..self.used].iter().enumerate() {
-                let [a, b] = [0, 1].map(|k| u64::from(vector[2 * usize::from(pair) + k].unsigned_abs()));
-                too_large |= a + b > most;
-                sum += a + b;
-                if sum > most && i > 0 {
-                    self.segments.push(first + i);
-                    sum = a + b;
-                }
+        let fits = magnitude <= most || self.cut(start, most);
+        self.segments.push(self.used);
+        self.vectors.push(Vector { start, segments: (first, self.segments.len()), fits });
+        count as u64
+    }
+
+    /// Ends segments of the entries from `start` on before Σ |word| passes `most`, but for the last; tells whether that is possible.
+    fn cut(&mut self, start: usize, most: u64) -> bool {
+        let (mut sum, mut fits) = (0, true);
+        for (i, two) in self.words[start..self.used].as_chunks::<2>().0.iter().enumerate() {
+            let both: u64 = two.iter().map(|word| u64::from(word.unsigned_abs())).sum();
+            fits &= both <= most;
+            sum += both;
+            if sum > most && i > 0 {
+                self.segments.push(start + 2 * i);
+                sum = both;
             }
         }
-        self.segments.push(self.used);
-        self.vectors.push((self.segments.len(), too_large));
+        fits
     }
 
-    /// Segments of vector `i`, each a few pairs, in order; none where a single pair's products could pass 32 bits.
-    pub fn segments(&self, i: usize) -> Option<impl Iterator<Item = &[u16]> + Clone> {
-        let first = i.checked_sub(1).map_or(0, |before| self.vectors[before].0);
-        let (end, too_large) = self.vectors[i];
-        let start = first.checked_sub(1).map_or(0, |before| self.segments[before]);
+    /// Whether vector `i` can be multiplied in sums of 32 bits, segment by segment.
+    #[must_use]
+    pub fn fits(&self, i: usize) -> bool {
+        self.vectors[i].fits
+    }
+
+    /// Segments of vector `i`, in order.
+    pub fn segments(&self, i: usize) -> impl Iterator<Item = Entries<'_>> {
+        let Vector { start, segments: (first, end), .. } = self.vectors[i];
         let ends = &self.segments[first..end];
         let starts = std::iter::once(start).chain(ends.iter().copied());
-        (!too_large).then(|| starts.zip(ends).map(|(start, &end)| &self.pairs[start..end]))
+        starts.zip(ends).map(|(start, &end)| Entries {
+            words: &self.words[start..end],
+            columns: &self.columns[start..end],
+        })
     }
 }
 
-/// Writes the active pairs of a vector and gives how many they are: no branch, for no two vectors are alike.
-fn collect(vector: &[i16], pairs: &mut [u16]) -> usize {
-    let mut count = 0;
-    for (pair, words) in vector.chunks_exact(2).enumerate() {
-        pairs[count] = pair as u16;
-        count += usize::from(words != [0, 0]);
-    }
-    count
-}
-
-for_each_isa! {
-    /// Σ |word|.
-    fn magnitude(vector: &[i16]) -> u64 {
-        vector.iter().map(|w| u32::from(w.unsigned_abs())).sum::<u32>().into()
+/// Writes the words that are not zero and their columns; gives how many they are and Σ |word|. Up to [`SLACK`] more entries are written.
+fn collect(isa: Isa, vector: &[i16], words: &mut [i16], columns: &mut [u16]) -> (usize, u64) {
+    match isa {
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512Vnni(token) => x86::collect_vbmi2(token, vector, words, columns),
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512(token) => x86::collect_avx512(token, vector, words, columns),
+        _ => portable::collect(vector, words, columns),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_spec::draw::Draw;
 
-    fn segments(vectors: &[&[i16]], largest: u64) -> Vec<Option<Vec<Vec<u16>>>> {
+    type Segments = Vec<Vec<(u16, i16)>>;
+
+    fn segments(vectors: &[&[i16]], largest: u64) -> Vec<(bool, Segments)> {
         let mut active = Active::default();
-        vectors.iter().for_each(|vector| active.push(Isa::best(), vector, largest));
-        let of = |i| active.segments(i).map(|all| all.map(<[u16]>::to_vec).collect());
-        (0..vectors.len()).map(of).collect()
+        for vector in vectors {
+            active.push(Isa::best(), vector, largest);
+        }
+        let entries = |e: Entries<'_>| e.columns.iter().copied().zip(e.words.iter().copied()).collect();
+        (0..vectors.len()).map(|i| (active.fits(i), active.segments(i).map(entries).collect())).collect()
     }
 
     #[test]
-    fn pairs_of_zeros_are_left_out() {
-        let vectors: [&[i16]; 3] = [&[0, 5, 0, 0, -6, 7], &[0, 0], &[1, 0]];
-        assert_eq!(
-            segments(&vectors, 100),
-            [Some(vec![vec![0, 2]]), Some(vec![vec![]]), Some(vec![vec![0]])]
-        );
+    fn zeros_are_left_out_and_an_odd_number_gets_one() {
+        let vectors: [&[i16]; 3] = [&[0, 5, 0, 0, -6, 7], &[0, 0], &[1, 0, 2]];
+        let expected = [vec![(1, 5), (4, -6), (5, 7), (0, 0)], vec![], vec![(0, 1), (2, 2)]];
+        assert_eq!(segments(&vectors, 100), expected.map(|entries| (true, vec![entries])));
     }
 
     #[test]
     fn segments_end_before_a_sum_could_pass_32_bits() {
-        // Each pair may reach 2^30: two of them would pass 2^31 − 1.
-        let alone = vec![vec![0], vec![1], vec![2]];
-        assert_eq!(segments(&[&[i16::MIN, 0, 0, i16::MIN, i16::MIN, 0]], 32768), [Some(alone)]);
-        assert_eq!(segments(&[&[i16::MAX; 8]], 32768), [Some(vec![vec![0], vec![1], vec![2], vec![3]])]);
-        assert_eq!(segments(&[&[i16::MAX; 8]], 16384), [Some(vec![vec![0, 1], vec![2, 3]])]);
+        let max = |columns: [u16; 2]| columns.map(|column| (column, i16::MAX)).to_vec();
+        // Two may reach 2^31 − 2^16, four twice as much.
+        assert_eq!(segments(&[&[i16::MAX; 4]], 32768), [(true, vec![max([0, 1]), max([2, 3])])]);
+        assert_eq!(segments(&[&[i16::MAX; 4]], 16384), [(true, vec![[max([0, 1]), max([2, 3])].concat()])]);
     }
 
     #[test]
-    fn a_pair_whose_products_pass_32_bits_is_told() {
-        assert_eq!(segments(&[&[i16::MIN; 2], &[1, 1]], 32768), [None, Some(vec![vec![0]])]);
+    fn two_words_whose_products_pass_32_bits_are_told() {
+        let told = segments(&[&[i16::MIN; 2], &[1, 1]], 32768);
+        assert_eq!(told.iter().map(|(fits, _)| *fits).collect::<Vec<_>>(), [false, true]);
+    }
+
+    #[test]
+    fn every_instruction_set_finds_the_same_words() {
+        let draw = &mut Draw::new(7);
+        for length in [1, 31, 32, 33, 64, 192, 330] {
+            let vector: Vec<i16> =
+                (0..length).map(|_| if draw.whole(0, 2) == 0 { draw.extreme(16) } else { 0 }).collect();
+            let (mut words, mut columns) = (vec![0; length + SLACK], vec![0; length + SLACK]);
+            let (count, magnitude) = portable::collect(&vector, &mut words, &mut columns);
+            assert_eq!(count, vector.iter().filter(|w| **w != 0).count());
+            assert_eq!(magnitude, vector.iter().map(|w| u64::from(w.unsigned_abs())).sum::<u64>());
+            for isa in Isa::available() {
+                let (mut again, mut places) = (vec![0; length + SLACK], vec![0; length + SLACK]);
+                assert_eq!(collect(isa, &vector, &mut again, &mut places), (count, magnitude), "{isa:?}");
+                assert_eq!(
+                    (&again[..count], &places[..count]),
+                    (&words[..count], &columns[..count]),
+                    "{isa:?}"
+                );
+            }
+        }
     }
 }

@@ -7,7 +7,6 @@
 use super::isa::{Isa, for_each_isa};
 use super::sums::{LOW_BITS, SUM_BITS, Sums};
 use edof_spec::fixed_network::FinalShifts;
-use edof_spec::network::Shrinkage;
 use edof_spec::number::requantize;
 
 /// Bits of an output word.
@@ -155,7 +154,7 @@ for_each_isa! {
 
 for_each_isa! {
     /// Two-sided soft threshold of each pre-activation: what is left of it outside of −θ…θ, which never saturates.
-    fn shrink_two_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    pub fn shrink_two_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
             // −32768 has no opposite, but thresholds are 0 or more.
             *z = *b - (*b).min(*theta).max(-theta.max(&0));
@@ -165,25 +164,16 @@ for_each_isa! {
 }
 
 for_each_isa! {
-    /// One-sided soft threshold of each pre-activation.
-    fn shrink_one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    /// One-sided soft threshold of each pre-activation, fewer than 2^16.
+    pub fn shrink_one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
         let most = ((1i32 << (bits - 1)) - 1) as i16;
-        let mut saturated = 0u16;
+        let mut saturated = 0i16;
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
-            let word = b.saturating_sub(*theta).max(0);
-            let clipped = (word > most) | ((word == i16::MAX) & (b.wrapping_sub(*theta) < 0));
-            saturated += u16::from(clipped);
-            *z = word.min(most);
+            // Where most + θ saturates, b cannot pass it, and b − θ cannot pass `most`.
+            saturated = saturated.wrapping_add(i16::from(*b > most.saturating_add(*theta)));
+            *z = b.saturating_sub(*theta).max(0).min(most);
         }
-        saturated.into()
-    }
-}
-
-/// The soft threshold of each pre-activation of `bits` bits.
-pub fn shrink(isa: Isa, shrinkage: Shrinkage, bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
-    match shrinkage {
-        Shrinkage::OneSided => shrink_one_sided(isa, bits, theta, b, z),
-        Shrinkage::TwoSided => shrink_two_sided(isa, theta, b, z),
+        u64::from(saturated as u16)
     }
 }
 
@@ -199,13 +189,6 @@ for_each_isa! {
             *out = held as i16;
         }
         saturated.into()
-    }
-}
-
-for_each_isa! {
-    /// How many words are not zero.
-    pub fn nonzeros(words: &[i16]) -> u64 {
-        words.iter().map(|w| u16::from(*w != 0)).sum::<u16>().into()
     }
 }
 

@@ -5,9 +5,13 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Avx2(());
 
-/// Proof that this machine has AVX-512 F, BW, DQ, VL and VNNI.
+/// Proof that this machine has AVX-512 F, BW, DQ and VL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Avx512(());
+
+/// Proof that this machine has, besides, VNNI and VBMI2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Avx512Vnni(());
 
 /// Instruction sets that have kernels of their own.
 ///
@@ -22,8 +26,10 @@ pub enum Isa {
     Portable,
     /// AVX2.
     Avx2(Avx2),
-    /// AVX-512.
+    /// AVX-512 of the first machines that had it.
     Avx512(Avx512),
+    /// AVX-512 with sums of products, and words packed by a mask.
+    Avx512Vnni(Avx512Vnni),
 }
 
 impl Isa {
@@ -45,10 +51,12 @@ impl Isa {
         let avx512 = is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("avx512vnni");
+            && is_x86_feature_detected!("avx512vl");
+        let vnni =
+            avx512 && is_x86_feature_detected!("avx512vnni") && is_x86_feature_detected!("avx512vbmi2");
         let avx512 = if avx512 { Some(Self::Avx512(Avx512(()))) } else { None };
-        [Some(Self::Portable), avx2, avx512].into_iter().flatten()
+        let vnni = if vnni { Some(Self::Avx512Vnni(Avx512Vnni(()))) } else { None };
+        [Some(Self::Portable), avx2, avx512, vnni].into_iter().flatten()
     }
 
     #[cfg(not(target_arch = "x86_64"))]
@@ -82,7 +90,7 @@ macro_rules! for_each_isa {
                 Isa::Avx2(_) => unsafe { avx2($($arg),*) },
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512(_) => unsafe { avx512($($arg),*) },
+                Isa::Avx512(_) | Isa::Avx512Vnni(_) => unsafe { avx512($($arg),*) },
                 #[cfg(not(target_arch = "x86_64"))]
                 _ => body($($arg),*),
             }

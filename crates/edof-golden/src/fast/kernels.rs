@@ -1,25 +1,46 @@
 //! Matrix products on the kernels of an instruction set.
 
 use super::active::Active;
-use super::isa::Isa;
+use super::columns::Columns;
+use super::isa::{Isa, for_each_isa};
 use super::pack::{PANEL, Packed};
 use super::portable;
 use super::sums::Sums;
 #[cfg(target_arch = "x86_64")]
-use super::x86::{avx2, avx512};
+use super::x86::{avx2, avx512, vnni};
 
-/// A matrix times vectors of `2 · matrix.pairs` words that lie one after the other, into `matrix.rows` sums each.
-pub fn dense(isa: Isa, matrix: &Packed, vectors: &[i16], sums: &mut Sums) {
+/// Vectors that lie one after the other, and what bounds them.
+#[derive(Debug, Clone, Copy)]
+pub struct Inputs<'a> {
+    /// The words.
+    pub words: &'a [i16],
+    /// The largest of each vector; −1 where one is negative.
+    pub largest: &'a [i16],
+}
+
+for_each_isa! {
+    /// The largest of words of 0 or more; −1 where one is negative.
+    pub fn largest(words: &[i16]) -> i16 {
+        let least = words.iter().copied().fold(0, i16::min);
+        let most = words.iter().copied().fold(0, i16::max);
+        if least < 0 { -1 } else { most }
+    }
+}
+
+/// A matrix times vectors of `2 · matrix.pairs` words, into `matrix.rows` sums each.
+pub fn dense(isa: Isa, matrix: &Packed, inputs: Inputs<'_>, sums: &mut Sums) {
     // The bound of 32-bit blocks holds for words of 0 or more, which is what windows hold.
-    let isa = if vectors.iter().copied().fold(0, i16::min) < 0 { Isa::Portable } else { isa };
+    let isa = if inputs.largest.contains(&-1) { Isa::Portable } else { isa };
     match isa {
         #[cfg(target_arch = "x86_64")]
-        Isa::Avx2(token) => avx2::dense(token, matrix, vectors, sums),
+        Isa::Avx2(token) => avx2::dense(token, matrix, inputs, sums),
         #[cfg(target_arch = "x86_64")]
-        Isa::Avx512(token) => avx512::dense(token, matrix, vectors, sums),
+        Isa::Avx512(token) => avx512::dense(token, matrix, inputs, sums),
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512Vnni(token) => vnni::dense(token, matrix, inputs, sums),
         _ => {
             for (row, panel) in matrix.panels() {
-                for (i, vector) in vectors.chunks_exact(2 * matrix.pairs).enumerate() {
+                for (i, vector) in inputs.words.chunks_exact(2 * matrix.pairs).enumerate() {
                     let at = i * matrix.rows + row..i * matrix.rows + row + PANEL;
                     portable::dense(panel, vector, &mut sums.high[at.clone()], &mut sums.low[at]);
                 }
@@ -28,25 +49,22 @@ pub fn dense(isa: Isa, matrix: &Packed, vectors: &[i16], sums: &mut Sums) {
     }
 }
 
-/// A matrix times sparse vectors that lie one after the other, `length` words from one to the next, into `matrix.rows` sums each. A panel
-/// stays in the first cache while all vectors pass.
-pub fn sparse(isa: Isa, matrix: &Packed, vectors: &[i16], length: usize, active: &Active, sums: &mut Sums) {
+/// A matrix times the first `count` sparse vectors, into `matrix.rows` sums each. A panel stays in the first cache while all vectors
+/// pass.
+pub fn sparse(isa: Isa, matrix: &Columns, active: &Active, count: usize, sums: &mut Sums) {
     for (row, panel) in matrix.panels() {
-        for (i, vector) in vectors.chunks_exact(length).enumerate() {
+        for i in 0..count {
             let at = i * matrix.rows + row..i * matrix.rows + row + PANEL;
             let (high, low) = (&mut sums.high[at.clone()], &mut sums.low[at]);
-            match (isa, active.segments(i)) {
+            let (isa, segments) = (if active.fits(i) { isa } else { Isa::Portable }, active.segments(i));
+            match isa {
                 #[cfg(target_arch = "x86_64")]
-                (Isa::Avx2(token), Some(segments)) => avx2::sparse(token, panel, vector, segments, high, low),
+                Isa::Avx2(token) => avx2::sparse(token, panel, segments, high, low),
                 #[cfg(target_arch = "x86_64")]
-                (Isa::Avx512(token), Some(segments)) => {
-                    avx512::sparse(token, panel, vector, segments, high, low)
-                }
-                (_, Some(segments)) => {
-                    let pairs = segments.flatten().map(|pair| usize::from(*pair));
-                    portable::products(panel, vector, pairs, high, low);
-                }
-                (_, None) => portable::dense(panel, &vector[..2 * matrix.pairs], high, low),
+                Isa::Avx512(token) => avx512::sparse(token, panel, segments, high, low),
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx512Vnni(token) => vnni::sparse(token, panel, segments, high, low),
+                _ => portable::sparse(panel, segments, high, low),
             }
         }
     }

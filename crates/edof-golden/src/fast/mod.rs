@@ -2,9 +2,10 @@
 //!
 //! | what | module |
 //! |---|---|
-//! | weights packed for the kernels, and what bounds their sums | [`pack`] |
+//! | weights for dense vectors, and what bounds their sums | [`pack`] |
+//! | weights for sparse vectors | [`columns`] |
 //! | sums of 40 bits in two numbers of 32 | [`sums`] |
-//! | which pairs of sparse codes are not zero | [`active`] |
+//! | which sparse codes are not zero | [`active`] |
 //! | instruction sets, and tokens for those that were detected | [`isa`] |
 //! | matrix products | [`kernels`] |
 //! | in plain Rust | [`portable`] |
@@ -12,10 +13,11 @@
 //! | sums to words: round, shift, saturate, shrink | [`finish`] |
 //!
 //! Sums run in 32 bits as long as a bound proves that they fit, and are then split into [`sums::Sums`]. For dense products the bound is a
-//! block's largest row sum of weights of one sign times the batch's largest input; for sparse ones it is the matrix's largest |weight| times
+//! block's largest row sum of weights of one sign times the largest input; for sparse ones it is the matrix's largest |weight| times
 //! Σ |sparse code|. Both hold for every partial sum.
 
 pub mod active;
+pub mod columns;
 pub mod finish;
 pub mod isa;
 pub mod kernels;
@@ -28,11 +30,13 @@ mod x86;
 use crate::scalar::{self, sends_difference};
 use crate::trace::{LayerWords, StageCounts, Trace};
 use active::Active;
+use columns::Columns;
 use edof_spec::FixedNetwork;
 use edof_spec::colour::OUTPUTS_422;
-use edof_spec::network::Recurrence;
+use edof_spec::network::{Recurrence, Shrinkage};
 use finish::{Finish, FinishOutputs};
 use isa::Isa;
+use kernels::Inputs;
 use pack::{Packed, padded};
 use sums::Sums;
 
@@ -43,8 +47,8 @@ pub struct Fast {
     isa: Isa,
     analysis: Packed,
     stages: Vec<Stage>,
-    recurrent: Vec<Packed>,
-    dictionary: Packed,
+    recurrent: Vec<Columns>,
+    dictionary: Columns,
     linear_path: Option<Packed>,
     finish: FinishOutputs,
 }
@@ -61,9 +65,8 @@ struct Stage {
 /// Room for the words of [`Batch::PATCHES`] patches at every stage boundary.
 #[derive(Debug, Clone)]
 pub struct Batch {
-    input: Vec<i16>,
-    pixels: usize,
-    /// Of each patch as many words as a matrix has padded rows; zeros after the last.
+    windows: Windows,
+    /// Of each patch as many words as a matrix has padded rows; zeros after the last. What is sent only where it is not z.
     words: Vec<LayerWords>,
     codes: usize,
     output: Vec<i16>,
@@ -85,10 +88,15 @@ impl Batch {
         let rows = padded(form.codes);
         let words = || vec![0; Self::PATCHES * rows];
         Self {
-            input: vec![0; Self::PATCHES * form.window.pixels()],
-            pixels: form.window.pixels(),
-            words: (0..form.shrinkages())
-                .map(|_| LayerWords { b: words(), z: words(), sent: words() })
+            windows: Windows::new(Self::PATCHES, form.window.pixels()),
+            words: fast
+                .stages
+                .iter()
+                .map(|stage| LayerWords {
+                    b: words(),
+                    z: words(),
+                    sent: if stage.sends_difference { words() } else { vec![] },
+                })
                 .collect(),
             codes: form.codes,
             output: vec![0; Self::PATCHES * OUTPUTS_422],
@@ -117,11 +125,11 @@ impl Batch {
     pub fn trace(&self, i: usize) -> Trace {
         let part = |words: &[i16]| words[i * padded(self.codes)..][..self.codes].to_vec();
         Trace {
-            input: self.input[i * self.pixels..][..self.pixels].to_vec(),
+            input: self.windows.window(i).to_vec(),
             layers: self
                 .words
                 .iter()
-                .map(|c| LayerWords { b: part(&c.b), z: part(&c.z), sent: part(&c.sent) })
+                .map(|c| LayerWords { b: part(&c.b), z: part(&c.z), sent: part(sent(c)) })
                 .collect(),
             output: self.output(i).to_vec(),
             stages: self.stages(i).to_vec(),
@@ -134,11 +142,49 @@ impl Batch {
         for (all, one) in self.words.iter_mut().zip(&trace.layers) {
             all.b[at.clone()].copy_from_slice(&one.b);
             all.z[at.clone()].copy_from_slice(&one.z);
-            all.sent[at.clone()].copy_from_slice(&one.sent);
+            if let Some(sent) = all.sent.get_mut(at.clone()) {
+                sent.copy_from_slice(&one.sent);
+            }
         }
         self.output[i * OUTPUTS_422..][..OUTPUTS_422].copy_from_slice(&trace.output);
         self.stages[i * self.layers..][..self.layers].copy_from_slice(&trace.stages);
     }
+}
+
+/// Input words of some windows.
+#[derive(Debug, Clone)]
+struct Windows {
+    words: Vec<i16>,
+    /// Of each window ([`Inputs::largest`]).
+    largest: Vec<i16>,
+    pixels: usize,
+}
+
+impl Windows {
+    fn new(windows: usize, pixels: usize) -> Self {
+        Self { words: vec![0; windows * pixels], largest: vec![0; windows], pixels }
+    }
+
+    fn fill(&mut self, isa: Isa, count: usize, mut words_of: impl FnMut(usize, &mut [i16])) {
+        let windows = self.words.chunks_exact_mut(self.pixels).zip(&mut self.largest);
+        for (i, (words, largest)) in windows.take(count).enumerate() {
+            words_of(i, words);
+            *largest = kernels::largest(isa, words);
+        }
+    }
+
+    fn window(&self, i: usize) -> &[i16] {
+        &self.words[i * self.pixels..][..self.pixels]
+    }
+
+    fn first(&self, count: usize) -> Inputs<'_> {
+        Inputs { words: &self.words[..count * self.pixels], largest: &self.largest[..count] }
+    }
+}
+
+/// What a layer sends.
+fn sent(layer: &LayerWords) -> &[i16] {
+    if layer.sent.is_empty() { &layer.z } else { &layer.sent }
 }
 
 impl Fast {
@@ -158,8 +204,8 @@ impl Fast {
             stages: (0..network.form.shrinkages())
                 .map(|t| Stage::new(&network, t, accumulator_bits[t]))
                 .collect(),
-            recurrent: network.recurrent.iter().map(|s| Packed::new(&s.weights)).collect(),
-            dictionary: Packed::new(&network.dictionary.weights),
+            recurrent: network.recurrent.iter().map(|s| Columns::new(&s.weights)).collect(),
+            dictionary: Columns::new(&network.dictionary.weights),
             linear_path: network.linear_path.as_ref().map(|r| Packed::new(&r.weights)),
             finish: FinishOutputs {
                 shifts: network.final_shifts(),
@@ -190,84 +236,87 @@ impl Fast {
     }
 
     /// Runs `count` patches (at most [`Batch::PATCHES`]); `fill(i, words)` writes the input words (0…32767) of the i-th.
-    pub fn run(&self, batch: &mut Batch, count: usize, mut fill: impl FnMut(usize, &mut [i16])) {
+    pub fn run(&self, batch: &mut Batch, count: usize, fill: impl FnMut(usize, &mut [i16])) {
         let count = count.min(Batch::PATCHES);
-        let pixels = batch.pixels;
-        batch.input.chunks_exact_mut(pixels).take(count).enumerate().for_each(|(i, words)| fill(i, words));
-        if self.matrices().all(Packed::fits) {
-            batch.stages.fill(StageCounts::default());
+        batch.windows.fill(self.isa, count, fill);
+        if self.fits() {
             (0..self.stages.len()).for_each(|t| self.layer(batch, t, count));
             self.outputs(batch, count);
         } else {
             for i in 0..count {
-                let trace = scalar::run(&self.network, &batch.input[i * pixels..][..pixels]);
+                let trace = scalar::run(&self.network, batch.windows.window(i));
                 batch.set(i, &trace);
             }
         }
     }
 
-    fn matrices(&self) -> impl Iterator<Item = &Packed> {
-        [&self.analysis, &self.dictionary].into_iter().chain(&self.recurrent).chain(&self.linear_path)
+    /// Whether all sums fit the kernels' 40 bits.
+    fn fits(&self) -> bool {
+        let dense = [&self.analysis].into_iter().chain(&self.linear_path).all(Packed::fits);
+        dense && [&self.dictionary].into_iter().chain(&self.recurrent).all(Columns::fits)
+    }
+
+    /// The matrix that stage t's words are multiplied by (0 = I).
+    fn after(&self, t: usize) -> &Columns {
+        let middle = t + 1 < self.stages.len();
+        if middle { &self.recurrent[self.network.form.recurrent_index(t)] } else { &self.dictionary }
     }
 
     /// Stage t (0 = I): b, z and what it sends, for `count` patches.
     fn layer(&self, batch: &mut Batch, t: usize, count: usize) {
-        let (rows, bits) = (padded(batch.codes), self.network.code_bits);
+        let (rows, bits, shrinkage) =
+            (padded(batch.codes), self.network.code_bits, self.network.form.shrinkage);
         let stage = &self.stages[t];
         let (before, rest) = batch.words.split_at_mut(t);
         let LayerWords { b, z, sent } = &mut rest[0];
-        match before.last() {
-            None => {
-                let input = &batch.input[..count * batch.pixels];
-                kernels::dense(self.isa, &self.analysis, input, &mut batch.sums);
-            }
+        match t.checked_sub(1) {
+            None => kernels::dense(self.isa, &self.analysis, batch.windows.first(count), &mut batch.sums),
             Some(last) => {
-                let matrix = &self.recurrent[self.network.form.recurrent_index(t - 1)];
-                self.sparse(matrix, &last.sent[..count * rows], rows, &mut batch.active, &mut batch.sums);
+                kernels::sparse(self.isa, self.after(last), &batch.active, count, &mut batch.sums);
             }
         }
         let base = match self.network.form.recurrence {
             Recurrence::Direct => before.first(),
             Recurrence::Difference => before.last(),
         };
+        batch.active.clear();
         for i in 0..count {
             let (at, counts) = (i * rows..(i + 1) * rows, &mut batch.stages[i * batch.layers + t]);
-            let (b, z, sent) = (&mut b[at.clone()], &mut z[at.clone()], &mut sent[at.clone()]);
+            let (b, z) = (&mut b[at.clone()], &mut z[at.clone()]);
             let base = base.map(|base| &base.b[at.clone()]);
+            *counts = StageCounts::default();
             counts.saturated_results = stage.finish.words(self.isa, &batch.sums, at.start, base, b);
-            counts.saturated_codes =
-                finish::shrink(self.isa, self.network.form.shrinkage, bits, &stage.theta, b, z);
-            match before.last() {
-                Some(last) if stage.sends_difference => {
-                    counts.saturated_differences =
-                        finish::difference(self.isa, bits, z, &last.z[at.clone()], sent);
+            counts.saturated_codes = stage.shrink(self.isa, shrinkage, bits, b, z);
+            let sent = match before.last() {
+                _ if !stage.sends_difference => z,
+                last => {
+                    let sent = &mut sent[at.clone()];
+                    match last {
+                        Some(last) => {
+                            counts.saturated_differences =
+                                finish::difference(self.isa, bits, z, &last.z[at.clone()], sent);
+                        }
+                        None => sent.copy_from_slice(z),
+                    }
+                    sent
                 }
-                _ => sent.copy_from_slice(z),
-            }
-            counts.nonzeros = finish::nonzeros(self.isa, sent);
+            };
+            counts.nonzeros = batch.active.push(self.isa, sent, self.after(t).largest);
         }
     }
 
     /// F's words of `count` patches.
     fn outputs(&self, batch: &mut Batch, count: usize) {
-        let rows = padded(batch.codes);
-        let Some(last) = batch.words.last() else { return };
-        self.sparse(&self.dictionary, &last.sent[..count * rows], rows, &mut batch.active, &mut batch.sums);
+        kernels::sparse(self.isa, &self.dictionary, &batch.active, count, &mut batch.sums);
         if let Some(r) = &self.linear_path {
-            kernels::dense(self.isa, r, &batch.input[..count * batch.pixels], &mut batch.linear);
+            kernels::dense(self.isa, r, batch.windows.first(count), &mut batch.linear);
         }
         let linear = self.linear_path.is_some().then_some(&batch.linear);
         for (i, out) in batch.output.chunks_exact_mut(OUTPUTS_422).take(count).enumerate() {
             let saturated = self.finish.words(self.isa, &batch.sums, linear, i * OUTPUTS_422, out);
-            batch.stages[(i + 1) * batch.layers - 1].saturated_results = saturated;
+            let counts = StageCounts { saturated_results: saturated, ..StageCounts::default() };
+            batch.stages[(i + 1) * batch.layers - 1] = counts;
         }
-    }
-
-    /// Products of sparse vectors, `length` words each.
-    fn sparse(&self, matrix: &Packed, vectors: &[i16], length: usize, active: &mut Active, sums: &mut Sums) {
-        active.clear();
-        vectors.chunks_exact(length).for_each(|vector| active.push(self.isa, vector, matrix.largest));
-        kernels::sparse(self.isa, matrix, vectors, length, active, sums);
     }
 }
 
@@ -287,6 +336,14 @@ impl Stage {
             finish: Finish { base_shift, shift, bits: network.code_bits, accumulator_bits },
             theta,
             sends_difference: sends_difference(network, t),
+        }
+    }
+
+    /// The soft threshold of pre-activations of `bits` bits; gives how many codes saturated.
+    fn shrink(&self, isa: Isa, shrinkage: Shrinkage, bits: u32, b: &[i16], z: &mut [i16]) -> u64 {
+        match shrinkage {
+            Shrinkage::TwoSided => finish::shrink_two_sided(isa, &self.theta, b, z),
+            Shrinkage::OneSided => finish::shrink_one_sided(isa, bits, &self.theta, b, z),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Weights laid out for the kernels, with what bounds their sums.
+//! Weights for dense vectors, pair of columns by pair of columns, with what bounds their sums.
 
 use super::sums::SUM_BITS;
 use ndarray::Array2;
@@ -24,7 +24,7 @@ pub const fn padded(rows: usize) -> usize {
     rows.div_ceil(PANEL) * PANEL
 }
 
-/// Sixteen rows of a pair of columns, row by row: a line of the cache.
+/// Thirty-two weights: a line of the cache. Here sixteen rows of a pair of columns, row by row.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Line(pub [i16; 2 * LINE_ROWS]);
@@ -37,8 +37,6 @@ pub struct Packed {
     /// Padded rows.
     pub rows: usize,
     lines: Vec<Line>,
-    /// The largest |weight|.
-    pub largest: u64,
     /// For each panel and each of [`BLOCKS`]: the largest Σ of weights of one sign over a row's block.
     one_signed: Vec<[u64; BLOCKS.len()]>,
     /// The largest Σ of |weights| over a row.
@@ -56,7 +54,6 @@ impl Packed {
             let line = (panel * pairs + column / 2) * LINES + row / LINE_ROWS;
             lines[line].0[row % LINE_ROWS * 2 + column % 2] = w;
         }
-        let sizes = |row: ndarray::ArrayView1<'_, i16>| row.iter().map(|w| u64::from(w.unsigned_abs())).sum();
         let one_signed = (0..rows / PANEL)
             .map(|panel| {
                 let of_panel = panel * PANEL..weights.nrows().min((panel + 1) * PANEL);
@@ -65,14 +62,7 @@ impl Packed {
                 })
             })
             .collect();
-        Self {
-            pairs,
-            rows,
-            lines,
-            largest: weights.iter().map(|w| u64::from(w.unsigned_abs())).max().unwrap_or(0),
-            one_signed,
-            row_sum: weights.rows().into_iter().map(sizes).max().unwrap_or(0),
-        }
+        Self { pairs, rows, lines, one_signed, row_sum: worst_row(weights) }
     }
 
     /// Panels, each with its first row.
@@ -93,6 +83,13 @@ impl Packed {
         let best = self.one_signed[panel].iter().position(fits).unwrap_or(BLOCKS.len() - 1);
         BLOCKS[best]
     }
+}
+
+/// The largest Σ of |weights| over a row.
+#[must_use]
+pub fn worst_row(weights: &Array2<i16>) -> u64 {
+    let sizes = |row: ndarray::ArrayView1<'_, i16>| row.iter().map(|w| u64::from(w.unsigned_abs())).sum();
+    weights.rows().into_iter().map(sizes).max().unwrap_or(0)
 }
 
 /// Over a row's blocks, the larger of the sums of positive and of negative weights: times the largest input it bounds every partial

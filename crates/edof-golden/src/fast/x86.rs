@@ -3,7 +3,10 @@
 //!
 //! Both sets run the same code, written once over the names that they give to the same operations.
 
-use super::isa::{Avx2, Avx512};
+use super::active::{Entries, SLACK};
+use super::columns;
+use super::isa::{Avx2, Avx512, Avx512Vnni};
+use super::kernels::Inputs;
 use super::pack::{LINES, Line, PANEL, Packed};
 use super::sums::{LOW, LOW_BITS, Sums};
 use std::arch::x86_64::*;
@@ -27,12 +30,12 @@ struct Tile<'a> {
 }
 
 /// Cuts a dense product into tiles. Panics if `sums` are too few.
-fn each_tile(matrix: &Packed, input: &[i16], sums: &mut Sums, mut run: impl FnMut(Tile<'_>)) {
-    let largest = input.iter().copied().fold(0, i16::max);
+fn each_tile(matrix: &Packed, inputs: Inputs<'_>, sums: &mut Sums, mut run: impl FnMut(Tile<'_>)) {
     let (columns, stride) = (2 * matrix.pairs, matrix.rows);
     for (row, panel) in matrix.panels() {
-        let block = matrix.block(row / PANEL, largest);
-        for (i, input) in input.chunks(TILE * columns).enumerate() {
+        let tiles = inputs.words.chunks(TILE * columns).zip(inputs.largest.chunks(TILE));
+        for (i, (input, largest)) in tiles.enumerate() {
+            let block = matrix.block(row / PANEL, largest.iter().copied().fold(0, i16::max));
             let from = i * TILE * stride + row;
             let (high, low) = (&mut sums.high[from..], &mut sums.low[from..]);
             run(Tile { panel, block, columns, input, stride, high, low });
@@ -47,7 +50,8 @@ macro_rules! kernels {
         mod $isa:ident, token $Token:ident, features $features:literal, vectors $vector:ident of $lanes:literal sums;
         a dense tile holds $dense:literal of them;
         zero $zero:ident, load $load:ident, store $store:ident, all $all:ident, multiply_add $multiply_add:path,
-        add $add:ident, and $and:ident, shift_right $shift_right:ident;
+        add $add:ident, and $and:ident, shift_right $shift_right:ident,
+        interleave $interleave_low:ident, $interleave_high:ident;
     ) => {
         $(#[$doc])*
         pub mod $isa {
@@ -61,8 +65,8 @@ macro_rules! kernels {
             const WHOLE: usize = PANEL / LANES;
 
             /// Dense products; inputs are 0…32767. Panics if slices do not hold whole vectors.
-            pub fn dense(_: $Token, matrix: &Packed, input: &[i16], sums: &mut Sums) {
-                each_tile(matrix, input, sums, |tile| {
+            pub fn dense(_: $Token, matrix: &Packed, inputs: Inputs<'_>, sums: &mut Sums) {
+                each_tile(matrix, inputs, sums, |tile| {
                     // SAFETY: the token proves that these features were detected.
                     unsafe {
                         match tile.input.len() / tile.columns {
@@ -120,42 +124,39 @@ macro_rules! kernels {
                 }
             }
 
-            /// The product of a panel and the active pairs of a vector, into the parts of `PANEL` sums.
+            /// The product of a panel of columns and a vector's active words, into the parts of `PANEL` sums.
             pub fn sparse<'a>(
                 _: $Token,
                 panel: &[Line],
-                vector: &[i16],
-                segments: impl Iterator<Item = &'a [u16]>,
+                segments: impl Iterator<Item = Entries<'a>>,
                 high: &mut [i32],
                 low: &mut [i32],
             ) {
                 // SAFETY: the token proves that these features were detected.
-                unsafe { active_pairs(panel, vector, segments, high, low) }
+                unsafe { active_columns(panel, segments, high, low) }
             }
 
             #[target_feature(enable = $features)]
-            fn active_pairs<'a>(
+            fn active_columns<'a>(
                 panel: &[Line],
-                vector: &[i16],
-                segments: impl Iterator<Item = &'a [u16]>,
+                segments: impl Iterator<Item = Entries<'a>>,
                 high: &mut [i32],
                 low: &mut [i32],
             ) {
-                let pairs = (vector.len() / 2).min(panel.len() / LINES);
                 assert!(high.len() >= PANEL && low.len() >= PANEL);
-                let (weights, words) = (panel.as_ptr().cast::<i32>(), vector.as_ptr());
                 let mut split = [Split::zero(); WHOLE];
-                for segment in segments {
+                for Entries { words, columns } in segments {
                     let mut acc = [$zero(); WHOLE];
-                    for &pair in segment {
-                        let pair = usize::from(pair);
-                        assert!(pair < pairs);
-                        // SAFETY: the vector has both words of this pair.
-                        let two = $all(unsafe { words.add(2 * pair).cast::<i32>().read_unaligned() });
-                        for (v, acc) in acc.iter_mut().enumerate() {
-                            // SAFETY: the panel has all lines of this pair, `PANEL` rows in `WHOLE` vectors.
-                            let w = unsafe { $load(weights.add(pair * PANEL + LANES * v).cast()) };
-                            *acc = $multiply_add(*acc, w, two);
+                    for (words, columns) in words.as_chunks::<2>().0.iter().zip(columns.as_chunks::<2>().0) {
+                        let two = $all(i32::from(words[0]) & 0xffff | i32::from(words[1]) << 16);
+                        let [first, second] = columns.map(|column| {
+                            panel[usize::from(column) * columns::LINES..][..columns::LINES].as_ptr().cast::<i16>()
+                        });
+                        for (v, acc) in acc.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+                            // SAFETY: both columns have `PANEL` words, `2 · LANES` in each of these vectors.
+                            let [a, b] = [first, second].map(|column| unsafe { $load(column.add(2 * LANES * v).cast()) });
+                            acc[0] = $multiply_add(acc[0], $interleave_low(a, b), two);
+                            acc[1] = $multiply_add(acc[1], $interleave_high(a, b), two);
                         }
                     }
                     for (split, acc) in split.iter_mut().zip(acc) {
@@ -163,8 +164,9 @@ macro_rules! kernels {
                     }
                 }
                 for (v, split) in split.iter().enumerate() {
-                    // SAFETY: `WHOLE` vectors of `LANES` sums are `PANEL`, which both slices hold.
-                    unsafe { split.store(high.as_mut_ptr().add(LANES * v), low.as_mut_ptr().add(LANES * v)) };
+                    let row = first_row(v, LANES);
+                    // SAFETY: `LANES` rows from here on lie within `PANEL`, which both slices hold.
+                    unsafe { split.store(high.as_mut_ptr().add(row), low.as_mut_ptr().add(row)) };
                 }
             }
 
@@ -211,11 +213,22 @@ macro_rules! kernels {
 
 kernels! {
     /// With AVX-512 F, BW, DQ, VL and VNNI.
-    mod avx512, token Avx512, features "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni", vectors __m512i of 16 sums;
+    mod vnni, token Avx512Vnni, features "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni", vectors __m512i of 16 sums;
     a dense tile holds 4 of them;
     zero _mm512_setzero_si512, load _mm512_loadu_si512, store _mm512_storeu_si512, all _mm512_set1_epi32,
     multiply_add _mm512_dpwssd_epi32,
-    add _mm512_add_epi32, and _mm512_and_si512, shift_right _mm512_srai_epi32;
+    add _mm512_add_epi32, and _mm512_and_si512, shift_right _mm512_srai_epi32,
+    interleave _mm512_unpacklo_epi16, _mm512_unpackhi_epi16;
+}
+
+kernels! {
+    /// With AVX-512 F, BW, DQ and VL.
+    mod avx512, token Avx512, features "avx512f,avx512bw,avx512dq,avx512vl", vectors __m512i of 16 sums;
+    a dense tile holds 4 of them;
+    zero _mm512_setzero_si512, load _mm512_loadu_si512, store _mm512_storeu_si512, all _mm512_set1_epi32,
+    multiply_add multiply_add_avx512,
+    add _mm512_add_epi32, and _mm512_and_si512, shift_right _mm512_srai_epi32,
+    interleave _mm512_unpacklo_epi16, _mm512_unpackhi_epi16;
 }
 
 kernels! {
@@ -224,7 +237,8 @@ kernels! {
     a dense tile holds 2 of them;
     zero _mm256_setzero_si256, load _mm256_loadu_si256, store _mm256_storeu_si256, all _mm256_set1_epi32,
     multiply_add multiply_add_avx2,
-    add _mm256_add_epi32, and _mm256_and_si256, shift_right _mm256_srai_epi32;
+    add _mm256_add_epi32, and _mm256_and_si256, shift_right _mm256_srai_epi32,
+    interleave _mm256_unpacklo_epi16, _mm256_unpackhi_epi16;
 }
 
 /// What `_mm512_dpwssd_epi32` does, of which AVX2 has only the product.
@@ -232,4 +246,99 @@ kernels! {
 #[inline]
 fn multiply_add_avx2(sum: __m256i, a: __m256i, b: __m256i) -> __m256i {
     _mm256_add_epi32(sum, _mm256_madd_epi16(a, b))
+}
+
+/// What `_mm512_dpwssd_epi32` does, of which AVX-512 without VNNI has only the product.
+#[target_feature(enable = "avx512f,avx512bw")]
+#[inline]
+fn multiply_add_avx512(sum: __m512i, a: __m512i, b: __m512i) -> __m512i {
+    _mm512_add_epi32(sum, _mm512_madd_epi16(a, b))
+}
+
+/// First row of the v-th vector of interleaved pairs ([`columns::place`]).
+const fn first_row(v: usize, lanes: usize) -> usize {
+    let a_line = 32 / lanes;
+    let (line, v) = (v / a_line, v % a_line);
+    32 * line + 16 * (v % 2) + lanes * (v / 2)
+}
+
+/// [`super::portable::collect`]; up to [`SLACK`] more entries are written.
+pub fn collect_vbmi2(_: Avx512Vnni, vector: &[i16], words: &mut [i16], columns: &mut [u16]) -> (usize, u64) {
+    // SAFETY: the token proves that these features were detected.
+    unsafe { by_words(vector, words, columns) }
+}
+
+/// As [`collect_vbmi2`].
+pub fn collect_avx512(_: Avx512, vector: &[i16], words: &mut [i16], columns: &mut [u16]) -> (usize, u64) {
+    // SAFETY: the token proves that these features were detected.
+    unsafe { by_sums(vector, words, columns) }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi2")]
+fn by_words(vector: &[i16], words: &mut [i16], columns: &mut [u16]) -> (usize, u64) {
+    assert!(words.len() >= vector.len() + SLACK && columns.len() >= vector.len() + SLACK);
+    let first: [u16; 32] = std::array::from_fn(|i| i as u16);
+    // SAFETY: 32 words are a vector.
+    let mut places: __m512i = unsafe { _mm512_loadu_si512(first.as_ptr().cast()) };
+    let (mut count, mut magnitude) = (0, _mm512_setzero_si512());
+    for some in vector.chunks(32) {
+        let inside = u32::MAX >> (32 - some.len());
+        // SAFETY: only the words of the chunk are read.
+        let v = unsafe { _mm512_maskz_loadu_epi16(inside, some.as_ptr()) };
+        let active = _mm512_test_epi16_mask(v, v);
+        // SAFETY: `count` is at most the words before this chunk, and `SLACK` words come after the vector's.
+        unsafe {
+            _mm512_storeu_si512(words.as_mut_ptr().add(count).cast(), _mm512_maskz_compress_epi16(active, v));
+            _mm512_storeu_si512(
+                columns.as_mut_ptr().add(count).cast(),
+                _mm512_maskz_compress_epi16(active, places),
+            );
+        }
+        count += active.count_ones() as usize;
+        magnitude = _mm512_add_epi32(magnitude, magnitudes(v));
+        places = _mm512_add_epi16(places, _mm512_set1_epi16(32));
+    }
+    (count, total(magnitude))
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn by_sums(vector: &[i16], words: &mut [i16], columns: &mut [u16]) -> (usize, u64) {
+    assert!(words.len() >= vector.len() + SLACK && columns.len() >= vector.len() + SLACK);
+    let mut places = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    let (mut count, mut magnitude) = (0, _mm512_setzero_si512());
+    for some in vector.chunks(16) {
+        let inside = u16::MAX >> (16 - some.len());
+        // SAFETY: only the words of the chunk are read.
+        let v = unsafe { _mm256_maskz_loadu_epi16(inside, some.as_ptr()) };
+        let wide = _mm512_cvtepi16_epi32(v);
+        let active = _mm512_test_epi32_mask(wide, wide);
+        let narrow = |v| _mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(active, v));
+        // SAFETY: `count` is at most the words before this chunk, and `SLACK` words come after the vector's.
+        unsafe {
+            _mm256_storeu_si256(words.as_mut_ptr().add(count).cast(), narrow(wide));
+            _mm256_storeu_si256(columns.as_mut_ptr().add(count).cast(), narrow(places));
+        }
+        count += active.count_ones() as usize;
+        magnitude = _mm512_add_epi32(magnitude, _mm512_abs_epi32(wide));
+        places = _mm512_add_epi32(places, _mm512_set1_epi32(16));
+    }
+    (count, total(magnitude))
+}
+
+/// |word|, those of neighbours added.
+#[target_feature(enable = "avx512f,avx512bw")]
+#[inline]
+fn magnitudes(v: __m512i) -> __m512i {
+    let sizes = _mm512_abs_epi16(v);
+    _mm512_add_epi32(_mm512_and_si512(sizes, _mm512_set1_epi32(0xffff)), _mm512_srli_epi32::<16>(sizes))
+}
+
+/// Σ of numbers without a sign, of at most 2^32 each.
+#[target_feature(enable = "avx512f")]
+#[inline]
+fn total(sums: __m512i) -> u64 {
+    let mut each = [0u32; 16];
+    // SAFETY: 16 numbers of 32 bits are a vector.
+    unsafe { _mm512_storeu_si512(each.as_mut_ptr().cast(), sums) };
+    each.into_iter().map(u64::from).sum()
 }

@@ -1,6 +1,6 @@
-"""The float network in ONNX Runtime and in NumPy, raw frame in and picture out, beside the golden pipeline: same frame, same threads, in turn.
+"""The float network in ONNX Runtime, PyTorch and NumPy, raw frame in and picture out, beside the golden pipeline: same frame, same threads, in turn.
 
-Usage: golden_onnx.py THROUGHPUT WEIGHTS-STEM RAW.png SHARP.png THREADS ROUNDS OUT.json
+Usage: golden_float.py THROUGHPUT WEIGHTS-STEM RAW.png SHARP.png THREADS ROUNDS OUT.json
 
 WEIGHTS-STEM.safetensors is the float network, WEIGHTS-STEM.fixed.safetensors what the golden pipeline runs; stride 8. Every method runs
 FRAMES frames a round; ratios are taken round by round. Processor time is what a busy machine does not add to.
@@ -20,6 +20,7 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import numpy as np
 import onnx
 import onnxruntime
+import torch
 from onnx import TensorProto, helper, numpy_helper
 from PIL import Image
 from safetensors.numpy import load_file
@@ -98,6 +99,58 @@ def in_numpy(weights, y):
     return z @ weights["dictionary"].T + y @ weights["linear_path"].T
 
 
+class InTorch(torch.nn.Module):
+    """The network in PyTorch: by convolutions on a padded raw frame, or by matrix products on rows of windows."""
+
+    def __init__(self, weights, height, width, convolve):
+        super().__init__()
+        self.middle = sum(name.startswith("recurrent") for name in weights)
+        self.size, self.convolve = (height, width), convolve
+        self.side = int(weights["analysis"].shape[1] ** 0.5)
+        for name, value in weights.items():
+            value = torch.from_numpy(np.ascontiguousarray(value, dtype=np.float32))
+            if convolve and value.ndim == 2:
+                side = self.side if name in ("analysis", "linear_path") else 1
+                value = value.reshape(len(value), -1, side, side).contiguous(memory_format=torch.channels_last)
+            elif convolve:
+                value = value.reshape(1, -1, 1, 1)
+            elif value.ndim == 2:
+                value = value.T.contiguous()
+            self.register_buffer(name.replace(".", "_"), value)
+
+    def product(self, of, name):
+        w = getattr(self, name)
+        if not self.convolve:
+            return of @ w
+        return torch.nn.functional.conv2d(of, w, stride=STRIDE if w.shape[-1] > 1 else 1)
+
+    def plus(self, base, of, name):
+        return base + self.product(of, name) if self.convolve else torch.addmm(base, of, getattr(self, name))
+
+    def codes(self, b, t):
+        return torch.relu_(b - getattr(self, f"threshold_{t}"))
+
+    def forward(self, y):
+        height, width = self.size
+        if not self.convolve:
+            y = y.unfold(0, self.side, STRIDE).unfold(1, self.side, STRIDE).reshape(-1, self.side**2)
+        else:
+            y = y[None, None]
+        b = first = self.product(y, "analysis")
+        for t in range(self.middle):
+            b = self.plus(first, self.codes(b, t), f"recurrent_{t}")
+        out = self.plus(self.product(y, "linear_path"), self.codes(b, self.middle), "dictionary")
+        if self.convolve:
+            return torch.nn.functional.pixel_shuffle(out, STRIDE)[0].contiguous()
+        blocks = out.reshape(height // STRIDE, width // STRIDE, 3, STRIDE, STRIDE)
+        return blocks.permute(2, 0, 3, 1, 4).reshape(3, height, width)
+
+
+def in_torch(module, raw, side):
+    with torch.inference_mode():
+        return module(torch.from_numpy(padded(raw, side))).numpy()
+
+
 def psnr(picture, sharp):
     return float(-10 * np.log10(np.mean((np.clip(picture, 0, 1) - sharp) ** 2)))
 
@@ -121,16 +174,23 @@ def main():
     code = np.asarray(Image.open(sharp_path).convert("RGB")).transpose(2, 0, 1) / 255.0
     sharp = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
     by_convolution, by_product = graph(weights, height, width, True), graph(weights, height, width, False)
+    torch.set_num_threads(threads)
+    torch_convolution, torch_product = (InTorch(weights, height, width, convolve).eval() for convolve in (True, False))
+    torch_compiled = torch.compile(torch_product)
     methods = {
         "ONNX Runtime, convolutions": lambda: by_convolution.run(None, {"y": padded(raw, side)[None, None]})[0][0],
         "ONNX Runtime, matrix products": lambda: assembled(by_product.run(None, {"y": windows(raw, side)})[0], height, width),
+        "PyTorch, convolutions": lambda: in_torch(torch_convolution, raw, side),
+        "PyTorch, matrix products": lambda: in_torch(torch_product, raw, side),
+        "PyTorch, compiled": lambda: in_torch(torch_compiled, raw, side),
         "NumPy": lambda: assembled(in_numpy(weights, windows(raw, side)), height, width),
     }
     result = {
         "network": os.path.basename(stem),
         "size": [height, width],
         "threads": threads,
-        "versions": {"onnxruntime": onnxruntime.__version__, "numpy": np.__version__},
+        "cpu": next(line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")),
+        "versions": {"onnxruntime": onnxruntime.__version__, "torch": torch.__version__, "numpy": np.__version__},
         "psnr_db": {name: psnr(run(), sharp) for name, run in methods.items()},
         "rounds": [],
     }
