@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Remakes the comparison with other methods: scripts/comparison.sh [speed] [depths] [blind] [knobs] [design], without arguments all five.
+# Remakes the comparison with other methods: scripts/comparison.sh [speed] [overlap] [depths] [blind] [knobs] [design], without arguments all six.
 #   speed   docs/results/single-depth.*, docs/figures/speed.svg and the report out/single-depth.html   (25 minutes on two busy cores)
+#   overlap docs/results/overlap.*, the report out/overlap.html: all methods of patches at stride 4       (10 minutes)
 #   depths  docs/results/multi-depth.*, the report out/multi-depth.html                                 (5 minutes)
 #           (its rows hold the pictures and stay in out/multi-depth.jsonl)
 #   blind   docs/results/blind.* (test photographs) and blind-train.* (the others), reports in out      (15 minutes)
@@ -13,9 +14,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 
-[ $# -gt 0 ] || set -- speed depths blind knobs design
+[ $# -gt 0 ] || set -- speed knobs design blind depths overlap
 for part in "$@"; do
-    [[ $part =~ ^(speed|depths|blind|knobs|design)$ ]] || fail "'$part': must be speed, depths, blind, knobs or design"
+    [[ $part =~ ^(speed|overlap|depths|blind|knobs|design)$ ]] || fail "'$part': must be speed, overlap, depths, blind, knobs or design"
 done
 say "building"
 cargo build --release --locked --package edof-cli
@@ -35,6 +36,10 @@ for part in "$@"; do
             "$edof" study single-depth --rows docs/results/single-depth.jsonl --noise none,0.01 --stride 8 > /dev/null
             "$edof" study single-depth --rows docs/results/single-depth.jsonl $(told single-depth) --noise none --stride 4,2 --methods omp,omp-known \
                 --plot docs/figures/speed.svg
+            ;;
+        overlap)
+            "$edof" study single-depth --rows docs/results/overlap.jsonl $(pages overlap) --noise none --stride 4 \
+                --methods omp,omp-known,fista,fista-known,untrained,untrained-dc-removed
             ;;
         depths)
             "$edof" study multi-depth --rows out/multi-depth.jsonl $(told multi-depth) --csv docs/results/multi-depth.csv

@@ -73,6 +73,12 @@ const CRATES: &[Row] = &[
         knows_nothing_of: &["edof-golden", "edof-hdl"],
     },
     Row {
+        name: "edof-gpu",
+        uses: &["edof-spec", "edof-golden"],
+        tests_use: &["edof-random", "edof-train"],
+        knows_nothing_of: &["edof-train", "edof-hdl", "edof-io", "edof-optics", "edof-random"],
+    },
+    Row {
         name: "edof-quantize",
         uses: &["edof-spec", "edof-numerics", "edof-optics", "edof-golden", "edof-train"],
         tests_use: &["edof-random"],
@@ -119,6 +125,7 @@ const CRATES: &[Row] = &[
             "edof-optics",
             "edof-deblur",
             "edof-golden",
+            "edof-gpu",
             "edof-hdl",
             "edof-cosim",
             "edof-board",
@@ -140,6 +147,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     // Pictures. The golden pipeline's tests read photographs.
     ("image", &["edof-io", "edof-study", "edof-golden"]),
     ("libloading", &["edof-cosim"]),
+    ("opencl3", &["edof-gpu"]),
     ("rust-hdl", &["edof-verilog", "edof-hdl", "edof-cosim"]),
     ("serialport", &["edof-board"]),
     ("syn", &["edof-hdl-derive"]),

@@ -319,7 +319,8 @@ fn scenes_at_four_depths_fill_the_papers_columns() {
     let place = Place::new();
     place.float_network("net.safetensors");
     let line = "study multi-depth --scenes chart --height 64 --width 96 --nets net.safetensors --clear-net net.safetensors";
-    let run = place.edof(&format!("{line} --report r.html --markdown m.md --csv c.csv --json j.json")).done();
+    let outputs = "--rows whole --report r.html --markdown m.md --csv c.csv --json j.json";
+    let run = place.edof(&format!("{line} {outputs}")).done();
     assert!(run.out.contains("coded lens, net.float"), "{}", run.out);
     let page = std::fs::read_to_string(place.path("m.md")).unwrap();
     for column in
@@ -334,7 +335,6 @@ fn scenes_at_four_depths_fill_the_papers_columns() {
 
     place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
     place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
-    place.edof(&format!("{line} --rows whole --markdown m.md")).done();
     place.edof("study merge 2 1 --out merged --report merged.html --csv merged.csv").done();
     assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
     let [from_parts, from_one] =

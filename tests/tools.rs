@@ -47,6 +47,27 @@ fn two_pictures_are_compared_and_their_errors_shown() {
     assert!(edges["ssim"].as_f64().unwrap() < 0.999);
 }
 
+/// With a device both give the same picture; without one the line says how to get one, and there is no picture.
+#[test]
+fn a_frame_is_the_same_on_every_device_that_the_doctor_knows() {
+    let place = Place::new();
+    place.raw("raw.pgm", 48, 40);
+    place.fixed_network("net.safetensors");
+    let doctor: Value = serde_json::from_str(&place.edof("doctor --json").done().out).unwrap();
+    let line = "reconstruct raw.pgm --weights net.safetensors";
+    let on = |device: &str| place.edof(&format!("{line} --device {device} --out {}.png", &device[..3]));
+    on("cpu").done();
+    if doctor["devices"].as_array().unwrap().is_empty() {
+        on("gpu").refused(&["no device", "driver"]);
+        assert!(!place.path("gpu.png").exists());
+        return;
+    }
+    on("gpu:0").done();
+    let picture = |name: &str| std::fs::read(place.path(name)).unwrap();
+    assert!(picture("cpu.png") == picture("gpu.png"));
+    on("gpu:99").refused(&["device 99", "there are"]);
+}
+
 #[test]
 fn the_doctor_tells_tools_networks_and_each_cache_by_what_it_holds() {
     let place = Place::new();

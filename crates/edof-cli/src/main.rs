@@ -14,6 +14,7 @@
 //! | what is written about a run into its results | [`provenance`] |
 //! | networks by name, wherever the program is started | [`weights`] |
 //! | designs likewise | [`designs`] |
+//! | what a network runs on | [`device`] |
 //! | the sources of a bitstream | [`sources`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | windows to feed the hardware with | [`windows`] |
@@ -26,6 +27,7 @@ mod commands;
 mod cosim_system;
 mod demo_board;
 mod designs;
+mod device;
 mod error;
 mod error_bounds;
 mod files;

@@ -18,9 +18,9 @@ fn tiny_agrees_in_every_word_and_cycle() {
         let drive = Drive { skip_zeros: Some(skip), stalls, ..Drive::default() };
         let mut device = Simulated::new(Chain::checked(&design, sets).unwrap());
         let model = Cycle::new(&design, sets).unwrap();
-        let outcome = drive.run(model, patches(&design, 6, seed), &mut device, &mut |_| ()).unwrap();
+        let outcome = drive.run(model, patches(&design, 3, seed), &mut device, &mut |_| ()).unwrap();
         expect_clean(&outcome);
-        assert_eq!(outcome.beats, 6 * (32 + 8 + 8 + 8 + 64));
+        assert_eq!(outcome.beats, 3 * (32 + 8 + 8 + 8 + 64));
     }
 }
 

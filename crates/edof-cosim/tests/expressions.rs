@@ -7,7 +7,7 @@ use proptest::test_runner::TestRunner;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Expressions in one module, and modules.
-const BATCH: usize = 2_500;
+const BATCH: usize = 1_250;
 const ROWS: usize = 40;
 
 #[test]
@@ -18,7 +18,7 @@ fn random_expressions_mean_what_rust_means() {
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn more_random_expressions_mean_what_rust_means() {
-    compare_batches(1..8);
+    compare_batches(1..16);
 }
 
 /// Compares these batches out of one sequence that is the same each time.

@@ -10,7 +10,7 @@ use crate::kodak::{KodakError, sensor};
 use crate::method::Family;
 use crate::metrics::{BORDER, MetricError, Quality};
 use crate::photos::Photo;
-use crate::plot::{Axis, Mark, Plot, Series, USUAL};
+use crate::plot::{Axis, Mark, Plot, Series};
 use crate::pursuit::{Pursuit, PursuitReconstructor};
 use crate::report::Report;
 use crate::spec::{Case, FISTA_PENALTY, MethodSpec, PrepareError, wiener_ratio};
@@ -212,12 +212,12 @@ impl Knob {
                  still. A trained network does it in four."
             }
             Self::Window => {
-                "Raw pixels that OMP sees around a patch, ψ known. 8: the paper's, which all pursuits of the studies keep; a blur carries light across a patch's \
-                 border, and a wider window sees it."
+                "Side of the raw window that OMP sees around a patch, ψ known. 8: the paper's, which all pursuits of the studies keep. A wider window sees the light that a blur \
+                 carries across a patch's border, and much that no atom of the patch explains, at which the pursuit spends its atoms: it is worse."
             }
             Self::NoiseClass => {
                 "Wiener's filter, ψ known, prepared for a σ that is not always the one that there is. The default is the noise itself: networks have two banks for \
-                 the same reason."
+                 the same reason. Less may be better on photographs that vary more than the filter takes for granted."
             }
         }
     }
@@ -650,6 +650,9 @@ pub struct Knobs {
     pub machine: String,
 }
 
+/// A curve of a few points, whole on a phone.
+const SMALL: [f64; 2] = [400.0, 300.0];
+
 const TITLE: &str = "What can be left out: speed against error";
 
 impl Told for Knobs {
@@ -721,14 +724,14 @@ impl Knobs {
                 let value = p.value.to_string();
                 vec![
                     value,
+                    mark.into(),
                     format!("{:.2}", p.psnr_db),
                     format!("{:.4}", p.seconds_per_megapixel),
-                    mark.into(),
                     p.photos.to_string(),
                 ]
             };
             let header =
-                [knob.unit(), "PSNR dB", "seconds a megapixel", "", "photos"].map(str::to_owned).to_vec();
+                [knob.unit(), "", "PSNR dB", "seconds a megapixel", "photos"].map(str::to_owned).to_vec();
             (knob, Table { header, rows: own.map(row).collect() })
         };
         Knob::ALL.into_iter().map(of).filter(|(_, table)| !table.rows.is_empty()).collect()
@@ -740,15 +743,15 @@ impl Knobs {
         let at = |p: &Point| [p.seconds_per_megapixel, p.psnr_db];
         let each = own().map(|p| {
             let label = format!("{} {}", p.value, if p.is_default { "(default)" } else { "" });
-            let series = Series::new(label.trim(), Mark::Points, [at(p)]);
+            let series = Series::new(label.trim(), Mark::Points, [at(p)]).named_at_points();
             if p.is_default { series.coloured("#d55e00") } else { series.coloured("#0072b2") }
         });
         let curve = Series::new("", Mark::Line, own().map(at)).coloured("#999999");
         Plot {
-            title: format!("{}: {}", knob.name(), knob.unit()),
+            title: knob.unit().into(),
             x: Axis::log("seconds a megapixel"),
             y: Axis::linear("PSNR (dB)"),
-            size: USUAL,
+            size: SMALL,
             series: std::iter::once(curve).chain(each).collect(),
         }
     }
@@ -760,7 +763,7 @@ mod tests {
     use crate::journal::Header;
 
     fn photo() -> Photo {
-        let mut frame = ColourFrame::zeros(40, 48);
+        let mut frame = ColourFrame::zeros(32, 32);
         frame.planes.indexed_iter_mut().for_each(|((p, r, c), v)| {
             *v = 0.5 + 0.3 * ((r / (3 + p)) as f32).sin() * ((c / 4) as f32).cos();
         });

@@ -220,10 +220,16 @@ pub fn verdict(pictures: &[Picture]) -> String {
     let worst =
         |p: &Picture| p.psi_db.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or_default();
     let ([our_psi, our_worst], [its_psi, its_worst]) = (worst(ours), worst(rival));
-    let losses: Vec<String> = (0..ours.psi_db.len()).filter_map(|depth| loss(ours, others, depth)).collect();
+    let losses: Vec<Loss> = (0..ours.psi_db.len()).filter_map(|depth| loss(ours, others, depth)).collect();
+    // Who is ahead at several depths is named once.
+    let to_one = |all: &[Loss]| {
+        let each = all.iter().map(|one| format!("at ψ = {:.1} by {:.1} dB", one.psi, one.by));
+        format!("{} ({})", each.collect::<Vec<_>>().join(", "), all[0].who)
+    };
+    let losses: Vec<String> = losses.chunk_by(|a, b| a.who == b.who).map(to_one).collect();
     let losses = match losses[..] {
         [] => "At no depth is any of the others better.".to_owned(),
-        _ => format!("It loses at {}.", losses.join(", and at ")),
+        _ => format!("It loses {}.", losses.join(", and ")),
     };
     format!(
         "{}: {:.1} dB over the whole picture, {our_worst:.1} at its worst depth (ψ = {our_psi:.1}). The best of the others, {}: \
@@ -235,12 +241,19 @@ pub fn verdict(pictures: &[Picture]) -> String {
     )
 }
 
+/// Who is ahead at a depth, and by how many dB.
+struct Loss {
+    psi: f64,
+    by: f64,
+    who: String,
+}
+
 /// How far the best of the others is ahead at one depth, if it is.
-fn loss(ours: &Picture, others: &[Picture], depth: usize) -> Option<String> {
+fn loss(ours: &Picture, others: &[Picture], depth: usize) -> Option<Loss> {
     let [psi, db] = *ours.psi_db.get(depth)?;
     let ahead = |p: &Picture| Some((p.psi_db.get(depth)?[1] - db, p.name()));
     let (by, who) = others.iter().filter_map(ahead).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (by > TIE_DB).then(|| format!("ψ = {psi:.1} by {by:.1} dB ({who})"))
+    (by > TIE_DB).then_some(Loss { psi, by, who })
 }
 
 /// With a capital first letter.
@@ -264,8 +277,11 @@ mod tests {
         }
         assert!(verdict(&pictures).contains("At no depth"), "{}", verdict(&pictures));
         pictures[0].psi_db[1][1] = 32.5;
-        let verdict = verdict(&pictures);
-        assert!(verdict.ends_with("It loses at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{verdict}");
+        let once = verdict(&pictures);
+        assert!(once.ends_with("It loses at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{once}");
+        pictures[0].psi_db[0][1] = 32.0;
+        let twice = verdict(&pictures);
+        assert!(twice.ends_with(" by 1.0 dB, at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{twice}");
     }
 
     #[test]

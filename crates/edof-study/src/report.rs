@@ -116,7 +116,9 @@ impl Report {
         let numbers: Vec<bool> = (0..header.len()).map(|column| is_of_numbers(rows, column)).collect();
         for (cell, &is_number) in header.iter().zip(&numbers) {
             let class = if is_number { " class=\"n\"" } else { "" };
-            let _ = write!(table, "<th{class}><button class=\"sort\">{}</button></th>", escape(cell));
+            // An equation is one word.
+            let cell = escape(cell).replace(" = ", "&nbsp;=&nbsp;");
+            let _ = write!(table, "<th{class}><button class=\"sort\">{cell}</button></th>");
         }
         table.push_str("</tr></thead><tbody>");
         for (r, row) in rows.iter().enumerate() {
@@ -138,8 +140,9 @@ impl Report {
     /// Plots side by side, or below each other where there is no room; none is shown so small that its text cannot be read.
     pub fn plots(&mut self, plots: &[Plot]) -> &mut Self {
         let each = |plot: &Plot| {
-            let least = READABLE * plot.size[0];
-            format!("<div class=\"plot\" style=\"--least:{least:.0}px\">{}</div>", plot.to_svg())
+            let [least, most] = [READABLE, LARGE].map(|share| share * plot.size[0]);
+            let style = format!("--least:{least:.0}px;--most:{most:.0}px");
+            format!("<div class=\"plot\" style=\"{style}\">{}</div>", plot.to_svg())
         };
         self.add(&format!("<div class=\"plots\">{}</div>", plots.iter().map(each).collect::<String>()))
     }
@@ -176,6 +179,8 @@ impl Report {
 
 /// The share of its size below which a plot's text is too small to be read.
 const READABLE: f64 = 0.9;
+/// The share above which it shouts.
+const LARGE: f64 = 1.4;
 
 const STYLE: &str = include_str!("report/style.css");
 const VIEWER: &str = include_str!("report/viewer.html");

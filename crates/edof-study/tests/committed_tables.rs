@@ -1,6 +1,7 @@
 //! The tables that README.md quotes are those of docs/results, and those are what their JSON files say.
 
 use edof_study::journal::Journal;
+use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
 use edof_study::speed::Speed;
 use edof_study::summary::Study;
@@ -48,6 +49,8 @@ fn told<T: Told>(name: &str) -> T {
 
 #[test]
 fn the_comparison_says_what_its_rows_say() {
+    told::<Knobs>("knobs");
+    told::<Speed>("overlap");
     let speed: Speed = told("single-depth");
     assert!(read("docs/figures/speed.svg") == speed.diagrams(), "run scripts/comparison.sh speed");
 }
@@ -60,6 +63,7 @@ fn diverges_on_none(name: &str, photographs: usize) {
 
 #[test]
 fn blind_deconvolution_diverges_on_no_photograph() {
+    diverges_on_none("blind", 8);
     diverges_on_none("blind-train", 16);
 }
 

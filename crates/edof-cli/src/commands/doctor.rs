@@ -12,7 +12,7 @@ use edof_study::photos;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Tell what of the machine edof can use: tools and their versions, photographs, cache, free space
+/// Tell what of the machine edof can use: tools and their versions, devices, photographs, cache, free space
 ///
 /// Nothing is changed or started. What is missing is told with what it is for and how to get it; only those commands need it.
 #[derive(clap::Args)]
@@ -54,6 +54,8 @@ const TOOLS: [Known; 6] = [
 struct Found {
     tools: Vec<Tool>,
     networks: Vec<&'static str>,
+    /// What networks can run on beside the processor.
+    devices: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     photographs: Option<PathBuf>,
     caches: Vec<Cache>,
@@ -90,6 +92,7 @@ pub fn run(_: Args, ui: &Ui) -> Result<(), Error> {
     let found = Found {
         tools: TOOLS.map(looked_for).into(),
         networks: weights::names(),
+        devices: edof_gpu::Device::names().unwrap_or_default(),
         photographs: photos::default_folder()
             .ok()
             .and_then(|folder| folder.canonicalize().ok())
@@ -162,6 +165,10 @@ fn tell(found: &Found, ui: &Ui) -> Result<(), Error> {
         }
     }
     ui.say(format!("networks inside: {}", found.networks.join(", ")))?;
+    match &found.devices[..] {
+        [] => ui.say("devices for --device gpu: none; install a driver for OpenCL")?,
+        devices => ui.say(format!("devices for --device gpu: {}", devices.join(", ")))?,
+    }
     match &found.photographs {
         Some(folder) => ui.say(format!("photographs of the study: {}", folder.display()))?,
         None => {

@@ -1,5 +1,6 @@
 //! `edof reconstruct`: from a raw frame to a picture.
 
+use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
@@ -9,6 +10,7 @@ use crate::weights;
 use crate::words;
 use clap::ValueEnum;
 use edof_golden::{Counts, Curve, Display, Golden};
+use edof_gpu::{GpuFloat, GpuGolden};
 use edof_io::doubt::{self, Doubt};
 use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing};
@@ -44,6 +46,7 @@ use std::time::Instant;
   edof reconstruct night/*.png --out night-sharp/
   edof reconstruct frame.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out sharp.png
   edof reconstruct raw.png --board --out board.png     what leaves the HDMI port (board.yuyv) and what a screen shows of it
+  edof reconstruct raw.png --device gpu --out sharp.png
   edof reconstruct raw.png --words words --json counters.json --out sharp.png")]
 pub struct Args {
     /// Raw Bayer frames
@@ -66,6 +69,11 @@ pub struct Args {
     /// Compute in floating point
     #[arg(long)]
     float: bool,
+
+    /// Where the network runs: cpu; gpu, the first device that OpenCL knows; or gpu:N, another one that 'edof doctor' lists. The
+    /// integers are the same everywhere
+    #[arg(long, default_value_t)]
+    device: Device,
 
     /// Pixels from one patch to the next: 2, 4 or 8 [default: 8, or what a fixed network is made for]
     #[arg(long)]
@@ -230,6 +238,12 @@ fn check_files(args: &Args, jobs: &[Job<'_>], ui: &Ui) -> Result<(), Error> {
     files.check()
 }
 
+/// What was computed, and in how many seconds.
+fn timed<T, E>(compute: impl FnOnce() -> Result<T, E>) -> Result<(T, f64), E> {
+    let start = Instant::now();
+    compute().map(|made| (made, start.elapsed().as_secs_f64()))
+}
+
 /// What has been made and written.
 struct Made {
     name: String,
@@ -288,7 +302,10 @@ impl Job<'_> {
         let network = weights::float(name)?;
         ui.used(weights::float_input(name)?);
         self.fits_camera(&network.origin, taken)?;
-        let method = FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?;
+        let method: Box<dyn Reconstructor> = match args.device.open()? {
+            None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
+            Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
+        };
         let result = method.reconstruct(&taken.frame).map_err(|e| self.failed(e))?;
         self.save(result.frame, taken)?;
         let name = method.name().to_owned();
@@ -304,12 +321,17 @@ impl Job<'_> {
     fn fixed(&self, taken: &Taken, ui: &Ui) -> Result<Made, Error> {
         let args = self.args;
         let network = self.fixed_network(taken, ui)?;
-        let name = format!("{}.fixed", network.origin.name);
+        let mut name = format!("{}.fixed", network.origin.name);
         let tone = self.tone(taken);
         let golden = Golden::new(network)?;
-        let start = Instant::now();
-        let out = golden.frame(&taken.frame).map_err(|e| self.failed(e))?;
-        let seconds = start.elapsed().as_secs_f64();
+        let (out, seconds) = match args.device.open()? {
+            None => timed(|| golden.frame(&taken.frame)).map_err(|e| self.failed(e))?,
+            Some(device) => {
+                name += ".gpu";
+                let gpu = GpuGolden::new(device, golden.network().clone(), &name)?;
+                timed(|| gpu.frame(&taken.frame)).map_err(|e| self.failed(e))?
+            }
+        };
         let (picture, shown) = out.picture(&Display::new(args.display, curve(args, tone)));
         let board = self.codes_file();
         if let Some(codes) = &board {

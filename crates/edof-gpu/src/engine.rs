@@ -1,0 +1,368 @@
+//! A network's matrices in a device's memory, and frames through them.
+
+use crate::device::{Buffer, Device, Element, GpuError};
+use edof_spec::geometry::{PATCH, PATCH_PIXELS};
+use edof_spec::network::{Form, Recurrence, Shrinkage};
+use edof_spec::{Geometry, RawFrame};
+use ndarray::Array2;
+use opencl3::program::Program;
+
+/// What a work-item makes of one patch, as in `network.cl`.
+const ROWS: usize = 8;
+
+/// Patches that go through the network together, at most, but at least a row of them: enough to keep a device busy, and words of all
+/// boundaries in some tens of megabytes.
+const PATCHES: usize = 16 * 1024;
+
+/// A number that the kernels are compiled for.
+pub(crate) trait Word: Element {
+    /// Sum of overlapping patches.
+    type Total: Element;
+    /// What the compiler is told.
+    const OPTIONS: &str;
+}
+
+/// The contract's words.
+impl Word for i16 {
+    type Total = i32;
+    const OPTIONS: &str = "-cl-std=CL1.2 -D FIXED";
+}
+
+/// The float network's numbers.
+impl Word for f32 {
+    type Total = f32;
+    const OPTIONS: &str = "-cl-std=CL1.2";
+}
+
+/// Shifts of a stage; none of floats.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct StageShifts {
+    pub base: u32,
+    pub result: u32,
+}
+
+/// Shifts of F; none of floats.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct OutputShifts {
+    pub dictionary: u32,
+    pub linear_path: u32,
+    pub result: u32,
+}
+
+/// What a network is made of, whatever its numbers: I's matrix and the distinct ones of the Ms.
+pub(crate) struct Matrices<'a, T> {
+    pub form: Form,
+    pub code_bits: u32,
+    pub analysis: &'a Array2<T>,
+    pub recurrent: Vec<&'a Array2<T>>,
+    pub thresholds: Vec<&'a [T]>,
+    pub stages: Vec<StageShifts>,
+    pub dictionary: &'a Array2<T>,
+    pub linear_path: Option<&'a Array2<T>>,
+    pub outputs: OutputShifts,
+}
+
+/// One plane of a picture: which of F's rows it has, in how many columns.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane {
+    pub first_output: usize,
+    /// Columns of a patch: 8, or 4 where every second pixel has a sample.
+    pub block: usize,
+}
+
+impl Plane {
+    /// Its columns in a frame of `width`.
+    pub(crate) const fn width(self, width: usize) -> usize {
+        width * self.block / PATCH
+    }
+}
+
+/// A network on a device.
+pub(crate) struct Engine<T> {
+    pub(crate) device: Device,
+    pub(crate) program: Program,
+    form: Form,
+    code_bits: u32,
+    geometry: Geometry,
+    analysis: Buffer<T>,
+    recurrent: Vec<Buffer<T>>,
+    thresholds: Vec<Buffer<T>>,
+    stages: Vec<StageShifts>,
+    dictionary: Buffer<T>,
+    linear_path: Option<Buffer<T>>,
+    outputs: OutputShifts,
+    /// F's rows.
+    rows: usize,
+    /// Weight of each of a patch's pixels, where F's weights do not carry it.
+    averaging: Buffer<f32>,
+}
+
+/// Words of some patches at every boundary.
+pub(crate) struct Room<T> {
+    pub(crate) y: Buffer<T>,
+    pub(crate) stages: Vec<Words<T>>,
+    pub(crate) out: Buffer<T>,
+    /// Counters of I, each M, F.
+    pub(crate) counts: Vec<Buffer<u32>>,
+    /// Patches from one element to the next.
+    pub(crate) pitch: usize,
+}
+
+/// What a stage made.
+pub(crate) struct Words<T> {
+    pub(crate) b: Buffer<T>,
+    pub(crate) z: Buffer<T>,
+    pub(crate) sent: Buffer<T>,
+}
+
+/// Counters of a patch and stage, in the order of `network.cl`.
+pub(crate) const COUNTERS: usize = 4;
+
+impl<T: Word> Engine<T> {
+    pub(crate) fn new(
+        device: Device,
+        matrices: &Matrices<'_, T>,
+        geometry: Geometry,
+        averaging: &[f32],
+    ) -> Result<Self, GpuError> {
+        let upload = |matrix: &Array2<T>| device.upload(&packed(matrix));
+        let padded_theta = |theta: &&[T]| {
+            let mut theta = theta.to_vec();
+            theta.resize(theta.len().next_multiple_of(ROWS), T::default());
+            device.upload(&theta)
+        };
+        Ok(Self {
+            program: device.compile(include_str!("network.cl"), T::OPTIONS)?,
+            form: matrices.form,
+            code_bits: matrices.code_bits,
+            geometry,
+            analysis: upload(matrices.analysis)?,
+            recurrent: matrices.recurrent.iter().map(|s| upload(s)).collect::<Result<_, _>>()?,
+            thresholds: matrices.thresholds.iter().map(padded_theta).collect::<Result<_, _>>()?,
+            stages: matrices.stages.clone(),
+            dictionary: upload(matrices.dictionary)?,
+            linear_path: matrices.linear_path.map(upload).transpose()?,
+            outputs: matrices.outputs,
+            rows: matrices.dictionary.nrows(),
+            averaging: device.upload(averaging)?,
+            device,
+        })
+    }
+
+    /// Room for `pitch` patches.
+    pub(crate) fn room(&self, pitch: usize) -> Result<Room<T>, GpuError> {
+        let device = &self.device;
+        let codes = || device.buffer(self.form.codes * pitch);
+        let words = |_| Ok(Words { b: codes()?, z: codes()?, sent: codes()? });
+        Ok(Room {
+            y: device.buffer(self.form.window.pixels() * pitch)?,
+            stages: (0..self.form.shrinkages()).map(words).collect::<Result<_, GpuError>>()?,
+            out: device.buffer(self.rows * pitch)?,
+            counts: (0..self.form.layers)
+                .map(|_| device.buffer(COUNTERS * pitch))
+                .collect::<Result<_, _>>()?,
+            pitch,
+        })
+    }
+
+    /// Runs the first `patches` windows of a room through the network.
+    pub(crate) fn run(&self, room: &mut Room<T>, patches: usize) -> Result<(), GpuError> {
+        room.counts.iter_mut().try_for_each(|counts| self.device.clear(counts))?;
+        (0..self.form.shrinkages()).try_for_each(|t| self.stage(room, t, patches))?;
+        self.outputs(room, patches)
+    }
+
+    /// I (`t` = 0) or an M.
+    fn stage(&self, room: &Room<T>, t: usize, patches: usize) -> Result<(), GpuError> {
+        let codes = self.form.codes;
+        let before = t.checked_sub(1).map(|before| &room.stages[before]);
+        let base = match self.form.recurrence {
+            Recurrence::Direct => &room.stages[0],
+            Recurrence::Difference => before.unwrap_or(&room.stages[0]),
+        };
+        let (weights, vectors, inputs) = match before {
+            None => (&self.analysis, &room.y, self.form.window.pixels()),
+            Some(before) => (&self.recurrent[self.form.recurrent_index(t - 1)], &before.sent, codes),
+        };
+        let here = &room.stages[t];
+        let sends_difference =
+            self.form.recurrence == Recurrence::Difference && t + 1 < self.form.shrinkages();
+        let padded = codes.next_multiple_of(ROWS);
+        self.device.launch(
+            &self.program,
+            "stage",
+            &[
+                inputs.into(),
+                codes.into(),
+                padded.into(),
+                patches.into(),
+                room.pitch.into(),
+                weights.into(),
+                (&self.thresholds[t]).into(),
+                vectors.into(),
+                before.is_some().into(),
+                self.stages[t].base.into(),
+                (&base.b).into(),
+                self.stages[t].result.into(),
+                self.code_bits.into(),
+                (self.form.shrinkage == Shrinkage::OneSided).into(),
+                sends_difference.into(),
+                before.is_some().into(),
+                (&before.unwrap_or(here).z).into(),
+                (&here.b).into(),
+                (&here.z).into(),
+                (&here.sent).into(),
+                (&room.counts[t]).into(),
+            ],
+            [patches, padded / ROWS],
+        )
+    }
+
+    /// F.
+    fn outputs(&self, room: &Room<T>, patches: usize) -> Result<(), GpuError> {
+        let last = self.form.shrinkages() - 1;
+        self.device.launch(
+            &self.program,
+            "outputs",
+            &[
+                self.form.codes.into(),
+                self.form.window.pixels().into(),
+                self.rows.into(),
+                patches.into(),
+                room.pitch.into(),
+                (&self.dictionary).into(),
+                (&room.stages[last].sent).into(),
+                self.outputs.dictionary.into(),
+                self.linear_path.is_some().into(),
+                self.linear_path.as_ref().unwrap_or(&self.dictionary).into(),
+                (&room.y).into(),
+                self.outputs.linear_path.into(),
+                self.outputs.result.into(),
+                (&room.out).into(),
+                (&room.counts[last + 1]).into(),
+            ],
+            [patches, self.rows / ROWS],
+        )
+    }
+
+    /// Sums of overlapping patches over each pixel of a red-first frame that fits the geometry, plane by plane. `ran(room, patches)` sees
+    /// each lot of patches.
+    pub(crate) fn sums(
+        &self,
+        raw: &RawFrame,
+        planes: [Plane; 3],
+        mut ran: impl FnMut(&Room<T>, usize) -> Result<(), GpuError>,
+    ) -> Result<[Buffer<T::Total>; 3], GpuError> {
+        let (height, width) = raw.size();
+        let (rows, columns) = self.geometry.patches(height, width);
+        let rows_at_once = (PATCHES / columns).clamp(1, rows);
+        let pitch = rows_at_once * columns;
+        self.check_memory(raw, pitch)?;
+        let pixels = self.device.upload(&raw.pixels().iter().copied().collect::<Vec<_>>())?;
+        let plane = |plane: Plane| {
+            let mut sums = self.device.buffer(height * plane.width(width))?;
+            self.device.clear(&mut sums).map(|()| sums)
+        };
+        let sums = [plane(planes[0])?, plane(planes[1])?, plane(planes[2])?];
+        let mut room = self.room(pitch)?;
+        for first in (0..rows).step_by(rows_at_once) {
+            let lot = Lot { first, rows: rows_at_once.min(rows - first), columns, size: (height, width) };
+            self.windows(&pixels, &room, &lot)?;
+            self.run(&mut room, lot.rows * columns)?;
+            planes.iter().zip(&sums).try_for_each(|(plane, sums)| self.overlap(&room, &lot, *plane, sums))?;
+            ran(&room, lot.rows * columns)?;
+        }
+        Ok(sums)
+    }
+
+    /// Cuts the windows of a lot out of a frame.
+    fn windows(&self, pixels: &Buffer<u16>, room: &Room<T>, lot: &Lot) -> Result<(), GpuError> {
+        let patches = lot.rows * lot.columns;
+        self.device.launch(
+            &self.program,
+            "windows",
+            &[
+                pixels.into(),
+                lot.size.0.into(),
+                lot.size.1.into(),
+                self.form.window.side().into(),
+                self.geometry.stride.pixels().into(),
+                self.geometry.window_start(0).into(),
+                lot.first.into(),
+                lot.columns.into(),
+                patches.into(),
+                room.pitch.into(),
+                (&room.y).into(),
+            ],
+            [patches, self.form.window.pixels()],
+        )
+    }
+
+    /// Adds a lot's patches to the sums of a plane.
+    fn overlap(
+        &self,
+        room: &Room<T>,
+        lot: &Lot,
+        plane: Plane,
+        sums: &Buffer<T::Total>,
+    ) -> Result<(), GpuError> {
+        let (stride, width) = (self.geometry.stride.pixels(), plane.width(lot.size.1));
+        let (start, step) = (self.geometry.patch_start(0), stride * plane.block / PATCH);
+        let top = self.geometry.patch_start(lot.first).max(0);
+        let lines = (lot.rows * stride + PATCH).min(lot.size.0 - top.unsigned_abs());
+        self.device.launch(
+            &self.program,
+            "overlap",
+            &[
+                (&room.out).into(),
+                self.rows.into(),
+                plane.first_output.into(),
+                plane.block.into(),
+                lot.size.0.into(),
+                width.into(),
+                stride.into(),
+                step.into(),
+                start.into(),
+                (start * plane.block as isize / PATCH as isize).into(),
+                lot.first.into(),
+                lot.rows.into(),
+                lot.columns.into(),
+                top.into(),
+                (&self.averaging).into(),
+                sums.into(),
+            ],
+            [width, lines],
+        )
+    }
+
+    /// Whether a frame's buffers, and the words of `pitch` patches, fit the device.
+    fn check_memory(&self, raw: &RawFrame, pitch: usize) -> Result<(), GpuError> {
+        let boundaries = self.form.window.pixels() + 3 * self.form.codes * self.form.shrinkages() + self.rows;
+        let counters = COUNTERS * self.form.layers * size_of::<u32>();
+        let pixel = size_of::<u16>() + 3 * size_of::<T::Total>() + 3 * size_of::<T>();
+        let needed = pitch * (boundaries * size_of::<T>() + counters) + raw.pixels().len() * pixel;
+        self.device.check_memory(needed as u64)
+    }
+}
+
+/// Some rows of patches of a frame.
+struct Lot {
+    first: usize,
+    rows: usize,
+    columns: usize,
+    size: (usize, usize),
+}
+
+/// A matrix as the kernels read it: input after input, rows padded to a multiple of [`ROWS`].
+fn packed<T: Element>(matrix: &Array2<T>) -> Vec<T> {
+    let (rows, inputs) = matrix.dim();
+    let padded = rows.next_multiple_of(ROWS);
+    let mut packed = vec![T::default(); inputs * padded];
+    for ((row, input), value) in matrix.indexed_iter() {
+        packed[input * padded + row] = *value;
+    }
+    packed
+}
+
+/// A patch's pixels all weigh alike where F's weights carry the averaging window.
+pub(crate) const EVEN: [f32; PATCH_PIXELS] = [1.0; PATCH_PIXELS];

@@ -1,0 +1,129 @@
+//! What a device makes is what the processor makes: every word and count of the fixed network, and the float network up to rounding.
+//! Without a device (`scripts/test-gpu.sh` installs one that runs on the processor) this says that it skips.
+
+use edof_golden::Golden;
+use edof_golden::fast::Fast;
+use edof_gpu::{Device, GpuFloat, GpuGolden};
+use edof_spec::draw::Draw;
+use edof_spec::network::{Form, Network, Origin, Recurrence, Shrinkage};
+use edof_spec::overlap::Overlap;
+use edof_spec::{Camera, CfaPhase, RawFrame, Reconstructor, Stride, Window};
+use edof_train::reconstruct::{FloatReconstructor, Output};
+use ndarray::{Array1, Array2};
+
+fn device() -> Option<Device> {
+    match Device::open(None) {
+        Ok(device) => Some(device),
+        Err(error) => {
+            eprintln!("SKIPPED, nothing was compared: {error}");
+            assert!(
+                std::env::var_os("EDOF_NEED_GPU").is_none(),
+                "EDOF_NEED_GPU is set, but there is no device"
+            );
+            None
+        }
+    }
+}
+
+/// Eight forms that between them have every flag, window and kind of length.
+fn forms() -> impl Iterator<Item = Form> {
+    (0..8).map(|i| Form {
+        window: Window::new([8, 12, 16][i % 3]).unwrap(),
+        codes: [192, 33, 8, 61, 128, 1, 250, 100][i],
+        layers: [4, 2, 10, 3, 5, 6, 4, 7][i],
+        shrinkage: if i % 2 == 0 { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+        recurrence: if i / 2 % 2 == 0 { Recurrence::Direct } else { Recurrence::Difference },
+        linear_path: i % 3 != 1,
+        tied: i / 4 == 1,
+    })
+}
+
+fn extreme_frame(draw: &mut Draw, height: usize, width: usize, phase: CfaPhase) -> RawFrame {
+    let values = Array2::from_shape_fn((height, width), |_| draw.extreme(16) as u16);
+    RawFrame::from_values(values, 16, phase).unwrap()
+}
+
+#[test]
+fn every_boundary_of_extreme_windows_is_the_processors() {
+    let draw = &mut Draw::new(1);
+    for (i, form) in forms().enumerate() {
+        let Some(device) = device() else { return };
+        let bits = [16, 8, 12, 15][i % 4];
+        let network = edof_random::extreme(form, bits, Stride::PATCH, i == 3, i as u64);
+        let windows: Vec<i16> =
+            (0..70).flat_map(|_| edof_random::extreme_window(draw, form.window.pixels())).collect();
+        let traces = GpuGolden::new(device, network.clone(), "").unwrap().traces(&windows).unwrap();
+        for (patch, (here, there)) in traces.iter().zip(Fast::new(network).traces(&windows)).enumerate() {
+            assert_eq!(*here, there, "{form:?}, patch {patch}");
+        }
+    }
+}
+
+#[test]
+fn frames_of_every_phase_and_stride_are_the_processors() {
+    let draw = &mut Draw::new(2);
+    for (i, form) in forms().enumerate() {
+        let Some(device) = device() else { return };
+        let stride = Stride::new([2, 4, 8][(i + 1) % 3]).unwrap();
+        let network = edof_random::extreme(form, 16, stride, false, i as u64);
+        let raw = extreme_frame(draw, 18 + 2 * i, 46 - 2 * i, CfaPhase::ALL[i % 4]);
+        let there = Golden::new(network.clone()).unwrap().frame(&raw).unwrap();
+        assert_eq!(GpuGolden::new(device, network, "").unwrap().frame(&raw).unwrap(), there, "{form:?}");
+    }
+}
+
+/// More rows of patches than go through the network at once.
+#[test]
+fn a_frame_in_several_lots_has_no_seams() {
+    let Some(device) = device() else { return };
+    let network = edof_random::natural(8, 2, 3);
+    let raw = extreme_frame(&mut Draw::new(3), 130, 640, CfaPhase::Rggb);
+    let there = Golden::new(network.clone()).unwrap().frame(&raw).unwrap();
+    assert_eq!(GpuGolden::new(device, network, "").unwrap().frame(&raw).unwrap(), there);
+}
+
+#[test]
+fn the_float_network_is_the_processors_up_to_the_order_of_its_sums() {
+    let draw = &mut Draw::new(4);
+    for (i, form) in forms().enumerate() {
+        let Some(device) = device() else { return };
+        let network = float_network(form, draw);
+        let stride = Stride::new([8, 4, 2][i % 3]).unwrap();
+        let raw = extreme_frame(draw, 40, 64, CfaPhase::ALL[i % 4]);
+        let reference = FloatReconstructor::new(network.clone(), stride, Overlap::Hann, Output::Rgb).unwrap();
+        let there = reference.reconstruct(&raw).unwrap().frame.planes;
+        let here = GpuFloat::new(device, network, stride, Overlap::Hann).unwrap().frame(&raw).unwrap().planes;
+        let largest = there.iter().fold(0f32, |most, v| most.max(v.abs()));
+        let error = (&here - &there).iter().fold(0f32, |most, v| most.max(v.abs()));
+        assert!(largest > 0.0 && error <= 2e-6 * largest, "{form:?}: {error} of {largest}");
+    }
+}
+
+/// Small weights of both signs, so that sums neither vanish nor grow from layer to layer.
+fn float_network(form: Form, draw: &mut Draw) -> Network {
+    let (codes, pixels) = (form.codes, form.window.pixels());
+    let mut matrix = |rows: usize, columns: usize| {
+        let scale = (columns as f32).sqrt().recip() / 1000.0;
+        Array2::from_shape_fn((rows, columns), |_| draw.whole(-1000, 1000) as f32 * scale)
+    };
+    Network {
+        form,
+        analysis: matrix(codes, pixels),
+        thresholds: (0..form.shrinkages()).map(|_| Array1::from_elem(codes, 0.02)).collect(),
+        recurrent: (0..form.recurrent_matrices()).map(|_| matrix(codes, codes)).collect(),
+        dictionary: matrix(192, codes),
+        linear_path: form.linear_path.then(|| matrix(192, pixels)),
+        origin: Origin::untrained("drawn", Camera::resolve("ring-2018").unwrap()),
+    }
+}
+
+#[test]
+fn a_frame_that_no_window_fits_and_a_device_that_is_not_there_are_named() {
+    let Some(device) = device() else { return };
+    let gpu = GpuGolden::new(device, edof_random::natural(8, 8, 1), "net").unwrap();
+    let small = RawFrame::from_values(Array2::zeros((8, 8)), 8, CfaPhase::Rggb).unwrap();
+    let error = gpu.reconstruct(&small).unwrap_err().to_string();
+    assert_eq!(error, "frame 8x8: both sides must be at least 10 pixels for a window of 8");
+    let error = Device::open(Some(99)).unwrap_err().to_string();
+    assert!(error.starts_with("device 99: there are "), "{error}");
+}

@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# The networks on an accelerator against those on the processor, bit for bit. Any driver for OpenCL will do; where there is none, this installs
+# one that runs on the processor (pocl).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/prepare.sh
+[ -n "$(ls /etc/OpenCL/vendors/*.icd 2>/dev/null)" ] || install_packages ocl-icd-libopencl1 pocl-opencl-icd
+EDOF_NEED_GPU=1 cargo test --locked --release --package edof-gpu
