@@ -93,6 +93,7 @@ const CRATES: &[Row] = &[
             "edof-optics",
             "edof-deblur",
             "edof-golden",
+            "edof-gpu",
             "edof-train",
         ],
         tests_use: &["edof-random"],

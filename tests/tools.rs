@@ -52,9 +52,12 @@ fn two_pictures_are_compared_and_their_errors_shown() {
 fn a_frame_is_the_same_on_every_device_that_the_doctor_knows() {
     let place = Place::new();
     place.raw("raw.pgm", 48, 40);
-    place.fixed_network("net.safetensors");
+    place.fixed_network("fixed.safetensors");
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 64, 48);
     let doctor: Value = serde_json::from_str(&place.edof("doctor --json").done().out).unwrap();
-    let line = "reconstruct raw.pgm --weights net.safetensors";
+    let line = "reconstruct raw.pgm --weights fixed.safetensors";
     let on = |device: &str| place.edof(&format!("{line} --device {device} --out {}.png", &device[..3]));
     on("cpu").done();
     if doctor["devices"].as_array().unwrap().is_empty() {
@@ -66,6 +69,10 @@ fn a_frame_is_the_same_on_every_device_that_the_doctor_knows() {
     let picture = |name: &str| std::fs::read(place.path(name)).unwrap();
     assert!(picture("cpu.png") == picture("gpu.png"));
     on("gpu:99").refused(&["device 99", "there are"]);
+    let study = "study single-depth --rows rows --camera clear --nets net.safetensors --images photos --psi 2 --noise none --stride 8";
+    place.edof(&format!("{study} --methods malvar --device gpu")).done();
+    let rows = std::fs::read_to_string(place.path("rows")).unwrap();
+    assert!(rows.contains("\"format\":\"float-gpu\""), "{rows}");
 }
 
 #[test]

@@ -15,6 +15,15 @@ pub enum Device {
 }
 
 impl Device {
+    /// Its number among devices; the first where none was given.
+    #[must_use]
+    pub fn number(self) -> usize {
+        match self {
+            Self::Cpu | Self::Gpu(None) => 0,
+            Self::Gpu(Some(number)) => number,
+        }
+    }
+
     /// Opens the device; none for the processor.
     ///
     /// # Errors

@@ -83,6 +83,10 @@ pub enum Format {
     Fixed,
     /// The same, its time the cycles of a design at its planned clock.
     Board,
+    /// Floating point on a device behind OpenCL, RGB; its processor time is the host's alone.
+    FloatGpu,
+    /// The board's integers on a device behind OpenCL, 4:2:2.
+    FixedGpu,
 }
 
 /// A method that can run.
@@ -155,6 +159,8 @@ impl std::fmt::Display for Method {
             Format::Float422 => ".float422",
             Format::Fixed => ".fixed",
             Format::Board => ".board",
+            Format::FloatGpu => ".float.gpu",
+            Format::FixedGpu => ".fixed.gpu",
         });
         f.pad(&format!("{name}{layers}{format}"))
     }

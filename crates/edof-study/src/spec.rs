@@ -10,6 +10,7 @@ use edof_deblur::hyper_laplacian::Prior;
 use edof_deblur::{Directional, Malvar, blind};
 use edof_golden::GoldenReconstructor;
 use edof_golden::cycle::CycleError;
+use edof_gpu::{Device, GpuFloat, GpuGolden};
 use edof_optics::estimator::SeenError;
 use edof_optics::psf::{NoPsf, Settings, channel_psfs};
 use edof_spec::fixed_network::FixedNetworkError;
@@ -81,6 +82,28 @@ pub enum MethodSpec {
         /// SHA-256 of weights and design.
         sha256: String,
     },
+    /// A network in floating point on a device behind OpenCL.
+    FloatGpu {
+        /// Its weights.
+        network: Arc<Network>,
+        /// Step of the patches.
+        stride: Stride,
+        /// Number of the device.
+        device: usize,
+        /// SHA-256 of the weights' and the device's names.
+        sha256: String,
+    },
+    /// A network in the board's integers on a device behind OpenCL.
+    FixedGpu {
+        /// Its weights, made for one stride.
+        network: Arc<FixedNetwork>,
+        /// Name in reports.
+        name: String,
+        /// Number of the device.
+        device: usize,
+        /// SHA-256 of the weights' and the device's names.
+        sha256: String,
+    },
     /// A network in the board's integers.
     Fixed {
         /// Its weights, made for one stride.
@@ -108,6 +131,9 @@ pub enum PrepareError {
     /// A network that does not fit its design.
     #[error("net '{net}': {source}")]
     Board { net: String, source: CycleError },
+    /// A device that is not there, or that refuses.
+    #[error("net '{net}': {source}")]
+    Gpu { net: String, source: edof_gpu::GpuError },
     /// A depth that the camera has no PSFs for.
     #[error(transparent)]
     Psf(#[from] NoPsf),
@@ -211,6 +237,12 @@ impl MethodSpec {
             Self::Board { network, name, .. } => {
                 Method::network(name, Format::Board, network.stride.pixels(), network.form.layers)
             }
+            Self::FloatGpu { network, stride, .. } => {
+                Method::network(&network.origin.name, Format::FloatGpu, stride.pixels(), network.form.layers)
+            }
+            Self::FixedGpu { network, name, .. } => {
+                Method::network(name, Format::FixedGpu, network.stride.pixels(), network.form.layers)
+            }
         }
     }
 
@@ -219,9 +251,11 @@ impl MethodSpec {
     pub fn weights(&self) -> Option<&str> {
         match self {
             Self::Pursuit { dictionary, .. } | Self::Untrained { dictionary, .. } => Some(&dictionary.sha256),
-            Self::Float { sha256, .. } | Self::Fixed { sha256, .. } | Self::Board { sha256, .. } => {
-                Some(sha256)
-            }
+            Self::Float { sha256, .. }
+            | Self::Fixed { sha256, .. }
+            | Self::Board { sha256, .. }
+            | Self::FloatGpu { sha256, .. }
+            | Self::FixedGpu { sha256, .. } => Some(sha256),
             Self::Malvar | Self::Directional | Self::Deconvolution(_) => None,
         }
     }
@@ -259,6 +293,17 @@ impl MethodSpec {
                 float(network, *stride, name)?
             }
             Self::Float { network, stride, .. } => float((**network).clone(), *stride, name)?,
+            Self::FloatGpu { network, stride, device, .. } => {
+                let gpu = Device::open(Some(*device)).and_then(|device| {
+                    GpuFloat::new(device, (**network).clone(), *stride, Overlap::default())
+                });
+                Box::new(gpu.map_err(|source| PrepareError::Gpu { net: name, source })?)
+            }
+            Self::FixedGpu { network, device, .. } => {
+                let gpu = Device::open(Some(*device))
+                    .and_then(|device| GpuGolden::new(device, (**network).clone(), &name));
+                Box::new(gpu.map_err(|source| PrepareError::Gpu { net: name, source })?)
+            }
             Self::Board { network, design, .. } => {
                 let board = BoardReconstructor::new(network, design, name.clone());
                 Box::new(board.map_err(|source| PrepareError::Board { net: name, source })?)

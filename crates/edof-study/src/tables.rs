@@ -206,8 +206,8 @@ impl Summary {
         let line = |m: &MethodSummary| {
             let mark = match m.identity.format {
                 Some(Format::Float422) => return None,
-                Some(Format::Float) => Mark::LineAndPoints,
-                Some(Format::Fixed | Format::Board) => Mark::Dotted,
+                Some(Format::Float | Format::FloatGpu) => Mark::LineAndPoints,
+                Some(Format::Fixed | Format::Board | Format::FixedGpu) => Mark::Dotted,
                 None => Mark::Dashed,
             };
             Some(Series::new(format!("{}, {}", m.method, m.camera), mark, m.picture.psi_db.iter().copied()))

@@ -1,5 +1,6 @@
 //! Networks of a study, by name or weight file.
 
+use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
@@ -108,6 +109,33 @@ pub fn methods(
         add(fixed, own)?;
     }
     Ok((methods, notes))
+}
+
+/// The same networks on a device behind OpenCL; a line that names it. None on the processor.
+///
+/// # Errors
+/// No such device.
+pub fn on_device(device: Device, methods: &[MethodSpec]) -> Result<(Vec<MethodSpec>, Vec<String>), Error> {
+    let Some(gpu) = device.open()? else { return Ok((vec![], vec![])) };
+    let device = device.number();
+    let hash = |sha256: &str| digest::sha256(format!("{sha256}\n{}", gpu.name()).as_bytes());
+    let twin = |method: &MethodSpec| match method {
+        MethodSpec::Float { network, stride, sha256 } => Some(MethodSpec::FloatGpu {
+            network: Arc::clone(network),
+            stride: *stride,
+            device,
+            sha256: hash(sha256),
+        }),
+        MethodSpec::Fixed { network, name, sha256 } => Some(MethodSpec::FixedGpu {
+            network: Arc::clone(network),
+            name: name.clone(),
+            device,
+            sha256: hash(sha256),
+        }),
+        _ => None,
+    };
+    let note = format!("rows of .gpu: on {}; their processor time is the host's", gpu.name());
+    Ok((methods.iter().filter_map(twin).collect(), vec![note]))
 }
 
 /// A design that a network fits at its own stride, if there is one.

@@ -2,6 +2,7 @@
 
 use super::nets;
 use super::options::{Kernels, Outputs, Photographs, Rows, measured, open, tell};
+use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth};
@@ -48,6 +49,10 @@ pub struct Args {
     /// Nets by name or weight file; in float, and in fixed point where there are weights for the stride
     #[arg(long, value_delimiter = ',', default_value = "paper-t4,edof-t4w12", value_name = "NET,…")]
     nets: Vec<String>,
+
+    /// Also measure the nets on a device: gpu, the first that OpenCL knows, or gpu:N, another one that 'edof doctor' lists
+    #[arg(long, default_value_t)]
+    device: Device,
 
     /// Other methods; see below [default: all]
     #[arg(long, value_delimiter = ',', value_name = "METHOD,…")]
@@ -132,6 +137,9 @@ impl Args {
             methods.extend(own);
             notes.extend(note);
         }
+        let (on_device, note) = nets::on_device(self.device, &methods)?;
+        methods.extend(on_device);
+        notes.extend(note);
         methods.extend(others);
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
