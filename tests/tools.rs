@@ -55,7 +55,7 @@ fn a_frame_is_the_same_on_every_device_that_the_doctor_knows() {
     place.fixed_network("fixed.safetensors");
     place.float_network("net.safetensors");
     std::fs::create_dir(place.path("photos")).unwrap();
-    place.photo("photos/a.png", 64, 48);
+    place.photo("photos/p03.png", 64, 48);
     let doctor: Value = serde_json::from_str(&place.edof("doctor --json").done().out).unwrap();
     let line = "reconstruct raw.pgm --weights fixed.safetensors";
     let on = |device: &str| place.edof(&format!("{line} --device {device} --out {}.png", &device[..3]));

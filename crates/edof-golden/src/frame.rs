@@ -4,7 +4,6 @@ use crate::display::{Display, DisplayCounts, Picture};
 use crate::fast::Fast;
 use crate::overlap_add::overlap_add;
 use crate::scalar;
-use crate::stream::Stream;
 use crate::trace::Counts;
 use crate::windows::window;
 use edof_spec::colour::rgb_from_422;
@@ -77,22 +76,6 @@ impl Golden {
     #[must_use]
     pub const fn network(&self) -> &FixedNetwork {
         self.fast.network()
-    }
-
-    /// Reconstructs a frame of any CFA phase. The result does not depend on the number of threads.
-    ///
-    /// # Errors
-    /// [`GeometryError`] for frames too small for a window.
-    pub fn frame(&self, raw: &RawFrame) -> Result<GoldenFrame, GeometryError> {
-        let mut stream = self.stream();
-        stream.frame(raw)?;
-        Ok(stream.into_last())
-    }
-
-    /// Room for frames one after the other.
-    #[must_use]
-    pub fn stream(&self) -> Stream<'_> {
-        Stream::new(self)
     }
 }
 

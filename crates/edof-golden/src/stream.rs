@@ -38,6 +38,24 @@ pub struct Stream<'a> {
     last: GoldenFrame,
 }
 
+impl Golden {
+    /// Reconstructs a frame of any CFA phase. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`GeometryError`] for frames too small for a window.
+    pub fn frame(&self, raw: &RawFrame) -> Result<GoldenFrame, GeometryError> {
+        let mut stream = self.stream();
+        stream.frame(raw)?;
+        Ok(stream.into_last())
+    }
+
+    /// Room for frames one after the other.
+    #[must_use]
+    pub fn stream(&self) -> Stream<'_> {
+        Stream::new(self)
+    }
+}
+
 impl<'a> Stream<'a> {
     /// Room for as many threads as there are here.
     #[must_use]

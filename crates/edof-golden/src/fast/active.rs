@@ -1,13 +1,11 @@
 //! The words of sparse vectors that are not zero, two by two, cut where a 32-bit sum could overflow.
 
 use super::isa::Isa;
+use super::operands::{Entries, SLACK};
 use super::pack::MOST;
 use super::portable;
 #[cfg(target_arch = "x86_64")]
 use super::x86;
-
-/// Entries that kernels may write beyond the last: whole vectors.
-pub const SLACK: usize = 64;
 
 /// The active words of a batch of vectors, in segments whose sums fit 32 bits whatever the row.
 #[derive(Debug, Clone, Default)]
@@ -30,15 +28,6 @@ struct Vector {
     segments: (usize, usize),
     /// Whether the products of each two words fit 32 bits.
     fits: bool,
-}
-
-/// Active words and their columns: an even number, with a zero at the end where it takes one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Entries<'a> {
-    /// The words.
-    pub words: &'a [i16],
-    /// The column that each is multiplied by.
-    pub columns: &'a [u16],
 }
 
 impl Active {

@@ -3,20 +3,12 @@
 use super::active::Active;
 use super::columns::Columns;
 use super::isa::{Isa, for_each_isa};
+use super::operands::Inputs;
 use super::pack::{PANEL, Packed};
 use super::portable;
 use super::sums::Sums;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{avx2, avx512, vnni};
-
-/// Vectors that lie one after the other, and what bounds them.
-#[derive(Debug, Clone, Copy)]
-pub struct Inputs<'a> {
-    /// The words.
-    pub words: &'a [i16],
-    /// The largest of each vector; −1 where one is negative.
-    pub largest: &'a [i16],
-}
 
 for_each_isa! {
     /// The largest of words of 0 or more; −1 where one is negative.

@@ -7,6 +7,7 @@
 //! | sums of 40 bits in two numbers of 32 | [`sums`] |
 //! | which sparse codes are not zero | [`active`] |
 //! | instruction sets, and tokens for those that were detected | [`isa`] |
+//! | what kernels multiply by weights | [`operands`] |
 //! | matrix products | [`kernels`] |
 //! | in plain Rust | [`portable`] |
 //! | for AVX2 and AVX-512 | `x86` |
@@ -21,6 +22,7 @@ pub mod columns;
 pub mod finish;
 pub mod isa;
 pub mod kernels;
+pub mod operands;
 pub mod pack;
 pub mod portable;
 pub mod sums;
@@ -36,7 +38,7 @@ use edof_spec::colour::OUTPUTS_422;
 use edof_spec::network::{Recurrence, Shrinkage};
 use finish::{Finish, FinishOutputs};
 use isa::Isa;
-use kernels::Inputs;
+use operands::Inputs;
 use pack::{Packed, padded};
 use sums::Sums;
 

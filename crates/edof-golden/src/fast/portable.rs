@@ -1,7 +1,7 @@
 //! Kernels in plain Rust, for machines without the others and for what the others' 32 bits cannot hold; 64-bit sums throughout.
 
-use super::active::Entries;
 use super::columns;
+use super::operands::Entries;
 use super::pack::{self, Line, PANEL};
 use super::sums::split;
 

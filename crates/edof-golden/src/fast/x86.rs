@@ -3,10 +3,9 @@
 //!
 //! Both sets run the same code, written once over the names that they give to the same operations.
 
-use super::active::{Entries, SLACK};
 use super::columns;
 use super::isa::{Avx2, Avx512, Avx512Vnni};
-use super::kernels::Inputs;
+use super::operands::{Entries, Inputs, SLACK};
 use super::pack::{LINES, Line, PANEL, Packed};
 use super::sums::{LOW, LOW_BITS, Sums};
 use std::arch::x86_64::*;
