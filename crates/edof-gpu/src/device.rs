@@ -31,6 +31,9 @@ pub enum GpuError {
     /// A device with too little memory.
     #[error("{device}: has {memory} bytes of memory, this frame needs {needed}")]
     Memory { device: String, memory: u64, needed: u64 },
+    /// A frame whose pixels a kernel cannot count.
+    #[error("frame of {0} pixels: a device takes less than 2^31")]
+    TooManyPixels(usize),
     /// A network that could not run exactly.
     #[error(transparent)]
     FixedNetwork(#[from] edof_spec::fixed_network::FixedNetworkError),
@@ -244,7 +247,7 @@ impl<'a, T> From<&'a Buffer<T>> for Argument<'a> {
 }
 
 impl From<usize> for Argument<'_> {
-    /// Sizes of frames that fit a device's memory are far below 2³¹.
+    /// Frames of 2³¹ pixels and more are refused before.
     fn from(number: usize) -> Self {
         Self::Number(i32::try_from(number).unwrap_or(i32::MAX))
     }

@@ -257,7 +257,7 @@ impl<T: Word> Engine<T> {
         let (rows, columns) = self.geometry.patches(height, width);
         let rows_at_once = (PATCHES / columns).clamp(1, rows);
         let pitch = rows_at_once * columns;
-        self.check_memory(raw, pitch)?;
+        self.check_size(raw, pitch)?;
         let pixels = self.device.upload(&raw.pixels().iter().copied().collect::<Vec<_>>())?;
         let plane = |plane: Plane| {
             let mut sums = self.device.buffer(height * plane.width(width))?;
@@ -335,8 +335,11 @@ impl<T: Word> Engine<T> {
         )
     }
 
-    /// Whether a frame's buffers, and the words of `pitch` patches, fit the device.
-    fn check_memory(&self, raw: &RawFrame, pitch: usize) -> Result<(), GpuError> {
+    /// Whether a frame's buffers, and the words of `pitch` patches, fit the device, and its pixels the kernels' 32-bit counts.
+    fn check_size(&self, raw: &RawFrame, pitch: usize) -> Result<(), GpuError> {
+        if i32::try_from(raw.pixels().len()).is_err() {
+            return Err(GpuError::TooManyPixels(raw.pixels().len()));
+        }
         let boundaries = self.form.window.pixels() + 3 * self.form.codes * self.form.shrinkages() + self.rows;
         let counters = COUNTERS * self.form.layers * size_of::<u32>();
         let pixel = size_of::<u16>() + 3 * size_of::<T::Total>() + 3 * size_of::<T>();
