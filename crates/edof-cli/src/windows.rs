@@ -5,7 +5,7 @@ use crate::lens::Depth;
 use crate::pictures;
 use crate::ui::Ui;
 use edof_golden::windows;
-use edof_optics::capture::{Approximation, Capture, capture};
+use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
@@ -64,14 +64,14 @@ impl Shot {
     /// # Errors
     /// As [`Shot::taken`].
     pub fn frame(&self, network: &FixedNetwork, ui: &Ui) -> Result<RawFrame, Error> {
-        Ok(self.taken(network, ui)?.raw)
+        Ok(self.taken(network, ui)?.1)
     }
 
-    /// The raw frame and what it is a picture of, with the [`tone`] of the network.
+    /// What is seen, with the [`tone`] of the network, and the raw frame of it.
     ///
     /// # Errors
     /// A photograph that cannot be read or used, a depth that is out of the lens model's reach or of no known ψ.
-    pub fn taken(&self, network: &FixedNetwork, ui: &Ui) -> Result<Capture, Error> {
+    pub fn taken(&self, network: &FixedNetwork, ui: &Ui) -> Result<(Scene, RawFrame), Error> {
         let (camera, psi) = (&network.origin.camera, self.depth(network)?);
         let scene = match &self.photo {
             Some(path) => {
@@ -83,7 +83,8 @@ impl Shot {
         };
         let noise = self.noise.unwrap_or_else(|| network.origin.most_noise());
         let sensor = Sensor { noise, seed: self.seed, ..Sensor::default() };
-        Ok(capture(&scene, camera, &sensor, &Approximation::default())?)
+        let raw = capture(&scene, camera, &sensor, &Approximation::default())?.raw;
+        Ok((scene, raw))
     }
 }
 

@@ -20,16 +20,26 @@ use std::sync::Arc;
 pub trait Real: FftNum {
     /// The forward transform of `n` samples, not normalized: X\[k\] = Σ x\[i\]·exp(−2πi·ik/n).
     fn forward(n: usize) -> Arc<dyn Fft<Self>>;
+    /// The way back, not normalized either: after both every sample is n times what it was.
+    fn inverse(n: usize) -> Arc<dyn Fft<Self>>;
 }
 
 impl Real for f32 {
     fn forward(n: usize) -> Arc<dyn Fft<Self>> {
         FftPlanner::new().plan_fft_forward(n)
     }
+
+    fn inverse(n: usize) -> Arc<dyn Fft<Self>> {
+        FftPlanner::new().plan_fft_inverse(n)
+    }
 }
 
 impl Real for f64 {
     fn forward(n: usize) -> Arc<dyn Fft<Self>> {
         FftPlanner::new().plan_fft_forward(n)
+    }
+
+    fn inverse(n: usize) -> Arc<dyn Fft<Self>> {
+        FftPlanner::new().plan_fft_inverse(n)
     }
 }

@@ -1,7 +1,9 @@
 //! Blurring pictures with PSFs: mirrored borders, kernels of any size, and the adjoint.
 
+use crate::composite;
 use crate::cosine::{EvenTransform, Parity, fold_rows_as, period};
 use crate::psf::Psf;
+use crate::tiles::Tiles;
 use edof_spec::ColourFrame;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
@@ -114,6 +116,10 @@ fn parts(kernel: &Array2<f32>) -> Vec<(Parity, Parity, Array2<f32>)> {
 /// edge pixel, as often as the kernel reaches.
 #[must_use]
 pub fn blur(plane: ArrayView2<f32>, psf: &Psf) -> Array2<f32> {
+    if let Some(tiles) = Tiles::of_large(plane.dim(), [psf]) {
+        let light = plane.insert_axis(Axis(0));
+        return composite::blurred(&tiles, light, std::slice::from_ref(psf)).index_axis_move(Axis(0), 0);
+    }
     let plan = Blur::new(plane.nrows(), plane.ncols());
     plan.apply(&plan.spectrum(plane), &plan.transfer(psf))
 }
@@ -140,6 +146,9 @@ pub fn blur_adjoint(plane: ArrayView2<f32>, psf: &Psf) -> Array2<f32> {
 /// Blurs each plane of a frame with the PSF of its channel.
 #[must_use]
 pub fn blur_frame(frame: &ColourFrame, psfs: &[Psf; 3]) -> ColourFrame {
+    if let Some(tiles) = Tiles::of_large(frame.size(), psfs) {
+        return ColourFrame { planes: composite::blurred(&tiles, frame.planes.view(), psfs) };
+    }
     let (height, width) = frame.size();
     let plan = Blur::new(height, width);
     let channels: Vec<_> = frame.planes.axis_iter(Axis(0)).zip(psfs).collect();
@@ -155,38 +164,8 @@ pub fn blur_frame(frame: &ColourFrame, psfs: &[Psf; 3]) -> ColourFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cosine::mirror_index;
+    use crate::direct::{direct, kernel, picture};
     use proptest::prelude::*;
-
-    /// A kernel of side 2·half + 1: even along both axes and of no other symmetry, or of none at all.
-    fn kernel(half: usize, even: bool) -> Psf {
-        let side = 2 * half + 1;
-        let weight = |r: usize, c: usize| {
-            let lean = if even { 1.0 } else { 1.0 + ((r * 5 + c * 3) % 7) as f32 };
-            lean / (1.0 + r.abs_diff(half) as f32 + 2.5 * (c.abs_diff(half) as f32).powi(2))
-        };
-        let raw = Array2::from_shape_fn((side, side), |(r, c)| weight(r, c));
-        let sum = raw.sum();
-        Psf::new(raw / sum).unwrap()
-    }
-
-    fn picture(height: usize, width: usize, seed: u32) -> Array2<f32> {
-        Array2::from_shape_fn((height, width), |(r, c)| {
-            ((r as u32 * 7919 + c as u32 * 104_729).wrapping_mul(seed | 1) >> 8) as f32 / (1 << 24) as f32
-        })
-    }
-
-    fn direct(plane: &Array2<f32>, psf: &Psf) -> Array2<f32> {
-        let half = (psf.kernel.nrows() / 2) as isize;
-        let (height, width) = plane.dim();
-        Array2::from_shape_fn((height, width), |(r, c)| {
-            let terms = psf.kernel.indexed_iter().map(|((i, j), &k)| {
-                let row = mirror_index(r as isize - (i as isize - half), height);
-                k * plane[(row, mirror_index(c as isize - (j as isize - half), width))]
-            });
-            terms.sum()
-        })
-    }
 
     #[test]
     fn light_goes_where_the_kernel_says_and_an_even_kernel_is_one_part() {

@@ -24,11 +24,9 @@ impl Approximation {
     }
 }
 
-/// A scene seen by a camera.
+/// A scene seen by a camera; without a lens it would be [`Scene::sharp`].
 #[derive(Debug, Clone)]
 pub struct Capture {
-    /// The scene without blur: the truth.
-    pub sharp: ColourFrame,
     /// The light on the sensor.
     pub light: ColourFrame,
     /// What the sensor gave.
@@ -121,7 +119,7 @@ pub fn capture(
     let start = Instant::now();
     let (light, depths) = light_on_sensor(scene, camera, approximation)?;
     let seconds = start.elapsed().as_secs_f64();
-    Ok(Capture { sharp: scene.sharp(), raw: expose(&light, sensor)?, light, depths, seconds })
+    Ok(Capture { raw: expose(&light, sensor)?, light, depths, seconds })
 }
 
 /// Measures what each part of an approximation changes and saves on this scene, alone and together, against an exact

@@ -6,6 +6,7 @@
 //! | blur | [`psf`] | the PSF on the sensor's grid, and what cutting it cost |
 //! | | [`bank`] | PSFs of one's own in place of the computed ones |
 //! | | [`blur`](mod@blur) | pictures blurred with it, and the adjoint |
+//! | | `tiles`, `composite` | large ones tile by tile, and layers of them over each other |
 //! | | [`cosine`] | the transform of even planes that both stand on |
 //! | | [`depth`] | ψ for a distance and back |
 //! | | [`mtf`] | contrast over spatial frequency and through focus |
@@ -26,9 +27,12 @@
 pub mod bank;
 pub mod blur;
 pub mod capture;
+mod composite;
 pub mod cosine;
 pub mod depth;
 pub mod design;
+#[cfg(test)]
+mod direct;
 pub mod draw;
 pub mod estimator;
 pub mod layers;
@@ -38,3 +42,4 @@ pub mod pupil;
 pub mod scene;
 pub mod sensor;
 pub mod statistics;
+mod tiles;

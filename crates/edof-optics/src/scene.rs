@@ -1,7 +1,9 @@
 //! Scenes of layers: each an image with a matte, at one depth; composed back to front with occlusion.
 
 use crate::blur::Blur;
+use crate::composite::{Sheet, composite};
 use crate::psf::Psf;
+use crate::tiles::{Tiles, Transfer};
 use edof_spec::ColourFrame;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
@@ -99,23 +101,51 @@ impl Scene {
     /// What a camera without blur would see: the truth that reconstructions are measured against.
     #[must_use]
     pub fn sharp(&self) -> ColourFrame {
-        self.compose(|layer, channel| {
-            let light = layer.light.planes.index_axis(Axis(0), channel).to_owned();
-            (light, layer.matte.clone())
+        self.compose(|index, channel| {
+            let Layer { light, matte, .. } = &self.layers[index];
+            (light.planes.index_axis(Axis(0), channel).to_owned(), matte.clone())
         })
     }
 
     /// What falls on the sensor when `psfs(ψ)` are the PSFs of red, green and blue. What a layer lets through of the layers behind
-    /// it is its blurred matte; `psfs` is asked once a layer and channel.
-    pub fn blurred<'a>(&self, psfs: impl Fn(f64) -> &'a [Psf; 3] + Sync) -> ColourFrame {
+    /// it is its blurred matte; `psfs` is asked once a layer.
+    pub fn blurred<'a>(&self, psfs: impl Fn(f64) -> &'a [Psf; 3]) -> ColourFrame {
+        let psfs: Vec<&[Psf; 3]> = self.layers.iter().map(|layer| psfs(layer.psi)).collect();
+        match Tiles::of_large(self.size(), psfs.iter().copied().flatten()) {
+            Some(tiles) => self.blurred_in_tiles(&tiles, &psfs),
+            None => self.blurred_whole(&psfs),
+        }
+    }
+
+    fn blurred_whole(&self, psfs: &[&[Psf; 3]]) -> ColourFrame {
         let (height, width) = self.size();
         let plan = Blur::new(height, width);
-        self.compose(|layer, channel| {
-            let transfer = plan.transfer(&psfs(layer.psi)[channel]);
+        self.compose(|index, channel| {
+            let Layer { light, matte, .. } = &self.layers[index];
+            let transfer = plan.transfer(&psfs[index][channel]);
             let blur = |plane: ArrayView2<f32>| plan.apply(&plan.spectrum(plane), &transfer);
-            let light = blur(layer.light.planes.index_axis(Axis(0), channel));
-            (light, layer.matte.as_ref().map(|matte| blur(matte.view())))
+            let light = blur(light.planes.index_axis(Axis(0), channel));
+            (light, matte.as_ref().map(|matte| blur(matte.view())))
         })
+    }
+
+    fn blurred_in_tiles(&self, tiles: &Tiles, psfs: &[&[Psf; 3]]) -> ColourFrame {
+        // Layers may share PSFs.
+        let mut kinds = psfs.to_vec();
+        kinds.sort_by_key(|kind| std::ptr::from_ref(*kind));
+        kinds.dedup_by_key(|kind| std::ptr::from_ref(*kind));
+        let transfers: Vec<[Transfer; 3]> =
+            kinds.par_iter().map(|kind| kind.each_ref().map(|psf| tiles.transfer(psf))).collect();
+        let place = |psfs: &[Psf; 3]| kinds.iter().position(|kind| std::ptr::eq(*kind, psfs)).unwrap_or(0);
+        let layers = self.layers.iter().zip(psfs);
+        let sheets: Vec<Sheet> = layers
+            .map(|(layer, psfs)| Sheet {
+                light: layer.light.planes.view(),
+                matte: layer.matte.as_ref().map(|matte| matte.view()),
+                transfers: &transfers[place(psfs)],
+            })
+            .collect();
+        ColourFrame { planes: composite(tiles, &sheets) }
     }
 
     /// For each pixel the ψ of the frontmost layer that covers half of it at least.
@@ -135,14 +165,15 @@ impl Scene {
         map
     }
 
+    /// Layers over each other as `seen(layer, channel)` gives their light and mattes.
     fn compose(
         &self,
-        seen: impl Fn(&Layer, usize) -> (Array2<f32>, Option<Array2<f32>>) + Sync,
+        seen: impl Fn(usize, usize) -> (Array2<f32>, Option<Array2<f32>>) + Sync,
     ) -> ColourFrame {
         let (height, width) = self.size();
         let channel = |channel: usize| {
             let mut sum = Array2::zeros((height, width));
-            for layer in &self.layers {
+            for layer in 0..self.layers.len() {
                 let (light, matte) = seen(layer, channel);
                 if let Some(matte) = matte {
                     sum.zip_mut_with(&matte, |s, &m| *s *= 1.0 - m);
@@ -163,6 +194,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::direct::{kernel, picture};
     use crate::psf::{Settings, channel_psfs};
     use edof_spec::Camera;
 
@@ -206,6 +238,24 @@ mod tests {
         let psfs = channel_psfs(&Camera::resolve("clear").unwrap(), 5.0, &Settings::default()).unwrap();
         let composed = Scene::flat("p", picture.clone(), 5.0).blurred(|_| &psfs);
         assert_eq!(composed, crate::blur::blur_frame(&picture, &psfs));
+    }
+
+    #[test]
+    fn a_scene_in_tiles_is_that_of_whole_planes() {
+        let psfs = [1, 4, 7].map(|half| [half, half + 1, half + 2].map(|half| kernel(half, half % 2 == 0)));
+        let mut back = grey(0.0, None, 0.0);
+        back.light.planes.outer_iter_mut().for_each(|mut plane| plane.assign(&picture(40, 60, 9)));
+        let disk = Array2::from_shape_fn((40, 60), |(r, c)| if r + c > 60 { 1.0 } else { 0.02 * r as f32 });
+        let scene = scene(vec![
+            back,
+            grey(0.2, Some(half()), 1.0),
+            grey(0.9, Some(disk), 2.0),
+            grey(0.4, Some(half()), 1.0),
+        ]);
+        let of_layers: Vec<&[Psf; 3]> = scene.layers.iter().map(|layer| &psfs[layer.psi as usize]).collect();
+        let whole = scene.blurred_whole(&of_layers);
+        let cut = scene.blurred_in_tiles(&Tiles::with_periods((40, 60), 9, (32, 36)), &of_layers);
+        assert!(whole.planes.iter().zip(&cut.planes).all(|(a, b)| (a - b).abs() < 1e-5));
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::scenes;
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
 use edof_io::doubt::{Doubt, doubts};
-use edof_optics::capture::{Approximation, Capture, capture};
+use edof_optics::capture::{Approximation, capture};
 use edof_optics::sensor::{Sensor, expose};
 use edof_spec::overlap::Overlap;
 use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, Geometry, RawFrame, Reconstructor, Tone};
@@ -37,9 +37,9 @@ struct Shot {
 pub(crate) fn raw(frame: &Frame, camera: &Camera) -> Result<(RawFrame, ColourFrame), Stopped> {
     let scene = scenes::layers(&frame.scene, frame.psi, SIZE.0, SIZE.1)?;
     let sensor = Sensor { depth: frame.depth, noise: frame.noise, seed: 1, ..Sensor::default() };
-    let Capture { sharp, raw, .. } = capture(&scene, camera, &sensor, &Approximation::default())?;
+    let raw = capture(&scene, camera, &sensor, &Approximation::default())?.raw;
     let raw = frame.defects.map_or_else(|| Ok(raw.clone()), |defects| scenes::broken(&raw, defects))?;
-    Ok((raw, sharp))
+    Ok((raw, scene.sharp()))
 }
 
 fn shot(frame: &Frame, camera: &Camera) -> Result<Shot, Stopped> {

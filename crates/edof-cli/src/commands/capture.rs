@@ -197,7 +197,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     raw::save(&args.out, &shot.raw)?;
     record::save(&args.out, &record_of(&args, &camera, &scene, &shot.raw, ui))?;
     if let Some(path) = &args.sharp {
-        photo::save(path, &args.tone.encoded(&shot.sharp), 16)?;
+        photo::save(path, &args.tone.encoded(&scene.sharp()), 16)?;
     }
     if let Some(path) = &args.light {
         photo::save(path, &args.tone.encoded(&shot.light), 16)?;

@@ -248,10 +248,10 @@ fn measure(
     let tone = windows::tone(network);
     let (mut db, mut pictures) = (0.0, vec![]);
     for shot in &shots {
-        let taken = shot.taken(network, ui)?;
-        let frame = golden.frame(&taken.raw)?.colour();
-        db += psnr(&shown(&taken.sharp, tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
-        let patches = windows::of(network, &taken.raw)?.map(|window| Patch { window, set: Set::First });
+        let (scene, raw) = shot.taken(network, ui)?;
+        let frame = golden.frame(&raw)?.colour();
+        db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
+        let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
         let mut pairs = vec![];
         for patch in model.run(patches) {
             pairs.push(patch.times.stages.iter().map(|used| used.pairs as usize).collect());
