@@ -118,7 +118,7 @@ impl SceneFile {
         ui: &Ui,
     ) -> Result<(ColourFrame, Option<Array2<f32>>), Error> {
         let file = self.beside(&layer.picture);
-        let mut light = tone.decoded(&pictures::load(&file, ui)?);
+        let mut light = tone.into_decoded(pictures::load(&file, ui)?);
         let (height, width) = light.size();
         let job = format!("{}: {} layers of {width}x{height}", self.path.display(), self.layers.len());
         memory::check(
@@ -137,13 +137,11 @@ impl SceneFile {
                 file.display()
             )));
         }
-        let whole = whole.slice(s![..height, ..width]).to_owned();
-        ui.used(Input::photograph(
-            &matte.display().to_string(),
-            &ColourFrame { planes: whole.clone().insert_axis(Axis(0)) },
-        ));
-        light.planes *= &whole;
-        Ok((light, Some(whole)))
+        let planes = whole.slice_move(s![..height, ..width]).insert_axis(Axis(0));
+        let grey = ColourFrame { planes };
+        ui.used(Input::photograph(&matte.display().to_string(), &grey));
+        light.planes *= &grey.planes;
+        Ok((light, Some(grey.planes.index_axis_move(Axis(0), 0))))
     }
 
     fn psi(&self, index: usize, layer: &LayerFile, camera: &Camera) -> Result<f64, Error> {

@@ -77,7 +77,7 @@ impl Shot {
             Some(path) => {
                 let (name, photograph) = (path.display().to_string(), pictures::load(path, ui)?);
                 ui.used(Input::photograph(&name, &photograph));
-                Scene::flat(name, tone(network).decoded(&photograph), psi)
+                Scene::flat(name, tone(network).into_decoded(photograph), psi)
             }
             None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], self.seed)?,
         };

@@ -44,11 +44,20 @@ pub type Named = (String, ColourFrame);
 /// # Errors
 /// [`PhotoError::Picture`] naming the file.
 pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
-    let Samples { planes, full_scale } = picture::decode(&picture::read(path)?, path)?;
-    let (channels, height, width) = planes.dim();
-    let scale = f32::from(full_scale);
-    let light = |(p, r, c): (usize, usize, usize)| f32::from(planes[(p.min(channels - 1), r, c)]) / scale;
-    Ok(ColourFrame { planes: Array3::from_shape_fn((3, height, width), light) })
+    let planes = planes(path)?;
+    let (_, height, width) = planes.dim();
+    if planes.dim().0 == 3 {
+        return Ok(ColourFrame { planes });
+    }
+    let mut frame = ColourFrame::zeros(height, width);
+    frame.planes.assign(&planes);
+    Ok(frame)
+}
+
+/// One plane or three.
+fn planes(path: &Path) -> Result<Array3<f32>, PictureError> {
+    let light = |sample: u16, full_scale: u16| f32::from(sample) / f32::from(full_scale);
+    Ok(picture::decode_as(&picture::read(path)?, path, light)?.0)
 }
 
 /// Reads a grey picture, 0…1, such as a depth map; red, green and blue that are all alike are grey, too.
@@ -56,12 +65,12 @@ pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
 /// # Errors
 /// [`PhotoError::Picture`] or [`PhotoError::Colour`].
 pub fn load_grey(path: &Path) -> Result<Array2<f32>, PhotoError> {
-    let ColourFrame { planes } = load(path)?;
-    let [red, green, blue] = [0, 1, 2].map(|plane| planes.index_axis(Axis(0), plane));
-    if red != green || red != blue {
+    let planes = planes(path)?;
+    let first = planes.index_axis(Axis(0), 0);
+    if planes.outer_iter().skip(1).any(|plane| plane != first) {
         return Err(PhotoError::Colour { path: path.to_owned() });
     }
-    Ok(red.to_owned())
+    Ok(planes.index_axis_move(Axis(0), 0))
 }
 
 /// Writes linear light as sample values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are

@@ -7,7 +7,7 @@ use image::codecs::png::PngEncoder;
 use image::codecs::tiff::TiffEncoder;
 use image::codecs::webp::WebPDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageResult, Limits};
-use ndarray::{Array3, ArrayView3};
+use ndarray::{Array3, ShapeError};
 use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
@@ -127,9 +127,25 @@ pub fn open(path: &Path) -> Result<(File, Vec<u8>), PictureError> {
 /// # Errors
 /// [`PictureError::Format`], [`PictureError::Decode`] or [`PictureError::Kind`].
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Samples, PictureError> {
+    let (planes, full_scale) = decode_as(bytes, path, |sample, _| sample)?;
+    Ok(Samples { planes, full_scale })
+}
+
+/// The same with `of(sample, full scale)` in place of each sample, and the full scale.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_as<T>(
+    bytes: &[u8],
+    path: &Path,
+    of: impl Fn(u16, u16) -> T,
+) -> Result<(Array3<T>, u16), PictureError> {
     let damaged = |reason: String| PictureError::Decode { path: path.to_owned(), reason };
     let format = match Format::of(bytes) {
-        Some(Format::Pnm) => return pnm::decode(bytes).map_err(|e| damaged(e.to_string())),
+        Some(Format::Pnm) => {
+            let Samples { planes, full_scale } = pnm::decode(bytes).map_err(|e| damaged(e.to_string()))?;
+            return Ok((planes.map(|sample| of(*sample, full_scale)), full_scale));
+        }
         Some(Format::Png) => ImageFormat::Png,
         Some(Format::Tiff) => ImageFormat::Tiff,
         Some(Format::Jpeg) => ImageFormat::Jpeg,
@@ -138,26 +154,38 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Samples, PictureError> {
         None => return Err(PictureError::Format { path: path.to_owned() }),
     };
     let image = image(bytes, format).map_err(|e| damaged(e.to_string()))?;
-    let (height, width) = (image.height() as usize, image.width() as usize);
-    let (channels, full_scale, interleaved) = match image {
-        DynamicImage::ImageLuma8(i) => (1, 255, widen(i.as_raw())),
-        DynamicImage::ImageLumaA8(i) => (2, 255, widen(i.as_raw())),
-        DynamicImage::ImageRgb8(i) => (3, 255, widen(i.as_raw())),
-        DynamicImage::ImageRgba8(i) => (4, 255, widen(i.as_raw())),
-        DynamicImage::ImageLuma16(i) => (1, u16::MAX, i.into_raw()),
-        DynamicImage::ImageLumaA16(i) => (2, u16::MAX, i.into_raw()),
-        DynamicImage::ImageRgb16(i) => (3, u16::MAX, i.into_raw()),
-        DynamicImage::ImageRgba16(i) => (4, u16::MAX, i.into_raw()),
+    let size = (image.height() as usize, image.width() as usize);
+    let (narrow, wide) = (|sample| of(sample, 255), |sample| of(sample, u16::MAX));
+    let (planes, full_scale) = match &image {
+        DynamicImage::ImageLuma8(i) => (planes(i, size, 1, narrow), 255),
+        DynamicImage::ImageLumaA8(i) => (planes(i, size, 2, narrow), 255),
+        DynamicImage::ImageRgb8(i) => (planes(i, size, 3, narrow), 255),
+        DynamicImage::ImageRgba8(i) => (planes(i, size, 4, narrow), 255),
+        DynamicImage::ImageLuma16(i) => (planes(i, size, 1, wide), u16::MAX),
+        DynamicImage::ImageLumaA16(i) => (planes(i, size, 2, wide), u16::MAX),
+        DynamicImage::ImageRgb16(i) => (planes(i, size, 3, wide), u16::MAX),
+        DynamicImage::ImageRgba16(i) => (planes(i, size, 4, wide), u16::MAX),
         other => {
             let found = format!("{:?}", other.color());
             return Err(PictureError::Kind { path: path.to_owned(), found });
         }
     };
+    Ok((planes.map_err(|e| damaged(e.to_string()))?, full_scale))
+}
+
+/// Grey, or red, green and blue, of pixels of so many channels, each sample as `of` has it.
+fn planes<S: Copy + Into<u16>, T>(
+    pixels: &[S],
+    (height, width): (usize, usize),
+    channels: usize,
+    of: impl Fn(u16) -> T,
+) -> Result<Array3<T>, ShapeError> {
     let colours = if channels < 3 { 1 } else { 3 };
-    let whole = ArrayView3::from_shape((height, width, channels), &interleaved)
-        .map_err(|e| damaged(e.to_string()))?;
-    let planes = Array3::from_shape_fn((colours, height, width), |(p, r, c)| whole[(r, c, p)]);
-    Ok(Samples { planes, full_scale })
+    let mut samples = Vec::with_capacity(colours * height * width);
+    for colour in 0..colours {
+        samples.extend(pixels.chunks_exact(channels).map(|pixel| of(pixel[colour].into())));
+    }
+    Array3::from_shape_vec((colours, height, width), samples)
 }
 
 /// By the decoders that are compiled in their own crate, where there are any: generic ones would all be compiled here again.
@@ -179,10 +207,6 @@ fn turned(mut decoder: impl ImageDecoder) -> ImageResult<DynamicImage> {
     let mut image = DynamicImage::from_decoder(decoder)?;
     image.apply_orientation(orientation);
     Ok(image)
-}
-
-fn widen(bytes: &[u8]) -> Vec<u16> {
-    bytes.iter().map(|&b| u16::from(b)).collect()
 }
 
 /// The format in which [`save`] would write a file of that name; for whoever has long work to do first.

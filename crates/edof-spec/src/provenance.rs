@@ -18,6 +18,7 @@
 use crate::camera::Camera;
 use crate::digest::{hexadecimal, sha256};
 use crate::frame::{ColourFrame, RawFrame};
+use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -114,17 +115,18 @@ impl Input {
     /// A photograph, by its sides and values.
     #[must_use]
     pub fn photograph(name: &str, frame: &ColourFrame) -> Self {
-        let values = frame.planes.iter().flat_map(|v| v.to_le_bytes());
-        Self { kind: InputKind::Photograph, name: name.to_owned(), sha256: sha256_of(frame.size(), values) }
+        let mut digest = sides(frame.size());
+        frame.planes.rows().into_iter().for_each(|row| update(&mut digest, row, f32::to_le_bytes));
+        Self { kind: InputKind::Photograph, name: name.to_owned(), sha256: finished(digest) }
     }
 
     /// A raw frame, by its sides, phase and sensor values.
     #[must_use]
     pub fn raw_frame(name: &str, frame: &RawFrame) -> Self {
-        let phase = frame.phase().to_string().into_bytes();
-        let values = frame.pixels().iter().flat_map(|v| v.to_le_bytes());
-        let sha256 = sha256_of(frame.size(), phase.into_iter().chain(values));
-        Self { kind: InputKind::RawFrame, name: name.to_owned(), sha256 }
+        let mut digest = sides(frame.size());
+        digest.update(frame.phase().to_string());
+        frame.pixels().rows().into_iter().for_each(|row| update(&mut digest, row, u16::to_le_bytes));
+        Self { kind: InputKind::RawFrame, name: name.to_owned(), sha256: finished(digest) }
     }
 
     /// A camera.
@@ -134,18 +136,19 @@ impl Input {
     }
 }
 
-fn sha256_of((height, width): (usize, usize), bytes: impl Iterator<Item = u8>) -> String {
+fn sides((height, width): (usize, usize)) -> Sha256 {
     let mut digest = Sha256::new();
     [height, width].iter().for_each(|side| digest.update((*side as u64).to_le_bytes()));
-    let mut block = Vec::with_capacity(1 << 16);
-    for byte in bytes {
-        block.push(byte);
-        if block.len() == block.capacity() {
-            digest.update(&block);
-            block.clear();
-        }
-    }
-    digest.update(&block);
+    digest
+}
+
+/// Adds a row of values, each as the bytes that it is in a file.
+fn update<T: Copy, const N: usize>(digest: &mut Sha256, row: ArrayView1<T>, bytes: impl Fn(T) -> [u8; N]) {
+    let bytes: Vec<[u8; N]> = row.iter().map(|value| bytes(*value)).collect();
+    digest.update(bytes.as_flattened());
+}
+
+fn finished(digest: Sha256) -> String {
     hexadecimal(digest.finalize().as_slice())
 }
 

@@ -68,20 +68,31 @@ impl Tone {
     /// A frame of light, encoded.
     #[must_use]
     pub fn encoded(self, light: &ColourFrame) -> ColourFrame {
-        self.mapped(light, Self::encode)
+        match self {
+            Self::Linear => light.clone(),
+            Self::Srgb => ColourFrame { planes: light.planes.mapv(|v| self.encode(v)) },
+        }
     }
 
     /// The light of an encoded frame.
     #[must_use]
     pub fn decoded(self, values: &ColourFrame) -> ColourFrame {
-        self.mapped(values, Self::decode)
+        self.into_decoded(values.clone())
     }
 
-    fn mapped(self, frame: &ColourFrame, curve: impl Fn(Self, f32) -> f32) -> ColourFrame {
-        match self {
-            Self::Linear => frame.clone(),
-            Self::Srgb => ColourFrame { planes: frame.planes.mapv(|v| curve(self, v)) },
+    /// The same in its own place.
+    #[must_use]
+    pub fn into_decoded(self, mut values: ColourFrame) -> ColourFrame {
+        if self == Self::Srgb {
+            // Most photographs hold no other values.
+            let codes = std::array::from_fn::<_, 256, _>(|code| code as f32 / 255.0);
+            let light = codes.map(|value| self.decode(value));
+            values.planes.mapv_inplace(|value| {
+                let code = ((value * 255.0 + 0.5) as usize).min(255);
+                if codes[code].to_bits() == value.to_bits() { light[code] } else { self.decode(value) }
+            });
         }
+        values
     }
 }
 
@@ -115,6 +126,7 @@ impl std::fmt::Display for Tone {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::Array3;
     use proptest::prelude::*;
 
     #[test]
@@ -134,6 +146,18 @@ mod tests {
                 let back = Tone::Srgb.encode(Tone::Srgb.decode(value)) * most as f32;
                 assert_eq!(back.round() as i32, code, "{code} of {most}");
             }
+        }
+    }
+
+    #[test]
+    fn a_frame_is_decoded_value_by_value() {
+        let values = [0.0, -0.0, 1.0, 128.0 / 255.0, 0.5, 1e9, -1e9, f32::MIN_POSITIVE, f32::INFINITY];
+        let codes = (0..=65535).map(|code| code as f32 / 65535.0);
+        let all: Vec<f32> = codes.chain(values).chain((0..=255).map(|code| code as f32 / 255.0)).collect();
+        let frame = ColourFrame { planes: Array3::from_shape_vec((1, 1, all.len()), all.clone()).unwrap() };
+        for tone in Tone::ALL {
+            let decoded = tone.decoded(&frame).planes;
+            assert!(decoded.iter().zip(&all).all(|(light, v)| light.to_bits() == tone.decode(*v).to_bits()));
         }
     }
 

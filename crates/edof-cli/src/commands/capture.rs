@@ -278,7 +278,7 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
     let (height, width) = photograph.size();
     fits(width, height)?;
     ui.used(Input::photograph(&name, &photograph));
-    Ok(Scene::flat(name, args.tone.decoded(&photograph), psi))
+    Ok(Scene::flat(name, args.tone.into_decoded(photograph), psi))
 }
 
 /// A photograph with a depth map.
@@ -307,7 +307,7 @@ fn layered(
     ui.used(Input::photograph(&name, &photograph));
     ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
     let psi = args.map_of.psis(&depths.slice(s![..height, ..width]), range, camera)?;
-    Ok(layers::from_depths(&name, &args.tone.decoded(&photograph), &psi, args.layers)?)
+    Ok(layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers)?)
 }
 
 impl MapOf {
