@@ -2,8 +2,9 @@
 
 use crate::psf::Psf;
 use crate::tiles::{Tile, Tiles, Transfer, Workspace};
-use ndarray::{Array3, ArrayView2, ArrayView3, ArrayViewMut3, Axis, s};
+use ndarray::{Array3, ArrayView1, ArrayView2, ArrayView3, ArrayViewMut3, Axis, s};
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// What lies at one depth.
 pub struct Sheet<'a> {
@@ -20,10 +21,14 @@ pub fn composite(tiles: &Tiles, sheets: &[Sheet]) -> Array3<f32> {
     let (height, width) = tiles.size();
     let planes = sheets.first().map_or(0, |sheet| sheet.transfers.len());
     let mut seen = Array3::zeros((planes, height, width));
-    cut(seen.view_mut(), tiles.step()).into_par_iter().with_max_len(1).for_each_init(
-        || Workspace::new(tiles, planes),
-        |space, (tile, mut part)| lay(tiles, sheets, space, &tile, &mut part),
-    );
+    let idle: Mutex<Vec<Workspace>> = Mutex::default();
+    let idle = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+    cut(seen.view_mut(), tiles.step()).into_par_iter().with_max_len(1).for_each(|(tile, mut part)| {
+        let last = idle().pop();
+        let mut space = last.unwrap_or_else(|| Workspace::new(tiles, planes));
+        lay(tiles, sheets, &mut space, &tile, &mut part);
+        idle().push(space);
+    });
     seen
 }
 
@@ -51,7 +56,7 @@ fn cut(planes: ArrayViewMut3<f32>, (down, across): (usize, usize)) -> Vec<(Tile,
     parts
 }
 
-/// Blurs and lays the sheets of one tile.
+/// Blurs and lays the sheets of one tile, where nothing lies yet.
 fn lay(tiles: &Tiles, sheets: &[Sheet], space: &mut Workspace, tile: &Tile, seen: &mut ArrayViewMut3<f32>) {
     let around = tiles.around(tile);
     let cover = |sheet: &Sheet| {
@@ -62,9 +67,10 @@ fn lay(tiles: &Tiles, sheets: &[Sheet], space: &mut Workspace, tile: &Tile, seen
     let covers: Vec<Option<f32>> = sheets.iter().map(cover).collect();
     // A kernel's sum is 1, so behind a matte that is 1 all around nothing is seen.
     let last = covers.iter().rposition(|cover| *cover == Some(1.0)).unwrap_or(0);
-    for (sheet, cover) in sheets.iter().zip(covers).skip(last).filter(|(_, cover)| *cover != Some(0.0)) {
+    let visible = sheets.iter().zip(covers).skip(last).filter(|(_, cover)| *cover != Some(0.0));
+    for (index, (sheet, cover)) in visible.enumerate() {
         let transfers: Vec<&Transfer> = sheet.transfers.iter().collect();
-        if let (None, Some(matte)) = (cover, sheet.matte) {
+        if let (None, Some(matte), 1..) = (cover, sheet.matte, index) {
             space.blur(tiles, matte, tile, &transfers, |plane, row, covered| {
                 let mut behind = seen.slice_mut(s![plane, row, ..]);
                 behind.iter_mut().zip(covered).for_each(|(light, matte)| *light *= 1.0 - matte);
@@ -73,7 +79,12 @@ fn lay(tiles: &Tiles, sheets: &[Sheet], space: &mut Workspace, tile: &Tile, seen
         for (plane, (light, transfer)) in sheet.light.outer_iter().zip(transfers).enumerate() {
             space.blur(tiles, light, tile, &[transfer], |_, row, light| {
                 let mut all = seen.slice_mut(s![plane, row, ..]);
-                all.iter_mut().zip(light).for_each(|(all, light)| *all += light);
+                if index == 0 {
+                    // Memory that was never read is cheaper to write.
+                    all.assign(&ArrayView1::from(light));
+                } else {
+                    all.iter_mut().zip(light).for_each(|(all, light)| *all += light);
+                }
             });
         }
     }
