@@ -73,17 +73,17 @@ fn lay(tiles: &Tiles, sheets: &[Sheet], space: &mut Workspace, tile: &Tile, seen
         if let (None, Some(matte), 1..) = (cover, sheet.matte, index) {
             space.blur(tiles, matte, tile, &transfers, |plane, row, covered| {
                 let mut behind = seen.slice_mut(s![plane, row, ..]);
-                behind.iter_mut().zip(covered).for_each(|(light, matte)| *light *= 1.0 - matte);
+                behind.zip_mut_with(&ArrayView1::from(covered), |light, matte| *light *= 1.0 - matte);
             });
         }
         for (plane, (light, transfer)) in sheet.light.outer_iter().zip(transfers).enumerate() {
             space.blur(tiles, light, tile, &[transfer], |_, row, light| {
-                let mut all = seen.slice_mut(s![plane, row, ..]);
+                let (mut all, light) = (seen.slice_mut(s![plane, row, ..]), ArrayView1::from(light));
                 if index == 0 {
                     // Memory that was never read is cheaper to write.
-                    all.assign(&ArrayView1::from(light));
+                    all.assign(&light);
                 } else {
-                    all.iter_mut().zip(light).for_each(|(all, light)| *all += light);
+                    all += &light;
                 }
             });
         }

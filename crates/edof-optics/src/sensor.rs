@@ -70,14 +70,16 @@ impl Sensor {
 /// [`SensorError::Noise`].
 pub fn mosaic_with_noise(frame: &ColourFrame, sensor: &Sensor) -> Result<Array2<f32>, SensorError> {
     sensor.noise.check()?;
+    Ok(sensed(frame, sensor, |light| light))
+}
+
+/// What `value` makes of the light on each pixel, noise added.
+fn sensed<T>(frame: &ColourFrame, sensor: &Sensor, value: impl Fn(f32) -> T) -> Array2<T> {
     let mut generator = Pcg64::seed_from_u64(sensor.seed);
-    let (height, width) = frame.size();
-    let mut light = Array2::zeros((height, width));
-    for ((row, column), pixel) in light.indexed_iter_mut() {
-        let value = f64::from(frame.planes[(sensor.phase.channel(row, column).plane(), row, column)]);
-        *pixel = noisy(value, sensor.noise, &mut generator) as f32;
-    }
-    Ok(light)
+    Array2::from_shape_fn(frame.size(), |(row, column)| {
+        let light = f64::from(frame.planes[(sensor.phase.channel(row, column).plane(), row, column)]);
+        value(noisy(light, sensor.noise, &mut generator) as f32)
+    })
 }
 
 /// One draw of what a pixel reads at a light of `value`.
@@ -110,9 +112,9 @@ fn electrons(mean: f64, generator: &mut Pcg64) -> f64 {
 pub fn expose(frame: &ColourFrame, sensor: &Sensor) -> Result<RawFrame, SensorError> {
     sensor.check()?;
     let (full_scale, black) = ((1u32 << sensor.depth) as f32, f32::from(sensor.black_level));
-    let light = mosaic_with_noise(frame, sensor)?;
     let range = full_scale - black;
-    let values = light.mapv(|v| (black + v * range).round().clamp(0.0, full_scale - 1.0) as u16);
+    let value = |light: f32| (black + light * range).round().clamp(0.0, full_scale - 1.0) as u16;
+    let values = sensed(frame, sensor, value);
     Ok(RawFrame::from_values(values, sensor.depth, sensor.phase)?)
 }
 
