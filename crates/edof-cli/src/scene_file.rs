@@ -10,6 +10,7 @@ use edof_optics::scene::{Layer, Scene};
 use edof_spec::provenance::Input;
 use edof_spec::{Camera, ColourFrame, Tone};
 use ndarray::{Array2, Axis, s};
+use rayon::prelude::*;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -99,24 +100,30 @@ impl SceneFile {
     /// A picture, matte or depth that cannot be used.
     pub fn scene(&self, tone: Tone, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
         let name = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let layer = |(index, layer): (usize, &LayerFile)| {
-            let light = self.light(index, layer, tone, ui)?;
-            Ok(Layer { light: light.0, matte: light.1, psi: self.psi(index, layer, camera)? })
+        let read = |(index, layer): (usize, &LayerFile)| {
+            let (light, matte, inputs) = self.light(index, layer, tone, ui)?;
+            Ok::<_, Error>((Layer { light, matte, psi: self.psi(index, layer, camera)? }, inputs))
         };
-        let layers = self.layers.iter().enumerate().map(layer).collect::<Result<_, Error>>()?;
+        let read: Vec<_> = self.layers.par_iter().enumerate().map(read).collect();
+        let mut layers = vec![];
+        for layer in read {
+            let (layer, inputs) = layer?;
+            inputs.into_iter().for_each(|input| ui.used(input));
+            layers.push(layer);
+        }
         let scene = Scene { name, layers };
         scene.check().map_err(|e| Error::message(format!("{}: {e}", self.path.display())))?;
         Ok(scene)
     }
 
-    /// A layer's light, already behind its matte.
+    /// A layer's light, already behind its matte, the matte, and what it was read from.
     fn light(
         &self,
         index: usize,
         layer: &LayerFile,
         tone: Tone,
         ui: &Ui,
-    ) -> Result<(ColourFrame, Option<Array2<f32>>), Error> {
+    ) -> Result<(ColourFrame, Option<Array2<f32>>, Vec<Input>), Error> {
         let file = self.beside(&layer.picture);
         let mut light = tone.into_decoded(pictures::load(&file, ui)?);
         let (height, width) = light.size();
@@ -125,8 +132,8 @@ impl SceneFile {
             &job,
             BYTES_A_LAYER * (self.layers.len() - index + 8) as f64 * (width * height) as f64,
         )?;
-        ui.used(Input::photograph(&layer.picture.display().to_string(), &light));
-        let Some(matte) = &layer.matte else { return Ok((light, None)) };
+        let picture = Input::photograph(&layer.picture.display().to_string(), &light);
+        let Some(matte) = &layer.matte else { return Ok((light, None, vec![picture])) };
         let path = self.beside(matte);
         let whole = photo::load_grey(&path)?;
         let (rows, columns) = whole.dim();
@@ -139,9 +146,9 @@ impl SceneFile {
         }
         let planes = whole.slice_move(s![..height, ..width]).insert_axis(Axis(0));
         let grey = ColourFrame { planes };
-        ui.used(Input::photograph(&matte.display().to_string(), &grey));
+        let inputs = vec![picture, Input::photograph(&matte.display().to_string(), &grey)];
         light.planes *= &grey.planes;
-        Ok((light, Some(grey.planes.index_axis_move(Axis(0), 0))))
+        Ok((light, Some(grey.planes.index_axis_move(Axis(0), 0)), inputs))
     }
 
     fn psi(&self, index: usize, layer: &LayerFile, camera: &Camera) -> Result<f64, Error> {

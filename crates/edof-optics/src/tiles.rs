@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// Rows transformed at a time: with 8 complex `f32` a written cache line is filled at once.
 const BLOCK: usize = 8;
-/// Pixels from which on a picture is cut into tiles. Smaller ones are blurred as fast whole.
+/// Pixels from which on a picture is cut into tiles. Smaller ones stay whole, and what was measured with them keeps every bit.
 const LARGE: usize = 4_000_000;
 /// The longest period where kernels reach no farther than 128 pixels: half a plane of it takes 2.4 MB. Longer ones cost less arithmetic,
 /// and more time.
