@@ -155,7 +155,7 @@ fn results_about_lenses_and_hardware_name_what_they_were_made_of() {
         let inputs = result["provenance"]["inputs"].as_array().unwrap();
         inputs.iter().map(|i| i["kind"].as_str().unwrap().to_owned()).collect()
     };
-    assert_eq!(kinds("scene chart --out drawn --json"), ["camera"]);
+    assert_eq!(kinds("scene chart --size 96x64 --out drawn --json"), ["camera"]);
     assert_eq!(kinds("optics clear --out lens --json"), ["camera"]);
     assert_eq!(kinds("estimate --design tiny --json"), ["design"]);
     assert_eq!(

@@ -46,8 +46,8 @@ const JOBS: [&str; 10] = [
 
 #[test]
 fn every_command_stops_when_asked() {
+    let place = ready();
     for job in JOBS {
-        let place = ready();
         let before = place.files();
         let mut child = place.command(job).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         listens(&mut child);

@@ -102,8 +102,10 @@ forms! {
     two_layers: TwoSided Direct, R false, window 8, bits 16, tied false, [(16, 1), (128, 1)];
     two_layers_with_linear_path: OneSided Direct, R true, window 8, bits 16, tied false, [(8, 2), (64, 2)];
     three_layers_of_differences: OneSided Difference, R true, window 8, bits 16, tied false, [(16, 2), (8, 1), (64, 1)];
+    #[ignore = "four_layers_of_twelve_bits has these windows: scripts/soak.sh"]
     three_layers_of_large_windows: TwoSided Direct, R false, window 12, bits 16, tied false, [(8, 1), (16, 2), (128, 2)];
     four_layers_of_twelve_bits: OneSided Direct, R true, window 12, bits 12, tied false, [(16, 2), (16, 1), (8, 2), (64, 2)];
+    #[ignore = "three_layers_of_differences has them: scripts/soak.sh"]
     four_layers_of_differences: TwoSided Difference, R false, window 8, bits 16, tied false, [(16, 1), (8, 2), (16, 1), (128, 1)];
     five_layers_tied: TwoSided Difference, R true, window 8, bits 16, tied true, [(8, 1), (8, 1), (8, 2), (16, 2), (128, 2)];
     #[ignore = "minutes: scripts/soak.sh"]

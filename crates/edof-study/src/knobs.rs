@@ -26,7 +26,7 @@ use edof_spec::digest::sha256;
 use edof_spec::fixed_network::FixedMatrix;
 use edof_spec::overlap::Overlap;
 use edof_spec::provenance::Input;
-use edof_spec::{Camera, ColourFrame, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
+use edof_spec::{Camera, ColourFrame, FixedNetwork, Network, Noise, RawFrame, Reconstructor, Stride, Window};
 use edof_train::reconstruct::{FloatReconstructor, Output};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
@@ -408,12 +408,12 @@ pub fn run(
         }
     }
     let own = plan.shard.own(cells);
-    let mut exacts = Exacts::new();
+    let mut captures = Captures::default();
     let (of, mut done) = (own.len(), 0);
     for (key, (index, mut row)) in own {
         if !journal.holds(&key) {
             let photo = &photos[index];
-            let (db, seconds) = plan.measure(row.knob, row.value, photo, &mut exacts)?;
+            let (db, seconds) = plan.measure(row.knob, row.value, photo, &mut captures)?;
             let (height, width) = photo.frame.size();
             row.psnr_db = db;
             row.seconds_per_megapixel = seconds / ((height * width) as f64 * 1e-6);
@@ -435,8 +435,14 @@ const MOST_DB: f64 = 160.0;
 /// Half the width of the bands in nanometres that stand for colours where wavelengths are counted.
 const HALF_BAND_NM: f64 = 30.0;
 
-/// Light of exact captures, which all values of a knob are held against, by knob and photograph.
-type Exacts = BTreeMap<(Knob, String), ColourFrame>;
+/// What several values of a knob share.
+#[derive(Default)]
+struct Captures {
+    /// Light of exact captures, which all values of a knob are held against, by knob and photograph.
+    exact: BTreeMap<(Knob, String), ColourFrame>,
+    /// What is reconstructed, by photograph.
+    raw: BTreeMap<String, RawFrame>,
+}
 
 impl Plan {
     fn weights(&self, knob: Knob) -> Option<String> {
@@ -454,13 +460,13 @@ impl Plan {
         knob: Knob,
         value: f64,
         photo: &Photo,
-        exacts: &mut Exacts,
+        captures: &mut Captures,
     ) -> Result<(f64, f64), KnobsError> {
         if knob.is_of_capture() {
-            exacts.retain(|(of, _), _| *of == knob);
-            self.captured(knob, value, photo, exacts)
+            captures.exact.retain(|(of, _), _| *of == knob);
+            self.captured(knob, value, photo, captures)
         } else {
-            self.reconstructed(knob, value, photo)
+            self.reconstructed(knob, value, photo, captures)
         }
     }
 
@@ -469,7 +475,7 @@ impl Plan {
         knob: Knob,
         value: f64,
         photo: &Photo,
-        exacts: &mut Exacts,
+        captures: &mut Captures,
     ) -> Result<(f64, f64), KnobsError> {
         let whole = Settings { energy: 1.0, wavelength_tolerance: 0.0, exact: false };
         let flat = || Scene::flat(photo.name.clone(), photo.frame.clone(), self.psi);
@@ -501,7 +507,7 @@ impl Plan {
             capture(scene, &camera, &sensor(&photo.name, self.psi, Noise::None), how)
                 .map_err(|source| KnobsError::Capture { image: image(), source })
         };
-        let exact = match exacts.entry((knob, image())) {
+        let exact = match captures.exact.entry((knob, image())) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(new) => new.insert(taken(&reference, &exact)?.light),
         };
@@ -522,19 +528,33 @@ impl Plan {
             .map_err(|source| KnobsError::Layers { image: photo.name.clone(), source })
     }
 
-    fn reconstructed(&self, knob: Knob, value: f64, photo: &Photo) -> Result<(f64, f64), KnobsError> {
+    fn reconstructed(
+        &self,
+        knob: Knob,
+        value: f64,
+        photo: &Photo,
+        captures: &mut Captures,
+    ) -> Result<(f64, f64), KnobsError> {
         let image = || photo.name.clone();
-        let scene = Scene::flat(photo.name.clone(), photo.frame.clone(), self.psi);
-        let sensor = sensor(&photo.name, self.psi, self.noise);
-        let shot = capture(&scene, &self.camera, &sensor, &Approximation::default())
-            .map_err(|source| KnobsError::Capture { image: image(), source })?;
+        let raw = match captures.raw.entry(image()) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(self.shot(photo)?),
+        };
         let method = self.prepared(knob, value)?;
-        let result = timed(method.as_ref(), &shot.raw)
+        let result = timed(method.as_ref(), raw)
             .map_err(|source| KodakError::Reconstruct { image: image(), source })?
             .result;
         let quality = Quality::of(&photo.frame, &result.frame, BORDER);
         let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
         Ok((db, result.seconds))
+    }
+
+    /// The photograph at the plan's depth, behind its camera.
+    fn shot(&self, photo: &Photo) -> Result<RawFrame, KnobsError> {
+        let scene = Scene::flat(photo.name.clone(), photo.frame.clone(), self.psi);
+        let sensor = sensor(&photo.name, self.psi, self.noise);
+        let shot = capture(&scene, &self.camera, &sensor, &Approximation::default());
+        Ok(shot.map_err(|source| KnobsError::Capture { image: photo.name.clone(), source })?.raw)
     }
 
     /// The network in so many bits.
@@ -822,8 +842,8 @@ mod tests {
     #[test]
     fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
         let plan = plan(&[], &edof_random::natural(8, 8, 7));
-        let mut exacts = Exacts::new();
-        let mut db = |knob, value| plan.measure(knob, value, &photo(), &mut exacts).unwrap().0;
+        let mut captures = Captures::default();
+        let mut db = |knob, value| plan.measure(knob, value, &photo(), &mut captures).unwrap().0;
         // The coarsest and a fine value, and what lies between them at least.
         for (knob, coarse, fine, least) in [
             (Knob::KernelEnergy, 0.9, 0.9999, 5.0),

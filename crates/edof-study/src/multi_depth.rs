@@ -584,7 +584,7 @@ mod tests {
                 lens(MIDDLE, "clear-mid", &[(BLIND, "wiener")]),
                 lens(CODED, "ring-2018", &[(DEMOSAICED, "malvar"), (OMP, "omp"), ("n.fixed", "directional")]),
             ],
-            optics: Settings::default(),
+            optics: Settings { energy: 0.9, ..Settings::default() },
             shard: shard.parse().unwrap(),
         }
     }

@@ -73,11 +73,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (camera, coded) = method(&args.net, ui)?;
     let (clear_camera, clear) = method(&args.clear_net, ui)?;
     super::scene::fits(args.width, args.height)?;
-    let depths = four_depths(camera.psi_range);
-    let scene = draw(args.scene.parse::<Builtin>()?, args.height, args.width, &depths, 1)?;
+    let kind = args.scene.parse::<Builtin>()?;
+    let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
+    let scene = draw(kind, args.height, args.width, &four_depths(camera.psi_range), 1)?;
     let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
 
-    let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
     let malvar = Malvar::default();
     let lenses = lenses(&malvar, (camera, &coded), (clear_camera, &clear))?;
     args.check_files(&lenses, board.as_ref(), ui)?;
