@@ -9,7 +9,7 @@ use edof_optics::layers::MOST_LAYERS;
 use edof_optics::scene::{Layer, Scene};
 use edof_spec::provenance::Input;
 use edof_spec::{Camera, ColourFrame, Tone};
-use ndarray::{Array2, Axis, s};
+use ndarray::{Axis, s};
 use rayon::prelude::*;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -101,8 +101,8 @@ impl SceneFile {
     pub fn scene(&self, tone: Tone, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
         let name = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let read = |(index, layer): (usize, &LayerFile)| {
-            let (light, matte, inputs) = self.light(index, layer, tone, ui)?;
-            Ok::<_, Error>((Layer { light, matte, psi: self.psi(index, layer, camera)? }, inputs))
+            let (light, inputs) = self.light(index, layer, tone, ui)?;
+            Ok::<_, Error>((Layer { psi: self.psi(index, layer, camera)?, ..light }, inputs))
         };
         let read: Vec<_> = self.layers.par_iter().enumerate().map(read).collect();
         let mut layers = vec![];
@@ -116,14 +116,14 @@ impl SceneFile {
         Ok(scene)
     }
 
-    /// A layer's light, already behind its matte, the matte, and what it was read from.
+    /// A layer with its light, already behind its matte, at no depth yet; and what it was read from.
     fn light(
         &self,
         index: usize,
         layer: &LayerFile,
         tone: Tone,
         ui: &Ui,
-    ) -> Result<(ColourFrame, Option<Array2<f32>>, Vec<Input>), Error> {
+    ) -> Result<(Layer, Vec<Input>), Error> {
         let file = self.beside(&layer.picture);
         let mut light = tone.into_decoded(pictures::load(&file, ui)?);
         let (height, width) = light.size();
@@ -133,7 +133,9 @@ impl SceneFile {
             BYTES_A_LAYER * (self.layers.len() - index + 8) as f64 * (width * height) as f64,
         )?;
         let picture = Input::photograph(&layer.picture.display().to_string(), &light);
-        let Some(matte) = &layer.matte else { return Ok((light, None, vec![picture])) };
+        let Some(matte) = &layer.matte else {
+            return Ok((Layer { light, matte: None, psi: 0.0 }, vec![picture]));
+        };
         let path = self.beside(matte);
         let whole = photo::load_grey(&path)?;
         let (rows, columns) = whole.dim();
@@ -148,7 +150,8 @@ impl SceneFile {
         let grey = ColourFrame { planes };
         let inputs = vec![picture, Input::photograph(&matte.display().to_string(), &grey)];
         light.planes *= &grey.planes;
-        Ok((light, Some(grey.planes.index_axis_move(Axis(0), 0)), inputs))
+        let matte = Some(grey.planes.index_axis_move(Axis(0), 0));
+        Ok((Layer { light, matte, psi: 0.0 }, inputs))
     }
 
     fn psi(&self, index: usize, layer: &LayerFile, camera: &Camera) -> Result<f64, Error> {
