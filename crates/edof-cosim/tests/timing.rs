@@ -10,6 +10,7 @@ use edof_hdl::board::blocks;
 use edof_hdl::project;
 use edof_hdl::resources::{self, Resources};
 use edof_spec::Design;
+use edof_spec::design::StagePlan;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -22,16 +23,20 @@ fn cache() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("timing")
 }
 
-/// Every stage of a design's calculator by itself.
-pub fn of_stages(design: &Design) -> Vec<PartTiming> {
+/// Stages of a design's calculator, each by itself: all, but for `tiny` only the first M, as its second one is much the same.
+pub fn of_stages(design: &Design) -> Vec<(StagePlan, PartTiming)> {
     let network = edof_random::for_design(design, 1);
     let project = project::calculator(design, [&network, &network]).unwrap();
-    timing::parts(&project, &timing::stages(design.stages.len()), Some(&cache()), &|_, _| ()).unwrap()
+    let plans: Vec<StagePlan> =
+        design.stages().filter(|plan| design.name != "tiny" || plan.index != 2).collect();
+    let all = timing::stages(design.stages.len());
+    let paths: Vec<String> = plans.iter().map(|plan| all[plan.index].clone()).collect();
+    let found = timing::parts(&project, &paths, Some(&cache()), &|_, _| ()).unwrap();
+    plans.into_iter().zip(found).collect()
 }
 
 fn keeps_its_limits(name: &str) {
-    let design = committed(name);
-    for (plan, stage) in design.stages().zip(of_stages(&design)) {
+    for (plan, stage) in of_stages(&committed(name)) {
         let told = format!("{name} stage {}: {stage:#?}", plan.index);
         assert!(stage.delay_ps <= DELAY_PS, "{told}");
         assert!(stage.control_loads <= CONTROL_LOADS, "{told}");
