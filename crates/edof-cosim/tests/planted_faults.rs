@@ -90,6 +90,7 @@ fn a_wrong_direction_of_rounding() {
 }
 
 #[test]
+#[ignore = "others have wrong words: scripts/soak.sh"]
 fn a_drain_that_ends_one_beat_early() {
     // M1 has eight lanes: its drain ends with beat 3, here with beat 2.
     let difference = found(|p| replaced(p, "stages_1", ".BEFORE_LAST_TAKE(8'd3)", ".BEFORE_LAST_TAKE(8'd2)"));
@@ -113,6 +114,7 @@ fn two_banks_that_changed_places() {
 }
 
 #[test]
+#[ignore = "others have wrong words: scripts/soak.sh"]
 fn two_sets_that_changed_places() {
     let (of_set, other) = ("job_row_q <= next[0] ?", "job_row_q <= !next[0] ?");
     let difference = found(|p| replaced(p, "stages_1.sequencer", of_set, other));

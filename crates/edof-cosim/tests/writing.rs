@@ -49,7 +49,7 @@ fn weights_that_are_read_at_one_port_take_no_cycle() {
 
 #[test]
 fn weights_that_are_read_at_both_ports_take_a_cycle_each_from_their_stage() {
-    let design = with_rows(committed("tiny"), 2);
+    let design = committed("tiny");
     let writes = memory::writes(&design, &moderate(&design, 2), Set::Second);
     assert!(2 * stolen(&design, &writes) > writes.len());
     expect_clean(&written_while_running(design, slow()));

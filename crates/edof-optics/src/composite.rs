@@ -60,17 +60,17 @@ fn cut(planes: ArrayViewMut3<f32>, (down, across): (usize, usize)) -> Vec<(Tile,
 fn lay(tiles: &Tiles, sheets: &[Sheet], space: &mut Workspace, tile: &Tile, seen: &mut ArrayViewMut3<f32>) {
     let around = tiles.around(tile);
     let cover = |sheet: &Sheet| {
-        sheet
-            .matte
-            .map_or(Some(1.0), |matte| constant(matte.slice(s![around.rows.clone(), around.columns.clone()])))
+        sheet.matte.map_or(Cover::All, |matte| {
+            Cover::of(matte.slice(s![around.rows.clone(), around.columns.clone()]))
+        })
     };
-    let covers: Vec<Option<f32>> = sheets.iter().map(cover).collect();
+    let covers: Vec<Cover> = sheets.iter().map(cover).collect();
     // A kernel's sum is 1, so behind a matte that is 1 all around nothing is seen.
-    let last = covers.iter().rposition(|cover| *cover == Some(1.0)).unwrap_or(0);
-    let visible = sheets.iter().zip(covers).skip(last).filter(|(_, cover)| *cover != Some(0.0));
+    let last = covers.iter().rposition(|cover| *cover == Cover::All).unwrap_or(0);
+    let visible = sheets.iter().zip(covers).skip(last).filter(|(_, cover)| *cover != Cover::None);
     for (index, (sheet, cover)) in visible.enumerate() {
         let transfers: Vec<&Transfer> = sheet.transfers.iter().collect();
-        if let (None, Some(matte), 1..) = (cover, sheet.matte, index) {
+        if let (Cover::Some, Some(matte), 1..) = (cover, sheet.matte, index) {
             space.blur(tiles, matte, tile, &transfers, |plane, row, covered| {
                 let mut behind = seen.slice_mut(s![plane, row, ..]);
                 behind.zip_mut_with(&ArrayView1::from(covered), |light, matte| *light *= 1.0 - matte);
@@ -90,10 +90,23 @@ fn lay(tiles: &Tiles, sheets: &[Sheet], space: &mut Workspace, tile: &Tile, seen
     }
 }
 
-/// The value that every pixel has.
-fn constant(part: ArrayView2<f32>) -> Option<f32> {
-    let first = *part.first()?;
-    part.rows().into_iter().all(|row| row.iter().all(|v| *v == first)).then_some(first)
+/// What a matte covers of the pixels that a tile's blur looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cover {
+    None,
+    Some,
+    All,
+}
+
+impl Cover {
+    fn of(part: ArrayView2<f32>) -> Self {
+        let is = |value: f32| part.rows().into_iter().all(|row| row.iter().all(|v| *v == value));
+        match part.first() {
+            Some(0.0) if is(0.0) => Self::None,
+            Some(1.0) if is(1.0) => Self::All,
+            _ => Self::Some,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -116,6 +129,17 @@ mod tests {
             sheet(dark.view(), Some(none.view())),
         ];
         assert_eq!(composite(&tiles, &hidden), blurred(&tiles, light.view(), &[psf]));
+    }
+
+    #[test]
+    fn half_of_what_lies_behind_a_matte_of_one_half_shines_through() {
+        let (psf, tiles) = (kernel(2, true), Tiles::with_periods((30, 40), 2, (16, 16)));
+        let transfers = [tiles.transfer(&psf)];
+        let [back, front] = [0.5, 0.25].map(|light| Array3::from_elem((1, 30, 40), light));
+        let matte = Array2::from_elem((30, 40), 0.5);
+        let sheet = |light, matte| Sheet { light, matte, transfers: &transfers };
+        let seen = composite(&tiles, &[sheet(back.view(), None), sheet(front.view(), Some(matte.view()))]);
+        assert!(seen.iter().all(|v| (v - 0.5).abs() < 1e-6));
     }
 
     proptest! {

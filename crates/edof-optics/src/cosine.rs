@@ -6,7 +6,7 @@
 //! that is not even is the sum of an even and an odd one; what the odd one makes of a mirrored plane is odd, a sum of sines (DST-I).
 
 use edof_fft::{Complex, Fft, Real};
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, ShapeBuilder};
 use std::sync::Arc;
 
 /// Rows transformed at a time: with 16 `f32` a written cache line is filled at once.
@@ -147,13 +147,23 @@ pub fn fold_rows<T: Real>(plane: ArrayView2<T>, n: usize) -> Array2<T> {
 pub fn fold_rows_as<T: Real>(plane: ArrayView2<T>, n: usize, parity: Parity) -> Array2<T> {
     let (rows, columns) = plane.dim();
     let period = period(n) as isize;
-    let mut out = Array2::from_elem((rows, n), T::zero());
-    for q in -(columns as isize - 1)..columns as isize {
+    let places = (1 - columns as isize..columns as isize).filter_map(|q| {
+        let sign = if q < 0 { parity.sign::<T>() } else { T::one() };
         let j = q.rem_euclid(period) as usize;
-        if j < n {
-            let source = plane.column(q.unsigned_abs());
-            let sign = if q < 0 { parity.sign::<T>() } else { T::one() };
-            out.column_mut(j).iter_mut().zip(source).for_each(|(sum, &v)| *sum = *sum + sign * v);
+        (j < n).then_some((j, q.unsigned_abs(), sign))
+    });
+    // Memory is walked in its order, whether rows or columns lie in one piece.
+    if plane.strides()[0] == 1 {
+        let mut out = Array2::from_elem((rows, n).f(), T::zero());
+        for (j, q, sign) in places {
+            out.column_mut(j).zip_mut_with(&plane.column(q), |sum, &v| *sum = *sum + sign * v);
+        }
+        return out;
+    }
+    let (places, mut out) = (places.collect::<Vec<_>>(), Array2::from_elem((rows, n), T::zero()));
+    for (row, mut sums) in plane.outer_iter().zip(out.outer_iter_mut()) {
+        for &(j, q, sign) in &places {
+            sums[j] = sums[j] + sign * row[q];
         }
     }
     out

@@ -362,7 +362,9 @@ pub fn pixel_transfer(camera: &Camera, wavelength_nm: f64, psi: f64, support: us
     let n = support / 2 + 1;
     let mut otf = quarter_otf(camera, wavelength_nm, psi, support);
     let footprint: Vec<f64> = (0..otf.nrows()).map(|q| sinc(q as f64 / support as f64)).collect();
-    otf.indexed_iter_mut().for_each(|((r, c), v)| *v *= footprint[r] * footprint[c]);
+    for (mut row, down) in otf.outer_iter_mut().zip(&footprint) {
+        row.iter_mut().zip(&footprint).for_each(|(v, across)| *v *= down * across);
+    }
     fold_rows(fold_rows(otf.view(), n).t(), n)
 }
 
