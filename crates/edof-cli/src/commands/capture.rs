@@ -4,7 +4,7 @@ use crate::commands::scene::{Drawing, fits};
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
-use crate::scene_file::{self, BYTES_A_LAYER, SceneFile};
+use crate::scene_file::{self, SceneFile};
 use crate::ui::Ui;
 use crate::{memory, pictures};
 use edof_io::record::{self, RawRecord};
@@ -302,7 +302,7 @@ fn layered(
     }
     let (height, width) = pictures::whole_cells(photograph.size());
     let job = format!("{width}x{height} in --layers {}", args.layers);
-    memory::check(&job, BYTES_A_LAYER * (args.layers + 8) as f64 * (width * height) as f64)?;
+    memory::check(&job, scene_file::bytes_a_pixel(args.layers) * (width * height) as f64)?;
     let photograph = pictures::load(Path::new(&args.scene), ui)?;
     ui.used(Input::photograph(&name, &photograph));
     ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
