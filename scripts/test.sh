@@ -17,10 +17,6 @@ done
 export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
 say "format"
 cargo fmt --all --check
-say "lints"
-cargo clippy --workspace --all-targets --locked -- --deny warnings
-say "documentation"
-RUSTDOCFLAGS=--deny=warnings cargo doc --workspace --no-deps --document-private-items --locked
 
 # Runs a job beside others. What it says is kept until it is waited for, so that no two mix.
 logs=$(mktemp -d)
@@ -44,12 +40,22 @@ stop() {
 }
 trap stop EXIT
 
+# What only reads the source has a folder of its own, so that nobody waits for a lock.
+lint() {
+    local -x CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-target}/lints RUSTDOCFLAGS=--deny=warnings
+    cargo clippy --workspace --all-targets --locked -- --deny warnings
+    cargo doc --workspace --no-deps --document-private-items --locked
+}
+beside "lints and documentation" lint
+
 # The same cases each time: a red run can be repeated, and nobody's change is blamed for another's case. Random cases are for
 # a soak, which looks for what these miss: PROPTEST_RNG_SEED=$RANDOM ./scripts/test.sh
 export PROPTEST_RNG_SEED=${PROPTEST_RNG_SEED:-2018}
-# Benchmarks are compiled by the lints above; running them is no test.
+# Benchmarks are compiled by the lints; running them is no test.
 say "building"
 cargo test --workspace --lib --bins --tests --examples --locked --no-run
+wait_for "lints and documentation"
+[ "${#failed[@]}" = 0 ] || fail "failed: ${failed[*]}"
 
 # Circuits in simulation beside all else, whose programs come one after another. Programs are named of the whole workspace: for a
 # package alone cargo would choose other features and build everything again.

