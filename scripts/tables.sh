@@ -17,11 +17,18 @@ done
 
 say "building"
 cargo build --release --locked --package edof-cli
+# Put in place together: a table that is there already would make the next one's revision a changed one.
+target=${CARGO_TARGET_DIR:-target}
+made=$target/tables
+mkdir -p "$made"
 for tone in "$@"; do
     say "edof study kodak --tone $tone"
+    "$target/release/edof" study kodak --tone "$tone" --nets "${nets[$tone]}" --psi 0,2,4,6,8 --stride 8 \
+        --json "$made/kodak-$tone.json" --markdown "$made/kodak-$tone.md"
+done
+for tone in "$@"; do
     page=docs/results/kodak-$tone.md
-    "${CARGO_TARGET_DIR:-target}/release/edof" study kodak --tone "$tone" --nets "${nets[$tone]}" --psi 0,2,4,6,8 --stride 8 \
-        --json "docs/results/kodak-$tone.json" --markdown "$page"
+    mv "$made/kodak-$tone".{json,md} docs/results/
     awk -v page="$page" -v start="<!-- table: $page -->" '
         $0 == start { print; while ((getline line < page) > 0) { if (line ~ /^\|/) { print line; found = 1 } else if (found) break }
                       skip = 1; next }
