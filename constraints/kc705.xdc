@@ -3,14 +3,16 @@
 
 set_property CFGBVS VCCO [current_design]
 set_property CONFIG_VOLTAGE 2.5 [current_design]
-set_property BITSTREAM.GENERAL.COMPRESS TRUE [current_design]
 
-# Clocks: 200 MHz on the board; 148.5 MHz (1080p60) from the HDMI receiver.
+# Clocks: 200 MHz on the board; @screen_mhz@ MHz from the HDMI receiver.
 create_clock -name sysclk -period 5.000 [get_ports sysclk_p]
-create_clock -name hdmi_rx -period 6.734 [get_ports hdmi_rx_clk]
+create_clock -name hdmi_rx -period @screen_period@ [get_ports hdmi_rx_clk]
 
 set_property -dict {PACKAGE_PIN AD12 IOSTANDARD DIFF_SSTL15} [get_ports sysclk_p]
 set_property -dict {PACKAGE_PIN AD11 IOSTANDARD DIFF_SSTL15} [get_ports sysclk_n]
+
+# The impedance of the DRAM's banks 32 and 34 is that of bank 33, which alone has resistors (UG810).
+set_property DCI_CASCADE {32 34} [get_iobanks 33]
 
 # Reset button, LEDs, fan.
 set_property -dict {PACKAGE_PIN AB7 IOSTANDARD LVCMOS15} [get_ports cpu_reset]
@@ -78,16 +80,12 @@ set_property -dict {PACKAGE_PIN AD22 IOSTANDARD LVCMOS25 PULLUP TRUE} [get_ports
 set_property -dict {PACKAGE_PIN AF23 IOSTANDARD LVCMOS25} [get_ports fmc_iic_reset_n]
 
 # The receiver's data change with the falling edge of its clock, so that they stand at the rising one; the transmitter gets its clock
-# inverted by an ODDR for the same reason. Windows of a quarter of a period around the edge are left to the board.
-set_input_delay -clock hdmi_rx -max 4.500 [get_ports {hdmi_rx_data[*]}]
-set_input_delay -clock hdmi_rx -min 2.000 [get_ports {hdmi_rx_data[*]}]
+# inverted by an ODDR for the same reason. Around the falling edge 2.5 ns are left to the board.
+set_input_delay -clock hdmi_rx -max @input_delay_max@ [get_ports {hdmi_rx_data[*]}]
+set_input_delay -clock hdmi_rx -min @input_delay_min@ [get_ports {hdmi_rx_data[*]}]
 create_generated_clock -name hdmi_tx -source [get_pins screen_clock_out/C] -divide_by 1 -invert [get_ports hdmi_tx_clk]
 set_output_delay -clock hdmi_tx -max 1.800 [get_ports {hdmi_tx_data[*] hdmi_tx_hsync hdmi_tx_vsync hdmi_tx_de}]
 set_output_delay -clock hdmi_tx -min -1.300 [get_ports {hdmi_tx_data[*] hdmi_tx_hsync hdmi_tx_vsync hdmi_tx_de}]
-
-# Nothing passes between the receiver's clock and the screen's. Between them and the core's clock it does: see crossings.xdc.
-set_clock_groups -asynchronous -group [get_clocks hdmi_rx] \
-    -group [get_clocks -include_generated_clocks -of_objects [get_pins screen_mmcm/CLKOUT0]]
 
 # Slow lines that are synchronised inside or looked at by people.
 set_false_path -from [get_ports {cpu_reset uart_rx iic_scl iic_sda fmc_iic_scl fmc_iic_sda}]

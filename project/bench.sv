@@ -1,7 +1,6 @@
 // The calculator against recorded windows and the patches that they must become. Needs nothing but this directory: start it there.
 //
 // Windows come and patches are taken with random pauses. It ends with PASS, or with the first word that is wrong.
-`timescale 1ns / 1ps
 `default_nettype none
 
 module edof_bench;
@@ -11,7 +10,7 @@ module edof_bench;
     localparam LIMIT = @limit@;
 
     reg clock = 1'b0;
-    always #2.5 clock = !clock;
+    always #1 clock = !clock;
 
     reg [31:0] windows [0:WINDOWS*WINDOW_BEATS-1];
     reg [31:0] patches [0:WINDOWS*PATCH_BEATS-1];

@@ -4,7 +4,6 @@
 // Frames of @width@x@height@: what knows the size of a frame is in sim/rtl, in place of the modules of that name in rtl. The camera sends each
 // frame once and then goes on with the last one. Every frame on the screen must be black or one of the pictures, these in order and none
 // left out. It ends with PASS, or with the first frame that is wrong.
-`timescale 1ns / 1ps
 `default_nettype none
 
 module edof_core_bench;
@@ -26,13 +25,14 @@ module edof_core_bench;
     localparam WORDS = 1 << $clog2(PIXELS / 32);
 
     // The core's clock; the camera's is so slow that the core keeps up, the screen's a little faster than the camera's.
-    localparam real CAMERA_NS = 5.0 * CYCLES / (COLUMNS * ROWS);
+    // A cycle of the core is 100 units of time, whatever a simulator takes a unit for.
+    localparam integer CAMERA = 100 * CYCLES / (COLUMNS * ROWS);
     reg clock = 1'b0;
     reg input_clock = 1'b0;
     reg screen_clock = 1'b0;
-    always #2.5 clock = !clock;
-    always #(CAMERA_NS * 0.5) input_clock = !input_clock;
-    always #(CAMERA_NS * 0.49) screen_clock = !screen_clock;
+    always #50 clock = !clock;
+    always #(CAMERA / 2) input_clock = !input_clock;
+    always #(CAMERA * 49 / 100) screen_clock = !screen_clock;
 
     reg [15:0] frames [0:FRAMES*PIXELS-1];
     reg [15:0] pictures [0:FRAMES*PIXELS-1];
@@ -44,6 +44,8 @@ module edof_core_bench;
     integer cycle = 0;
     // A shift register with feedback: the memory's pauses are the same in every simulator.
     reg [31:0] lot = 32'h1234_5678;
+    // Pictures on the screen so far.
+    integer shown = 0;
     always @(posedge clock) begin
         cycle <= cycle + 1;
         lot <= {lot[30:0], lot[31] ^ lot[21] ^ lot[1] ^ lot[0]};
@@ -165,7 +167,6 @@ module edof_core_bench;
     );
 
     // The screen: which of the pictures each frame still may be.
-    integer shown = 0;
     integer at = 0;
     integer k;
     reg vs_before = 1'b0;

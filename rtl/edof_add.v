@@ -1,4 +1,11 @@
 // The sum of two numbers of 48 bits, two cycles later: the lower half first, so that no carry runs through more than 24 bits.
+`ifndef EDOF_KEEP_IN_YOSYS
+`ifdef YOSYS
+`define EDOF_KEEP_IN_YOSYS (* keep *)
+`else
+`define EDOF_KEEP_IN_YOSYS
+`endif
+`endif
 `default_nettype none
 
 module edof_add (
@@ -18,7 +25,7 @@ module edof_add (
         high_a_q <= a_i[47:24];
         high_b_q <= b_i[47:24];
     end
-    (* keep *) always @(posedge clock_i) begin
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
         sum_q[23:0] <= low_q[23:0];
         sum_q[47:24] <= high_a_q + high_b_q + {23'd0, low_q[24]};
     end

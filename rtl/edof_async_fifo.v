@@ -1,7 +1,8 @@
 // A FIFO from one clock domain to another: Gray-coded pointers, LUT RAM, 2^LOG_DEPTH words and one in the output register.
 //
 // A word can be read three to four read cycles after it was written; room is seen by the writer two to three write cycles after
-// a word was read. Both resets come from the same request and overlap; what was inside is lost.
+// a word was read. A reset of either side empties both, in any order and with either clock standing still (edof_clear); a word that is
+// offered at the output stays until it is taken or the reader is reset.
 `default_nettype none
 
 module edof_async_fifo #(
@@ -25,46 +26,52 @@ module edof_async_fifo #(
     (* ram_style = "distributed" *) reg [WIDTH-1:0] words [0:(1<<LOG_DEPTH)-1];
 
     // Writer.
-    reg [LOG_DEPTH:0] write_q;
+    // The top bit of a pointer is that of its Gray code: one register, so that no tool merges two and drops the name that is limited.
+    reg [LOG_DEPTH-1:0] write_low_q;
     reg [LOG_DEPTH:0] write_gray_q;
+    wire [LOG_DEPTH:0] write = {write_gray_q[LOG_DEPTH], write_low_q};
     wire [LOG_DEPTH:0] read_gray_seen;
-    wire [LOG_DEPTH:0] write_next = write_q + ONE;
-    wire push = write_valid_i && write_ready_o;
-    assign write_ready_o = write_gray_q != (read_gray_seen ^ TOP_TWO);
+    wire [LOG_DEPTH:0] write_next = write + ONE;
+    wire push = write_valid_i && write_ready_o && !write_reset_i;
+    wire write_open;
+    wire write_clear;
+    assign write_ready_o = write_open && write_gray_q != (read_gray_seen ^ TOP_TWO);
 
     always @(posedge write_clock_i) begin
-        if (write_reset_i) begin
-            write_q <= 0;
+        if (write_clear) begin
+            write_low_q <= 0;
             write_gray_q <= 0;
         end else if (push) begin
-            write_q <= write_next;
+            write_low_q <= write_next[LOG_DEPTH-1:0];
             write_gray_q <= write_next ^ (write_next >> 1);
         end
-        if (push) words[write_q[LOG_DEPTH-1:0]] <= write_data_i;
+        if (push) words[write_low_q] <= write_data_i;
     end
 
     // Reader.
-    reg [LOG_DEPTH:0] read_q;
+    reg [LOG_DEPTH-1:0] read_low_q;
     reg [LOG_DEPTH:0] read_gray_q;
+    wire [LOG_DEPTH:0] read = {read_gray_q[LOG_DEPTH], read_low_q};
     reg full_q;
     reg [WIDTH-1:0] word_q;
     wire [LOG_DEPTH:0] write_gray_seen;
-    wire [LOG_DEPTH:0] read_next = read_q + ONE;
-    wire fetch = (read_gray_q != write_gray_seen) && (!full_q || read_ready_i);
+    wire [LOG_DEPTH:0] read_next = read + ONE;
+    wire read_open;
+    wire read_clear;
+    wire fetch = read_open && (read_gray_q != write_gray_seen) && (!full_q || read_ready_i);
 
     always @(posedge read_clock_i) begin
-        if (read_reset_i) begin
-            read_q <= 0;
+        if (read_clear) begin
+            read_low_q <= 0;
             read_gray_q <= 0;
-            full_q <= 1'b0;
         end else if (fetch) begin
-            read_q <= read_next;
+            read_low_q <= read_next[LOG_DEPTH-1:0];
             read_gray_q <= read_next ^ (read_next >> 1);
-            full_q <= 1'b1;
-        end else if (read_ready_i) begin
-            full_q <= 1'b0;
         end
-        if (fetch) word_q <= words[read_q[LOG_DEPTH-1:0]];
+        if (read_reset_i) full_q <= 1'b0;
+        else if (fetch) full_q <= 1'b1;
+        else if (read_ready_i) full_q <= 1'b0;
+        if (fetch) word_q <= words[read_low_q];
     end
 
     assign read_valid_o = full_q;
@@ -75,6 +82,10 @@ module edof_async_fifo #(
     );
     edof_sync #(.WIDTH(LOG_DEPTH + 1)) to_writer (
         .clock_i(write_clock_i), .from_i(read_gray_q), .to_o(read_gray_seen)
+    );
+    edof_clear clear (
+        .from_clock_i(write_clock_i), .from_reset_i(write_reset_i), .from_open_o(write_open), .from_clear_o(write_clear),
+        .to_clock_i(read_clock_i), .to_reset_i(read_reset_i), .to_open_o(read_open), .to_clear_o(read_clear)
     );
 endmodule
 

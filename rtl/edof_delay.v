@@ -1,5 +1,12 @@
 // What came in CYCLES ago. The last register is one of its own: it is neither merged with others that hold the same nor, with those
 // before it, made a shift register in LUTs, whose output is four times as slow.
+`ifndef EDOF_KEEP_IN_YOSYS
+`ifdef YOSYS
+`define EDOF_KEEP_IN_YOSYS (* keep *)
+`else
+`define EDOF_KEEP_IN_YOSYS
+`endif
+`endif
 `default_nettype none
 
 module edof_delay #(
@@ -26,7 +33,7 @@ module edof_delay #(
     endgenerate
 
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg [WIDTH-1:0] last_q;
-    (* keep *) always @(posedge clock_i) last_q <= tail;
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) last_q <= tail;
     assign later_o = last_q;
 endmodule
 

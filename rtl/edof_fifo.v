@@ -3,6 +3,13 @@
 //
 // A word stands on the output two cycles after push_i at the earliest, and until ready_i; room is the pusher's concern (it counts
 // credits). The pointers are registers of their own, so that no more loads hang on them than this FIFO has.
+`ifndef EDOF_KEEP_IN_YOSYS
+`ifdef YOSYS
+`define EDOF_KEEP_IN_YOSYS (* keep *)
+`else
+`define EDOF_KEEP_IN_YOSYS
+`endif
+`endif
 `default_nettype none
 
 module edof_fifo #(
@@ -39,20 +46,20 @@ module edof_fifo #(
             // What stands here in reset is of no meaning, nor in the cycle after it; with three inputs the enable is too large for Yosys to
             // take it, and with it ready_i, into the logic before each bit.
             (* keep = "true", dont_touch = "true" *) reg reset_q;
-            (* keep *) always @(posedge clock_i) reset_q <= reset_i;
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) reset_q <= reset_i;
             always @(posedge clock_i) if (moves || reset_q) front_q <= memory[popped_q[BITS-1:0]];
 
-            (* keep *) always @(posedge clock_i) begin
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 if (reset_i) pushed_q <= {(BITS + 1){1'b0}};
                 else if (push_i) pushed_q <= pushed_q + {{BITS{1'b0}}, 1'b1};
             end
 
-            (* keep *) always @(posedge clock_i) begin
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 if (reset_i) popped_q <= {(BITS + 1){1'b0}};
                 else if (moves && waits) popped_q <= popped_q + {{BITS{1'b0}}, 1'b1};
             end
 
-            (* keep *) always @(posedge clock_i) begin
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 if (reset_i) valid_q <= 1'b0;
                 else if (moves) valid_q <= waits;
             end

@@ -4,9 +4,16 @@
 // Counted from a step's address_*_i, value_*_i and first_i (all in one cycle), its product is in its sum seven cycles later at the
 // latest edge that a copy_i three cycles later still sees. Sums that a shift_i hands on stand on sum_*_o seven cycles after it.
 // A write in the cycle before a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2).
-// A read_enable_i there reads a row for the host in that step's place, everywhere; its word stands on read_data_o five cycles later,
+// A read_enable_i there reads a row for the host in that step's place, everywhere; its word stands on read_data_o six cycles later,
 // and one more for each eight banks before it, for one cycle. At all other times that is 0.
 // Writes and reads reach the banks in registers of their own for every eight of them, and so what was read comes back.
+`ifndef EDOF_KEEP_IN_YOSYS
+`ifdef YOSYS
+`define EDOF_KEEP_IN_YOSYS (* keep *)
+`else
+`define EDOF_KEEP_IN_YOSYS
+`endif
+`endif
 `default_nettype none
 
 module edof_macc_array #(
@@ -41,18 +48,13 @@ module edof_macc_array #(
     localparam PART_BITS = $clog2(WORDS);
 
     wire [99:0] values = {value_d_i, value_c_i, value_b_i, value_a_i};
-    wire [25*ROWS-1:0] values_later;
-    edof_delay #(.WIDTH(25 * ROWS), .CYCLES(2)) value_delay (
-        .clock_i(clock_i),
-        .now_i(values[25*ROWS-1:0]),
-        .later_o(values_later)
-    );
-    wire first_later;
-    edof_delay #(.WIDTH(1), .CYCLES(4)) first_delay (
-        .clock_i(clock_i),
-        .now_i(first_i),
-        .later_o(first_later)
-    );
+    // Values and starts reach the banks by a tree: registers of their own for every eight of them.
+    reg [25*ROWS-1:0] values_q;
+    reg first_q;
+    always @(posedge clock_i) begin
+        values_q <= values[25*ROWS-1:0];
+        first_q <= first_i;
+    end
 
     // The host's writes on their way: bit 18 to 13 bank, 12 half, 11 to 0 row; what is written follows a cycle later. There is none at
     // first, so that no image is spoilt.
@@ -60,13 +62,25 @@ module edof_macc_array #(
     wire [GROUPS-1:0] writes;
     wire [GROUPS-1:0] reads;
     wire [18:0] places_later [0:GROUPS-1];
+    wire [25*ROWS-1:0] values_near [0:GROUPS-1];
+    wire [GROUPS-1:0] first_near;
     wire [19*GROUPS-1:0] places;
     wire [32*GROUPS-1:0] written;
     genvar group;
     generate
         for (group = 0; group < GROUPS; group = group + 1) begin : groups
+            edof_delay #(.WIDTH(25 * ROWS), .CYCLES(1)) near (
+                .clock_i(clock_i),
+                .now_i(values_q),
+                .later_o(values_near[group])
+            );
+            edof_delay #(.WIDTH(1), .CYCLES(1)) starts (
+                .clock_i(clock_i),
+                .now_i(first_q),
+                .later_o(first_near[group])
+            );
             (* keep = "true", dont_touch = "true" *) reg write_q = 1'b0;
-            (* keep *) always @(posedge clock_i) write_q <= write_enable_i;
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) write_q <= write_enable_i;
             assign writes[group] = write_q;
             edof_delay #(.WIDTH(1), .CYCLES(1)) read (
                 .clock_i(clock_i),
@@ -121,22 +135,12 @@ module edof_macc_array #(
     generate
         for (bank = 0; bank < BANKS; bank = bank + 1) begin : banks
             localparam [5:0] NUMBER = bank;
-            wire [64*WORDS-1:0] rows;
-            wire [64*4-1:0] words_read;
-            for (word = 0; word < 4; word = word + 1) begin : words
-                if (word < WORDS) begin : some
-                    localparam [11:0] PART = word;
-                    wire [18:0] place = places_later[bank/8];
-                    wire mine = place[18] && place[17:12] == NUMBER && (place[11:0] & (12'd1 << PART_BITS) - 12'd1) == PART;
-                    wire [1:0] mine_q;
-                    edof_delay #(.WIDTH(2), .CYCLES(1)) select (.clock_i(clock_i), .now_i({2{mine}}), .later_o(mine_q));
-                    assign words_read[64*word +: 64] = rows[64*word +: 64] & {{32{mine_q[1]}}, {32{mine_q[0]}}};
-                end else begin : none
-                    assign words_read[64*word +: 64] = 64'd0;
-                end
+            wire [18:0] place = places_later[bank/8];
+            wire [WORDS-1:0] mine;
+            for (word = 0; word < WORDS; word = word + 1) begin : words
+                localparam [11:0] PART = word;
+                assign mine[word] = place[18] && place[17:12] == NUMBER && (place[11:0] & (12'd1 << PART_BITS) - 12'd1) == PART;
             end
-            assign read[64*bank +: 64] =
-                words_read[0 +: 64] | words_read[64 +: 64] | words_read[128 +: 64] | words_read[192 +: 64];
             edof_macc_bank #(
                 .BANK(bank),
                 .DEPTH(DEPTH),
@@ -146,17 +150,18 @@ module edof_macc_array #(
                 .INIT(INIT)
             ) lanes (
                 .clock_i(clock_i),
-                .first_i(first_later),
+                .first_i(first_near[bank/8]),
                 .address_a_i(address_a_i),
                 .address_b_i(address_b_i),
-                .value_i(values_later),
+                .value_i(values_near[bank/8]),
                 .copy_i(copy_i),
                 .shift_i(shift_i),
                 .drain_even_i(even[bank+1]),
                 .drain_odd_i(odd[bank+1]),
                 .drain_even_o(even[bank]),
                 .drain_odd_o(odd[bank]),
-                .rows_o(rows),
+                .back_i(mine),
+                .back_o(read[64*bank +: 64]),
                 .read_i(reads[bank/8]),
                 .write_i(writes[bank/8]),
                 .write_bank_i(places[19*(bank/8)+13 +: 6]),

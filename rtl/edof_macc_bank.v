@@ -2,24 +2,28 @@
 //
 // DENSE = 1: a row is ROWS words of four weights, and the lanes add word k x value k of all of them. DENSE = 0: a row is one word;
 // with ROWS = 2 both ports of the memory read, and the lanes add word a x value 0 and word b x value 1. first_i starts the sums anew
-// with this product. A cycle without work has values 0. Counted from address_*_i, value_i follows two cycles later and first_i four;
+// with this product. A cycle without work has values 0. Counted from address_*_i, value_i and first_i follow two cycles later;
 // six cycles later the product is in its sum. copy_i copies the sums to the holding registers two cycles later, of which shift_i
 // likewise hands on two lanes towards drain_*_o, and takes two from drain_*_i: one holding register for each multiplier, so that
 // nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0, as read_i
-// does everywhere: it reads a row for the host. What was read, by word a or all words, stands on rows_o.
+// does everywhere: it reads a row for the host. Of what was read, the words that back_i marks (word a, or each) stand on back_o a cycle later,
+// in a register of this bank's own; else 0.
 //
 // The register behind a memory is the block RAM's own output register to Vivado, which is left free to take it. Yosys has none, and
-// would make it a second input register of the multiplier, to which the way from the memory is too long: `EDOF_KEEP_IN_YOSYS stops it.
+// would make it a second input register of the multiplier, to which the way from the memory is too long: `EDOF_KEEP_IN_YOSYS stops it,
+// and stands before processes, too, whose registers Yosys would merge: Vivado is told so at the registers, and sees nothing at a process.
 // A write begins as none, so that no image is spoilt before reset has come through. Control comes in registers of this bank's own,
-// for copy and shift even of each multiplier's: `keep` and its like stop Yosys and Vivado from merging them. Images lie below
-// `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
+// for first, copy and shift even of each multiplier's: `keep` and its like stop Yosys and Vivado from merging them. Where images
+// lie: edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
+`ifndef EDOF_KEEP_IN_YOSYS
 `ifdef YOSYS
 `define EDOF_KEEP_IN_YOSYS (* keep *)
 `else
 `define EDOF_KEEP_IN_YOSYS
+`endif
 `endif
 `default_nettype none
 
@@ -42,7 +46,8 @@ module edof_macc_bank #(
     input  wire [ROWS*SUM-1:0] drain_odd_i,
     output wire [ROWS*SUM-1:0] drain_even_o,
     output wire [ROWS*SUM-1:0] drain_odd_o,
-    output wire [64*((DENSE != 0) ? ROWS : 1)-1:0] rows_o,
+    input  wire [((DENSE != 0) ? ROWS : 1)-1:0] back_i,
+    output wire [63:0]         back_o,
     input  wire                read_i,
     input  wire                write_i,
     input  wire [5:0]          write_bank_i,
@@ -53,6 +58,11 @@ module edof_macc_bank #(
     localparam BITS = $clog2(DEPTH);
     localparam WORDS = (DENSE != 0) ? ROWS : 1;
     localparam PART_BITS = $clog2(WORDS);
+`ifdef EDOF_IMAGES_BY_NAME
+    localparam IMAGES = INIT;
+`else
+    localparam IMAGES = {`EDOF_DIR, "mem/", INIT};
+`endif
     localparam [7:0] TENS = 8'd48 + BANK / 10;
     localparam [7:0] ONES = 8'd48 + BANK % 10;
 
@@ -62,23 +72,29 @@ module edof_macc_bank #(
 
     // Rows and values on their way to the multipliers: word k of DENSE, else word a, and word b.
     wire [64*ROWS-1:0] rows;
-    assign rows_o = rows[64*WORDS-1:0];
     (* keep = "true", dont_touch = "true" *) reg [25*ROWS-1:0] value_q;
-    (* keep *) always @(posedge clock_i) value_q <= value_i;
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) value_q <= value_i;
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg first_q;
-    (* keep *) always @(posedge clock_i) first_q <= first_i;
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) first_q <= first_i;
+
+    // Two of each, of 32 loads.
+    (* keep = "true", dont_touch = "true" *) reg [WORDS-1:0] back_low_q, back_high_q;
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
+        back_low_q <= back_i;
+        back_high_q <= back_i;
+    end
 
     genvar part;
     generate
         if (DENSE == 0 && ROWS == 2) begin : two_ports
             // The write shares port A, so that both ports of the block RAM can read.
             (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
-            localparam IMAGE = {`EDOF_DIR, INIT, TENS, ONES, "_0.hex"};
+            localparam IMAGE = {IMAGES, TENS, ONES, "_0.mem"};
             initial if (INIT != "") $readmemh(IMAGE, weights);
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_a_q;
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
             (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
-            (* keep *) always @(posedge clock_i) begin
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 address_a_q <= (mine || mine_back) ? write_row : address_a_i[BITS-1:0];
                 address_b_q <= address_b_i[BITS-1:0];
                 write_low_q <= mine && !write_half_i;
@@ -100,7 +116,7 @@ module edof_macc_bank #(
         end else begin : one_port
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_q;
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] write_row_q;
-            (* keep *) always @(posedge clock_i) begin
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 address_q <= mine_back ? write_row : address_a_i[BITS-1:0];
                 write_row_q <= write_row;
             end
@@ -108,10 +124,10 @@ module edof_macc_bank #(
                 localparam [7:0] PART = 8'd48 + part;
                 wire this_part = mine && (WORDS == 1 || (write_address_i & (12'd1 << PART_BITS) - 12'd1) == part);
                 (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
-                localparam IMAGE = {`EDOF_DIR, INIT, TENS, ONES, "_", PART, ".hex"};
+                localparam IMAGE = {IMAGES, TENS, ONES, "_", PART, ".mem"};
                 initial if (INIT != "") $readmemh(IMAGE, weights);
                 (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
-                (* keep *) always @(posedge clock_i) begin
+                `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                     write_low_q <= this_part && !write_half_i;
                     write_high_q <= this_part && write_half_i;
                 end
@@ -128,8 +144,24 @@ module edof_macc_bank #(
         end
     endgenerate
 
+    // What is read for the host: a register before anything wide, so that nothing far away hangs on the rows.
+    wire [64*4-1:0] back;
+    genvar word;
+    generate
+        for (word = 0; word < 4; word = word + 1) begin : words
+            if (word < WORDS) begin : some
+                assign back[64*word +: 64] = rows[64*word +: 64] & {{32{back_high_q[word]}}, {32{back_low_q[word]}}};
+            end else begin : none
+                assign back[64*word +: 64] = 64'd0;
+            end
+        end
+    endgenerate
+    reg [63:0] back_q;
+    always @(posedge clock_i) back_q <= back[0 +: 64] | back[64 +: 64] | back[128 +: 64] | back[192 +: 64];
+    assign back_o = back_q;
+
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg copy_q, shift_q;
-    (* keep *) always @(posedge clock_i) begin
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
         copy_q <= copy_i;
         shift_q <= shift_i;
     end
@@ -150,15 +182,17 @@ module edof_macc_bank #(
         for (lane = 0; lane < 4; lane = lane + 1) begin : lanes
             for (row = 0; row < ROWS; row = row + 1) begin : macc
                 wire [47:0] sum;
+                (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg starts_q;
+                `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) starts_q <= first_q;
                 edof_macc multiplier (
                     .clock_i(clock_i),
-                    .first_i(first_q),
+                    .first_i(starts_q),
                     .weight_i(rows[64*row + 16*lane +: 16]),
                     .value_i(value_q[25*row +: 25]),
                     .sum_o(sum)
                 );
                 (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg take_sum_q, move_q;
-                (* keep *) always @(posedge clock_i) begin
+                `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                     take_sum_q <= copy_q;
                     move_q <= copy_q || shift_q;
                 end

@@ -2,8 +2,7 @@
 // what lay there before a write in the cycle of the address: the second register is the one that a block RAM has inside.
 //
 // INIT names a $readmemh image, "" leaves the start-up contents open. Addresses are 16 bits wide whatever the depth, so that one port
-// fits all; the memory uses as many bits as it has rows. Images lie below `EDOF_DIR, which ends in a slash: the working directory,
-// unless it is defined.
+// fits all; the memory uses as many bits as it has rows. Where images lie: edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
@@ -22,7 +21,11 @@ module edof_memory #(
     input  wire [WIDTH-1:0] write_data_i
 );
     localparam BITS = $clog2(DEPTH);
-    localparam IMAGE = {`EDOF_DIR, INIT};
+`ifdef EDOF_IMAGES_BY_NAME
+    localparam IMAGE = INIT;
+`else
+    localparam IMAGE = {`EDOF_DIR, "mem/", INIT};
+`endif
 
     (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
     initial if (INIT != "") $readmemh(IMAGE, words);

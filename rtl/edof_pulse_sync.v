@@ -1,7 +1,7 @@
 // Pulses of one clock domain as pulses of another: one for one, as long as the sender waits for ready_o between two.
 //
 // pulse_o comes three to four cycles of to_clock_i later; ready_o is high again two to three cycles of from_clock_i after that.
-// Both resets come from the same request and overlap.
+// A reset of either side drops a pulse that is in flight, in any order and with either clock standing still (edof_clear).
 `default_nettype none
 
 module edof_pulse_sync (
@@ -17,27 +17,32 @@ module edof_pulse_sync (
     reg told_q;
     wire asked_seen;
     wire told_seen;
+    wire from_open;
+    wire from_clear;
+    wire to_open;
+    wire to_clear;
+    wire arrives = to_open && asked_seen != told_q;
 
-    assign ready_o = asked_q == told_seen;
+    assign ready_o = from_open && asked_q == told_seen;
     always @(posedge from_clock_i) begin
-        if (from_reset_i) asked_q <= 1'b0;
-        else if (pulse_i && ready_o) asked_q <= !asked_q;
+        if (from_clear) asked_q <= 1'b0;
+        else if (pulse_i && ready_o && !from_reset_i) asked_q <= !asked_q;
     end
 
     reg pulse_q;
     always @(posedge to_clock_i) begin
-        if (to_reset_i) begin
-            told_q <= 1'b0;
-            pulse_q <= 1'b0;
-        end else begin
-            told_q <= asked_seen;
-            pulse_q <= asked_seen != told_q;
-        end
+        if (to_clear) told_q <= 1'b0;
+        else if (arrives) told_q <= asked_seen;
+        pulse_q <= arrives && !to_reset_i;
     end
     assign pulse_o = pulse_q;
 
     edof_sync #(.WIDTH(1)) to_receiver (.clock_i(to_clock_i), .from_i(asked_q), .to_o(asked_seen));
     edof_sync #(.WIDTH(1)) to_sender (.clock_i(from_clock_i), .from_i(told_q), .to_o(told_seen));
+    edof_clear clear (
+        .from_clock_i(from_clock_i), .from_reset_i(from_reset_i), .from_open_o(from_open), .from_clear_o(from_clear),
+        .to_clock_i(to_clock_i), .to_reset_i(to_reset_i), .to_open_o(to_open), .to_clear_o(to_clear)
+    );
 endmodule
 
 `default_nettype wire

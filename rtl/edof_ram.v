@@ -3,7 +3,8 @@
 // BLOCK = 1 asks for block RAM, 2 for block RAM and its output register, without which it is slow to leave, 0 for LUT RAM. What is read
 // stands on the output one cycle after its address, with that register two. INIT names a $readmemh image, ""
 // leaves the start-up contents open. Addresses are 12 bits wide whatever the depth, so that one port fits all; the memory uses as
-// many bits as it has rows. Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
+// many bits as it has rows. Images lie in mem/ below `EDOF_DIR, which ends in a slash: the working directory, unless it is
+// defined. With EDOF_IMAGES_BY_NAME defined the tool finds them by their names, as Vivado does among the files of its project.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
@@ -23,7 +24,11 @@ module edof_ram #(
     input  wire [WIDTH-1:0] write_data_i
 );
     localparam BITS = $clog2(DEPTH);
-    localparam IMAGE = {`EDOF_DIR, INIT};
+`ifdef EDOF_IMAGES_BY_NAME
+    localparam IMAGE = INIT;
+`else
+    localparam IMAGE = {`EDOF_DIR, "mem/", INIT};
+`endif
 
 `ifndef SYNTHESIS
     // Icarus would go on with unknown words; Verilator stops by itself.

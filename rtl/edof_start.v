@@ -1,5 +1,6 @@
-// Two words that nobody writes, from the $readmemh image INIT: what registers begin with. They are constants to synthesis, and no part of
-// the text, so that one text serves every network. Images lie below `EDOF_DIR (edof_ram.v).
+// Two words that nobody writes, from the $readmemh image INIT: what registers begin with. They are no part of the text, so that one text
+// serves every network. A ROM with one port is read by turns: both words are there from the fourth cycle after power-up on, sooner than any
+// reset ends. Where images lie: edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
@@ -13,9 +14,16 @@ module edof_start #(
     output wire [WIDTH-1:0] first_o,
     output wire [WIDTH-1:0] second_o
 );
-    localparam IMAGE = {`EDOF_DIR, INIT};
+`ifdef EDOF_IMAGES_BY_NAME
+    localparam IMAGE = INIT;
+`else
+    localparam IMAGE = {`EDOF_DIR, "mem/", INIT};
+`endif
 
-    reg [WIDTH-1:0] words [0:1];
+    (* rom_style = "distributed" *) reg [WIDTH-1:0] words [0:1];
+    reg turn_q = 1'b0;
+    reg turn_later_q = 1'b0;
+    reg [WIDTH-1:0] word_q;
     reg [WIDTH-1:0] first_q;
     reg [WIDTH-1:0] second_q;
     initial $readmemh(IMAGE, words);
@@ -31,8 +39,11 @@ module edof_start #(
 `endif
 
     always @(posedge clock_i) begin
-        first_q <= words[0];
-        second_q <= words[1];
+        turn_q <= !turn_q;
+        turn_later_q <= turn_q;
+        word_q <= words[turn_q];
+        if (turn_later_q) second_q <= word_q;
+        else first_q <= word_q;
     end
 
     assign first_o = first_q;

@@ -2,7 +2,7 @@
 // a write in the cycle of the address: the second register is the one that a block RAM has inside.
 //
 // INIT names a $readmemh image. Addresses are 16 bits wide whatever the depth, so that one port fits all; the memory uses as many bits as
-// it has rows. Images lie below `EDOF_DIR, which ends in a slash: the working directory, unless it is defined.
+// it has rows. Where images lie: edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
@@ -22,7 +22,11 @@ module edof_table #(
     output reg  [WIDTH-1:0] data_o
 );
     localparam BITS = $clog2(DEPTH);
-    localparam IMAGE = {`EDOF_DIR, INIT};
+`ifdef EDOF_IMAGES_BY_NAME
+    localparam IMAGE = INIT;
+`else
+    localparam IMAGE = {`EDOF_DIR, "mem/", INIT};
+`endif
 
     (* ram_style = "block" *) reg [WIDTH-1:0] words [0:DEPTH-1];
     initial if (INIT != "") $readmemh(IMAGE, words);

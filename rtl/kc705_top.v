@@ -1,10 +1,14 @@
 // The KC705: pins, clocks, the DRAM controller, and kc705_core between them.
 //
-// sysclk (200 MHz) feeds the DRAM controller (MIG, made by build.tcl from mig.prj), whose 200 MHz user clock is the core's, and an MMCM
-// that makes the screen's 148.5 MHz. The HDMI receiver brings its own clock. cpu_reset and a DRAM controller that is not locked reset all.
+// sysclk (200 MHz) feeds the DRAM controller (MIG, made by build.tcl from mig.prj) and nothing else. The controller's user clock of
+// @core_mhz@ MHz is that of memory and host, and feeds the MMCM that makes the screen's clock of @screen_mhz@ MHz. The HDMI receiver brings
+// its own clock. The figures of the MMCM follow from the design.
 //
-// LEDs: 0 the DRAM is calibrated, 1 video comes in, 2 and has the design's size, 3 a picture leaves, 4 the video chips are set up, 5 one of
-// them failed, 6 the set of weights, 7 the screen's clock is locked.
+// Resets: the controller's ui_clk_sync_rst resets the MMCM and the core; an MMCM that is not locked resets the core alone, and so does
+// cpu_reset, debounced. Nothing resets the controller but the configuration of the FPGA.
+//
+// LEDs: 0 the DRAM is calibrated; 1 video comes in, blinking where a cable is in and nothing comes; 2 it has the design's size; 3 pictures
+// leave; 4 all video chips are set up; 5 a set-up failed; 6 a screen is plugged in; 7 the screen's clock is locked.
 `default_nettype none
 
 module kc705_top (
@@ -44,36 +48,43 @@ module kc705_top (
     inout  wire [7:0]  ddr3_dqs_p,
     inout  wire [7:0]  ddr3_dqs_n
 );
-    // Clocks.
+    // Clocks. The controller's user clock feeds all that are made here: a second load on the oscillator's buffer may not be placed.
     wire sysclk;
     IBUFDS sysclk_in (.I(sysclk_p), .IB(sysclk_n), .O(sysclk));
 
     wire input_clock;
     BUFG input_clock_buffer (.I(hdmi_rx_clk), .O(input_clock));
 
-    // 200 MHz / 10 * 37.125 / 5 = 148.5 MHz.
+    wire core_clock, core_clock_reset, dram_locked, dram_ready;
+
+    // @core_mhz@ MHz / @screen_divide@ * @screen_multiply@ / @screen_output@ = @screen_mhz@ MHz.
     wire screen_feedback, screen_unbuffered, screen_clock, screen_locked;
     MMCME2_BASE #(
-        .CLKIN1_PERIOD(5.000),
-        .DIVCLK_DIVIDE(10),
-        .CLKFBOUT_MULT_F(37.125),
-        .CLKOUT0_DIVIDE_F(5.000)
+        .CLKIN1_PERIOD(@core_period@),
+        .DIVCLK_DIVIDE(@screen_divide@),
+        .CLKFBOUT_MULT_F(@screen_multiply@),
+        .CLKOUT0_DIVIDE_F(@screen_output@)
     ) screen_mmcm (
-        .CLKIN1(sysclk),
+        .CLKIN1(core_clock),
         .CLKFBIN(screen_feedback),
         .CLKFBOUT(screen_feedback),
         .CLKOUT0(screen_unbuffered),
         .LOCKED(screen_locked),
         .PWRDWN(1'b0),
-        .RST(cpu_reset)
+        .RST(core_clock_reset)
     );
     BUFG screen_clock_buffer (.I(screen_unbuffered), .O(screen_clock));
 
-    wire core_clock, core_clock_reset, dram_locked, dram_ready;
-    wire reset = cpu_reset | core_clock_reset | !dram_locked | !screen_locked;
+    // Resets. That of the MMCM is not made of its lock. That of the core is registered: no logic stands before an asynchronous set.
+    wire button;
+    edof_debounce cpu_reset_button (.clock_i(core_clock), .line_i(cpu_reset), .level_o(button));
+    wire [1:0] locks_seen;
+    edof_sync #(.WIDTH(2)) locks (.clock_i(core_clock), .from_i({dram_locked, screen_locked}), .to_o(locks_seen));
+    reg reset_q = 1'b1;
+    always @(posedge core_clock) reset_q <= core_clock_reset | button | (locks_seen != 2'b11);
 
     // Pixels: registered in the pads, the transmitter's clock half a period later.
-    reg [15:0] input_data_q;
+    (* IOB = "TRUE" *) reg [15:0] input_data_q;
     always @(posedge input_clock) input_data_q <= hdmi_rx_data;
 
     wire screen_hs, screen_vs, screen_de;
@@ -100,11 +111,11 @@ module kc705_top (
     IOBUF iic_sda_pad (.I(1'b0), .O(sda[0]), .T(!sda_low[0]), .IO(iic_sda));
     IOBUF fmc_iic_scl_pad (.I(1'b0), .O(scl[1]), .T(!scl_low[1]), .IO(fmc_iic_scl));
     IOBUF fmc_iic_sda_pad (.I(1'b0), .O(sda[1]), .T(!sda_low[1]), .IO(fmc_iic_sda));
-    assign iic_mux_reset_n = !cpu_reset;
-    assign fmc_iic_reset_n = !cpu_reset;
+    assign iic_mux_reset_n = !button;
+    assign fmc_iic_reset_n = !button;
 
-    wire [7:0] status;
-    assign leds = {screen_locked, status[6:0]};
+    wire [6:0] states;
+    assign leds = {screen_locked, states};
     assign fan_pwm = 1'b1;
 
     // Memory.
@@ -123,7 +134,7 @@ module kc705_top (
 
     mig_kc705 dram (
         .sys_clk_i(sysclk),
-        .sys_rst(cpu_reset),
+        .sys_rst(1'b0),
         .ui_clk(core_clock),
         .ui_clk_sync_rst(core_clock_reset),
         .mmcm_locked(dram_locked),
@@ -194,7 +205,7 @@ module kc705_top (
         .clock_i(core_clock),
         .input_clock_i(input_clock),
         .screen_clock_i(screen_clock),
-        .reset_i(reset),
+        .reset_i(reset_q),
         .input_data_i(input_data_q),
         .screen_hs_o(screen_hs),
         .screen_vs_o(screen_vs),
@@ -211,7 +222,7 @@ module kc705_top (
         .scl_low_1_o(scl_low[1]),
         .sda_low_0_o(sda_low[0]),
         .sda_low_1_o(sda_low[1]),
-        .status_o(status),
+        .leds_o(states),
         .dram_write_aw_id_o(aw_id),
         .dram_write_aw_addr_o(aw_addr),
         .dram_write_aw_len_o(aw_len),

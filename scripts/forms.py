@@ -1,4 +1,4 @@
-"""The table of scripts/forms.sh: forms.py FOLDER LINE..., a line a form as there."""
+"""The table of forms in scripts/results.sh: forms.py FOLDER LINE..., a line a form as there."""
 import json
 import sys
 from pathlib import Path
@@ -30,13 +30,17 @@ def row(name, options, result):
 
 
 folder = Path(sys.argv[1])
-rows = []
+rows, revisions = [], set()
 for line in sys.argv[2:]:
     name, options = line.split(" ", 1)
-    rows.append(row(name, options, json.loads((folder / f"{name}.json").read_text())))
+    result = json.loads((folder / f"{name}.json").read_text())
+    rows.append(row(name, options, result))
+    revisions.add(result["provenance"]["revision"])
+(revision,) = revisions
 rows.sort(key=lambda r: r["executed"])
 print("# Forms of the network\n")
-print("Short trainings (8,000 steps, seed 1, camera `ring-outer`) of other forms than the default's, by `scripts/forms.sh`. dB: mean PSNR over all sets of")
+print(f"Made by `scripts/results.sh forms` (revision `{revision}`).\n")
+print("Short trainings (8,000 steps, seed 1, camera `ring-outer`) of other forms than the default's. dB: mean PSNR over all sets of")
 print("validation windows (photographs of both kinds, five ψ, without noise and with σ = 0.01), and the worst ψ and noise. Non-zeros after each shrinkage where")
 print("scenes are busy and noisy. Multiplications a pixel at stride 8 with those non-zeros, and dense. Bold: no other form here is at least as good with fewer.\n")
 print("| options | dB | worst | non-zeros | multiplications a pixel | dense |")

@@ -8,4 +8,4 @@ source scripts/prepare.sh
 if ! ldconfig -p | grep 'libOpenCL\.so' >/dev/null || [ -z "$(ls /etc/OpenCL/vendors/*.icd 2>/dev/null)" ]; then
     install_packages ocl-icd-libopencl1 pocl-opencl-icd
 fi
-EDOF_NEED_GPU=1 cargo test --locked --release --package edof-gpu
+cargo test --locked --release --package edof-gpu -- --include-ignored

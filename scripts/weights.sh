@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # Makes all networks that come with the program again, by one recipe (docs/decisions/0005-training.md): the one that `edof train`
 # follows without options, with three seeds; the best on validation windows goes on for a second round in which easy and hard
-# windows weigh alike; then it is quantized. Photographs: the study's and those in shared/data/more (EDOF_KODAK, EDOF_MORE). No
+# windows weigh alike; then it is quantized. Photographs: the study's and those in shared/data/more (EDOF_KODAK, EDOF_MORE), less those that
+# scripts/held-back.sh names: the networks in weights/ are from before those were held back. No
 # accelerator is needed; the time is printed network by network. With names as arguments, only these. A run that was stopped goes on
 # where it stood. The bytes depend on the processor's kind, not on how many threads it has.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
+source scripts/held-back.sh
 
 # Name, form, camera, what differs from the recipe otherwise: for pictures that are looked at encoded, light with a sensor's noise.
 networks=(
@@ -23,8 +25,8 @@ calibration=${EDOF_KODAK:-../shared/data/kodak}
 
 cargo build --release --locked --package edof-cli
 edof="${CARGO_TARGET_DIR:-target}/release/edof"
-# Networks after their first round.
-first="${CARGO_TARGET_DIR:-target}/first-round"
+# Networks after their first round, none of whose photographs is held back.
+first="${CARGO_TARGET_DIR:-target}/first-round-held-back"
 mkdir -p "$first"
 
 wanted() {
@@ -38,14 +40,14 @@ for line in "${networks[@]}"; do
     wanted "$name" "$@" || continue
     begun=$SECONDS
     say "$name: training"
-    # shellcheck disable=SC2086 # options are several words
-    [ -e "$first/$name.safetensors" ] || "$edof" train --form "$form" --camera "$camera" ${options:-} --seed "$seeds" \
-        --out "$first/$name.safetensors" --resume
-    # shellcheck disable=SC2086
-    "$edof" train --from "$first/$name.safetensors" --camera "$camera" ${options:-} "${second_round[@]}" \
-        --out "weights/$name.safetensors" --resume
+    # shellcheck disable=SC2046,SC2086 # options are several words
+    [ -e "$first/$name.safetensors" ] || "$edof" train --form "$form" --camera "$camera" ${options:-} --leave-out "$held_back" --seed "$seeds" \
+        --out "$first/$name.safetensors" $(resume "$first/$name.safetensors")
+    # shellcheck disable=SC2046,SC2086
+    "$edof" train --from "$first/$name.safetensors" --camera "$camera" ${options:-} --leave-out "$held_back" "${second_round[@]}" \
+        --out "weights/$name.safetensors" $(resume "weights/$name.safetensors") --force
     say "$name: quantizing"
-    "$edof" quantize "weights/$name.safetensors" --images "$calibration" --out "weights/$name.fixed.safetensors"
+    "$edof" quantize "weights/$name.safetensors" --images "$calibration" --out "weights/$name.fixed.safetensors" --force
     say "$name: $((SECONDS - begun)) seconds"
 done
 say "all of it: $SECONDS seconds"

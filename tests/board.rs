@@ -22,11 +22,16 @@ struct Sim {
 const IN_VERILOG: &str = "--rtl --size 64x64 --baud 12500000";
 
 impl Sim {
+    /// Without waiting for its link.
+    fn start_at_once(place: &Place, more: &str) -> Self {
+        let design = if more.contains("--design") { "" } else { "--design tiny" };
+        let line = format!("board sim {design} --link board --json board.json {more}");
+        Self { child: place.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap() }
+    }
+
     fn start(place: &Place, more: &str) -> Self {
-        let line = format!("board sim --design tiny --link board --json board.json {more}");
         let patience = Duration::from_secs(if more.contains("--rtl") { 600 } else { 60 });
-        let child = place.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let mut sim = Self { child };
+        let mut sim = Self::start_at_once(place, more);
         let start = Instant::now();
         while !place.path("board").exists() {
             assert!(start.elapsed() < patience, "no pseudo-terminal");
@@ -67,6 +72,47 @@ fn drawn(place: &Place, name: &str, seed: u64) {
 
 fn number(value: &Value, name: &str) -> f64 {
     value[name].as_f64().unwrap()
+}
+
+#[test]
+fn a_link_of_a_running_board_is_its_own() {
+    let place = Place::new();
+    // What was left behind leads nowhere.
+    std::os::unix::fs::symlink("/dev/pts/no-such-terminal", place.path("board")).unwrap();
+    let child = Sim::start_at_once(&place, "");
+    wait("the link", || std::fs::read_link(place.path("board")).is_ok_and(|to| to.exists()));
+    let to = std::fs::read_link(place.path("board")).unwrap();
+    let second = place.edof_within_bounds("board sim --design tiny --link board");
+    second.refused(&["board: leads to /dev/pts/", "another board", "name another path"]);
+    assert_eq!(std::fs::read_link(place.path("board")).unwrap(), to);
+    board(&place, "info");
+    drop(child);
+}
+
+#[test]
+fn the_bank_in_use_keeps_the_hash_of_its_network_whatever_is_asked_for() {
+    let place = Place::new();
+    drawn(&place, "own", 5);
+    let _sim = Sim::start(&place, "--weights own.fixed.safetensors");
+    let hash = board(&place, "get weights_hash");
+    assert_ne!(hash, "0x00000000 0\n");
+    // Both banks hold the same words.
+    for bank in ["a", "b", "b", "a"] {
+        let said = board(&place, &format!("bank {bank}"));
+        assert!(
+            said.contains(&format!("bank {bank} is in use: a network that the program does not have, hash ")),
+            "{said}"
+        );
+        assert_eq!(board(&place, "get weights_hash"), hash, "{bank}");
+    }
+    drawn(&place, "other", 6);
+    board(&place, "load other.fixed.safetensors");
+    let hash = board(&place, "get weights_hash");
+    board(&place, "bank b");
+    assert_eq!(board(&place, "get weights_hash"), hash);
+    // Of the other one nobody can tell.
+    board(&place, "bank a");
+    assert_eq!(board(&place, "get weights_hash"), "0x00000000 0\n");
 }
 
 /// Every command, on a simulated board of either kind.
@@ -117,6 +163,26 @@ fn weights_go_onto_a_simulated_board_and_its_picture_changes_to_theirs() {
 #[ignore = "minutes: scripts/soak.sh"]
 fn weights_go_onto_the_simulated_circuit_and_its_picture_changes_to_theirs() {
     weights_go_onto_it_and_its_picture_changes_to_theirs(IN_VERILOG);
+}
+
+#[test]
+fn a_simulated_board_says_how_its_chips_are_and_is_aligned() {
+    let place = Place::new();
+    let sim = Sim::start(&place, "");
+    wait("chips are set up", || board(&place, "get status.i2c_done").contains(" 1"));
+    let said = board(&place, "status --seconds 1 --json status.json");
+    assert!(said.contains("transmitter: screen plugged in, HDMI, RGB"), "{said}");
+    assert!(said.contains("receiver: 64x48, Y'CbCr BT.709") && !said.contains("NOT WORKING"), "{said}");
+    let json =
+        |name: &str| -> Value { serde_json::from_slice(&std::fs::read(place.path(name)).unwrap()).unwrap() };
+    assert_eq!(json("status.json")["chips"][0]["is_good"], true);
+    let said = board(&place, "align --codes 100 --json align.json");
+    assert!(said.contains("as it is at tap 15: the middle of 32 taps that work"), "{said}");
+    let aligned = json("align.json");
+    assert_eq!((&aligned["inverted"], &aligned["tap"]), (&Value::Bool(false), &Value::from(15)));
+    assert_eq!(aligned["trials"].as_array().unwrap().len(), 64);
+    assert!(board(&place, "get video_setup").starts_with("0x00a08f00"));
+    sim.end(&place);
 }
 
 fn wait(what: &str, is_so: impl Fn() -> bool) {
@@ -216,6 +282,25 @@ fn ctrl_c_on_a_terminal_ends_a_watch_and_a_load() {
 }
 
 #[test]
+fn a_simulated_board_has_the_clock_and_the_pace_of_its_design() {
+    let place = Place::new();
+    let mut design: Value = serde_json::from_str(include_str!("../designs/tiny.json")).unwrap();
+    design["clock_mhz"] = 5.into();
+    design["frame"] = serde_json::json!({ "width": 320, "height": 240, "stride": 4 });
+    place.write("slow.json", design.to_string());
+    let _sim = Sim::start(&place, "--design slow.json");
+    let board = |line: &str| board(&place, &format!("{line} --design slow.json"));
+    assert!(board("info").contains("calculator at 5 MHz"));
+    let json = board("status --seconds 1 --json");
+    let report = &serde_json::from_str::<Value>(&json).unwrap()["report"];
+    // Some 5000 patches of 50 cycles or more.
+    let (made, shown) = (number(report, "frames_per_second"), number(report, "screen_frames_per_second"));
+    assert!(made > 0.0 && made < 25.0 && (shown - 60.0).abs() < 10.0, "{report}");
+    let busy = number(report, "busy_share");
+    assert!(busy > 0.5 && busy < 1.2, "{report}");
+}
+
+#[test]
 fn what_a_load_takes_is_told_ahead() {
     let place = Place::new();
     drawn(&place, "new", 9);
@@ -240,6 +325,8 @@ fn what_cannot_be_loaded_is_told_in_one_line() {
         let told = format!("{port}: {problem}; expected a serial port, as in /dev/ttyUSB0");
         place.edof(&format!("board info --port {port}")).refused(&[&told]);
     }
+    place.pipe("pipe");
+    place.edof_within_bounds("board info --port pipe").refused(&["pipe: is a pipe, a socket or a disk"]);
     place.edof("board sim --rtl --baud 100").refused(&["100 bits a second: must be 12208 to 25000000"]);
     place
         .edof("board load paper-t4 --design kc705 --port nowhere")

@@ -1,9 +1,9 @@
 //! What `edof reconstruct` makes of a sensor's levels and colours, and of several frames.
 
 use crate::support::Place;
+use edof_image::{CfaPhase, RawFrame};
 use edof_io::photo;
 use edof_io::raw;
-use edof_spec::{CfaPhase, RawFrame};
 use ndarray::Array2;
 use serde_json::Value;
 

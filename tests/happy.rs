@@ -1,9 +1,10 @@
 //! What the program is for, done by the real binary on small inputs.
 
 use crate::support::{Place, network};
+use edof_image::Tone;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_spec::{Tone, weight_file};
+use edof_network::weight_file;
 use serde_json::json;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
@@ -69,7 +70,7 @@ fn a_frame_that_was_taken_of_codes_gives_codes_back_unless_told_otherwise() {
         let report: serde_json::Value = serde_json::from_str(&place.edof(&line).done().out).unwrap();
         report["tone"].clone()
     };
-    assert_eq!((tone(""), tone("--tone srgb")), (json!("linear"), json!("srgb")));
+    assert_eq!((tone(""), tone("--tone srgb --force")), (json!("linear"), json!("srgb")));
 }
 
 #[test]
@@ -143,7 +144,7 @@ fn a_drawn_scene_is_captured_and_reconstructed() {
     let (sharp, out) =
         (photo::load(&place.path("sharp.png")).unwrap(), photo::load(&place.path("out.png")).unwrap());
     assert_eq!((sharp.size(), out.size()), ((96, 128), (96, 128)));
-    let brightness = |frame: &edof_spec::ColourFrame| frame.planes.mean().unwrap();
+    let brightness = |frame: &edof_image::ColourFrame| frame.planes.mean().unwrap();
     assert!((brightness(&sharp) - brightness(&out)).abs() < 0.02);
 }
 
@@ -262,6 +263,8 @@ fn timeless(file: &std::path::Path) -> Vec<String> {
         let fields = row.as_object_mut().unwrap();
         for time in [
             "seconds_per_megapixel",
+            "seconds_range",
+            "cpu_seconds_range",
             "cpu_seconds_per_megapixel",
             "prepare_seconds",
             "repetitions",
@@ -312,6 +315,54 @@ fn a_study_in_parts_one_of_them_killed_gives_the_same_file_as_a_whole_one() {
         .edof("study merge --out wrong 2 3")
         .refused(&["3: line ", "is of the same as an earlier line, which says otherwise"]);
     place.edof("study merge --out wrong photos/p03.png").refused(&["photos/p03.png: cannot read"]);
+}
+
+#[test]
+fn the_main_experiment_keeps_rows_resumes_and_is_shared_out() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    // Nothing but black: its PSNR has no end.
+    place.black_photo("photos/p06.png", 64, 48);
+    let line = "study kodak --nets net.safetensors --images photos --psi 0,2 --noise none";
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    place.edof(&format!("{line} --rows whole --markdown whole.md")).done();
+    place.edof("study merge 1 2 --out merged --markdown merged.md").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    // Two photographs, two depths, demosaicing and the network in two formats.
+    let whole = std::fs::read_to_string(place.path("whole")).unwrap();
+    assert_eq!(whole.lines().count(), 1 + 2 * 2 * 3);
+    assert!(whole.contains("\"psnr_db\":\"inf\""), "{whole}");
+    for part in ["\"revision\":", "\"compiler\":\"rustc ", "\"isa\":", "\"threads\":"] {
+        assert!(whole.lines().next().unwrap().contains(part), "{whole}");
+    }
+    place.edof(&format!("{line} --rows whole")).done();
+    assert_eq!(std::fs::read_to_string(place.path("whole")).unwrap(), whole, "nothing is measured twice");
+    // The page names the very command, which makes it again.
+    let page = std::fs::read_to_string(place.path("whole.md")).unwrap();
+    let command = page.split("Made by `edof ").nth(1).unwrap().split('`').next().unwrap();
+    assert!(command.contains("--rows whole") && command.contains("--markdown whole.md"), "{command}");
+    place.edof(command).done();
+    assert_eq!(std::fs::read_to_string(place.path("whole.md")).unwrap(), page);
+    assert!(page.contains("NO net.fixed ROWS"), "{page}");
+
+    // Rows of another program stay only where asked, and the page names both.
+    let revision = whole.split("\"revision\":\"").nth(1).unwrap().split('"').next().unwrap();
+    std::fs::write(place.path("old"), whole.replacen(revision, "0123abcd", 1)).unwrap();
+    let refused = place.edof(&format!("{line} --rows old"));
+    assert_eq!((refused.code, refused.out.as_str()), (Some(1), ""), "{}", refused.err);
+    let words = ["old: its rows are of kodak 2 (", "by --any-revision"];
+    assert!(words.iter().all(|word| refused.err.contains(word)), "{}", refused.err);
+    place.edof(&format!("{line},0.01 --rows old --any-revision --markdown old.md")).done();
+    let page = std::fs::read_to_string(place.path("old.md")).unwrap();
+    assert!(page.contains("(rows of 2 programs: revision `0123abcd`, ") && page.contains(revision), "{page}");
+    // What a machine left that stopped is dropped, and told.
+    std::fs::write(place.path("torn"), &whole[..whole.len() - 20]).unwrap();
+    let run = place.edof(&format!("{line} --rows torn")).done();
+    assert!(run.err.contains("torn: dropped the last "), "{}", run.err);
+    assert_eq!(timeless(&place.path("torn")), timeless(&place.path("whole")));
 }
 
 #[test]

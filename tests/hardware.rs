@@ -130,13 +130,13 @@ fn a_missing_memory_image_is_told_before_anything_is_built() {
         assert!(!output.status.success());
         String::from_utf8(output.stderr).unwrap()
     };
-    std::fs::remove_file(folder.join("mem/stage1_thresholds.hex")).unwrap();
+    std::fs::remove_file(folder.join("mem/stage1_thresholds.mem")).unwrap();
     for target in ["sim", "synth"] {
         let said = told("make", &[target, "SIM=icarus"]);
-        assert!(said.contains("mem/stage1_thresholds.hex: this memory image is missing"), "{said}");
+        assert!(said.contains("mem/stage1_thresholds.mem: this memory image is missing"), "{said}");
     }
     let said = told("tclsh", &["build.tcl"]);
-    assert!(said.starts_with("build.tcl: mem/stage1_thresholds.hex: this memory image is missing"), "{said}");
+    assert!(said.starts_with("build.tcl: mem/stage1_thresholds.mem: this memory image is missing"), "{said}");
     assert!(!folder.join("build/icarus").exists());
 }
 
@@ -173,6 +173,60 @@ fn a_design_that_cannot_be_built_names_the_field() {
     place.edof("estimate --design kc706").refused(&["design 'kc706'", "tiny, paper, kc705"]);
 }
 
+/// A design of 1280x720, or so, and of that clock.
+fn clocked(clock_mhz: f64, (width, height): (u64, u64)) -> String {
+    design(|d| {
+        d["clock_mhz"] = clock_mhz.into();
+        d["frame"]["width"] = width.into();
+        d["frame"]["height"] = height.into();
+    })
+}
+
+#[test]
+fn clocks_and_frames_that_no_board_has_are_refused_by_every_command_that_promises_them() {
+    let place = Place::new();
+    place.edof("random-network --form one-sided,w8,t4,c16,r --out net.fixed.safetensors").done();
+    for (text, words) in [
+        (
+            clocked(100.0, (1366, 768)),
+            "frame 1366x768: must be the size of a video mode (1280x720, 1920x1080)",
+        ),
+        (clocked(1000.0, (1280, 720)), "clock_mhz 1000: must be above 0, at most 400"),
+        (clocked(215.0, (1280, 720)), "clock_mhz 215: must be at most 200, the clock of the board's memory"),
+    ] {
+        place.write("bad.json", text);
+        for line in [
+            "estimate --design bad.json",
+            "generate --design bad.json --weights net.fixed.safetensors --out built",
+            "board sim --design bad.json --link link",
+        ] {
+            place.edof(line).refused(&[words]);
+        }
+    }
+    assert!(!place.path("built").exists() && !place.path("link").exists());
+}
+
+#[test]
+fn clocks_of_a_generated_design_follow_from_it() {
+    let place = Place::new();
+    place.edof("random-network --form one-sided,w8,t4,c16,r --out net.fixed.safetensors").done();
+    place.write("hd.json", clocked(150.0, (1280, 720)));
+    place.edof("generate --design hd.json --weights net.fixed.safetensors --out built").done();
+    let read = |path: &str| std::fs::read_to_string(place.path("built").join(path)).unwrap();
+    let top = read("rtl/kc705_top.v");
+    for words in
+        ["200 MHz / 10 * 37.125 / 10.000 = 74.25 MHz", ".CLKOUT0_DIVIDE_F(10.000)", ".CLKIN1(core_clock)"]
+    {
+        assert!(top.contains(words), "{words}");
+    }
+    assert!(read("constraints/kc705.xdc").contains("create_clock -name hdmi_rx -period 13.468"));
+    assert!(
+        read("README.md").contains("| screen | 74.25 |") && read("README.md").contains("`clock_mhz` (150)")
+    );
+    let files: Vec<String> = ["rtl/kc705_top.v", "constraints/kc705.xdc", "README.md"].map(read).into();
+    assert!(files.iter().all(|text| !text.contains("_mhz@") && !text.contains("_period@")));
+}
+
 #[test]
 fn co_simulation_of_tiny_finds_no_difference_and_reports_it() {
     let place = Place::new();
@@ -202,7 +256,7 @@ fn co_simulation_finds_a_fault_in_the_files_of_a_folder() {
     let text = std::fs::read_to_string(&file).unwrap();
     assert_eq!(text.matches("16'h7fff").count(), 1, "{text}");
     std::fs::write(&file, text.replace("16'h7fff", "16'h7ffe")).unwrap();
-    let run = place.edof(&format!("{line} --json cosim.json --waveform fault"));
+    let run = place.edof(&format!("{line} --json cosim.json --waveform fault --force"));
 
     assert_eq!((run.code, run.out.as_str()), (Some(1), ""), "{}", run.err);
     let told = run.err.lines().last().unwrap();
@@ -280,13 +334,16 @@ fn board_of_the_demo(place: &Place) -> (Value, String) {
 }
 
 #[test]
-fn a_demo_without_a_simulator_generates_its_board_and_says_that_it_was_not_tried() {
+fn a_demo_without_a_simulator_generates_its_board_and_shows_what_the_model_shows() {
     let place = Place::new();
     let run = demo_of_tiny(&place).env("PATH", "").output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let (board, report) = board_of_the_demo(&place);
     let told = board["not_simulated"].as_str().unwrap();
-    assert!(told.contains("is not installed") && report.contains(told), "{told}");
+    assert!(told.contains("verilator is not installed") && report.contains(told), "{told}");
+    assert!(board["modelled"] == true && report.contains("What the Rust model of tiny shows"), "{board}");
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(!said.contains("compiling"), "nothing is compiled: {said}");
     assert!(
         place.path("out/board/rtl/kc705_top.v").is_file() && place.path("out/board/manifest.json").is_file()
     );

@@ -1,9 +1,10 @@
 //! Optics, scenes and captures by the real binary.
 
 use crate::support::Place;
+use edof_camera::Camera;
+use edof_image::{CfaPhase, ColourFrame};
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_spec::{Camera, CfaPhase, ColourFrame};
 use ndarray::{Array3, Array4, s};
 use ndarray_npy::{NpzReader, NpzWriter};
 use serde_json::Value;

@@ -3,11 +3,15 @@
 mod architecture;
 mod bad_input;
 mod board;
+mod contradictions;
 mod developing;
+mod documents;
 mod happy;
 mod hardware;
+mod kept;
 mod optics;
 mod overwriting;
+mod playout;
 mod provenance;
 mod saturations;
 mod stopping;

@@ -1,8 +1,9 @@
 //! Every result says how it came to be; frames know what they are.
 
 use crate::support::Place;
-use edof_spec::provenance::InputKind;
-use edof_spec::weight_file::{load_fixed, load_network};
+use crate::workspace::root;
+use edof_network::weight_file::{load_fixed, load_network};
+use edof_storage::provenance::InputKind;
 use serde_json::Value;
 
 const TRAIN: &str = "train --form one-sided,w8,t3,c16 --camera clear --images photos --photos all --depths 2 --steps 4 \
@@ -49,6 +50,31 @@ fn weights_of_two_runs_are_the_same_bytes_and_say_how_they_were_made() {
     let [weights, photograph] = &quantized.provenance.inputs[..] else { panic!("two inputs") };
     assert_eq!((weights.kind, &weights.sha256), (InputKind::Weights, &fixed.float_hash));
     assert_eq!(photograph.sha256, made.inputs[1].sha256);
+}
+
+#[test]
+fn what_is_left_out_is_not_trained_on() {
+    let place = with_photo();
+    place.photo("photos/held.png", 256, 256);
+    place.edof(&format!("{TRAIN} --leave-out held --out net.safetensors")).done();
+    let made = load_network(&place.path("net.safetensors")).unwrap().origin.provenance;
+    let photographs = made.inputs.iter().filter(|input| input.kind == InputKind::Photograph);
+    assert_eq!(photographs.map(|input| input.name.as_str()).collect::<Vec<_>>(), ["photos/edges"]);
+    assert!(made.command.contains(" --leave-out held "), "{}", made.command);
+    place
+        .edof(&format!("{TRAIN} --leave-out hold --out n.safetensors"))
+        .refused(&["--leave-out hold: none of the"]);
+    place
+        .edof(&format!("{TRAIN} --leave-out held,edges --out o.safetensors"))
+        .refused(&["leaves no photograph"]);
+    // Every script that trains holds the same ones back.
+    for script in ["weights.sh", "results.sh"] {
+        let script = std::fs::read_to_string(root().join("scripts").join(script)).unwrap();
+        let script = script.replace("\\\n", " ");
+        let trainings: Vec<&str> = script.lines().filter(|line| line.contains("\"$edof\" train ")).collect();
+        assert!(trainings.len() >= 2);
+        assert!(trainings.iter().all(|line| line.contains("--leave-out \"$held_back\"")), "{trainings:?}");
+    }
 }
 
 #[test]
@@ -108,8 +134,9 @@ fn a_network_for_another_camera_is_refused_with_the_right_command() {
         "use --weights edof-t4w12-outer",
     ]);
     place.edof("reconstruct raw.png --out out.png").done();
-    // What the user states counts more than the record.
-    place.edof(&format!("{line} --camera clear")).done();
+    // What the user states counts more than the record where it is said twice.
+    place.edof(&format!("{line} --camera clear")).refused(&["raw.png.json says ring-outer"]);
+    place.edof(&format!("{line} --camera clear --force")).done();
 }
 
 #[test]

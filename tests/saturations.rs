@@ -3,10 +3,10 @@
 //! `../shared/data/kodak` beside the project.
 
 use edof_golden::Golden;
+use edof_network::{FixedNetwork, weight_file};
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{FixedNetwork, weight_file};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

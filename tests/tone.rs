@@ -1,9 +1,9 @@
 //! Light and its encoding, and noise, by the real binary.
 
 use crate::support::Place;
+use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_spec::{ColourFrame, Tone};
 use serde_json::{Value, json};
 
 /// Sensor values of a raw frame of 12 bits.
@@ -65,15 +65,23 @@ fn a_study_measures_any_network_under_either_tone() {
     place.photo("photos/p03.png", 64, 48);
     let study = |options: &str| {
         let line = format!(
-            "study kodak --nets net.safetensors --images photos --psi 0,4 --json s.json --markdown s.md {options}"
+            "study kodak --nets net.safetensors --images photos --psi 0,4 --json s.json --markdown s.md --force {options}"
         );
         place.edof(&line).done();
         (read_json(&place, "s.json"), std::fs::read_to_string(place.path("s.md")).unwrap())
     };
     let (linear, page) = study("");
     assert_eq!(linear["measure"], json!({ "tone": "linear", "peak": 1.0, "border": 8 }));
-    assert!(page.contains("--tone linear --nets net.safetensors --psi 0,4 --noise none,0.01,0.02"), "{page}");
-    let row = &linear["rows"][1];
+    assert!(
+        page.contains("`edof study kodak --force --nets net.safetensors --tone linear --psi 0,4 --stride 8"),
+        "{page}"
+    );
+    assert!(page.contains("σ = 0.01") && page.contains("σ = 0.02"), "{page}");
+    let float = |study: &Value| {
+        let rows = study["rows"].as_array().unwrap();
+        rows.iter().find(|row| row["method"] == "net.float").unwrap().clone()
+    };
+    let row = float(&linear);
     assert_eq!(row["psnr_db"], row["light"]["psnr_db"]);
     let identity = ["family", "network", "format", "stride", "layers"].map(|field| row[field].clone());
     assert_eq!(json!(identity), json!(["network", "net", "float", 8, 3]));
@@ -82,7 +90,7 @@ fn a_study_measures_any_network_under_either_tone() {
     let noises: Vec<&Value> = srgb["rows"].as_array().unwrap().iter().map(|r| &r["noise"]).collect();
     assert!(noises.contains(&&json!("sensor:gain=8")) && noises.contains(&&json!("none")), "{noises:?}");
     assert!(page.contains("| net.float | clear |") && page.contains("sensor, gain 8"), "{page}");
-    let row = &srgb["rows"][1];
+    let row = float(&srgb);
     assert_ne!(row["psnr_db"], row["light"]["psnr_db"]);
 }
 

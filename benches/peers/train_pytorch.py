@@ -16,7 +16,7 @@ LAMBDA = 3e-5
 
 
 def split(flat):
-    """The flat weight vector's matrices, in the order of edof_train::parameters."""
+    """The flat weight vector's matrices, in the order of edof_float::parameters."""
     shapes = [(CODES, PIXELS)] + [(CODES,)] * 3 + [(CODES, CODES)] * 2 + [(OUTPUTS, CODES), (OUTPUTS, PIXELS)]
     parts, at = [], 0
     for shape in shapes:

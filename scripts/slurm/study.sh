@@ -23,6 +23,6 @@ array=$(sbatch --parsable "${more[@]}" --array="1-$parts" --job-name="edof-$stud
     --wrap "$command --rows '$folder/part-'\$SLURM_ARRAY_TASK_ID.jsonl --shard \$SLURM_ARRAY_TASK_ID/$parts")
 files=$(seq -f "'$folder/part-%.0f.jsonl'" -s ' ' 1 "$parts")
 merge=$(sbatch --parsable "${more[@]}" --dependency="afterok:${array%%;*}" --job-name="edof-merge" --output="$folder/merge.log" \
-    --wrap "'$edof' study merge $files --out '$folder/rows.jsonl' --any-machine --report '$folder/report.html' --csv '$folder/rows.csv' \
+    --wrap "'$edof' study merge $files --out '$folder/rows.jsonl' --force --any-machine --report '$folder/report.html' --csv '$folder/rows.csv' \
 --markdown '$folder/tables.md'")
 echo "parts: job ${array%%;*}, merge: job ${merge%%;*}; rows and report will be in $folder"

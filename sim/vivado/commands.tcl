@@ -1,47 +1,504 @@
-# Vivado's commands as far as build.tcl uses them, for tclsh: each looks whether the files that it is given are there, and is written down in
-# the file COMMANDS. SLACK is the worst slack. Anything else is an unknown command, and an error.
+# Vivado's commands as far as build.tcl and the constraints use them, for tclsh. Each knows its arguments (UG835), and the objects of the
+# netlist that the file NETLIST describes; messages have Vivado's severities, and set_msg_config changes them. Anything else is an unknown
+# command, and an error. Every command is written down in the file COMMANDS. FAULT is something that a report shall say: slack, pulse_width,
+# cdc, methodology, bus_skew, critical, pad.
+#
+# NETLIST is made of: `port NAME DIRECTION`; `cell NAME MODULE`; `pin NAME`; `register NAME CLOCK`, CLOCK a port or pin; `derived PIN CLOCK`;
+# `crossing REGISTER PIN`: a way from one clock to another; `input PORT`, `output PORT`: with a register behind; `pad REGISTER PORT`: one that asks
+# for a place in a pad, PORT "" where it has none beside it; `image NAME WORDS`.
 
 set log [open $env(COMMANDS) w]
+set fault [expr {[info exists env(FAULT)] ? $env(FAULT) : ""}]
 
-proc note {args} {
-    global log
-    puts $log $args
+# What a command takes: its flags, its options with a value, its least and most other arguments.
+array set takes {
+    create_project {{-in_memory -force} {-part} 0 2}
+    set_msg_config {{-suppress -regexp} {-id -severity -string -limit -new_severity} 0 0}
+    get_msg_config {{-count -limit -rules} {-id -severity} 0 0}
+    set_property {{} {-dict} 1 3}
+    get_property {{-min -max} {} 2 2}
+    current_project {{} {} 0 1}
+    current_design {{} {} 0 1}
+    create_ip {{-force} {-vlnv -module_name -dir -vendor -library -name -version} 0 0}
+    get_ips {{-all -regexp} {-filter} 0 1}
+    generate_target {{-force} {} 2 2}
+    synth_ip {{-force} {} 1 1}
+    read_verilog {{-sv} {-library} 1 1}
+    read_mem {{} {} 1 1}
+    read_xdc {{-unmanaged -no_add} {-cells -ref -mode} 1 1}
+    synth_design {{-rtl -assert -retiming} {-top -part -flatten_hierarchy -verilog_define -mode -directive -name} 0 0}
+    opt_design {{-retarget -sweep} {-directive} 0 0}
+    place_design {{-no_timing_driven} {-directive} 0 0}
+    phys_opt_design {{-retime} {-directive} 0 0}
+    route_design {{-unroute} {-directive} 0 0}
+    write_checkpoint {{-force} {} 1 1}
+    write_bitstream {{-force -bin_file} {} 1 1}
+    report_utilization {{-hierarchical -return_string} {-file -cells} 0 0}
+    report_clock_interaction {{-return_string -no_header} {-file -delay_type} 0 0}
+    report_power {{-return_string} {-file} 0 0}
+    report_drc {{-return_string} {-file -name -checks} 0 0}
+    report_timing_summary {{-warn_on_violation -return_string -no_header} {-file -delay_type} 0 0}
+    report_bus_skew {{-warn_on_violation -return_string -no_header -no_detailed_paths} {-file -cells} 0 0}
+    report_pulse_width {{-warn_on_violation -return_string -no_header -all_violators} {-file -name} 0 1}
+    report_cdc {{-details -summary -return_string -no_header} {-file -severity -from -to -cells} 0 0}
+    report_methodology {{-return_string} {-file -name -checks -cells} 0 0}
+    get_methodology_violations {{-regexp} {-name -filter} 0 1}
+    check_timing {{-return_string -no_header -verbose} {-file -cells} 0 0}
+    get_timing_paths {{-setup -hold} {-max_paths -delay_type -from -to -nworst} 0 0}
+    get_drc_checks {{} {} 0 1}
+    get_iobanks {{} {-of_objects -filter} 0 1}
+    get_cells {{-hierarchical} {-filter -of_objects} 0 1}
+    get_pins {{-hierarchical} {-filter -of_objects} 0 1}
+    get_ports {{} {-filter -of_objects} 0 1}
+    get_clocks {{-include_generated_clocks} {-filter -of_objects} 0 1}
+    create_clock {{-add} {-name -period -waveform} 0 1}
+    create_generated_clock {{-add -invert -combinational} {-name -source -divide_by -multiply_by -master_clock -edges} 1 1}
+    set_input_delay {{-min -max -clock_fall -add_delay} {-clock} 2 2}
+    set_output_delay {{-min -max -clock_fall -add_delay} {-clock} 2 2}
+    set_false_path {{-setup -hold} {-from -to -through} 0 0}
+    set_max_delay {{-datapath_only} {-from -to -through} 1 1}
+    set_bus_skew {{} {-from -to -through} 1 1}
+    set_multicycle_path {{-setup -hold -start -end} {-from -to -through} 1 1}
+    set_clock_groups {{-asynchronous -physically_exclusive -logically_exclusive} {-name -group} 0 0}
+}
+# What may stand in a file of constraints.
+set constraints {
+    set_property current_design get_cells get_pins get_ports get_clocks get_iobanks create_clock create_generated_clock set_input_delay
+    set_output_delay set_false_path set_max_delay set_bus_skew set_multicycle_path set_clock_groups
+}
+
+# Each command takes its arguments apart and hands them on: `option` holds options and flags, `words` the rest.
+foreach command [array names takes] {
+    proc $command {args} "set at \[split_arguments $command \$args\]; return \[do_$command {*}\$at\]"
+}
+
+proc split_arguments {command given} {
+    global takes log
+    lassign $takes($command) flags options least most
+    lappend flags -quiet -verbose
+    set option [dict create]
+    set words {}
+    for {set i 0} {$i < [llength $given]} {incr i} {
+        set word [lindex $given $i]
+        if {$word in $flags} {
+            dict set option $word 1
+        } elseif {$word in $options} {
+            if {[incr i] >= [llength $given]} { error "$command: $word wants a value" }
+            dict lappend option $word [lindex $given $i]
+        } elseif {[regexp {^-[a-z]} $word]} {
+            error "$command: unknown option '$word'"
+        } else {
+            lappend words $word
+        }
+    }
+    if {[llength $words] < $least || [llength $words] > $most} {
+        error "$command: [llength $words] arguments, expected $least to $most"
+    }
+    puts $log "$command $given"
     flush $log
+    return [list $option $words]
 }
 
+proc first {option name {otherwise ""}} {
+    return [expr {[dict exists $option $name] ? [lindex [dict get $option $name] 0] : $otherwise}]
+}
+
+# Messages.
+
+proc message {id severity text} {
+    global severity_of counted
+    if {[info exists severity_of($id)]} { set severity $severity_of($id) }
+    incr counted($severity)
+    incr counted($id)
+    puts "$severity: \[$id\] $text"
+    if {$severity eq "ERROR"} { error "\[$id\] $text" }
+}
+proc do_set_msg_config {option words} {
+    global severity_of
+    set new [first $option -new_severity]
+    if {$new ni {ERROR "CRITICAL WARNING" WARNING INFO STATUS}} { error "set_msg_config: -new_severity '$new'" }
+    set severity_of([first $option -id]) $new
+}
+proc do_get_msg_config {option words} {
+    global counted
+    if {![dict exists $option -count]} { error "get_msg_config: only -count is known" }
+    set of [first $option -id [first $option -severity]]
+    return [expr {[info exists counted($of)] ? $counted($of) : 0}]
+}
+
+# The netlist.
+
+proc port {name direction} { global port_of; set port_of($name) $direction }
+proc cell {name module} { add cell $name; global module_of; set module_of($name) $module }
+proc pin {name} { add pin $name }
+proc register {name clock} {
+    global clock_of
+    add cell $name
+    foreach pin {D C PRE CLR} { add pin $name/$pin }
+    set clock_of($name) $clock
+}
+proc derived {pin clock} { global derived_from; set derived_from($pin) $clock }
+proc crossing {register pin} { global crossings; lappend crossings [list $register $pin] }
+proc input {port} { global read_ports; lappend read_ports $port }
+proc output {port} { global driven_ports; lappend driven_ports $port }
+proc pad {register port} { global pad_of; set pad_of($register) $port }
+proc image {name words} { global words_of; set words_of($name) $words }
+proc add {kind name} {
+    global inside
+    lappend inside($kind,[file_of $name [levels $kind]]) [last_of $name [levels $kind]]
+}
+# A pin's name is that of its cell and its own.
+proc levels {kind} { return [expr {$kind eq "pin" ? 2 : 1}] }
+proc file_of {name {levels 1}} { return [join [lrange [split $name /] 0 end-$levels] /] }
+proc last_of {name {levels 1}} { return [join [lrange [split $name /] end-[expr {$levels - 1}] end] /] }
+
+# Objects are their kind and name, as in port:sysclk_p. A pattern's star does not reach across a slash, and brackets are but brackets.
+proc found {kind patterns quiet id what} {
+    global inside port_of clocks
+    set all {}
+    foreach pattern $patterns {
+        set levels [levels $kind]
+        set glob [string map {\[ \\\[ \] \\\]} [last_of $pattern $levels]]
+        switch $kind {
+            port { set names [array names port_of] }
+            clock { set names [array names clocks] }
+            default {
+                set folder [file_of $pattern $levels]
+                set names [expr {[info exists inside($kind,$folder)] ? $inside($kind,$folder) : {}}]
+            }
+        }
+        if {$kind eq "port"} { set glob [string map {\[ \\\[ \] \\\]} $pattern] }
+        set matching [lsearch -all -inline -glob $names $glob]
+        if {$kind in {cell pin} && $folder ne ""} {
+            set matching [lmap name $matching { set name $folder/$name }]
+        }
+        if {[llength $matching] == 0 && !$quiet} { message $id WARNING "No $what matched '$pattern'." }
+        foreach name $matching { lappend all $kind:$name }
+    }
+    return $all
+}
+proc kept {objects filter} {
+    global pad_of module_of
+    set all {}
+    foreach object $objects {
+        set name [name_of $object]
+        if {[string match "*IOB == TRUE*" $filter]} {
+            if {[info exists pad_of($name)]} { lappend all $object }
+        } elseif {[regexp {REF_NAME =~ (\S+)} $filter all_of pattern]} {
+            if {[info exists module_of($name)] && [string match $pattern $module_of($name)]} { lappend all $object }
+        } else {
+            error "a filter that is not known here: $filter"
+        }
+    }
+    return $all
+}
+proc name_of {object} { return [string range $object [string first : $object]+1 end] }
+proc do_get_cells {option words} {
+    global module_of pad_of
+    if {[dict exists $option -hierarchical]} {
+        set all [lmap name [concat [array names module_of] [array names pad_of]] { set name cell:$name }]
+    } else {
+        set all [found cell [lindex $words 0] [dict exists $option -quiet] {Vivado 12-180} cells]
+    }
+    return [expr {[dict exists $option -filter] ? [kept $all [first $option -filter]] : $all}]
+}
+proc do_get_pins {option words} { return [found pin [lindex $words 0] [dict exists $option -quiet] {Vivado 12-508} pins] }
+proc do_get_ports {option words} { return [found port [lindex $words 0] [dict exists $option -quiet] {Vivado 12-584} ports] }
+proc do_get_clocks {option words} {
+    global clocks
+    if {![dict exists $option -of_objects]} { return [found clock [lindex $words 0] [dict exists $option -quiet] {Vivado 12-627} clocks] }
+    set all {}
+    foreach object [first $option -of_objects] {
+        foreach {clock at} [array get clocks] { if {$at eq [name_of $object]} { lappend all clock:$clock } }
+    }
+    if {[llength $all] == 0} { message {Vivado 12-1008} WARNING "No clocks found for command 'get_clocks'." }
+    return $all
+}
+proc do_get_ips {option words} { return ip:[lindex $words 0] }
+proc do_get_iobanks {option words} { return bank:[lindex $words 0] }
+proc do_get_drc_checks {option words} { return check:[lindex $words 0] }
+proc do_current_project {option words} { return project:it }
+proc do_current_design {option words} { return design:it }
+
+# Properties.
+
+proc do_set_property {option words} {
+    global property
+    if {[dict exists $option -dict]} {
+        set pairs [first $option -dict]
+        set objects [lindex $words 0]
+    } else {
+        lassign $words name value objects
+        set pairs [list $name $value]
+    }
+    if {[llength $objects] == 0} { message {Common 17-55} "CRITICAL WARNING" "'set_property' expects at least one object." }
+    foreach object $objects {
+        foreach {name value} $pairs {
+            set property($object,$name) $value
+            if {$name eq "CONFIG.XML_INPUT_FILE"} { read_controller $value }
+            if {$object eq "design:it" && $name ni {CFGBVS CONFIG_VOLTAGE BITSTREAM.GENERAL.COMPRESS}} {
+                message {Common 17-162} "CRITICAL WARNING" "Invalid option value '$name' specified for 'current_design'."
+            }
+        }
+    }
+}
+proc do_get_property {option words} {
+    global property fault
+    lassign $words name object
+    switch $name {
+        NAME { return [name_of $object] }
+        SLACK { return [slack $object] }
+        LOC { return [expr {[in_pad [name_of $object]] ? "ILOGIC_X0Y1" : "SLICE_X0Y0"}] }
+    }
+    return [expr {[info exists property($object,$name)] ? $property($object,$name) : ""}]
+}
+proc has {object name} { global property; return [info exists property($object,$name)] }
+
+# Steps of the flow.
+
+proc must_be {step} { global done; if {$step ni $done} { error "no design is there: $step comes first" } }
 proc there {files} {
-    foreach file $files {
-        if {![file isfile $file]} { error "no such file: $file" }
+    foreach file $files { if {![file isfile $file]} { message {Common 17-69} ERROR "File '$file' does not exist" } }
+    if {[llength $files] == 0} { message {Common 17-163} ERROR "Missing value for option 'files'" }
+}
+proc do_create_project {option words} { global done; set done project }
+proc do_create_ip {option words} {
+    global env ip_folder
+    set ip_folder [file join [first $option -dir] [first $option -module_name]]
+    if {[file exists $ip_folder] && ![dict exists $option -force]} {
+        message {IP_Flow 19-3478} ERROR "The IP folder '$ip_folder' is already there."
     }
-    if {[llength $files] == 0} { error "no files" }
+    file mkdir $ip_folder
+}
+# Pins of the DRAM, which the controller places by itself.
+proc read_controller {file} {
+    global placed_by_controller
+    there [list $file]
+    set channel [open $file]
+    foreach {all name} [regexp -all -inline {name="(ddr3_[^"]+)"} [read $channel]] { lappend placed_by_controller $name }
+    close $channel
+}
+proc do_generate_target {option words} { global property; if {![has [lindex $words 1] CONFIG.XML_INPUT_FILE]} { error "the controller has no project file" } }
+proc do_synth_ip {option words} {}
+proc do_read_verilog {option words} { there [lindex $words 0]; global sources; lappend sources {*}[lindex $words 0] }
+proc do_read_mem {option words} {
+    there [lindex $words 0]
+    global memories
+    foreach file [lindex $words 0] { set memories([file tail $file]) $file }
+}
+proc do_read_xdc {option words} {
+    there [lindex $words 0]
+    global waiting done
+    if {"synth" in $done} { constrain [lindex $words 0] } else { lappend waiting [lindex $words 0] }
+}
+# The lines of a file of constraints, one after the other.
+proc constrain {file} {
+    global constraints
+    set channel [open $file]
+    set command ""
+    foreach line [split [read $channel] "\n"] {
+        append command $line "\n"
+        if {[string match "*\\" $line] || ![info complete $command]} { continue }
+        set word [lindex [split [string trim $command]] 0]
+        if {$word in $constraints} {
+            uplevel #0 $command
+        } elseif {$word ne "" && ![string match "#*" $word]} {
+            message {Designutils 20-1307} "CRITICAL WARNING" "Command '$word' is not supported in the xdc constraint file."
+        }
+        set command ""
+    }
+    close $channel
+}
+proc do_synth_design {option words} {
+    global env done waiting words_of memories sources fault
+    uplevel #0 source $env(NETLIST)
+    lappend done synth
+    if {"[first $option -top].v" ni [lmap file $sources { file tail $file }]} { error "no module [first $option -top]" }
+    if {[dict get $option -verilog_define] ne {EDOF_IMAGES_BY_NAME SYNTHESIS}} { error "images are not looked for by name" }
+    foreach {name words} [array get words_of] { read_image $name $words }
+    foreach file $waiting { constrain $file }
+    if {$fault eq "critical"} { message {Synth 8-9999} "CRITICAL WARNING" "something that nobody tolerated" }
+}
+# A word a line and nothing else, as many lines as words (UG901).
+proc read_image {name words} {
+    global memories
+    if {![info exists memories($name)]} {
+        message {Synth 8-4445} "CRITICAL WARNING" "could not open \$readmem data file '$name'; please make sure the file is added to project"
+        return
+    }
+    set channel [open $memories($name)]
+    set lines [split [string trimright [read $channel] "\n"] "\n"]
+    close $channel
+    if {[llength $lines] != $words} { error "$name: [llength $lines] lines, expected $words" }
+    foreach line $lines { if {![regexp {^[0-9a-fA-F]+$} $line]} { error "$name: '$line' is no word" } }
+}
+foreach step {opt place phys_opt route} { proc do_${step}_design {option words} "must_be synth; do_step $step" }
+proc do_step {step} {
+    global done pad_of
+    lappend done $step
+    if {$step ne "place"} { return }
+    foreach register [array names pad_of] {
+        if {![in_pad $register]} { message {Place 30-722} "CRITICAL WARNING" "'$register' has IOB constraint set to TRUE, but could not be brought into the I/O." }
+    }
+}
+proc in_pad {register} { global pad_of fault; return [expr {$pad_of($register) ne "" && $fault ne "pad"}] }
+proc do_write_checkpoint {option words} { must_be synth; close [open [lindex $words 0] w] }
+proc do_write_bitstream {option words} {
+    global port_of placed_by_controller property
+    must_be route
+    foreach port [array names port_of] {
+        if {$port in $placed_by_controller} { continue }
+        if {![has port:$port IOSTANDARD]} { message {DRC NSTD-1} ERROR "Unspecified I/O Standard: $port." }
+        if {![has port:$port PACKAGE_PIN]} { message {DRC UCIO-1} ERROR "Unconstrained Logical Port: $port." }
+    }
+    if {!([has design:it CFGBVS] && [has design:it CONFIG_VOLTAGE])} {
+        set severity [expr {[has check:CFGBVS-1 SEVERITY] ? [string toupper $property(check:CFGBVS-1,SEVERITY)] : "WARNING"}]
+        message {DRC CFGBVS-1} $severity "Missing CFGBVS and CONFIG_VOLTAGE Design Properties."
+    }
+    close [open [lindex $words 0] w]
 }
 
-foreach command {create_project set_property create_ip generate_target synth_ip opt_design place_design phys_opt_design route_design} {
-    proc $command {args} "note $command {*}\$args"
+# Constraints of time.
+
+proc named {command option name} {
+    set objects [first $option $name]
+    if {[llength $objects] == 0} { message {Vivado 12-4739} "CRITICAL WARNING" "$command:No valid object(s) found for '$name'." }
+    return $objects
 }
-proc current_project {} { return project }
-proc get_ips {name} { return $name }
-proc get_files {file} { there [list $file]; return $file }
-foreach command {read_verilog read_mem read_xdc} {
-    proc $command {files} "there \$files; note $command {*}\$files"
+proc do_create_clock {option words} {
+    global clocks
+    set period [first $option -period]
+    if {![string is double -strict $period]} { error "create_clock: -period '$period'" }
+    if {[llength [lindex $words 0]] == 0} { message {Vivado 12-4739} "CRITICAL WARNING" "create_clock:No valid object(s) found." }
+    foreach object [lindex $words 0] { set clocks([first $option -name]) [name_of $object] }
 }
-proc synth_design {args} { note synth_design {*}$args }
-foreach command {report_utilization report_timing_summary report_cdc report_clock_interaction report_drc report_power write_checkpoint write_bitstream} {
-    proc $command {args} "note $command {*}\$args; close \[open \[lindex \$args end\] w\]"
+proc do_create_generated_clock {option words} {
+    global clocks
+    named create_generated_clock $option -source
+    foreach object [lindex $words 0] { set clocks([first $option -name]) [name_of $object] }
 }
-proc get_timing_paths {args} { note get_timing_paths {*}$args; return path }
-proc get_property {name object} {
-    global env
-    if {$name ne "SLACK" || $object ne "path"} { error "get_property $name $object" }
-    return $env(SLACK)
+foreach direction {input output} {
+    proc do_set_${direction}_delay {option words} "delay $direction \$option \$words"
+}
+proc delay {direction option words} {
+    global clocks delayed
+    set clock [first $option -clock]
+    if {![info exists clocks($clock)]} { message {Vivado 12-4739} "CRITICAL WARNING" "set_${direction}_delay:No valid object(s) found for '-clock $clock'." }
+    lassign $words value objects
+    if {![string is double -strict $value]} { error "set_${direction}_delay: '$value' is no delay" }
+    if {[llength $objects] == 0} { message {Vivado 12-4739} "CRITICAL WARNING" "set_${direction}_delay:No valid object(s) found." }
+    set both [expr {![dict exists $option -min] && ![dict exists $option -max]}]
+    foreach object $objects {
+        foreach end {-min -max} { if {$both || [dict exists $option $end]} { set delayed([name_of $object],$end) $value } }
+    }
+}
+# Ways that an exception takes out of the clocks' timing: from these objects, to those; {} is any.
+proc except {command option} {
+    global excepted
+    set ends {}
+    foreach name {-from -to} { lappend ends [expr {[dict exists $option $name] ? [lmap object [named $command $option $name] { name_of $object }] : "any"}] }
+    if {$ends eq {any any}} { error "$command: neither -from nor -to" }
+    lappend excepted $ends
+}
+proc do_set_false_path {option words} { except set_false_path $option }
+proc do_set_max_delay {option words} {
+    if {![string is double -strict [lindex $words 0]]} { error "set_max_delay: '[lindex $words 0]'" }
+    if {![dict exists $option -datapath_only]} { error "set_max_delay: without -datapath_only the clocks' skew counts" }
+    except set_max_delay $option
+}
+proc do_set_bus_skew {option words} {
+    global skews
+    if {![string is double -strict [lindex $words 0]]} { error "set_bus_skew: '[lindex $words 0]'" }
+    lappend skews [list [named set_bus_skew $option -from] [named set_bus_skew $option -to]]
+}
+proc do_set_multicycle_path {option words} { error "set_multicycle_path: nothing here takes more than one cycle" }
+proc do_set_clock_groups {option words} { foreach group [dict get $option -group] { if {[llength $group] == 0} { message {Vivado 12-4739} "CRITICAL WARNING" "set_clock_groups:No valid object(s) found." } } }
+
+proc covers {ends name pin} {
+    lassign $ends from to
+    set register [file_of $pin]
+    return [expr {($from eq "any" || $name in $from) && ($to eq "any" || $pin in $to || $register in $to)}]
+}
+# Ways from one clock to another that no exception has: they are timed, and fail.
+proc timed_crossings {} {
+    global crossings excepted
+    set timed {}
+    foreach crossing $crossings {
+        lassign $crossing register pin
+        set is_excepted 0
+        foreach ends $excepted { if {[covers $ends $register $pin]} { set is_excepted 1; break } }
+        if {!$is_excepted} { lappend timed "$register -> $pin" }
+    }
+    return $timed
+}
+proc slack {path} {
+    global fault
+    set timed [timed_crossings]
+    foreach way $timed { puts "VIOLATED: $way" }
+    return [expr {$fault eq "slack" ? -0.01 : [llength $timed] > 0 ? -1.0 : 0.05}]
+}
+proc do_get_timing_paths {option words} { must_be synth; return path:1 }
+
+# A clock reaches a register if its port or pin has one, or that from which it is made.
+proc has_clock {at} {
+    global clocks derived_from
+    foreach {clock where} [array get clocks] { if {$where eq $at} { return 1 } }
+    return [expr {[info exists derived_from($at)] && [has_clock $derived_from($at)]}]
+}
+proc sentence {names what} {
+    set lines [lmap name $names { format "%s" $name }]
+    return " There are [llength $names] $what.\n\n[join $lines "\n"]\n\n"
+}
+proc do_check_timing {option words} {
+    global clock_of read_ports driven_ports delayed excepted clocks
+    must_be route
+    set unclocked {}
+    foreach {register clock} [array get clock_of] { if {![has_clock $clock]} { lappend unclocked $register/C } }
+    set text [sentence [lsort $unclocked] "register/latch pins with no clock"]
+    foreach {kind ports end} [list input $read_ports 0 output $driven_ports 1] {
+        set none {}; set free {}; set partial {}
+        foreach port $ports {
+            if {$port in [dict values [array get clocks]]} { continue }
+            set ends [expr {[info exists delayed($port,-min)] + [info exists delayed($port,-max)]}]
+            set is_free [expr {[lsearch -exact [concat {*}[lmap exception $excepted { lindex $exception $end }]] $port] >= 0}]
+            if {$ends == 1} { lappend partial $port }
+            if {$ends == 0} { if {$is_free} { lappend free $port } else { lappend none $port } }
+        }
+        append text [sentence $none "$kind ports with no $kind delay specified"]
+        append text [sentence $free "$kind ports with no $kind delay but user has a false path constraint"]
+        append text [sentence $partial "ports with partial $kind delay specified"]
+    }
+    return $text
 }
 
-# The file of an option must be there, too.
-rename set_property set_property_noted
-proc set_property {args} {
-    foreach argument $args {
-        set at [lsearch $argument CONFIG.XML_INPUT_FILE]
-        if {$at >= 0} { there [list [lindex $argument [expr {$at + 1}]]] }
-    }
-    set_property_noted {*}$args
+# Reports.
+
+foreach kind {utilization clock_interaction power drc timing_summary pulse_width cdc methodology} {
+    proc do_report_$kind {option words} "must_be synth; return \[reported \$option \[says_$kind\]\]"
+    proc says_$kind {} { return "" }
 }
+proc reported {option text} {
+    if {[dict exists $option -file]} {
+        set channel [open [first $option -file] w]
+        puts $channel $text
+        close $channel
+    }
+    return [expr {[dict exists $option -return_string] ? $text : ""}]
+}
+proc says_timing_summary {} {
+    if {[slack path:1] < 0} { message {Timing 38-282} "CRITICAL WARNING" "The design failed to meet the timing requirements." }
+    return ""
+}
+proc says_pulse_width {} { global fault; return [expr {$fault eq "pulse_width" ? "screen_clock  MMCME2 CLKOUT0  -0.1" : ""}] }
+proc says_cdc {} { global fault; return [expr {$fault eq "cdc" ? "CDC-10  Critical  Combinatorial logic detected before a synchronizer" : ""}] }
+proc do_report_bus_skew {option words} {
+    global skews fault
+    if {$fault eq "bus_skew" && [dict exists $option -warn_on_violation]} { message {Timing 38-436} "CRITICAL WARNING" "There are set_bus_skew constraint(s) that are not met." }
+    set text "Id  Position  From  To\n--  --------  ----  --\n"
+    foreach skew $skews { append text "[incr number]   [expr {$number + 7}]         $skew\n" }
+    return [reported $option $text]
+}
+proc do_get_methodology_violations {option words} { global fault; return [expr {$fault eq "methodology" ? "TIMING-6#1" : ""}] }
+
+foreach list {crossings excepted skews waiting sources read_ports driven_ports placed_by_controller done} { set $list {} }
+foreach table {port_of clocks module_of pad_of property inside clock_of delayed} { array set $table {} }

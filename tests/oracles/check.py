@@ -100,6 +100,14 @@ class Checker:
         self.run("random-network", *options, "--out", path)
         return path
 
+    def reconstructed(self, network, raw_words, phase):
+        """From raw pixel words to overlap-added ones."""
+        pixels, stride = contract.red_first(raw_words, phase), network.fixed["stride"]
+        y = contract.windows(pixels, network.form["window"], stride)
+        words, stages = contract.run(network, y)
+        planes, saturated_sums = contract.overlap_add(words["f"], stride, *pixels.shape)
+        return y, words, stages, planes, saturated_sums
+
     def check(self, case):
         """One frame through one network: every boundary, the codes, the pictures and the counters."""
         label, weights, values, depth, phase, ending, mode, gamma = case
@@ -113,11 +121,8 @@ class Checker:
         self.run(*command, "--board", "--words", folder, "--out", board)
 
         network = contract.Network.load(weights)
-        stride = network.fixed["stride"]
-        pixels = contract.red_first(values, depth, phase)
-        y = contract.windows(pixels, network.form["window"], stride)
-        words, stages = contract.run(network, y)
-        planes, saturated_sums = contract.overlap_add(words["f"], stride, *pixels.shape)
+        raw_words = contract.raw_words(values, depth)
+        y, words, stages, planes, saturated_sums = self.reconstructed(network, contract.carried(raw_words), phase)
         codes, shown = contract.display(planes, phase, values.shape, mode, gamma)
         words |= dict(zip(("luma", "cb", "cr"), planes)) | dict(zip(("y_code", "cb_code", "cr_code"), codes))
 
@@ -142,6 +147,8 @@ class Checker:
             if told[field] != ours:
                 raise Differs(f"{label}: --json {field} is {told[field]}, expected {ours}")
         if gamma == "linear":
+            # Without --board the network sees all bits.
+            planes = self.reconstructed(network, raw_words, phase)[3]
             self.linear_picture(label, command, planes, phase, values.shape, folder)
         for file in folder.iterdir():
             file.unlink()
@@ -152,6 +159,24 @@ class Checker:
         self.run(*command, "--out", picture)
         with Image.open(picture) as image:
             self.same(label, "picture", contract.linear_picture(planes, phase, size, 255), np.asarray(image))
+
+    def cable(self, weights, depth, phase):
+        """A frame that `capture` writes for a playout card, and what the board makes of it without a word about how it was taken."""
+        names = ["raw.png", "frame.2vuy", "alone.2vuy"]
+        raw, video, alone = (self.folder / f"{depth}-{name}" for name in names)
+        size = ["--size", "80x66", "--phase", phase]
+        self.run("capture", "leaves", *size, "--depth", depth, "--no-measure", "--out", raw, "--video", video)
+        with Image.open(raw) as image:
+            words = np.asarray(image).astype(np.int64)
+        label = f"cable, {depth} bits, {phase}"
+        self.same(label, "2vuy", *(np.frombuffer(file, np.uint8) for file in (contract.playout(words), video.read_bytes())))
+        alone.write_bytes(video.read_bytes())
+        network = contract.Network.load(weights)
+        y = self.reconstructed(network, contract.carried(words), phase)[0]
+        for file, options in [(video, ["--camera", "ring-outer"]), (alone, size)]:
+            self.run("reconstruct", "--video", file, *options, "--weights", weights, "--words", self.folder, "--out", "x.png")
+            with np.load(self.folder / "words.npz") as theirs:
+                self.same(label, f"y of {file.name}", y, theirs["y"])
 
     def least_sides(self, weights):
         """Frames below the least sides are refused alike in all phases, by their own size."""
@@ -243,6 +268,8 @@ def main():
         cases = [*drawn_cases(checker), *shipped_cases()]
         for case in cases[:3]:
             checker.least_sides(case[1])
+        for depth, phase in [(16, "gbrg"), (14, "rggb"), (12, "bggr"), (15, "grbg")]:
+            checker.cable(PROJECT / "weights/edof-t4w12-outer-light.fixed.safetensors", depth, phase)
         if photos:
             cases += photo_cases(checker, photos)
         else:

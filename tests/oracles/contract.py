@@ -40,9 +40,32 @@ def least_side(window):
 # 1. The raw frame
 
 
-def red_first(values, depth, phase):
+def raw_words(values, depth):
+    return values.astype(np.int64) << (16 - depth)
+
+
+# 1.1 On the cable
+
+
+def playout(words):
+    """The bytes of a 2vuy file: Cb Y Cr Y."""
+    luma, chroma = (words >> 9) + 64, ((words >> 2) & 127) + 64
+    return np.stack([chroma, luma], axis=2).astype(np.uint8).tobytes()
+
+
+def carried(words):
+    """Words as the board gets them."""
+    codes = np.frombuffer(playout(words), np.uint8).reshape(*words.shape, 2).astype(np.int64)
+    if ((codes < 64) | (codes > 191)).any():
+        raise ValueError("a code outside of 64...191")
+    return (codes[..., 1] - 64) * 2**9 + (codes[..., 0] - 64) * 2**2
+
+
+# 1.2 Red first
+
+
+def red_first(words, phase):
     """Raw pixel words of the enlarged frame."""
-    words = values.astype(np.int64) << (16 - depth)
     (height, width), (dr, dc) = words.shape, RED_SITE[phase]
     rows = mirror(np.arange(height + 2 * dr) - dr, height)
     columns = mirror(np.arange(width + 2 * dc) - dc, width)

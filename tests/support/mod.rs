@@ -1,9 +1,11 @@
 //! The real binary in a folder of its own.
 
-use edof_spec::fixed_network::{FixedMatrix, FixedNetwork};
-use edof_spec::network::{Form, Network, Origin, Recurrence, Shrinkage};
-use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, CfaPhase, ColourFrame, RawFrame, Stride, Window, weight_file};
+use edof_camera::Camera;
+use edof_image::overlap::Overlap;
+use edof_image::{CfaPhase, ColourFrame, RawFrame, Stride, Window};
+use edof_network::fixed_network::{FixedMatrix, FixedNetwork};
+use edof_network::network::{Form, Network, Origin, Recurrence, Shrinkage};
+use edof_network::weight_file;
 use ndarray::{Array1, Array2, Array3};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use sha2::{Digest, Sha256};
@@ -30,13 +32,13 @@ impl Place {
         self.command(line).output().unwrap().into()
     }
 
-    /// The same, ended by the system where it takes more than a gigabyte of addresses or three seconds of a core: what is refused
-    /// takes neither. (The program as it is tested is hardly optimised.)
+    /// The same, ended where it takes more than a gigabyte of addresses, three seconds of a core or a minute: what is refused
+    /// takes none of these. (The program as it is tested is hardly optimised.)
     pub fn edof_within_bounds(&self, line: &str) -> Run {
         let mut command = self.prepared(Command::new("sh"));
         command.args([
             "-c",
-            "ulimit -v 1048576; ulimit -t 3; exec \"$0\" \"$@\"",
+            "ulimit -v 1048576; ulimit -t 3; exec timeout 60 \"$0\" \"$@\"",
             env!("CARGO_BIN_EXE_edof"),
         ]);
         command.args(line.split_whitespace()).output().unwrap().into()
@@ -84,12 +86,22 @@ impl Place {
         edof_io::raw::save(&self.path(name), &frame).unwrap();
     }
 
+    /// A named pipe, at whose other end nobody is.
+    pub fn pipe(&self, name: &str) {
+        assert!(Command::new("mkfifo").arg(self.path(name)).status().unwrap().success());
+    }
+
     /// An 8-bit photograph of edges.
     pub fn photo(&self, name: &str, width: usize, height: usize) {
         let planes = Array3::from_shape_fn((3, height, width), |(p, r, c)| {
             0.2 + 0.2 * (p + (r / 9) % 2 + (c / 7) % 2) as f32
         });
         edof_io::photo::save(&self.path(name), &ColourFrame { planes }, 8).unwrap();
+    }
+
+    /// An 8-bit photograph of nothing: whatever is made of it is the same to the last bit.
+    pub fn black_photo(&self, name: &str, width: usize, height: usize) {
+        edof_io::photo::save(&self.path(name), &ColourFrame::zeros(height, width), 8).unwrap();
     }
 
     /// A float network that gives each pixel the mean of its CFA colours around it.

@@ -5,12 +5,12 @@ use crate::error::Error;
 use crate::line::Line;
 use crate::link::Link;
 use crate::names::Place;
-use edof_spec::FixedNetwork;
-use edof_spec::design::memory::{self, CONTROL_SKIP, Set, Space};
-use edof_spec::design::reading::{READ_REGISTER, ReadBack};
-use edof_spec::design::{Design, FrameSize};
-use edof_spec::registers::identity::design_hash;
-use edof_spec::registers::map::{self, STAGE_READS, WEIGHTS};
+use edof_device::design::memory::{self, CONTROL_SKIP, Set, Space};
+use edof_device::design::reading::{READ_REGISTER, ReadBack};
+use edof_device::design::{Design, FrameSize};
+use edof_device::registers::identity::design_hash;
+use edof_device::registers::map::{self, STAGE_READS, WEIGHTS};
+use edof_network::FixedNetwork;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -20,7 +20,7 @@ use std::time::Duration;
 pub struct Identity {
     /// Version of its register map.
     pub version: u32,
-    /// Of the design (`edof_spec::registers::identity`).
+    /// Of the design (`edof_device::registers::identity`).
     pub design_hash: u32,
     /// Columns of its frame.
     pub width: u32,
@@ -264,7 +264,7 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// The line fails.
     pub fn stage_register(&mut self, stages: usize, row: usize) -> Result<Vec<u32>, Error> {
-        let command = edof_spec::design::reading::read_command(Space::Register { row }, 1);
+        let command = edof_device::design::reading::read_command(Space::Register { row }, 1);
         let commands: Vec<(usize, u32)> = (0..stages).map(|stage| (stage, command)).collect();
         Ok(self.read_back(&commands)?.into_iter().map(|answer| answer.row as u32).collect())
     }
@@ -300,6 +300,15 @@ impl<L: Line> Board<L> {
         let Some(first) = all.first() else { return Ok(None) };
         let found = self.crcs(&first.iter().collect::<Vec<_>>())?;
         Ok(all.iter().position(|parts| parts.iter().map(|part| part.crc).eq(found.iter().copied())))
+    }
+
+    /// Whether both banks hold the same words, by their CRCs; any network of the design says which parts they have.
+    ///
+    /// # Errors
+    /// As [`Board::crcs`].
+    pub fn holds_alike(&mut self, design: &Design, any: &FixedNetwork) -> Result<bool, Error> {
+        let mut crcs = |bank| self.crcs(&parts(design, any, bank).iter().collect::<Vec<_>>());
+        Ok(crcs(Set::First)? == crcs(Set::Second)?)
     }
 
     /// Gives commands to read to stages, one to each at a time, and waits for all answers.

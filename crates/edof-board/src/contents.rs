@@ -3,16 +3,16 @@
 //! A host's bank, `a` or `b`, is a set of all stages: weights, thresholds, shifts. A part is what one command reads back: a bank of four
 //! lanes' weights, a stage's thresholds, those of the stage before, or its shifts.
 
-use edof_golden::Display;
-use edof_spec::FixedNetwork;
-use edof_spec::design::memory::{self, Set, Shifts, Space, TABLES};
-use edof_spec::design::reading::{
+use edof_device::design::memory::{self, Set, Shifts, Space, TABLES};
+use edof_device::design::reading::{
     TABLE_ENTRIES, TABLE_ROWS, bank_rows, crc, read_command, table_bank, table_rows,
 };
-use edof_spec::design::stage::Kind;
-use edof_spec::design::{Design, StagePlan};
-use edof_spec::display::LUMA_ENTRIES;
-use edof_spec::registers::map::{DISPLAY_TABLES, WEIGHTS};
+use edof_device::design::stage::Kind;
+use edof_device::design::{Design, StagePlan};
+use edof_device::registers::map::{DISPLAY_TABLES, WEIGHTS};
+use edof_golden::Display;
+use edof_image::display::LUMA_ENTRIES;
+use edof_network::FixedNetwork;
 
 /// One of the two banks, as the host calls them.
 #[must_use]
@@ -200,7 +200,7 @@ pub fn frames(words: &[(u32, u32)], most: usize) -> Vec<(u32, Vec<u32>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::network::Recurrence;
+    use edof_network::network::Recurrence;
     use std::collections::BTreeMap;
 
     fn designs() -> [Design; 2] {

@@ -8,12 +8,13 @@ use crate::link::PATIENCE;
 use crate::load::Job;
 use crate::protocol::{self, MOST_WORDS};
 use crate::simulated::Simulated;
+use edof_device::board::CORE_KILOHERTZ;
+use edof_device::design::memory::Set;
+use edof_device::design::timing::READ_PERIOD;
+use edof_device::registers::map::CONTROL;
 use edof_golden::Display;
-use edof_spec::board::CORE_KILOHERTZ;
-use edof_spec::design::memory::Set;
-use edof_spec::design::timing::READ_PERIOD;
-use edof_spec::registers::map::CONTROL;
-use edof_spec::{CfaPhase, FixedNetwork, RawFrame};
+use edof_image::{CfaPhase, RawFrame};
+use edof_network::FixedNetwork;
 use serde::Serialize;
 use std::time::Duration;
 

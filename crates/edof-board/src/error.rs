@@ -1,8 +1,9 @@
 //! What can go wrong between a host and a board.
 
-use edof_spec::design::DesignError;
-use edof_spec::fixed_network::FixedNetworkError;
-use edof_spec::registers::map::{ID, VERSION};
+use edof_device::design::DesignError;
+use edof_device::i2c::Cause;
+use edof_device::registers::map::{ID, VERSION};
+use edof_network::fixed_network::FixedNetworkError;
 
 /// Why nothing, or not all, came of what was asked.
 #[derive(Debug, thiserror::Error)]
@@ -100,6 +101,29 @@ pub enum Error {
     /// A simulation that stopped.
     #[error("the simulated board stopped: {0}")]
     Simulation(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// A chip around the board that does not do what it should.
+    #[error("{port}: chip 0x{device:02x}: {cause}; 'edof board status' says how the chips are")]
+    Chip { port: String, device: u8, cause: Cause },
+    /// The engine of an I2C bus never answered.
+    #[error("{port}: the set-up of the video chips does not answer: the board is held in reset, or has none")]
+    NoSetUp { port: String },
+    /// The receiver is not set up.
+    #[error(
+        "{port}: the receiver is not set up, so that there is nothing to align; 'edof board status' says why"
+    )]
+    NoReceiver { port: String },
+    /// Nothing came from the receiver.
+    #[error(
+        "{port}: no sync codes came at any setting of the receiver's clock: it does not run, or its pins are wired otherwise; the settings \
+         are as before"
+    )]
+    NoCodes { port: String },
+    /// No setting works.
+    #[error(
+        "{port}: no setting of the receiver's clock gives undamaged sync codes, the best of 64 damaged {least} of {of} words; the \
+         settings are as before: look at the input's timing"
+    )]
+    NoWindow { port: String, least: u32, of: u32 },
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,

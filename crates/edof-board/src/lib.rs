@@ -11,6 +11,7 @@
 //! | load, verify | [`load`] | a network in the idle bank, all of it right, then in use |
 //! | how long that takes | [`dry_run`] | the same load, to a board that is none |
 //! | counters | [`status`] | frames a second, late ones, saturations |
+//! | video chips | [`chips`], [`diagnosis`], [`align`] | their registers, what they miss in words, the receiver's clock where it works |
 //! | a board in Rust | [`simulated`] | the same registers and memories, pictures of the golden pipeline ([`Simulated`]) |
 //! | what may go wrong | [`faulty`] | a line that loses, doubles or changes a byte, a host that ends, a board that is reset |
 //! | as a device | [`terminal`] | a simulated board behind a pseudo-terminal |
@@ -19,7 +20,8 @@
 //! use edof_board::load::Job;
 //! use edof_board::{Board, Simulated, link};
 //! use edof_golden::Display;
-//! use edof_spec::{CfaPhase, Design, RawFrame};
+//! use edof_device::Design;
+//! use edof_image::{CfaPhase, RawFrame};
 //!
 //! let design = Design::from_json(include_str!("../../../designs/tiny.json"))?;
 //! let [old, new] = [1, 2].map(|seed| edof_random::for_design(&design, seed));
@@ -33,8 +35,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod align;
 pub mod board;
+pub mod chips;
 pub mod contents;
+pub mod diagnosis;
 pub mod dry_run;
 pub mod error;
 pub mod faulty;

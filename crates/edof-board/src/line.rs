@@ -1,7 +1,7 @@
 //! A line to a board: bytes there, bytes back.
 
 use crate::error::Error;
-use edof_spec::board::BAUD;
+use edof_device::board::BAUD;
 use serialport::{ClearBuffer, SerialPort, SerialPortType};
 use std::io::{self, IsTerminal, Read, Write};
 use std::time::{Duration, Instant};
@@ -102,10 +102,10 @@ impl Serial {
     /// speed.
     pub fn open(name: &str, baud: u32) -> Result<Self, Error> {
         let failed = |error: serialport::Error| Error::Port { port: name.into(), source: error.into() };
-        let port = serialport::new(name, baud).open().map_err(|error| match what_is(name) {
-            Some(problem) => Error::NoPort { port: name.into(), problem: problem.into() },
-            None => failed(error),
-        })?;
+        if let Some(problem) = what_is(name) {
+            return Err(Error::NoPort { port: name.into(), problem: problem.into() });
+        }
+        let port = serialport::new(name, baud).open().map_err(failed)?;
         port.clear(ClearBuffer::Input).map_err(failed)?;
         Ok(Self { port, name: name.into(), baud, opened: Instant::now() })
     }
@@ -117,11 +117,23 @@ fn what_is(path: &str) -> Option<&'static str> {
         Err(error) => (error.kind() == io::ErrorKind::NotFound).then_some("there is no such path"),
         Ok(found) if found.is_dir() => Some("is a folder"),
         Ok(found) if found.is_file() => Some("is a file"),
+        Ok(found) if !is_character_device(&found) => Some("is a pipe, a socket or a disk"),
         Ok(_) => {
             let other = std::fs::File::open(path).is_ok_and(|device| !device.is_terminal());
             other.then_some("is another device")
         }
     }
+}
+
+/// A pipe is not opened to see: whoever opens one waits for who reads or writes it.
+#[cfg(unix)]
+fn is_character_device(found: &std::fs::Metadata) -> bool {
+    std::os::unix::fs::FileTypeExt::is_char_device(&found.file_type())
+}
+
+#[cfg(not(unix))]
+const fn is_character_device(_: &std::fs::Metadata) -> bool {
+    true
 }
 
 impl Line for Serial {

@@ -9,8 +9,8 @@
 use crate::error::Error;
 use crate::line::{Line, line_time};
 use crate::protocol;
-use edof_spec::board::UART_TIME_OUT_MS;
-use edof_spec::registers::map::{UART_BROKEN, WRITES_REFUSED, checked};
+use edof_device::board::UART_TIME_OUT_MS;
+use edof_device::registers::map::{UART_BROKEN, WRITES_REFUSED, checked};
 use std::time::Duration;
 
 /// Attempts before a line is given up.

@@ -9,13 +9,14 @@ use crate::contents::{Part, frames, letter, other, parts, table_parts};
 use crate::error::Error;
 use crate::line::Line;
 use crate::protocol::MOST_WORDS;
-use edof_golden::Display;
-use edof_spec::design::memory::Set;
-use edof_spec::registers::identity::weights_hash;
-use edof_spec::registers::map::{
+use edof_device::Design;
+use edof_device::design::memory::Set;
+use edof_device::registers::identity::weights_hash;
+use edof_device::registers::map::{
     CONTROL, FLUSH, PROTECT_BANK, PROTECT_CONTROL, PROTECTION, RUN, SCRATCH, WEIGHT_SET, WEIGHTS_HASH,
 };
-use edof_spec::{Design, FixedNetwork};
+use edof_golden::Display;
+use edof_network::FixedNetwork;
 use serde::Serialize;
 
 /// Times that a bank is written and looked at before the load is given up.

@@ -1,8 +1,8 @@
 //! Registers by name: `status`, `control.colour` for a field, `stage_counters[4]` for a word of a window.
 
 use crate::error::Error;
-use edof_spec::registers::map::{REGISTERS, WINDOWS, register};
-use edof_spec::registers::{Access, Field, Register, Window};
+use edof_device::registers::map::{REGISTERS, WINDOWS, register};
+use edof_device::registers::{Access, Field, Register, Window};
 use std::str::FromStr;
 
 /// What a name stands for.

@@ -4,10 +4,9 @@ use crate::board::Board;
 use crate::error::Error;
 use crate::line::Line;
 use crate::names::Place;
-use edof_spec::board::CORE_KILOHERTZ;
-use edof_spec::design::memory::WHOLE_CHAIN;
-use edof_spec::fixed_network::layer_names;
-use edof_spec::registers::map::{REGISTERS, STAGE_COUNTERS, register};
+use edof_device::design::memory::WHOLE_CHAIN;
+use edof_device::registers::map::{REGISTERS, STAGE_COUNTERS, register};
+use edof_network::fixed_network::layer_names;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -106,9 +105,10 @@ pub struct StageReport {
 }
 
 /// Counters of what should not happen.
-const ERRORS: [&str; 11] = [
+const ERRORS: [&str; 12] = [
     "input_broken",
     "input_wrong",
+    "input_range",
     "input_overruns",
     "input_write_errors",
     "raw_read_errors",
@@ -120,9 +120,9 @@ const ERRORS: [&str; 11] = [
     "uart_broken",
 ];
 
-/// What happened between two looks that lie so many seconds apart.
+/// What happened between two looks that lie so many seconds apart, with a calculator of that clock.
 #[must_use]
-pub fn report(before: &Look, after: &Look, seconds: f64) -> Report {
+pub fn report(before: &Look, after: &Look, seconds: f64, clock_mhz: f64) -> Report {
     let more = |name: &str| after.value(name).wrapping_sub(before.value(name));
     let rate = |name: &str| f64::from(more(name)) / seconds;
     let patches = more("patches");
@@ -140,7 +140,7 @@ pub fn report(before: &Look, after: &Look, seconds: f64) -> Report {
         frames_per_second: rate("picture_frames"),
         screen_frames_per_second: rate("output_frames"),
         late_frames: more("output_late"),
-        busy_share: busy / (seconds * 1e3 * f64::from(CORE_KILOHERTZ)),
+        busy_share: busy / (seconds * 1e6 * clock_mhz),
         cycles_per_patch: (patches > 0).then(|| busy / f64::from(patches)),
         stages: layer_names(after.stages.len()).zip(&after.stages).map(stage).collect(),
         grown: grown.collect(),
@@ -159,7 +159,7 @@ mod tests {
             stages: vec![[40, 1, 2, 3]; 3],
             wrong_windows: [0, 0],
         };
-        let found = report(&look(u32::MAX - 3, 5), &look(4, 11), 2.0);
+        let found = report(&look(u32::MAX - 3, 5), &look(4, 11), 2.0, 200.0);
         assert_eq!((found.frames_per_second, found.stages[2].nonzeros_per_patch), (3.0, 5.0));
         assert_eq!(found.stages[1].layer, "M");
         assert_eq!((look(0, 0).value("status.output_runs"), look(0, 0).value("status.i2c_done")), (1, 0));

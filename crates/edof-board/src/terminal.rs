@@ -93,18 +93,25 @@ fn failed(error: impl ToString) -> Error {
 }
 
 impl Terminal {
-    /// Opens one, and makes a link to it if a path is given, in place of an older link.
+    /// Opens one, and makes a link to it if a path is given, in place of one that leads nowhere.
     ///
     /// # Errors
-    /// The system has none, or something that is no link stands at the path.
+    /// The system has none, or something else stands at the path, such as the link of another board.
     pub fn open(link: Option<&Path>) -> Result<Self, Error> {
         let (ours, theirs) = TTYPort::pair().map_err(failed)?;
         let path = PathBuf::from(theirs.name().ok_or_else(|| failed("it has no name"))?);
         if let Some(link) = link {
             let named = |error: std::io::Error| failed(format!("{}: {error}", link.display()));
-            // A link that was left behind leads to a terminal or nowhere; another one is somebody's.
-            if link.is_symlink() && !link.is_file() && !link.is_dir() {
-                std::fs::remove_file(link).map_err(named)?;
+            match std::fs::read_link(link) {
+                // Left behind: its terminal is gone, or is the one that is ours now.
+                Ok(to) if to == path || !link.exists() => std::fs::remove_file(link).map_err(named)?,
+                Ok(to) => {
+                    let (link, to) = (link.display(), to.display());
+                    return Err(failed(format!(
+                        "{link}: leads to {to}, where another board may answer; end that one, remove the link, or name another path"
+                    )));
+                }
+                Err(_) => {}
             }
             std::os::unix::fs::symlink(&path, link).map_err(named)?;
         }

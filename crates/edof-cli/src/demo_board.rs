@@ -4,9 +4,12 @@ use crate::cosim_system::{self, BESIDES};
 use crate::error::Error;
 use crate::sources::Sources;
 use crate::ui::Ui;
+use edof_device::Design;
+use edof_device::design::FrameSize;
 use edof_golden::{Display, Golden};
-use edof_spec::design::FrameSize;
-use edof_spec::{ColourFrame, Design, FixedNetwork, RawFrame, Tone};
+use edof_image::cable::carried;
+use edof_image::{ColourFrame, RawFrame, Tone};
+use edof_network::FixedNetwork;
 use edof_study::picture::{enlarged, png};
 use edof_study::report::{Figure, Layout, Report};
 use serde_json::{Value, json};
@@ -19,6 +22,8 @@ pub const FOLDER: &str = "board";
 const SIDE: usize = 64;
 /// The same picture is sent so often that it is on the screen once.
 const TIMES: usize = 1 + BESIDES;
+/// What simulates its Verilog.
+const SIMULATOR: &str = "verilator";
 /// Each pixel of the crop is shown so large.
 const ENLARGED: usize = 4;
 
@@ -33,7 +38,9 @@ pub struct Board {
 enum Tried {
     /// The screen showed the golden picture.
     Shown { picture: ColourFrame, seconds: f64 },
-    /// It was not simulated.
+    /// Its circuit was not simulated; the Rust model of it, which computes the same words, shows the picture.
+    Modelled { picture: ColourFrame, why: String },
+    /// It was not tried.
     LeftOut(String),
 }
 
@@ -66,14 +73,7 @@ impl Board {
         self.sources.write(&folder, false)?;
         let (summary, design) = (self.sources.summary(&folder), self.design.name.clone());
         ui.note(&summary);
-        let tried = match self.tried(raw, ui) {
-            Err(error) => {
-                let tool = error.missing_tool().map(str::to_owned);
-                let tool = tool.ok_or(error)?;
-                Tried::LeftOut(format!("{tool} is not installed, so that its Verilog was not simulated"))
-            }
-            Ok(tried) => tried,
-        };
+        let tried = self.tried(raw, ui)?;
         Ok(Told { summary, design, tried })
     }
 
@@ -90,7 +90,12 @@ impl Board {
         let crop = cosim_system::crop(raw, (middle(height), middle(width)), frame)?;
         let (display, start) = (Display::default(), Instant::now());
         let golden = Golden::new(self.network.clone())?;
-        let picture = golden.frame(&crop)?.picture(&display).0.shown_frame();
+        let picture = golden.frame(&carried(&crop))?.picture(&display).0.shown_frame();
+        if let Err(error) = edof_cosim::tool::require(SIMULATOR).map_err(Error::from) {
+            let tool = error.missing_tool().map(str::to_owned).ok_or(error)?;
+            let why = format!("{tool} is not installed, so that its Verilog was not simulated");
+            return Ok(Tried::Modelled { picture, why });
+        }
         let passed = cosim_system::through(&design, &self.network, &display, &vec![crop; TIMES], 1, ui)?;
         if passed.in_a_row() == 0 {
             return Err(Error::message(format!(
@@ -113,6 +118,9 @@ impl Told {
             Tried::Shown { seconds, .. } => format!(
                 "{SIDE}x{SIDE} pixels through its Verilog, from HDMI in through DRAM to HDMI out: every code as golden ({seconds:.0} s)"
             ),
+            Tried::Modelled { why, .. } => {
+                format!("{why}; {SIDE}x{SIDE} pixels through the Rust model, which computes the same words")
+            }
             Tried::LeftOut(why) => why.clone(),
         }
     }
@@ -122,6 +130,9 @@ impl Told {
         match &self.tried {
             Tried::Shown { seconds, .. } => {
                 json!({ "design": self.design, "crop": [SIDE, SIDE], "differences": 0, "seconds": seconds })
+            }
+            Tried::Modelled { why, .. } => {
+                json!({ "design": self.design, "crop": [SIDE, SIDE], "modelled": true, "not_simulated": why })
             }
             Tried::LeftOut(why) => json!({ "design": self.design, "not_simulated": why }),
         }
@@ -138,15 +149,20 @@ impl Told {
             self.summary,
             self.tried()
         ));
-        if let Tried::Shown { picture, .. } = &self.tried {
-            let figure = Figure {
-                title: format!("What the simulated {} shows", self.design),
-                note: format!("the middle {SIDE}×{SIDE} pixels of the coded lens's frame, enlarged"),
-                // Already encoded.
-                picture: png(&enlarged(picture, ENLARGED), Tone::Linear)?,
-            };
-            report.figures(&[figure], Layout::Wide);
-        }
+        let (title, picture) = match &self.tried {
+            Tried::Shown { picture, .. } => (format!("What the simulated {} shows", self.design), picture),
+            Tried::Modelled { picture, .. } => {
+                (format!("What the Rust model of {} shows", self.design), picture)
+            }
+            Tried::LeftOut(_) => return Ok(()),
+        };
+        let figure = Figure {
+            title,
+            note: format!("the middle {SIDE}×{SIDE} pixels of the coded lens's frame, enlarged"),
+            // Already encoded.
+            picture: png(&enlarged(picture, ENLARGED), Tone::Linear)?,
+        };
+        report.figures(&[figure], Layout::Wide);
         Ok(())
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::error::Error;
 use crate::weights;
-use edof_spec::provenance::{Input, InputKind};
-use edof_spec::{Design, FixedNetwork};
+use edof_device::Design;
+use edof_network::FixedNetwork;
+use edof_storage::provenance::{Input, InputKind};
 use std::path::Path;
 
 /// The designs inside the program.

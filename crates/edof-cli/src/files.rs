@@ -1,23 +1,35 @@
 //! The files that a command reads and writes, held against each other before the work begins: no output may replace an
-//! input or another output of the same command, and each must be writable.
+//! input or another output of the same command, each must be writable, and what an earlier run took minutes for stays unless the
+//! user says otherwise.
 
 use crate::error::Error;
 use crate::ui::Ui;
+use crate::weights;
 use edof_io::picture::{self, Format};
-use edof_spec::atomic;
+use edof_storage::atomic;
 use std::path::{Path, PathBuf};
+
+/// Whether results of an earlier run may be replaced: an option of every command that takes minutes.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Force {
+    /// Replace results that are there already
+    #[arg(long)]
+    pub force: bool,
+}
 
 /// Everything that a command is going to read and write.
 pub struct Files {
     read: Vec<PathBuf>,
     written: Vec<(String, PathBuf)>,
+    /// How many of these must not be there yet.
+    new: usize,
 }
 
 impl Files {
     /// Begins with what every command may write: the file of `--json`.
     pub fn new(ui: &Ui) -> Self {
         let json = ui.json_file().map(|file| ("--json".to_owned(), file.to_owned()));
-        Self { read: vec![], written: json.into_iter().collect() }
+        Self { read: vec![], written: json.into_iter().collect(), new: 0 }
     }
 
     /// A file that is read. What names no file, such as a preset, is no danger.
@@ -70,10 +82,16 @@ impl Files {
         names.into_iter().fold(self, |files, name| files.writes(option, folder.join(name)))
     }
 
+    /// Whatever was named to be written until now takes minutes to make: what an earlier run left there stays, unless `force`.
+    pub const fn keeps(mut self, force: Force) -> Self {
+        self.new = if force.force { 0 } else { self.written.len() };
+        self
+    }
+
     /// To be called before anything is computed.
     ///
     /// # Errors
-    /// An output that is also read, or that is two outputs at once, or that cannot be written.
+    /// An output that is also read, or that is two outputs at once, or that cannot be written, or a result that is there already.
     pub fn check(self) -> Result<(), Error> {
         let read: Vec<(&PathBuf, PathBuf)> = self.read.iter().map(|file| (file, canonical(file))).collect();
         let mut seen: Vec<(&str, PathBuf)> = vec![];
@@ -96,8 +114,21 @@ impl Files {
             }
             seen.push((option, place));
         }
+        self.written[..self.new].iter().try_for_each(|(option, file)| is_new(option, file))?;
         self.written.iter().try_for_each(|(_, file)| Ok(atomic::check(file)?))
     }
+}
+
+/// Refuses a result that is there already. An empty file holds nothing that could be lost.
+fn is_new(option: &str, file: &Path) -> Result<(), Error> {
+    if !std::fs::metadata(file).is_ok_and(|what| what.is_file() && what.len() > 0) {
+        return Ok(());
+    }
+    let what = weights::in_words(file).unwrap_or_else(|| "a result of an earlier run".to_owned());
+    let shown = file.display();
+    Err(Error::message(format!(
+        "{option} {shown}: is there already, {what}; name another file, or --force replaces it"
+    )))
 }
 
 /// One name for a file, whatever links lead to it; the file need not be there yet.
@@ -119,7 +150,7 @@ mod tests {
     use super::*;
 
     fn files() -> Files {
-        Files { read: vec![], written: vec![] }
+        Files { read: vec![], written: vec![], new: 0 }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! one of its own; so what the program wrote is told from what a user put there or changed, and only the former is replaced.
 
 use crate::error::Error;
-use edof_spec::atomic;
+use edof_storage::atomic;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,6 +44,14 @@ pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Resu
     }
     let is_new = !out.exists();
     fs::create_dir_all(out).map_err(|e| failed(out, &e))?;
+    // Whoever writes here at the same time would take our unfinished files for a stranger's. Ends with the process.
+    let folder = fs::File::open(out).map_err(|e| failed(out, &e))?;
+    if let Err(fs::TryLockError::WouldBlock) = folder.try_lock() {
+        return Err(Error::message(format!(
+            "--out {}: another edof is writing into it; wait until it ends, or name another folder",
+            out.display()
+        )));
+    }
     let written = replace(out, &files, force);
     if written.is_err() && is_new {
         // Only an empty folder goes.

@@ -1,10 +1,12 @@
 //! Ctrl-C and termination: work polls a flag and leaves its files whole. What does not come to its next look in time is ended
-//! where it is; a second Ctrl-C ends at once. Either way no unfinished file stays.
+//! where it is; a second Ctrl-C ends at once. Either way no unfinished file stays. A file that grows past the system's limit is a failed
+//! write like any other.
 
 use crate::error::Error;
 use crate::ui;
 use edof_cosim::tool;
-use edof_spec::atomic;
+use edof_storage::atomic;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -13,7 +15,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// How long work may take to come to its next look, for instance to write a checkpoint.
 const GRACE: Duration = Duration::from_millis(500);
 
-/// Starts to listen for Ctrl-C and SIGTERM.
+/// Starts to listen for Ctrl-C and SIGTERM, and has a write past the limit for files fail where the system would end the program.
 ///
 /// # Errors
 /// When the system has no signal handler to give.
@@ -27,6 +29,8 @@ pub fn install() -> Result<(), Error> {
             end();
         });
     })?;
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
     Ok(())
 }
 

@@ -1,11 +1,11 @@
 //! The camera that a command is told of, with PSFs of its own in place of its lens's where it is told of any, and depths before it.
 
 use crate::error::Error;
+use edof_camera::Camera;
+use edof_camera::psf_bank::PsfBank;
 use edof_io::photo;
 use edof_optics::bank;
 use edof_optics::depth::psi_at;
-use edof_spec::Camera;
-use edof_spec::psf_bank::PsfBank;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -60,6 +60,18 @@ pub fn read_mask(camera: &mut Camera, folder: &Path) -> Result<(), Error> {
     let Some(map) = &mut camera.height_map else { return Ok(()) };
     let path = folder.join(&map.file);
     Ok(map.take(photo::load_grey(&path)?, path, &camera.name)?)
+}
+
+/// How to come by a network for a camera.
+pub fn how_to_train(camera: &Camera) -> String {
+    let bank = camera.psf_bank.as_ref().map(|bank| format!(" --psf-bank {}", bank.file)).unwrap_or_default();
+    let plain = Camera { psf_bank: None, ..camera.clone() };
+    match Camera::resolve(&camera.name) {
+        Ok(preset) if preset.same_lens(&plain) => {
+            format!("train one by 'edof train --camera {}{bank}'", camera.name)
+        }
+        _ => format!("train one by 'edof train --camera FILE' with the file of the camera {}", camera.name),
+    }
 }
 
 fn folder(file: &Path) -> &Path {

@@ -37,6 +37,8 @@ mod interrupt;
 mod lens;
 mod memory;
 mod npz;
+#[cfg(test)]
+mod pages;
 mod pictures;
 mod provenance;
 mod scene_file;
@@ -130,7 +132,8 @@ fn run() -> Result<(), Error> {
     let matches = command.get_matches_mut();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     interrupt::install()?;
-    let ui = Ui::new(cli.json, cli.quiet, provenance::of_run(&matches, &command));
+    let made = (provenance::of_run(&matches, &command), provenance::whole_command(&matches, &command));
+    let ui = Ui::new(cli.json, cli.quiet, made.0, made.1);
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),

@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::ui::Ui;
+use edof_image::ColourFrame;
 use edof_io::photo;
-use edof_spec::ColourFrame;
 use std::path::Path;
 
 /// Reads a photograph; of an odd side the last row or column is cut off, with a word.

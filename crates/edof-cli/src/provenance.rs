@@ -1,19 +1,21 @@
 //! What the program writes about itself into its results: the command as it was understood, the revision it was built from, the
 //! machine it runs on (docs/decisions/0011-provenance.md).
 
+use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use edof_spec::provenance::{Host, Provenance};
+use edof_storage::provenance::{Host, Provenance};
+use edof_study::journal::{Program, UNKNOWN};
 
 /// Options that no byte of a result depends on: where files lie, how much is told, on how many threads.
-const NOT_IN_RESULTS: [&str; 17] = [
+const NOT_IN_RESULTS: [&str; 18] = [
     "json", "quiet", "out", "images", "report", "sharp", "light", "resume", "threads", "waveform", "junit",
-    "words", "rows", "markdown", "csv", "shard", "plot",
+    "words", "rows", "markdown", "csv", "shard", "plot", "force",
 ];
 
 /// The record of this run, as far as it is known before the work begins.
 pub fn of_run(matches: &ArgMatches, root: &Command) -> Provenance {
     Provenance {
-        command: command(matches, root),
+        command: command(matches, root, Places::LeftOut),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         revision: option_env!("EDOF_REVISION").map(str::to_owned),
         seed: seed(matches),
@@ -22,26 +24,62 @@ pub fn of_run(matches: &ArgMatches, root: &Command) -> Provenance {
     }
 }
 
-/// The command with every option that has a value, defaults written out, in the order of the help.
-fn command(mut matches: &ArgMatches, mut root: &Command) -> String {
+/// The command of this run in full, as pages state it: whoever runs it in the same folder gets the same files.
+pub fn whole_command(matches: &ArgMatches, root: &Command) -> String {
+    command(matches, root, Places::AsGiven)
+}
+
+/// What measures in this run.
+pub fn program() -> Program {
+    Program {
+        revision: option_env!("EDOF_REVISION").unwrap_or(UNKNOWN).to_owned(),
+        compiler: env!("EDOF_COMPILER").to_owned(),
+        host: host(),
+    }
+}
+
+/// What becomes of options that no byte of a result depends on, and of folders.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Places {
+    /// Of paths only the names are left: the same work in another folder is the same work.
+    LeftOut,
+    /// As the user gave them; none that he did not.
+    AsGiven,
+}
+
+/// The command with every option that has a value, defaults written out, in the order of the help. The only place where command lines
+/// are made from a run.
+fn command(mut matches: &ArgMatches, mut root: &Command, places: Places) -> String {
     let mut words = vec!["edof".to_owned()];
     while let Some((name, inner)) = matches.subcommand() {
         let Some(command) = root.find_subcommand(name) else { break };
         words.push(name.to_owned());
         (matches, root) = (inner, command);
     }
-    let arguments = root.get_arguments().filter(|a| !NOT_IN_RESULTS.contains(&a.get_id().as_str()));
+    let is_stated = |argument: &&Arg| {
+        let id = argument.get_id().as_str();
+        let is_given = || {
+            matches!(matches.try_contains_id(id), Ok(true))
+                && matches.value_source(id) == Some(ValueSource::CommandLine)
+        };
+        !NOT_IN_RESULTS.contains(&id) || places == Places::AsGiven && is_given()
+    };
+    let arguments = root.get_arguments().filter(is_stated);
     // Positional arguments first: the command can be run again whatever follows.
     let (first, rest): (Vec<_>, Vec<_>) = arguments.partition(|a| a.is_positional());
-    first.into_iter().chain(rest).for_each(|argument| words.extend(written(argument, matches)));
+    first.into_iter().chain(rest).for_each(|argument| words.extend(written(argument, matches, places)));
     words.join(" ")
 }
 
-fn written(argument: &Arg, matches: &ArgMatches) -> Vec<String> {
+fn written(argument: &Arg, matches: &ArgMatches, places: Places) -> Vec<String> {
     let id = argument.get_id().as_str();
     let values: Vec<String> = match matches.try_get_raw(id) {
         Ok(Some(values)) => values.map(|v| v.to_string_lossy().into_owned()).collect(),
         _ => return vec![],
+    };
+    let stated = |value: &str| match places {
+        Places::LeftOut => file_name(value).to_owned(),
+        Places::AsGiven => value.to_owned(),
     };
     let name = argument.get_long().map(|long| format!("--{long}"));
     match (argument.get_action(), name) {
@@ -53,11 +91,11 @@ fn written(argument: &Arg, matches: &ArgMatches) -> Vec<String> {
             }
         }
         (_, Some(name)) if argument.get_value_delimiter().is_some() => {
-            let names: Vec<&str> = values.iter().map(|v| file_name(v)).collect();
+            let names: Vec<String> = values.iter().map(|v| stated(v)).collect();
             vec![name, quoted(&names.join(","))]
         }
-        (_, Some(name)) => values.iter().flat_map(|v| [name.clone(), quoted(file_name(v))]).collect(),
-        (_, None) => values.iter().map(|v| quoted(file_name(v))).collect(),
+        (_, Some(name)) => values.iter().flat_map(|v| [name.clone(), quoted(&stated(v))]).collect(),
+        (_, None) => values.iter().map(|v| quoted(&stated(v))).collect(),
     }
 }
 
@@ -83,13 +121,16 @@ fn seed(matches: &ArgMatches) -> Option<u64> {
 
 fn host() -> Host {
     let threads = std::thread::available_parallelism().ok().map(usize::from);
-    Host { cpu: cpu().unwrap_or_else(|| std::env::consts::ARCH.to_owned()), isa: isa(), threads }
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let cpu = fact(&text, "model name").unwrap_or(std::env::consts::ARCH).to_owned();
+    let number = |name| fact(&text, name)?.parse().ok();
+    Host { cpu, family: number("cpu family"), model: number("model"), isa: isa(), threads }
 }
 
-fn cpu() -> Option<String> {
-    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
+/// What Linux states of the first CPU under a name.
+fn fact<'a>(text: &'a str, name: &str) -> Option<&'a str> {
+    let mut facts = text.lines().filter_map(|line| line.split_once(':'));
+    facts.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim())
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -148,6 +189,33 @@ mod tests {
         ]);
         assert_eq!(one.command, two.command);
         assert_eq!(one.identity(), two.identity());
+    }
+
+    #[test]
+    fn the_command_of_a_page_has_every_path_as_it_was_given() {
+        let root = crate::Cli::command();
+        let line =
+            "edof study single-depth --rows some/rows.jsonl --nets my/a.safetensors,b --markdown p.md -q";
+        let words: Vec<&str> = line.split(' ').collect();
+        let mut built = root.clone();
+        let matches = built.try_get_matches_from_mut(&words).unwrap();
+        let whole = whole_command(&matches, &built);
+        for part in
+            ["--rows some/rows.jsonl", "--nets my/a.safetensors,b", "--markdown p.md", "--psi 8", "--quiet"]
+        {
+            assert!(whole.contains(part), "{whole}");
+        }
+        assert!(!whole.contains("--report") && !whole.contains("--shard"), "{whole}");
+        let again: Vec<&str> = whole.split(' ').collect();
+        let matches = built.try_get_matches_from_mut(&again).unwrap();
+        assert_eq!(whole_command(&matches, &built), whole);
+    }
+
+    #[test]
+    fn a_cpu_is_known_by_its_numbers_and_not_by_its_name_alone() {
+        let text = "processor\t: 0\ncpu family\t: 25\nmodel\t\t: 17\nmodel name\t: AMD EPYC\n";
+        let all = ["cpu family", "model", "model name", "bugs"].map(|name| fact(text, name));
+        assert_eq!(all, [Some("25"), Some("17"), Some("AMD EPYC"), None]);
     }
 
     #[test]

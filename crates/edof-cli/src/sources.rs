@@ -4,14 +4,15 @@ use crate::designs;
 use crate::error::Error;
 use crate::folder::{self, Contents};
 use edof_cosim::system::{self, TableWords};
+use edof_device::Design;
+use edof_device::registers::identity;
 use edof_golden::display::Display;
 use edof_golden::scalar;
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705};
-use edof_spec::draw::Draw;
-use edof_spec::registers::identity;
-use edof_spec::{Design, FixedNetwork};
+use edof_image::draw::Draw;
+use edof_network::FixedNetwork;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -70,9 +71,10 @@ impl Sources {
     pub fn summary(&self, out: &Path) -> String {
         let [modules, bytes, images] = self.counts;
         format!(
-            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images",
+            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator on the memory's {} MHz",
             out.display(),
-            bytes / 1000
+            bytes / 1000,
+            edof_device::board::CORE_KILOHERTZ / 1000
         )
     }
 }

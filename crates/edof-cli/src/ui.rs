@@ -1,7 +1,9 @@
 //! What the user sees: results on standard output (text, or JSON where asked), progress and remarks on standard error.
 
 use crate::error::Error;
-use edof_spec::provenance::{Input, Provenance};
+use edof_storage::provenance::{Input, Provenance};
+use edof_study::journal::Maker;
+use edof_study::made::Made;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Display;
@@ -26,12 +28,14 @@ pub struct Ui {
     json: Option<PathBuf>,
     quiet: bool,
     provenance: Mutex<Provenance>,
+    /// The command in full.
+    command: String,
 }
 
 impl Ui {
     /// `json` is the value of `--json`: a file, or `-` for standard output.
-    pub const fn new(json: Option<PathBuf>, quiet: bool, provenance: Provenance) -> Self {
-        Self { json, quiet, provenance: Mutex::new(provenance) }
+    pub const fn new(json: Option<PathBuf>, quiet: bool, provenance: Provenance, command: String) -> Self {
+        Self { json, quiet, provenance: Mutex::new(provenance), command }
     }
 
     /// The file that results go to as data, if they go to one.
@@ -50,6 +54,16 @@ impl Ui {
     /// How the results came to be, with all inputs noted so far.
     pub fn provenance(&self) -> Provenance {
         self.provenance.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// How a page of this run was made, with the programs that measured its rows.
+    pub fn made(&self, makers: Vec<Maker>) -> Made {
+        Made { command: self.command.clone(), makers }
+    }
+
+    /// How a page was made whose every number this run measured itself.
+    pub fn made_here(&self) -> Made {
+        self.made(vec![Maker::Program(crate::provenance::program())])
     }
 
     /// A command as reports state it: with the program that ran it, where and on which day, as a shell's remark.
@@ -94,7 +108,7 @@ impl Ui {
             out.write_all(text.as_bytes())?;
             out.flush()?;
         } else {
-            edof_spec::atomic::write(path, text.as_bytes())?;
+            edof_storage::atomic::write(path, text.as_bytes())?;
         }
         Ok(())
     }

@@ -6,11 +6,13 @@
 //! from every directory, and a newly trained one takes precedence where it lies.
 
 use crate::error::Error;
-use crate::lens;
-use edof_spec::fixed_network::FixedNetwork;
-use edof_spec::network::Network;
-use edof_spec::provenance::{Input, InputKind};
-use edof_spec::{Camera, Tone, weight_file};
+use crate::{form, lens};
+use edof_camera::Camera;
+use edof_image::Tone;
+use edof_network::fixed_network::FixedNetwork;
+use edof_network::network::Network;
+use edof_network::weight_file;
+use edof_storage::provenance::{Input, InputKind};
 use std::path::{Path, PathBuf};
 
 /// File name and bytes of the networks inside the program.
@@ -96,6 +98,19 @@ pub fn float_file(name_or_path: &str) -> Option<PathBuf> {
 /// The file that [`fixed`] reads, where the network is not inside the program.
 pub fn fixed_file(name_or_path: &str) -> Option<PathBuf> {
     places(name_or_path, ".fixed.safetensors").into_iter().find(|path| path.is_file())
+}
+
+/// What network a file holds, for whoever must not lose it.
+pub fn in_words(file: &Path) -> Option<String> {
+    let bytes = std::fs::read(file).ok()?;
+    let float = weight_file::parse_network(bytes.clone(), file).map(|network| (network.form, network.origin));
+    let fixed = || weight_file::parse_fixed(bytes, file).map(|network| (network.form, network.origin));
+    let (form, origin) = float.or_else(|_| fixed()).ok()?;
+    let trained = match origin.patches {
+        0 => "untrained".to_owned(),
+        _ => format!("{:.2} dB on validation", origin.validation_db),
+    };
+    Some(format!("the network {} ({}), {trained}", origin.name, form::words(&form)))
 }
 
 /// Where a network may lie: a file of that name, or one under `weights/`.

@@ -11,11 +11,12 @@ use edof_cosim::Source;
 use edof_cosim::chain::device::{Beat, Inputs};
 use edof_cosim::chain::second::rows;
 use edof_cosim::verilator::{Library, Model, Options, Start, Unknowns};
+use edof_device::Design;
+use edof_device::design::memory::Set;
 use edof_golden::cycle::{Cycle, Patch};
 use edof_hdl::project;
-use edof_spec::design::memory::Set;
-use edof_spec::draw::Draw;
-use edof_spec::{Design, FixedNetwork, weight_file};
+use edof_image::draw::Draw;
+use edof_network::{FixedNetwork, weight_file};
 use std::path::Path;
 
 /// Patches of a round.

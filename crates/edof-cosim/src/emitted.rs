@@ -2,7 +2,8 @@
 
 use crate::{Direction, Error, Port, Source};
 use edof_hdl::describe::Circuit;
-use edof_hdl::project::{LEAVES, Project};
+use edof_hdl::leaves::LEAVES;
+use edof_hdl::project::Project;
 use edof_hdl::verilog::{self, EmitError, Emitted};
 use std::collections::BTreeMap;
 

@@ -35,6 +35,9 @@ pub enum Error {
     /// A file could not be read or written.
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: std::io::Error },
+    /// A router, or what it needs, is missing.
+    #[error("{0}")]
+    Router(String),
     /// A simulator or a synthesizer gave something that we cannot read.
     #[error("{tool} gave something unexpected: {problem}")]
     Output { tool: String, problem: String },

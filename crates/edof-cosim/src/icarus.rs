@@ -3,7 +3,7 @@
 use crate::error::{Error, at};
 use crate::rows::{Layout, Rows, Slot, mask};
 use crate::{Source, tool, work};
-use edof_spec::atomic::WorkFolder;
+use edof_storage::atomic::WorkFolder;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;

@@ -29,6 +29,14 @@ pub fn output(command: &mut Command) -> Result<Output, Error> {
     })
 }
 
+/// Whether a program can be run at all.
+///
+/// # Errors
+/// [`Error::ToolMissing`].
+pub fn require(tool: &str) -> Result<(), Error> {
+    output(command(tool, Path::new(".")).arg("--version")).map(drop)
+}
+
 /// Runs in a process group of its own, so that [`stop_all`] reaches what the program starts itself, too.
 fn to_the_end(command: &mut Command) -> std::io::Result<Output> {
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
@@ -97,6 +105,8 @@ mod tests {
         let text = "edof-no-such-program not found: install it by `source scripts/prepare.sh; \
                     need_simulators` (a Debian package)";
         assert_eq!(error.to_string(), text);
+        assert_eq!(require("edof-no-such-program").unwrap_err().to_string(), text);
+        require("sh").unwrap();
     }
 
     #[test]

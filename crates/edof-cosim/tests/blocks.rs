@@ -2,6 +2,9 @@
 
 use crate::common::{committed, networks};
 use crate::differential::{agree, agree_with_images, bit, ported, word};
+use edof_device::Design;
+use edof_device::design::memory::{self, Shifts, Space};
+use edof_device::design::reading;
 use edof_hdl::blocks::add::Add;
 use edof_hdl::blocks::base_ring::BaseRing;
 use edof_hdl::blocks::counters::Counters;
@@ -24,11 +27,9 @@ use edof_hdl::blocks::shrink::Shrink;
 use edof_hdl::blocks::stage::Stage;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
-use edof_spec::design::memory::{self, Shifts, Space};
-use edof_spec::design::reading;
-use edof_spec::draw::Draw;
-use edof_spec::network::{Recurrence, Shrinkage};
-use edof_spec::{Design, FixedNetwork};
+use edof_image::draw::Draw;
+use edof_network::FixedNetwork;
+use edof_network::network::{Recurrence, Shrinkage};
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
@@ -173,7 +174,7 @@ fn window_guard() {
 fn registers() {
     let shifts = [3, 9].map(|result| Shifts { result, base: 5, code: 2, linear: 7 });
     let text = shifts.map(|shifts| format!("{:05x}\n", shifts.word())).concat();
-    let (image, images) = ("mem/shifts.hex".to_owned(), [("mem/shifts.hex".to_owned(), text)]);
+    let (image, images) = ("mem/shifts.mem".to_owned(), [("mem/shifts.mem".to_owned(), text)]);
     agree_with_images(Registers::new(image, shifts, true), RESET as usize, &[], &images, |b, draw, last| {
         b.reset.next = last.cycle < RESET || draw.whole(0, 100) == 0;
         b.write_enable.next = bit(draw);
@@ -417,9 +418,9 @@ fn ram() {
     let contents: Vec<u64> = (0..24).map(|row| row * 0x01_2345 % 0x1ff_ffff).collect();
     let image: String = contents.iter().map(|word| format!("{word:07x}\n")).collect();
     for shape in [Shape::distributed(24), Shape::block(24), Shape::registered(24)] {
-        let shape = Shape { image: Some("mem/ram.hex".into()), ..shape };
+        let shape = Shape { image: Some("mem/ram.mem".into()), ..shape };
         let top = RamTop::from_parts(RamTopParts { ram: Ram::new(shape, &contents) });
-        let images = [("mem/ram.hex".to_string(), image.clone())];
+        let images = [("mem/ram.mem".to_string(), image.clone())];
         agree_with_images(top, 3, &[], &images, |b, draw, _| {
             b.read_address.next = (draw.whole(0, 23) as u64).into();
             b.write_address.next = (draw.whole(0, 23) as u64).into();

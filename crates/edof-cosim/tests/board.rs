@@ -6,46 +6,56 @@ use edof_golden::{Display, scalar};
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705};
-use edof_spec::draw::Draw;
+use edof_image::draw::Draw;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
 /// A folder of its own, gone afterwards.
-struct Place(tempfile::TempDir);
+pub struct Place(tempfile::TempDir);
 
 impl Place {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 }
 
-/// The sources of `tiny` with a drawn network.
-fn project() -> Kc705 {
-    let design = committed("tiny");
+/// The sources of a design with a drawn network.
+pub fn project(design: &str) -> Kc705 {
+    let design = committed(design);
     let network = edof_random::for_design(&design, 1);
     let display = Display::default();
     let words = TableWords::of(&display);
     let draw = &mut Draw::new(1);
-    let windows: Vec<Vec<i16>> = (0..12).map(|_| edof_random::extreme_window(draw, 64)).collect();
+    let windows: Vec<Vec<i16>> =
+        (0..12).map(|_| edof_random::extreme_window(draw, design.form.window.pixels())).collect();
     let patches = windows.iter().map(|window| scalar::run(&network, window).output).collect();
-    let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
+    let identity = Identity {
+        design_hash: 1,
+        weights_hash: 2,
+        frame: (design.frame.width as u16, design.frame.height as u16),
+    };
     let video = system::recorded(&design, &network, &display).unwrap();
     let recorded = Recorded { windows, patches, video };
     kc705::project(&design, [&network, &network], &identity, &words.tables(), &recorded).unwrap()
 }
 
-/// The same in the folder `out`.
-fn generated(place: &Place) -> PathBuf {
-    static PROJECT: LazyLock<Kc705> = LazyLock::new(project);
+/// The sources of `tiny` in the folder `out`.
+pub fn generated(place: &Place) -> PathBuf {
+    static PROJECT: LazyLock<Kc705> = LazyLock::new(|| project("tiny"));
+    written(place, &PROJECT)
+}
+
+/// Sources in the folder `out`.
+pub fn written(place: &Place, project: &Kc705) -> PathBuf {
     let folder = place.path("out");
-    let verilog = PROJECT.core.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text));
-    let others = PROJECT.core.memory.iter().chain(&PROJECT.files).map(|(path, text)| (path.clone(), text));
+    let verilog = project.core.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text));
+    let others = project.core.memory.iter().chain(&project.files).map(|(path, text)| (path.clone(), text));
     for (path, text) in verilog.chain(others) {
         let path = folder.join(path);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -54,12 +64,12 @@ fn generated(place: &Place) -> PathBuf {
     folder
 }
 
-fn run(program: &str, arguments: &[&str], folder: &Path) -> Output {
+pub fn run(program: &str, arguments: &[&str], folder: &Path) -> Output {
     let program = if program.contains('/') { folder.join(program) } else { program.into() };
     Command::new(program).args(arguments).current_dir(folder).output().unwrap()
 }
 
-fn said(output: &Output) -> String {
+pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
@@ -217,6 +227,26 @@ fn parts(folder: &Path, module: &str) -> Vec<(String, String)> {
 }
 
 #[test]
+fn every_stage_of_the_floorplan_is_in_the_design() {
+    let place = Place::new();
+    let folder = generated(&place);
+    let text = std::fs::read_to_string(folder.join("constraints/floorplan.xdc")).unwrap();
+    let cells: Vec<&str> =
+        text.lines().filter_map(|line| line.split_once("[get_cells {core/")?.1.strip_suffix("}]")).collect();
+    assert_eq!(cells.len(), committed("tiny").stages.len(), "{text}");
+    for path in cells {
+        path.split('/').fold("kc705_core".to_string(), |module, name| {
+            let found = parts(&folder, &module).into_iter().find(|(instance, _)| instance == name);
+            found.unwrap_or_else(|| panic!("{path}: {module} has no part {name}")).1
+        });
+    }
+    assert!(
+        !std::fs::read_to_string(folder.join("build.tcl")).unwrap().contains("floorplan"),
+        "it is optional"
+    );
+}
+
+#[test]
 fn every_limited_crossing_is_in_the_design_and_every_synchroniser_limited() {
     let place = Place::new();
     let folder = generated(&place);
@@ -243,7 +273,7 @@ fn every_limited_crossing_is_in_the_design_and_every_synchroniser_limited() {
         for word in line.split(['{', '}', ' ']).filter(|word| word.starts_with("core/")) {
             let register = word.rsplit('/').find(|part| part.contains("_reg")).unwrap();
             let name = register.split("_reg").next().unwrap();
-            let leaves = ["sync", "reset_sync", "async_fifo", "pulse_sync", "bus_sync"];
+            let leaves = ["sync", "reset_sync", "async_fifo", "pulse_sync", "bus_sync", "clear"];
             let is_there = leaves.iter().any(|leaf| {
                 std::fs::read_to_string(folder.join(format!("rtl/edof_{leaf}.v")))
                     .is_ok_and(|text| text.contains(name))
@@ -251,52 +281,6 @@ fn every_limited_crossing_is_in_the_design_and_every_synchroniser_limited() {
             assert!(is_there, "{line}");
         }
     }
-}
-
-/// Runs build.tcl with Vivado's commands stubbed; gives what it said, and the commands.
-fn build(folder: &Path, slack: &str) -> (Output, String) {
-    let stubs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sim/vivado/commands.tcl");
-    let script = folder.join("run.tcl");
-    let text = format!("source {}\nsource {}\n", stubs.display(), folder.join("build.tcl").display());
-    std::fs::write(&script, text).unwrap();
-    let log = folder.join("commands.log");
-    let mut tclsh = Command::new("tclsh");
-    let output =
-        tclsh.arg(&script).current_dir("/").env("COMMANDS", &log).env("SLACK", slack).output().unwrap();
-    (output, std::fs::read_to_string(&log).unwrap_or_default())
-}
-
-#[test]
-fn the_build_script_runs_to_its_end_and_reads_only_what_is_there() {
-    let place = Place::new();
-    let folder = generated(&place);
-    let (output, commands) = build(&folder, "0.05");
-    assert!(output.status.success(), "{}", said(&output));
-    let steps = [
-        "synth_ip",
-        "read_verilog",
-        "read_mem",
-        "read_xdc",
-        "synth_design",
-        "place_design",
-        "route_design",
-        "write_bitstream",
-    ];
-    let at: Vec<usize> =
-        steps.iter().map(|step| commands.find(step).unwrap_or_else(|| panic!("no {step}"))).collect();
-    assert!(at.is_sorted(), "{commands}");
-    assert!(commands.contains("kc705_top.v") && commands.contains(".hex"));
-    std::fs::remove_file(folder.join("constraints/mig.prj")).unwrap();
-    let (output, _) = build(&folder, "0.05");
-    assert!(!output.status.success() && said(&output).contains("no such file"), "{}", said(&output));
-}
-
-#[test]
-fn the_build_script_fails_on_negative_slack() {
-    let place = Place::new();
-    let (output, commands) = build(&generated(&place), "-0.01");
-    assert!(!output.status.success() && said(&output).contains("below zero"), "{}", said(&output));
-    assert!(!commands.contains("write_bitstream"));
 }
 
 #[test]

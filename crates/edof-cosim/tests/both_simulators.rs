@@ -7,10 +7,10 @@ use edof_cosim::chain::second::{rows, with_random_memories};
 use edof_cosim::chain::verilated::write_images;
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Layout, Source, icarus};
+use edof_device::Design;
 use edof_golden::cycle::Stalls;
 use edof_hdl::project;
-use edof_spec::Design;
-use edof_spec::network::{Recurrence, Shrinkage};
+use edof_network::network::{Recurrence, Shrinkage};
 
 /// Outputs that must be known whenever `valid` is high, and from reset on.
 fn streams(design: &Design) -> Vec<(String, Vec<String>)> {

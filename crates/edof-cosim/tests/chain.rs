@@ -3,13 +3,14 @@
 use crate::common;
 use crate::common::{Recorded, Setup, committed, expect_clean, patches};
 use edof_cosim::chain::Drive;
+use edof_device::Design;
+use edof_device::design::{FrameSize, StageSize};
 use edof_golden::cycle::Stalls;
 use edof_golden::{Counts, scalar};
-use edof_spec::design::{FrameSize, StageSize};
-use edof_spec::draw::Draw;
-use edof_spec::network::Recurrence::{self, Difference, Direct};
-use edof_spec::network::Shrinkage::{self, OneSided, TwoSided};
-use edof_spec::{Design, Stride, Window};
+use edof_image::draw::Draw;
+use edof_image::{Stride, Window};
+use edof_network::network::Recurrence::{self, Difference, Direct};
+use edof_network::network::Shrinkage::{self, OneSided, TwoSided};
 use std::collections::BTreeSet;
 
 /// A design of 16 codes, but for which its stages are 16, 8 or 4 lanes wide, and F 128, 64 or 32.
@@ -30,7 +31,7 @@ impl Small {
         let design = Design {
             name: "small".into(),
             clock_mhz: 100.0,
-            form: edof_spec::network::Form {
+            form: edof_network::network::Form {
                 window: Window::new(self.window).unwrap(),
                 codes: 16,
                 layers: self.stages.len(),

@@ -3,10 +3,10 @@
 use crate::common::{committed, expect_clean, misfits, networks, patches};
 use edof_cosim::chain::simulated::Simulated;
 use edof_cosim::chain::{Beat, Device, Drive, Inputs, Outputs};
+use edof_device::design::memory::{self, Set, Space};
+use edof_device::design::reading;
 use edof_golden::cycle::{Cycle, Stalls};
 use edof_hdl::blocks::chain::Chain;
-use edof_spec::design::memory::{self, Set, Space};
-use edof_spec::design::reading;
 
 #[test]
 fn tiny_agrees_in_every_word_and_cycle() {

@@ -6,12 +6,12 @@ use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
 use edof_hdl::crossing::{BusSync, PixelFifo, PulseSync, ResetSync, Sync};
-use edof_spec::draw::Draw;
+use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
 /// Periods in picoseconds: the board's own, nearly equal ones, and far apart ones.
-const PERIODS: [(u64, u64); 4] = [(6_734, 5_000), (5_000, 6_734), (5_000, 5_001), (21_000, 3_000)];
+pub const PERIODS: [(u64, u64); 4] = [(6_734, 5_000), (5_000, 6_734), (5_000, 5_001), (21_000, 3_000)];
 
 fn source(mut block: impl Circuit) -> Source {
     Source::circuit(&mut block).unwrap()
@@ -92,7 +92,7 @@ fn a_fifo_works_anew_after_a_reset_at_any_moment() {
 }
 
 /// The same design with text of a leaf replaced that is there exactly once.
-fn altered(mut source: Source, file: &str, replace: &[(&str, &str)]) -> Source {
+pub fn altered(mut source: Source, file: &str, replace: &[(&str, &str)]) -> Source {
     let (_, text) = source.files.iter_mut().find(|(name, _)| name == file).unwrap();
     for (from, to) in replace {
         assert_eq!(text.matches(from).count(), 1, "{from}");
@@ -193,14 +193,22 @@ impl Logic for LevelTop {
 }
 
 /// Gives pulses, with a word where the leaf takes one, when it likes; a word that nobody takes changes in the next cycle.
-struct Talker {
+pub struct Talker {
     clock: ClockId,
+    /// Valid, ready, reset.
     ports: [usize; 3],
     word: Option<usize>,
     draw: Draw,
     /// Whether it still gives.
-    talks: bool,
-    taken: Vec<u64>,
+    pub talks: bool,
+    /// What was taken.
+    pub taken: Vec<u64>,
+}
+
+impl Talker {
+    pub fn new(clock: ClockId, ports: [usize; 3], word: Option<usize>, seed: u64) -> Self {
+        Self { clock, ports, word, draw: Draw::new(seed), talks: true, taken: vec![] }
+    }
 }
 
 impl Actor for Talker {
@@ -225,11 +233,19 @@ impl Actor for Talker {
 }
 
 /// Notes what arrives.
-struct Listener {
+pub struct Listener {
     clock: ClockId,
+    /// Arrives, reset.
     ports: [usize; 2],
     word: Option<usize>,
-    came: Vec<u64>,
+    /// What arrived.
+    pub came: Vec<u64>,
+}
+
+impl Listener {
+    pub fn new(clock: ClockId, ports: [usize; 2], word: Option<usize>) -> Self {
+        Self { clock, ports, word, came: vec![] }
+    }
 }
 
 impl Actor for Listener {
@@ -259,9 +275,9 @@ fn through_handshake(source: &Source, offer: &str, periods: (u64, u64), seed: u6
     let to = bench.clock("to_clock_i", periods.1).unwrap();
     let ports = [port(offer), port("ready_o"), port("from_reset_i")];
     let word = source.port("word_i").ok();
-    let mut talker = Talker { clock: from, ports, word, draw: Draw::new(seed), talks: false, taken: vec![] };
+    let mut talker = Talker::new(from, ports, word, seed);
     let (ports, word) = ([port("arrives_o"), port("to_reset_i")], source.port("arrived_o").ok());
-    let mut listener = Listener { clock: to, ports, word, came: vec![] };
+    let mut listener = Listener::new(to, ports, word);
     for (reset, talks, edges) in [(1, true, 200), (0, true, 20_000), (0, false, 300)] {
         bench.set("from_reset_i", reset).unwrap();
         bench.set("to_reset_i", reset).unwrap();

@@ -8,19 +8,22 @@ use edof_cosim::bench::Behaviour;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::chain::device::status_address;
 use edof_cosim::system::{self, Begin, Compiled, Rig, compare, drawn, longest_run};
-use edof_golden::cycle::{Cycle, Patch, Summary};
-use edof_golden::video::figures::{CoreCycles, Periods, figures};
-use edof_golden::{Curve, Display, Golden, windows};
-use edof_spec::design::FrameSize;
-use edof_spec::design::memory::{self, Set, Shifts, Space, TABLES};
-use edof_spec::design::reading::{
+use edof_device::Design;
+use edof_device::design::FrameSize;
+use edof_device::design::memory::{self, Set, Shifts, Space, TABLES};
+use edof_device::design::reading::{
     READ_BACK, READ_REGISTER, ReadBack, TABLE_ROWS, crc, read_back_address, read_command, table_bank,
     table_rows,
 };
-use edof_spec::draw::Draw;
-use edof_spec::registers::map::{self, DISPLAY_TABLES, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
-use edof_spec::video::VideoTiming;
-use edof_spec::{Design, DisplayMode, FixedNetwork, Geometry, RawFrame, Stride, Window};
+use edof_device::registers::map::{self, DISPLAY_TABLES, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
+use edof_device::video::VideoTiming;
+use edof_golden::cycle::{Cycle, Patch, Summary};
+use edof_golden::video::figures::{CoreCycles, Periods, figures};
+use edof_golden::video::video_out::BLACK_PIXEL;
+use edof_golden::{Curve, Display, Golden, windows};
+use edof_image::draw::Draw;
+use edof_image::{DisplayMode, Geometry, RawFrame, Stride, Window};
+use edof_network::FixedNetwork;
 
 fn design(window: usize, stride: usize, (width, height): (usize, usize)) -> Design {
     let mut design = committed("tiny");
@@ -68,9 +71,10 @@ impl Setup {
     }
 }
 
-const ERRORS: [&str; 6] = [
+const ERRORS: [&str; 7] = [
     "input_broken",
     "input_wrong",
+    "input_range",
     "input_overruns",
     "input_write_errors",
     "raw_read_errors",
@@ -151,14 +155,37 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     recovers(&mut rig, "clock");
     assert_eq!(rig.register("status").unwrap() & 0b110, 0b110);
 
-    // Errors of the memory: told, and a word that was read with an error is the right one in this memory, so pictures stay whole.
-    rig.memory.behaviour.errors = 100;
+    // Raw words that are read with an error, inverted: no picture is made of them. Bursts that are not written: no picture either.
+    rig.memory.behaviour.read_errors = [100, 0];
+    let sent = rig.camera.frame;
+    rig.send(sent + 3).unwrap();
+    assert!(rig.register("raw_read_errors").unwrap() > 0 && rig.register("picture_broken").unwrap() > 0);
+    rig.memory.behaviour.read_errors = [0; 2];
+    rig.memory.behaviour.errors = 600;
     let sent = rig.camera.frame;
     rig.send(sent + 2).unwrap();
     rig.memory.behaviour.errors = 0;
-    let told = ["input_write_errors", "raw_read_errors", "picture_write_errors", "output_read_errors"];
+    let told = ["input_write_errors", "picture_write_errors"];
     assert!(told.iter().map(|name| rig.register(name).unwrap()).sum::<u32>() > 0);
     recovers(&mut rig, "errors");
+
+    // Words of a picture that are read with an error, inverted: black from there on.
+    rig.memory.behaviour.read_errors = [0, 40];
+    let before = rig.screen.frames.len();
+    rig.show(6).unwrap();
+    assert!(rig.register("output_read_errors").unwrap() > 0);
+    rig.memory.behaviour.read_errors = [0; 2];
+    rig.show(2).unwrap();
+    let cut = |(_, frame): &(u64, Vec<u16>)| {
+        let is_cut = |picture: &Vec<u16>| {
+            let good = frame.iter().zip(picture).take_while(|(shown, made)| shown == made).count();
+            frame[good..].iter().all(|pixel| *pixel == BLACK_PIXEL)
+        };
+        pictures.iter().any(is_cut)
+    };
+    assert!(rig.screen.frames.split_off(before).iter().all(cut), "a word with an error is shown");
+    rig.shown_at.truncate(before);
+    recovers(&mut rig, "errors on the way to the screen");
 
     // Frames of another size: the last picture stays.
     let wrong = FrameSize { width: 32, height: 16, ..setup.design.frame };
@@ -172,10 +199,14 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     rig.send(1).unwrap();
     recovers(&mut rig, "size");
 
-    // A reset.
-    rig.steps(draw.whole(1, 10_000) as usize).unwrap();
-    rig.reset().unwrap();
-    recovers(&mut rig, "reset");
+    // Resets at any moment, the memory alive: in the middle of bursts, and with words in flight that come thousands of cycles later.
+    for behaviour in [Behaviour::hard(1), Behaviour::starving(2), Behaviour::starving(3)] {
+        rig.memory.behaviour = behaviour;
+        rig.steps(draw.whole(1, 10_000) as usize).unwrap();
+        rig.reset().unwrap();
+        rig.memory.behaviour = Behaviour::hard(4);
+        recovers(&mut rig, "reset");
+    }
 }
 
 /// What stage 1 reads back of a register, as the host sees it.

@@ -48,7 +48,7 @@ impl Logic for Stone {
         self.data.connect();
     }
     fn hdl(&self) -> Verilog {
-        Leaf::new("stone").source(STONE).port("clock_i", "clock").port("data_o", "data").verilog()
+        Leaf::new("stone", STONE).port("clock_i", "clock").port("data_o", "data").verilog()
     }
 }
 

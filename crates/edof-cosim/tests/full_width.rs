@@ -3,13 +3,13 @@
 use crate::common::traffic::{Traffic, cycle, reset, write};
 use crate::common::{Setup, committed, expect_clean, patches, root};
 use edof_cosim::chain::{Drive, Inputs};
+use edof_device::design::StagePlan;
+use edof_device::design::memory::{self, Space};
+use edof_device::design::reading::{READ_REGISTER, ReadBack, crc, read_back_address, read_command};
+use edof_device::design::timing::{READ_LATENCY, READ_PERIOD};
 use edof_golden::cycle::Stalls;
-use edof_spec::design::StagePlan;
-use edof_spec::design::memory::{self, Space};
-use edof_spec::design::reading::{READ_REGISTER, ReadBack, crc, read_back_address, read_command};
-use edof_spec::design::timing::{READ_LATENCY, READ_PERIOD};
-use edof_spec::draw::Draw;
-use edof_spec::weight_file;
+use edof_image::draw::Draw;
+use edof_network::weight_file;
 use std::collections::BTreeSet;
 
 /// The design with a trained network in one set and an extreme one in the other: one setup of each, whose simulation takes a minute to compile.

@@ -6,16 +6,16 @@ use edof_cosim::bench::axi_lite::{Access, Answer};
 use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace, Serial};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
-use edof_hdl::board::{BoardRegisters, Identity, UartBus};
-use edof_hdl::ports::AxiLiteMaster;
-use edof_spec::Design;
-use edof_spec::design::memory::{self, Set};
-use edof_spec::draw::Draw;
-use edof_spec::registers::map::{
+use edof_device::Design;
+use edof_device::design::memory::{self, Set};
+use edof_device::registers::map::{
     self, CONTROL, DISPLAY_TABLES, PROTECTION, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS, checked,
     register,
 };
-use edof_spec::registers::{self, Window};
+use edof_device::registers::{self, Window};
+use edof_hdl::board::{BoardRegisters, Identity, UartBus};
+use edof_hdl::ports::AxiLiteMaster;
+use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 use std::collections::BTreeMap;
@@ -319,7 +319,15 @@ impl Logic for Line {
         self.registers.table_ready.next = true;
         self.registers.stage_counter.next = 0.into();
         self.registers.status.next = 0.into();
-        self.registers.i2c.next = 0.into();
+        self.registers.i2c_board.next = 0.into();
+        self.registers.i2c_card.next = 0.into();
+        self.registers.receiver.next = 0.into();
+        self.registers.receiver_size.next = 0.into();
+        self.registers.receiver_format.next = 0.into();
+        self.registers.transmitter.next = 0.into();
+        self.registers.input_codes.next = 0.into();
+        self.registers.input_malformed.next = 0.into();
+        self.registers.chip_answer.next = 0.into();
         self.registers.input_size.next = 0.into();
         self.registers.input_frames.next = 0.into();
         self.registers.input_broken.next = 0.into();
@@ -342,6 +350,7 @@ impl Logic for Line {
         self.registers.output_read_errors.next = 0.into();
         self.registers.output_underruns.next = 0.into();
         self.registers.uart_broken.next = 0.into();
+        self.registers.input_range.next = 0.into();
     }
 }
 

@@ -78,7 +78,7 @@ fn each_memory_itself_says_that_its_image_is_missing() {
     let rtl = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rtl");
     for memory in ["edof_ram", "edof_table", "edof_start"] {
         let bench =
-            format!("module bench;\n{memory} #(.INIT(\"no.hex\")) dut (.clock_i(1'b0));\nendmodule\n");
+            format!("module bench;\n{memory} #(.INIT(\"no.mem\")) dut (.clock_i(1'b0));\nendmodule\n");
         std::fs::write(place.path().join("bench.v"), bench).unwrap();
         let file = rtl.join(format!("{memory}.v"));
         let mut compile = Command::new("iverilog");
@@ -87,7 +87,7 @@ fn each_memory_itself_says_that_its_image_is_missing() {
         let run = Command::new("vvp").current_dir(place.path()).args(["-n", "bench.vvp"]).output().unwrap();
         let said = String::from_utf8(run.stdout).unwrap();
         assert!(
-            !run.status.success() && said.contains("bench.dut: memory image ./no.hex cannot be read"),
+            !run.status.success() && said.contains("bench.dut: memory image ./mem/no.mem cannot be read"),
             "{said}"
         );
     }

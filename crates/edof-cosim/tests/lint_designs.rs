@@ -2,8 +2,9 @@
 
 use crate::common::{committed, root};
 use edof_cosim::{Source, lint};
+use edof_device::Design;
 use edof_hdl::project;
-use edof_spec::{Design, FixedNetwork, weight_file};
+use edof_network::{FixedNetwork, weight_file};
 
 #[track_caller]
 fn is_clean(design: &Design, network: &FixedNetwork) {

@@ -2,13 +2,13 @@
 //! seen to be broken, whatever happens to the cable.
 
 use crate::streams::{Bench, Compiled};
+use edof_device::design::FrameSize;
+use edof_device::video::{Axis, VideoTiming};
 use edof_golden::video::{Pins, VideoIn as InModel, VideoOut as OutModel};
 use edof_hdl::video::video_in::VideoIn;
 use edof_hdl::video::video_out::VideoOut;
-use edof_spec::Stride;
-use edof_spec::design::FrameSize;
-use edof_spec::draw::Draw;
-use edof_spec::video::{Axis, VideoTiming};
+use edof_image::Stride;
+use edof_image::draw::Draw;
 
 const FRAME: FrameSize = FrameSize { width: 18, height: 12, stride: Stride::PATCH };
 const PATIENCE: u32 = 3_000;
@@ -22,6 +22,12 @@ fn timing(width: usize, height: usize) -> VideoTiming {
     }
 }
 
+/// Codes of luma (below) and chroma that carry a word's upper and lower seven bits, and the word: docs/contract.md, 1.1.
+fn carrier(draw: &mut Draw) -> (u16, u16) {
+    let [luma, chroma] = [(); 2].map(|()| draw.whole(0, 127) as u16);
+    ((chroma + 64) * 256 + luma + 64, luma * 512 + chroma * 4)
+}
+
 /// A frame of random pixels as a transmitter sends it, its syncs positive or negative pulses.
 fn sent(draw: &mut Draw, timing: VideoTiming, negative: bool) -> (Vec<Pins>, Vec<u16>) {
     let (line, frame) = (timing.line, timing.frame);
@@ -29,9 +35,11 @@ fn sent(draw: &mut Draw, timing: VideoTiming, negative: bool) -> (Vec<Pins>, Vec
     for row in 0..frame.total() {
         for column in 0..line.total() {
             let de = row < frame.active && column < line.active;
-            let data = draw.bits() as u16;
+            let mut data = draw.bits() as u16;
             if de {
-                pixels.push(data.swap_bytes());
+                let (codes, word) = carrier(draw);
+                data = codes;
+                pixels.push(word);
             }
             // A vertical sync begins with a horizontal one.
             let vertical = if column < line.active + line.front { row.wrapping_sub(1) } else { row };
@@ -119,6 +127,7 @@ impl Receiver {
             "fits_o",
             "right_frames_o",
             "wrong_frames_o",
+            "range_frames_o",
             "overruns_o",
         ]
         .map(|port| self.bench.peek(port));
@@ -131,6 +140,7 @@ impl Receiver {
             measured.fits.into(),
             measured.right_frames,
             measured.wrong_frames,
+            measured.range_frames,
             measured.overruns,
         ];
         assert_eq!(found, expected);
@@ -180,6 +190,40 @@ fn another_resolution_is_told_and_gives_no_frame() {
         assert_eq!(receiver.frames.whole, [before, after], "{width}x{height}");
         assert!(receiver.model.measured().fits);
     }
+}
+
+#[test]
+fn a_frame_with_a_code_that_carries_nothing_is_counted_and_never_comes_whole() {
+    let mut receiver = Receiver::new(11, 16);
+    let draw = &mut Draw::new(12);
+    let mut whole = vec![];
+    let pixels: Vec<usize> = sent(draw, timing(18, 12), false)
+        .0
+        .iter()
+        .enumerate()
+        .filter(|(_, pins)| pins.de)
+        .map(|(i, _)| i)
+        .collect();
+    // The first pixel, the last one, and some between; on luma and on chroma; just outside of the range, and at the ends of a byte.
+    let strays =
+        [(0, 63, 0), (pixels.len() - 1, 192, 8), (17, 0, 0), (18, 255, 8), (100, 16, 8), (215, 235, 0)];
+    receiver.send(&sent(draw, timing(18, 12), false).0);
+    for (count, (place, code, shift)) in strays.into_iter().enumerate() {
+        let (mut pins, _) = sent(draw, timing(18, 12), false);
+        let data = &mut pins[pixels[place]].data;
+        *data = *data & !(0xff << shift) | code << shift;
+        receiver.send(&pins);
+        let measured = receiver.model.measured();
+        // Its size is right nevertheless.
+        assert_eq!(
+            (measured.range_frames, measured.fits, measured.wrong_frames),
+            (count as u64 + 1, true, 0)
+        );
+        let (pins, frame) = sent(draw, timing(18, 12), false);
+        receiver.send(&pins);
+        whole.push(frame);
+    }
+    assert_eq!(receiver.frames.whole, whole);
 }
 
 #[test]

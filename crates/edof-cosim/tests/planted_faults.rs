@@ -2,9 +2,9 @@
 
 use crate::common::{Setup, committed, moderate, patches};
 use edof_cosim::chain::{Difference, Drive, Fault};
+use edof_device::design::memory::{self, Shifts};
 use edof_golden::cycle::Stalls;
 use edof_hdl::project::Project;
-use edof_spec::design::memory::{self, Shifts};
 
 /// `tiny` after `plant`: the first difference in 60 patches, if there is one.
 fn first_difference(plant: impl FnOnce(Project) -> Project) -> Option<Difference> {

@@ -5,11 +5,11 @@ use crate::common::committed;
 use crate::timing::of_stages;
 use edof_cosim::system;
 use edof_cosim::yosys::Cells;
+use edof_device::Design;
+use edof_device::design::{FrameSize, StageSize};
 use edof_golden::Display;
 use edof_hdl::resources::{Resources, XC7K325T, stages};
-use edof_spec::Design;
-use edof_spec::design::{FrameSize, StageSize};
-use edof_spec::network::{Form, Recurrence};
+use edof_network::network::{Form, Recurrence};
 
 /// What of a stage is not as estimated: exactly, or within 15 %.
 fn differences(name: &str, estimated: &Resources, measured: &Cells) -> Vec<String> {

@@ -3,19 +3,23 @@
 
 use crate::common::{committed, networks, root};
 use crate::support;
+use edof_board::diagnosis::findings;
 use edof_board::dry_run::plan;
 use edof_board::faulty::{Fault, Faulty, Resettable};
 use edof_board::link::PATIENCE;
 use edof_board::load::Job;
 use edof_board::simulated::Shown;
 use edof_board::{Board, Error, Simulated};
+use edof_chips::{Eye, Imageon};
 use edof_cosim::system::{self, Speed, VerilogBoard};
+use edof_device::Design;
+use edof_device::design::FrameSize;
+use edof_device::design::memory::Set;
+use edof_device::registers::map;
 use edof_golden::{Curve, Display, Golden};
-use edof_spec::design::FrameSize;
-use edof_spec::design::memory::Set;
-use edof_spec::draw::Draw;
-use edof_spec::registers::map;
-use edof_spec::{Design, DisplayMode, FixedNetwork, RawFrame, Stride, Window, weight_file};
+use edof_image::draw::Draw;
+use edof_image::{DisplayMode, RawFrame, Stride, Window};
+use edof_network::{FixedNetwork, weight_file};
 
 /// A simulated board of either kind.
 trait Kind: Resettable {
@@ -28,6 +32,8 @@ trait Kind: Resettable {
     fn bytes(&self) -> [u64; 2];
     /// Of its time.
     fn seconds(&self) -> f64;
+    /// The card that its receiver is on.
+    fn card(&mut self) -> &mut Imageon;
 }
 
 impl Kind for Simulated {
@@ -54,6 +60,10 @@ impl Kind for Simulated {
     fn seconds(&self) -> f64 {
         self.now() as f64 * 1e-9
     }
+
+    fn card(&mut self) -> &mut Imageon {
+        self.chips().card()
+    }
 }
 
 impl Kind for VerilogBoard {
@@ -75,6 +85,10 @@ impl Kind for VerilogBoard {
 
     fn seconds(&self) -> f64 {
         Self::seconds(self)
+    }
+
+    fn card(&mut self) -> &mut Imageon {
+        &mut self.chips().card
     }
 }
 
@@ -223,6 +237,51 @@ fn faults_do_no_harm<K: Kind>(setup: &Setup, start: impl Fn(u64) -> K, seeds: st
     println!("seeds {seeds:?}: no fault was lost, no picture mixed");
 }
 
+/// The host waits until a register is so.
+fn wait<K: Kind>(board: &mut K, name: &str, value: u32) {
+    for _ in 0..2_000 {
+        if open(board).get(name.parse().unwrap()).unwrap() == value {
+            return;
+        }
+        board.show(1);
+    }
+    panic!("{name} never is {value}");
+}
+
+/// Set-up, what is missing in words, and the receiver's clock where it samples well.
+fn the_receiver_is_set_up_and_aligned<K: Kind>(mut board: K, seeds: std::ops::Range<u64>) {
+    wait(&mut board, "status.i2c_done", 1);
+    for seed in seeds {
+        let eye = Eye::drawn(seed);
+        board.card().set_eye(eye.clone());
+        let alignment = open(&mut board).align(30, &mut |_| true).unwrap();
+        let chosen = (alignment.window.is_inverted, usize::from(alignment.window.middle()));
+        assert!(eye.is_open(chosen.0, chosen.1), "{eye:?}: {chosen:?}");
+        assert_eq!(board.card().receiver().clock_phase(), chosen);
+    }
+    board.card().faults().remove(0x4c);
+    wait(&mut board, "status.i2c_failed", 1);
+    let look = open(&mut board).look(2).unwrap();
+    let of_receiver = findings(&look).into_iter().find(|finding| finding.about == "receiver").unwrap();
+    assert!(
+        !of_receiver.is_good && of_receiver.text.contains("chip 0x4c does not acknowledge"),
+        "{of_receiver:?}"
+    );
+    board.card().faults().restore(0x4c);
+    wait(&mut board, "status.i2c_failed", 0);
+}
+
+#[test]
+#[ignore = "a minute: scripts/soak.sh"]
+fn the_receiver_of_the_circuit_is_set_up_and_aligned() {
+    the_receiver_is_set_up_and_aligned(Setup::tiny(FAST).in_verilog(5), 1..2);
+}
+
+#[test]
+fn the_receiver_of_the_model_is_set_up_and_aligned() {
+    the_receiver_is_set_up_and_aligned(Setup::tiny(FAST).in_rust(), 1..9);
+}
+
 #[test]
 fn faults_do_no_harm_in_the_model() {
     let setup = Setup::tiny(FAST);
@@ -263,7 +322,7 @@ fn what_goes_astray_does_no_harm_in_the_model() {
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn a_load_at_the_boards_own_speed_takes_what_was_told() {
-    let setup = Setup::tiny(edof_spec::board::BAUD);
+    let setup = Setup::tiny(edof_device::board::BAUD);
     a_load_is_seen_whole(&setup, setup.in_verilog(3), &setup.other(9));
 }
 

@@ -5,7 +5,7 @@ use edof_cosim::bench::{Beat, Bench, Pace, Receiver, Sender};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::ports::StreamCut;
-use edof_spec::draw::Draw;
+use edof_image::draw::Draw;
 
 fn source() -> Source {
     Source::circuit(&mut StreamCut::<16>::default()).unwrap()

@@ -3,6 +3,9 @@
 
 use crate::common::committed;
 use crate::differential::{Last, agree, agree_with_images, bit, ported, word};
+use edof_device::Design;
+use edof_device::design::FrameSize;
+use edof_device::video::{Axis, VideoTiming};
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
 use edof_hdl::video::overlap_add::OverlapAdd;
 use edof_hdl::video::patch_pairs::PatchPairs;
@@ -12,10 +15,8 @@ use edof_hdl::video::scale::Scale;
 use edof_hdl::video::video_in::VideoIn;
 use edof_hdl::video::video_out::VideoOut;
 use edof_hdl::video::window_reorder::WindowReorder;
-use edof_spec::design::FrameSize;
-use edof_spec::draw::Draw;
-use edof_spec::video::{Axis, VideoTiming};
-use edof_spec::{Design, Stride};
+use edof_image::Stride;
+use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 

@@ -3,11 +3,11 @@
 use crate::common;
 use crate::common::{Recorded, Setup, committed, expect_clean, for_set, moderate, patches};
 use edof_cosim::chain::{Drive, Outcome};
+use edof_device::Design;
+use edof_device::design::memory::{self, Set};
+use edof_device::design::reading;
 use edof_golden::cycle::Stalls;
-use edof_spec::Design;
-use edof_spec::design::memory::{self, Set};
-use edof_spec::design::reading;
-use edof_spec::network::Recurrence;
+use edof_network::network::Recurrence;
 
 /// The circuit starts with one network in both sets. A second one is written to set 1 while patches of set 0 run; patches of both
 /// sets follow.
@@ -25,7 +25,7 @@ fn written_while_running(design: Design, drive: Drive) -> Outcome {
 }
 
 fn with_rows(design: Design, rows: usize) -> Design {
-    let stages = design.stages.iter().map(|size| edof_spec::design::StageSize { rows, ..*size }).collect();
+    let stages = design.stages.iter().map(|size| edof_device::design::StageSize { rows, ..*size }).collect();
     Design { stages, ..design }
 }
 

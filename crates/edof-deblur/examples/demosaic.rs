@@ -4,7 +4,7 @@
 //! row by row. Out come the red, green and blue planes, row by row.
 
 use edof_deblur::{Directional, Malvar};
-use edof_spec::{CfaPhase, RawFrame, Reconstructor};
+use edof_image::{CfaPhase, RawFrame, Reconstructor};
 use ndarray::Array2;
 use std::error::Error;
 use std::io::{Read, Write};

@@ -1,6 +1,6 @@
 //! Transforms of complex planes and of kernels on them: everything here that deconvolves stands on circular convolution.
 
-use edof_fft::{Complex, Fft, Real};
+use edof_numerics::fft::{Complex, Fft, Real};
 use ndarray::{Array2, ArrayView2, Zip};
 use std::sync::Arc;
 

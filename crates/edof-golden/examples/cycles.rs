@@ -2,10 +2,12 @@
 //!
 //! `cargo run --release -p edof-golden --example cycles -- DESIGN.json NETWORK.fixed.safetensors RAW.png` (RAW.png as for `throughput`)
 
+use edof_device::Design;
+use edof_device::design::memory::Set;
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_golden::windows::Mirrored;
-use edof_spec::design::memory::Set;
-use edof_spec::{CfaPhase, Design, Geometry, RawFrame, weight_file};
+use edof_image::{CfaPhase, Geometry, RawFrame};
+use edof_network::weight_file;
 use ndarray::Array2;
 use std::error::Error;
 use std::path::Path;

@@ -6,8 +6,9 @@
 //! mirroring it at its edges.
 
 use edof_golden::{Display, Golden, Picture};
-use edof_spec::geometry::mirror;
-use edof_spec::{CfaPhase, FixedNetwork, RawFrame, Stride, weight_file};
+use edof_image::geometry::mirror;
+use edof_image::{CfaPhase, RawFrame, Stride};
+use edof_network::{FixedNetwork, weight_file};
 use ndarray::Array2;
 use std::error::Error;
 use std::path::Path;

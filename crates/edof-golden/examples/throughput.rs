@@ -5,7 +5,8 @@
 //! green and blue to OUT.f32. `benches/peers/golden_float.sh` runs it beside the float network.
 
 use edof_golden::{Display, Golden, Picture};
-use edof_spec::{CfaPhase, RawFrame, weight_file};
+use edof_image::{CfaPhase, RawFrame};
+use edof_network::weight_file;
 use ndarray::Array2;
 use std::error::Error;
 use std::path::Path;

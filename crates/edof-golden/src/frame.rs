@@ -6,10 +6,11 @@ use crate::overlap_add::overlap_add;
 use crate::scalar;
 use crate::trace::Counts;
 use crate::windows::window;
-use edof_spec::colour::rgb_from_422;
-use edof_spec::fixed_network::FixedNetworkError;
-use edof_spec::geometry::GeometryError;
-use edof_spec::{ColourFrame, FixedNetwork, Frame422, Geometry, RawFrame};
+use edof_image::colour::rgb_from_422;
+use edof_image::geometry::GeometryError;
+use edof_image::{ColourFrame, Frame422, Geometry, RawFrame};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::FixedNetworkError;
 
 /// The golden pipeline, ready to run frames on all threads.
 #[derive(Debug, Clone)]
@@ -103,7 +104,7 @@ pub fn scalar_frame(network: &FixedNetwork, raw: &RawFrame) -> Result<GoldenFram
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::CfaPhase;
+    use edof_image::CfaPhase;
     use ndarray::Array2;
 
     #[test]

@@ -1,8 +1,8 @@
 //! Light to codes by look-up tables that the host can load: one for luma, one for each colour.
 
-use edof_spec::colour::srgb_encode;
-use edof_spec::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
-use edof_spec::number::OUTPUT_FRACTION;
+use edof_image::colour::srgb_encode;
+use edof_image::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
+use edof_image::number::OUTPUT_FRACTION;
 
 /// Entries of a colour's table.
 const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
@@ -151,7 +151,7 @@ fn check(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::display::WHITE;
+    use edof_image::display::WHITE;
 
     const CURVES: [Curve; 3] = [Curve::Linear, Curve::Srgb, Curve::Bt709];
 

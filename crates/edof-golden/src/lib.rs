@@ -19,9 +19,9 @@
 //!
 //! ```
 //! use edof_golden::{Display, Golden};
-//! use edof_spec::{CfaPhase, RawFrame};
+//! use edof_image::{CfaPhase, RawFrame};
 //! # let network = edof_random::natural(8, 8, 7);
-//! // `network` came out of edof_spec::weight_file::load_fixed.
+//! // `network` came out of edof_network::weight_file::load_fixed.
 //! let raw = RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
 //! let out = Golden::new(network)?.frame(&raw)?;
 //! assert_eq!(out.counts.patches, 4 * 6);

@@ -1,8 +1,9 @@
 //! The golden pipeline as a method that experiments compare.
 
 use crate::frame::Golden;
-use edof_spec::fixed_network::FixedNetworkError;
-use edof_spec::{FixedNetwork, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_image::{RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::FixedNetworkError;
 use std::time::Instant;
 
 /// The fixed-point network under a name.

@@ -1,11 +1,11 @@
 //! The specification: one window through the integer network, one line of code for one line of
-//! [`edof_spec::fixed_network`]. Slow and plain on purpose; [`crate::fast`] must give the same [`Trace`].
+//! [`edof_network::fixed_network`]. Slow and plain on purpose; [`crate::fast`] must give the same [`Trace`].
 
 use crate::trace::{LayerWords, StageCounts, Trace};
-use edof_spec::FixedNetwork;
-use edof_spec::fixed_network::FixedMatrix;
-use edof_spec::network::{Recurrence, Shrinkage};
-use edof_spec::number::{requantize, saturate};
+use edof_image::number::{requantize, saturate};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::FixedMatrix;
+use edof_network::network::{Recurrence, Shrinkage};
 
 /// Bits of an output word.
 const OUTPUT_BITS: u32 = 16;

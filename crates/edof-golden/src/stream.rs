@@ -5,8 +5,8 @@ use crate::frame::{Golden, GoldenFrame};
 use crate::overlap_add::{Band, Lines, empty_frame};
 use crate::trace::Counts;
 use crate::windows::Mirrored;
-use edof_spec::geometry::{GeometryError, PATCH};
-use edof_spec::{CfaPhase, RawFrame};
+use edof_image::geometry::{GeometryError, PATCH};
+use edof_image::{CfaPhase, RawFrame};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -19,7 +19,7 @@ const STRIP: usize = 16;
 ///
 /// ```
 /// use edof_golden::Golden;
-/// use edof_spec::{CfaPhase, RawFrame};
+/// use edof_image::{CfaPhase, RawFrame};
 /// use ndarray::Array2;
 ///
 /// let golden = Golden::new(edof_random::natural(12, 8, 1))?;

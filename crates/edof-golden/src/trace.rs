@@ -1,8 +1,8 @@
 //! What a stage hands to the next, and what its counters say.
 
-use edof_spec::FixedNetwork;
-use edof_spec::colour::OUTPUTS_422;
-use edof_spec::reconstructor::{Counters, Multiplications};
+use edof_image::colour::OUTPUTS_422;
+use edof_image::reconstructor::{Counters, Multiplications};
+use edof_network::FixedNetwork;
 
 /// One patch on its way through the network: the words at every stage boundary.
 #[derive(Debug, Clone, PartialEq, Eq)]

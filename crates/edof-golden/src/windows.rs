@@ -1,8 +1,8 @@
 //! Windows: the input words that a network sees around a patch.
 
-use edof_spec::geometry::mirror;
-use edof_spec::number::input_word;
-use edof_spec::{Geometry, RawFrame};
+use edof_image::geometry::mirror;
+use edof_image::number::input_word;
+use edof_image::{Geometry, RawFrame};
 use std::ops::Range;
 
 /// Input words of the window around patch (`row`, `column`) of a red-first frame, row by row, mirrored at the borders.
@@ -89,7 +89,7 @@ fn copy_block<const SIDE: usize>(words: &[i16], width: usize, out: &mut [i16]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::{CfaPhase, Stride, Window};
+    use edof_image::{CfaPhase, Stride, Window};
     use ndarray::Array2;
 
     #[test]

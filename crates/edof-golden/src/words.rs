@@ -4,8 +4,8 @@ use crate::frame::Golden;
 use crate::scalar::sends_difference;
 use crate::trace::{LayerWords, Trace};
 use crate::windows::Mirrored;
-use edof_spec::RawFrame;
-use edof_spec::geometry::GeometryError;
+use edof_image::RawFrame;
+use edof_image::geometry::GeometryError;
 use ndarray::Array3;
 use rayon::prelude::*;
 
@@ -67,8 +67,8 @@ mod tests {
     use super::*;
     use crate::scalar;
     use crate::windows::window;
-    use edof_spec::network::{Form, Recurrence, Shrinkage};
-    use edof_spec::{CfaPhase, Stride, Window};
+    use edof_image::{CfaPhase, Stride, Window};
+    use edof_network::network::{Form, Recurrence, Shrinkage};
     use ndarray::{Array2, s};
 
     #[test]

@@ -1,14 +1,16 @@
 //! The cycle model: its recurrences against a machine that steps through every cycle, its words against the specification, and
 //! what the committed designs take.
 
+use edof_device::Design;
+use edof_device::design::memory::{Set, Space, address};
+use edof_device::design::reading::{READ_REGISTER, read_command};
+use edof_device::design::{FrameSize, StageSize};
 use edof_golden::cycle::{Cycle, Patch, PatchRun, StallPattern, Stalls, Summary, estimate, stepped};
 use edof_golden::{Trace, scalar};
-use edof_spec::design::memory::{Set, Space, address};
-use edof_spec::design::reading::{READ_REGISTER, read_command};
-use edof_spec::design::{FrameSize, StageSize};
-use edof_spec::draw::Draw;
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::{Design, FixedNetwork, Stride, Window, weight_file};
+use edof_image::draw::Draw;
+use edof_image::{Stride, Window};
+use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_network::{FixedNetwork, weight_file};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 

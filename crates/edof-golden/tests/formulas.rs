@@ -1,9 +1,10 @@
-//! The formulas that the golden pipeline and the circuits both take from `edof-spec`, held to values worked out by hand: were one of
+//! The formulas that the golden pipeline and the circuits both take from `edof-image`, `edof-network` and `edof-device`, held to values worked out by hand: were one of
 //! them wrong, the two would still agree.
 
-use edof_spec::design::memory::Shifts;
-use edof_spec::network::Recurrence;
-use edof_spec::{Design, FixedNetwork};
+use edof_device::Design;
+use edof_device::design::memory::Shifts;
+use edof_network::FixedNetwork;
+use edof_network::network::Recurrence;
 
 fn committed(name: &str) -> Design {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

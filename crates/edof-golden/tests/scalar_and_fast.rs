@@ -3,9 +3,10 @@
 use edof_golden::fast::{Fast, isa::Isa};
 use edof_golden::frame::scalar_frame;
 use edof_golden::{Golden, scalar};
-use edof_spec::draw::Draw;
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::{CfaPhase, FixedNetwork, RawFrame, Stride, Window};
+use edof_image::draw::Draw;
+use edof_image::{CfaPhase, RawFrame, Stride, Window};
+use edof_network::FixedNetwork;
+use edof_network::network::{Form, Recurrence, Shrinkage};
 use ndarray::Array2;
 use proptest::prelude::*;
 

@@ -36,13 +36,13 @@ pub enum GpuError {
     TooManyPixels(usize),
     /// A network that could not run exactly.
     #[error(transparent)]
-    FixedNetwork(#[from] edof_spec::fixed_network::FixedNetworkError),
+    FixedNetwork(#[from] edof_network::fixed_network::FixedNetworkError),
     /// Matrices that do not fit their form.
     #[error(transparent)]
-    Network(#[from] edof_spec::network::NetworkError),
+    Network(#[from] edof_network::network::NetworkError),
     /// A frame that no network can take.
     #[error(transparent)]
-    Geometry(#[from] edof_spec::geometry::GeometryError),
+    Geometry(#[from] edof_image::geometry::GeometryError),
 }
 
 /// A device that kernels can run on.

@@ -4,10 +4,11 @@ use crate::device::{Buffer, Device, GpuError};
 use crate::engine::{COUNTERS, EVEN, Engine, Matrices, OutputShifts, Plane, Room, StageShifts};
 use edof_golden::overlap_add::empty_frame;
 use edof_golden::{Counts, GoldenFrame, LayerWords, StageCounts, Trace};
-use edof_spec::colour::OUTPUTS_422;
-use edof_spec::frame::Frame422;
-use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::{FixedNetwork, Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_image::colour::OUTPUTS_422;
+use edof_image::frame::Frame422;
+use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_image::{Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_network::FixedNetwork;
 use std::time::Instant;
 
 /// Luma, Cb, Cr.
@@ -22,8 +23,8 @@ const PLANES: [Plane; 3] = [
 /// ```
 /// use edof_gpu::{Device, GpuGolden};
 /// # let network = edof_random::natural(8, 8, 7);
-/// # let raw = edof_spec::RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, edof_spec::CfaPhase::Rggb)?;
-/// // `network` came out of edof_spec::weight_file::load_fixed.
+/// # let raw = edof_image::RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, edof_image::CfaPhase::Rggb)?;
+/// // `network` came out of edof_network::weight_file::load_fixed.
 /// if let Ok(device) = Device::open(None) {
 ///     let frame = GpuGolden::new(device, network.clone(), "net.fixed.gpu")?.frame(&raw)?;
 ///     assert_eq!(frame, edof_golden::Golden::new(network)?.frame(&raw)?);

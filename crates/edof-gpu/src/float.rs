@@ -2,13 +2,12 @@
 
 use crate::device::{Device, GpuError};
 use crate::engine::{Engine, Matrices, OutputShifts, Plane, StageShifts};
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::overlap::Overlap;
-use edof_spec::reconstructor::Multiplications;
-use edof_spec::{
-    ColourFrame, Geometry, Network, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride,
-};
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_image::overlap::Overlap;
+use edof_image::reconstructor::Multiplications;
+use edof_image::{ColourFrame, Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride};
+use edof_network::Network;
 use std::time::Instant;
 
 /// Red, green, blue.

@@ -2,11 +2,12 @@
 
 use crate::project::Project;
 use crate::verilog::{Direction, Port};
-use edof_spec::DisplayMode;
-use edof_spec::design::FrameSize;
-use edof_spec::display::{BLACK, CHROMA_ZERO};
-use edof_spec::registers::map;
-use edof_spec::video::VideoTiming;
+use edof_device::design::FrameSize;
+use edof_device::registers::map;
+use edof_device::video::VideoTiming;
+use edof_image::DisplayMode;
+use edof_image::cable;
+use edof_image::display::{BLACK, CHROMA_ZERO};
 
 /// The benches without their numbers: the calculator's, the core's.
 const BENCH: &str = include_str!("../../../project/bench.sv");
@@ -104,7 +105,7 @@ fn calculator_bench(calculator: &Project, recorded: &Recorded) -> Vec<(String, S
     ]
 }
 
-/// The core's bench, its frames as they lie on the bus (the most significant byte on Y, the low half), and its pictures: to be run above
+/// The core's bench, its frames as they lie on the bus (the luma code low, the chroma code high), and its pictures: to be run above
 /// the folders of the core's images.
 #[must_use]
 pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, String)> {
@@ -173,8 +174,9 @@ pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, Stri
         .replace("@black@", &format!("{:02x}{:02x}", CHROMA_ZERO, BLACK))
         .replace("@ports@", &pins(core, value));
     let text = numbers.iter().fold(text, |text, (name, number)| text.replace(name, &number.to_string()));
+    let codes = |pixel: &u16| u16::from_le_bytes(cable::codes(*pixel));
     let on_the_bus: Vec<Vec<u16>> =
-        recorded.frames.iter().map(|frame| frame.iter().map(|pixel| pixel.swap_bytes()).collect()).collect();
+        recorded.frames.iter().map(|frame| frame.iter().map(codes).collect()).collect();
     vec![
         ("sim/core_bench.sv".into(), text),
         (RECORDED[2].into(), lines(&on_the_bus)),

@@ -1,25 +1,27 @@
 //! The KC705 project: everything that Vivado needs to make a bitstream, as text.
 
 use crate::benches::{self, Benches, Recorded};
-use crate::board::{EdofCore, Identity, Kc705Core};
+use crate::board::{EdofCore, Identity, Kc705Core, Pace};
 use crate::crossing::constraints::{self, Period};
+use crate::floorplan;
 use crate::project::{self, Project, ProjectError};
 use crate::verilog::{Crossing, emit};
 use crate::video::display::TABLE_IMAGES;
-use edof_spec::board::{CORE_KILOHERTZ, I2C_IMAGES};
-use edof_spec::design::Design;
-use edof_spec::registers::{c_header, markdown, systemrdl};
-use edof_spec::video::VideoTiming;
-use edof_spec::{FixedNetwork, i2c};
+use edof_device::board::{self, CORE_KILOHERTZ, I2C_IMAGES, MadeClock};
+use edof_device::design::Design;
+use edof_device::i2c;
+use edof_device::registers::{c_header, markdown, systemrdl};
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::Block;
 use std::fmt::Write;
 
-/// The board's own files: pins and clocks, the DRAM controller, the top.
-const BOARD_FILES: [(&str, &str); 4] = [
+/// The board's own files: pins and clocks, the DRAM controller, the top and what it stands on. Numbers between `@` follow from the design.
+const BOARD_FILES: [(&str, &str); 5] = [
     ("constraints/kc705.xdc", include_str!("../../../constraints/kc705.xdc")),
     ("constraints/mig.prj", include_str!("../../../constraints/mig.prj")),
     ("constraints/mig_kc705.v", include_str!("../../../constraints/mig_kc705.v")),
     ("rtl/kc705_top.v", include_str!("../../../rtl/kc705_top.v")),
+    ("rtl/edof_debounce.v", include_str!("../../../rtl/edof_debounce.v")),
 ];
 /// How the project is built.
 const BUILD_FILES: [(&str, &str); 3] = [
@@ -59,22 +61,33 @@ pub fn project(
     tables: &Tables,
     recorded: &Recorded,
 ) -> Result<Kc705, ProjectError> {
+    project::spacious(|| whole(design, sets, identity, tables, recorded))
+}
+
+fn whole(
+    design: &Design,
+    sets: [&FixedNetwork; 2],
+    identity: &Identity,
+    tables: &Tables,
+    recorded: &Recorded,
+) -> Result<Kc705, ProjectError> {
+    let screen = board::screen_clock(design)?;
     let calculator = project::calculator(design, sets)?;
     let small = Design { frame: recorded.video.size, ..design.clone() };
     let tried = bare_core(&small, sets, identity, tables)?;
     let core = EdofCore::new(design, sets, identity, tables.luma, tables.colours)?;
-    let mut top = Kc705Core::new(core);
+    let mut top = Kc705Core::new(core, &Pace::BOARD);
     top.connect_all();
     let crossings = emit(&top)?.crossings;
     let images = project::images(design, sets).into_iter().chain(table_images(tables)).collect();
     let core = project::of_circuit(&mut top, images)?;
     let benches = benches::files(&core, &calculator, &tried, recorded);
-    let mut files = files(design, &core, &crossings, &benches);
+    let mut files = files(design, screen, &core, &crossings, &benches);
     files.extend(benches.files);
     Ok(Kc705 { core, files })
 }
 
-/// The core without images. By itself, since a core is large on the stack.
+/// The core without images.
 fn bare_core(
     design: &Design,
     sets: [&FixedNetwork; 2],
@@ -99,27 +112,30 @@ pub fn table_images(tables: &Tables) -> Vec<(String, String)> {
         });
         (path.to_string(), text)
     });
-    let chips = I2C_IMAGES.iter().zip([i2c::KC705, i2c::IMAGEON]);
-    display.chain(chips.map(|(path, table)| (path.to_string(), i2c::image(table)))).collect()
+    let chips = I2C_IMAGES.iter().zip(i2c::programs());
+    display.chain(chips.map(|(path, program)| (path.to_string(), i2c::image(&program)))).collect()
 }
 
 fn files(
     design: &Design,
+    screen: MadeClock,
     core: &Project,
     crossings: &[Crossing],
     benches: &Benches,
 ) -> Vec<(String, String)> {
-    let screen = VideoTiming::of_frame(design.frame).pixel_khz as f64;
-    let nanoseconds = |kilohertz: f64| 1e6 / kilohertz;
+    let pixel = screen.period_ns();
     let periods = [
-        Period { clock: "clock", nanoseconds: nanoseconds(CORE_KILOHERTZ.into()) },
-        Period { clock: "input_clock", nanoseconds: nanoseconds(screen) },
-        Period { clock: "screen_clock", nanoseconds: nanoseconds(screen) },
+        Period { clock: "clock", nanoseconds: CORE_PERIOD_NS },
+        Period { clock: "input_clock", nanoseconds: pixel },
+        Period { clock: "screen_clock", nanoseconds: pixel },
     ];
-    let fixed =
-        BOARD_FILES.iter().chain(&BUILD_FILES).map(|(path, text)| (path.to_string(), (*text).to_string()));
+    let fixed = BOARD_FILES
+        .iter()
+        .chain(&BUILD_FILES)
+        .map(|(path, text)| (path.to_string(), with_clocks(text, design, screen)));
     let made = [
         ("constraints/crossings.xdc", constraints::lines(crossings, "core", &periods)),
+        ("constraints/floorplan.xdc", floorplan::lines(design, "core/core")),
         ("edof.core", fusesoc(core, benches)),
         ("registers.md", markdown::page()),
         ("registers.h", c_header::header()),
@@ -127,6 +143,41 @@ fn files(
         ("lint.vlt", include_str!("../../../rtl/waivers.vlt").to_string()),
     ];
     fixed.chain(made.map(|(path, text)| (path.to_string(), text))).collect()
+}
+
+/// Period of the clock of memory and host.
+const CORE_PERIOD_NS: f64 = 1e6 / CORE_KILOHERTZ as f64;
+/// Nanoseconds before and after the falling edge of the receiver's clock in which its data change, and the board's share.
+const INPUT_CHANGES_NS: [f64; 2] = [1.367, 1.133];
+
+/// A text with a design's clocks in place of their names.
+fn with_clocks(text: &str, design: &Design, screen: MadeClock) -> String {
+    let mhz = |khz: u64| (khz as f64 / 1e3).to_string();
+    let falls = screen.period_ns() / 2.0;
+    let [before, after] = INPUT_CHANGES_NS;
+    let numbers = [
+        ("core_mhz", mhz(CORE_KILOHERTZ.into())),
+        ("design_mhz", design.clock_mhz.to_string()),
+        ("core_period", format!("{CORE_PERIOD_NS:.3}")),
+        ("input_delay_max", format!("{:.3}", falls + after)),
+        ("input_delay_min", format!("{:.3}", falls - before)),
+    ];
+    let all =
+        numbers.map(|(name, number)| (name.to_owned(), number)).into_iter().chain(figures("screen", screen));
+    all.fold(text.to_owned(), |text, (name, number)| text.replace(&format!("@{name}@"), &number))
+}
+
+/// The figures of a clock that an MMCM makes.
+fn figures(name: &str, MadeClock { khz, mmcm }: MadeClock) -> [(String, String); 5] {
+    let eighths = |eighths: u64| format!("{:.3}", eighths as f64 / 8.0);
+    [
+        ("mhz", (khz as f64 / 1e3).to_string()),
+        ("period", format!("{:.3}", 1e6 / khz as f64)),
+        ("divide", mmcm.divide.to_string()),
+        ("multiply", eighths(mmcm.multiply_eighths)),
+        ("output", eighths(mmcm.output_eighths)),
+    ]
+    .map(|(figure, number)| (format!("{name}_{figure}"), number))
 }
 
 /// The CAPI2 file with its lists of files.

@@ -3,7 +3,7 @@
 //! | step | module | gives |
 //! |---|---|---|
 //! | name | [`describe`] | the name, source, header and comments of a block |
-//! | leaf | [`leaf`] | an instance of a hand-written Verilog leaf of `rtl/` |
+//! | leaf | [`leaf`], [`leaves`] | an instance of a hand-written Verilog leaf, and those of `rtl/` |
 //! | bundle | [`ports`] | streams, memory and registers as ports |
 //! | cross | [`crossing`] | the ways between clock domains |
 //! | block | [`blocks`] | the circuits of the calculator |
@@ -12,13 +12,16 @@
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`], [`kc705`] | the files of a generated design, and of a board's |
 //! | try | [`benches`] | what a generated design tries itself with, in Verilog alone |
+//! | place | [`floorplan`] | where the stages may be on the KC705's part |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
 
 pub mod benches;
 pub mod blocks;
 pub mod board;
 pub mod crossing;
+pub mod floorplan;
 pub mod kc705;
+pub mod leaves;
 pub mod ports;
 pub mod project;
 pub mod resources;

@@ -2,14 +2,12 @@
 
 use crate::blocks::chain::Chain;
 use crate::describe::Circuit;
+use crate::leaves;
 use crate::verilog::{EmitError, Port, emit};
-use edof_spec::design::memory::{self, Shifts};
-use edof_spec::design::{Design, DesignError};
-use edof_spec::{FixedNetwork, fixed_network::FixedNetworkError};
-use std::collections::{BTreeMap, BTreeSet};
+use edof_device::design::memory::{self, Shifts};
+use edof_device::design::{Design, DesignError};
+use edof_network::{FixedNetwork, fixed_network::FixedNetworkError};
 use std::fmt::Write;
-
-pub use edof_verilog::leaves::LEAVES;
 
 /// A generated design.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,7 +39,8 @@ pub enum ProjectError {
 /// The calculator chain of a design; its two sets start with these networks.
 ///
 /// ```
-/// use edof_spec::{Design, weight_file};
+/// use edof_device::Design;
+/// use edof_network::weight_file;
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let design = Design::from_json(include_str!("../../../designs/paper.json"))?;
 /// let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -60,6 +59,19 @@ pub fn calculator(design: &Design, sets: [&FixedNetwork; 2]) -> Result<Project, 
     Ok(of_circuit(&mut Chain::checked(design, sets)?, images(design, sets))?)
 }
 
+/// Bytes of stack for the work on a whole core: its blocks are values of hundreds of kilobytes.
+const STACK: usize = 64 << 20;
+
+/// Does some work on a thread with a stack for whole cores; on this one where no thread can be had.
+pub fn spacious<T: Send>(work: impl Fn() -> T + Sync) -> T {
+    std::thread::scope(|scope| {
+        match std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, &work) {
+            Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+            Err(_) => work(),
+        }
+    })
+}
+
 /// A circuit with the leaves that it stands on and its memory images.
 ///
 /// # Errors
@@ -67,24 +79,12 @@ pub fn calculator(design: &Design, sets: [&FixedNetwork; 2]) -> Result<Project, 
 pub fn of_circuit(circuit: &mut dyn Circuit, memory: Vec<(String, String)>) -> Result<Project, EmitError> {
     circuit.connect_all();
     let emitted = emit(circuit)?;
-    let leaves = leaves(&emitted.leaves).into_iter().map(|(name, text)| (format!("{name}.v"), text.into()));
+    let leaves = leaves::with_parts(&emitted.leaves)
+        .into_iter()
+        .map(|(name, text)| (format!("{name}.v"), text.into()));
     let modules = emitted.modules.into_iter().map(|module| (format!("{}.v", module.name), module.text));
     let verilog = leaves.chain(modules).collect();
     Ok(Project { top: emitted.top, ports: emitted.ports, verilog, memory })
-}
-
-/// The leaves of these names and those that they instantiate, a line of which begins with the name of its module.
-fn leaves(names: &BTreeSet<String>) -> BTreeMap<&'static str, &'static str> {
-    let mut found = BTreeMap::new();
-    let mut wanted: Vec<&str> = names.iter().map(String::as_str).collect();
-    while let Some(name) = wanted.pop() {
-        let leaf = LEAVES.iter().find(|(leaf, _)| *leaf == name);
-        if let Some((name, text)) = leaf.filter(|(leaf, _)| !found.contains_key(leaf)) {
-            found.insert(*name, *text);
-            wanted.extend(text.lines().filter_map(|line| line.split_whitespace().next()));
-        }
-    }
-    found
 }
 
 /// The memory images of all stages: set 0, then set 1.

@@ -4,8 +4,8 @@
 //! Multipliers and block RAM are exact; LUTs and flip-flops lie within 15 % (a test holds all committed designs to that).
 
 use crate::blocks::SLOT_ROWS;
-use edof_spec::Design;
-use edof_spec::design::{BANK_LANES, BEAT, Kind, StagePlan, timing};
+use edof_device::Design;
+use edof_device::design::{BANK_LANES, BEAT, Kind, StagePlan, timing};
 use serde::Serialize;
 use std::iter::Sum;
 use std::ops::{Add, Mul};
@@ -87,10 +87,10 @@ impl Sum for Resources {
 ///
 /// ```
 /// use edof_hdl::resources::{XC7K325T, stages, whole};
-/// let design = edof_spec::Design::from_json(include_str!("../../../designs/kc705.json"))?;
+/// let design = edof_device::Design::from_json(include_str!("../../../designs/kc705.json"))?;
 /// assert_eq!(stages(&design).iter().map(|stage| stage.dsp48e1).sum::<usize>(), 800);
 /// assert_eq!(whole(&design).fullest(&XC7K325T).0, "dsp48e1");
-/// # Ok::<(), edof_spec::design::DesignError>(())
+/// # Ok::<(), edof_device::design::DesignError>(())
 /// ```
 #[must_use]
 pub fn stages(design: &Design) -> Vec<Resources> {

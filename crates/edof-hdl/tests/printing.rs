@@ -236,7 +236,7 @@ impl Logic for Memory {
         self.data.connect();
     }
     fn hdl(&self) -> Verilog {
-        let leaf = Leaf::new("a_memory").source(MEMORY).parameter("DEPTH", 16).text("INIT", "mem/a.hex");
+        let leaf = Leaf::new("a_memory", MEMORY).parameter("DEPTH", 16).text("INIT", "mem/a.mem");
         leaf.port("clock_i", "clock").port("at_i", "at").port("data_o", "data").verilog()
     }
 }
@@ -270,7 +270,7 @@ fn leaves_are_instances() {
         "    wire [15:0] memory_data;
     reg  [3:0] at_q;
 
-    a_memory #(.DEPTH(16), .INIT(\"mem/a.hex\")) memory (
+    a_memory #(.DEPTH(16), .INIT(\"mem/a.mem\")) memory (
         .clock_i(clock_i), .at_i(at_q), .data_o(memory_data)
     );
 

@@ -134,7 +134,7 @@ const THING: &str = "module edof_thing #(parameter N = 1) (input wire x_i, outpu
     assign y_o = {N{x_i}};
 endmodule";
 
-foreign!(Top, Leaf::new("edof_thing").source(THING).verilog());
+foreign!(Top, Leaf::new("edof_thing", THING).verilog());
 
 /// A leaf of one bit in and one out, and a block that holds it.
 macro_rules! leaf {
@@ -164,7 +164,7 @@ macro_rules! leaf {
 }
 
 fn thing() -> Leaf {
-    Leaf::new("edof_thing").source(THING)
+    Leaf::new("edof_thing", THING)
 }
 
 leaf!(NoField, NoFieldHolder, thing().port("x_i", "x").port("y_o", "why"));
@@ -173,7 +173,7 @@ leaf!(NoParameter, NoParameterHolder, thing().parameter("M", 2).port("x_i", "x")
 leaf!(TooWide, TooWideHolder, thing().parameter("N", 2).port("x_i", "x").port("y_o", "y"));
 leaf!(Backwards, BackwardsHolder, thing().port("x_i", "y").port("y_o", "x"));
 leaf!(Open, OpenHolder, thing().port("y_o", "y"));
-leaf!(NoText, NoTextHolder, Leaf::new("edof_unknown").port("y_o", "y"));
+leaf!(NoText, NoTextHolder, Leaf::new("edof_unknown", "").port("y_o", "y"));
 leaf!(Looping, LoopingHolder, thing().port("x_i", "x").port("y_o", "y"));
 
 #[test]
@@ -374,7 +374,7 @@ impl Logic for Bridge {
         self.y.connect();
     }
     fn hdl(&self) -> Verilog {
-        let leaf = Leaf::new("edof_bridge").source(BRIDGE).port("fast_i", "fast").port("slow_i", "slow");
+        let leaf = Leaf::new("edof_bridge", BRIDGE).port("fast_i", "fast").port("slow_i", "slow");
         leaf.port("x_i", "x").port("y_o", "y").verilog()
     }
 }

@@ -4,7 +4,7 @@
 //! Black levels are taken off and white becomes full scale, so that the frame is linear light of 16 bits; borders that the
 //! sensor keeps dark are cut off; the Bayer phase is the file's own. Why a feature: `docs/decisions/0004-camera-raw.md`.
 
-use edof_spec::RawFrame;
+use edof_image::RawFrame;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that are taken for camera raw.
@@ -47,7 +47,7 @@ pub use decoder::load;
 #[cfg(feature = "camera-raw")]
 mod decoder {
     use super::{CameraRawError, Path, RawFrame};
-    use edof_spec::{CfaPhase, Channel};
+    use edof_image::{CfaPhase, Channel};
     use ndarray::Array2;
     use rawler::imgop::Rect;
     use rawler::rawimage::{RawImage, RawImageData, RawPhotometricInterpretation};
@@ -138,7 +138,7 @@ mod tests {
     #[cfg(feature = "camera-raw")]
     mod with_decoder {
         use super::*;
-        use edof_spec::CfaPhase;
+        use edof_image::CfaPhase;
 
         /// The smallest DNG: one uncompressed strip of 16-bit values, row by row.
         fn dng(width: u16, height: u16, cfa: [u8; 4], black: u16, white: u16, values: &[u16]) -> Vec<u8> {

@@ -1,7 +1,7 @@
 //! From sensor values to light: the value of no light is taken off, and that of full light becomes full scale.
 
-use edof_spec::RawFrame;
-use edof_spec::frame::FrameError;
+use edof_image::RawFrame;
+use edof_image::frame::FrameError;
 use serde::{Deserialize, Serialize};
 
 /// Sensor values of no light, for the 2×2 pixels from the first on, row by row; written as one number where they are alike.
@@ -112,7 +112,7 @@ impl Levels {
     ///
     /// ```
     /// use edof_io::levels::{Black, Levels};
-    /// use edof_spec::{CfaPhase, RawFrame};
+    /// use edof_image::{CfaPhase, RawFrame};
     /// let frame = RawFrame::from_values(ndarray::array![[64, 64], [2080, 4095]], 12, CfaPhase::Rggb)?;
     /// let light = Levels { black: Black::from(64), white: None }.light(&frame)?;
     /// assert_eq!(light.pixels(), ndarray::array![[0, 0], [32768, 65520]]);
@@ -146,7 +146,7 @@ impl Levels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::CfaPhase;
+    use edof_image::CfaPhase;
     use ndarray::Array2;
     use proptest::prelude::*;
 

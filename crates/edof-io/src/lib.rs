@@ -13,11 +13,11 @@
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
-//! Everything is written through [`edof_spec::atomic`]: a file appears whole or not at all.
+//! Everything is written through [`edof_storage::atomic`]: a file appears whole or not at all.
 //!
 //! ```
 //! use edof_io::{photo, raw};
-//! use edof_spec::{CfaPhase, ColourFrame, RawFrame};
+//! use edof_image::{CfaPhase, ColourFrame, RawFrame};
 //! let folder = tempfile::tempdir()?;
 //! let at = |name| folder.path().join(name);
 //!

@@ -7,6 +7,9 @@
 //! | `mipi12` | 12 | MIPI CSI-2 RAW12: the high bytes of two pixels, then their low nibbles, the first pixel's below |
 //! | `12p` | 12 | PFNC `12p`: one stream of bits, lowest first |
 //! | `12packed` | 12 | GigE Vision `12Packed`: high byte, low nibbles of both (the first pixel's below), high byte |
+//! | `2vuy` | 14, the upper ones of 16 | video for a playout card: Cb Y Cr Y, each byte seven bits plus 64 ([`edof_image::cable`]) |
+
+use edof_image::{RawFrame, cable};
 
 /// Which byte of a word comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -32,11 +35,23 @@ pub enum Packing {
     Bits12,
     /// GigE Vision 12Packed.
     Packed12,
+    /// Frames on a video cable, as a playout card takes them.
+    Video,
+}
+
+/// A byte of video that carries no part of a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stray {
+    /// The pixel, counted along the rows.
+    pub pixel: usize,
+    /// The byte.
+    pub code: u8,
 }
 
 impl Packing {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Words, Self::Bytes, Self::Mipi12, Self::Bits12, Self::Packed12];
+    pub const ALL: [Self; 6] =
+        [Self::Words, Self::Bytes, Self::Mipi12, Self::Bits12, Self::Packed12, Self::Video];
 
     /// As options name it.
     #[must_use]
@@ -47,14 +62,21 @@ impl Packing {
             Self::Mipi12 => "mipi12",
             Self::Bits12 => "12p",
             Self::Packed12 => "12packed",
+            Self::Video => "2vuy",
         }
+    }
+
+    /// Whether a pixel is a word of 16 bits, which may hold fewer.
+    #[must_use]
+    pub const fn is_words(self) -> bool {
+        matches!(self, Self::Words | Self::Video)
     }
 
     /// Bits of a pixel in the file; 16-bit words may hold fewer.
     #[must_use]
     pub const fn bits(self) -> u32 {
         match self {
-            Self::Words => 16,
+            Self::Words | Self::Video => 16,
             Self::Bytes => 8,
             Self::Mipi12 | Self::Bits12 | Self::Packed12 => 12,
         }
@@ -66,9 +88,14 @@ impl Packing {
         (pixels * self.bits() as usize).div_ceil(8)
     }
 
-    /// The pixels' values; what is left over at the end of `bytes` is dropped.
-    #[must_use]
-    pub fn values(self, bytes: &[u8], order: ByteOrder) -> Vec<u16> {
+    /// The pixels' values; what is left over at the end of `bytes` is dropped. Only video is aligned to the top.
+    ///
+    /// # Errors
+    /// [`Stray`]: the first byte of video that carries nothing.
+    pub fn values(self, bytes: &[u8], order: ByteOrder) -> Result<Vec<u16>, Stray> {
+        if self == Self::Video {
+            return words_of_video(bytes);
+        }
         let [high, low] = [|byte: u8| u16::from(byte) << 4, |byte: u8| u16::from(byte >> 4)];
         let nibble = |byte: u8| u16::from(byte & 15);
         let pair = |b: &[u8]| match self {
@@ -76,7 +103,7 @@ impl Packing {
             Self::Bits12 => [u16::from(b[0]) | nibble(b[1]) << 8, low(b[1]) | high(b[2])],
             _ => [high(b[0]) | nibble(b[1]), high(b[2]) | low(b[1])],
         };
-        match (self, order) {
+        Ok(match (self, order) {
             (Self::Words, ByteOrder::Little) => {
                 bytes.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect()
             }
@@ -85,13 +112,31 @@ impl Packing {
             }
             (Self::Bytes, _) => bytes.iter().map(|b| u16::from(*b)).collect(),
             _ => bytes.chunks_exact(3).flat_map(pair).collect(),
-        }
+        })
     }
+}
+
+/// The bytes of a frame for a playout card, row by row: Cb Y Cr Y.
+#[must_use]
+pub fn video(frame: &RawFrame) -> Vec<u8> {
+    let bytes = |word: &u16| {
+        let [luma, chroma] = cable::codes(*word);
+        [chroma, luma]
+    };
+    frame.pixels().iter().flat_map(bytes).collect()
+}
+
+fn words_of_video(bytes: &[u8]) -> Result<Vec<u16>, Stray> {
+    let word = |(pixel, pair): (usize, &[u8])| {
+        let stray = || Stray { pixel, code: if cable::CODES.contains(&pair[0]) { pair[1] } else { pair[0] } };
+        cable::word([pair[1], pair[0]]).ok_or_else(stray)
+    };
+    bytes.chunks_exact(2).enumerate().map(word).collect()
 }
 
 /// A name that stands for no packing.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("packing '{0}': must be words, bytes, mipi12, 12p or 12packed")]
+#[error("packing '{0}': must be words, bytes, mipi12, 12p, 12packed or 2vuy")]
 pub struct WrongPacking(String);
 
 impl std::str::FromStr for Packing {
@@ -117,11 +162,29 @@ mod tests {
             (Packing::Bits12, [0xbc, 0x3a, 0x12]),
             (Packing::Packed12, [0xab, 0x3c, 0x12]),
         ] {
-            assert_eq!(packing.values(&bytes, ByteOrder::Little), [0xabc, 0x123], "{}", packing.name());
+            assert_eq!(
+                packing.values(&bytes, ByteOrder::Little).unwrap(),
+                [0xabc, 0x123],
+                "{}",
+                packing.name()
+            );
             assert_eq!(packing.bytes(2), 3);
         }
-        assert_eq!(Packing::Bytes.values(&[7, 255], ByteOrder::Big), [7, 255]);
-        assert_eq!(Packing::Words.values(&[1, 2], ByteOrder::Big), [0x102]);
+        assert_eq!(Packing::Bytes.values(&[7, 255], ByteOrder::Big), Ok(vec![7, 255]));
+        assert_eq!(Packing::Words.values(&[1, 2], ByteOrder::Big), Ok(vec![0x102]));
+    }
+
+    #[test]
+    fn video_has_chroma_before_luma_and_carries_fourteen_bits() {
+        let frame =
+            RawFrame::from_values(ndarray::array![[0x9e37, 0], [0xffff, 3]], 16, edof_image::CfaPhase::Rggb)
+                .unwrap();
+        let bytes = video(&frame);
+        assert_eq!(bytes, [77, 143, 64, 64, 191, 191, 64, 64]);
+        let read = |bytes: &[u8]| Packing::Video.values(bytes, ByteOrder::Little);
+        assert_eq!(read(&bytes), Ok(vec![0x9e34, 0, 0xfffc, 0]));
+        assert_eq!(read(&[77, 143, 63, 64]), Err(Stray { pixel: 1, code: 63 }));
+        assert_eq!(read(&[77, 192]), Err(Stray { pixel: 0, code: 192 }));
     }
 
     #[test]
@@ -129,7 +192,7 @@ mod tests {
         assert!(Packing::ALL.into_iter().all(|packing| packing.name().parse() == Ok(packing)));
         assert_eq!(
             "raw10".parse::<Packing>().unwrap_err().to_string(),
-            "packing 'raw10': must be words, bytes, mipi12, 12p or 12packed"
+            "packing 'raw10': must be words, bytes, mipi12, 12p, 12packed or 2vuy"
         );
     }
 }

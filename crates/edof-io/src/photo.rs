@@ -1,8 +1,8 @@
 //! Photographs: files to linear light and back. Sample values are taken as linear light, as the study does.
 
-use crate::picture::{self, Format, PictureError};
+use crate::picture::{self, PictureError};
 use crate::samples::Samples;
-use edof_spec::ColourFrame;
+use edof_image::ColourFrame;
 use ndarray::{Array2, Array3, Axis};
 use std::path::{Path, PathBuf};
 
@@ -54,6 +54,15 @@ pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
     Ok(frame)
 }
 
+/// The same of a file that was found in a folder.
+///
+/// # Errors
+/// As [`load`]; also for what is no file.
+pub fn load_found(path: &Path) -> Result<ColourFrame, PhotoError> {
+    picture::check_found(path)?;
+    load(path)
+}
+
 /// One plane or three.
 fn planes(path: &Path) -> Result<Array3<f32>, PictureError> {
     let light = |sample: u16, full_scale: u16| f32::from(sample) / f32::from(full_scale);
@@ -94,16 +103,12 @@ pub fn save(path: &Path, frame: &ColourFrame, bits: u32) -> Result<(), PhotoErro
 /// [`FolderError`] when there is no folder, no photograph, or none that can be read.
 pub fn load_folder(folder: &Path) -> Result<(Vec<Named>, Vec<PhotoError>), FolderError> {
     let cannot = |source| FolderError::List { folder: folder.to_owned(), source };
-    let entries =
-        std::fs::read_dir(folder).map_err(cannot)?.collect::<Result<Vec<_>, _>>().map_err(cannot)?;
-    let mut files: Vec<PathBuf> = entries.into_iter().map(|e| e.path()).collect();
-    files.retain(|file| Format::of_ending(file).is_some());
-    files.sort();
+    let files = picture::of_folder(folder).map_err(cannot)?;
     let count = files.len();
     let (mut photos, mut skipped) = (vec![], vec![]);
     for file in files {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        match load(&file) {
+        match load_found(&file) {
             Ok(frame) => photos.push((name, frame)),
             Err(error) => skipped.push(error),
         }

@@ -36,7 +36,7 @@ pub enum PictureError {
     Encode { path: PathBuf, width: usize, height: usize, reason: String },
     /// The disk refused.
     #[error(transparent)]
-    Write(#[from] edof_spec::atomic::WriteError),
+    Write(#[from] edof_storage::atomic::WriteError),
 }
 
 /// A picture format, told by a file's first bytes.
@@ -120,6 +120,31 @@ pub fn open(path: &Path) -> Result<(File, Vec<u8>), PictureError> {
         Ok((file, head))
     };
     head().map_err(|source| PictureError::Read { path: path.to_owned(), source })
+}
+
+/// Pictures of a folder by their endings, in the order of their names.
+///
+/// # Errors
+/// What the system says of a folder that cannot be listed.
+pub fn of_folder(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut files = std::fs::read_dir(folder)?
+        .map(|entry| Ok(entry?.path()))
+        .collect::<Result<Vec<_>, std::io::Error>>()?;
+    files.retain(|file| Format::of_ending(file).is_some());
+    files.sort();
+    Ok(files)
+}
+
+/// Refuses what nobody named and what is no file: whoever opens a pipe that stands in a folder may wait for ever.
+///
+/// # Errors
+/// [`PictureError::Read`].
+pub fn check_found(path: &Path) -> Result<(), PictureError> {
+    let found = std::fs::metadata(path).and_then(|found| match found.is_file() {
+        true => Ok(()),
+        false => Err(std::io::Error::other("is no file")),
+    });
+    found.map_err(|source| PictureError::Read { path: path.to_owned(), source })
 }
 
 /// Samples of a picture file in memory, JPEG and WebP turned as their camera was held; `path` names it in errors.
@@ -231,7 +256,7 @@ pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
         Format::Pnm => pnm::encode(samples),
         format => picture(samples).and_then(|image| encoded(&image, format)).map_err(refused)?,
     };
-    Ok(edof_spec::atomic::write(path, &bytes)?)
+    Ok(edof_storage::atomic::write(path, &bytes)?)
 }
 
 /// As PNG, or else as TIFF.

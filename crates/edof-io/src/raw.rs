@@ -7,6 +7,7 @@
 //! | PGM | what the file states | at the bottom, for a maximum of 2^depth − 1; else as in PNG |
 //! | headerless 16-bit words | 65535 | at the bottom, unless stated otherwise |
 //! | headerless 8-bit or packed 12-bit pixels ([`crate::packing`]) | 255, 4095 | all bits are there |
+//! | video for a playout card ([`crate::packing`]) | 65535 | at the top of each word, unless stated otherwise |
 //! | DNG ([`crate::dng`]) | what the file states | the file states its phase, too |
 //! | other camera raw ([`crate::camera_raw`]) | what the file states | the file states its phase, too |
 //!
@@ -15,12 +16,12 @@
 use crate::camera_raw::{self, CameraRawError};
 use crate::dng::{self, Dng};
 use crate::levels::Levels;
-use crate::packing::{ByteOrder, Packing};
+use crate::packing::{self, ByteOrder, Packing, Stray};
 use crate::picture::{self, Format, PictureError};
 use crate::rendering::Rendering;
 use crate::samples::Samples;
-use edof_spec::frame::FrameError;
-use edof_spec::{CfaPhase, RawFrame};
+use edof_image::frame::FrameError;
+use edof_image::{CfaPhase, RawFrame};
 use ndarray::{Array2, Axis};
 use std::fs::File;
 use std::io::Read;
@@ -44,7 +45,8 @@ pub struct RawOptions {
 }
 
 /// Width and height in pixels, written `WIDTHxHEIGHT`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct Size {
     /// Columns.
     pub width: usize,
@@ -102,6 +104,12 @@ pub enum RawError {
         path = path.display()
     )]
     Alignment { path: PathBuf, row: usize, column: usize, value: u16, depth: u32 },
+    /// A byte of video that carries nothing.
+    #[error(
+        "{path}: byte {code} at row {row}, column {column}, expected 64 to 191: no raw frame as video, or a link that changed it",
+        path = path.display()
+    )]
+    Code { path: PathBuf, row: usize, column: usize, code: u8 },
     /// Odd sides, a depth outside 8…16, a value too large.
     #[error("{path}: {source}", path = path.display())]
     Frame { path: PathBuf, source: FrameError },
@@ -113,7 +121,28 @@ impl std::fmt::Display for Size {
     }
 }
 
+impl From<Size> for String {
+    fn from(size: Size) -> Self {
+        size.to_string()
+    }
+}
+
+impl TryFrom<String> for Size {
+    type Error = WrongSize;
+
+    fn try_from(text: String) -> Result<Self, WrongSize> {
+        text.parse()
+    }
+}
+
 impl Size {
+    /// Of a frame.
+    #[must_use]
+    pub fn of(frame: &RawFrame) -> Self {
+        let (height, width) = frame.size();
+        Self { width, height }
+    }
+
     /// Bytes of a headerless file.
     const fn bytes(self, packing: Packing) -> usize {
         packing.bytes(self.width * self.height)
@@ -207,7 +236,9 @@ fn picture_or_headerless(path: &Path, options: &RawOptions) -> Result<RawFrame, 
         (None, Some(size)) => {
             let depth = headerless_depth(options, path)?;
             read_exactly(&mut file, &mut bytes, size, options.packing, path)?;
-            (headerless(&bytes, size, options, path)?, depth, Alignment::Bottom)
+            let alignment =
+                if options.packing == Packing::Video { Alignment::Top } else { Alignment::Bottom };
+            (headerless(&bytes, size, options, path)?, depth, alignment)
         }
         (Some(format), size) => {
             file.read_to_end(&mut bytes).map_err(cannot_read(path))?;
@@ -267,7 +298,7 @@ fn headerless_depth(options: &RawOptions, path: &Path) -> Result<u32, RawError> 
     let found = options.packing.bits();
     match options.depth {
         None => Ok(found),
-        Some(depth) if options.packing == Packing::Words || depth == found => Ok(depth),
+        Some(depth) if options.packing.is_words() || depth == found => Ok(depth),
         Some(depth) => {
             Err(RawError::Depth { path: path.to_owned(), found, expected: format!("{depth} bits as stated") })
         }
@@ -304,8 +335,14 @@ fn headerless(bytes: &[u8], size: Size, options: &RawOptions, path: &Path) -> Re
     if bytes.len() != size.bytes(options.packing) {
         return Err(wrong_length());
     }
-    Array2::from_shape_vec((size.height, size.width), options.packing.values(bytes, options.order))
-        .map_err(|_| wrong_length())
+    let stray = |Stray { pixel, code }| RawError::Code {
+        path: path.to_owned(),
+        row: pixel / size.width,
+        column: pixel % size.width,
+        code,
+    };
+    let values = options.packing.values(bytes, options.order).map_err(stray)?;
+    Array2::from_shape_vec((size.height, size.width), values).map_err(|_| wrong_length())
 }
 
 /// Values of top-aligned words.
@@ -358,13 +395,21 @@ pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
     let (words, full_scale) = match kind(path)? {
         Kind::Headerless => {
             let bytes: Vec<u8> = frame.values().iter().flat_map(|v| v.to_le_bytes()).collect();
-            edof_spec::atomic::write(path, &bytes).map_err(PictureError::from)?;
+            edof_storage::atomic::write(path, &bytes).map_err(PictureError::from)?;
             return Ok(());
         }
         Kind::FullScale => (frame.pixels().clone(), u16::MAX),
         Kind::StatedScale => (frame.values(), u16::MAX >> (16 - frame.depth())),
     };
     Ok(picture::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
+}
+
+/// Writes a raw frame as a playout card takes it (`2vuy`), for the board's cable.
+///
+/// # Errors
+/// [`RawError::Picture`] naming the file; none is left half written.
+pub fn save_video(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
+    Ok(edof_storage::atomic::write(path, &packing::video(frame)).map_err(PictureError::from)?)
 }
 
 #[cfg(test)]

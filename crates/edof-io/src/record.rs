@@ -4,11 +4,13 @@
 //! without complaint. So [`crate::raw`]'s files carry what they cannot say themselves.
 
 use crate::levels::{Black, Levels};
-use crate::raw::{Alignment, RawOptions};
+use crate::packing::Packing;
+use crate::raw::{Alignment, RawOptions, Size};
 use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
-use edof_spec::atomic::{self, WriteError};
-use edof_spec::provenance::{Input, Provenance};
-use edof_spec::{Camera, CfaPhase, Noise, RawFrame, Tone};
+use edof_camera::Camera;
+use edof_image::{CfaPhase, Noise, RawFrame, Tone};
+use edof_storage::atomic::{self, WriteError};
+use edof_storage::provenance::{Input, Provenance};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,9 @@ pub struct RawRecord {
     pub depth: u32,
     /// Where in the file's words values of fewer than 16 bits lie.
     pub alignment: Alignment,
+    /// Columns and rows, where the file is video for a playout card ([`Packing::Video`]).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub video: Option<Size>,
     /// Sensor value of no light.
     pub black_level: Black,
     /// Sensor value of full light, where that is not the end of its bits.
@@ -41,7 +46,7 @@ pub struct RawRecord {
     pub tone: Tone,
     /// The sensor's noise.
     pub noise: Noise,
-    /// SHA-256 of the frame that this describes ([`edof_spec::provenance::InputKind::RawFrame`]).
+    /// SHA-256 of the frame that this describes ([`edof_storage::provenance::InputKind::RawFrame`]).
     pub sha256: String,
     /// How the frame was made.
     pub provenance: Provenance,
@@ -67,7 +72,10 @@ pub enum RecordError {
     )]
     OtherFrame { path: PathBuf, raw: PathBuf, says: String },
     /// An option that contradicts it.
-    #[error("--{option} {given}: {path} says {recorded}; leave --{option} out", path = path.display())]
+    #[error(
+        "--{option} {given}: {path} says {recorded}; leave --{option} out, or --force takes what is stated",
+        path = path.display()
+    )]
     Contradicted { path: PathBuf, option: &'static str, given: String, recorded: String },
 }
 
@@ -101,7 +109,12 @@ pub fn save(raw: &Path, record: &RawRecord) -> Result<(), RecordError> {
 /// [`RecordError::Read`] or [`RecordError::Foreign`].
 pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
     let path = path_of(raw);
-    let text = match std::fs::read_to_string(&path) {
+    let file = || match std::fs::metadata(&path)?.is_file() {
+        true => std::fs::read_to_string(&path),
+        // Nobody named it, and whoever opens a pipe may wait for ever.
+        false => Err(std::io::Error::other("is no file")),
+    };
+    let text = match file() {
         Ok(text) => text,
         Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(RecordError::Read { path, source }),
@@ -109,58 +122,97 @@ pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
     serde_json::from_str(&text).map(Some).map_err(|source| RecordError::Foreign { path, source })
 }
 
-fn agree(
-    raw: &Path,
-    option: &'static str,
-    given: Option<String>,
-    recorded: String,
-) -> Result<(), RecordError> {
-    match given {
-        Some(given) if given != recorded => {
-            Err(RecordError::Contradicted { path: path_of(raw), option, given, recorded })
-        }
-        _ => Ok(()),
-    }
+/// What a user states of a frame, each of which may be left out.
+#[derive(Debug, Clone, Default)]
+pub struct Stated {
+    /// Colour filter of the first pixel.
+    pub phase: Option<CfaPhase>,
+    /// Bits of the sensor.
+    pub depth: Option<u32>,
+    /// Where in the file's words values lie.
+    pub alignment: Option<Alignment>,
+    /// Columns and rows of a file of video.
+    pub size: Option<Size>,
+    /// How its pixels are packed.
+    pub packing: Option<Packing>,
+    /// Sensor value of no light.
+    pub black_level: Option<Black>,
+    /// Sensor value of full light.
+    pub white_level: Option<f64>,
+    /// What the scene's numbers were taken for.
+    pub tone: Option<Tone>,
+    /// The camera.
+    pub camera: Option<Camera>,
 }
 
 impl RawRecord {
-    /// Options that read the frame as it was written; `given` are the user's, each of which may be left out.
-    ///
-    /// # Errors
-    /// [`RecordError::Contradicted`] for the first that differs.
-    pub fn options(
-        &self,
-        raw: &Path,
-        given: RawOptions,
-        phase: Option<CfaPhase>,
-    ) -> Result<RawOptions, RecordError> {
-        let agree = |option, given, recorded| agree(raw, option, given, recorded);
-        agree("phase", phase.map(|p| p.to_string()), self.phase.to_string())?;
-        agree("depth", given.depth.map(|d| d.to_string()), self.depth.to_string())?;
-        agree("align", given.alignment.map(|a| a.to_string()), self.alignment.to_string())?;
-        Ok(RawOptions {
+    /// Everything that is stated otherwise than it is recorded, each as the error that it is where nothing allows it.
+    #[must_use]
+    pub fn contradictions(&self, raw: &Path, stated: &Stated) -> Vec<RecordError> {
+        fn differ<T: PartialEq + ToString>(given: Option<&T>, recorded: &T) -> Option<(String, String)> {
+            given.filter(|given| *given != recorded).map(|given| (given.to_string(), recorded.to_string()))
+        }
+        let white = self.white_level.unwrap_or(f64::from(1u32 << self.depth.min(16)));
+        let camera = stated.camera.as_ref().map(|camera| (camera, camera.differences(&self.camera)));
+        let camera = camera.filter(|(_, fields)| !fields.is_empty()).map(|(camera, fields)| {
+            let recorded = format!("{} (they differ in {})", self.camera.in_words(), fields.join(", "));
+            (camera.in_words(), recorded)
+        });
+        let name = |packing: &Packing| packing.name().to_owned();
+        let packing = differ(stated.packing.as_ref().map(name).as_ref(), &name(&Packing::Video));
+        let found = [
+            ("phase", differ(stated.phase.as_ref(), &self.phase)),
+            ("depth", differ(stated.depth.as_ref(), &self.depth)),
+            ("align", differ(stated.alignment.as_ref(), &self.alignment)),
+            ("size", self.video.and_then(|size| differ(stated.size.as_ref(), &size))),
+            ("packing", self.video.and(packing)),
+            ("black-level", differ(stated.black_level.as_ref(), &self.black_level)),
+            ("white-level", differ(stated.white_level.as_ref(), &white)),
+            ("tone", differ(stated.tone.as_ref(), &self.tone)),
+            ("camera", camera),
+        ];
+        let error = |(option, (given, recorded))| RecordError::Contradicted {
+            path: path_of(raw),
+            option,
+            given,
+            recorded,
+        };
+        found.into_iter().filter_map(|(option, differ)| Some((option, differ?))).map(error).collect()
+    }
+
+    /// The record with what is stated in place of what was recorded.
+    #[must_use]
+    pub fn with(self, stated: Stated) -> Self {
+        Self {
+            phase: stated.phase.unwrap_or(self.phase),
+            depth: stated.depth.unwrap_or(self.depth),
+            alignment: stated.alignment.unwrap_or(self.alignment),
+            video: self.video.map(|size| stated.size.unwrap_or(size)),
+            black_level: stated.black_level.unwrap_or(self.black_level),
+            white_level: stated.white_level.or(self.white_level),
+            tone: stated.tone.unwrap_or(self.tone),
+            camera: stated.camera.unwrap_or(self.camera),
+            ..self
+        }
+    }
+
+    /// Options that read the frame as it was written; `given` has what no record says.
+    #[must_use]
+    pub fn options(&self, given: RawOptions) -> RawOptions {
+        RawOptions {
             phase: self.phase,
             depth: Some(self.depth),
             alignment: Some(self.alignment),
+            size: self.video.or(given.size),
+            packing: self.video.map_or(given.packing, |_| Packing::Video),
             ..given
-        })
+        }
     }
 
-    /// What darkness and full light are in the frame; `given` are the user's.
-    ///
-    /// # Errors
-    /// [`RecordError::Contradicted`] for the first that differs.
-    pub fn levels(
-        &self,
-        raw: &Path,
-        black: Option<Black>,
-        white: Option<f64>,
-    ) -> Result<Levels, RecordError> {
-        let recorded = Levels { black: self.black_level, white: self.white_level };
-        agree(raw, "black-level", black.map(|b| b.to_string()), recorded.black.to_string())?;
-        let full = f64::from(1u32 << self.depth.min(16));
-        agree(raw, "white-level", white.map(|w| w.to_string()), recorded.white.unwrap_or(full).to_string())?;
-        Ok(recorded)
+    /// What darkness and full light are in the frame.
+    #[must_use]
+    pub const fn levels(&self) -> Levels {
+        Levels { black: self.black_level, white: self.white_level }
     }
 
     /// What is to be done with the picture's colours.
@@ -194,6 +246,7 @@ mod tests {
             phase,
             depth: 12,
             alignment: alignment_of(&path),
+            video: None,
             black_level: Black::from(64),
             white_level: None,
             white_balance: Some(WhiteBalance::try_from([2.0, 1.0, 1.5]).unwrap()),
@@ -218,7 +271,7 @@ mod tests {
                 let (path, frame, record) = taken(folder.path(), &format!("frame.{ending}"), phase);
                 let found = load(&path).unwrap().unwrap();
                 assert_eq!(found, record);
-                let options = found.options(&path, RawOptions::default(), None).unwrap();
+                let options = found.options(RawOptions::default());
                 let back = raw::load(&path, &options).unwrap();
                 assert_eq!(back, frame, "{ending}");
                 found.check(&path, &back).unwrap();
@@ -232,25 +285,43 @@ mod tests {
     }
 
     #[test]
-    fn options_that_contradict_the_record_are_refused() {
+    fn everything_that_is_stated_otherwise_is_a_contradiction() {
         let folder = tempfile::tempdir().unwrap();
         let (path, _, record) = taken(folder.path(), "frame.png", CfaPhase::Gbrg);
-        let plain = RawOptions::default();
-        let refused = |given, phase| record.options(&path, given, phase).unwrap_err().to_string();
-        let told = refused(plain, Some(CfaPhase::Rggb));
-        assert!(
-            told.starts_with("--phase rggb: ") && told.ends_with(" says gbrg; leave --phase out"),
-            "{told}"
-        );
-        assert!(refused(RawOptions { depth: Some(10), ..plain }, None).contains("says 12"));
-        assert!(
-            refused(RawOptions { alignment: Some(Alignment::Bottom), ..plain }, None).contains("says top")
-        );
-        assert!(record.options(&path, plain, Some(CfaPhase::Gbrg)).is_ok());
-        let levels = |black: Option<u16>, white| record.levels(&path, black.map(Black::from), white);
-        assert!(levels(Some(0), None).unwrap_err().to_string().ends_with("says 64; leave --black-level out"));
-        assert!(levels(None, Some(4000.0)).unwrap_err().to_string().contains("says 4096"));
-        assert_eq!(levels(Some(64), Some(4096.0)).unwrap(), Levels { black: 64.into(), white: None });
+        let told = |stated: Stated| -> Vec<String> {
+            record.contradictions(&path, &stated).iter().map(ToString::to_string).collect()
+        };
+        let as_taken = Stated {
+            phase: Some(CfaPhase::Gbrg),
+            depth: Some(12),
+            alignment: Some(Alignment::Top),
+            size: None,
+            packing: None,
+            black_level: Some(64.into()),
+            white_level: Some(4096.0),
+            tone: Some(Tone::Linear),
+            camera: Some(Camera { name: "same lens".into(), ..record.camera.clone() }),
+        };
+        assert_eq!(told(as_taken), [""; 0]);
+        let otherwise = Stated {
+            phase: Some(CfaPhase::Rggb),
+            depth: Some(10),
+            alignment: Some(Alignment::Bottom),
+            size: None,
+            packing: None,
+            black_level: Some(0.into()),
+            white_level: Some(4000.0),
+            tone: Some(Tone::Srgb),
+            camera: Some(Camera::resolve("ring-outer").unwrap()),
+        };
+        let says = ["gbrg", "12", "top", "64", "4096", "linear", "clear (they differ in "];
+        let found = told(otherwise.clone());
+        assert_eq!(found.len(), says.len(), "{found:?}");
+        for (line, says) in found.iter().zip(says) {
+            assert!(line.contains(&format!("says {says}")) && line.contains("; leave --"), "{line}");
+        }
+        let overruled = record.with(otherwise.clone());
+        assert!(overruled.contradictions(&path, &otherwise).is_empty());
     }
 
     #[test]

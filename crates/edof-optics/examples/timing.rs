@@ -1,11 +1,12 @@
 //! Times of PSFs, blur and the design's judge on this machine: `cargo run --release -p edof-optics --example timing`.
 
+use edof_camera::Camera;
+use edof_image::{Channel, ColourFrame};
 use edof_optics::blur::{Blur, blur_frame};
 use edof_optics::design::default_task;
 use edof_optics::estimator::judge;
 use edof_optics::psf::{Settings, channel_psfs, psf};
 use edof_optics::statistics::Statistics;
-use edof_spec::{Camera, Channel, ColourFrame};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -18,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     for (name, settings) in [("99.9 % of the energy", Settings::default()), ("exact", Settings::exact())] {
         tell(&format!("PSF of one channel, {name}"), 4, &mut || {
-            black_box(psf(&camera, Channel::Green, 6.0, &settings));
+            black_box(psf(&camera, Channel::Green, 6.0, &settings).unwrap());
         });
     }
     let psfs = channel_psfs(&camera, 6.0, &Settings::default())?;

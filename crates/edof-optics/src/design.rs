@@ -2,12 +2,12 @@
 //!
 //! The first population is drawn at random within the bounds; no preset is among it.
 
-use crate::estimator::{Task, Verdict, judge};
+use crate::estimator::{JudgeError, Task, Verdict, judge};
 use crate::psf::MOST_DEFOCUS;
 use crate::statistics::Statistics;
-use edof_numerics::NotPositive;
-use edof_spec::camera::{Delay, Ring, Sign};
-use edof_spec::{Camera, geometry::Window};
+use edof_camera::Camera;
+use edof_camera::camera::{Delay, Ring, Sign};
+use edof_image::geometry::Window;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
@@ -67,9 +67,9 @@ pub enum DesignError {
     /// More rings than a mask of ours has, too few cameras, …
     #[error("design: {field} is {value}, expected {expected}")]
     Value { field: &'static str, value: String, expected: &'static str },
-    /// Statistics that are none.
+    /// A base that cannot be judged, or statistics that are none.
     #[error(transparent)]
-    Statistics(#[from] NotPositive),
+    Judge(#[from] JudgeError),
 }
 
 /// Narrowest ring that is searched, as a share of the radius.

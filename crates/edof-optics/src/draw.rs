@@ -12,7 +12,7 @@ pub mod font;
 pub mod leaves;
 
 use crate::scene::Scene;
-use edof_spec::ColourFrame;
+use edof_image::ColourFrame;
 
 /// A scene drawn by code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

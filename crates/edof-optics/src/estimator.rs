@@ -8,9 +8,10 @@
 use crate::cosine::{EvenTransform, period};
 use crate::psf::{NoPsf, Psf, Settings, channel_psfs, pixel_transfer, wavelengths};
 use crate::statistics::{SIDE, Statistics, pair};
+use edof_camera::Camera;
+use edof_image::geometry::{PATCH, Window};
+use edof_image::{CfaPhase, Channel};
 use edof_numerics::{Cholesky, NotPositive};
-use edof_spec::geometry::{PATCH, Window};
-use edof_spec::{Camera, CfaPhase, Channel};
 use ndarray::Array2;
 
 /// What a camera is judged for.
@@ -40,11 +41,43 @@ const ROUNDING: f64 = 1.0 / 4096.0 / 3.464_101_615;
 /// Wavelengths that stand for a channel with a spectrum.
 const WAVELENGTHS: usize = 3;
 
+/// What cannot be judged.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum JudgeError {
+    /// A lens whose PSFs do not follow from rings alone.
+    #[error(
+        "camera {camera}: has {what}, which the linear estimator does not know; it judges lenses of rings alone"
+    )]
+    Lens { camera: String, what: &'static str },
+    /// Nothing to judge it for.
+    #[error("task: has no {0}, expected at least one")]
+    Empty(&'static str),
+    /// No statistics.
+    #[error(transparent)]
+    Statistics(#[from] NotPositive),
+}
+
+/// Refuses what would be judged as something else.
+fn check(camera: &Camera, task: &Task) -> Result<(), JudgeError> {
+    let beyond = [
+        (camera.psf_bank.is_some(), "a PSF bank"),
+        (camera.height_map.is_some(), "a height map"),
+        (!camera.aberrations.is_empty(), "aberrations"),
+    ];
+    if let Some((_, what)) = beyond.into_iter().find(|(there, _)| *there) {
+        return Err(JudgeError::Lens { camera: camera.name.clone(), what });
+    }
+    let empty = [(task.psis.is_empty(), "depth"), (task.noises.is_empty(), "noise")];
+    empty.into_iter().find(|(empty, _)| *empty).map_or(Ok(()), |(_, what)| Err(JudgeError::Empty(what)))
+}
+
 /// Judges a camera.
 ///
 /// # Errors
-/// [`NotPositive`] if the statistics are no covariances.
-pub fn judge(camera: &Camera, statistics: &Statistics, task: &Task) -> Result<Verdict, NotPositive> {
+/// [`JudgeError`]: a lens of more than rings, a task without depths or noises, or statistics that are no covariances.
+pub fn judge(camera: &Camera, statistics: &Statistics, task: &Task) -> Result<Verdict, JudgeError> {
+    check(camera, task)?;
     let sites = Sites::new(task.window);
     let seen: Vec<Seen> = task.psis.iter().map(|&psi| Seen::new(camera, psi, statistics, &sites)).collect();
     let share = 1.0 / seen.len() as f64;
@@ -219,8 +252,8 @@ impl Seen {
 fn transfer(camera: &Camera, channel: Channel, psi: f64) -> Array2<f64> {
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
-        edof_spec::camera::Spectrum::Line(nm) => vec![*nm],
-        edof_spec::camera::Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
+        edof_camera::camera::Spectrum::Line(nm) => vec![*nm],
+        edof_camera::camera::Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
     };
     let share = 1.0 / lines.len() as f64;
     let planes = lines.iter().map(|&nm| pixel_transfer(camera, nm, psi, SIDE) * share);
@@ -238,6 +271,23 @@ mod tests {
             window: Window::new(8).unwrap(),
             worst_weight: 0.5,
         }
+    }
+
+    #[test]
+    fn a_lens_that_rings_do_not_describe_and_an_empty_task_are_refused() {
+        let ring = Camera::resolve("ring-2018").unwrap();
+        let refused = |camera: &Camera, task: &Task| {
+            judge(camera, &Statistics::natural(), task).unwrap_err().to_string()
+        };
+        let mut tilted = ring.clone();
+        tilted.aberrations = vec![edof_camera::camera::Aberration { noll: 7, rms_nm: 20.0 }];
+        assert!(
+            refused(&tilted, &task(0.01)).starts_with("camera ring-2018: has aberrations, which the linear")
+        );
+        let nowhere = Task { psis: vec![], ..task(0.01) };
+        assert_eq!(refused(&ring, &nowhere), "task: has no depth, expected at least one");
+        let silent = Task { noises: vec![], ..task(0.01) };
+        assert_eq!(refused(&ring, &silent), "task: has no noise, expected at least one");
     }
 
     #[test]
@@ -297,7 +347,7 @@ mod tests {
         );
     }
 
-    /// The order in which trained networks put these cameras at their worst depth (`optics.md`).
+    /// The order in which trained networks put these cameras at their worst depth.
     #[test]
     fn the_proxy_ranks_cameras_as_trained_networks_do() {
         for noise in [0.0, 0.01] {

@@ -1,9 +1,9 @@
 //! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
 
 use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, sinc, wave_um, wavelengths};
-use edof_fft::Complex64;
-use edof_spec::Channel;
-use edof_spec::camera::{Camera, Spectrum};
+use edof_camera::camera::{Camera, Spectrum};
+use edof_image::Channel;
+use edof_numerics::fft::Complex64;
 use ndarray::{Array1, Axis};
 use rayon::prelude::*;
 
@@ -131,7 +131,7 @@ pub fn through_focus(
 mod tests {
     use super::*;
     use crate::bank;
-    use edof_spec::psf_bank::{Kernels, PsfBank};
+    use edof_camera::psf_bank::{Kernels, PsfBank};
 
     const PSIS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 

@@ -10,8 +10,8 @@ use crate::bank;
 use crate::cosine::{EvenTransform, fold_rows, period};
 use crate::depth::geometric_blur_um;
 use crate::pupil::Pupil;
-use edof_spec::Channel;
-use edof_spec::camera::{Camera, Spectrum};
+use edof_camera::camera::{Camera, Spectrum};
+use edof_image::Channel;
 use ndarray::{Array1, Array2, Axis, s};
 use rayon::prelude::*;
 
@@ -191,7 +191,7 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
 ///
 /// ```
 /// use edof_optics::psf::{Settings, channel_psfs};
-/// let [red, _, blue] = channel_psfs(&edof_spec::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
+/// let [red, _, blue] = channel_psfs(&edof_camera::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
 /// let middle = |psf: &edof_optics::psf::Psf| psf.kernel[(psf.side() / 2, psf.side() / 2)];
 /// assert!(middle(&red) > middle(&blue), "red is in focus at psi 1");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -205,13 +205,24 @@ pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> Result<[P
         return Ok(bank::at(kernels, psi).map(Psf::given));
     }
     let psfs: Vec<Psf> =
-        Channel::ALL.par_iter().map(|&channel| psf(camera, channel, psi, settings)).collect();
+        Channel::ALL.par_iter().map(|&channel| of_lens(camera, channel, psi, settings)).collect();
     Ok(<[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs")))
 }
 
-/// PSF of one channel for an object at `psi`, at most [`MOST_DEFOCUS`] from the camera's focus, as it follows from lens and mask.
-#[must_use]
-pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
+/// PSF of one channel for an object at `psi`, as [`channel_psfs`] gives those of all three.
+///
+/// # Errors
+/// As [`channel_psfs`].
+pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Result<Psf, NoPsf> {
+    check(camera, psi)?;
+    match camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref()) {
+        Some(kernels) => Ok(Psf::given(bank::at(kernels, psi)[channel.plane()].clone())),
+        None => Ok(of_lens(camera, channel, psi, settings)),
+    }
+}
+
+/// PSF of a depth that was checked, as it follows from lens and mask.
+fn of_lens(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
     let spectrum = camera.spectrum(channel);
     let middle = wavelengths(spectrum, 1)[0];
     let (support, energy_beyond) = support(camera, middle, psi, settings);

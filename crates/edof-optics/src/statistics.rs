@@ -1,8 +1,8 @@
 //! Second-order statistics of photographs: how a pixel's colour varies with that of its neighbours. All that a linear estimator
 //! knows of the world.
 
-use edof_fft::{Complex64, Real};
-use edof_spec::ColourFrame;
+use edof_image::ColourFrame;
+use edof_numerics::fft::{Complex64, Real};
 use ndarray::{Array2, Axis, s};
 
 /// Side in pixels of the torus on which the statistics live.

@@ -6,7 +6,7 @@
 
 use crate::cosine::mirror_index;
 use crate::psf::Psf;
-use edof_fft::{Complex, Fft, Real};
+use edof_numerics::fft::{Complex, Fft, Real};
 use ndarray::{Array2, ArrayView2, ArrayViewMut1, s};
 use std::ops::Range;
 use std::sync::Arc;

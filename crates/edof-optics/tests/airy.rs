@@ -1,9 +1,10 @@
 //! The PSF against what the textbooks know in closed form.
 
+use edof_camera::Camera;
+use edof_camera::camera::{Delay, Sign, Spectrum};
+use edof_image::Channel;
 use edof_optics::mtf::{Footprint, otf};
-use edof_optics::psf::{Settings, otf_along_row, psf, quarter_otf, quarter_psf, wave_um};
-use edof_spec::camera::{Delay, Sign, Spectrum};
-use edof_spec::{Camera, Channel};
+use edof_optics::psf::{Settings, channel_psfs, otf_along_row, psf, quarter_otf, quarter_psf, wave_um};
 
 #[test]
 fn a_clear_pupil_in_focus_has_the_known_mtf() {
@@ -52,8 +53,8 @@ fn every_kernel_sums_to_one_and_keeps_the_energy_it_was_asked_to() {
     for name in ["clear", "ring-2018", "ring-outer"] {
         let camera = Camera::resolve(name).unwrap();
         for energy in [0.9, 0.99, 0.999] {
-            let cut = psf(&camera, Channel::Green, 5.0, &Settings { energy, ..Settings::default() });
-            let whole = psf(&camera, Channel::Green, 5.0, &Settings::exact());
+            let cut = psf(&camera, Channel::Green, 5.0, &Settings { energy, ..Settings::default() }).unwrap();
+            let whole = psf(&camera, Channel::Green, 5.0, &Settings::exact()).unwrap();
             assert!((cut.kernel.sum() - 1.0).abs() < 1e-5);
             assert!(cut.energy_kept >= energy);
             let share = whole.energy_within(cut.side());
@@ -84,7 +85,7 @@ fn a_slice_of_the_otf_is_the_transform_of_the_line_spread() {
 #[test]
 fn the_kernel_has_the_otf_of_lens_and_pixel() {
     let camera = Camera::resolve("ring-outer").unwrap();
-    let kernel = psf(&camera, Channel::Red, 6.0, &Settings::exact()).kernel;
+    let kernel = psf(&camera, Channel::Red, 6.0, &Settings::exact()).unwrap().kernel;
     let half = (kernel.nrows() / 2) as f64;
     let lens = otf(&camera, Channel::Red, 6.0, Footprint::LensAndPixel).unwrap();
     for per_pixel in [0.02, 0.1, 0.2, 0.3] {
@@ -100,7 +101,7 @@ fn the_kernel_has_the_otf_of_lens_and_pixel() {
 #[test]
 fn ring_outer_keeps_ninety_six_percent_within_31_pixels() {
     let camera = Camera::resolve("ring-outer").unwrap();
-    let share = |psi: f64, channel| psf(&camera, channel, psi, &Settings::exact()).energy_within(31);
+    let share = |psi: f64, channel| psf(&camera, channel, psi, &Settings::exact()).unwrap().energy_within(31);
     let worst = [0.0, 4.0, 8.0].map(|psi| share(psi, Channel::Red)).into_iter().fold(1.0, f64::min);
     assert!((worst - 0.964).abs() < 0.004, "{worst}");
 }
@@ -122,10 +123,23 @@ fn a_wide_spectrum_takes_more_wavelengths_for_a_smaller_tolerance() {
     camera.spectra[1] = Spectrum::Sampled(vec![[480.0, 0.0], [535.0, 1.0], [600.0, 0.0]]);
     let count = |wavelength_tolerance| {
         let psf =
-            psf(&camera, Channel::Green, 2.0, &Settings { wavelength_tolerance, ..Settings::default() });
+            psf(&camera, Channel::Green, 2.0, &Settings { wavelength_tolerance, ..Settings::default() })
+                .unwrap();
         assert!(psf.wavelength_error <= wavelength_tolerance);
         psf.wavelengths_nm.len()
     };
     let (coarse, fine) = (count(0.2), count(0.005));
     assert!(coarse == 3 && fine > coarse, "{coarse} {fine}");
+}
+
+#[test]
+fn one_channel_is_checked_as_all_three_are() {
+    let camera = Camera::resolve("ring-2018").unwrap();
+    let settings = Settings::default();
+    for psi in [f64::NAN, 900.0] {
+        let one = psf(&camera, Channel::Red, psi, &settings).unwrap_err().to_string();
+        assert_eq!(one, channel_psfs(&camera, psi, &settings).unwrap_err().to_string());
+    }
+    let all = channel_psfs(&camera, 2.0, &settings).unwrap();
+    assert_eq!(psf(&camera, Channel::Green, 2.0, &settings).unwrap(), all[Channel::Green.plane()]);
 }

@@ -11,10 +11,10 @@
 
 use crate::fold::Folded;
 use crate::twin::all_ends;
-use edof_spec::fixed_network::layer_names;
-use edof_spec::network::{Recurrence, Shrinkage};
-use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
-use edof_spec::{FixedNetwork, Network};
+use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_network::fixed_network::layer_names;
+use edof_network::network::{Recurrence, Shrinkage};
+use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2, ArrayView1};
 use serde::Serialize;
 
@@ -359,9 +359,9 @@ mod tests {
     use super::*;
     use crate::twin::Twin;
     use edof_golden::scalar;
-    use edof_spec::draw::Draw;
-    use edof_spec::network::Form;
-    use edof_spec::{Stride, Window};
+    use edof_image::draw::Draw;
+    use edof_image::{Stride, Window};
+    use edof_network::network::Form;
     use proptest::prelude::*;
 
     proptest! {

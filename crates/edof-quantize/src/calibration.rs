@@ -1,14 +1,15 @@
 //! Ranges of all codes, measured by the float network on real raw frames.
 
 use crate::QuantizeError;
+use edof_float::matmul::{Destination, Mat, product};
+use edof_float::parameters::flatten;
+use edof_float::pass::Pass;
 use edof_golden::windows::Mirrored;
-use edof_spec::geometry::GeometryError;
-use edof_spec::network::{Form, Recurrence};
-use edof_spec::number::INPUT_FRACTION;
-use edof_spec::{Geometry, Network, RawFrame, Stride};
-use edof_train::matmul::{Destination, Mat, product};
-use edof_train::parameters::flatten;
-use edof_train::pass::Pass;
+use edof_image::geometry::GeometryError;
+use edof_image::number::INPUT_FRACTION;
+use edof_image::{Geometry, RawFrame, Stride};
+use edof_network::Network;
+use edof_network::network::{Form, Recurrence};
 use ndarray::Array2;
 use rayon::prelude::*;
 

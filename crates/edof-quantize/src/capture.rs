@@ -1,12 +1,12 @@
 //! Scenes to calibrate and judge on: sharp pictures behind the network's own camera, over its whole range of ψ and noise.
 
 use crate::Scene;
+use edof_image::{ColourFrame, Noise};
+use edof_network::network::{Condition, Origin};
 use edof_optics::blur::blur_frame;
 use edof_optics::capture::CaptureError;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
-use edof_spec::network::{Condition, Origin};
-use edof_spec::{ColourFrame, Noise};
 use rayon::prelude::*;
 
 /// Depths that scenes are captured at, evenly over the camera's range.
@@ -76,7 +76,8 @@ pub fn depths([low, high]: [f64; 2]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::{Camera, Tone};
+    use edof_camera::Camera;
+    use edof_image::Tone;
 
     #[test]
     fn a_picture_is_captured_at_nine_depths_under_every_condition() {

@@ -2,7 +2,7 @@
 //! pipeline.
 
 use edof_golden::{Counts, Golden};
-use edof_spec::{ColourFrame, RawFrame, ReconstructError, Reconstructor, Tone};
+use edof_image::{ColourFrame, RawFrame, ReconstructError, Reconstructor, Tone};
 
 /// A raw frame and what a perfect lens would have shown.
 #[derive(Debug, Clone)]

@@ -2,14 +2,15 @@
 //! the same; only its numbers become fit for integers.
 
 use crate::{Calibration, QuantizeOptions};
-use edof_spec::colour::{OUTPUTS_422, patch_422_from_rgb};
-use edof_spec::fixed_network::FixedMatrix;
-use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::network::Form;
-use edof_spec::number::CHROMA_GAIN;
-use edof_spec::overlap::Overlap;
-use edof_spec::{FixedNetwork, Network, Stride};
-use edof_train::parameters::Layout;
+use edof_float::parameters::Layout;
+use edof_image::Stride;
+use edof_image::colour::{OUTPUTS_422, patch_422_from_rgb};
+use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_image::number::CHROMA_GAIN;
+use edof_image::overlap::Overlap;
+use edof_network::fixed_network::FixedMatrix;
+use edof_network::network::Form;
+use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2};
 use std::ops::Range;
 
@@ -154,7 +155,7 @@ mod tests {
     fn a_grey_patch_gives_overlap_weighted_luma_and_no_chroma() {
         for step in [2, 4, 8] {
             let stride = Stride::new(step).unwrap();
-            let out = output_map(stride, Overlap::Hann).dot(&edof_spec::colour::grey_patch(1.0));
+            let out = output_map(stride, Overlap::Hann).dot(&edof_image::colour::grey_patch(1.0));
             let weights = Overlap::Hann.weights(stride);
             out.iter().take(64).zip(&weights).for_each(|(a, b)| assert!((a - b).abs() < 1e-12));
             assert!(out.iter().skip(64).all(|v| v.abs() < 1e-12));

@@ -6,10 +6,10 @@
 use crate::fold::Folded;
 use crate::rounding::Rounding;
 use crate::{Calibration, QuantizeError, QuantizeOptions};
-use edof_spec::fixed_network::{FixedMatrix, FixedNetworkError};
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::number::{ACCUMULATOR_BITS, INPUT_FRACTION};
-use edof_spec::{FixedNetwork, Network};
+use edof_image::number::{ACCUMULATOR_BITS, INPUT_FRACTION};
+use edof_network::fixed_network::{FixedMatrix, FixedNetworkError};
+use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2};
 use std::collections::BTreeSet;
 

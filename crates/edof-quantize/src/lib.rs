@@ -1,4 +1,4 @@
-//! From a float network to the board's integers (network.md, "Numbers").
+//! From a float network to the board's integers (docs/contract.md).
 //!
 //! | step | module | gives |
 //! |---|---|---|
@@ -17,7 +17,7 @@
 //!
 //! ```
 //! use edof_quantize::{Calibration, QuantizeOptions, quantize};
-//! # fn show(network: &edof_spec::Network, frames: &[edof_spec::RawFrame]) -> Result<(), Box<dyn std::error::Error>> {
+//! # fn show(network: &edof_network::Network, frames: &[edof_image::RawFrame]) -> Result<(), Box<dyn std::error::Error>> {
 //! let seen = Calibration::measure(network, frames)?;
 //! let (fixed, layers) = quantize(network, &QuantizeOptions::default(), &seen, "the weight file's hash")?;
 //! assert!(layers.iter().all(|layer| layer.accumulator_bits <= 48));
@@ -43,10 +43,11 @@ pub use capture::capture;
 pub use evaluate::{Evaluation, Scene, evaluate};
 pub use finetune::{FinetuneOptions, FinetuneProgress, finetune};
 
-use edof_spec::fixed_network::{FixedNetworkError, layer_names};
-use edof_spec::network::NetworkError;
-use edof_spec::overlap::Overlap;
-use edof_spec::{FixedNetwork, Network, Stride};
+use edof_image::Stride;
+use edof_image::overlap::Overlap;
+use edof_network::fixed_network::{FixedNetworkError, layer_names};
+use edof_network::network::NetworkError;
+use edof_network::{FixedNetwork, Network};
 
 /// What to make of a float network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,7 +159,7 @@ fn report(fixed: &FixedNetwork, used: &[f64]) -> Vec<LayerReport> {
                 0 => (code(0), vec![fixed.analysis.fraction], fixed.analysis_shift(), name.to_owned()),
                 _ if layer + 1 == layers => {
                     let weights = std::iter::once(&fixed.dictionary).chain(&fixed.linear_path);
-                    let fraction = edof_spec::number::OUTPUT_FRACTION;
+                    let fraction = edof_image::number::OUTPUT_FRACTION;
                     let weights = weights.map(|m| m.fraction).collect();
                     ((None, fraction), weights, fixed.final_shifts().result, name.to_owned())
                 }

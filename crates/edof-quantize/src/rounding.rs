@@ -6,9 +6,9 @@
 //! nearest plane; the same as GPTQ, Frantar et al. 2023).
 
 use crate::Calibration;
+use edof_float::parameters::Layout;
+use edof_network::network::Form;
 use edof_numerics::Cholesky;
-use edof_spec::network::Form;
-use edof_train::parameters::Layout;
 use ndarray::{Array1, Array2, concatenate, s};
 use std::ops::Range;
 
@@ -125,7 +125,7 @@ fn round(factor: &Cholesky, matrix: &Array2<f64>, fractions: &[u32], bits: u32) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::draw::Draw;
+    use edof_image::draw::Draw;
 
     /// Smooth inputs: a level and a little noise.
     fn inputs(n: usize) -> Vec<Vec<f64>> {

@@ -1,13 +1,13 @@
 //! The integer network in floating point: every weight and code rounded to the words it will be, and a gradient that looks
 //! through the rounding (straight-through estimator: Bengio, Léonard, Courville 2013).
 
-use edof_spec::FixedNetwork;
-use edof_spec::colour::{OUTPUTS_422, RGB_OUTPUTS, rgb_from_ycbcr};
-use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::network::Form;
-use edof_train::format::Format;
-use edof_train::matmul::{Destination, Mat, product};
-use edof_train::pass::{Examples, Pass, weighted_errors};
+use edof_float::format::Format;
+use edof_float::matmul::{Destination, Mat, product};
+use edof_float::pass::{Examples, Pass, weighted_errors};
+use edof_image::colour::{OUTPUTS_422, RGB_OUTPUTS, rgb_from_ycbcr};
+use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_network::FixedNetwork;
+use edof_network::network::Form;
 
 /// Formats of a fixed network's b_t and z_t.
 #[must_use]
@@ -16,7 +16,7 @@ pub fn code_formats(fixed: &FixedNetwork) -> Vec<Format> {
 }
 
 /// The 192×128 map from F's outputs back to red, green and blue of the patch: undoes chroma gain and averaging weight, and puts
-/// chroma between its sites as [`edof_spec::colour::rgb_from_422`] does (at the last column, its neighbour).
+/// chroma between its sites as [`edof_image::colour::rgb_from_422`] does (at the last column, its neighbour).
 #[must_use]
 pub fn rgb_map(output_weights: &[f64]) -> Vec<f32> {
     let mut map = vec![0.0f32; RGB_OUTPUTS * OUTPUTS_422];
@@ -91,11 +91,11 @@ impl Simulated {
 mod tests {
     use super::*;
     use crate::fold::Folded;
+    use edof_float::parameters::Layout;
     use edof_golden::scalar;
-    use edof_spec::draw::Draw;
-    use edof_spec::network::{Recurrence, Shrinkage};
-    use edof_spec::{Stride, Tone, Window};
-    use edof_train::parameters::Layout;
+    use edof_image::draw::Draw;
+    use edof_image::{Stride, Tone, Window};
+    use edof_network::network::{Recurrence, Shrinkage};
     use proptest::prelude::*;
 
     fn form(layers: usize, flags: [bool; 4]) -> Form {
@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn outputs_go_back_to_the_colours_they_came_from() {
         let stride = Stride::new(4).unwrap();
-        let overlap = edof_spec::overlap::Overlap::Hann;
+        let overlap = edof_image::overlap::Overlap::Hann;
         let map = crate::fold::output_map(stride, overlap);
         let weights = crate::fold::output_weights(stride, overlap);
         let colour: Vec<f64> = (0..192).map(|i| [0.2, 0.5, 0.7][i / 64]).collect();

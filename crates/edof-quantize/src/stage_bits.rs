@@ -5,8 +5,9 @@
 
 use crate::evaluate::Scene;
 use edof_golden::Golden;
-use edof_spec::fixed_network::{FixedMatrix, FixedNetworkError};
-use edof_spec::{ColourFrame, FixedNetwork, ReconstructError};
+use edof_image::{ColourFrame, ReconstructError};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::{FixedMatrix, FixedNetworkError};
 use rayon::prelude::*;
 
 /// Fewest bits that are tried.

@@ -4,12 +4,12 @@
 //! Values are held to their formats' ends where the integers saturate. Where none is, this is the float network itself.
 
 use crate::fold::Folded;
-use edof_spec::FixedNetwork;
-use edof_spec::colour::OUTPUTS_422;
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
-use edof_train::matmul::{Destination, Mat, product};
-use edof_train::real::Real;
+use edof_float::matmul::{Destination, Mat, product};
+use edof_float::real::Real;
+use edof_image::colour::OUTPUTS_422;
+use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_network::FixedNetwork;
+use edof_network::network::{Form, Recurrence, Shrinkage};
 
 /// Bits of an output word.
 const OUTPUT_BITS: u32 = 16;
@@ -140,8 +140,8 @@ impl<T: Real> Twin<T> {
 mod tests {
     use super::*;
     use edof_golden::scalar;
-    use edof_spec::draw::Draw;
-    use edof_spec::{Stride, Window};
+    use edof_image::draw::Draw;
+    use edof_image::{Stride, Window};
 
     /// Where no shift rounds, integers and real numbers are the same, saturations and all.
     #[test]

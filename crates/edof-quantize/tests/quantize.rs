@@ -1,22 +1,24 @@
 //! Integers stand for the float network: every layer's words are its values, to the last bits.
 
+use edof_camera::Camera;
+use edof_float::parameters::flatten;
+use edof_float::pass::Pass;
+use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::{Golden, GoldenReconstructor, scalar};
+use edof_image::draw::Draw;
+use edof_image::number::INPUT_FRACTION;
+use edof_image::overlap::Overlap;
+use edof_image::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Stride, Window};
+use edof_network::Network;
+use edof_network::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
 };
-use edof_spec::draw::Draw;
-use edof_spec::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
-use edof_spec::number::INPUT_FRACTION;
-use edof_spec::overlap::Overlap;
-use edof_spec::provenance::Provenance;
-use edof_spec::{Camera, CfaPhase, ColourFrame, Geometry, Network, RawFrame, Reconstructor, Stride, Window};
+use edof_storage::provenance::Provenance;
 use edof_train::dataset::{Dataset, DatasetOptions};
 use edof_train::noise::Conditions;
-use edof_train::parameters::flatten;
-use edof_train::pass::Pass;
 use edof_train::recipe::Recipe;
-use edof_train::reconstruct::{FloatReconstructor, Output};
 use edof_train::train::{Continue, Trainer};
 use ndarray::{Array1, Array2, Array3};
 use proptest::prelude::*;

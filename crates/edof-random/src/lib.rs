@@ -13,13 +13,16 @@
 //! assert!(network.check().is_ok());
 //! ```
 
-use edof_spec::colour::OUTPUTS_422;
-use edof_spec::draw::Draw;
-use edof_spec::fixed_network::FixedMatrix;
-use edof_spec::network::{Form, Origin, Recurrence, Shrinkage};
-use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
-use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, Design, FixedNetwork, Stride, Window};
+use edof_camera::Camera;
+use edof_device::Design;
+use edof_image::colour::OUTPUTS_422;
+use edof_image::draw::Draw;
+use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_image::overlap::Overlap;
+use edof_image::{Stride, Window};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::FixedMatrix;
+use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
 use ndarray::{Array1, Array2};
 
 /// Input words of one window: all of them 0…32767, often at the ends.
@@ -169,7 +172,7 @@ fn mean_weight(pixels: usize, stride: usize) -> i16 {
 }
 
 fn origin(name: &str) -> Origin {
-    let spectra = [610.0, 535.0, 460.0].map(edof_spec::camera::Spectrum::Line);
+    let spectra = [610.0, 535.0, 460.0].map(edof_camera::camera::Spectrum::Line);
     let camera = Camera {
         name: "none".into(),
         focal_length_mm: 16.0,
@@ -177,7 +180,7 @@ fn origin(name: &str) -> Origin {
         pixel_pitch_um: 3.0,
         spectra,
         reference_wavelength_nm: 460.0,
-        defocus_sign: edof_spec::camera::Sign::Plus,
+        defocus_sign: edof_camera::camera::Sign::Plus,
         focus_psi: 0.0,
         nominal_m: None,
         psi_range: [0.0, 8.0],

@@ -11,12 +11,14 @@ use ndarray::{
 };
 use rayon::prelude::*;
 
-/// How much larger than the largest eigenvalue of DᵀD the bound L is taken, so that sums of `f32` cannot make a step too long.
+/// How much larger than what is found for the largest eigenvalue of DᵀD L is taken: ten times as much as the search may miss it by, and as
+/// sums of `f32` may make a step too long.
 const MARGIN: f64 = 1.01;
 /// Signals that one thread takes at a time.
 const CHUNK: usize = 64;
 
-/// An upper bound L on the eigenvalues of a symmetric matrix, with a margin for rounding: 1/L is a step that cannot diverge.
+/// L, above the eigenvalues of a symmetric matrix by a margin: what is found for the largest one comes from below, within a thousandth
+/// ([`largest_eigenvalue`] states what holds), and is taken 1.01 times. A step of 1/L then goes down; up to 2/L none diverges.
 #[must_use]
 pub fn step_bound<F: NdFloat>(gram: ArrayView2<'_, F>) -> F {
     number(largest_eigenvalue(gram.mapv(|v| v.to_f64().unwrap_or(f64::NAN)).view()) * MARGIN)

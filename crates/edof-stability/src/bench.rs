@@ -2,7 +2,7 @@
 
 use crate::methods::Methods;
 use crate::subjects::Subjects;
-use edof_spec::{FixedNetwork, Network};
+use edof_network::{FixedNetwork, Network};
 
 /// A trained network in both its forms.
 #[derive(Debug, Clone)]

@@ -1,10 +1,12 @@
 //! Which layer's bits matter: dB lost against the bits of one stage, of all, and the fewest that lose next to nothing.
 
+use edof_image::ColourFrame;
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::layer_names;
 use edof_optics::draw::{Builtin, DrawError, draw};
 use edof_quantize::stage_bits::{LEAST, StageBitsError, fewest, mean_db, with_stage_bits};
 use edof_quantize::{Scene, capture};
-use edof_spec::fixed_network::layer_names;
-use edof_spec::{ColourFrame, FixedNetwork};
+use edof_study::made::Made;
 use edof_study::metrics::{BORDER, psnr};
 use edof_study::plot::{Axis, Mark, Plot, Series, USUAL};
 use edof_study::report::Report;
@@ -161,8 +163,9 @@ impl Bits {
 
 /// Tables of all networks.
 #[must_use]
-pub fn to_markdown(all: &[Bits], command: &str) -> String {
-    let mut text = format!("`{command}`: dB lost where a stage, or all, have fewer bits.\n");
+pub fn to_markdown(all: &[Bits], made: &Made) -> String {
+    let mut text =
+        format!("# Bits of single stages\n\n{made}\n\ndB lost where a stage, or all, have fewer bits.\n");
     for bits in all {
         let header = bits.header();
         let _ = write!(

@@ -9,12 +9,12 @@ use crate::outcome::{Seen, StageSeen, Stopped, Tried};
 use crate::subjects::Subjects;
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
+use edof_image::draw::Draw;
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::FixedNetworkError;
 use edof_quantize::bounds::{Arithmetic, StageBound, reference};
 use edof_quantize::fold::Folded;
 use edof_quantize::twin::{Twin, Values};
-use edof_spec::FixedNetwork;
-use edof_spec::draw::Draw;
-use edof_spec::fixed_network::FixedNetworkError;
 use rayon::prelude::*;
 
 /// Windows that go through everything at once.

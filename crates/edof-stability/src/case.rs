@@ -1,6 +1,6 @@
 //! A hard case, as data: what it is for, what is run, what could go wrong, and what is promised.
 
-use edof_spec::{CfaPhase, Noise};
+use edof_image::{CfaPhase, Noise};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -589,7 +589,8 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Case>, CasesError> {
     let mut paths = vec![];
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
-        if path.extension().is_some_and(|extension| extension == "json") {
+        // Whoever opens a pipe may wait for ever.
+        if path.extension().is_some_and(|extension| extension == "json") && path.is_file() {
             paths.push(path);
         }
     }

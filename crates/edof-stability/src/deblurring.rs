@@ -7,8 +7,8 @@ use crate::scenes;
 use edof_deblur::blind;
 use edof_deblur::hyper_laplacian::{Prior, hyper_laplacian};
 use edof_deblur::known::{richardson_lucy, wiener};
+use edof_image::{ColourFrame, Tone};
 use edof_optics::cosine::mirror_index;
-use edof_spec::{ColourFrame, Tone};
 use edof_study::picture::{png, sheet};
 use ndarray::{Array2, Axis};
 

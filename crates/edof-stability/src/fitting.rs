@@ -6,13 +6,14 @@
 use crate::case::Promise;
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::subjects::Subjects;
+use edof_camera::Camera;
+use edof_image::Noise;
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::geometry::{PATCH, PATCH_PIXELS};
 use edof_optics::blur::blur_frame;
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::psf::{Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, expose};
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::{Camera, Noise};
 use ndarray::Array2;
 
 const CAMERA: &str = "ring-2018";

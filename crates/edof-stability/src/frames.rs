@@ -11,15 +11,17 @@ use crate::case::{Frame, Promise};
 use crate::methods::CAMERA;
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::scenes;
+use edof_camera::Camera;
 use edof_deblur::Malvar;
+use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::GoldenReconstructor;
+use edof_image::overlap::Overlap;
+use edof_image::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Tone};
 use edof_io::doubt::{Doubt, doubts};
+use edof_network::FixedNetwork;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::sensor::{Sensor, expose};
-use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, Geometry, RawFrame, Reconstructor, Tone};
 use edof_study::picture::{png, sheet};
-use edof_train::reconstruct::{FloatReconstructor, Output};
 use rayon::prelude::*;
 
 /// Sides of the frames.

@@ -4,7 +4,7 @@ use crate::case::{Case, Trial};
 use crate::outcome::Stopped;
 use crate::{frames, words};
 use edof_golden::fast::Fast;
-use edof_spec::FixedNetwork;
+use edof_network::FixedNetwork;
 
 /// Input words of at most `most` windows of a case for a network: of a frame those all over it, as its own camera takes it; of words those
 /// that drive this network's sums to their ends. None of cases that are about something else, or that are refused.

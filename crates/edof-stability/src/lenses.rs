@@ -3,10 +3,11 @@
 use crate::case::{Lens, Promise, Scene};
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::scenes;
+use edof_camera::Camera;
+use edof_image::{Channel, Tone};
 use edof_optics::blur::blur;
 use edof_optics::cosine::mirror_index;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_spec::{Camera, Channel, Tone};
 use edof_study::picture::{png, psf_picture};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;

@@ -2,8 +2,9 @@
 
 use crate::case::Frame;
 use crate::outcome::Stopped;
+use edof_camera::Camera;
+use edof_image::{Reconstructor, Stride};
 use edof_optics::psf::Settings;
-use edof_spec::{Camera, Reconstructor, Stride};
 use edof_study::dictionary::Dictionary;
 use edof_study::spec::{self, MethodSpec};
 use std::cell::RefCell;

@@ -3,19 +3,19 @@
 use crate::case::{Numbers, Promise};
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::subjects::Subjects;
+use edof_float::parameters::Layout;
+use edof_float::pass::{Examples, Pass};
 use edof_golden::overlap_add::overlap_add;
 use edof_golden::{ColourTable, Counts, Curve, Display};
+use edof_image::display::{CODES, COLOUR_ADDRESS_BITS, DisplayMode};
+use edof_image::draw::Draw;
+use edof_image::frame::Frame422;
+use edof_image::number::ACCUMULATOR_BITS;
+use edof_image::{ColourFrame, Geometry, Noise, Stride, Tone, Window};
+use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_optics::sensor::{Sensor, expose};
-use edof_spec::display::{CODES, COLOUR_ADDRESS_BITS, DisplayMode};
-use edof_spec::draw::Draw;
-use edof_spec::frame::Frame422;
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::number::ACCUMULATOR_BITS;
-use edof_spec::{ColourFrame, Geometry, Noise, Stride, Tone, Window};
 use edof_study::metrics::Quality;
 use edof_train::adam::Adam;
-use edof_train::parameters::Layout;
-use edof_train::pass::{Examples, Pass};
 use ndarray::{Array2, Axis};
 
 /// Runs one of them.

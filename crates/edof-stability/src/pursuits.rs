@@ -6,11 +6,11 @@
 
 use crate::case::{Atoms, Promise, Signals};
 use crate::outcome::{Seen, Tried};
+use edof_image::draw::Draw;
 use edof_numerics::Cholesky;
 use edof_sparse::ksvd::{Settings, ksvd};
 use edof_sparse::lasso::{Effort, Lasso};
 use edof_sparse::omp::{Omp, Stop};
-use edof_spec::draw::Draw;
 use ndarray::{Array1, Array2, ArrayView1, Axis, NdFloat};
 
 const LENGTH: usize = 16;

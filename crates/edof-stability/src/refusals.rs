@@ -3,13 +3,15 @@
 use crate::bench::Bench;
 use crate::case::Refusal;
 use crate::outcome::{Stopped, Tried};
+use edof_camera::Camera;
 use edof_golden::{ColourTable, Golden};
+use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame, Stride, Window};
+use edof_network::FixedNetwork;
+use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::QuantizeOptions;
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::{Camera, CfaPhase, ColourFrame, FixedNetwork, Noise, RawFrame, Stride, Window};
 use edof_study::metrics::Quality;
 use ndarray::Array2;
 
@@ -102,7 +104,7 @@ fn refused(spoil: impl FnOnce(&mut FixedNetwork)) -> Result<Tried, Stopped> {
 }
 
 /// The first trained network, spoiled.
-fn float(bench: &Bench, spoil: impl FnOnce(&mut edof_spec::Network)) -> Result<Tried, Stopped> {
+fn float(bench: &Bench, spoil: impl FnOnce(&mut edof_network::Network)) -> Result<Tried, Stopped> {
     let Some(trained) = bench.networks.first() else { return Ok(Tried::default()) };
     let mut network = trained.float.clone();
     network.check()?;

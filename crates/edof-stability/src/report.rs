@@ -3,6 +3,7 @@
 use crate::case::Trial;
 use crate::outcome::{Outcome, Seen};
 use crate::suite::Suite;
+use edof_study::made::Made;
 use edof_study::report::{Figure, Layout, Report};
 use std::fmt::Write;
 
@@ -71,8 +72,8 @@ impl Suite {
 
     /// A table for each kind of case.
     #[must_use]
-    pub fn to_markdown(&self, command: &str) -> String {
-        let mut text = format!("`{command}`: {}\n", self.verdict());
+    pub fn to_markdown(&self, made: &Made) -> String {
+        let mut text = format!("# Hard cases\n\n{made}\n\n{}\n", self.verdict());
         for (name, title) in KINDS {
             let own: Vec<&Outcome> = self.cases.iter().filter(|o| kind(&o.case.trial) == name).collect();
             if own.is_empty() {
@@ -250,7 +251,7 @@ mod tests {
         assert_eq!(page.matches("<figure>").count(), 1);
         assert_eq!(page.matches("<td>words without rounding</td>").count(), 4);
         assert!(page.contains("<dt>Promised</dt><dd>same, to a bound told before; formats and weights"));
-        let table = suite.to_markdown("edof study stability");
+        let table = suite.to_markdown(&Made { command: "edof study stability".into(), makers: vec![] });
         assert!(table.contains("## Deconvolution") && !table.contains("## What is refused"), "{table}");
         assert!(table.contains("| drawn-8-8.f32 | f64 | M1 |"), "{table}");
     }

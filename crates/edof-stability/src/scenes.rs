@@ -1,10 +1,10 @@
 //! Pictures of hard cases, drawn.
 
 use crate::case::{Defects, Scene};
+use edof_image::frame::FrameError;
+use edof_image::{CfaPhase, ColourFrame, RawFrame};
 use edof_optics::draw::{Builtin, DrawError, draw};
 use edof_optics::scene;
-use edof_spec::frame::FrameError;
-use edof_spec::{CfaPhase, ColourFrame, RawFrame};
 use ndarray::Array2;
 
 /// Seed of drawn scenes.

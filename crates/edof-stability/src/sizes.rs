@@ -5,17 +5,17 @@ use crate::case::{Promise, Scene};
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::scenes;
 use edof_deblur::{Directional, Malvar};
+use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::Golden;
 use edof_golden::frame::scalar_frame;
 use edof_golden::scalar;
 use edof_golden::windows::window;
+use edof_image::draw::Draw;
+use edof_image::geometry::PATCH;
+use edof_image::overlap::Overlap;
+use edof_image::{CfaPhase, RawFrame, Reconstructor, Stride};
 use edof_optics::sensor::{Sensor, expose};
-use edof_spec::draw::Draw;
-use edof_spec::geometry::PATCH;
-use edof_spec::overlap::Overlap;
-use edof_spec::{CfaPhase, RawFrame, Reconstructor, Stride};
 use edof_study::memory;
-use edof_train::reconstruct::{FloatReconstructor, Output};
 use ndarray::{Array2, s};
 
 /// Sides of the frame of a hundred megapixels: this wide.

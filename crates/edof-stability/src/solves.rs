@@ -4,8 +4,8 @@ use crate::case::{Promise, System};
 use crate::outcome::{Seen, Stopped, Tried};
 use crate::pursuits::condition;
 use crate::subjects::Subjects;
+use edof_image::draw::Draw;
 use edof_numerics::Cholesky;
-use edof_spec::draw::Draw;
 use ndarray::Array2;
 
 /// The ridge that dictionaries are solved for with.

@@ -3,7 +3,7 @@
 
 use edof_golden::fast::Fast;
 use edof_golden::{ColourTable, Trace};
-use edof_spec::ColourFrame;
+use edof_image::ColourFrame;
 use ndarray::{Array2, ArrayView2};
 
 /// Functions under trial that somebody might break by a slip.
@@ -26,7 +26,7 @@ impl Default for Subjects {
     fn default() -> Self {
         Self {
             words: Fast::traces,
-            requantize: edof_spec::number::requantize,
+            requantize: edof_image::number::requantize,
             encoded: ColourTable::encoded,
             least_squares: edof_numerics::least_squares,
             psnr: edof_study::metrics::psnr,

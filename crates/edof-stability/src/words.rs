@@ -10,10 +10,11 @@ use crate::case::{Instead, Windows, WordNetwork, Words};
 use crate::outcome::{Seen, Stopped, Tried};
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
-use edof_spec::draw::Draw;
-use edof_spec::fixed_network::{FixedMatrix, layer_names};
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::{FixedNetwork, Stride, Window};
+use edof_image::draw::Draw;
+use edof_image::{Stride, Window};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::{FixedMatrix, layer_names};
+use edof_network::network::{Form, Recurrence, Shrinkage};
 use ndarray::ArrayView1;
 
 /// Codes of drawn networks.

@@ -1,11 +1,13 @@
 //! The board in a study, as far as it can be told without one: the golden picture, which it gives to the last bit, and its cycles at the
 //! clock that is planned for it. Its time is computed, not measured, and reports say so.
 
+use edof_device::Design;
+use edof_device::design::memory::Set;
 use edof_golden::cycle::explore::cycles_per_patch;
 use edof_golden::cycle::{Cycle, CycleError, Patch};
 use edof_golden::{GoldenReconstructor, windows};
-use edof_spec::design::memory::Set;
-use edof_spec::{Design, FixedNetwork, Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_image::{Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_network::FixedNetwork;
 
 /// A network on the calculator of a design.
 pub struct BoardReconstructor {
@@ -57,7 +59,7 @@ impl Reconstructor for BoardReconstructor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::CfaPhase;
+    use edof_image::CfaPhase;
     use ndarray::Array2;
 
     #[test]

@@ -2,8 +2,8 @@
 
 use edof_deblur::hyper_laplacian::{Prior, hyper_laplacian};
 use edof_deblur::{Malvar, blind, known};
+use edof_image::{RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use edof_optics::psf::Psf;
-use edof_spec::{RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 use std::time::Instant;

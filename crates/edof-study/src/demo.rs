@@ -5,10 +5,11 @@
 use crate::metrics::MetricError;
 use crate::picture::{caption, sheet, stacked};
 use crate::pictures::{self, Names, Part, Picture, Truth};
+use edof_camera::Camera;
+use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
 use serde::Serialize;
 use std::ops::ControlFlow;
 

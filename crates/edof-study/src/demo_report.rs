@@ -5,7 +5,7 @@ use crate::metrics::BORDER;
 use crate::picture::{jpeg, png};
 use crate::pictures::{self, Part, Picture, capitalised};
 use crate::report::{Figure, Layout, Report};
-use edof_spec::{ColourFrame, Tone};
+use edof_image::{ColourFrame, Tone};
 
 impl Demo {
     /// The report, pictures inside; `command` tells how to make it again.

@@ -1,5 +1,6 @@
 //! What foldings of networks are worth: dB against cycles, multipliers and frames a second, and which of them nothing beats.
 
+use crate::made::Made;
 use crate::plot::{Axis, Mark, Plot, Series, USUAL};
 use crate::report::Report;
 use crate::tables::Table;
@@ -56,12 +57,8 @@ impl Foldings {
 
     /// The same as a Markdown page; `command` tells how to make it again.
     #[must_use]
-    pub fn to_markdown(&self, command: &str) -> String {
-        format!(
-            "# {TITLE}\n\nMade by `{command}`.\n\n{}\n\n{}",
-            self.explanation(),
-            self.front().to_markdown()
-        )
+    pub fn to_markdown(&self, made: &Made) -> String {
+        format!("# {TITLE}\n\n{made}\n\n{}\n\n{}", self.explanation(), self.front().to_markdown())
     }
 
     /// A report with a diagram for each figure.
@@ -192,7 +189,7 @@ mod tests {
             device: "xc7k325t".into(),
             pictures: "a picture".into(),
         };
-        let page = study.to_markdown("edof study design");
+        let page = study.to_markdown(&Made::by("edof study design"));
         assert!(page.contains("| a | c | 30.00 | 200.0 | 201.0 | 30.0 | 100 | 10.5 | 8x1 8x1 |"), "{page}");
         assert!(!page.contains("| b |"), "{page}");
         let html = study.report("edof study design").to_html();

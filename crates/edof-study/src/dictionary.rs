@@ -1,13 +1,13 @@
 //! The dictionary of sharp 8×8 colour patches that pursuits reconstruct with (paper §3), learned by k-SVD, and its file.
 
 use crate::photos::Photo;
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_numerics::random::Random;
 use edof_sparse::ksvd::{Settings, ksvd};
-use edof_spec::atomic::{self, WriteError};
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::digest::sha256;
-use edof_spec::geometry::{PATCH, PATCH_PIXELS};
-use edof_spec::provenance::Provenance;
-use edof_train::random::Random;
+use edof_storage::atomic::{self, WriteError};
+use edof_storage::digest::sha256;
+use edof_storage::provenance::Provenance;
 use ndarray::{Array2, Axis, s};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
@@ -206,7 +206,7 @@ impl Dictionary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::ColourFrame;
+    use edof_image::ColourFrame;
 
     const RECIPE: Recipe = Recipe { atoms: 12, sparsity: 2, patches: 300, rounds: 3, seed: 1 };
 

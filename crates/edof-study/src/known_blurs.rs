@@ -2,21 +2,24 @@
 //! find. Rows go to a [`Journal`] as those of other studies.
 
 use crate::cpu_time;
-use crate::journal::{Journal, JournalError, Line, Progress, Shard};
+use crate::journal::{self, Journal, JournalError, Line, Progress, Proof, Shard};
+use crate::made::Made;
 use crate::metrics::{BORDER, MetricError, Quality};
-use crate::photos::Photo;
+use crate::paired::Paired;
+use crate::photos::{Photo, choices};
 use crate::report::Report;
 use crate::tables::Table;
 use crate::told::{Told, ToldError};
 use edof_deblur::blind::{self, Estimate, Settings};
 use edof_deblur::hyper_laplacian::hyper_laplacian;
+use edof_image::ColourFrame;
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::Psf;
-use edof_spec::ColourFrame;
-use edof_spec::provenance::Input;
+use edof_storage::provenance::Input;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -87,12 +90,16 @@ pub struct Row {
     /// Side in pixels of the kernel that was looked for.
     pub side: usize,
     /// PSNR in dB of the blurred picture.
+    #[serde(with = "crate::number")]
     pub blurred_db: f64,
     /// PSNR in dB of what the method made of it.
+    #[serde(with = "crate::number")]
     pub restored_db: f64,
     /// PSNR in dB of the same last step with the true kernel.
+    #[serde(with = "crate::number")]
     pub known_db: f64,
     /// Correlation of the kernel that was found with the true one, at the best shift of a few pixels.
+    #[serde(with = "crate::number")]
     pub correlation: f64,
     /// How often the method's step was halved.
     pub halvings: usize,
@@ -102,8 +109,9 @@ pub struct Row {
     pub seconds_per_megapixel: f64,
     /// Seconds that all threads together were on a processor, a megapixel; none where the system does not tell.
     pub cpu_seconds_per_megapixel: Option<f64>,
-    /// SHA-256 of the photograph's values.
-    pub photo_sha256: String,
+    /// Hashes of the photograph and of all settings.
+    #[serde(flatten)]
+    pub proof: Proof,
 }
 
 /// What a row is of.
@@ -111,18 +119,22 @@ pub struct Row {
 pub struct Key {
     side: usize,
     image: String,
-    photo: String,
     blur: String,
+    proof: Proof,
 }
 
 impl Line for Row {
     const STUDY: &'static str = "blind";
-    const LAYOUT: u32 = 1;
+    const LAYOUT: u32 = 2;
     type Key = Key;
 
     fn key(&self) -> Key {
-        let Self { side, image, blur, photo_sha256, .. } = self;
-        Key { side: *side, image: image.clone(), photo: photo_sha256.clone(), blur: blur.clone() }
+        let Self { side, image, blur, proof, .. } = self;
+        Key { side: *side, image: image.clone(), blur: blur.clone(), proof: proof.clone() }
+    }
+
+    fn subject(key: &Key) -> Key {
+        Key { proof: Proof::default(), ..key.clone() }
     }
 
     fn timeless(&self) -> Self {
@@ -161,8 +173,15 @@ pub fn run(
     for photo in photos {
         let sha256 = Input::photograph(&photo.name, &photo.frame).sha256;
         for blur in &blurs {
+            // The kernel to its last bit: arrays shorten themselves where they are written.
+            let kernel: Vec<f32> = blur.psf.kernel.iter().copied().collect();
+            let proof = Proof {
+                settings: Some(journal::settings(&[settings, &kernel, &STEPS, &BORDER])),
+                photo: sha256.clone(),
+                ..Proof::default()
+            };
             let (image, blurred) = (photo.name.clone(), blur.name.to_owned());
-            let key = Key { side: settings.side, image, photo: sha256.clone(), blur: blurred };
+            let key = Key { side: settings.side, image, blur: blurred, proof };
             cells.push((key, (photo, blur)));
         }
     }
@@ -170,7 +189,7 @@ pub fn run(
     let of = own.len();
     for (done, (key, (photo, blur))) in own.into_iter().enumerate() {
         if !journal.holds(&key) {
-            journal.push(restore(photo, key.photo, blur, settings)?)?;
+            journal.push(restore(photo, key.proof, blur, settings)?)?;
         }
         let last = format!("{} of {}", blur.name, photo.name);
         if tell(Progress { done: done + 1, of, last }).is_break() {
@@ -196,7 +215,7 @@ pub struct TooSmall {
 ///
 /// # Errors
 /// [`TooSmall`].
-fn restore(photo: &Photo, photo_sha256: String, blur: &Blur, settings: &Settings) -> Result<Row, TooSmall> {
+fn restore(photo: &Photo, proof: Proof, blur: &Blur, settings: &Settings) -> Result<Row, TooSmall> {
     let psfs = [blur.psf.clone(), blur.psf.clone(), blur.psf.clone()];
     let mut seen = blur_frame(&photo.frame, &psfs);
     seen.planes.mapv_inplace(|v| (v * STEPS).round().clamp(0.0, STEPS) / STEPS);
@@ -228,7 +247,7 @@ fn restore(photo: &Photo, photo_sha256: String, blur: &Blur, settings: &Settings
         steps,
         seconds_per_megapixel: seconds / megapixels,
         cpu_seconds_per_megapixel: cpu_seconds.map(|seconds| seconds / megapixels),
-        photo_sha256,
+        proof,
     })
 }
 
@@ -239,6 +258,8 @@ pub struct KnownBlurs {
     pub rows: Vec<Row>,
     /// Mean of what the method gained, in dB.
     pub mean_gain_db: f64,
+    /// The same with its standard error: the mean over photographs of the mean over a photograph's kernels.
+    pub gain: Option<Paired>,
     /// Mean of what the true kernel gains in the same last step.
     pub mean_known_gain_db: f64,
     /// The least gain; what is far below 0 has diverged.
@@ -265,8 +286,14 @@ impl Told for KnownBlurs {
         let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
         let least = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::INFINITY, f64::min);
         let gain = |row: &Row| row.restored_db - row.blurred_db;
+        let of_photo = |image: &String| {
+            let own: Vec<f64> = rows.iter().filter(|row| row.image == *image).map(gain).collect();
+            own.iter().sum::<f64>() / own.len() as f64
+        };
+        let photos: BTreeSet<&String> = rows.iter().map(|row| &row.image).collect();
         Ok(Self {
             mean_gain_db: mean(gain),
+            gain: Paired::of(&photos.into_iter().map(of_photo).collect::<Vec<_>>()),
             mean_known_gain_db: mean(|row| row.known_db - row.blurred_db),
             least_gain_db: least(gain),
             mean_correlation: mean(|row| row.correlation),
@@ -281,8 +308,8 @@ impl Told for KnownBlurs {
         format!("{}{}", self.table().to_text(), self.sentence())
     }
 
-    fn to_markdown(&self, command: &str) -> String {
-        format!("# {TITLE}\n\nMade by `{command}`.\n\n{}\n\n{}", self.sentence(), self.table().to_markdown())
+    fn to_markdown(&self, made: &Made) -> String {
+        format!("# {TITLE}\n\n{made}\n\n{}\n\n{}", self.sentence(), self.table().to_markdown())
     }
 
     fn report(&self, command: &str) -> Report {
@@ -296,10 +323,10 @@ impl Told for KnownBlurs {
 impl KnownBlurs {
     fn sentence(&self) -> String {
         format!(
-            "Over {} blurred photographs: {:+.2} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
-             average, at least by {:.3}. Lost more than {DIVERGED_DB} dB: {}. Seconds are wall-clock and of all threads together on {}.",
+            "Over {} blurred photographs: {} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
+             average, at least by {:.3}. Lost more than {DIVERGED_DB} dB: {}. Seconds are wall-clock and of all threads together on {}.{}",
             self.rows.len(),
-            self.mean_gain_db,
+            self.gain.map_or_else(|| "–".to_owned(), |gain| gain.to_string()),
             self.mean_known_gain_db,
             self.least_gain_db,
             self.mean_correlation,
@@ -308,7 +335,8 @@ impl KnownBlurs {
                 0 => "none".to_owned(),
                 count => count.to_string(),
             },
-            self.machine
+            self.machine,
+            choices(self.rows.iter().map(|row| row.image.as_str()))
         )
     }
 
@@ -381,7 +409,7 @@ fn moved(frame: &ColourFrame, (rows, columns): (isize, isize)) -> ColourFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::journal::Header;
+    use crate::journal::{Header, Program};
 
     /// Cards of many greys on top of each other.
     fn cards() -> Photo {
@@ -393,9 +421,10 @@ mod tests {
     fn a_drawn_blur_is_found_and_undone_and_no_row_is_measured_twice() {
         let settings = Settings { side: 15, ..Settings::default() };
         let folder = tempfile::tempdir().unwrap();
-        let header = Header::of::<Row>(false, "a machine".into());
+        let header = Header::of::<Row>(Program::stub("r", "a machine"));
         let go = |file: &str, shard: &str, most: usize| {
-            let mut journal = Journal::open(&folder.path().join(file), header.clone()).unwrap();
+            let mut journal =
+                Journal::open(&folder.path().join(file), header.clone(), Default::default()).unwrap();
             let mut told = 0;
             let tell = |_| {
                 told += 1;
@@ -414,12 +443,12 @@ mod tests {
         assert!(first.lines().all(|line| last.lines().any(|l| l == line)), "what is there stays");
         let rows = journal.rows();
         assert_eq!(rows.iter().map(|row| row.blur.as_str()).collect::<Vec<_>>(), ["bow", "disc", "stroke"]);
-        for row in rows {
+        for row in &rows {
             assert!(row.known_db > row.blurred_db + 2.0, "the kernel is the blur's own: {row:?}");
         }
-        let study = KnownBlurs::new(rows, "a machine".into()).unwrap();
+        let study = KnownBlurs::new(&rows, "a machine".into()).unwrap();
         assert!(study.mean_gain_db > 1.0 && study.mean_correlation > 0.7, "{}", study.to_text());
-        assert!(study.to_markdown("edof study blind").contains("| leaves | bow | "));
+        assert!(study.to_markdown(&Made::by("edof study blind")).contains("| leaves | bow | "));
     }
 
     #[test]
@@ -436,7 +465,7 @@ mod tests {
             steps: 1,
             seconds_per_megapixel: 1.0,
             cpu_seconds_per_megapixel: None,
-            photo_sha256: String::new(),
+            proof: Proof::default(),
         };
         let told = |db: &[f64]| {
             KnownBlurs::new(&db.iter().map(|&db| row(db)).collect::<Vec<_>>(), "m".into()).unwrap().to_text()

@@ -6,14 +6,19 @@
 //! cameras and methods meet the same. Methods run one after the other, each on all threads, so that their times can be
 //! compared; all else runs side by side.
 
-use crate::method::{Entry, Method};
+use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Proof, Shard, settings};
+use crate::method::Method;
 use crate::metrics::{BORDER, MetricError, Quality, shown};
 use crate::photos::Photo;
+use crate::spec::{MethodSpec, PrepareError, Ready};
+use edof_camera::Camera;
+use edof_image::reconstructor::Multiplications;
+use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
-use edof_spec::reconstructor::Multiplications;
-use edof_spec::{Camera, ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
+use edof_storage::digest::sha256;
+use edof_storage::provenance::Input;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -26,7 +31,7 @@ pub struct Setup {
     /// The camera.
     pub camera: Camera,
     /// Methods.
-    pub entries: Vec<Entry>,
+    pub methods: Vec<MethodSpec>,
 }
 
 /// Settings of an experiment.
@@ -51,9 +56,9 @@ pub fn usual_noise(tone: Tone) -> [Noise; 3] {
     }
 }
 
-/// One method on one photograph at one depth and noise level.
+/// What one method made of one photograph at one depth and noise level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct Measured {
     /// Short name of the method, made from its identity.
     pub method: String,
     /// The method.
@@ -79,6 +84,60 @@ pub struct Row {
     /// What it took.
     #[serde(flatten)]
     pub work: Work,
+}
+
+/// The same with what it was measured from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Quality, time and work.
+    #[serde(flatten)]
+    pub measured: Measured,
+    /// Place of camera and method among those of the command that measured it: tables keep it.
+    pub place: usize,
+    /// Hashes of inputs and settings.
+    #[serde(flatten)]
+    pub proof: Proof,
+}
+
+/// What a row is of.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key {
+    camera: String,
+    method: Method,
+    tone: Tone,
+    psi: Ordered,
+    noise: Vec<Ordered>,
+    image: String,
+    proof: Proof,
+}
+
+impl Line for Row {
+    const STUDY: &'static str = "kodak";
+    const LAYOUT: u32 = 2;
+    type Key = Key;
+
+    fn key(&self) -> Key {
+        let Measured { identity, camera, tone, psi, noise, image, .. } = &self.measured;
+        Key {
+            camera: camera.clone(),
+            method: identity.clone(),
+            tone: *tone,
+            psi: Ordered(*psi),
+            noise: Ordered::of_noise(*noise),
+            image: image.clone(),
+            proof: self.proof.clone(),
+        }
+    }
+
+    fn subject(key: &Key) -> Key {
+        Key { proof: Proof::default(), ..key.clone() }
+    }
+
+    fn timeless(&self) -> Self {
+        let mut row = self.clone();
+        (row.measured.seconds_per_megapixel, row.place) = (0.0, 0);
+        row
+    }
 }
 
 /// What a method counted; nothing where it does not count.
@@ -107,6 +166,12 @@ pub enum KodakError {
     /// A depth that a camera has no PSFs for.
     #[error(transparent)]
     Psf(#[from] NoPsf),
+    /// A method that cannot be prepared.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// The file of rows.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
     /// The listener asked to stop.
     #[error("stopped")]
     Stopped,
@@ -115,52 +180,109 @@ pub enum KodakError {
     Metric { image: String, source: MetricError },
 }
 
-/// How far an experiment is.
-#[derive(Debug, Clone, Copy)]
-pub struct Progress<'a> {
-    /// Photographs done, over all cameras and depths.
-    pub done: usize,
-    /// How many there are.
-    pub of: usize,
-    /// Camera at work.
-    pub camera: &'a str,
-    /// Depth at work.
-    pub psi: f64,
-    /// Photograph just done.
-    pub image: &'a str,
+/// What is measured.
+pub struct Plan {
+    /// Cameras and their methods, in the order of tables.
+    pub setups: Vec<Setup>,
+    /// Depths, noise levels, tone, kernels.
+    pub conditions: Conditions,
+    /// Which of its rows.
+    pub shard: Shard,
 }
 
-/// Runs the experiment; rows come by setup, ψ, photograph, noise, method. `tell` hears of every photograph and may stop it.
+/// A row to be measured, by places in the plan and the list of photographs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Cell {
+    setup: usize,
+    psi: usize,
+    photo: usize,
+    noise: usize,
+    method: usize,
+    place: usize,
+}
+
+/// Measures what the journal does not hold yet, and puts its rows into their order. `tell` hears of every photograph and may stop the
+/// study; what was measured stays.
 ///
 /// # Errors
 /// [`KodakError`] naming the first photograph that a method or metric cannot take, or `Stopped`.
 pub fn run(
-    setups: &[Setup],
+    plan: &Plan,
     photos: &[Photo],
-    conditions: &Conditions,
-    mut tell: impl FnMut(Progress<'_>) -> ControlFlow<()>,
-) -> Result<Vec<Row>, KodakError> {
-    let of = setups.len() * conditions.psi.len() * photos.len();
-    let (mut rows, mut done) = (vec![], 0);
-    for setup in setups {
-        for &psi in &conditions.psi {
-            let psfs = channel_psfs(&setup.camera, psi, &conditions.optics)?;
-            for photo in photos {
-                rows.extend(Trial::new(setup, photo, psi, conditions).rows(&psfs)?);
+    journal: &mut Journal<Row>,
+    mut tell: impl FnMut(Progress) -> ControlFlow<()>,
+) -> Result<(), KodakError> {
+    let own = plan.shard.own(plan.cells(photos));
+    let of = own.len();
+    let mut missing: Vec<(Cell, Proof)> =
+        own.into_iter().filter(|(key, _)| !journal.holds(key)).map(|(key, cell)| (cell, key.proof)).collect();
+    missing.sort();
+    let mut done = of - missing.len();
+    for at_depth in missing.chunk_by(|(a, _), (b, _)| (a.setup, a.psi) == (b.setup, b.psi)) {
+        let (setup, psi) = (&plan.setups[at_depth[0].0.setup], plan.conditions.psi[at_depth[0].0.psi]);
+        let psfs = channel_psfs(&setup.camera, psi, &plan.conditions.optics)?;
+        let mut ready = Ready::new(&setup.camera, &setup.methods, psi, plan.conditions.optics);
+        for of_photo in at_depth.chunk_by(|(a, _), (b, _)| a.photo == b.photo) {
+            let photo = &photos[of_photo[0].0.photo];
+            for row in
+                Trial::new(&setup.camera, photo, psi, &plan.conditions).rows(&psfs, of_photo, &mut ready)?
+            {
+                journal.push(row)?;
                 done += 1;
-                let progress = Progress { done, of, camera: &setup.camera.name, psi, image: &photo.name };
-                if tell(progress).is_break() {
-                    return Err(KodakError::Stopped);
-                }
+            }
+            let last = format!("{} at psi {psi}: {}", setup.camera.name, photo.name);
+            if tell(Progress { done, of, last }).is_break() {
+                return Err(KodakError::Stopped);
             }
         }
     }
-    Ok(rows)
+    Ok(journal.finish()?)
+}
+
+impl Plan {
+    fn cells(&self, photos: &[Photo]) -> Vec<(Key, Cell)> {
+        let Conditions { tone, psi: depths, noise: levels, optics } = &self.conditions;
+        let hashes: Vec<String> =
+            photos.iter().map(|p| Input::photograph(&p.name, &p.frame).sha256).collect();
+        let (mut cells, mut first) = (vec![], 0);
+        for (setup, Setup { camera, methods }) in self.setups.iter().enumerate() {
+            let camera_sha256 = sha256(camera.to_json().as_bytes());
+            for (psi, &depth) in depths.iter().enumerate() {
+                for (photo, of) in photos.iter().enumerate() {
+                    for (noise, &level) in levels.iter().enumerate() {
+                        let sensor = sensor(&of.name, depth, level);
+                        for (method, spec) in methods.iter().enumerate() {
+                            let key = Key {
+                                camera: camera.name.clone(),
+                                method: spec.method(),
+                                tone: *tone,
+                                psi: Ordered(depth),
+                                noise: Ordered::of_noise(level),
+                                image: of.name.clone(),
+                                proof: Proof {
+                                    settings: Some(settings(&[&spec.settings(), optics, &sensor, &BORDER])),
+                                    weights: spec.weights().map(str::to_owned),
+                                    photo: hashes[photo].clone(),
+                                    camera: Some(camera_sha256.clone()),
+                                },
+                            };
+                            cells.push((
+                                key,
+                                Cell { setup, psi, photo, noise, method, place: first + method },
+                            ));
+                        }
+                    }
+                }
+            }
+            first += methods.len();
+        }
+        cells
+    }
 }
 
 /// One photograph at one depth behind one camera.
 pub(crate) struct Trial<'a> {
-    setup: &'a Setup,
+    camera: &'a Camera,
     photo: &'a Photo,
     psi: f64,
     conditions: &'a Conditions,
@@ -169,23 +291,32 @@ pub(crate) struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    pub(crate) fn new(setup: &'a Setup, photo: &'a Photo, psi: f64, conditions: &'a Conditions) -> Self {
-        Self { setup, photo, psi, conditions, light: conditions.tone.decoded(&photo.frame) }
+    pub(crate) fn new(camera: &'a Camera, photo: &'a Photo, psi: f64, conditions: &'a Conditions) -> Self {
+        Self { camera, photo, psi, conditions, light: conditions.tone.decoded(&photo.frame) }
     }
 
-    /// All methods on all noise levels: reconstructed in turn, compared side by side.
-    fn rows(&self, psfs: &[Psf; 3]) -> Result<Vec<Row>, KodakError> {
-        let mut done: Vec<(Noise, &Method, Reconstruction)> = vec![];
-        for (noise, raw) in self.shots(psfs)? {
-            for entry in &self.setup.entries {
-                let result = entry
-                    .reconstructor
-                    .reconstruct(&raw)
-                    .map_err(|source| KodakError::Reconstruct { image: self.image(), source })?;
-                done.push((noise, &entry.method, result));
-            }
+    /// Rows of one photograph: reconstructed in turn, compared side by side.
+    fn rows(
+        &self,
+        psfs: &[Psf; 3],
+        cells: &[(Cell, Proof)],
+        ready: &mut Ready<'_>,
+    ) -> Result<Vec<Row>, KodakError> {
+        let shots = self.shots(psfs)?;
+        let mut done = vec![];
+        for (cell, proof) in cells {
+            let (noise, raw) = &shots[cell.noise];
+            let method = ready.method(*noise, cell.method)?.reconstructor;
+            let result = method
+                .reconstruct(raw)
+                .map_err(|source| KodakError::Reconstruct { image: self.image(), source })?;
+            done.push((*noise, ready.identity(cell.method), result, cell.place, proof.clone()));
         }
-        done.into_par_iter().map(|(noise, method, result)| self.row(noise, method, &result)).collect()
+        done.into_par_iter()
+            .map(|(noise, method, result, place, proof)| {
+                Ok(Row { measured: self.row(noise, &method, &result)?, place, proof })
+            })
+            .collect()
     }
 
     /// What the sensor gives at each noise level.
@@ -205,7 +336,7 @@ impl<'a> Trial<'a> {
         noise: Noise,
         method: &Method,
         result: &Reconstruction,
-    ) -> Result<Row, KodakError> {
+    ) -> Result<Measured, KodakError> {
         let tone = self.conditions.tone;
         let compared = |truth: &ColourFrame, estimate: &ColourFrame| {
             Quality::of(truth, estimate, BORDER)
@@ -218,10 +349,10 @@ impl<'a> Trial<'a> {
         };
         let (height, width) = self.light.size();
         let pixels = (height * width) as f64;
-        Ok(Row {
+        Ok(Measured {
             method: method.to_string(),
             identity: method.clone(),
-            camera: self.setup.camera.name.clone(),
+            camera: self.camera.name.clone(),
             image: self.image(),
             psi: self.psi,
             noise,
@@ -233,7 +364,7 @@ impl<'a> Trial<'a> {
         })
     }
 
-    fn image(&self) -> String {
+    pub(crate) fn image(&self) -> String {
         self.photo.name.clone()
     }
 }
@@ -272,11 +403,10 @@ pub fn sensor(image: &str, psi: f64, noise: Noise) -> Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_deblur::Malvar;
+    use crate::journal::{Header, Program};
 
     fn setup(camera: &str) -> Setup {
-        let entry = Entry { method: Method::demosaic(), reconstructor: Box::new(Malvar::default()) };
-        Setup { camera: Camera::resolve(camera).unwrap(), entries: vec![entry] }
+        Setup { camera: Camera::resolve(camera).unwrap(), methods: vec![MethodSpec::Malvar] }
     }
 
     fn photo(name: &str) -> Photo {
@@ -292,30 +422,44 @@ mod tests {
         Conditions { tone: Tone::Linear, psi: psi.to_vec(), noise, optics: Settings::default() }
     }
 
-    fn go(setups: &[Setup], photos: &[Photo], conditions: &Conditions) -> Result<Vec<Row>, KodakError> {
-        run(setups, photos, conditions, |_| ControlFlow::Continue(()))
+    fn journal() -> Journal<Row> {
+        Journal::in_memory(Header::of::<Row>(Program::stub("r", "m")))
+    }
+
+    fn plan(cameras: &[&str], conditions: Conditions) -> Plan {
+        Plan { setups: cameras.iter().map(|camera| setup(camera)).collect(), conditions, shard: Shard::WHOLE }
+    }
+
+    fn go(camera: &str, photos: &[Photo], conditions: Conditions) -> Result<Vec<Measured>, KodakError> {
+        let mut journal = journal();
+        run(&plan(&[camera], conditions), photos, &mut journal, |_| ControlFlow::Continue(()))?;
+        Ok(journal.rows().into_iter().map(|row| row.measured).collect())
     }
 
     #[test]
-    fn every_photo_depth_noise_and_method_has_one_row_in_order() {
-        let setups = [setup("clear"), setup("ring-outer")];
+    fn every_photo_depth_noise_and_method_has_one_row_and_a_place() {
+        let plan = plan(&["clear", "ring-outer"], conditions(&[0.0, 8.0], &[0.0, 0.01]));
         let photos = [photo("p1"), photo("p2")];
-        let mut told = vec![];
-        let rows = run(&setups, &photos, &conditions(&[0.0, 8.0], &[0.0, 0.01]), |p| {
+        let (mut told, mut journal) = (vec![], journal());
+        run(&plan, &photos, &mut journal, |p| {
             told.push((p.done, p.of));
             ControlFlow::Continue(())
         })
         .unwrap();
+        let rows = journal.rows();
         assert_eq!(rows.len(), 2 * 2 * 2 * 2);
-        assert_eq!(told.last(), Some(&(8, 8)));
-        let key = |r: &Row| (r.camera.clone(), r.psi as u32, r.image.clone(), r.noise != Noise::None);
-        assert!(rows.iter().map(key).collect::<Vec<_>>().is_sorted());
+        assert_eq!(told.last(), Some(&(16, 16)));
+        let settings: std::collections::BTreeSet<_> = rows.iter().map(|r| r.proof.settings.clone()).collect();
+        assert_eq!(settings.len(), 8, "noise and its seed are settings of photograph, depth and level");
+        assert!(rows.iter().all(|r| r.place == usize::from(r.measured.camera == "ring-outer")));
+        // Nothing is measured twice.
+        run(&plan, &photos, &mut journal, |_| panic!("there is nothing to measure")).unwrap();
     }
 
     #[test]
     fn the_same_experiment_gives_the_same_numbers() {
         let once = || {
-            let rows = go(&[setup("ring-2018")], &[photo("p")], &conditions(&[3.0], &[0.02])).unwrap();
+            let rows = go("ring-2018", &[photo("p")], conditions(&[3.0], &[0.02])).unwrap();
             (rows[0].picture, rows[0].light)
         };
         assert_eq!(once(), once());
@@ -323,9 +467,13 @@ mod tests {
 
     #[test]
     fn noise_and_defocus_cost_quality() {
-        let rows = go(&[setup("clear")], &[photo("p")], &conditions(&[0.0, 8.0], &[0.0, 0.05])).unwrap();
-        let db: Vec<f64> = rows.iter().map(|r| r.picture.psnr_db).collect();
-        assert!(db[0] > db[1] + 1.0 && db[0] > db[2] + 1.0, "{db:?}");
+        let rows = go("clear", &[photo("p")], conditions(&[0.0, 8.0], &[0.0, 0.05])).unwrap();
+        let db = |psi: f64, noise: f64| {
+            let row = rows.iter().find(|r| r.psi == psi && r.noise == Noise::gaussian(noise)).unwrap();
+            row.picture.psnr_db
+        };
+        let sharp = db(0.0, 0.0);
+        assert!(sharp > db(0.0, 0.05) + 1.0 && sharp > db(8.0, 0.0) + 1.0, "{rows:?}");
     }
 
     #[test]
@@ -334,7 +482,7 @@ mod tests {
         grey.frame.planes.fill(0.2);
         let measured = |tone| {
             let conditions = Conditions { tone, ..conditions(&[0.0], &[0.001]) };
-            let row = go(&[setup("clear")], std::slice::from_ref(&grey), &conditions).unwrap().remove(0);
+            let row = go("clear", std::slice::from_ref(&grey), conditions).unwrap().remove(0);
             assert_eq!(row.tone, tone);
             (row.picture, row.light)
         };
@@ -376,17 +524,33 @@ mod tests {
 
     #[test]
     fn an_experiment_stops_when_asked() {
-        let photos = [photo("p1"), photo("p2")];
-        let stopped =
-            run(&[setup("clear")], &photos, &conditions(&[0.0], &[0.0]), |_| ControlFlow::Break(()));
+        let (photos, mut journal) = ([photo("p1"), photo("p2")], journal());
+        let plan = plan(&["clear"], conditions(&[0.0], &[0.0]));
+        let stopped = run(&plan, &photos, &mut journal, |_| ControlFlow::Break(()));
         assert!(matches!(stopped, Err(KodakError::Stopped)));
+        assert_eq!(journal.rows().len(), 1, "what was measured stays");
+    }
+
+    #[test]
+    fn a_black_photograph_has_a_row_that_is_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows");
+        let header = || Header::of::<Row>(Program::stub("r", "m"));
+        let mut black = photo("black");
+        black.frame.planes.fill(0.0);
+        let plan = plan(&["clear"], conditions(&[0.0], &[0.0]));
+        let mut rows = Journal::open(&path, header(), Default::default()).unwrap();
+        run(&plan, &[black], &mut rows, |_| ControlFlow::Continue(())).unwrap();
+        assert!(std::fs::read_to_string(&path).unwrap().contains("\"psnr_db\":\"inf\""));
+        let again = Journal::<Row>::open(&path, header(), Default::default()).unwrap();
+        assert_eq!(again.rows(), rows.rows());
+        assert_eq!(again.rows()[0].measured.picture.psnr_db, f64::INFINITY);
     }
 
     #[test]
     fn depths_and_noises_that_cannot_be_are_refused() {
-        let refused = |psi, noise| {
-            go(&[setup("clear")], &[photo("p")], &conditions(&[psi], &[noise])).unwrap_err().to_string()
-        };
+        let refused =
+            |psi, noise| go("clear", &[photo("p")], conditions(&[psi], &[noise])).unwrap_err().to_string();
         assert_eq!(refused(f64::NAN, 0.0), "psi NaN: must lie within 200 of the focus of camera clear, at 0");
         assert_eq!(
             refused(0.0, -1.0),
@@ -397,7 +561,7 @@ mod tests {
     #[test]
     fn a_photo_too_small_to_measure_is_named() {
         let small = Photo { name: "tiny".into(), frame: ColourFrame::zeros(20, 20) };
-        let error = go(&[setup("clear")], &[small], &conditions(&[0.0], &[0.0])).unwrap_err();
+        let error = go("clear", &[small], conditions(&[0.0], &[0.0])).unwrap_err();
         assert!(
             error.to_string().starts_with("tiny: frame of 20x20 pixels: must be at least 27x27"),
             "{error}"

@@ -2,11 +2,12 @@
 
 use crate::picture::{caption, enlarged, psf_picture, sheet, stacked};
 use crate::plot::{Axis, Mark, Plot, Series, USUAL, sequential};
+use edof_camera::Camera;
+use edof_image::{Channel, ColourFrame, Tone};
 use edof_optics::bank;
 use edof_optics::depth::distance_m;
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, through_focus};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_spec::{Camera, Channel, ColourFrame, Tone};
 use ndarray::Array2;
 
 /// Points of a curve.

@@ -7,6 +7,7 @@
 //! | | [`nets`] | trained nets as methods behind their cameras |
 //! | | [`dictionary`] | sharp atoms for pursuits, learned from photographs |
 //! | | [`spec`] | methods with their settings, and how each prepares for a case |
+//! | | [`settings`] | the settings, as values that rows' hashes are taken of |
 //! | | [`pursuit`] | OMP and FISTA in the dictionary as the camera shows it |
 //! | | [`untrained`] | the paper's network before training, ISTA cut off |
 //! | | [`deconvolution`] | demosaicing and deconvolution of each colour |
@@ -16,6 +17,9 @@
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
 //! | | [`cpu_time`] | what a run costs whatever else the machine does |
 //! | | [`memory`] | the memory that the process holds, and the most that a run held |
+//! | | [`timing`] | least, median and most of a method's runs |
+//! | | [`number`] | numbers of rows that JSON has no form for |
+//! | | [`made`] | what a page states of its making |
 //! | | [`told`] | what a file of rows says, whatever study it is of |
 //! | | [`speed`] | what those rows say together, and what the paper says |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
@@ -24,6 +28,7 @@
 //! | | [`known_blurs`] | blind deconvolution of drawn blurs |
 //! | | [`journal`] | rows in a file, shared out among machines, put together again |
 //! | | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
+//! | | [`paired`] | differences of two methods with their standard errors |
 //! | | [`tables`] | the same for a terminal, as Markdown and as a report |
 //! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo`] | one scene at four depths through several lenses |
@@ -37,7 +42,7 @@
 //! | report | [`report`] | one HTML file with everything inside |
 //!
 //! ```
-//! use edof_spec::ColourFrame;
+//! use edof_image::ColourFrame;
 //! use edof_study::metrics::Quality;
 //!
 //! let truth = ColourFrame::zeros(32, 32);
@@ -61,12 +66,15 @@ pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;
 pub mod lens;
+pub mod made;
 pub mod memory;
 pub mod method;
 pub mod metrics;
 pub mod mtf50;
 pub mod multi_depth;
 pub mod nets;
+pub mod number;
+pub mod paired;
 pub mod patchwork;
 pub mod photos;
 pub mod picture;
@@ -74,11 +82,12 @@ pub mod pictures;
 pub mod plot;
 pub mod pursuit;
 pub mod report;
+pub mod settings;
 pub mod single_depth;
 pub mod spec;
 pub mod speed;
 pub mod summary;
 pub mod tables;
-mod timing;
+pub mod timing;
 pub mod told;
 pub mod untrained;

@@ -1,6 +1,5 @@
 //! What a method is: the facts by which rows and tables tell methods apart. Its name is made from them, never read back.
 
-use edof_spec::Reconstructor;
 use serde::{Deserialize, Serialize};
 
 /// Identity of a method.
@@ -87,14 +86,6 @@ pub enum Format {
     FloatGpu,
     /// The board's integers on a device behind OpenCL, 4:2:2.
     FixedGpu,
-}
-
-/// A method that can run.
-pub struct Entry {
-    /// What it is.
-    pub method: Method,
-    /// It.
-    pub reconstructor: Box<dyn Reconstructor>,
 }
 
 impl Method {

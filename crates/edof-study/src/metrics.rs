@@ -3,8 +3,8 @@
 //! Peak 1. A border of [`BORDER`] pixels is cropped first. Estimates are *not* clipped to 0…1 unless a name says so. Sums
 //! run in f64 in a fixed order. What is compared is the picture ([`shown`]), under sRGB the light beside it.
 
-use edof_spec::colour::LUMA;
-use edof_spec::{ColourFrame, Tone};
+use edof_image::colour::LUMA;
+use edof_image::{ColourFrame, Tone};
 use ndarray::{Array2, ArrayView2, Axis, s};
 use serde::{Deserialize, Serialize};
 
@@ -22,16 +22,22 @@ const SSIM_C2: f64 = 0.03 * 0.03;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// PSNR in dB over all three colours.
+    #[serde(with = "crate::number")]
     pub psnr_db: f64,
     /// PSNR after the estimate was clipped to 0…1, as any display does.
+    #[serde(with = "crate::number")]
     pub psnr_clipped_db: f64,
     /// PSNR of red, green and blue.
+    #[serde(with = "crate::number::colours")]
     pub channel_psnr_db: [f64; 3],
     /// PSNR of BT.709 luma.
+    #[serde(with = "crate::number")]
     pub luma_psnr_db: f64,
     /// Mean SSIM of the three colours.
+    #[serde(with = "crate::number")]
     pub ssim: f64,
     /// SSIM of BT.709 luma.
+    #[serde(with = "crate::number")]
     pub luma_ssim: f64,
 }
 
@@ -94,7 +100,7 @@ pub fn shown(light: &ColourFrame, tone: Tone) -> ColourFrame {
 /// Infinite for equal frames.
 ///
 /// ```
-/// use edof_spec::ColourFrame;
+/// use edof_image::ColourFrame;
 /// let black = ColourFrame::zeros(20, 20);
 /// let mut grey = black.clone();
 /// grey.planes.fill(0.1);

@@ -6,24 +6,26 @@
 
 use crate::csv;
 use crate::demo_report::{figure, figure_at, figure_of_scene};
-use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Shard};
+use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Proof, Shard, settings};
+use crate::made::Made;
 use crate::method::Method;
-use crate::metrics::MetricError;
+use crate::metrics::{BORDER, MetricError};
 use crate::picture::{Encoded, jpeg, png};
 use crate::pictures::{self, Names, Part, Picture, Truth};
 use crate::report::{Figure, Layout, Report};
 use crate::spec::{Case, MethodSpec, PrepareError};
 use crate::tables::{Table, noise_words};
-use crate::timing::{Timed, timed};
+use crate::timing::{Range, Timed, timed};
 use crate::told::{Told, ToldError};
+use edof_camera::Camera;
+use edof_image::{Noise, RawFrame, ReconstructError, Tone};
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::draw::{DrawError, draw, parse_name};
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::digest::sha256;
-use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, RawFrame, ReconstructError, Tone};
+use edof_storage::digest::sha256;
+use edof_storage::provenance::Input;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -113,8 +115,14 @@ pub struct Row {
     pub picture: Picture,
     /// The method.
     pub identity: Method,
+    /// Least and most of the runs' wall-clock seconds; none in rows of layout 1.
+    #[serde(default)]
+    pub seconds_range: Option<Range>,
     /// Seconds that all threads together were on a processor.
     pub cpu_seconds: Option<f64>,
+    /// Least and most of those.
+    #[serde(default)]
+    pub cpu_seconds_range: Option<Range>,
     /// Runs whose median the times are.
     pub repetitions: usize,
     /// Steps of an iterative method, mean over patches or colours.
@@ -123,12 +131,9 @@ pub struct Row {
     pub peak_memory_bytes: Option<u64>,
     /// Place among the rows of the command that measured it: tables keep it.
     pub place: usize,
-    /// SHA-256 of the weights or dictionary, of the camera, and of the scene's light and depths.
-    pub weights_sha256: Option<String>,
-    /// See `weights_sha256`.
-    pub camera_sha256: String,
-    /// See `weights_sha256`.
-    pub scene_sha256: String,
+    /// Hashes of inputs and settings; its photograph is the scene's light and depths.
+    #[serde(flatten)]
+    pub proof: Proof,
     /// The picture as it is looked at, a JPEG.
     pub shown: Encoded,
     /// A busy part of it at each depth, PNGs in the order of [`Truth::parts`].
@@ -139,41 +144,44 @@ pub struct Row {
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     scene: String,
-    scene_sha256: String,
+    sides: (usize, usize),
     seed: u64,
     tone: Tone,
     noise: Vec<Ordered>,
     depth: u32,
     lens: String,
-    camera: String,
     method: Method,
-    weights: Option<String>,
+    proof: Proof,
 }
 
 impl Line for Row {
     const STUDY: &'static str = "multi-depth";
-    const LAYOUT: u32 = 1;
+    const LAYOUT: u32 = 2;
     type Key = Key;
 
     fn key(&self) -> Key {
         Key {
             scene: self.drawn.scene.clone(),
-            scene_sha256: self.scene_sha256.clone(),
+            sides: (self.drawn.height, self.drawn.width),
             seed: self.drawn.seed,
             tone: self.tone,
             noise: Ordered::of_noise(self.noise),
             depth: self.depth,
             lens: self.picture.lens.clone(),
-            camera: self.camera_sha256.clone(),
             method: self.identity.clone(),
-            weights: self.weights_sha256.clone(),
+            proof: self.proof.clone(),
         }
+    }
+
+    fn subject(key: &Key) -> Key {
+        Key { proof: Proof::default(), ..key.clone() }
     }
 
     fn timeless(&self) -> Self {
         let mut row = self.clone();
         (row.picture.seconds, row.cpu_seconds, row.repetitions) = (0.0, None, 0);
         (row.peak_memory_bytes, row.place) = (None, 0);
+        (row.seconds_range, row.cpu_seconds_range) = (None, None);
         row
     }
 }
@@ -230,25 +238,25 @@ pub fn run(
     let hashes: Vec<String> = scenes.iter().map(hash).collect();
     let own = plan.shard.own(plan.cells(&hashes));
     let of = own.len();
-    let mut missing: Vec<Cell> =
-        own.into_iter().filter(|(key, _)| !journal.holds(key)).map(|(_, cell)| cell).collect();
+    let mut missing: Vec<(Cell, Proof)> =
+        own.into_iter().filter(|(key, _)| !journal.holds(key)).map(|(key, cell)| (cell, key.proof)).collect();
     missing.sort();
     let mut done = of - missing.len();
     let mut ready = HashMap::new();
-    for of_scene in missing.chunk_by(|a, b| a.scene == b.scene) {
-        let at = of_scene[0].scene;
+    for of_scene in missing.chunk_by(|(a, _), (b, _)| a.scene == b.scene) {
+        let at = of_scene[0].0.scene;
         let (drawn, truth) = (&plan.scenes[at], Truth::of(&scenes[at], plan.tone));
-        for of_lens in of_scene.chunk_by(|a, b| a.lens == b.lens) {
-            let lens = &plan.lenses[of_lens[0].lens];
+        for of_lens in of_scene.chunk_by(|(a, _), (b, _)| a.lens == b.lens) {
+            let lens = &plan.lenses[of_lens[0].0.lens];
             let raw = plan.shot(drawn, &scenes[at], lens)?;
-            for cell in of_lens {
+            for (cell, proof) in of_lens {
                 let (treatment, spec) = &lens.methods[cell.method];
                 let method = match ready.entry((cell.lens, cell.method)) {
                     Entry::Occupied(entry) => entry.into_mut(),
                     Entry::Vacant(entry) => entry.insert(spec.prepare(&plan.case(lens))?),
                 };
                 let timed = timed(method.as_ref(), &raw)?;
-                journal.push(plan.row(*cell, &truth, &hashes[at], timed)?)?;
+                journal.push(plan.row(*cell, &truth, proof, timed)?)?;
                 done += 1;
                 let last = format!("{}: {}, {treatment}", drawn.scene, lens.title);
                 if tell(Progress { done, of, last }).is_break() {
@@ -274,17 +282,22 @@ impl Plan {
             for (lens, Lens { title, camera, methods }) in self.lenses.iter().enumerate() {
                 let camera = sha256(camera.to_json().as_bytes());
                 for (method, (_, spec)) in methods.iter().enumerate() {
+                    let (sensor, approximation) = self.sensor(drawn);
                     let key = Key {
                         scene: drawn.scene.clone(),
-                        scene_sha256: hashes[scene].clone(),
+                        sides: (drawn.height, drawn.width),
                         seed: drawn.seed,
                         tone: self.tone,
                         noise: Ordered::of_noise(self.noise),
                         depth: self.depth,
                         lens: (*title).to_owned(),
-                        camera: camera.clone(),
                         method: spec.method(),
-                        weights: spec.weights().map(str::to_owned),
+                        proof: Proof {
+                            settings: Some(settings(&[&spec.settings(), &approximation, &sensor, &BORDER])),
+                            weights: spec.weights().map(str::to_owned),
+                            photo: hashes[scene].clone(),
+                            camera: Some(camera.clone()),
+                        },
                     };
                     cells.push((key, Cell { scene, lens, method, place: cells.len() }));
                 }
@@ -293,10 +306,15 @@ impl Plan {
         cells
     }
 
+    /// The sensor, and how exactly its light is computed.
+    fn sensor(&self, drawn: &Drawn) -> (Sensor, Approximation) {
+        let sensor = Sensor { depth: self.depth, noise: self.noise, seed: drawn.seed, ..Sensor::default() };
+        (sensor, Approximation { psf: self.optics, ..Approximation::default() })
+    }
+
     /// What a sensor behind a lens gives.
     fn shot(&self, drawn: &Drawn, scene: &Scene, lens: &Lens) -> Result<RawFrame, CaptureError> {
-        let sensor = Sensor { depth: self.depth, noise: self.noise, seed: drawn.seed, ..Sensor::default() };
-        let approximation = Approximation { psf: self.optics, ..Approximation::default() };
+        let (sensor, approximation) = self.sensor(drawn);
         Ok(capture(scene, &lens.camera, &sensor, &approximation)?.raw)
     }
 
@@ -305,10 +323,10 @@ impl Plan {
         Case { camera: &lens.camera, psi: 0.0, noise: self.noise, optics: self.optics }
     }
 
-    fn row(&self, cell: Cell, truth: &Truth, scene: &str, timed: Timed) -> Result<Row, MultiDepthError> {
+    fn row(&self, cell: Cell, truth: &Truth, proof: &Proof, timed: Timed) -> Result<Row, MultiDepthError> {
         let lens = &self.lenses[cell.lens];
         let (treatment, spec) = &lens.methods[cell.method];
-        let Timed { result, cpu_seconds, peak_memory_bytes, repetitions } = timed;
+        let Timed { result, range, cpu_seconds, cpu_range, peak_memory_bytes, repetitions } = timed;
         let identity = spec.method();
         let names =
             Names { lens: lens.title, camera: &lens.camera.name, treatment, method: &identity.to_string() };
@@ -320,14 +338,14 @@ impl Plan {
             depth: self.depth,
             picture: truth.judge(names, &result.frame, result.seconds)?,
             identity,
+            seconds_range: Some(range),
             cpu_seconds,
+            cpu_seconds_range: cpu_range,
             repetitions,
             iterations: result.iterations,
             peak_memory_bytes,
             place: cell.place,
-            weights_sha256: spec.weights().map(str::to_owned),
-            camera_sha256: sha256(lens.camera.to_json().as_bytes()),
-            scene_sha256: scene.to_owned(),
+            proof: proof.clone(),
             shown: Encoded(jpeg(&result.frame, Tone::Srgb)?),
             parts: truth.parts().iter().map(part).collect::<Result<_, _>>()?,
         })
@@ -459,8 +477,8 @@ impl Told for MultiDepth {
         text.trim_end().to_owned()
     }
 
-    fn to_markdown(&self, command: &str) -> String {
-        let mut page = format!("# {TITLE}\n\nMade by `{command}`.\n\n{}\n", self.explanation());
+    fn to_markdown(&self, made: &Made) -> String {
+        let mut page = format!("# {TITLE}\n\n{made}\n\n{}\n", self.explanation());
         for (title, table) in self.tables() {
             let _ = write!(page, "\n## {title}\n\n{}", table.to_markdown());
         }
@@ -501,7 +519,7 @@ impl MultiDepth {
             return "No rows.".to_owned();
         };
         let measured = match tone {
-            Tone::Linear => "of light, nothing clipped",
+            Tone::Linear => "of light, the method's values not clipped",
             Tone::Srgb => "of the picture encoded as sRGB and clipped to 0…1, and of its light beside it",
         };
         format!(
@@ -554,8 +572,8 @@ const TITLE: &str = "Four depths in one scene";
 mod tests {
     use super::*;
     use crate::dictionary::Dictionary;
-    use crate::journal::Header;
-    use edof_spec::Stride;
+    use crate::journal::{Header, Program};
+    use edof_image::Stride;
     use std::path::Path;
     use std::sync::Arc;
 
@@ -590,11 +608,11 @@ mod tests {
     }
 
     fn header() -> Header {
-        Header::of::<Row>(false, "a machine".into())
+        Header::of::<Row>(Program::stub("r", "a machine"))
     }
 
     fn go(shard: &str, path: &Path, most: usize) -> Journal<Row> {
-        let mut journal = Journal::open(path, header()).unwrap();
+        let mut journal = Journal::open(path, header(), Default::default()).unwrap();
         let mut told = 0;
         let tell = |_| {
             told += 1;
@@ -610,8 +628,8 @@ mod tests {
     fn the_papers_columns_stand_beside_ours_and_every_depth_has_its_part() {
         let mut journal = Journal::in_memory(header());
         run(&plan("1/1"), &mut journal, |_| ControlFlow::Continue(())).unwrap();
-        let study = MultiDepth::new(journal.rows(), "a machine".into()).unwrap();
-        let page = study.to_markdown("edof study multi-depth");
+        let study = MultiDepth::new(&journal.rows(), "a machine".into()).unwrap();
+        let page = study.to_markdown(&Made::by("edof study multi-depth"));
         let papers = [
             ("clear lens, focused on the background, demosaiced", "–"),
             ("clear lens, focused on the background, blind deconvolution", "17.95"),
@@ -633,7 +651,7 @@ mod tests {
         assert!(parts >= 6 && html.matches("three times as large").count() == parts);
         assert_eq!(html.matches("dB at this depth").count(), parts * papers.len());
         assert!(html.contains("17.95") && html.contains("edof study multi-depth"));
-        let csv = MultiDepth::csv(journal.rows());
+        let csv = MultiDepth::csv(&journal.rows());
         assert!(csv.starts_with("scene,tone,noise,paper_db,lens,") && !csv.contains("shown"), "{csv}");
     }
 
@@ -647,9 +665,10 @@ mod tests {
         let last = std::fs::read_to_string(&one).unwrap();
         assert!(first.lines().all(|line| last.lines().any(|l| l == line)), "what is there stays");
         go("2/2", &two, usize::MAX);
-        Journal::<Row>::merged(&both, &[two, one], false).unwrap().finish().unwrap();
+        Journal::<Row>::merged(&both, &[two, one], Default::default()).unwrap().finish().unwrap();
         go("1/1", &whole, usize::MAX);
-        let rows = |path: &Path| Journal::<Row>::open(path, header()).unwrap().rows().to_vec();
+        let rows =
+            |path: &Path| Journal::<Row>::open(path, header(), Default::default()).unwrap().rows().to_vec();
         let timeless = |path: &Path| -> Vec<Row> { rows(path).iter().map(Line::timeless).collect() };
         assert_eq!(timeless(&both), timeless(&whole));
         let columns = |path: &Path| MultiDepth::new(&rows(path), "m".into()).unwrap().columns();

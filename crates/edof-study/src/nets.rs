@@ -1,14 +1,13 @@
 //! Trained nets as methods, each behind the camera it was trained for.
 
 use crate::kodak::Setup;
-use crate::method::{Entry, Format, Method};
-use edof_deblur::Malvar;
-use edof_golden::GoldenReconstructor;
-use edof_spec::fixed_network::FixedNetworkError;
-use edof_spec::network::NetworkError;
-use edof_spec::overlap::Overlap;
-use edof_spec::{FixedNetwork, Network, Stride};
-use edof_train::reconstruct::{FloatReconstructor, Output};
+use crate::settings::FloatSettings;
+use crate::spec::MethodSpec;
+use edof_float::reconstruct::Output;
+use edof_image::Stride;
+use edof_image::overlap::Overlap;
+use edof_network::{FixedNetwork, Network};
+use std::sync::Arc;
 
 /// A net in both its forms.
 #[derive(Debug, Clone)]
@@ -17,95 +16,85 @@ pub struct Net {
     pub name: String,
     /// The float network.
     pub float: Network,
-    /// The fixed network, where there is one that fits.
-    pub fixed: Option<FixedNetwork>,
+    /// SHA-256 of its weights.
+    pub float_sha256: String,
+    /// The fixed network, where there is one that fits, and the SHA-256 of its own.
+    pub fixed: Option<(FixedNetwork, String)>,
 }
 
-/// A net that cannot enter an experiment.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages name the fields")]
-pub enum NetError {
-    /// A float net whose weights do not fit its form.
-    #[error("net '{net}': {source}")]
-    Float { net: String, source: NetworkError },
-    /// A fixed net that cannot run.
-    #[error("net '{net}': {source}")]
-    Fixed { net: String, source: FixedNetworkError },
-    /// Two nets would share their rows.
-    #[error("net '{0}': given twice, every net needs a name of its own")]
-    Twice(String),
-}
+/// Two nets would share their rows.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("net '{0}': given twice, every net needs a name of its own")]
+pub struct NetTwice(String);
 
 impl Net {
     /// Puts a float network and the fixed one made from it together. A fixed network for another stride, or made from other
-    /// weights than those whose tensors have `float_hash`, is left out; the second value then says why.
+    /// weights than those of `float_sha256`, is left out; the second value then says why.
     #[must_use]
     pub fn new(
         name: impl Into<String>,
         float: Network,
-        float_hash: &str,
-        fixed: Option<FixedNetwork>,
+        float_sha256: &str,
+        fixed: Option<(FixedNetwork, String)>,
         stride: Stride,
     ) -> (Self, Option<String>) {
         let name = name.into();
         let obstacle = match &fixed {
             None => Some("has no fixed-point weights".to_owned()),
-            Some(f) if f.stride != stride => Some(format!(
+            Some((f, _)) if f.stride != stride => Some(format!(
                 "its fixed-point weights are made for stride {}, not {}",
                 f.stride.pixels(),
                 stride.pixels()
             )),
-            Some(f) if f.float_hash != float_hash => {
+            Some((f, _)) if f.float_hash != float_sha256 => {
                 Some("its fixed-point weights were made from other float weights".to_owned())
             }
             Some(_) => None,
         };
         let note = obstacle.as_ref().map(|why| format!("NO {name}.fixed ROWS: {name} {why}"));
-        (Self { name, float, fixed: fixed.filter(|_| obstacle.is_none()) }, note)
+        let fixed = fixed.filter(|_| obstacle.is_none());
+        (Self { name, float, float_sha256: float_sha256.to_owned(), fixed }, note)
     }
 
     /// The net in every format that there is. All average overlapping patches alike.
-    fn entries(self, stride: Stride) -> Result<Vec<Entry>, NetError> {
-        let Self { name, mut float, fixed } = self;
+    fn methods(self, stride: Stride) -> Vec<MethodSpec> {
+        let Self { name, mut float, float_sha256, fixed } = self;
         float.origin.name.clone_from(&name);
-        let overlap = fixed.as_ref().map_or_else(Overlap::default, |f| f.overlap);
-        let layers = float.form.layers;
-        let method = |format| Method::network(&name, format, stride.pixels(), layers);
-        let mut entries = vec![];
-        for (format, output) in [(Format::Float, Output::Rgb), (Format::Float422, Output::Ycc422)] {
-            let reconstructor = FloatReconstructor::new(float.clone(), stride, overlap, output)
-                .map_err(|source| NetError::Float { net: name.clone(), source })?;
-            entries.push(Entry { method: method(format), reconstructor: Box::new(reconstructor) });
-        }
-        if let Some(fixed) = fixed {
-            let method = method(Format::Fixed);
-            let golden = GoldenReconstructor::new(fixed, method.to_string())
-                .map_err(|source| NetError::Fixed { net: name.clone(), source })?;
-            entries.push(Entry { method, reconstructor: Box::new(golden) });
-        }
-        Ok(entries)
+        let network = Arc::new(float);
+        let overlap = fixed.as_ref().map_or_else(Overlap::default, |(fixed, _)| fixed.overlap);
+        let float = |output| MethodSpec::Float {
+            network: Arc::clone(&network),
+            sha256: float_sha256.clone(),
+            settings: FloatSettings { overlap, output, ..FloatSettings::at(stride) },
+        };
+        let mut methods = vec![float(Output::Rgb), float(Output::Ycc422)];
+        methods.extend(fixed.map(|(fixed, sha256)| MethodSpec::Fixed {
+            network: Arc::new(fixed),
+            name,
+            sha256,
+        }));
+        methods
     }
 }
 
 /// One setup for each camera, in the nets' order, with demosaicing as its first method.
 ///
 /// # Errors
-/// [`NetError`]: a net given twice, or one that cannot run.
-pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetError> {
+/// A net given twice.
+pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetTwice> {
     let mut names: Vec<String> = vec![];
     let mut setups: Vec<Setup> = vec![];
     for net in nets {
         if names.contains(&net.name) {
-            return Err(NetError::Twice(net.name));
+            return Err(NetTwice(net.name));
         }
         names.push(net.name.clone());
         let camera = net.float.origin.camera.clone();
         let index = setups.iter().position(|s| s.camera == camera).unwrap_or_else(|| {
-            let demosaic = Entry { method: Method::demosaic(), reconstructor: Box::new(Malvar::default()) };
-            setups.push(Setup { camera, entries: vec![demosaic] });
+            setups.push(Setup { camera, methods: vec![MethodSpec::Malvar] });
             setups.len() - 1
         });
-        setups[index].entries.extend(net.entries(stride)?);
+        setups[index].methods.extend(net.methods(stride));
     }
     Ok(setups)
 }
@@ -113,8 +102,9 @@ pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::network::{Form, Origin, Recurrence, Shrinkage};
-    use edof_spec::{Camera, Window};
+    use edof_camera::Camera;
+    use edof_image::Window;
+    use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
     use ndarray::{Array1, Array2};
 
     fn float(camera: &str) -> Network {
@@ -138,11 +128,11 @@ mod tests {
     }
 
     /// Fixed weights for stride 8 made from the float weights of hash `h`.
-    fn fixed() -> FixedNetwork {
+    fn fixed() -> (FixedNetwork, String) {
         let mut network = edof_random::natural(8, 8, 7);
         network.stride = Stride::PATCH;
         network.float_hash = "h".into();
-        network
+        (network, "f".into())
     }
 
     #[test]
@@ -166,7 +156,7 @@ mod tests {
         let setups = setups(nets, Stride::PATCH).unwrap();
         // Reports use the name asked for, whatever the files say.
         let names: Vec<Vec<String>> =
-            setups.iter().map(|s| s.entries.iter().map(|e| e.method.to_string()).collect()).collect();
+            setups.iter().map(|s| s.methods.iter().map(|m| m.method().to_string()).collect()).collect();
         assert_eq!(
             names[0],
             ["demosaic-malvar", "a.float", "a.float422", "a.fixed", "b.float", "b.float422"]

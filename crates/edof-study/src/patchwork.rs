@@ -1,9 +1,9 @@
 //! Frames as patches: raw windows in rows of a matrix, and reconstructed patches added up to a frame again.
 
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::geometry::{PATCH, PATCH_PIXELS, mirror};
-use edof_spec::overlap::Overlap;
-use edof_spec::{ColourFrame, Geometry, RawFrame, ReconstructError, Stride, Window};
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::geometry::{PATCH, PATCH_PIXELS, mirror};
+use edof_image::overlap::Overlap;
+use edof_image::{ColourFrame, Geometry, RawFrame, ReconstructError, Stride, Window};
 use ndarray::{Array2, ArrayView2};
 
 /// Patches that are at work at a time, about: what bounds the memory, however large the frame.
@@ -84,7 +84,7 @@ impl Patchwork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::CfaPhase;
+    use edof_image::CfaPhase;
 
     /// Each patch shows the raw pixels at its place in all three colours.
     #[test]

@@ -1,11 +1,11 @@
 //! Which photographs an experiment runs on.
 //!
 //! Photographs are told apart by the number in their file's name (`kodim03.png` is 3). Every third one is for tests, the rest
-//! for training; nothing may be chosen on the test photos.
+//! for training ([`CHOICES`]).
 
+use edof_image::ColourFrame;
 use edof_io::photo;
-use edof_io::picture::Format;
-use edof_spec::ColourFrame;
+use edof_io::picture;
 use std::path::{Path, PathBuf};
 
 /// Every how many-th photo is for tests.
@@ -16,7 +16,7 @@ const TEST_EVERY: u32 = 3;
 pub struct Photo {
     /// File name without its ending.
     pub name: String,
-    /// The file's values, 0…1; a [`Tone`](edof_spec::Tone) says whether they are light or sRGB.
+    /// The file's values, 0…1; a [`Tone`](edof_image::Tone) says whether they are light or sRGB.
     pub frame: ColourFrame,
 }
 
@@ -50,6 +50,15 @@ pub enum PhotosError {
     /// Nothing to work on.
     #[error("{folder}: holds no readable photograph of '{selection}'{first}", folder = folder.display())]
     None { folder: PathBuf, selection: Selection, first: String },
+}
+
+/// What the test photographs were used for: the same sentence in every document and on every page that reports on them.
+pub const CHOICES: &str = "Nothing was trained on the eight test photographs (Kodak 3, 6, … 24), but three choices were made with them in view: how windows are \
+                           weighted, the length of the second round of training, and the headroom of fixed point (docs/decisions, 0005 and 0002).";
+
+/// [`CHOICES`] behind a blank, where one of these photographs is for tests.
+pub(crate) fn choices<'a>(mut names: impl Iterator<Item = &'a str>) -> String {
+    if names.any(|name| Selection::Test.holds(name)) { format!(" {CHOICES}") } else { String::new() }
 }
 
 impl std::str::FromStr for Selection {
@@ -95,10 +104,16 @@ impl Selection {
     }
 }
 
-/// The number at the end of a file's stem.
+/// The number at the end of a file's stem, modulo [`TEST_EVERY`]·10⁹ where it has more digits than nine: cameras put dates there, and
+/// every third must stay every third.
 fn number(stem: &str) -> Option<u32> {
-    stem[stem.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
+    let digits = &stem[stem.trim_end_matches(|c: char| c.is_ascii_digit()).len()..];
+    let add = |sum: u64, digit: char| (sum * 10 + u64::from(digit.to_digit(10).unwrap_or(0))) % WRAP;
+    (!digits.is_empty()).then(|| digits.chars().fold(0, add) as u32)
 }
+
+/// Numbers are known up to this: a multiple of [`TEST_EVERY`] that 32 bits hold.
+const WRAP: u64 = 1_000_000_000 * TEST_EVERY as u64;
 
 /// The folder of test and training photographs: `EDOF_KODAK`, else `shared/data/kodak` beside the working folder, beside one
 /// above it, or beside the folder the program was built in.
@@ -140,16 +155,11 @@ fn candidates(folder: &str) -> Vec<PathBuf> {
 /// [`PhotosError::Folder`], or [`PhotosError::None`] where no photograph is left.
 pub fn load(folder: &Path, selection: &Selection) -> Result<(Vec<Photo>, Vec<String>), PhotosError> {
     let cannot = |source| PhotosError::Folder { folder: folder.to_owned(), source };
-    let mut files = std::fs::read_dir(folder)
-        .map_err(cannot)?
-        .map(|entry| Ok(entry?.path()))
-        .collect::<Result<Vec<PathBuf>, _>>()
-        .map_err(cannot)?;
-    files.retain(|path| Format::of_ending(path).is_some() && selection.holds(&stem(path)));
-    files.sort();
+    let mut files = picture::of_folder(folder).map_err(cannot)?;
+    files.retain(|path| selection.holds(&stem(path)));
     let (mut photos, mut skipped) = (vec![], vec![]);
     for path in files {
-        match photo::load(&path) {
+        match photo::load_found(&path) {
             Ok(frame) => photos.push(Photo { name: stem(&path), frame: even(frame) }),
             Err(error) => skipped.push(error.to_string()),
         }
@@ -182,6 +192,22 @@ mod tests {
         assert_eq!(test.len(), 8);
         assert!(stems.iter().all(|s| Selection::Test.holds(s) != Selection::Train.holds(s)));
         assert!(!Selection::Train.holds("portrait"));
+    }
+
+    #[test]
+    fn a_name_that_ends_in_a_long_number_belongs_to_one_set() {
+        let stems = [
+            "IMG_20231107153012",
+            "20231107153013",
+            "dsc_00000000000000000000000000000000000004",
+            "4294967296",
+        ];
+        for stem in stems {
+            assert!(Selection::Test.holds(stem) != Selection::Train.holds(stem), "{stem}");
+        }
+        // Digits add up to a multiple of three, and so does the number.
+        assert!(Selection::Test.holds("20231107153014") && !Selection::Test.holds("20231107153013"));
+        assert!(Selection::Numbers(vec![4]).holds(stems[2]));
     }
 
     #[test]

@@ -6,37 +6,17 @@
 
 use crate::dictionary::{Dictionary, FREE};
 use crate::patchwork::Patchwork;
+use crate::settings::{Depths, Pursuit, PursuitSettings};
+use edof_camera::Camera;
+use edof_image::geometry::PATCH;
+use edof_image::reconstructor::Counters;
+use edof_image::{CfaPhase, RawFrame, ReconstructError, Reconstruction, Reconstructor, Window};
 use edof_optics::estimator::{SeenError, seen_of_patch};
 use edof_optics::statistics::Statistics;
 use edof_sparse::lasso::{Effort, Lasso};
 use edof_sparse::omp::{Omp, Stop};
-use edof_spec::geometry::PATCH;
-use edof_spec::reconstructor::Counters;
-use edof_spec::{
-    Camera, CfaPhase, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride, Window,
-};
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate, s};
 use std::time::Instant;
-
-/// The depths of the paper's D_Ψ.
-pub const BLIND_DEPTHS: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
-
-/// How codes are found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Pursuit {
-    /// So many atoms by orthogonal matching pursuit.
-    Omp {
-        /// Atoms besides the colours' own.
-        atoms: usize,
-    },
-    /// The minimum of ½‖y − B·D·z‖² + μ‖z‖₁ by FISTA.
-    Fista {
-        /// The most steps.
-        steps: usize,
-        /// μ, for light of 0…1.
-        penalty: f32,
-    },
-}
 
 /// A pursuit in the dictionary of one camera.
 pub struct PursuitReconstructor {
@@ -53,7 +33,7 @@ enum Solver {
 }
 
 impl PursuitReconstructor {
-    /// Prepares the dictionary of a camera at `psis`.
+    /// Prepares the dictionary of a camera; `psi` is the scene's depth, for a pursuit that is told it.
     ///
     /// # Errors
     /// [`SeenError`]: a depth that the camera has no PSFs for, or statistics of photographs that are no covariances.
@@ -61,26 +41,24 @@ impl PursuitReconstructor {
         name: String,
         dictionary: &Dictionary,
         camera: &Camera,
-        psis: &[f64],
-        geometry: (Window, Stride),
-        pursuit: Pursuit,
+        psi: f64,
+        settings: &PursuitSettings,
     ) -> Result<Self, SeenError> {
-        let (window, stride) = geometry;
-        let (seen, sharp) = dictionaries(dictionary, camera, psis, window)?;
-        let solver = match pursuit {
+        let psis = match &settings.depths {
+            Depths::Known => &[psi][..],
+            Depths::Of(psis) => psis,
+        };
+        let (seen, sharp) = dictionaries(dictionary, camera, psis, settings.window)?;
+        let solver = match settings.pursuit {
             Pursuit::Omp { atoms } => Solver::Omp(Omp::new(seen.view(), FREE), Stop::at_atoms(atoms)),
-            Pursuit::Fista { steps, penalty } => {
+            Pursuit::Fista { steps, penalty, tolerance } => {
                 let penalties = Array1::from_elem(seen.ncols(), penalty);
-                let effort = Effort { steps, tolerance: TOLERANCE };
-                Solver::Fista(Lasso::new(seen.view(), penalties.view(), FREE), effort)
+                Solver::Fista(Lasso::new(seen.view(), penalties.view(), FREE), Effort { steps, tolerance })
             }
         };
-        Ok(Self { name, work: Patchwork::new(window, stride), solver, sharp })
+        Ok(Self { name, work: Patchwork::new(settings.window, settings.stride), solver, sharp })
     }
 }
-
-/// Codes of light of 0…1 that move by less than this stand still.
-const TOLERANCE: f32 = 1e-4;
 
 /// Atoms as the camera shows them (window pixels × atoms) and sharp ones (atoms × 192): the free ones once, all others for each ψ.
 fn dictionaries(
@@ -159,12 +137,14 @@ impl Reconstructor for PursuitReconstructor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_image::Stride;
 
     fn method(psis: &[f64], pursuit: Pursuit, stride: usize) -> PursuitReconstructor {
         let camera = Camera::resolve("ring-2018").unwrap();
-        let geometry = (Window::new(8).unwrap(), Stride::new(stride).unwrap());
+        let (depths, stride) = (Depths::Of(psis.to_vec()), Stride::new(stride).unwrap());
+        let settings = PursuitSettings::usual(pursuit, depths, stride);
         let dictionary = Dictionary::load(None).unwrap();
-        PursuitReconstructor::new("p".into(), &dictionary, &camera, psis, geometry, pursuit).unwrap()
+        PursuitReconstructor::new("p".into(), &dictionary, &camera, 0.0, &settings).unwrap()
     }
 
     #[test]
@@ -173,7 +153,9 @@ mod tests {
         for phase in CfaPhase::ALL {
             let values = Array2::from_shape_fn((24, 32), |(r, c)| colour[phase.channel(r, c).plane()]);
             let raw = RawFrame::from_values(values, 16, phase).unwrap();
-            for pursuit in [Pursuit::Omp { atoms: 4 }, Pursuit::Fista { steps: 50, penalty: 0.01 }] {
+            for pursuit in
+                [Pursuit::Omp { atoms: 4 }, Pursuit::Fista { steps: 50, penalty: 0.01, tolerance: 1e-4 }]
+            {
                 let out = method(&[4.0, 8.0], pursuit, 4).reconstruct(&raw).unwrap();
                 for ((p, _, _), &v) in out.frame.planes.indexed_iter() {
                     assert!(
@@ -189,7 +171,7 @@ mod tests {
     #[test]
     fn a_pattern_is_reconstructed_better_with_its_depth_known() {
         let pattern = |r: usize, c: usize| 0.5 + 0.25 * (r as f32 * 0.9).sin() * (c as f32 * 0.7).cos();
-        let sharp = edof_spec::ColourFrame {
+        let sharp = edof_image::ColourFrame {
             planes: ndarray::Array3::from_shape_fn((3, 48, 64), |(_, r, c)| pattern(r, c)),
         };
         let camera = Camera::resolve("ring-2018").unwrap();

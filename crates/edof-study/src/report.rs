@@ -2,7 +2,7 @@
 
 use crate::plot::{Plot, escape};
 use base64::prelude::{BASE64_STANDARD, Engine};
-use edof_spec::atomic::{self, WriteError};
+use edof_storage::atomic::{self, WriteError};
 use std::fmt::Write;
 use std::path::Path;
 

@@ -4,20 +4,20 @@
 //! measured again, and several machines may share a study ([`Shard`]). Noise depends on photograph, ψ and noise level alone, as in
 //! [`kodak`](crate::kodak), and all methods see the same captures.
 
-use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Shard};
-use crate::kodak::{Conditions, KodakError, Row as Measured, Setup, Trial};
+use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Proof, Shard, settings};
+use crate::kodak::{Conditions, KodakError, Measured, Trial, sensor};
 use crate::method::{Format, Method};
+use crate::metrics::BORDER;
 use crate::photos::Photo;
-use crate::spec::{Case, MethodSpec, PrepareError};
-use crate::timing::{Timed, timed};
+use crate::spec::{MethodSpec, PrepareError, Ready};
+use crate::timing::{Range, Timed, timed};
+use edof_camera::Camera;
+use edof_image::{Noise, RawFrame, Tone};
 use edof_optics::psf::{Settings, channel_psfs};
-use edof_spec::digest::sha256;
-use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, Reconstructor, Tone};
+use edof_storage::digest::sha256;
+use edof_storage::provenance::Input;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 /// What is measured.
 pub struct Plan {
@@ -43,6 +43,9 @@ pub struct Row {
     /// Quality, time and work.
     #[serde(flatten)]
     pub measured: Measured,
+    /// Least and most of the runs' wall-clock seconds a megapixel; none in rows of layout 1.
+    #[serde(default)]
+    pub seconds_range: Option<Range>,
     /// Wall-clock seconds of preparing for the case, once for all photographs.
     pub prepare_seconds: f64,
     /// Runs whose median the time is.
@@ -51,6 +54,9 @@ pub struct Row {
     /// in rows from before it was.
     #[serde(default)]
     pub cpu_seconds_per_megapixel: Option<f64>,
+    /// Least and most of those.
+    #[serde(default)]
+    pub cpu_seconds_range: Option<Range>,
     /// Steps of an iterative method, mean over patches or colours; none for methods without, and in rows from before they were counted.
     #[serde(default)]
     pub iterations: Option<f64>,
@@ -58,49 +64,50 @@ pub struct Row {
     /// does not tell, and in rows from before it was asked.
     #[serde(default)]
     pub peak_memory_bytes: Option<u64>,
-    /// SHA-256 of the weights or dictionary, the photograph's values and the camera: what tells this row from another of the same names.
-    pub weights_sha256: Option<String>,
-    /// See `weights_sha256`.
-    pub photo_sha256: String,
-    /// See `weights_sha256`.
-    pub camera_sha256: String,
+    /// Hashes of inputs and settings.
+    #[serde(flatten)]
+    pub proof: Proof,
 }
 
 /// What a row is of. Rows of one method follow each other, so that shards of a study get equal shares of slow and of fast ones.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     method: Method,
-    weights: Option<String>,
     camera: String,
-    tone: String,
+    tone: Tone,
     psi: Ordered,
     noise: Vec<Ordered>,
     image: String,
-    photo: String,
+    proof: Proof,
 }
 
 impl Line for Row {
     const STUDY: &'static str = "single-depth";
-    const LAYOUT: u32 = 1;
+    const LAYOUT: u32 = 2;
     type Key = Key;
 
     fn key(&self) -> Key {
+        let Measured { identity, camera, tone, psi, noise, image, .. } = &self.measured;
         Key {
-            method: self.measured.identity.clone(),
-            weights: self.weights_sha256.clone(),
-            camera: self.camera_sha256.clone(),
-            tone: self.measured.tone.to_string(),
-            psi: Ordered(self.measured.psi),
-            noise: Ordered::of_noise(self.measured.noise),
-            image: self.measured.image.clone(),
-            photo: self.photo_sha256.clone(),
+            method: identity.clone(),
+            camera: camera.clone(),
+            tone: *tone,
+            psi: Ordered(*psi),
+            noise: Ordered::of_noise(*noise),
+            image: image.clone(),
+            proof: self.proof.clone(),
         }
+    }
+
+    fn subject(key: &Key) -> Key {
+        Key { proof: Proof::default(), ..key.clone() }
     }
 
     fn timeless(&self) -> Self {
         let mut row = self.clone();
         (row.measured.seconds_per_megapixel, row.prepare_seconds, row.repetitions) = (0.0, 0.0, 0);
         (row.cpu_seconds_per_megapixel, row.peak_memory_bytes) = (None, None);
+        (row.seconds_range, row.cpu_seconds_range) = (None, None);
         row
     }
 }
@@ -130,21 +137,28 @@ struct Cell {
 
 impl Plan {
     /// Its shard's rows.
-    fn cells(&self, photos: &[Photo], hashes: &[String], camera_sha256: &str) -> Vec<(Key, Cell)> {
+    fn cells(&self, photos: &[Photo]) -> Vec<(Key, Cell)> {
         let mut cells = vec![];
-        for (psi, &depth) in self.psi.iter().enumerate() {
-            for (photo, of) in photos.iter().enumerate() {
+        let camera_sha256 = sha256(self.camera.to_json().as_bytes());
+        for (photo, of) in photos.iter().enumerate() {
+            let photo_sha256 = Input::photograph(&of.name, &of.frame).sha256;
+            for (psi, &depth) in self.psi.iter().enumerate() {
                 for (noise, &level) in self.noise.iter().enumerate() {
+                    let sensor = sensor(&of.name, depth, level);
                     for (method, spec) in self.methods.iter().enumerate() {
                         let key = Key {
                             method: spec.method(),
-                            weights: spec.weights().map(str::to_owned),
-                            camera: camera_sha256.to_owned(),
-                            tone: self.tone.to_string(),
+                            camera: self.camera.name.clone(),
+                            tone: self.tone,
                             psi: Ordered(depth),
                             noise: Ordered::of_noise(level),
                             image: of.name.clone(),
-                            photo: hashes[photo].clone(),
+                            proof: Proof {
+                                settings: Some(settings(&[&spec.settings(), &self.optics, &sensor, &BORDER])),
+                                weights: spec.weights().map(str::to_owned),
+                                photo: photo_sha256.clone(),
+                                camera: Some(camera_sha256.clone()),
+                            },
                         };
                         cells.push((key, Cell { psi, photo, noise, method }));
                     }
@@ -166,48 +180,26 @@ pub fn run(
     journal: &mut Journal<Row>,
     mut tell: impl FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<(), StudyError> {
-    let camera_sha256 = sha256(plan.camera.to_json().as_bytes());
-    let hashes: Vec<String> = photos.iter().map(|p| Input::photograph(&p.name, &p.frame).sha256).collect();
-    let cells = plan.cells(photos, &hashes, &camera_sha256);
-    let of = cells.len();
-    let mut missing: Vec<Cell> =
-        cells.into_iter().filter(|(key, _)| !journal.holds(key)).map(|(_, cell)| cell).collect();
+    let own = plan.cells(photos);
+    let of = own.len();
+    let mut missing: Vec<(Cell, Proof)> =
+        own.into_iter().filter(|(key, _)| !journal.holds(key)).map(|(key, cell)| (cell, key.proof)).collect();
     missing.sort();
     let mut done = of - missing.len();
-    let setup = Setup { camera: plan.camera.clone(), entries: vec![] };
-    for at_depth in missing.chunk_by(|a, b| a.psi == b.psi) {
-        let psi = plan.psi[at_depth[0].psi];
+    for at_depth in missing.chunk_by(|(a, _), (b, _)| a.psi == b.psi) {
+        let psi = plan.psi[at_depth[0].0.psi];
         let psfs = channel_psfs(&plan.camera, psi, &plan.optics).map_err(KodakError::from)?;
         let conditions =
             Conditions { tone: plan.tone, psi: vec![psi], noise: plan.noise.clone(), optics: plan.optics };
-        let mut ready = Ready { plan, psi, methods: HashMap::new() };
-        for of_photo in at_depth.chunk_by(|a, b| a.photo == b.photo) {
-            let photo = &photos[of_photo[0].photo];
-            let trial = Trial::new(&setup, photo, psi, &conditions);
+        let mut ready = Ready::new(&plan.camera, &plan.methods, psi, plan.optics);
+        for of_photo in at_depth.chunk_by(|(a, _), (b, _)| a.photo == b.photo) {
+            let photo = &photos[of_photo[0].0.photo];
+            let trial = Trial::new(&plan.camera, photo, psi, &conditions);
             let shots = trial.shots(&psfs)?;
-            for cell in of_photo {
-                let (noise, raw) = &shots[cell.noise];
-                let spec = &plan.methods[cell.method];
-                let (method, prepare_seconds) = ready.method(cell.noise, cell.method)?;
-                // A computed time does not vary.
-                let is_measured = spec.method().format != Some(Format::Board);
-                let Timed { result, cpu_seconds, peak_memory_bytes, repetitions } =
-                    if is_measured { timed(method, raw) } else { method.reconstruct(raw).map(Timed::not) }
-                        .map_err(|source| KodakError::Reconstruct { image: photo.name.clone(), source })?;
-                let (height, width) = photo.frame.size();
-                let measured = trial.row(*noise, &spec.method(), &result)?;
-                let last = format!("{} on {} at psi {psi}", measured.method, photo.name);
-                journal.push(Row {
-                    measured,
-                    prepare_seconds,
-                    repetitions,
-                    iterations: result.iterations,
-                    peak_memory_bytes,
-                    cpu_seconds_per_megapixel: cpu_seconds.map(|s| s / ((height * width) as f64 * 1e-6)),
-                    weights_sha256: spec.weights().map(str::to_owned),
-                    photo_sha256: hashes[cell.photo].clone(),
-                    camera_sha256: camera_sha256.clone(),
-                })?;
+            for (cell, proof) in of_photo {
+                let row = trial.timed_row(&shots[cell.noise], cell.method, proof, &mut ready)?;
+                let last = format!("{} on {} at psi {psi}", row.measured.method, photo.name);
+                journal.push(row)?;
                 done += 1;
                 if tell(Progress { done, of, last }).is_break() {
                     return Err(KodakError::Stopped.into());
@@ -218,27 +210,36 @@ pub fn run(
     Ok(journal.finish()?)
 }
 
-/// Methods prepared for a depth, by places of noise and method in the plan, and the seconds that took.
-struct Ready<'a> {
-    plan: &'a Plan,
-    psi: f64,
-    methods: HashMap<(usize, usize), (Box<dyn Reconstructor>, f64)>,
-}
-
-impl Ready<'_> {
-    /// A method for a noise level, prepared where it is not yet.
-    fn method(&mut self, noise: usize, method: usize) -> Result<(&dyn Reconstructor, f64), PrepareError> {
-        let entry = match self.methods.entry((noise, method)) {
-            std::collections::hash_map::Entry::Occupied(entry) => entry.into_mut(),
-            std::collections::hash_map::Entry::Vacant(entry) => {
-                let Plan { camera, optics, .. } = self.plan;
-                let case = Case { camera, psi: self.psi, noise: self.plan.noise[noise], optics: *optics };
-                let start = Instant::now();
-                let prepared = self.plan.methods[method].prepare(&case)?;
-                entry.insert((prepared, start.elapsed().as_secs_f64()))
-            }
-        };
-        Ok((entry.0.as_ref(), entry.1))
+impl Trial<'_> {
+    /// What a method makes of a shot, and its times.
+    fn timed_row(
+        &self,
+        (noise, raw): &(Noise, RawFrame),
+        method: usize,
+        proof: &Proof,
+        ready: &mut Ready<'_>,
+    ) -> Result<Row, StudyError> {
+        let identity = ready.identity(method);
+        let prepared = ready.method(*noise, method)?;
+        // A computed time does not vary.
+        let is_measured = identity.format != Some(Format::Board);
+        let run = prepared.reconstructor;
+        let Timed { result, range, cpu_seconds, cpu_range, peak_memory_bytes, repetitions } =
+            if is_measured { timed(run, raw) } else { run.reconstruct(raw).map(Timed::not) }
+                .map_err(|source| KodakError::Reconstruct { image: self.image(), source })?;
+        let (height, width) = raw.size();
+        let megapixels = (height * width) as f64 * 1e-6;
+        Ok(Row {
+            measured: self.row(*noise, &identity, &result)?,
+            seconds_range: Some(range.over(megapixels)),
+            prepare_seconds: prepared.seconds,
+            repetitions,
+            iterations: result.iterations,
+            peak_memory_bytes,
+            cpu_seconds_per_megapixel: cpu_seconds.map(|seconds| seconds / megapixels),
+            cpu_seconds_range: cpu_range.map(|range| range.over(megapixels)),
+            proof: proof.clone(),
+        })
     }
 }
 
@@ -246,9 +247,10 @@ impl Ready<'_> {
 mod tests {
     use super::*;
     use crate::dictionary::Dictionary;
-    use crate::journal::Header;
+    use crate::journal::{Header, Program};
     use crate::method::Family;
-    use edof_spec::{ColourFrame, Stride};
+    use crate::settings::Pursuit;
+    use edof_image::{ColourFrame, Stride};
     use std::path::{Path, PathBuf};
     use std::sync::Arc;
 
@@ -279,11 +281,11 @@ mod tests {
     }
 
     fn header() -> Header {
-        Header::of::<Row>(false, "a machine".into())
+        Header::of::<Row>(Program::stub("r", "a machine"))
     }
 
     fn go(plan: &Plan, path: &Path, rows: usize) -> Result<Journal<Row>, StudyError> {
-        let mut journal = Journal::open(path, header())?;
+        let mut journal = Journal::open(path, header(), Default::default())?;
         let mut left = rows;
         let result = run(plan, &photos(), &mut journal, |_| {
             left -= 1;
@@ -297,7 +299,12 @@ mod tests {
 
     /// The file without its times.
     fn timeless(path: &Path) -> Vec<Row> {
-        Journal::<Row>::open(path, header()).unwrap().rows().iter().map(Line::timeless).collect()
+        Journal::<Row>::open(path, header(), Default::default())
+            .unwrap()
+            .rows()
+            .iter()
+            .map(Line::timeless)
+            .collect()
     }
 
     #[test]
@@ -331,7 +338,7 @@ mod tests {
             })
             .to_vec();
         let merged = folder.path().join("merged.jsonl");
-        Journal::<Row>::merged(&merged, &files, false).unwrap().finish().unwrap();
+        Journal::<Row>::merged(&merged, &files, Default::default()).unwrap().finish().unwrap();
         assert_eq!(timeless(&merged), timeless(&whole));
     }
 
@@ -347,6 +354,33 @@ mod tests {
     }
 
     #[test]
+    fn a_changed_constant_of_omp_makes_its_rows_be_measured_anew_and_no_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows.jsonl");
+        let mut plan = Plan { noise: vec![Noise::None], ..plan(&["malvar", "omp-known"]) };
+        let before = go(&plan, &path, usize::MAX).unwrap().rows();
+        let MethodSpec::Pursuit { settings, .. } = &mut plan.methods[1] else { panic!("a pursuit") };
+        assert_eq!(settings.pursuit, Pursuit::OMP);
+        settings.pursuit = Pursuit::Omp { atoms: 15 };
+        let mut measured = 0;
+        let mut journal = Journal::open(&path, header(), Default::default()).unwrap();
+        run(&plan, &photos(), &mut journal, |_| {
+            measured += 1;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert_eq!(measured, 2, "one for each photograph");
+        let after = Journal::<Row>::open(&path, header(), Default::default()).unwrap().rows();
+        // Pages call both alike, so the old ones are gone.
+        assert_eq!(after.len(), before.len());
+        for (old, new) in before.iter().zip(&after) {
+            let is_omp = old.measured.identity.family == Family::OmpKnownDepth;
+            assert_eq!(old == new, !is_omp, "{}", old.measured.method);
+            assert_eq!(old.proof.settings == new.proof.settings, !is_omp);
+        }
+    }
+
+    #[test]
     fn every_method_reconstructs_a_frame_of_its_size() {
         let mut plan = Plan { noise: vec![Noise::gaussian(0.01)], ..plan(&MethodSpec::names()) };
         plan.methods.retain(|m| m.method().layers.is_none_or(|t| t == 10));
@@ -354,6 +388,9 @@ mod tests {
         let journal = go(&plan, &folder.path().join("rows.jsonl"), usize::MAX).unwrap();
         assert_eq!(journal.rows().len(), 2 * MethodSpec::names().len());
         for row in journal.rows() {
+            let range = row.seconds_range.unwrap();
+            let median = row.measured.seconds_per_megapixel;
+            assert!(range.least <= median && median <= range.most && range.least > 0.0, "{range:?} {median}");
             let Measured { method, identity, picture, .. } = &row.measured;
             // Nine steps do not reach the mean where it is one atom among all.
             let least = if identity.family == Family::Untrained { 5.0 } else { 10.0 };

@@ -4,21 +4,29 @@ use crate::board::BoardReconstructor;
 use crate::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::dictionary::Dictionary;
 use crate::method::{Family, Format, Method};
-use crate::pursuit::{BLIND_DEPTHS, Pursuit, PursuitReconstructor};
+use crate::pursuit::PursuitReconstructor;
+use crate::settings::{
+    BLIND_DEPTHS, DeconvolutionSettings, Depths, FloatSettings, Pursuit, PursuitSettings, UntrainedSettings,
+};
 use crate::untrained;
-use edof_deblur::hyper_laplacian::Prior;
-use edof_deblur::{Directional, Malvar, blind};
+use edof_camera::Camera;
+use edof_deblur::{Directional, Malvar};
+use edof_device::Design;
+use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::GoldenReconstructor;
 use edof_golden::cycle::CycleError;
 use edof_gpu::{Device, GpuFloat, GpuGolden};
+use edof_image::{Noise, Reconstructor, Stride};
+use edof_network::fixed_network::{FixedMatrix, FixedNetworkError};
+use edof_network::network::NetworkError;
+use edof_network::{FixedNetwork, Network};
 use edof_optics::estimator::SeenError;
 use edof_optics::psf::{NoPsf, Settings, channel_psfs};
-use edof_spec::fixed_network::FixedNetworkError;
-use edof_spec::network::NetworkError;
-use edof_spec::overlap::Overlap;
-use edof_spec::{Camera, Design, FixedNetwork, Network, Noise, Reconstructor, Stride, Window};
-use edof_train::reconstruct::{FloatReconstructor, Output};
+use edof_storage::digest::sha256;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// What there is to reconstruct: all that a method may know before it sees a frame. Blind ones leave ψ alone.
 #[derive(Debug, Clone, Copy)]
@@ -41,24 +49,18 @@ pub enum MethodSpec {
     /// Demosaicing after Menon, Andriani and Calvagno.
     Directional,
     /// Deconvolution with ψ known, or blind.
-    Deconvolution(Family),
+    Deconvolution(DeconvolutionSettings),
     /// A pursuit with ψ known, or blind.
     Pursuit {
-        /// Which.
-        family: Family,
-        /// Step of the patches.
-        stride: Stride,
+        /// Which, and how.
+        settings: PursuitSettings,
         /// Sharp atoms.
         dictionary: Arc<Dictionary>,
     },
     /// The paper's network before training.
     Untrained {
-        /// Whether DC is removed.
-        family: Family,
-        /// T.
-        layers: usize,
-        /// Step of the patches.
-        stride: Stride,
+        /// How many layers, and how.
+        settings: UntrainedSettings,
         /// Sharp atoms.
         dictionary: Arc<Dictionary>,
     },
@@ -68,8 +70,8 @@ pub enum MethodSpec {
         network: Arc<Network>,
         /// SHA-256 of their file.
         sha256: String,
-        /// Step of the patches.
-        stride: Stride,
+        /// Step of the patches and format of the picture.
+        settings: FloatSettings,
     },
     /// The same on a design's calculator: its time is that of its cycles.
     Board {
@@ -87,7 +89,7 @@ pub enum MethodSpec {
         /// Its weights.
         network: Arc<Network>,
         /// Step of the patches.
-        stride: Stride,
+        settings: FloatSettings,
         /// Number of the device.
         device: usize,
         /// SHA-256 of the weights' and the device's names.
@@ -110,7 +112,7 @@ pub enum MethodSpec {
         network: Arc<FixedNetwork>,
         /// Name in reports.
         name: String,
-        /// SHA-256 of their file.
+        /// SHA-256 of their file, or of their words ([`words_sha256`]).
         sha256: String,
     },
 }
@@ -161,22 +163,6 @@ const NAMES: [(&str, Family); 12] = [
 /// T of networks before training: the paper's.
 const LAYERS: std::ops::RangeInclusive<usize> = 3..=10;
 
-/// The pursuits' window: the paper's.
-const WINDOW: usize = 8;
-/// Settings chosen on training photographs at ψ = 8 (docs/decisions/0015-single-depth.md).
-const OMP_ATOMS: usize = 16;
-const FISTA_STEPS: usize = 100;
-pub(crate) const FISTA_PENALTY: f32 = 0.004;
-/// Variance of a difference of neighbouring pixels of photographs, and of what blur, mosaic and rounding leave unexplained: what
-/// Wiener's ratio and the weight of the data are made from, with the noise's own variance.
-const CONTRAST: f64 = 0.0036;
-const UNEXPLAINED: f64 = 2e-5;
-const RICHARDSON_LUCY_STEPS: usize = 15;
-/// Side of the kernel that the blind method looks for: twice the geometric blur at ψ = 8, which is 7 pixels wide.
-const BLIND_SIDE: usize = 15;
-const HYPER_LAPLACIAN_ALPHA: f32 = 0.8;
-const HYPER_LAPLACIAN_SHARE: f64 = 0.1;
-
 impl MethodSpec {
     /// Methods that need no weights, by the names that users give them; pursuits at every stride.
     ///
@@ -189,25 +175,39 @@ impl MethodSpec {
     ) -> Result<Vec<Self>, PrepareError> {
         let known = NAMES.iter().find(|(known, _)| *known == name);
         let (_, family) = known.ok_or_else(|| PrepareError::Unknown(name.to_owned()))?;
-        let pursuit =
-            |&stride: &Stride| Self::Pursuit { family: *family, stride, dictionary: Arc::clone(dictionary) };
-        let untrained = |&stride: &Stride| {
-            let (family, dictionary) = (*family, Arc::clone(dictionary));
-            LAYERS.map(move |layers| Self::Untrained {
-                family,
-                layers,
-                stride,
-                dictionary: Arc::clone(&dictionary),
-            })
+        let pursuit = |how: Pursuit, depths: Depths| {
+            let of = |&stride: &Stride| Self::Pursuit {
+                settings: PursuitSettings::usual(how, depths.clone(), stride),
+                dictionary: Arc::clone(dictionary),
+            };
+            strides.iter().map(of).collect::<Vec<_>>()
         };
+        let untrained = |dc_removed: bool| {
+            let of = |stride: Stride, layers: usize| Self::Untrained {
+                settings: UntrainedSettings::usual(layers, dc_removed, stride),
+                dictionary: Arc::clone(dictionary),
+            };
+            strides
+                .iter()
+                .flat_map(|&stride| LAYERS.map(move |layers| (stride, layers)))
+                .map(|(stride, layers)| of(stride, layers))
+                .collect()
+        };
+        let every = || Depths::Of(BLIND_DEPTHS.to_vec());
         Ok(match family {
-            Family::Untrained | Family::UntrainedDcRemoved => strides.iter().flat_map(untrained).collect(),
             Family::DemosaicMalvar => vec![Self::Malvar],
             Family::DemosaicDirectional => vec![Self::Directional],
-            Family::Omp | Family::OmpKnownDepth | Family::Fista | Family::FistaKnownDepth => {
-                strides.iter().map(pursuit).collect()
+            Family::Omp => pursuit(Pursuit::OMP, every()),
+            Family::OmpKnownDepth => pursuit(Pursuit::OMP, Depths::Known),
+            Family::Fista => pursuit(Pursuit::FISTA, every()),
+            Family::FistaKnownDepth => pursuit(Pursuit::FISTA, Depths::Known),
+            Family::Untrained => untrained(false),
+            Family::UntrainedDcRemoved => untrained(true),
+            Family::Wiener | Family::RichardsonLucy | Family::HyperLaplacian | Family::BlindDeconvolution => {
+                let usual = DeconvolutionSettings::usual().into_iter();
+                usual.filter(|settings| settings.family() == *family).map(Self::Deconvolution).collect()
             }
-            _ => vec![Self::Deconvolution(*family)],
+            Family::Network => unreachable!("no network has a name here"),
         })
     }
 
@@ -223,26 +223,35 @@ impl MethodSpec {
         match self {
             Self::Malvar => Method::demosaic(),
             Self::Directional => Method::of_frames(Family::DemosaicDirectional),
-            Self::Deconvolution(family) => Method::of_frames(*family),
-            Self::Pursuit { family, stride, .. } => Method::of_patches(*family, stride.pixels()),
-            Self::Untrained { family, layers, stride, .. } => {
-                Method::untrained(*family, stride.pixels(), *layers)
+            Self::Deconvolution(settings) => Method::of_frames(settings.family()),
+            Self::Pursuit { settings, .. } => Method::of_patches(settings.family(), settings.stride.pixels()),
+            Self::Untrained { settings, .. } => {
+                Method::untrained(settings.family(), settings.float.stride.pixels(), settings.layers)
             }
-            Self::Float { network, stride, .. } => {
-                Method::network(&network.origin.name, Format::Float, stride.pixels(), network.form.layers)
+            Self::Float { network, settings, .. } => {
+                let format = match settings.output {
+                    Output::Rgb => Format::Float,
+                    Output::Ycc422 => Format::Float422,
+                };
+                of_float(network, format, settings)
             }
-            Self::Fixed { network, name, .. } => {
-                Method::network(name, Format::Fixed, network.stride.pixels(), network.form.layers)
-            }
-            Self::Board { network, name, .. } => {
-                Method::network(name, Format::Board, network.stride.pixels(), network.form.layers)
-            }
-            Self::FloatGpu { network, stride, .. } => {
-                Method::network(&network.origin.name, Format::FloatGpu, stride.pixels(), network.form.layers)
-            }
-            Self::FixedGpu { network, name, .. } => {
-                Method::network(name, Format::FixedGpu, network.stride.pixels(), network.form.layers)
-            }
+            Self::FloatGpu { network, settings, .. } => of_float(network, Format::FloatGpu, settings),
+            Self::Fixed { network, name, .. } => of_fixed(network, Format::Fixed, name),
+            Self::Board { network, name, .. } => of_fixed(network, Format::Board, name),
+            Self::FixedGpu { network, name, .. } => of_fixed(network, Format::FixedGpu, name),
+        }
+    }
+
+    /// Every setting that it is prepared from, in words; those of fixed networks are in their weights.
+    #[must_use]
+    pub fn settings(&self) -> String {
+        match self {
+            Self::Malvar | Self::Directional => String::new(),
+            Self::Deconvolution(settings) => format!("{settings:?}"),
+            Self::Pursuit { settings, .. } => format!("{settings:?}"),
+            Self::Untrained { settings, .. } => format!("{settings:?}"),
+            Self::Float { settings, .. } | Self::FloatGpu { settings, .. } => format!("{settings:?}"),
+            Self::Fixed { .. } | Self::Board { .. } | Self::FixedGpu { .. } => String::new(),
         }
     }
 
@@ -269,33 +278,19 @@ impl MethodSpec {
         Ok(match self {
             Self::Malvar => Box::new(Malvar::default()),
             Self::Directional => Box::new(Directional::default()),
-            Self::Deconvolution(family) => {
-                Box::new(DeconvolutionReconstructor::new(name, deconvolution(*family, case)?))
+            Self::Deconvolution(settings) => {
+                Box::new(DeconvolutionReconstructor::new(name, deconvolution(settings, case)?))
             }
-            Self::Pursuit { family, stride, dictionary } => {
-                let one = [case.psi];
-                let psis: &[f64] = match family {
-                    Family::OmpKnownDepth | Family::FistaKnownDepth => &one,
-                    _ => &BLIND_DEPTHS,
-                };
-                let pursuit = match family {
-                    Family::Omp | Family::OmpKnownDepth => Pursuit::Omp { atoms: OMP_ATOMS },
-                    _ => Pursuit::Fista { steps: FISTA_STEPS, penalty: FISTA_PENALTY },
-                };
-                let geometry = (window(), *stride);
-                Box::new(PursuitReconstructor::new(name, dictionary, case.camera, psis, geometry, pursuit)?)
+            Self::Pursuit { settings, dictionary } => {
+                Box::new(PursuitReconstructor::new(name, dictionary, case.camera, case.psi, settings)?)
             }
-            Self::Untrained { family, layers, stride, dictionary } => {
-                let dc_removed = *family == Family::UntrainedDcRemoved;
-                let (camera, penalty) = (case.camera, FISTA_PENALTY);
-                let network =
-                    untrained::network(&name, dictionary, camera, window(), *layers, dc_removed, penalty)?;
-                float(network, *stride, name)?
+            Self::Untrained { settings, dictionary } => {
+                float(untrained::network(&name, dictionary, case.camera, settings)?, &settings.float, name)?
             }
-            Self::Float { network, stride, .. } => float((**network).clone(), *stride, name)?,
-            Self::FloatGpu { network, stride, device, .. } => {
+            Self::Float { network, settings, .. } => float((**network).clone(), settings, name)?,
+            Self::FloatGpu { network, settings, device, .. } => {
                 let gpu = Device::open(Some(*device)).and_then(|device| {
-                    GpuFloat::new(device, (**network).clone(), *stride, Overlap::default())
+                    GpuFloat::new(device, (**network).clone(), settings.stride, settings.overlap)
                 });
                 Box::new(gpu.map_err(|source| PrepareError::Gpu { net: name, source })?)
             }
@@ -316,39 +311,95 @@ impl MethodSpec {
     }
 }
 
-fn window() -> Window {
-    Window::new(WINDOW).unwrap_or_else(|e| unreachable!("{e}"))
+/// Methods prepared for a camera and a depth, each for every noise that it meets.
+pub(crate) struct Ready<'a> {
+    camera: &'a Camera,
+    specs: &'a [MethodSpec],
+    psi: f64,
+    optics: Settings,
+    prepared: HashMap<(String, usize), (Box<dyn Reconstructor>, f64)>,
 }
 
-fn float(network: Network, stride: Stride, net: String) -> Result<Box<dyn Reconstructor>, PrepareError> {
-    let float = FloatReconstructor::new(network, stride, Overlap::default(), Output::Rgb);
-    Ok(Box::new(float.map_err(|source| PrepareError::Float { net, source })?))
+/// A method that is prepared.
+pub(crate) struct Prepared<'a> {
+    pub(crate) reconstructor: &'a dyn Reconstructor,
+    /// Wall-clock seconds that it took.
+    pub(crate) seconds: f64,
 }
 
-/// What a picture of middle light is: there the noise of photons is judged.
-const MIDDLE_LIGHT: f64 = 0.25;
+impl<'a> Ready<'a> {
+    pub(crate) fn new(camera: &'a Camera, specs: &'a [MethodSpec], psi: f64, optics: Settings) -> Self {
+        Self { camera, specs, psi, optics, prepared: HashMap::new() }
+    }
 
-/// Wiener's ratio of noise to contrast.
-pub(crate) fn wiener_ratio(noise: Noise) -> f32 {
-    ((noise.variance(MIDDLE_LIGHT) + UNEXPLAINED) / CONTRAST) as f32
+    /// What a method is.
+    pub(crate) fn identity(&self, method: usize) -> Method {
+        self.specs[method].method()
+    }
+
+    /// A method for a noise level, prepared where it is not yet.
+    pub(crate) fn method(&mut self, noise: Noise, method: usize) -> Result<Prepared<'_>, PrepareError> {
+        let (reconstructor, seconds) = &*match self.prepared.entry((noise.to_string(), method)) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                let start = Instant::now();
+                let case = Case { camera: self.camera, psi: self.psi, noise, optics: self.optics };
+                let prepared = self.specs[method].prepare(&case)?;
+                entry.insert((prepared, start.elapsed().as_secs_f64()))
+            }
+        };
+        Ok(Prepared { reconstructor: reconstructor.as_ref(), seconds: *seconds })
+    }
+}
+
+fn of_float(network: &Network, format: Format, settings: &FloatSettings) -> Method {
+    Method::network(&network.origin.name, format, settings.stride.pixels(), network.form.layers)
+}
+
+fn of_fixed(network: &FixedNetwork, format: Format, name: &str) -> Method {
+    Method::network(name, format, network.stride.pixels(), network.form.layers)
+}
+
+fn float(
+    network: Network,
+    settings: &FloatSettings,
+    net: String,
+) -> Result<Box<dyn Reconstructor>, PrepareError> {
+    let FloatSettings { stride, overlap, output, budget } = *settings;
+    let float = FloatReconstructor::new(network, stride, overlap, output)
+        .map_err(|source| PrepareError::Float { net, source })?;
+    Ok(Box::new(match budget {
+        Some(budget) => float.within(budget),
+        None => float,
+    }))
 }
 
 /// A deconvolution for a case; the blind one takes nothing from it.
-fn deconvolution(family: Family, case: &Case<'_>) -> Result<Deconvolution, NoPsf> {
-    let variance = case.noise.variance(MIDDLE_LIGHT) + UNEXPLAINED;
-    let how = match family {
-        Family::Wiener => Known::Wiener(wiener_ratio(case.noise)),
-        Family::RichardsonLucy => Known::RichardsonLucy(RICHARDSON_LUCY_STEPS),
-        Family::HyperLaplacian => Known::HyperLaplacian(Prior {
-            lambda: (HYPER_LAPLACIAN_SHARE / variance) as f32,
-            alpha: HYPER_LAPLACIAN_ALPHA,
-        }),
-        _ => {
-            return Ok(Deconvolution::Blind(blind::Settings {
-                side: BLIND_SIDE,
-                ..blind::Settings::default()
-            }));
+fn deconvolution(settings: &DeconvolutionSettings, case: &Case<'_>) -> Result<Deconvolution, NoPsf> {
+    let how = match *settings {
+        DeconvolutionSettings::Blind(settings) => return Ok(Deconvolution::Blind(settings)),
+        DeconvolutionSettings::RichardsonLucy { steps } => Known::RichardsonLucy(steps),
+        DeconvolutionSettings::Wiener { model, noise } => {
+            Known::Wiener(DeconvolutionSettings::wiener_ratio(&model, noise.unwrap_or(case.noise)))
+        }
+        DeconvolutionSettings::HyperLaplacian { model, share, alpha } => {
+            Known::HyperLaplacian(DeconvolutionSettings::prior(&model, share, alpha, case.noise))
         }
     };
     Ok(Deconvolution::known(channel_psfs(case.camera, case.psi, &case.optics)?, how))
+}
+
+/// SHA-256 of the words and formats of a fixed network that lies in no file.
+#[must_use]
+pub fn words_sha256(network: &FixedNetwork) -> String {
+    let FixedNetwork { form, analysis, thresholds, recurrent, dictionary, linear_path, .. } = network;
+    let FixedNetwork { stride, overlap, code_bits, code_fractions, .. } = network;
+    let mut bytes = format!("{form:?} {stride:?} {overlap:?} {code_bits} {code_fractions:?}").into_bytes();
+    let matrices = [analysis, dictionary].into_iter().chain(recurrent).chain(linear_path);
+    for FixedMatrix { weights, fraction } in matrices {
+        bytes.extend(format!("{:?} {fraction}", weights.dim()).into_bytes());
+        bytes.extend(weights.iter().flat_map(|word| word.to_le_bytes()));
+    }
+    bytes.extend(thresholds.iter().flatten().flat_map(|word| word.to_le_bytes()));
+    sha256(&bytes)
 }

@@ -1,9 +1,10 @@
 //! What an experiment's rows say together: averages, worst depths, what fixed point and 4:2:2 cost.
 
-use crate::kodak::{Row, Work};
+use crate::kodak::{Measured, Work};
 use crate::method::{Format, Method};
 use crate::metrics::{BORDER, Quality};
-use edof_spec::{Noise, Tone};
+use crate::paired::Paired;
+use edof_image::{Noise, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -13,7 +14,7 @@ pub struct Study {
     /// How its quality is measured.
     pub measure: Measure,
     /// One for each method, photograph and setting.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Measured>,
     /// What they say together.
     pub summary: Summary,
 }
@@ -21,7 +22,7 @@ pub struct Study {
 /// How quality is measured (docs/decisions/0003-metrics.md, 0010-tone-and-noise.md).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Measure {
-    /// Linear: photographs' numbers are light, nothing is clipped. Srgb: they are decoded to light, and the picture is encoded
+    /// Linear: photographs' numbers are light, the network's values are not clipped. Srgb: they are decoded to light, and the picture is encoded
     /// and clipped to 0…1 before it is compared.
     pub tone: Tone,
     /// Peak of PSNR and range of SSIM.
@@ -37,6 +38,9 @@ pub struct Summary {
     pub methods: Vec<MethodSummary>,
     /// One for each network, camera and noise level.
     pub nets: Vec<NetSummary>,
+    /// One for each two float networks and noise level.
+    #[serde(skip_deserializing)]
+    pub differences: Vec<Difference>,
     /// What was left out or looks wrong, one line each.
     pub notes: Vec<String>,
 }
@@ -63,6 +67,21 @@ pub struct MethodSummary {
     /// Mean work; saturations are added up.
     #[serde(flatten)]
     pub work: Work,
+}
+
+/// How far two float networks are apart on the same photographs, each behind its own camera.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Difference {
+    /// The one.
+    pub first: String,
+    /// The one that is subtracted from it.
+    pub second: String,
+    /// Noise of the sensor.
+    pub noise: Noise,
+    /// At the farthest depth, in dB of the picture.
+    pub farthest: Paired,
+    /// Averaged over depths.
+    pub average: Paired,
 }
 
 /// Quality over depths, averaged over photographs.
@@ -117,9 +136,12 @@ pub struct FixedCost {
 impl Study {
     /// Rows with their summary.
     #[must_use]
-    pub fn new(tone: Tone, rows: Vec<Row>, notes: Vec<String>) -> Self {
+    pub fn of(rows: Vec<Measured>) -> Self {
+        let tone = rows.first().map_or(Tone::Linear, |row| row.tone);
         let measure = Measure { tone, peak: 1.0, border: BORDER };
-        let summary = Summary { methods: methods(&rows), nets: nets(&rows), notes };
+        let methods = methods(&rows);
+        let notes = without_integers(&methods);
+        let summary = Summary { methods, nets: nets(&rows), differences: differences(&rows), notes };
         Self { measure, rows, summary }
     }
 }
@@ -151,7 +173,7 @@ impl Course {
         self.psi_db.last().copied().unwrap_or([f64::NAN; 2])
     }
 
-    fn of(rows: &[&Row], quality: impl Fn(&Row) -> Quality) -> Self {
+    fn of(rows: &[&Measured], quality: impl Fn(&Measured) -> Quality) -> Self {
         let psi_db: Vec<[f64; 2]> = ascending(rows.iter().map(|r| r.psi))
             .into_iter()
             .map(|psi| [psi, mean(rows.iter().filter(|r| r.psi == psi).map(|r| quality(r).psnr_db))])
@@ -168,7 +190,7 @@ impl Course {
 }
 
 impl Work {
-    fn mean_of(rows: &[&Row]) -> Self {
+    fn mean_of(rows: &[&Measured]) -> Self {
         let average = |value: fn(&Self) -> Option<f64>| {
             rows.iter().map(|r| value(&r.work)).collect::<Option<Vec<f64>>>().map(|v| mean(v.into_iter()))
         };
@@ -186,12 +208,12 @@ impl Work {
     }
 }
 
-fn methods(rows: &[Row]) -> Vec<MethodSummary> {
+fn methods(rows: &[Measured]) -> Vec<MethodSummary> {
     let mut summaries = vec![];
     for (identity, camera) in distinct(rows.iter().map(|r| (&r.identity, &r.camera))) {
         let subject = || rows.iter().filter(|r| r.identity == *identity && r.camera == *camera);
         for noise in distinct(subject().map(|r| r.noise)) {
-            let own: Vec<&Row> = subject().filter(|r| r.noise == noise).collect();
+            let own: Vec<&Measured> = subject().filter(|r| r.noise == noise).collect();
             summaries.push(MethodSummary {
                 method: identity.to_string(),
                 identity: identity.clone(),
@@ -207,15 +229,64 @@ fn methods(rows: &[Row]) -> Vec<MethodSummary> {
     summaries
 }
 
+/// Differences of every two float networks, in the rows' order.
+fn differences(rows: &[Measured]) -> Vec<Difference> {
+    let floats = || rows.iter().filter(|r| r.identity.format == Some(Format::Float));
+    let networks = distinct(floats().map(|r| (&r.identity, &r.camera)));
+    let farthest = rows.iter().map(|r| r.psi).fold(f64::NEG_INFINITY, f64::max);
+    let mut all = vec![];
+    for noise in distinct(floats().map(|r| r.noise)) {
+        // Means over depths by photograph.
+        let by_photo = |(method, camera): (&Method, &String), far: bool| -> BTreeMap<String, f64> {
+            let own = |r: &&Measured| {
+                (&r.identity, &r.camera, r.noise) == (method, camera, noise) && (!far || r.psi == farthest)
+            };
+            let photos = distinct(floats().filter(own).map(|r| &r.image));
+            let db = |photo: &String| {
+                mean(floats().filter(own).filter(|r| r.image == *photo).map(|r| r.picture.psnr_db))
+            };
+            photos.into_iter().map(|photo| (photo.clone(), db(photo))).collect()
+        };
+        for (place, &first) in networks.iter().enumerate() {
+            for &second in &networks[place + 1..] {
+                let at = |far| Paired::between(&by_photo(first, far), &by_photo(second, far));
+                all.extend(at(true).zip(at(false)).map(|(farthest, average)| Difference {
+                    first: first.0.to_string(),
+                    second: second.0.to_string(),
+                    noise,
+                    farthest,
+                    average,
+                }));
+            }
+        }
+    }
+    all
+}
+
+/// A line for each network that has float rows alone.
+fn without_integers(methods: &[MethodSummary]) -> Vec<String> {
+    let of = |format| {
+        let own = methods.iter().filter(move |m| m.identity.format == Some(format));
+        distinct(own.filter_map(|m| m.identity.network.clone()))
+    };
+    let fixed = of(Format::Fixed);
+    let missing = of(Format::Float).into_iter().filter(|name| !fixed.contains(name));
+    missing
+        .map(|name| {
+            format!("NO {name}.fixed ROWS: it has no integers made from these weights for this stride")
+        })
+        .collect()
+}
+
 /// What tells a row from others of its method.
 type Setting = (String, String, u64, String);
 
-fn setting(row: &Row) -> Setting {
+fn setting(row: &Measured) -> Setting {
     (row.camera.clone(), row.image.clone(), row.psi.to_bits(), row.noise.to_string())
 }
 
-fn nets(rows: &[Row]) -> Vec<NetSummary> {
-    let found: BTreeMap<(&Method, Setting), &Row> =
+fn nets(rows: &[Measured]) -> Vec<NetSummary> {
+    let found: BTreeMap<(&Method, Setting), &Measured> =
         rows.iter().map(|r| ((&r.identity, setting(r)), r)).collect();
     let floats = || rows.iter().filter(|r| r.identity.format == Some(Format::Float));
     let mut summaries = vec![];
@@ -223,7 +294,7 @@ fn nets(rows: &[Row]) -> Vec<NetSummary> {
         let (rounded, fixed) = (float.in_format(Format::Float422), float.in_format(Format::Fixed));
         let own = || floats().filter(|r| r.identity == *float && r.camera == *camera);
         for noise in distinct(own().map(|r| r.noise)) {
-            let twins: Vec<(&Row, &Row, Option<&Row>)> = own()
+            let twins: Vec<(&Measured, &Measured, Option<&Measured>)> = own()
                 .filter(|r| r.noise == noise)
                 .filter_map(|r| {
                     let twin = |method| found.get(&(method, setting(r))).copied();
@@ -249,13 +320,13 @@ fn nets(rows: &[Row]) -> Vec<NetSummary> {
 }
 
 impl FixedCost {
-    fn of(twins: &[(&Row, &Row, Option<&Row>)]) -> Option<Self> {
-        let losses: Vec<(f64, &Row)> = twins
+    fn of(twins: &[(&Measured, &Measured, Option<&Measured>)]) -> Option<Self> {
+        let losses: Vec<(f64, &Measured)> = twins
             .iter()
             .filter_map(|(_, rounded, fixed)| fixed.map(|x| (rounded.picture.psnr_db - x.picture.psnr_db, x)))
             .collect();
         let (largest_loss_db, row) = losses.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let rows: Vec<&Row> = losses.iter().map(|l| l.1).collect();
+        let rows: Vec<&Measured> = losses.iter().map(|l| l.1).collect();
         Some(Self {
             mean_loss_db: mean(losses.iter().map(|l| l.0)),
             largest_loss_db: *largest_loss_db,
@@ -294,7 +365,7 @@ pub(crate) mod tests {
     use super::*;
 
     /// A row that says little but its PSNR.
-    pub(crate) fn row(method: &Method, image: &str, psi: f64, noise: Noise, psnr_db: f64) -> Row {
+    pub(crate) fn row(method: &Method, image: &str, psi: f64, noise: Noise, psnr_db: f64) -> Measured {
         let quality = Quality {
             psnr_db,
             psnr_clipped_db: psnr_db,
@@ -303,7 +374,7 @@ pub(crate) mod tests {
             ssim: 0.9,
             luma_ssim: 0.9,
         };
-        Row {
+        Measured {
             method: method.to_string(),
             identity: method.clone(),
             camera: "clear".into(),
@@ -327,7 +398,7 @@ pub(crate) mod tests {
         let method = Method::demosaic();
         let at = |image, psi, db| row(&method, image, psi, Noise::None, db);
         let rows = vec![at("p1", 0.0, 30.0), at("p2", 0.0, 34.0), at("p1", 8.0, 28.0), at("p2", 8.0, 30.0)];
-        let study = Study::new(Tone::Srgb, rows, vec![]);
+        let study = Study::of(rows);
         let m = &study.summary.methods[0];
         assert_eq!(m.picture.psi_db, [[0.0, 32.0], [8.0, 29.0]]);
         assert_eq!((m.picture.average_db, m.picture.worst_db, m.picture.worst_psi), (30.5, 29.0, 8.0));
@@ -338,7 +409,7 @@ pub(crate) mod tests {
     fn one_method_behind_two_cameras_has_two_summaries() {
         let mut rows = vec![row(&Method::demosaic(), "p", 0.0, Noise::None, 30.0); 2];
         rows[1].camera = "ring-outer".into();
-        let study = Study::new(Tone::Linear, rows, vec![]);
+        let study = Study::of(rows);
         assert_eq!(study.summary.methods.len(), 2);
         assert_eq!(study.summary.subjects()[1].1, "ring-outer");
     }
@@ -355,9 +426,9 @@ pub(crate) mod tests {
                 saturations: Some(2),
                 ..Work::default()
             };
-            rows.push(Row { work, ..row(&net(Format::Fixed), image, 8.0, noise, 33.5 - loss) });
+            rows.push(Measured { work, ..row(&net(Format::Fixed), image, 8.0, noise, 33.5 - loss) });
         }
-        let n = &Study::new(Tone::Linear, rows, vec![]).summary.nets[0];
+        let n = &Study::of(rows).summary.nets[0];
         let fixed = n.fixed.as_ref().unwrap();
         assert!((fixed.largest_loss_db - 0.015).abs() < 1e-9);
         assert_eq!((fixed.largest_loss_image.as_str(), fixed.largest_loss_psi), ("p2", 8.0));
@@ -368,19 +439,37 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn two_networks_are_compared_photograph_by_photograph() {
+        let other = Method::network("m", Format::Float, 8, 4);
+        let mut rows = vec![];
+        for (image, gain) in [("p1", 1.0), ("p2", 2.0), ("p3", 3.0)] {
+            for (psi, further) in [(0.0, 0.0), (8.0, 1.0)] {
+                rows.push(row(&net(Format::Float), image, psi, Noise::None, 30.0 + gain + further));
+                rows.push(row(&other, image, psi, Noise::None, 30.0));
+            }
+        }
+        let differences = Study::of(rows).summary.differences;
+        let [one] = &differences[..] else { panic!("{differences:?}") };
+        assert_eq!((one.first.as_str(), one.second.as_str()), ("n.float", "m.float"));
+        // 1, 2 and 3 have a standard deviation of 1, their mean one of 1/√3.
+        assert_eq!(
+            (one.average.to_string(), one.farthest.to_string()),
+            ("+2.50 ± 0.58".into(), "+3.00 ± 0.58".into())
+        );
+    }
+
+    #[test]
     fn a_net_without_fixed_rows_has_no_cost_of_fixed_point() {
         let rows = [Format::Float, Format::Float422].map(|f| row(&net(f), "p", 0.0, Noise::None, 34.0));
-        let study = Study::new(Tone::Linear, rows.to_vec(), vec![]);
+        let study = Study::of(rows.to_vec());
         assert_eq!(study.summary.nets[0].fixed, None);
+        let note = "NO n.fixed ROWS: it has no integers made from these weights for this stride";
+        assert_eq!(study.summary.notes, [note]);
     }
 
     #[test]
     fn the_json_is_an_object_with_rows_that_reads_back() {
-        let study = Study::new(
-            Tone::Srgb,
-            vec![row(&net(Format::Fixed), "p", 0.0, Noise::sensor(8.0), 30.0)],
-            vec![],
-        );
+        let study = Study::of(vec![row(&net(Format::Fixed), "p", 0.0, Noise::sensor(8.0), 30.0)]);
         let text = serde_json::to_string(&study).unwrap();
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         let fields = [

@@ -1,12 +1,16 @@
 //! A study's tables, for a terminal, as Markdown and as a report with plots.
 
-use crate::kodak::Work;
+use crate::kodak::{Measured, Row, Work};
+use crate::made::Made;
 use crate::method::Format;
+use crate::photos::choices;
 use crate::plot::{Axis, Mark, Plot, Series, USUAL};
 use crate::report::Report;
 use crate::summary::{Course, MethodSummary, Study, Summary};
-use edof_spec::noise::SensorNoise;
-use edof_spec::{Noise, Tone};
+use crate::told::{Told, ToldError};
+use edof_image::noise::SensorNoise;
+use edof_image::{Noise, Tone};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Cells under a header.
@@ -49,10 +53,18 @@ impl Table {
     }
 }
 
-impl Study {
-    /// The tables for a terminal.
-    #[must_use]
-    pub fn to_text(&self) -> String {
+impl Told for Study {
+    type Row = Row;
+
+    fn new(rows: &[Row], _: String) -> Result<Self, ToldError> {
+        let mut rows: Vec<&Row> = rows.iter().collect();
+        // Cameras and methods in the order of the command, the rest as in the file.
+        rows.sort_by_key(|row| row.place);
+        let measured: Vec<Measured> = rows.into_iter().map(|row| row.measured.clone()).collect();
+        Ok(Self::of(measured))
+    }
+
+    fn to_text(&self) -> String {
         let mut text = String::new();
         for (title, table) in self.tables().into_iter().chain([("Time".to_owned(), self.time())]) {
             let _ = write!(text, "{title}\n{}\n", table.to_text());
@@ -60,10 +72,9 @@ impl Study {
         text.trim_end().to_owned()
     }
 
-    /// The tables as a Markdown page; `command` tells how to make it again. The same rows give the same page: it holds no times.
-    #[must_use]
-    pub fn to_markdown(&self, command: &str) -> String {
-        let mut page = format!("# {}\n\nMade by `{command}`.\n\n{}\n", self.title(), self.explanation());
+    /// The same rows give the same page: it holds no times.
+    fn to_markdown(&self, made: &Made) -> String {
+        let mut page = format!("# {}\n\n{made}\n\n{}\n", self.title(), self.explanation());
         for (title, table) in self.tables() {
             let _ = write!(page, "\n## {title}\n\n{}", table.to_markdown());
         }
@@ -73,9 +84,8 @@ impl Study {
         page
     }
 
-    /// The report: PSNR against depth for each noise level, and the tables; `command` tells how to make it again.
-    #[must_use]
-    pub fn report(&self, command: &str) -> Report {
+    /// PSNR against depth for each noise level, and the tables.
+    fn report(&self, command: &str) -> Report {
         let mut report = Report::new(self.title());
         report.made_by(command);
         report.paragraph(&self.explanation());
@@ -90,7 +100,9 @@ impl Study {
         }
         report
     }
+}
 
+impl Study {
     fn title(&self) -> String {
         let convention = match self.measure.tone {
             Tone::Linear => "photographs' numbers taken as linear light, the paper's convention",
@@ -101,15 +113,17 @@ impl Study {
 
     fn explanation(&self) -> String {
         let measured = match self.measure.tone {
-            Tone::Linear => "nothing is clipped",
+            Tone::Linear => "the network's values are not clipped, the sensor's are",
             Tone::Srgb => "measured on the encoded picture, clipped to 0…1 as a screen does",
         };
         format!(
-            "PSNR in dB over red, green and blue, peak {}, border {} cropped, {measured}; SSIM is the mean of the colours. \
-             Each cell: at ψ = {} / at the worst ψ / average over ψ; SSIM over all.",
+            "Means over {} photographs. PSNR in dB over red, green and blue, peak {}, border {} cropped, {measured}; SSIM is the mean of \
+             the colours. Each cell: at ψ = {} / at the worst ψ / average over ψ; SSIM over all.{}",
+            self.rows.iter().map(|r| &r.image).collect::<BTreeSet<_>>().len(),
             self.measure.peak,
             self.measure.border,
-            self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0])
+            self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]),
+            choices(self.rows.iter().map(|r| r.image.as_str()))
         )
     }
 
@@ -123,6 +137,11 @@ impl Study {
                 ("Light, not clipped".to_owned(), quality(|m| &m.light)),
             ],
         };
+        if !self.summary.differences.is_empty() {
+            let title =
+                "Differences of networks in dB of the picture, paired by photograph, with standard errors";
+            tables.push((title.to_owned(), self.differences()));
+        }
         if !self.summary.nets.is_empty() {
             tables.push((
                 "What 4:2:2 and fixed point cost, and what the integers count".to_owned(),
@@ -130,6 +149,32 @@ impl Study {
             ));
         }
         tables
+    }
+
+    /// One line for every two networks, one column for each noise: at the farthest depth / average over depths.
+    fn differences(&self) -> Table {
+        let noises = self.summary.noises();
+        let all = &self.summary.differences;
+        let mut pairs: Vec<(&str, &str)> = vec![];
+        for difference in all {
+            let pair = (difference.first.as_str(), difference.second.as_str());
+            if !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
+        }
+        let row = |(first, second): (&str, &str)| {
+            let cell = |noise: &Noise| {
+                let own = all.iter().find(|d| (&*d.first, &*d.second, d.noise) == (first, second, *noise));
+                own.map_or_else(|| "–".to_owned(), |d| format!("{} / {}", d.farthest, d.average))
+            };
+            std::iter::once(format!("{first} minus {second}")).chain(noises.iter().map(cell)).collect()
+        };
+        let far = self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]);
+        let header = std::iter::once(format!("ψ = {far} / average over ψ"));
+        Table {
+            header: header.chain(noises.iter().copied().map(noise_words)).collect(),
+            rows: pairs.into_iter().map(row).collect(),
+        }
     }
 
     fn costs(&self) -> Table {
@@ -266,31 +311,31 @@ mod tests {
             row(&net(Format::Fixed), "p", 8.0, Noise::None, 33.0),
             row(&net(Format::Float), "p", 8.0, noisy, 30.0),
         ];
-        Study::new(tone, rows, vec!["a note".into()])
+        Study::of(rows.into_iter().map(|row| Measured { tone, ..row }).collect())
     }
 
     #[test]
     fn a_cell_says_the_farthest_depth_the_worst_and_the_average() {
-        let page = study(Tone::Linear).to_markdown("edof study kodak");
+        let page = study(Tone::Linear).to_markdown(&Made::by("edof study kodak"));
         let table = "| method | camera | no noise | SSIM | sensor, gain 8 | SSIM |\n\
                      |---|---|---|---|---|---|\n\
                      | demosaic-malvar | clear | 29.00 / 29.00 / 29.00 | 0.900 | – | – |\n\
                      | n.float | clear | 33.50 / 33.50 / 34.00 | 0.900 | 30.00 / 30.00 / 30.00 | 0.900 |\n\
                      | n.fixed | clear | 33.00 / 33.00 / 33.00 | 0.900 | – | – |\n";
         assert!(page.contains(table), "{page}");
-        assert!(page.contains("`edof study kodak`") && page.contains("a note"));
+        assert!(page.contains("`edof study kodak`"));
     }
 
     #[test]
     fn light_has_a_table_of_its_own_under_srgb_alone() {
         let light = "| n.float | clear | 35.50 / 35.50 / 36.00 |";
-        assert!(study(Tone::Srgb).to_markdown("").contains(light));
-        assert!(!study(Tone::Linear).to_markdown("").contains(light));
+        assert!(study(Tone::Srgb).to_markdown(&Made::by("")).contains(light));
+        assert!(!study(Tone::Linear).to_markdown(&Made::by("")).contains(light));
     }
 
     #[test]
     fn what_a_network_did_not_count_is_a_dash() {
-        let page = study(Tone::Linear).to_markdown("");
+        let page = study(Tone::Linear).to_markdown(&Made::by(""));
         assert!(
             page.contains("| n | clear | no noise | 0.250 (0.250) | 0.2500 (0.2500) | – | – | – | – |"),
             "{page}"
@@ -303,9 +348,7 @@ mod tests {
         let drawn: Vec<usize> = study.summary.plots().iter().map(|p| p.series.len()).collect();
         assert_eq!(drawn, [3, 1]);
         let html = study.report("edof study").to_html();
-        assert!(
-            html.contains("a note") && html.contains("edof study") && html.contains("Light, not clipped")
-        );
+        assert!(html.contains("edof study") && html.contains("Light, not clipped"));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::csv;
 use crate::journal::Line;
+use crate::made::Made;
 use crate::report::Report;
 use edof_optics::draw::DrawError;
 use serde::Serialize;
@@ -20,8 +21,8 @@ pub trait Told: Serialize + Sized {
     /// Tables for a terminal.
     fn to_text(&self) -> String;
 
-    /// The same as a Markdown page; `command` tells how to make it again.
-    fn to_markdown(&self, command: &str) -> String;
+    /// The same as a Markdown page that states how it was made.
+    fn to_markdown(&self, made: &Made) -> String;
 
     /// The same as a report, with plots or pictures.
     fn report(&self, command: &str) -> Report;

@@ -5,15 +5,17 @@
 //! to the patch goes past the layers on the linear path.
 
 use crate::dictionary::{Dictionary, FREE};
-use crate::pursuit::{BLIND_DEPTHS, colours, shown};
+use crate::pursuit::{colours, shown};
+use crate::settings::UntrainedSettings;
+use edof_camera::Camera;
+use edof_network::Network;
+use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
 use edof_optics::estimator::SeenError;
 use edof_optics::statistics::Statistics;
 use edof_sparse::lasso::step_bound;
-use edof_spec::network::{Form, Origin, Recurrence, Shrinkage};
-use edof_spec::{Camera, Network, Window};
 use ndarray::{Array1, Array2, Axis, concatenate, s};
 
-/// The network of so many layers behind a camera, for a μ for light of 0…1.
+/// The network behind a camera.
 ///
 /// # Errors
 /// [`SeenError`]: a depth that the camera has no PSFs for, or statistics of photographs that are no covariances.
@@ -21,18 +23,13 @@ pub fn network(
     name: &str,
     dictionary: &Dictionary,
     camera: &Camera,
-    window: Window,
-    layers: usize,
-    dc_removed: bool,
-    penalty: f32,
+    settings: &UntrainedSettings,
 ) -> Result<Network, SeenError> {
+    let UntrainedSettings { layers, dc_removed, penalty, ref depths, window, .. } = *settings;
     let statistics = Statistics::natural();
     let mut seen = Array2::<f32>::zeros((window.pixels(), dictionary.atoms.ncols() - FREE));
-    for psi in BLIND_DEPTHS {
-        seen.scaled_add(
-            1.0 / BLIND_DEPTHS.len() as f32,
-            &shown(dictionary, camera, psi, &statistics, window)?,
-        );
+    for &psi in depths {
+        seen.scaled_add(1.0 / depths.len() as f32, &shown(dictionary, camera, psi, &statistics, window)?);
     }
     let free = colours(window);
     let sharp_free = dictionary.atoms.slice(s![.., ..FREE]);
@@ -76,11 +73,12 @@ pub fn network(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::BLIND_DEPTHS;
+    use edof_float::reconstruct::{FloatReconstructor, Output};
+    use edof_image::overlap::Overlap;
+    use edof_image::{CfaPhase, RawFrame, Reconstructor, Stride, Window};
+    use edof_numerics::random::Random;
     use edof_sparse::lasso::{Effort, Lasso};
-    use edof_spec::overlap::Overlap;
-    use edof_spec::{CfaPhase, RawFrame, Reconstructor, Stride};
-    use edof_train::random::Random;
-    use edof_train::reconstruct::{FloatReconstructor, Output};
 
     #[test]
     fn it_is_ista_of_one_step_a_shrinkage() {
@@ -109,8 +107,11 @@ mod tests {
             for layers in [3, 8] {
                 let effort = Effort { steps: layers - 1, tolerance: 0.0 };
                 let patches = lasso.ista(signals.view(), effort).codes.dot(&dictionary.atoms.t());
-                let network =
-                    network("n", &dictionary, &camera, window, layers, dc_removed, penalty).unwrap();
+                let settings = UntrainedSettings {
+                    penalty,
+                    ..UntrainedSettings::usual(layers, dc_removed, Stride::PATCH)
+                };
+                let network = network("n", &dictionary, &camera, &settings).unwrap();
                 let float = FloatReconstructor::new(
                     network,
                     Stride::new(8).unwrap(),

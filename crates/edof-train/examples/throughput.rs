@@ -3,11 +3,12 @@
 //! `cargo run --release -p edof-train --example throughput -- DATA.safetensors [THREADS]` writes 32,768 windows, their patches, and
 //! the starting weights to DATA, then trains for 10 seconds and prints one JSON line. `benches/peers/train_pytorch.sh` runs both.
 
+use edof_camera::Camera;
+use edof_image::Window;
+use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_numerics::random::Random;
 use edof_optics::draw::leaves;
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::{Camera, Window};
 use edof_train::dataset::{Batch, Dataset};
-use edof_train::random::Random;
 use edof_train::recipe::Recipe;
 use edof_train::train::Trainer;
 use safetensors::tensor::{Dtype, TensorView};
@@ -71,13 +72,13 @@ fn export(
     let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let tensors = [
         ("inputs", vec![WINDOWS, form.window.pixels()], bytes(&batch.inputs)),
-        ("targets", vec![WINDOWS, edof_spec::colour::RGB_OUTPUTS], bytes(&batch.targets)),
+        ("targets", vec![WINDOWS, edof_image::colour::RGB_OUTPUTS], bytes(&batch.targets)),
         ("weights", vec![weights.len()], bytes(&weights)),
     ];
     let views = tensors
         .iter()
         .map(|(name, shape, bytes)| Ok((*name, TensorView::new(Dtype::F32, shape.clone(), bytes)?)))
         .collect::<Result<Vec<_>, safetensors::SafeTensorError>>()?;
-    edof_spec::atomic::write(path, &safetensors::serialize(views, None)?)?;
+    edof_storage::atomic::write(path, &safetensors::serialize(views, None)?)?;
     Ok(())
 }

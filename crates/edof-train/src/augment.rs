@@ -1,8 +1,8 @@
 //! Other looks of the same photograph: more or less saturated, turned in hue, reduced. They are made before the blur, because the
 //! blur differs by colour.
 
-use crate::random::Random;
-use edof_spec::ColourFrame;
+use edof_image::ColourFrame;
+use edof_numerics::random::Random;
 use ndarray::Array3;
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,7 @@
 //! the last validation, since training windows (other looks, other exposures) leave other numbers than validation's. The rate
 //! falls with the schedule's, so that what the last steps settle is not pulled away again.
 
-use edof_spec::network::{Form, Shrinkage};
+use edof_network::network::{Form, Shrinkage};
 use serde::{Deserialize, Serialize};
 
 /// A limit for each shrinkage.

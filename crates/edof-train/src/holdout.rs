@@ -6,7 +6,7 @@
 //! window's blur saw lies in a training window. Mirrored borders change nothing: what is mirrored lies no farther away than
 //! what it stands for.
 
-use crate::random::Random;
+use edof_numerics::random::Random;
 
 /// Share of each side that the validation block takes.
 const SHARE: usize = 4;
@@ -93,8 +93,8 @@ impl Holdout {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_camera::Camera;
     use edof_optics::psf::{Settings, channel_psfs};
-    use edof_spec::Camera;
     use ndarray::Array2;
     use proptest::prelude::*;
 
@@ -103,7 +103,7 @@ mod tests {
         let mut seen = Array2::from_elem(size, false);
         let around = |start: usize, n: usize| {
             let (first, last) = (start as isize - reach as isize, (start + side + reach) as isize);
-            (first..last).map(move |i| edof_spec::geometry::mirror(i, n))
+            (first..last).map(move |i| edof_image::geometry::mirror(i, n))
         };
         for r in around(row, size.0) {
             around(column, size.1).for_each(|c| seen[(r, c)] = true);

@@ -1,14 +1,14 @@
 //! Starting values: random analysis of whitened inputs, or ISTA's own matrices from a dictionary.
 
 use crate::dataset::Batch;
-use crate::parameters::Layout;
-use crate::pass::Pass;
-use crate::random::Random;
+use edof_float::parameters::Layout;
+use edof_float::pass::Pass;
+use edof_image::colour::RGB_OUTPUTS;
+use edof_network::network::{Form, Shrinkage};
+use edof_numerics::random::Random;
 use edof_numerics::{Cholesky, least_squares};
 use edof_sparse::dictionary::{Effort, Learned, optimal_directions};
 use edof_sparse::lasso::step_bound;
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::network::{Form, Shrinkage};
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate, s};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

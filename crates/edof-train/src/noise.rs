@@ -4,8 +4,8 @@
 //! a sensor's (photons and read-out, at a gain drawn in stops) on light. Photons are counted as a normal number of their
 //! variance, which from a dozen on is what Poisson gives.
 
-use crate::random::Random;
-use edof_spec::{Noise, Tone};
+use edof_image::{Noise, Tone};
+use edof_numerics::random::Random;
 use serde::{Deserialize, Serialize};
 
 /// Noise levels are told apart in so many classes; class 0 is no noise at all.

@@ -6,9 +6,9 @@ use crate::dataset::{Dataset, DatasetOptions};
 use crate::initial::Start;
 use crate::noise::Conditions;
 use crate::weighting::Weighting;
+use edof_image::Tone;
+use edof_network::network::{Form, Shrinkage};
 use edof_optics::psf::Settings;
-use edof_spec::Tone;
-use edof_spec::network::{Form, Shrinkage};
 use serde::{Deserialize, Serialize};
 
 /// Parts of a batch that are drawn and differentiated side by side; their gradients are added in order, so the bytes do not depend on
@@ -206,7 +206,7 @@ fn lambdas(form: &Form) -> Vec<f32> {
 pub enum RecipeError {
     /// The form is none.
     #[error(transparent)]
-    Form(#[from] edof_spec::network::NetworkError),
+    Form(#[from] edof_network::network::NetworkError),
     /// A number out of range.
     #[error("{field} {value}: must be {expected}")]
     Value { field: &'static str, value: String, expected: String },

@@ -5,16 +5,17 @@ use crate::budget::Steering;
 use crate::dataset::{Batch, Dataset};
 use crate::initial::{SAMPLES, initial};
 use crate::noise::Conditions;
-use crate::parameters::{Layout, flatten, unflatten};
-use crate::pass::Pass;
 use crate::precondition::Precondition;
-use crate::random::Random;
 use crate::recipe::{Recipe, RecipeError, SHARES, value};
 use crate::validation::{Validation, ValidationSets};
 use crate::weighting::remember;
-use edof_spec::network::{Condition, Form, Network, Origin, Shrinkage};
-use edof_spec::provenance::Provenance;
-use edof_spec::{Camera, Tone};
+use edof_camera::Camera;
+use edof_float::parameters::{Layout, flatten, unflatten};
+use edof_float::pass::Pass;
+use edof_image::Tone;
+use edof_network::network::{Condition, Form, Network, Origin, Shrinkage};
+use edof_numerics::random::Random;
+use edof_storage::provenance::Provenance;
 use rayon::prelude::*;
 
 /// Everything that changes while training runs; what a checkpoint holds.

@@ -4,13 +4,13 @@
 //! judged. The number that chooses a checkpoint is [`Validation::db`]: the mean PSNR over all sets.
 
 use crate::dataset::{Batch, Dataset, Place};
-use crate::encoding::encode_with_slope;
 use crate::noise::Conditions;
-use crate::pass::Pass;
-use crate::random::Random;
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::network::Form;
-use edof_spec::{Noise, Tone};
+use edof_float::encoding::encode_with_slope;
+use edof_float::pass::Pass;
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::{Noise, Tone};
+use edof_network::network::Form;
+use edof_numerics::random::Random;
 use rayon::prelude::*;
 
 /// Windows of each set.

@@ -1,12 +1,12 @@
 //! The hand-written gradient, held to finite differences in f64, group of weights by group; then f32 is held to f64.
 
-use edof_spec::colour::RGB_OUTPUTS;
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::{Tone, Window};
-use edof_train::parameters::Layout;
-use edof_train::pass::{Examples, Pass};
-use edof_train::random::Random;
-use edof_train::real::Real;
+use edof_float::parameters::Layout;
+use edof_float::pass::{Examples, Pass};
+use edof_float::real::Real;
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::{Tone, Window};
+use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_numerics::random::Random;
 use std::collections::BTreeMap;
 use std::ops::Range;
 

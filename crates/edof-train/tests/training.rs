@@ -1,15 +1,16 @@
 //! Training as a whole: it learns, it repeats, it goes on where it was stopped, whatever the threads.
 
-use edof_spec::network::{Form, Recurrence, Shrinkage};
-use edof_spec::provenance::{Input, Provenance};
-use edof_spec::{Camera, ColourFrame, Tone, Window};
+use edof_camera::Camera;
+use edof_image::{ColourFrame, Tone, Window};
+use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_numerics::random::Random;
+use edof_storage::provenance::{Input, Provenance};
 use edof_train::augment::Augmentation;
 use edof_train::budget::Budget;
 use edof_train::checkpoint::{self, CheckpointError, Run};
 use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
 use edof_train::noise::Conditions;
-use edof_train::random::Random;
 use edof_train::recipe::{Recipe, RecipeError};
 use edof_train::train::{Continue, State, Trainer};
 use ndarray::s;

@@ -13,7 +13,6 @@ use crate::error::{EmitError, Fault, rust_path};
 use crate::expression::Node;
 use crate::kernel::{self, Statement};
 use crate::leaf::Leaf;
-use crate::marked::marked;
 use crate::scope::{Role, Scope, SignalId};
 use crate::single::{plain, single_elements};
 
@@ -76,7 +75,7 @@ pub(crate) fn check(top: &Tree) -> Result<Vec<Crossing>, EmitError> {
 
 /// Whether a way from one clock domain to another stands in a block.
 pub(crate) fn crosses(tree: &Tree) -> bool {
-    let is_crossing = Leaf::of(&tree.hdl).is_some_and(|leaf| marked(&leaf.module).is_some());
+    let is_crossing = Leaf::of(&tree.hdl).is_some_and(|leaf| leaf.crossing.is_some());
     is_crossing || tree.parts.iter().any(crosses)
 }
 
@@ -246,7 +245,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// A leaf with one clock belongs to it. One with several says of each port to which it belongs ([`marked`]).
+/// A leaf with one clock belongs to it. A crossing states the clock of each port ([`Leaf::crossing`]).
 fn leaf_summary(tree: &Tree, leaf: &Leaf) -> Result<Summary, EmitError> {
     let wires: Vec<_> =
         tree.wires.iter().filter(|wire| leaf.ports.iter().any(|(_, field)| *field == wire.key)).collect();
@@ -260,15 +259,15 @@ fn leaf_summary(tree: &Tree, leaf: &Leaf) -> Result<Summary, EmitError> {
         }
     };
     let data = || wires.iter().filter(|wire| !wire.is_clock);
-    match (marked(&leaf.module), clocks.as_slice()) {
-        (Some(marks), _) => {
+    match (&leaf.crossing, clocks.as_slice()) {
+        (Some(_), _) => {
             let field = |port: &str| {
                 leaf.ports.iter().find(|(name, _)| name == port).map(|(_, field)| field.as_str())
             };
             for wire in data() {
                 let port =
                     leaf.ports.iter().find(|(_, field)| *field == wire.key).map_or("", |(port, _)| port);
-                if let Some(clock) = marks.clock_of(port).and_then(field) {
+                if let Some(clock) = leaf.clock_of(port).and_then(field) {
                     add(wire, clock);
                 }
             }

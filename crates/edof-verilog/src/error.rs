@@ -88,10 +88,10 @@ pub enum Fault {
     /// Clocks of registers are plain signals.
     #[error("a clock must be driven once, by a plain signal")]
     Clock,
-    /// A way from one clock domain to another without a leaf of `edof_hdl::crossing`.
+    /// A path from one clock domain to another without a leaf that is declared a crossing.
     #[error("leads from the domain of `{0}` to that of `{1}` without a synchroniser")]
     Crossing(String, String),
-    /// A leaf of several clocks must be one of `edof_hdl::crossing`.
+    /// A leaf of several clocks must be declared a crossing ([`Leaf::crossing`](crate::leaf::Leaf::crossing)).
     #[error("the leaf `{0}` has several clocks and is no crossing")]
     Clocks(String),
     /// Statements that depend on nothing are never started by `always @*`.

@@ -1,41 +1,49 @@
-//! Instances of the hand-written Verilog leaves in `rtl/`: what rust-hdl has no word for.
+//! Instances of hand-written Verilog modules, for what rust-hdl has no word for: memories, multipliers, synchronisers.
 //!
 //! A leaf block is a rust-hdl block whose `hdl()` is [`Leaf::verilog`] and whose `update()` is the leaf's behavioural model.
-//! The backend prints it as one instance in its parent, and lists the leaf's file as needed. It carries the leaf's own text, to
-//! which the backend holds ports and parameters, and in which it sees which outputs follow which inputs within a cycle.
+//! The backend prints a leaf as one instance in its parent, and lists its module as needed. A leaf carries its own text: the backend checks ports and
+//! parameters against the text, and reads from the text which outputs follow which inputs within a cycle.
+//!
+//! ```
+//! use edof_verilog::leaf::Leaf;
+//! const TEXT: &str = "module ram (input wire clock_i, input wire [3:0] address_i, output reg [7:0] data_o);\n…\nendmodule";
+//! let leaf = Leaf::new("ram", TEXT).port("clock_i", "clock").port("address_i", "address").port("data_o", "data");
+//! assert_eq!(Leaf::of(&leaf.verilog()), Some(leaf));
+//! ```
 
-use crate::leaves::LEAVES;
 use rust_hdl::prelude::{Verilog, Wrapper};
 
-/// First word of the code of a leaf, by which the backend knows it.
+/// First word of the code of a leaf, by which the backend recognises it.
 const MARK: &str = "leaf";
 
-/// An instance of a Verilog module in `rtl/`.
+/// An instance of a hand-written Verilog module.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leaf {
-    /// Name of the module and of its file, for instance `edof_ram`.
+    /// Name of the module, for instance `ram`.
     pub module: String,
-    /// The file.
+    /// Verilog of the module. Modules that it instantiates may follow in the same text; an instance of a module whose text is missing
+    /// is taken to connect every input with every output within the cycle.
     pub source: String,
     /// Parameters and their values as Verilog text.
     pub parameters: Vec<(String, String)>,
-    /// Verilog port and the block's field that it is.
+    /// Verilog port and the field of the block that is connected to it.
     pub ports: Vec<(String, String)>,
+    /// For a leaf between clock domains: Verilog port and the clock port to whose domain it belongs. A port that is not listed may be
+    /// connected to any domain.
+    pub crossing: Option<Vec<(String, String)>>,
 }
 
 impl Leaf {
-    /// The leaf `module`, with no parameters and ports yet. Its file is one of [`LEAVES`], unless [`Leaf::source`] gives another.
+    /// The leaf `module` with its Verilog text, and with no parameters and ports yet.
     #[must_use]
-    pub fn new(module: &str) -> Self {
-        let source = LEAVES.iter().find(|(name, _)| *name == module).map_or("", |(_, text)| text);
-        Self { module: module.into(), source: source.into(), parameters: vec![], ports: vec![] }
-    }
-
-    /// The text of a leaf that is not one of ours.
-    #[must_use]
-    pub fn source(mut self, text: &str) -> Self {
-        self.source = text.into();
-        self
+    pub fn new(module: &str, source: &str) -> Self {
+        Self {
+            module: module.into(),
+            source: source.into(),
+            parameters: vec![],
+            ports: vec![],
+            crossing: None,
+        }
     }
 
     /// A whole-number parameter.
@@ -59,27 +67,49 @@ impl Leaf {
         self
     }
 
-    /// What the block's `hdl()` gives. One line each: mark and module, parameters, ports.
+    /// Declares a leaf that may connect clock domains, with the clock port of each port that belongs to a domain. The author of a leaf is
+    /// responsible for its synchroniser; the backend lists every instance in [`crate::Emitted::crossings`].
+    #[must_use]
+    pub fn crossing(mut self, clocks: &[(&str, &str)]) -> Self {
+        self.crossing = Some(clocks.iter().map(|(port, clock)| ((*port).into(), (*clock).into())).collect());
+        self
+    }
+
+    /// The clock port to whose domain a port of a crossing belongs.
+    pub(crate) fn clock_of(&self, port: &str) -> Option<&str> {
+        let clocks = self.crossing.as_ref()?;
+        clocks.iter().find(|(name, _)| name == port).map(|(_, clock)| clock.as_str())
+    }
+
+    /// Return value of the block's `hdl()`. One line each: mark and module, parameters, ports, clocks of a crossing.
     #[must_use]
     pub fn verilog(&self) -> Verilog {
         let mut code = format!("{MARK} {}\n", self.module);
         self.parameters.iter().for_each(|(name, value)| code += &format!("# {name} {value}\n"));
         self.ports.iter().for_each(|(port, field)| code += &format!(". {port} {field}\n"));
+        if let Some(clocks) = &self.crossing {
+            code += "crossing\n";
+            clocks.iter().for_each(|(port, clock)| code += &format!("~ {port} {clock}\n"));
+        }
         Verilog::Wrapper(Wrapper { code, cores: self.source.clone() })
     }
 
-    /// Reads [`Leaf::verilog`] back; none where the code is something else.
+    /// Reads [`Leaf::verilog`] back; `None` where the code is something else.
     #[must_use]
     pub fn of(verilog: &Verilog) -> Option<Self> {
         let Verilog::Wrapper(wrapper) = verilog else { return None };
         let mut lines = wrapper.code.lines();
-        let module = lines.next()?.strip_prefix(MARK)?.trim().into();
-        let mut leaf = Self { module, source: wrapper.cores.clone(), parameters: vec![], ports: vec![] };
+        let mut leaf = Self::new(lines.next()?.strip_prefix(MARK)?.trim(), &wrapper.cores);
         for line in lines {
             let mut words = line.splitn(3, ' ');
             let list = match words.next()? {
                 "#" => &mut leaf.parameters,
                 "." => &mut leaf.ports,
+                "~" => leaf.crossing.as_mut()?,
+                "crossing" => {
+                    leaf.crossing = Some(vec![]);
+                    continue;
+                }
                 _ => return None,
             };
             list.push((words.next()?.into(), words.next()?.into()));
@@ -88,19 +118,30 @@ impl Leaf {
     }
 }
 
+/// Which outputs of the first module of `text` may follow which inputs within a cycle: (input, output). Empty for a leaf with registered outputs.
+///
+/// # Errors
+/// What of the text is not understood.
+pub fn paths(text: &str) -> Result<Vec<(String, String)>, String> {
+    crate::leaf_text::LeafText::read(text).map(|leaf| leaf.paths)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_leaf_is_read_back_as_it_was_written() {
-        let leaf = Leaf::new("edof_ram")
+        let leaf = Leaf::new("ram", "module ram (); endmodule")
             .parameter("DEPTH", 96)
-            .text("INIT", "mem/a b.hex")
+            .text("INIT", "mem/a b.mem")
             .port("clock_i", "clock")
             .port("data_o", "data");
-        assert!(leaf.source.contains("module edof_ram"));
-        assert_eq!(Leaf::of(&leaf.verilog()), Some(leaf));
+        assert_eq!(Leaf::of(&leaf.verilog()), Some(leaf.clone()));
+        for clocks in [&[][..], &[("data_o", "clock_i")]] {
+            let crossing = leaf.clone().crossing(clocks);
+            assert_eq!(Leaf::of(&crossing.verilog()), Some(crossing));
+        }
         assert_eq!(Leaf::of(&Verilog::Empty), None);
     }
 }

@@ -1,8 +1,7 @@
 //! What a leaf's own Verilog says: its ports, what parts it has, and which outputs follow which inputs within a cycle.
 //!
-//! It reads what `rtl/` is written in: one module a file, ports and parameters in its head, `assign`, wires with a value, clocked blocks,
-//! instances. Where it cannot tell what follows what (an `always @*`, an instance of a module that is none of ours) it takes everything to follow
-//! everything.
+//! The reader knows ANSI module headers, `assign`, wires with a value, clocked blocks, instances. Where it cannot tell what follows what (an
+//! `always @*`, an instance of a module whose text is missing) it takes every output to follow every input.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -65,18 +64,24 @@ const WORDS: [&str; 30] = [
 ];
 
 impl LeafText {
-    /// Reads a file of `rtl/`.
+    /// Reads the first module of a text; those that follow are what it may instantiate.
     ///
     /// # Errors
     /// What is not understood.
     pub fn read(text: &str) -> Result<Self, String> {
         let tokens = tokens(text);
-        let mut at = tokens.iter().position(|token| token == "module").ok_or("it has no module")? + 1;
+        let first = tokens.iter().position(|token| token == "module").ok_or("it has no module")?;
+        Self::at(&tokens, first, 0)
+    }
+
+    /// The module that starts at a token, `depth` instances below the first.
+    fn at(tokens: &[String], start: usize, depth: usize) -> Result<Self, String> {
+        let mut at = start + 1;
         let module = tokens.get(at).cloned().ok_or("its module has no name")?;
         at += 1;
         let mut parameters = vec![];
         if tokens.get(at).is_some_and(|token| token == "#") {
-            let end = closing(&tokens, at + 1)?;
+            let end = closing(tokens, at + 1)?;
             for item in split(&tokens[at + 2..end], ",") {
                 let equals = item.iter().position(|t| t == "=").ok_or("a parameter has no default")?;
                 let name = item[..equals].last().cloned().ok_or("a parameter has no name")?;
@@ -84,9 +89,9 @@ impl LeafText {
             }
             at = end + 1;
         }
-        let end = closing(&tokens, at)?;
+        let end = closing(tokens, at)?;
         let ports = split(&tokens[at + 1..end], ",").map(LeafPort::read).collect::<Result<Vec<_>, _>>()?;
-        let mut body = Body::default();
+        let mut body = Body { text: tokens, depth, edges: BTreeMap::new(), parts: BTreeSet::new() };
         body.read(&tokens[end + 1..])?;
         let paths = body.paths(&ports);
         Ok(Self { module, parameters, ports, parts: body.parts, paths })
@@ -195,14 +200,19 @@ fn names(tokens: &[String]) -> BTreeSet<&str> {
     tokens.iter().map(String::as_str).filter(is_name).collect()
 }
 
+/// Instances within instances that are followed; modules may instantiate each other without end.
+const MAX_DEPTH: usize = 16;
+
 /// What follows what in a body.
-#[derive(Default)]
-struct Body {
+struct Body<'t> {
+    /// Tokens of all modules of the text.
+    text: &'t [String],
+    depth: usize,
     edges: BTreeMap<String, BTreeSet<String>>,
     parts: BTreeSet<String>,
 }
 
-impl Body {
+impl Body<'_> {
     fn read(&mut self, tokens: &[String]) -> Result<(), String> {
         let mut at = 0;
         while let Some(token) = tokens.get(at) {
@@ -236,9 +246,10 @@ impl Body {
         Err("it has no endmodule".into())
     }
 
-    /// What an instance's outputs follow: by its own text, if it is one of ours.
+    /// What an instance's outputs follow: by its own text, if that is there.
     fn instance(&mut self, module: &str, tokens: &[String]) -> Result<(), String> {
-        let Some((_, text)) = crate::leaves::LEAVES.iter().find(|(leaf, _)| *leaf == module) else {
+        let starts = self.text.windows(2).position(|two| two[0] == "module" && two[1] == module);
+        let Some(start) = starts.filter(|_| self.depth < MAX_DEPTH) else {
             self.all(tokens);
             return Ok(());
         };
@@ -251,7 +262,8 @@ impl Body {
             let is_it = |(pin, _): &&(&str, BTreeSet<&str>)| *pin == port;
             pins.iter().filter(is_it).flat_map(|(_, names)| names.iter().copied()).collect()
         };
-        let leaf = LeafText::read(text).map_err(|why| format!("{module}: {why}"))?;
+        let leaf =
+            LeafText::at(self.text, start, self.depth + 1).map_err(|why| format!("{module}: {why}"))?;
         for (from, to) in &leaf.paths {
             for from in at(from) {
                 self.edges.entry(from.into()).or_default().extend(at(to).into_iter().map(String::from));
@@ -449,12 +461,19 @@ mod tests {
     }
 
     #[test]
-    fn the_leaves_of_the_project_are_registered_throughout() {
-        for (name, text) in crate::leaves::LEAVES {
-            let leaf = LeafText::read(text).unwrap();
-            let paths: Vec<_> = leaf.paths.iter().collect();
-            assert!(leaf.module == *name && paths.is_empty(), "{name}: {paths:?}");
-        }
+    fn an_instance_is_followed_through_its_own_text() {
+        let text = |part: &str| {
+            format!(
+                "module top (input wire a_i, input wire b_i, output wire y_o); part p (.x_i(a_i), .n_i(b_i), .y_o(y_o)); endmodule {part}"
+            )
+        };
+        let paths = |text: &str| LeafText::read(text).unwrap().paths.len();
+        assert_eq!(paths(&text("")), 2, "without its text every input is followed");
+        let part =
+            "module part (input wire x_i, input wire n_i, output wire y_o); assign y_o = x_i; endmodule";
+        assert_eq!(paths(&text(part)), 1);
+        let endless = "module part (input wire x_i, input wire n_i, output wire y_o); part q (.x_i(x_i), .n_i(n_i), .y_o(y_o)); endmodule";
+        assert_eq!(paths(&text(endless)), 2);
     }
 
     #[test]

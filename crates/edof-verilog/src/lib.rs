@@ -12,7 +12,7 @@
 //! | lower | `kernel` | typed statements, loops unrolled |
 //! | check | `flow` | no latch, nothing read before it is written, nothing left open |
 //! | split | `process`, `cycles` | a process for each target; no loop without a register |
-//! | separate | `domains` | nothing from one clock domain to another but by a leaf of `edof_hdl::crossing` |
+//! | separate | `domains` | nothing from one clock domain to another but by a leaf that is declared a crossing |
 //! | shorten | `simplify`, `live` | one assignment where it says all; nothing that leads nowhere |
 //! | connect | `wiring`, `arrays` | signals that need no wire of their own; loops over equal parts |
 //! | write | `draft`, `write`, `print` | a sheet: all of a module but what it is given |
@@ -25,36 +25,7 @@
 //! rust-hdl has no word for is a [leaf]. Registers have no start-up value unless they are a `DFFWithInit`:
 //! a kernel resets what it must. What cannot be translated exactly is refused with an [`EmitError`].
 //!
-//! ```
-//! use edof_verilog::describe::Circuit;
-//! use rust_hdl::prelude::*;
-//!
-//! /// Counts enabled cycles; full in the last of 256.
-//! #[derive(Circuit)]
-//! struct Counter {
-//!     pub clock: Signal<In, Clock>,
-//!     pub enable: Signal<In, Bit>,
-//!     pub full: Signal<Out, Bit>,
-//!     count: DFF<Bits<8>>,
-//! }
-//!
-//! impl Logic for Counter {
-//!     #[hdl_gen]
-//!     fn update(&mut self) {
-//!         dff_setup!(self, clock, count);
-//!         if self.enable.val() {
-//!             self.count.d.next = self.count.q.val() + 1;
-//!         }
-//!         self.full.next = self.count.q.val() + 1 == 0;
-//!     }
-//! }
-//!
-//! let mut counter = Counter::default();
-//! counter.connect_all();
-//! let emitted = edof_verilog::emit(&counter).unwrap();
-//! assert_eq!(emitted.top, "counter");
-//! assert!(emitted.modules[0].text.contains("assign full_o = (count_q + 8'd1) == 8'd0;"));
-//! ```
+//! `README.md` has a first circuit, leaves, and what to do about each rejection.
 
 mod arrays;
 // So that `#[derive(Circuit)]` can name this crate from within, too.
@@ -75,9 +46,7 @@ mod kernel;
 mod kind;
 mod leaf_check;
 mod leaf_text;
-pub mod leaves;
 mod live;
-mod marked;
 mod names;
 mod optional;
 mod parameters;
@@ -101,6 +70,11 @@ pub use domains::Crossing;
 pub use error::{EmitError, Fault};
 pub use optional::Optional;
 pub use types::Type;
+
+/// The page's circuits run.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct Readme;
 
 use crate::describe::Circuit;
 use crate::leaf::Leaf;

@@ -1,14 +1,14 @@
 //! What a calculator's stages hold: weights, thresholds, shifts, and what reads them back.
 
-use edof_spec::FixedNetwork;
-use edof_spec::colour::OUTPUTS_422;
-use edof_spec::design::memory::{CONTROL_SKIP, Shifts, row_bits, threshold_words};
-use edof_spec::design::reading::{READ_REGISTER, bank_rows, crc};
-use edof_spec::design::stage::Kind;
-use edof_spec::design::{BANK_LANES, BEAT, Design, StagePlan};
-use edof_spec::fixed_network::FixedMatrix;
-use edof_spec::network::{Form, Recurrence};
-use edof_spec::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_device::design::memory::{CONTROL_SKIP, Shifts, row_bits, threshold_words};
+use edof_device::design::reading::{READ_REGISTER, bank_rows, crc};
+use edof_device::design::stage::Kind;
+use edof_device::design::{BANK_LANES, BEAT, Design, StagePlan};
+use edof_image::colour::OUTPUTS_422;
+use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::FixedMatrix;
+use edof_network::network::{Form, Recurrence};
 
 /// One stage.
 #[derive(Debug, Clone)]
@@ -99,6 +99,12 @@ impl Stage {
         count
     }
 
+    /// Whether it multiplies only what is not zero.
+    #[must_use]
+    pub const fn skips(&self) -> bool {
+        self.skip & CONTROL_SKIP != 0
+    }
+
     /// What it read last: CRC of all rows, and the last one.
     #[must_use]
     pub const fn read(&self) -> (u32, u64) {
@@ -156,7 +162,7 @@ fn with_first(
     let input = i64::from(INPUT_FRACTION);
     let mut recurrent = vec![];
     let last = stages.last()?;
-    // The formulas of `edof_spec::fixed_network`, solved for fraction bits.
+    // The formulas of `edof_network::fixed_network`, solved for fraction bits.
     let analysis_fraction = result + first - input;
     let mut recurrent_fractions = vec![];
     for (layer, stage) in stages[1..stages.len() - 1].iter().enumerate() {
@@ -196,7 +202,7 @@ fn with_first(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_spec::design::memory::{Set, writes};
+    use edof_device::design::memory::{Set, writes};
 
     #[test]
     fn a_network_comes_back_out_of_the_memories() {

@@ -1,32 +1,40 @@
 //! A board in Rust: the same registers, memories and answers as the circuit's, byte by byte, and pictures of the golden pipeline. Not its
-//! cycles: what takes a frame takes a frame's time.
+//! cycles: a picture takes as long as the calculator of the design does on average, at the design's clock.
 //!
 //! | what | module |
 //! |---|---|
 //! | its end of the line | [`uart`] |
 //! | what the stages hold | [`memory`] |
+//! | set-up of the video chips | [`setup`] |
+//! | the chips themselves, and the ends of their cables | [`chips`] |
 //! | frames, tables, pictures | [`video`] |
 //!
 //! Time is its own: it passes with every byte on the line, and when it is told to.
 
+pub mod chips;
 pub mod memory;
+pub mod setup;
 pub mod uart;
 pub mod video;
 
 use crate::error::Error;
 use crate::faulty::Resettable;
 use crate::line::{BITS_PER_BYTE, Line};
+use chips::Chips;
+use edof_device::Design;
+use edof_device::board::{CORE_KILOHERTZ, UART_TIME_OUT_MS};
+use edof_device::design::StagePlan;
+use edof_device::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
+use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
+use edof_device::design::timing::{READ_LATENCY, READ_PERIOD};
+use edof_device::registers::identity::{design_hash, weights_hash};
+use edof_device::registers::map::{self, DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
+use edof_device::registers::{Access, Window};
+use edof_device::video::VideoTiming;
 use edof_golden::cycle::estimate;
 use edof_golden::{Display, Golden};
-use edof_spec::board::{CORE_KILOHERTZ, UART_TIME_OUT_MS};
-use edof_spec::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
-use edof_spec::design::reading::{READ_REGISTER, ReadBack, crc};
-use edof_spec::design::timing::{READ_LATENCY, READ_PERIOD};
-use edof_spec::registers::identity::{design_hash, weights_hash};
-use edof_spec::registers::map::{self, DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
-use edof_spec::registers::{Access, Window};
-use edof_spec::video::VideoTiming;
-use edof_spec::{Design, DisplayMode, FixedNetwork, RawFrame};
+use edof_image::{DisplayMode, RawFrame};
+use edof_network::FixedNetwork;
 use memory::Stage;
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -73,21 +81,41 @@ struct Inside {
     counts: BTreeMap<&'static str, u32>,
     stage_counts: [Vec<[u32; 4]>; 2],
     now: Time,
+    /// The video chips.
+    chips: Chips,
     raw: RawFrame,
     /// Changes with every word of a set, or of a table.
     versions: [u64; 3],
     cached: Option<(Key, Option<Made>)>,
-    /// The frame under way.
-    begun: Option<Key>,
+    /// The frame under way, and when its picture is done.
+    begun: Option<(Key, Time)>,
+    load: Load,
+    /// The camera has sent a frame that was not begun.
+    frame_waits: bool,
+    /// A picture was made that was not shown.
+    picture_waits: bool,
     last_set: usize,
     uart_broken: u32,
-    cycles_per_patch: f64,
     shown: Vec<Shown>,
     mixed: u64,
 }
 
 /// What a picture depends on: set, version of it, mode, version of the tables.
 type Key = (usize, u64, bool, u64);
+
+/// Cycles that the calculator takes for a picture, and what of: without a picture yet, all values count.
+struct Load {
+    of: Option<(Key, Vec<bool>)>,
+    cycles: f64,
+}
+
+impl Load {
+    /// For a design, and mean numbers of pairs that its stages multiply.
+    fn new(design: &Design, pairs: Option<&[f64]>) -> Self {
+        let ahead = estimate(design, pairs);
+        Self { of: None, cycles: ahead.cycles_per_patch * ahead.patches_per_frame as f64 }
+    }
+}
 
 /// A picture that came out of a simulated board.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -130,13 +158,16 @@ impl Simulated {
             controls: BTreeMap::new(),
             counts: BTreeMap::new(),
             now: 0,
+            chips: Chips::new(design.frame),
             raw,
             versions: [0; 3],
             cached: None,
             begun: None,
+            load: Load::new(design, None),
+            frame_waits: false,
+            picture_waits: false,
             last_set: 0,
             uart_broken: 0,
-            cycles_per_patch: estimate(design, None).cycles_per_patch,
             shown: vec![],
             mixed: 0,
         };
@@ -167,11 +198,21 @@ impl Simulated {
 
     /// Lets time pass up to a moment, if that is still to come.
     pub fn pass_to(&mut self, moment: u64) {
-        while self.next_frame <= moment {
-            self.now = self.now.max(self.next_frame);
+        loop {
+            // A picture is done before the camera's next frame begins.
+            let done = self.inside.done_at().filter(|done| *done <= self.next_frame);
+            let next = done.unwrap_or(self.next_frame);
+            if next > moment {
+                break;
+            }
+            self.now = self.now.max(next);
             self.inside.now = self.now;
-            self.inside.frame();
-            self.next_frame += self.frame_time;
+            if done.is_some() {
+                self.inside.end();
+            } else {
+                self.inside.frame();
+                self.next_frame += self.frame_time;
+            }
         }
         self.now = self.now.max(moment);
         self.inside.now = self.now;
@@ -224,6 +265,11 @@ impl Simulated {
         self.leaving.clear();
         self.deaf_until = 0;
         self.inside.reset();
+    }
+
+    /// The video chips, and who is at the other ends of their cables.
+    pub const fn chips(&mut self) -> &mut Chips {
+        &mut self.inside.chips
     }
 
     /// Pictures that came out, each once where it came several times in a row.
@@ -300,6 +346,7 @@ impl Inside {
         self.controls.insert(map::WEIGHTS_HASH, self.start_hash);
         self.refused = 0;
         self.counts.clear();
+        self.chips.reset(self.now);
         self.forget();
     }
 
@@ -332,6 +379,18 @@ impl Inside {
             || (wants_check && !map::is_checked(word))
     }
 
+    fn set_control(&mut self, address: u32, word: u32) {
+        let register = REGISTERS.iter().find(|register| register.address == address);
+        let mask = register.map_or(0, edof_device::registers::Register::mask);
+        self.controls.insert(address, word & mask);
+        if self.control() & map::FLUSH != 0 {
+            self.begun = None;
+            self.stages.iter_mut().for_each(Stage::forget);
+            let stages = self.stages.len();
+            self.reads_until[..stages].fill(0);
+        }
+    }
+
     fn control(&self) -> u32 {
         self.controls.get(&map::CONTROL).copied().unwrap_or(0)
     }
@@ -350,24 +409,53 @@ impl Inside {
         memory::network(&self.design, &self.stages, set, &self.like)
     }
 
-    /// The end of a frame, and the begin of the next.
+    /// When the picture under way is done; without `run` it stands still.
+    fn done_at(&self) -> Option<Time> {
+        self.begun.filter(|_| self.control() & map::RUN != 0).map(|(_, done)| done)
+    }
+
+    /// The end of a frame of the camera, and of one of the screen.
     fn frame(&mut self) {
-        self.count("input_frames", 1);
+        let comes = self.chips.has_source();
+        self.count("input_frames", comes.into());
         self.count("output_frames", 1);
-        let control = self.control();
-        // Without it the frame under way stands still.
-        let runs = control & map::RUN != 0;
-        match self.begun.take_if(|_| runs) {
-            Some(key) => self.end(key),
-            None => self.count("output_late", 1),
+        if !std::mem::take(&mut self.picture_waits) {
+            self.count("output_late", 1);
         }
-        if runs && control & map::FLUSH == 0 {
+        self.frame_waits = true;
+        self.begin();
+    }
+
+    /// Begins the newest frame, if the calculator is free and there is one.
+    fn begin(&mut self) {
+        let control = self.control();
+        let is_free = self.begun.is_none() && control & map::RUN != 0 && control & map::FLUSH == 0;
+        if is_free && std::mem::take(&mut self.frame_waits) {
             self.count("raw_frames", 1);
-            self.begun = Some(self.key(usize::from(control & map::WEIGHT_SET != 0)));
+            let key = self.key(usize::from(control & map::WEIGHT_SET != 0));
+            let nanoseconds = self.load.cycles * 1e3 / self.design.clock_mhz;
+            self.begun = Some((key, self.now + nanoseconds as Time));
         }
     }
 
-    fn end(&mut self, key: Key) {
+    /// What a picture with these counters takes; the next one is taken to take as long.
+    fn measure(&mut self, key: Key, made: &Made) {
+        let of = (key, self.stages.iter().map(Stage::skips).collect());
+        if self.load.of.as_ref() == Some(&of) {
+            return;
+        }
+        let counts = &made.counts;
+        let pairs = |(index, stage): (usize, StagePlan)| match self.stages[index].skips() && index > 0 {
+            true => counts.stages[index - 1].nonzeros as f64 / counts.patches.max(1) as f64,
+            false => stage.inputs as f64,
+        };
+        let pairs: Vec<f64> = self.design.stages().enumerate().map(pairs).collect();
+        self.load = Load { of: Some(of), ..Load::new(&self.design, Some(&pairs)) };
+    }
+
+    /// The picture under way is done.
+    fn end(&mut self) {
+        let Some((key, _)) = self.begun.take() else { return };
         let (set, ..) = key;
         self.last_set = set;
         // The mode counts with the frame's first codes; all else must stand still.
@@ -375,6 +463,7 @@ impl Inside {
         let whole = (now.1, now.3) == (key.1, key.3);
         let made = if whole { self.made(key) } else { None };
         self.count("picture_frames", 1);
+        self.picture_waits = true;
         self.mixed += u64::from(made.is_none());
         let shown = made.as_ref().map_or(Shown::Mixed, |made| Shown::Whole(made.pixels.clone()));
         if self.shown.last() != Some(&shown) {
@@ -383,10 +472,18 @@ impl Inside {
                 self.shown.remove(0);
             }
         }
-        let Some(made) = made else { return };
+        if let Some(made) = &made {
+            self.measure(key, made);
+            self.add(made);
+        }
+        self.begin();
+    }
+
+    /// Adds a picture's counters to those of the board.
+    fn add(&mut self, made: &Made) {
         let counts = &made.counts;
         self.count("patches", counts.patches);
-        self.count("busy_cycles", (counts.patches as f64 * self.cycles_per_patch) as u64);
+        self.count("busy_cycles", self.load.cycles as u64);
         self.count("saturated_sums", counts.saturated_sums);
         self.count("clamped_chroma", made.shown.clamped_chroma);
         self.count("out_of_gamut", made.shown.out_of_gamut);
@@ -414,7 +511,16 @@ impl Inside {
     fn status(&self) -> u32 {
         // The memory is ready, a signal is there and fits, pictures leave, the video chips are set up.
         let pictures = u32::from(self.counts.get("picture_frames").is_some_and(|count| *count > 0));
-        0b01_0111 | pictures << 3 | (self.last_set as u32) << 6
+        let source = 0b110 * u32::from(self.chips.has_source());
+        let [done, failed] = self.chips.state().map(u32::from);
+        1 | source | pictures << 3 | done << 4 | failed << 5 | (self.last_set as u32) << 6
+    }
+
+    /// The chips as they are by now, where one of their registers is looked at.
+    fn follow_chips(&mut self) {
+        let word = |address: u32| self.controls.get(&address).copied().unwrap_or(0);
+        let (settings, access) = (word(map::VIDEO_SETUP), word(map::CHIP_ACCESS));
+        self.chips.pass_to(self.now, settings, access);
     }
 
     fn register(&self, name: &str) -> u32 {
@@ -424,6 +530,7 @@ impl Inside {
             "frame_size" | "input_size" => size,
             "status" => self.status(),
             "uart_broken" => self.uart_broken,
+            name if Chips::has(name) => self.chips.register(name),
             "writes_refused" => self.refused,
             _ => self.counts.get(name).copied().unwrap_or(0),
         }
@@ -481,7 +588,8 @@ impl Inside {
         };
         if rows > 0 {
             let cycles = READ_LATENCY + rows as u64 * READ_PERIOD;
-            self.reads_until[place] = self.now + cycles * 1_000_000 / u64::from(CORE_KILOHERTZ);
+            // Reading goes at the memory's clock, which the calculator shares (docs/decisions/0032).
+            self.reads_until[place] = self.now + cycles as Time * 1_000_000 / Time::from(CORE_KILOHERTZ);
         }
     }
 }
@@ -495,14 +603,12 @@ impl Bus for Inside {
         } else if let Some(index) = word_of(&DISPLAY_TABLES, address) {
             self.tables.write(index, word);
             self.versions[2] += 1;
-        } else if let Some(held) = self.controls.get_mut(&address) {
-            let register = REGISTERS.iter().find(|register| register.address == address);
-            *held = word & register.map_or(0, edof_spec::registers::Register::mask);
-            if self.control() & map::FLUSH != 0 {
-                self.begun = None;
-                self.stages.iter_mut().for_each(Stage::forget);
-                let stages = self.stages.len();
-                self.reads_until[..stages].fill(0);
+        } else if self.controls.contains_key(&address) {
+            self.follow_chips();
+            let before = self.control();
+            self.set_control(address, word);
+            if self.control() & !before & map::I2C_RESTART != 0 {
+                self.chips.restart(self.now);
             }
         }
     }
@@ -518,6 +624,9 @@ impl Bus for Inside {
             return *word;
         }
         let Some(found) = REGISTERS.iter().find(|register| register.address == address) else { return 0 };
+        if found.name == "status" || Chips::has(found.name) {
+            self.follow_chips();
+        }
         let start = if found.access == Access::Constant { found.reset } else { 0 };
         start | self.register(found.name)
     }

@@ -1,11 +1,13 @@
 //! The frames that go round in a simulated board, and the pictures that they become.
 
+use edof_device::design::reading::{TABLE_ENTRIES, TABLE_ROWS, table_bank};
 use edof_golden::display::DisplayCounts;
 use edof_golden::trace::Counts;
 use edof_golden::{ColourTable, Display, Golden, LumaTable};
-use edof_spec::design::reading::{TABLE_ENTRIES, TABLE_ROWS, table_bank};
-use edof_spec::display::{COLOUR_ADDRESS_BITS, DisplayMode, LUMA_ENTRIES};
-use edof_spec::{FixedNetwork, RawFrame};
+use edof_image::RawFrame;
+use edof_image::cable::carried;
+use edof_image::display::{COLOUR_ADDRESS_BITS, DisplayMode, LUMA_ENTRIES};
+use edof_network::FixedNetwork;
 use std::rc::Rc;
 
 /// A picture as the screen shows it: a word a pixel, Y′ low, Cb′ or Cr′ high.
@@ -47,7 +49,7 @@ impl Tables {
         }
     }
 
-    /// A row of four entries at a bank of a table (`edof_spec::design::reading`), as the circuit reads it back.
+    /// A row of four entries at a bank of a table (`edof_device::design::reading`), as the circuit reads it back.
     #[must_use]
     pub fn row(&self, bank: usize, row: usize) -> u64 {
         let (table, half) = (bank / table_bank(1) % 4, bank % table_bank(1));
@@ -70,10 +72,10 @@ impl Tables {
     }
 }
 
-/// The picture of a raw frame, none where the network or the frame cannot be used.
+/// The picture of a raw frame that came over a cable, none where the network or the frame cannot be used.
 #[must_use]
 pub fn made(network: FixedNetwork, display: &Display, raw: &RawFrame) -> Option<Made> {
-    let frame = Golden::new(network).ok()?.frame(raw).ok()?;
+    let frame = Golden::new(network).ok()?.frame(&carried(raw)).ok()?;
     let (picture, shown) = frame.picture(display);
     let word = |bytes: &[u8]| u16::from_le_bytes([bytes[0], bytes[1]]);
     let pixels = picture.yuyv().chunks_exact(2).map(word).collect();

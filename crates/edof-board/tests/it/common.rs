@@ -4,10 +4,13 @@ use edof_board::link::PATIENCE;
 use edof_board::load::{Job, Loaded};
 use edof_board::simulated::Shown;
 use edof_board::{Board, Error, Line, Simulated};
+use edof_device::Design;
+use edof_device::design::FrameSize;
 use edof_golden::{Display, Golden};
-use edof_spec::design::FrameSize;
-use edof_spec::draw::Draw;
-use edof_spec::{CfaPhase, Design, FixedNetwork, RawFrame};
+use edof_image::cable::carried;
+use edof_image::draw::Draw;
+use edof_image::{CfaPhase, RawFrame};
+use edof_network::FixedNetwork;
 use ndarray::Array2;
 
 pub const BAUD: u32 = 921_600;
@@ -49,7 +52,7 @@ pub fn board(design: &Design, network: &FixedNetwork) -> Simulated {
 
 /// What the screen shows with a network.
 pub fn picture(design: &Design, network: &FixedNetwork) -> Shown {
-    let frame = Golden::new(network.clone()).unwrap().frame(&raw(design)).unwrap();
+    let frame = Golden::new(network.clone()).unwrap().frame(&carried(&raw(design))).unwrap();
     let bytes = frame.picture(&Display::default()).0.yuyv();
     let words = bytes.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect::<Vec<u16>>();
     Shown::Whole(words.into())
@@ -74,6 +77,6 @@ pub fn frames(board: &mut Simulated, count: u64) {
 
 /// The words of two networks are the same, whatever their files say besides.
 pub fn same_words(design: &Design, one: &FixedNetwork, other: &FixedNetwork) -> bool {
-    use edof_spec::design::memory::{Set, writes};
+    use edof_device::design::memory::{Set, writes};
     writes(design, one, Set::First) == writes(design, other, Set::First)
 }

@@ -4,7 +4,7 @@ use crate::common::{BAUD, board, job, network, open, retrained, tiny};
 use edof_board::contents::parts;
 use edof_board::dry_run::plan;
 use edof_board::load::Job;
-use edof_spec::design::memory::Set;
+use edof_device::design::memory::Set;
 
 #[test]
 fn a_plan_is_what_the_load_takes() {

@@ -1,6 +1,6 @@
 //! docs/host.md says of registers what the program does.
 
-use edof_spec::registers::markdown;
+use edof_device::registers::markdown;
 
 #[test]
 fn the_register_map_of_the_page_is_the_programs() {

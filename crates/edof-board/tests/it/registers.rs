@@ -5,7 +5,7 @@ use edof_board::line::Line;
 use edof_board::link::PATIENCE;
 use edof_board::names::Place;
 use edof_board::{Board, Error, Simulated, status};
-use edof_spec::registers::map::{self, REGISTERS};
+use edof_device::registers::map::{self, REGISTERS};
 use std::io;
 use std::time::Duration;
 
@@ -19,10 +19,10 @@ fn a_board_says_who_it_is() {
     let mut simulated = board(&design, &network(&design, 1));
     let board = open(&mut simulated);
     assert_eq!((board.identity.width, board.identity.height), (32, 24));
-    let large = edof_spec::Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
+    let large = edof_device::Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
     // Its frame is another one than that of the file.
     assert_eq!(board.design([large]).unwrap(), design);
-    let paper = edof_spec::Design::from_json(include_str!("../../../../designs/paper.json")).unwrap();
+    let paper = edof_device::Design::from_json(include_str!("../../../../designs/paper.json")).unwrap();
     let error = board.design([paper]).unwrap_err().to_string();
     assert!(error.contains("none that this program knows"), "{error}");
 }
@@ -70,7 +70,7 @@ fn counters_tell_of_frames_and_stages() {
     let (start, wait) = (simulated.now(), 30);
     frames(&mut simulated, wait);
     let after = open(&mut simulated).look(4).unwrap();
-    let report = status::report(&before, &after, (simulated.now() - start) as f64 * 1e-9);
+    let report = status::report(&before, &after, (simulated.now() - start) as f64 * 1e-9, design.clock_mhz);
     assert!((report.frames_per_second - 60.0).abs() < 5.0, "{report:?}");
     assert!(report.stages[0].nonzeros_per_patch > 0.0 && report.grown.is_empty(), "{report:?}");
     assert_eq!((after.value("status.output_runs"), report.late_frames), (1, 0));
@@ -79,7 +79,7 @@ fn counters_tell_of_frames_and_stages() {
     let before = board.look(4).unwrap();
     frames(&mut simulated, 10);
     let after = open(&mut simulated).look(4).unwrap();
-    let report = status::report(&before, &after, 0.17);
+    let report = status::report(&before, &after, 0.17, design.clock_mhz);
     assert!(report.late_frames >= 8 && report.cycles_per_patch.is_none(), "{report:?}");
 }
 
@@ -118,8 +118,8 @@ fn who_is_no_board_is_told_from_silence() {
     assert!(matches!(said(&[]), Error::Silent { .. }));
     let error = said(&[7, 0, 0, 0, 0]).to_string();
     assert!(error.starts_with("/dev/parrot: reads 0x00000007 as id"), "{error}");
-    let error = said(&[map::ID, 0x0002_0000, 0, 0, 0]).to_string();
-    assert!(error.contains("version 2.0"), "{error}");
+    let error = said(&[map::ID, 0x0003_0000, 0, 0, 0]).to_string();
+    assert!(error.contains("version 3.0"), "{error}");
 }
 
 #[test]

@@ -7,6 +7,10 @@ use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::scene_file::{self, SceneFile};
 use crate::ui::Ui;
 use crate::{memory, pictures};
+use edof_camera::Camera;
+use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame, Tone, cable};
+use edof_io::levels::{Black, Levels};
+use edof_io::raw::{Alignment, Size};
 use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_optics::capture::{
@@ -18,8 +22,7 @@ use edof_optics::layers;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_spec::provenance::Input;
-use edof_spec::{Camera, CfaPhase, ColourFrame, Noise, RawFrame, Tone};
+use edof_storage::provenance::Input;
 use ndarray::{Array2, ArrayView2, Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -117,6 +120,11 @@ pub struct Args {
     #[arg(long)]
     no_measure: bool,
 
+    /// Also write the frame as video that a playout card sends to the board: bytes Cb Y Cr Y without a header (2vuy), the upper 14 bits of
+    /// each word, seven a byte, plus 64; its black level is taken off first. Beside it FILE.json says how it was taken
+    #[arg(long, value_name = "FILE")]
+    video: Option<PathBuf>,
+
     /// Also write the sharp truth, 16 bits
     #[arg(long, value_name = "FILE")]
     sharp: Option<PathBuf>,
@@ -142,6 +150,7 @@ Examples:
   edof capture scene.json --out raw.png
   edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
+  edof capture photo.png --out raw.png --video frame.2vuy
   edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
   edof capture leaves --psi 6 --noise sensor:gain=4 --depth 10 --phase bggr --out raw.png --exact";
 
@@ -174,6 +183,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         .reads_all(files)
         .writes("--out", &args.out);
     files = files.writes("the record beside --out", record::path_of(&args.out));
+    files = files
+        .may_write("--video", args.video.as_ref())
+        .may_write("the record beside --video", args.video.as_deref().map(record::path_of));
     for (option, file) in [("--sharp", &args.sharp), ("--light", &args.light)] {
         if let Some(file) = file {
             files = files.writes_picture(option, file)?;
@@ -195,7 +207,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let approximation = args.approximation()?;
     let shot = capture(&scene, &camera, &sensor, &approximation)?;
     raw::save(&args.out, &shot.raw)?;
-    record::save(&args.out, &record_of(&args, &camera, &scene, &shot.raw, ui))?;
+    let record = record_of(&args, &camera, &scene, &shot.raw, ui);
+    record::save(&args.out, &record)?;
+    if let Some(path) = &args.video {
+        save_video(path, &record, &shot.raw)?;
+    }
     if let Some(path) = &args.sharp {
         photo::save(path, &args.tone.encoded(&scene.sharp()), 16)?;
     }
@@ -229,13 +245,31 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     })
 }
 
+/// Writes a frame for a playout card: as light, for the board takes no black level off; and its record.
+fn save_video(path: &Path, record: &RawRecord, frame: &RawFrame) -> Result<(), Error> {
+    let levels = Levels { black: record.black_level, white: record.white_level };
+    let light = cable::carried(&levels.light(frame).map_err(|e| Error::message(e.to_string()))?);
+    raw::save_video(path, &light)?;
+    let record = RawRecord {
+        depth: light.depth(),
+        alignment: Alignment::Top,
+        video: Some(Size::of(&light)),
+        black_level: Black::default(),
+        white_level: None,
+        sha256: Input::raw_frame("", &light).sha256,
+        ..record.clone()
+    };
+    Ok(record::save(path, &record)?)
+}
+
 /// What the raw frame cannot say of itself.
 fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: &Ui) -> RawRecord {
-    ui.used(Input::camera(camera));
+    ui.used(camera.input());
     RawRecord {
         phase: frame.phase(),
         depth: frame.depth(),
         alignment: record::alignment_of(&args.out),
+        video: None,
         black_level: args.black_level.into(),
         white_level: None,
         white_balance: None,

@@ -3,9 +3,9 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
+use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
-use edof_spec::provenance::Input;
-use edof_spec::{ColourFrame, Tone};
+use edof_storage::provenance::Input;
 use edof_study::metrics::{BORDER, Quality, luma};
 use edof_study::mtf50::EdgeResponse;
 use ndarray::{Axis, s};

@@ -3,7 +3,7 @@
 use crate::cosim_system;
 use crate::designs;
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::Depth;
 use crate::memory;
@@ -17,11 +17,13 @@ use edof_cosim::chain::verilated::Compiled;
 use edof_cosim::chain::{Drive, Outcome};
 use edof_cosim::junit;
 use edof_cosim::verilator::{Options, Waveform};
+use edof_device::Design;
+use edof_device::design::memory::Set;
 use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_hdl::project::{self, Project};
-use edof_spec::design::memory::Set;
-use edof_spec::draw::Draw;
-use edof_spec::{Design, FixedNetwork, Noise};
+use edof_image::Noise;
+use edof_image::draw::Draw;
+use edof_network::FixedNetwork;
 use edof_stability::case::{self, Case};
 use edof_stability::inputs;
 use serde_json::json;
@@ -115,6 +117,9 @@ pub struct Args {
 
     #[command(flatten)]
     system: cosim_system::Args,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 impl Args {
@@ -130,6 +135,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files =
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     let files = files.reads_all(&args.photo).may_write("--junit", args.junit.as_ref());
+    let files = files.keeps(args.force);
     files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
     let design = args.system.design(designs::load(&args.design)?)?;
@@ -302,6 +308,6 @@ fn write_junit(path: &Path, design: &Design, outcome: &Outcome, seconds: f64) ->
     let name = format!("{} patches at every boundary and cycle", outcome.summary.counts.patches);
     let cases = vec![junit::Case { name, seconds, failure }];
     let suites = vec![junit::Suite { name: format!("cosim {}", design.name), cases }];
-    edof_spec::atomic::write(path, junit::Report { suites }.to_xml().as_bytes())?;
+    edof_storage::atomic::write(path, junit::Report { suites }.to_xml().as_bytes())?;
     Ok(())
 }

@@ -5,11 +5,12 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use crate::{designs, interrupt, weights};
+use edof_camera::Camera;
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
+use edof_image::{Noise, Reconstructor, Tone};
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::sensor::Sensor;
-use edof_spec::{Camera, Noise, Reconstructor, Tone};
 use edof_study::demo::{self, Demo, Lens};
 use edof_study::picture;
 use serde_json::Value;
@@ -160,13 +161,13 @@ fn lenses<'a>(
 /// The report, every picture, and all of them in one.
 fn save(result: &Demo, board: Option<&Told>, args: &Args, ui: &Ui) -> Result<(), Error> {
     let [file, overview, scene] = FILES.map(|name| args.out.join(name));
-    let mut report = result.report(&ui.signed(&args.command_line(board.is_some())))?;
+    let mut report = result.report(&ui.signed(&ui.provenance().command))?;
     board.map_or(Ok(()), |board| board.add_to(&mut report))?;
     report.save(&file)?;
     let shots =
         result.pictures.iter().map(|p| args.out.join(file_name(&p.lens, &p.treatment))).zip(&result.frames);
     for (file, light) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
-        edof_spec::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
+        edof_storage::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
     }
     Ok(())
 }
@@ -196,16 +197,5 @@ impl Args {
             Tone::Linear => Noise::Gaussian { sigma: 0.005 },
             Tone::Srgb => Noise::sensor(4.0),
         })
-    }
-
-    /// What was run, as the report states it.
-    fn command_line(&self, with_board: bool) -> String {
-        let Self { scene, tone, height, width, net, clear_net, .. } = self;
-        let usual = if with_board { DESIGN } else { NO_DESIGN };
-        let (noise, design) = (self.noise(), self.design.as_deref().unwrap_or(usual));
-        format!(
-            "edof demo --scene {scene} --tone {tone} --noise {noise} --height {height} --width {width} --net {net} --clear-net {clear_net} \
-             --design {design}"
-        )
     }
 }

@@ -9,12 +9,15 @@ use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
 use edof_cosim::chain::check::stage_names;
+use edof_device::Design;
+use edof_device::board;
+use edof_device::design::memory::Set;
 use edof_golden::cycle::estimate::{StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
 use edof_hdl::resources::{self, Resources, XC7K325T};
-use edof_spec::design::memory::Set;
-use edof_spec::{Design, FixedNetwork, Noise};
+use edof_image::Noise;
+use edof_network::FixedNetwork;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -63,6 +66,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
+    board::screen_clock(&design)?;
     ui.used(designs::input(&design));
     let measured = match &args.weights {
         Some(name) => {
@@ -91,15 +95,15 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}  {}", "all", "", "", row(&total)))?;
     let (scarcest, share) = total.fullest(&XC7K325T);
     ui.say(format!(
-        "{frames:.1} frames a second of {}x{} at {} MHz (planned); {} limits; {scarcest} {:.0} % of an XC7K325T",
+        "{frames:.1} frames a second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an XC7K325T",
         design.frame.width,
         design.frame.height,
         design.clock_mhz,
         names[limiting],
         100.0 * share
     ))?;
-    let board =
-        board(&design, cycles, measured.as_ref().map_or(ahead.latency as f64, Measured::mean_latency));
+    let latency = measured.as_ref().map_or(ahead.latency as f64, Measured::mean_latency);
+    let board = figures_of(&design, cycles, latency);
     ui.say(format!(
         "from HDMI in to HDMI out: {:.1} frames a second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
         board.frames_per_second,
@@ -171,7 +175,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 /// The whole board at the design's clock, a camera and a screen of its frames' standard timing.
-fn board(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Figures {
+fn figures_of(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Figures {
     let core = (1e6 / design.clock_mhz) as u64;
     let periods = Periods { core, ..Periods::of_board(design.frame) };
     figures(design.frame, CoreCycles::of(design, cycles_a_patch, patch_latency), periods)

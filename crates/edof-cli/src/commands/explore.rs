@@ -2,20 +2,22 @@
 
 use crate::designs;
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::Depth;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
+use edof_device::Design;
+use edof_device::design::memory::Set;
+use edof_device::design::{FrameSize, StageSize};
 use edof_golden::Golden;
 use edof_golden::cycle::explore::{cycles_per_patch, foldings, front};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_hdl::resources::{self, Resources, XC7K325T};
-use edof_spec::colour::OUTPUTS_422;
-use edof_spec::design::memory::Set;
-use edof_spec::design::{FrameSize, StageSize};
-use edof_spec::{Design, FixedNetwork, Geometry, Noise};
+use edof_image::colour::OUTPUTS_422;
+use edof_image::{Geometry, Noise};
+use edof_network::FixedNetwork;
 use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
 use std::path::PathBuf;
@@ -56,6 +58,9 @@ pub struct Args {
     /// Noise of the pictures, as edof capture takes it [default: the most that the network was trained for]
     #[arg(long)]
     noise: Option<Noise>,
+
+    #[command(flatten)]
+    pub force: Force,
 }
 
 /// Of each patch of a picture, the pairs that every stage multiplies.
@@ -87,7 +92,7 @@ impl Found {
 /// # Errors
 /// A network, design or picture that cannot be used, or nothing that fits the device.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    args.files(Files::new(ui)).check()?;
+    args.files(Files::new(ui)).keeps(args.force).check()?;
     if !(args.fps > 0.0 && args.fps.is_finite()) {
         return Err(Error::message(format!("--fps {}: must be more than 0", args.fps)));
     }

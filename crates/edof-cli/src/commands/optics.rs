@@ -1,11 +1,13 @@
 //! `edof optics`, and `edof optics design`.
 
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::{self, Depth, Lens};
 use crate::npz::Npz;
 use crate::ui::Ui;
+use edof_camera::Camera;
+use edof_image::{Channel, Tone, Window};
 use edof_optics::bank;
 use edof_optics::depth::distance_m;
 use edof_optics::design::{self, Found, Search};
@@ -13,8 +15,6 @@ use edof_optics::estimator::{Task, Verdict, judge};
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
 use edof_optics::psf::{self, NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::statistics::Statistics;
-use edof_spec::provenance::Input;
-use edof_spec::{Camera, Channel, Tone, Window};
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
 use edof_study::picture::png;
 use edof_study::plot::side_by_side;
@@ -137,6 +137,9 @@ struct Design {
     /// Measure how photographs vary on those of a folder [default: a model of natural pictures]
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 const DESIGN_EXAMPLES: &str = "\
@@ -175,7 +178,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
-    ui.used(Input::camera(&camera));
+    ui.used(camera.input());
     let camera = args.before(camera)?;
     let (settings, psis) = (args.settings()?, args.depths(&camera)?);
     let files = FILES.map(|name| args.out.join(name));
@@ -187,9 +190,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let sheet = png(&psf_sheet(&[&camera, &clear], &psis, &settings)?, Tone::Linear)?;
     let depths = psis.iter().zip(&psfs).map(|(&psi, psfs)| shown(&camera, psi, psfs));
     let depths = depths.collect::<Result<Vec<_>, _>>()?;
-    edof_spec::atomic::write(&files[0], figure1.as_bytes())?;
-    edof_spec::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
-    edof_spec::atomic::write(&files[2], &sheet)?;
+    edof_storage::atomic::write(&files[0], figure1.as_bytes())?;
+    edof_storage::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
+    edof_storage::atomic::write(&files[2], &sheet)?;
     psf_numbers(&camera, &psis, &psfs)?.save(&files[3])?;
     mtf_numbers(&camera, &psis, &psfs)?.save(&files[4])?;
     ui.say(format!("{}: F/{:.2}, figures in {}", camera.name, camera.f_number(), args.out.display()))?;
@@ -255,7 +258,7 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
     })
 }
 
-/// The kernels as a PSF bank (`edof_spec::psf_bank`).
+/// The kernels as a PSF bank (`edof_camera::psf_bank`).
 fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
     let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| &psf.kernel)).collect();
     let mut npz = Npz::new();
@@ -316,9 +319,9 @@ struct Judged {
 fn design(args: Design, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads(&args.camera);
     let files = args.images.iter().fold(files, Files::reads_pictures_of);
-    files.writes("--out", &args.out).check()?;
+    files.writes("--out", &args.out).keeps(args.force).check()?;
     let base = args.base()?;
-    ui.used(Input::camera(&base));
+    ui.used(base.input());
     let statistics = args.statistics(ui)?;
     let task =
         Task { noises: args.noise.clone(), worst_weight: args.worst_weight, ..design::default_task(&base) };
@@ -338,7 +341,7 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     camera.source = args.source(&verdict, judged);
-    edof_spec::atomic::write(&args.out, camera.to_json().as_bytes())?;
+    edof_storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
     let seconds = start.elapsed().as_secs_f64();
     let mut cameras =
         vec![Judged { name: camera.name.clone(), score_db: verdict.score_db, psnr_db: verdict.psnr_db }];
@@ -369,12 +372,6 @@ impl Design {
         let mut base = Camera::resolve(&self.camera)?;
         // Another mask has other PSFs.
         (base.psf_bank, base.height_map) = (None, None);
-        if !base.aberrations.is_empty() {
-            return Err(Error::message(format!(
-                "--camera {}: has aberrations; masks are designed for lenses without",
-                self.camera
-            )));
-        }
         base.psi_range = match self.psi_range[..] {
             [] => base.psi_range,
             [low, high] => [low, high],

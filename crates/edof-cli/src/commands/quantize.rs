@@ -3,11 +3,17 @@
 use super::train::photographs;
 use crate::error::Error;
 use crate::error_bounds;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
+use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::Golden;
+use edof_image::overlap::Overlap;
+use edof_image::{ColourFrame, Stride};
+use edof_network::fixed_network::{CalibratedOn, Quantized};
+use edof_network::network::Origin;
+use edof_network::{FixedNetwork, Network, weight_file};
 use edof_optics::draw::{Builtin, draw};
 use edof_quantize::bounds::{self, StageError};
 use edof_quantize::capture::{self, depths};
@@ -15,15 +21,10 @@ use edof_quantize::{
     Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, evaluate, finetune,
     quantize,
 };
-use edof_spec::fixed_network::{CalibratedOn, Quantized};
-use edof_spec::network::Origin;
-use edof_spec::overlap::Overlap;
-use edof_spec::provenance::Input;
-use edof_spec::{ColourFrame, FixedNetwork, Network, Stride, weight_file};
+use edof_storage::provenance::Input;
 use edof_study::metrics;
 use edof_study::photos::Selection;
 use edof_train::dataset::{Dataset, DatasetOptions};
-use edof_train::reconstruct::{FloatReconstructor, Output};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -82,6 +83,9 @@ pub struct Args {
     /// Weight file to write [default: the float network's name with .fixed.safetensors]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 /// # Errors
@@ -89,7 +93,8 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
     let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
-    args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &out).check()?;
+    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &out);
+    files.keeps(args.force).check()?;
     let network = weights::float(&args.weights)?;
     let weights = weights::float_input(&args.weights)?;
     let hash = weights.sha256.clone();

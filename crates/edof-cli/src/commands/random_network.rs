@@ -6,8 +6,9 @@ use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use clap::ValueEnum;
-use edof_spec::network::Form;
-use edof_spec::{FixedNetwork, Stride, weight_file};
+use edof_image::Stride;
+use edof_network::network::Form;
+use edof_network::{FixedNetwork, weight_file};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -4,29 +4,31 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
-use crate::lens;
+use crate::lens::{self, Lens};
 use crate::ui::Ui;
 use crate::weights;
 use crate::words;
 use clap::ValueEnum;
+use edof_camera::Camera;
+use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::{Counts, Curve, Display, Golden};
 use edof_gpu::{GpuFloat, GpuGolden};
+use edof_image::display::DisplayMode;
+use edof_image::overlap::Overlap;
+use edof_image::reconstructor::Multiplications;
+use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_io::doubt::{self, Doubt};
 use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::picture::Format;
 use edof_io::raw::{Alignment, RawOptions, Size};
-use edof_io::record::{self, RawRecord};
+use edof_io::record::{self, RawRecord, RecordError, Stated};
 use edof_io::rendering::{ColourMatrix, Rendering, WhiteBalance};
 use edof_io::{photo, raw};
-use edof_spec::display::DisplayMode;
-use edof_spec::fixed_network::layer_names;
-use edof_spec::network::Origin;
-use edof_spec::overlap::Overlap;
-use edof_spec::provenance::Input;
-use edof_spec::reconstructor::Multiplications;
-use edof_spec::{CfaPhase, Channel, ColourFrame, FixedNetwork, RawFrame, Reconstructor, Stride, Tone};
-use edof_train::reconstruct::{FloatReconstructor, Output};
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::layer_names;
+use edof_network::network::Origin;
+use edof_storage::provenance::Input;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -46,6 +48,7 @@ use std::time::Instant;
   edof reconstruct night/*.png --out night-sharp/
   edof reconstruct frame.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out sharp.png
   edof reconstruct raw.png --board --out board.png     what leaves the HDMI port (board.yuyv) and what a screen shows of it
+  edof reconstruct --video frame.2vuy --size 1920x1080 --board --out board.png
   edof reconstruct raw.png --device gpu --out sharp.png
   edof reconstruct raw.png --words words --json counters.json --out sharp.png")]
 pub struct Args {
@@ -58,9 +61,14 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Camera that took RAW, a preset or a JSON file: a network trained for another lens or mask is refused
+    /// Camera that took RAW, a preset or a JSON file: another than RAW.json says, or a network trained for another lens or mask, is
+    /// refused
     #[arg(long)]
     camera: Option<String>,
+
+    /// PSFs of one's own in place of that camera's, as edof capture took them
+    #[arg(long, value_name = "FILE", requires = "camera")]
+    psf_bank: Option<PathBuf>,
 
     /// Compute in the board's integers (the default)
     #[arg(long, conflicts_with = "float")]
@@ -87,7 +95,11 @@ pub struct Args {
     #[arg(long, value_name = "BITS")]
     depth: Option<u32>,
 
-    /// Size of a headerless file in pixels
+    /// RAW is video for the board's cable (2vuy, as 'edof capture --video' writes it): bytes Cb Y Cr Y of 64 to 191, no header
+    #[arg(long, conflicts_with = "packing")]
+    video: bool,
+
+    /// Size of a headerless file in pixels [default: what RAW.json says]
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     size: Option<Size>,
 
@@ -99,8 +111,8 @@ pub struct Args {
     #[arg(long, value_parser = ["little", "big"], default_value = "little")]
     order: String,
 
-    /// How a headerless file's pixels are packed: words (16 bits each), bytes (8), mipi12 (MIPI RAW12), 12p (PFNC) or 12packed (GigE
-    /// Vision) [default: words]
+    /// How a headerless file's pixels are packed: words (16 bits each), bytes (8), mipi12 (MIPI RAW12), 12p (PFNC), 12packed (GigE
+    /// Vision) or 2vuy (as --video) [default: words]
     #[arg(long, requires = "size")]
     packing: Option<Packing>,
 
@@ -136,7 +148,7 @@ pub struct Args {
     #[arg(long, default_value_t = 8)]
     bits: u32,
 
-    /// Write what the board sends: the 8-bit Y'CbCr 4:2:2 codes of its HDMI port beside the picture, as .yuyv (bytes Y Cb Y Cr
+    /// Write what the board makes of the upper 14 bits of each word, which its cable carries, and sends: the 8-bit Y'CbCr 4:2:2 codes of its HDMI port beside the picture, as .yuyv (bytes Y Cb Y Cr
     /// for each two pixels), and as picture what a screen shows of them
     #[arg(long, conflicts_with_all = ["float", "bits"])]
     board: bool,
@@ -148,6 +160,10 @@ pub struct Args {
     /// Write the words at every stage boundary to DIR/words.npz, laid out as docs/contract.md says; of one frame
     #[arg(long, value_name = "DIR", conflicts_with = "float")]
     words: Option<PathBuf>,
+
+    /// Take what options state where RAW.json says otherwise, and a network trained for another lens; each is told
+    #[arg(long)]
+    force: bool,
 
     /// Picture to write: .png, .tif, .tiff or .ppm; or a folder, where pictures are PNG and have their frames' names
     #[arg(long, value_name = "FILE|DIR")]
@@ -228,7 +244,7 @@ fn check_files(args: &Args, jobs: &[Job<'_>], ui: &Ui) -> Result<(), Error> {
     let networks =
         args.weights.as_deref().map_or(Tone::ALL.map(weights::default_for).to_vec(), |name| vec![name]);
     let files = Files::new(ui).reads_all(networks.into_iter().filter_map(file));
-    let lens = args.camera.as_deref().map(|name| lens::resolve(name, None)).transpose()?;
+    let lens = args.stated_lens()?;
     let files = files.reads_all(lens.into_iter().flat_map(|lens| lens.files));
     let files = files.reads_all(&args.raw).reads_all(args.raw.iter().map(|raw| record::path_of(raw)));
     let mut files = files.may_write("--words", args.words.as_deref().map(words::file));
@@ -258,6 +274,8 @@ struct Made {
 struct Taken {
     frame: RawFrame,
     record: Option<RawRecord>,
+    /// The camera that took it, where anybody says.
+    camera: Option<Camera>,
     rendering: Rendering,
 }
 
@@ -301,7 +319,7 @@ impl Job<'_> {
         let name = args.network(tone);
         let network = weights::float(name)?;
         ui.used(weights::float_input(name)?);
-        self.fits_camera(&network.origin, taken)?;
+        self.fits_camera(&network.origin, taken, ui)?;
         let method: Box<dyn Reconstructor> = match args.device.open()? {
             None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
             Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
@@ -336,7 +354,7 @@ impl Job<'_> {
         let board = self.codes_file();
         if let Some(codes) = &board {
             photo::save(&self.out, &picture.shown_frame(), args.bits)?;
-            edof_spec::atomic::write(codes, &picture.yuyv())?;
+            edof_storage::atomic::write(codes, &picture.yuyv())?;
         } else {
             self.save(out.colour(), taken)?;
         }
@@ -379,21 +397,22 @@ impl Job<'_> {
     /// The frame as light, and its record where one lies beside it.
     fn open(&self, ui: &Ui) -> Result<Taken, Error> {
         let (args, raw) = (self.args, self.raw);
-        let record = record::load(raw)?;
-        let stated = raw_options(args);
-        let options = match &record {
-            Some(record) => record.options(raw, stated, args.phase)?,
-            None => stated,
-        };
+        let found = record::load(raw)?;
+        let stated = args.stated(args.stated_lens()?.map(|lens| lens.camera));
+        let overruled = found.as_ref().map_or(Ok(false), |record| self.overruled(record, &stated, ui))?;
+        let record = found.map(|record| record.with(stated.clone()));
+        let camera = record.as_ref().map(|record| record.camera.clone()).or(stated.camera);
+        let given = raw_options(args);
+        let options = record.as_ref().map_or(given, |record| record.options(given));
         let raw::Opened { frame, levels: of_file, rendering: own } = raw::open(raw, &options)?;
         if let Some(given) = args.phase.filter(|phase| *phase != frame.phase()) {
             return Err(self.failed(format!("says {}; leave --phase {given} out", frame.phase())));
         }
-        if let Some(record) = &record {
+        if let Some(record) = record.as_ref().filter(|_| !overruled) {
             record.check(raw, &frame)?;
         }
         let levels = match &record {
-            Some(record) => record.levels(raw, args.black_level, args.white_level)?,
+            Some(record) => record.levels(),
             None => {
                 let Levels { black, white } = of_file.unwrap_or_default();
                 Levels { black: args.black_level.unwrap_or(black), white: args.white_level.or(white) }
@@ -406,8 +425,25 @@ impl Job<'_> {
         };
         let name = raw.file_name().unwrap_or_default().to_string_lossy();
         ui.used(Input::raw_frame(&name, &frame));
-        let frame = levels.light(&frame).map_err(|e| self.failed(e))?;
-        Ok(Taken { frame, record, rendering })
+        let light = levels.light(&frame).map_err(|e| self.failed(e))?;
+        // To the board leads a cable.
+        let frame = if args.board { cable::carried(&light) } else { light };
+        Ok(Taken { frame, record, camera, rendering })
+    }
+
+    /// Whether options take the place of what the record says, which only --force lets them.
+    fn overruled(&self, record: &RawRecord, stated: &Stated, ui: &Ui) -> Result<bool, Error> {
+        let found = record.contradictions(self.raw, stated);
+        let any = !found.is_empty();
+        for contradiction in found {
+            match contradiction {
+                RecordError::Contradicted { path, option, given, recorded } if self.args.force => {
+                    ui.note(format!("--{option} {given}: taken, though {} says {recorded}", path.display()));
+                }
+                error => return Err(error.into()),
+            }
+        }
+        Ok(any)
     }
 
     fn fixed_network(&self, taken: &Taken, ui: &Ui) -> Result<FixedNetwork, Error> {
@@ -415,7 +451,7 @@ impl Job<'_> {
         let name = args.network(self.tone(taken));
         let network = weights::fixed(name)?;
         ui.used(weights::fixed_input(name)?);
-        self.fits_camera(&network.origin, taken)?;
+        self.fits_camera(&network.origin, taken, ui)?;
         match args.stride.map(Stride::new).transpose()? {
             Some(stride) if stride != network.stride => Err(Error::message(format!(
                 "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
@@ -428,34 +464,32 @@ impl Job<'_> {
         }
     }
 
-    /// The network must have been trained for the lens that the user states, and for the one that took the frame.
-    fn fits_camera(&self, origin: &Origin, taken: &Taken) -> Result<(), Error> {
-        let (args, record) = (self.args, taken.record.as_ref());
-        let stated = args.camera.as_deref().map(lens::camera).transpose()?;
-        let tone = self.tone(taken);
-        let Some(camera) = stated.as_ref().or(record.map(|r| &r.camera)) else { return Ok(()) };
+    /// The network must have been trained for the lens that took the frame, as its record or the user says.
+    fn fits_camera(&self, origin: &Origin, taken: &Taken, ui: &Ui) -> Result<(), Error> {
+        let args = self.args;
+        let Some(camera) = &taken.camera else { return Ok(()) };
         if origin.camera.same_lens(camera) {
             return Ok(());
         }
-        let trained = &origin.camera.name;
-        if stated.is_some() {
-            return Err(Error::message(format!(
-                "--weights {}: trained for the camera {trained}, whose lens or mask is not that of {}",
-                args.network(tone),
-                camera.name
-            )));
+        let fields = origin.camera.differences(camera).join(", ");
+        let (name, trained, tone) =
+            (args.network(self.tone(taken)), origin.camera.in_words(), self.tone(taken));
+        let taken_by = match taken.record {
+            Some(_) => format!("{} was taken by {}", self.raw.display(), camera.in_words()),
+            None => format!("--camera is {}", camera.in_words()),
+        };
+        let problem = format!(
+            "--weights {name}: trained for the camera {trained}, but {taken_by}, another lens or mask (they differ in {fields})"
+        );
+        if args.force {
+            ui.note(format!("{problem}; used nevertheless"));
+            return Ok(());
         }
         let instead = match weights::trained_for(camera, tone) {
             Some(name) => format!("use --weights {name}"),
-            None => format!("train one by 'edof train --camera {}'", camera.name),
+            None => lens::how_to_train(camera),
         };
-        Err(Error::message(format!(
-            "--weights {}: trained for the camera {trained}, but {} was taken by {} ({}); {instead}",
-            args.network(tone),
-            self.raw.display(),
-            camera.name,
-            record::path_of(self.raw).display()
-        )))
+        Err(Error::message(format!("{problem}; {instead}")))
     }
 
     /// Of a frame without a record: what of it says that it was read otherwise than it was taken.
@@ -509,6 +543,18 @@ fn counters(counts: &Counts) -> Value {
 }
 
 impl Args {
+    /// The camera that the user states, if any.
+    fn stated_lens(&self) -> Result<Option<Lens>, Error> {
+        self.camera.as_deref().map(|name| lens::resolve(name, self.psf_bank.as_deref())).transpose()
+    }
+
+    /// All that the user states of a frame.
+    fn stated(&self, camera: Option<Camera>) -> Stated {
+        let alignment = raw_options(self).alignment;
+        let Self { phase, depth, size, packing, black_level, white_level, tone, .. } = *self;
+        Stated { phase, depth, alignment, size, packing, black_level, white_level, tone, camera }
+    }
+
     /// The network that is asked for, else the one for pictures of that tone.
     fn network(&self, tone: Tone) -> &str {
         self.weights.as_deref().unwrap_or(weights::default_for(tone))
@@ -538,7 +584,7 @@ fn raw_options(args: &Args) -> RawOptions {
         size: args.size,
         alignment: args.align.as_deref().map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom }),
         order: if args.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
-        packing: args.packing.unwrap_or_default(),
+        packing: if args.video { Packing::Video } else { args.packing.unwrap_or_default() },
     }
 }
 

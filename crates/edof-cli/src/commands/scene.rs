@@ -5,11 +5,11 @@ use crate::files::Files;
 use crate::lens::{self, Depth, Lens};
 use crate::memory;
 use crate::ui::Ui;
+use edof_camera::Camera;
+use edof_image::Tone;
 use edof_io::raw::Size;
 use edof_optics::draw::{self, four_depths};
 use edof_optics::scene::Scene;
-use edof_spec::provenance::Input;
-use edof_spec::{Camera, Tone};
 use edof_study::picture::png;
 use ndarray::Array2;
 use serde::Serialize;
@@ -100,14 +100,14 @@ struct Drawn {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let Lens { camera, files } = lens::resolve(&args.camera, None)?;
     Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
-    ui.used(Input::camera(&camera));
+    ui.used(camera.input());
     let camera = args.drawing.before(camera)?;
     let scene = args.drawing.draw(&args.scene, &camera)?;
     scene.check()?;
     let files = FILES.map(|name| args.out.join(name));
     let sharp = scene.sharp();
     edof_io::photo::save(&files[0], &args.tone.encoded(&sharp), 16)?;
-    edof_spec::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;
+    edof_storage::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;
     edof_io::photo::save(&files[2], &depth_picture(&scene.psi_map(), camera.psi_range), 8)?;
     let (height, width) = scene.size();
     let psi: Vec<f64> = scene.layers.iter().map(|layer| layer.psi).collect();
@@ -160,9 +160,9 @@ impl Drawing {
     }
 }
 
-fn depth_picture(psi: &Array2<f32>, [low, high]: [f64; 2]) -> edof_spec::ColourFrame {
+fn depth_picture(psi: &Array2<f32>, [low, high]: [f64; 2]) -> edof_image::ColourFrame {
     let (height, width) = psi.dim();
-    let mut frame = edof_spec::ColourFrame::zeros(height, width);
+    let mut frame = edof_image::ColourFrame::zeros(height, width);
     let span = (high - low).max(f64::MIN_POSITIVE);
     let grey = psi.mapv(|v| ((f64::from(v) - low) / span) as f32);
     frame.planes.outer_iter_mut().for_each(|mut plane| plane.assign(&grey));

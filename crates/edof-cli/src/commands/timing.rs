@@ -8,6 +8,7 @@ use crate::weights;
 use edof_cosim::chain::check::stage_names;
 use edof_cosim::system;
 use edof_cosim::yosys::fan_out::FanOut;
+use edof_cosim::yosys::route::{self, Fabric, Routed, RoutedStep, Router};
 use edof_cosim::yosys::timing::{self, PartTiming};
 use edof_golden::Display;
 use edof_hdl::board::blocks::{self, Block};
@@ -22,7 +23,8 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof timing --design tiny
-  edof timing --design kc705 --weights edof-t4w12-outer --json timing.json")]
+  edof timing --design kc705 --weights edof-t4w12-outer --json timing.json
+  edof timing --design tiny --route ecp5")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]
@@ -35,6 +37,11 @@ pub struct Args {
     /// Map every stage again, whatever was kept
     #[arg(long)]
     again: bool,
+
+    /// Place and route every stage as well, by a nextpnr on the path: xc7k325t (nextpnr-xilinx; EDOF_NEXTPNR_CHIPDB names its chip
+    /// database) or ecp5, another fabric, to try the way
+    #[arg(long, value_name = "FABRIC", num_args = 0..=1, default_missing_value = "xc7k325t")]
+    route: Option<Fabric>,
 }
 
 /// # Errors
@@ -43,6 +50,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads(&args.design);
     files.reads_all(args.weights.as_deref().and_then(weights::fixed_file)).check()?;
     let design = designs::load(&args.design)?;
+    let router = args.route.map(Router::find).transpose()?;
     ui.used(designs::input(&design));
     let network = match &args.weights {
         Some(name) => {
@@ -76,6 +84,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         100.0 * worst / period,
         design.clock_mhz
     ))?;
+    let mut routed = vec![];
+    if let Some(router) = &router {
+        for (name, block) in names.iter().zip(&stages) {
+            let found = route::part(&project, &block.path, router, design.clock_mhz)?;
+            tell_routed(name, &found, router, ui)?;
+            routed.push(json!({ "stage": name, "routed": found }));
+        }
+    }
     let long = |(block, timing): &(&Block, &PartTiming)| timing.delay_ps > block.domain.limit_ps();
     let long: Vec<&str> =
         others.iter().zip(of_others).filter(long).map(|(block, _)| block.path.as_str()).collect();
@@ -91,6 +107,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "clock_mhz": design.clock_mhz,
         "worst_ns": worst,
         "stages": names.iter().zip(of_stages).map(stage).collect::<Vec<_>>(),
+        "router": router.as_ref().map(Router::name),
+        "routed": routed,
         "blocks": others.iter().zip(of_others).map(other).collect::<Vec<_>>(),
     }))
 }
@@ -110,6 +128,19 @@ fn tell(name: &str, stage: &PartTiming, ui: &Ui) -> Result<(), Error> {
         let nets = stage.nets.iter().filter(|net| net.control == control);
         let told: Vec<String> = nets.map(|FanOut { net, loads, .. }| format!("{net} {loads}")).collect();
         ui.say(format!("  loads, {kind}: {}", told.join(", ")))?;
+    }
+    Ok(())
+}
+
+fn tell_routed(name: &str, routed: &Routed, router: &Router, ui: &Ui) -> Result<(), Error> {
+    let Routed { mhz, logic_ns, wires_ns, path, .. } = routed;
+    ui.say(format!(
+        "{name}, routed: {mhz:.1} MHz; worst path {logic_ns:.2} ns of cells, {wires_ns:.2} ns of wires ({}, one seed)",
+        router.name()
+    ))?;
+    for RoutedStep { kind, delay_ns, name, span } in path {
+        let far = span.map_or(String::new(), |(columns, rows)| format!("  ({columns} columns, {rows} rows)"));
+        ui.say(format!("  {delay_ns:6.2} ns  {kind:10} {name}{far}"))?;
     }
     Ok(())
 }

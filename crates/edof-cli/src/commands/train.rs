@@ -1,14 +1,16 @@
 //! `edof train`: a float network from photographs.
 
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::ui::Ui;
 use crate::{form, interrupt, memory, weights};
+use edof_camera::Camera;
+use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
-use edof_spec::network::{Form, Network};
-use edof_spec::provenance::{Input, Provenance};
-use edof_spec::{Camera, ColourFrame, Tone, weight_file};
+use edof_network::network::{Form, Network};
+use edof_network::weight_file;
+use edof_storage::provenance::{Input, Provenance};
 use edof_study::photos::{self, Selection};
 use edof_train::budget::Budget;
 use edof_train::checkpoint::{self, Run};
@@ -63,6 +65,10 @@ pub struct Args {
     /// Which of them: train, all, or numbers as in 1,2 [default: all but the study's test photos]
     #[arg(long)]
     photos: Option<Selection>,
+
+    /// Photographs to leave out of these, by file name without ending; networks can then be judged on them
+    #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
+    leave_out: Vec<String>,
 
     /// Weight file to write
     #[arg(long, value_name = "FILE")]
@@ -182,9 +188,12 @@ pub struct Args {
     #[arg(long)]
     patience: Option<u32>,
 
-    /// Go on from the checkpoints beside OUT, if there are any
+    /// Go on from the checkpoints beside OUT, of which there must be one
     #[arg(long)]
     resume: bool,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 /// # Errors
@@ -197,22 +206,19 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let Lens { mut camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     let files = Files::new(ui).reads_all(files).reads_all(args.from.as_deref().and_then(weights::float_file));
     let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
+    checkpoints(args, &seeds)?;
+    let files = files.keeps(args.force);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
     camera.psi_range = args.psi.map_or(Ok(camera.psi_range), |range| range.psi(&camera))?;
-    ui.used(Input::camera(&camera));
+    ui.used(camera.input());
     from.iter().for_each(|from| ui.used(from.input.clone()));
-    if let Some((_, file)) = seeds.iter().find(|(_, file)| file.exists() && !args.resume) {
-        return Err(Error::message(format!(
-            "{}: left by an earlier run; go on with it by --resume, or delete it",
-            file.display()
-        )));
-    }
     let recipe = &seeds[0].0;
     recipe.check()?;
     check_threads(threads(args))?;
     memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
-    let photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
+    let mut photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
+    leave_out(&mut photographs, &args.leave_out)?;
     let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
     photos.iter().for_each(|photo| ui.used(photo.clone()));
     let dataset = dataset(&photographs, &camera, recipe, &psis, ui)?;
@@ -239,6 +245,52 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     }
     let seed = chosen.trainer.recipe().seed;
     tell(&network, &results, seed, &photographs, args, ui)
+}
+
+/// Refuses to begin over what an unfinished run left, and to go on where none left anything.
+fn checkpoints(args: &Args, seeds: &[(Recipe, PathBuf)]) -> Result<(), Error> {
+    let left = seeds.iter().map(|(_, file)| file).find(|file| file.exists());
+    match (left, args.resume) {
+        (Some(file), false) => Err(Error::message(format!(
+            "{}: left by an earlier run; go on with it by --resume, or delete it",
+            file.display()
+        ))),
+        (None, true) => Err(Error::message(format!(
+            "--resume: there is no checkpoint {} to go on from{}",
+            seeds[0].1.display(),
+            instead(args)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// What there is where a checkpoint was expected, and what to do.
+fn instead(args: &Args) -> String {
+    let out = args.out.display();
+    let begins = |name: &Path| {
+        name.as_os_str().as_encoded_bytes().starts_with(args.out.as_os_str().as_encoded_bytes())
+    };
+    let folder = args.out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let beside = std::fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten().flatten();
+    let mut others: Vec<String> = beside
+        .map(|entry| folder.map_or_else(|| entry.file_name().into(), |folder| folder.join(entry.file_name())))
+        .filter(|file: &PathBuf| {
+            begins(file) && file.extension().is_some_and(|ending| ending == "checkpoint")
+        })
+        .map(|file| file.display().to_string())
+        .collect();
+    others.sort();
+    if !others.is_empty() {
+        return format!("; there is {}, of other seeds: give the --seed of that run", others.join(", "));
+    }
+    match weights::in_words(&args.out) {
+        Some(network) => {
+            format!(
+                "; {out} is finished, {network}: leave --resume out and name another --out, or give --force to train anew"
+            )
+        }
+        None => "; leave --resume out to begin".to_owned(),
+    }
 }
 
 /// A trained network that has not been written yet.
@@ -480,6 +532,26 @@ impl Photograph {
     }
 }
 
+/// Takes photographs out of those to learn from.
+///
+/// # Errors
+/// A name that none of them has: a slip of the pen would train on what is to be held back.
+fn leave_out(photographs: &mut Vec<Photograph>, names: &[String]) -> Result<(), Error> {
+    for name in names {
+        let before = photographs.len();
+        photographs.retain(|photograph| photograph.stem != *name);
+        if photographs.len() == before {
+            return Err(Error::message(format!(
+                "--leave-out {name}: none of the photographs to learn from has this name"
+            )));
+        }
+    }
+    if photographs.is_empty() {
+        return Err(Error::message("--leave-out: leaves no photograph to learn from"));
+    }
+    Ok(())
+}
+
 /// The photographs to learn from, and a remark for each that had to be skipped. Without a folder they are the study's and, where
 /// they are, those that came besides; without a choice, all but the study's test photos.
 ///
@@ -626,6 +698,10 @@ fn command(args: &Args, r: &Recipe) -> String {
         _ => "both".to_owned(),
     };
     let photos = args.photos.as_ref().map(|p| format!(" --photos {p}")).unwrap_or_default();
+    let left_out = match &args.leave_out[..] {
+        [] => String::new(),
+        names => format!(" --leave-out {}", names.join(",")),
+    };
     let bank = args.psf_bank.as_deref().and_then(Path::file_name);
     let bank = bank.map(|file| format!(" --psf-bank {}", file.display())).unwrap_or_default();
     let psi = args.psi.map(|range| format!(" --psi {range}")).unwrap_or_default();
@@ -637,7 +713,11 @@ fn command(args: &Args, r: &Recipe) -> String {
     let (c, a) = (&r.conditions, &r.augmentation);
     let pair = |[low, high]: [f32; 2]| format!("{low}:{high}");
     let words = [
-        format!("edof train --form {} --camera {}{bank}{psi}{photos}", form::words(&r.form), args.camera),
+        format!(
+            "edof train --form {} --camera {}{bank}{psi}{photos}{left_out}",
+            form::words(&r.form),
+            args.camera
+        ),
         format!("--depths {} --tone {tone} --noise {} --gain {}", args.depths, c.noise, c.gain),
         format!("--noiseless {} --exposure {}", c.noiseless, pair(c.exposure)),
         format!("--variants {} --saturation {}", a.variants, pair(a.saturation)),

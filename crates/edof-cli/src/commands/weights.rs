@@ -6,13 +6,13 @@ use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use crate::weights;
+use edof_image::number::OUTPUT_FRACTION;
+use edof_network::fixed_network::{FixedMatrix, layer_names};
+use edof_network::network::Origin;
+use edof_network::weight_file::WeightFileError;
+use edof_network::{FixedNetwork, Network};
 use edof_quantize::bounds::{self, StageError};
-use edof_spec::fixed_network::{FixedMatrix, layer_names};
-use edof_spec::network::Origin;
-use edof_spec::number::OUTPUT_FRACTION;
-use edof_spec::provenance::Provenance;
-use edof_spec::weight_file::WeightFileError;
-use edof_spec::{FixedNetwork, Network};
+use edof_storage::provenance::Provenance;
 use serde::Serialize;
 
 /// Show what a weight file holds: form, formats, ranges, accumulators, and how it was made
@@ -81,12 +81,12 @@ struct Fixed {
     sha256: String,
     code_bits: u32,
     stride: usize,
-    overlap: edof_spec::overlap::Overlap,
+    overlap: edof_image::overlap::Overlap,
     float_sha256: String,
     layers: Vec<Layer>,
     error_bounds: Vec<StageError>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    quantized: Option<edof_spec::fixed_network::Quantized>,
+    quantized: Option<edof_network::fixed_network::Quantized>,
     origin: Origin,
 }
 

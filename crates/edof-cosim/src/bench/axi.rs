@@ -3,38 +3,11 @@
 //! A burst is written when its answer is sent, not before; a word is read when it is sent, not before. So a reader that goes
 //! ahead of an answer sees the old words, as it may in a real memory.
 
-use super::{Actor, ClockId, Pace, Standing, rule_broken};
+use super::{Actor, Behaviour, ClockId, Coupling, Standing, rule_broken};
 use crate::verilator::Model;
 use crate::{Error, Source};
-use edof_spec::draw::Draw;
+use edof_image::draw::Draw;
 use std::collections::{BTreeMap, VecDeque};
-
-/// How a [`Memory`] behaves from now on.
-#[derive(Debug, Clone)]
-pub struct Behaviour {
-    /// When it accepts addresses and words, and when it sends.
-    pub pace: Pace,
-    /// Least and most cycles from a burst's address (or last word) to its answer.
-    pub latency: (i64, i64),
-    /// Of a thousand answers, how many are errors.
-    pub errors: i64,
-    /// Answers of one id overtake those of another, word by word.
-    pub reorders: bool,
-}
-
-impl Behaviour {
-    /// At once, always.
-    #[must_use]
-    pub const fn ideal() -> Self {
-        Self { pace: Pace::steady(), latency: (1, 1), errors: 0, reorders: false }
-    }
-
-    /// Random latency, stalls and order.
-    #[must_use]
-    pub const fn hard(seed: u64) -> Self {
-        Self { pace: Pace::drawn(seed), latency: (1, 80), errors: 0, reorders: true }
-    }
-}
 
 macro_rules! bundle {
     ($name:ident { $($signal:ident),* }) => {
@@ -133,13 +106,16 @@ struct Reading {
 /// A memory: any of a write bundle and a read bundle of the block.
 pub struct Memory {
     clock: ClockId,
-    reset: usize,
+    /// The port, and its value while the memory is in reset.
+    reset: (usize, u64),
     width: usize,
     writing: Option<Writing>,
     reading: Option<Reading>,
     words: BTreeMap<u64, Vec<u32>>,
     draw: Draw,
     cycle: u64,
+    /// The cycle in which a pause ends.
+    starves_until: u64,
     /// How it behaves.
     pub behaviour: Behaviour,
     /// What was written.
@@ -149,7 +125,8 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// For the write bundle and the read bundle of those names; while the port `reset` is high it forgets what is on its way.
+    /// For the write bundle and the read bundle of those names; while the port `reset` has that value the memory itself is in reset, and
+    /// forgets what is in flight. A reset of those who use it is nothing to a memory.
     ///
     /// # Errors
     /// There are no such ports.
@@ -157,7 +134,7 @@ impl Memory {
         source: &Source,
         bundles: (Option<&str>, Option<&str>),
         clock: ClockId,
-        reset: &str,
+        reset: (&str, u64),
         behaviour: Behaviour,
         seed: u64,
     ) -> Result<Self, Error> {
@@ -168,13 +145,14 @@ impl Memory {
         let width = data.map_or(0, |port| source.ports[port].bits);
         Ok(Self {
             clock,
-            reset: source.port(reset)?,
+            reset: (source.port(reset.0)?, reset.1),
             width,
             writing,
             reading,
             words: BTreeMap::new(),
             draw: Draw::new(seed),
             cycle: 0,
+            starves_until: 0,
             behaviour,
             written: Traffic::default(),
             read: Traffic::default(),
@@ -221,8 +199,21 @@ impl Memory {
         self.cycle + self.draw.whole(least, most) as u64
     }
 
-    fn errs(&mut self) -> bool {
-        self.draw.whole(0, 999) < self.behaviour.errors
+    fn errs(&mut self, of_a_thousand: i64) -> bool {
+        self.draw.whole(0, 999) < of_a_thousand
+    }
+
+    /// Whether a channel moves in this cycle.
+    fn goes(&mut self) -> bool {
+        self.cycle >= self.starves_until && self.behaviour.pace.goes()
+    }
+
+    /// A pause begins now and then.
+    fn starve(&mut self) {
+        let (least, most) = self.behaviour.starves;
+        if most > 0 && self.cycle >= self.starves_until && self.draw.whole(0, 1_999) == 0 {
+            self.starves_until = self.cycle + self.draw.whole(least, most) as u64;
+        }
     }
 
     fn reset(&mut self) {
@@ -254,6 +245,19 @@ impl Writing {
             words: VecDeque::new(),
             complete: VecDeque::new(),
             answers: false,
+        })
+    }
+
+    /// Whether the coupling lets an address and a word be accepted in the next cycle.
+    fn coupled(&self, model: &mut Model, coupling: Coupling) -> Result<(bool, bool), Error> {
+        let announced: u64 = self.announced.iter().map(|burst| burst.words).sum();
+        let ahead = self.words.len() as i64 - announced as i64;
+        Ok(match coupling {
+            Coupling::Free => (true, true),
+            Coupling::AddressWaits => {
+                (ahead > 0 || (ahead == 0 && model.peek(self.ports.w_valid)? == 1), true)
+            }
+            Coupling::DataWaits => (true, ahead < 0),
         })
     }
 }
@@ -323,7 +327,8 @@ impl Actor for Memory {
 
     fn before(&mut self, model: &mut Model) -> Result<(), Error> {
         self.cycle += 1;
-        if model.peek(self.reset)? == 1 {
+        self.starve();
+        if model.peek(self.reset.0)? == self.reset.1 {
             self.reset();
             return Ok(());
         }
@@ -418,15 +423,16 @@ impl Memory {
 
     fn after_write(&mut self, model: &mut Model, side: &mut Writing) -> Result<(), Error> {
         let p = &side.ports;
-        model.poke(p.aw_ready, self.behaviour.pace.goes().into())?;
-        model.poke(p.w_ready, self.behaviour.pace.goes().into())?;
-        let chosen = if side.answers || !self.behaviour.pace.goes() {
+        let (address_goes, word_goes) = side.coupled(model, self.behaviour.coupling)?;
+        model.poke(p.aw_ready, (address_goes && self.goes()).into())?;
+        model.poke(p.w_ready, (word_goes && self.goes()).into())?;
+        let chosen = if side.answers || !self.goes() {
             None
         } else {
             self.choose(side.complete.iter().map(|(burst, _)| burst))
         };
         if let Some((burst, words)) = chosen.and_then(|at| side.complete.remove(at)) {
-            let fails = self.errs();
+            let fails = self.errs(self.behaviour.errors);
             self.written.errors += usize::from(fails);
             let first = burst.address / self.word_bytes();
             for (index, (word, strobe)) in (first..).zip(words).filter(|_| !fails) {
@@ -470,15 +476,16 @@ impl Memory {
 
     fn after_read(&mut self, model: &mut Model, side: &mut Reading) -> Result<(), Error> {
         let p = &side.ports;
-        model.poke(p.ar_ready, self.behaviour.pace.goes().into())?;
-        let chosen =
-            if side.answers || !self.behaviour.pace.goes() { None } else { self.choose(side.asked.iter()) };
+        model.poke(p.ar_ready, self.goes().into())?;
+        let chosen = if side.answers || !self.goes() { None } else { self.choose(side.asked.iter()) };
         if let Some(at) = chosen {
-            let fails = self.errs();
+            let id = side.asked[at].id;
+            let fails = self.errs(self.behaviour.read_errors[id as usize % 2]);
             self.read.errors += usize::from(fails);
             let bytes = self.word_bytes();
             let burst = &mut side.asked[at];
-            let word = self.word(burst.address / bytes).clone();
+            let flip = if fails { u32::MAX } else { 0 };
+            let word: Vec<u32> = self.word(burst.address / bytes).iter().map(|part| part ^ flip).collect();
             burst.address += bytes;
             burst.words -= 1;
             side.answers = true;

@@ -25,6 +25,14 @@ impl Mark {
         Self { name: name.into(), clock, value }
     }
 
+    /// The same, 0 unless all these signals are high.
+    #[must_use]
+    pub fn only_while(mut self, signals: &[String]) -> Self {
+        let all: Vec<String> = signals.iter().map(|signal| format!("dut.{signal}")).collect();
+        self.value = format!("({}) ? {} : {BITS}'d0", all.join(" && "), self.value);
+        self
+    }
+
     /// Its output.
     #[must_use]
     pub fn port(&self) -> String {

@@ -6,6 +6,7 @@
 //! | [`Bench`] | [`clocks`] | lets clocks rise, each with its own period, drift and jitter |
 //! | [`Sender`], [`Receiver`] | [`stream`] | AXI4-Stream |
 //! | [`Memory`] | [`axi`] | AXI4: latency, stalls, errors, and other orders where the standard allows them |
+//! | [`Behaviour`] | [`behaviour`] | how late, how coupled and how starved a memory is |
 //! | [`Host`] | [`axi_lite`] | AXI4-Lite |
 //! | [`Serial`] | [`serial`] | a serial line, cycle by cycle |
 //! | [`Pace`] | [`pace`] | when one of them pauses |
@@ -16,6 +17,7 @@
 
 pub mod axi;
 pub mod axi_lite;
+pub mod behaviour;
 pub mod clocks;
 pub mod marks;
 pub mod pace;
@@ -23,8 +25,9 @@ pub mod serial;
 mod standing;
 pub mod stream;
 
-pub use axi::{Behaviour, Memory};
+pub use axi::Memory;
 pub use axi_lite::Host;
+pub use behaviour::{Behaviour, Coupling};
 pub use clocks::{Bench, ClockId};
 pub use marks::Mark;
 pub use pace::Pace;

@@ -1,6 +1,6 @@
 //! When someone pauses.
 
-use edof_spec::draw::Draw;
+use edof_image::draw::Draw;
 
 /// Says for each cycle whether to go on. Drawn paces change their mood every now and then, so that full speed, trickle and long
 /// pauses all occur.

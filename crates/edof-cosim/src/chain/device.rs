@@ -1,8 +1,8 @@
 //! A chain of stages, seen from outside, one cycle at a time.
 
 use crate::Error;
-use edof_spec::design::BEAT;
-use edof_spec::design::memory::Set;
+use edof_device::design::BEAT;
+use edof_device::design::memory::Set;
 
 /// A beat of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub struct Inputs {
     pub window: Option<Beat>,
     /// Whether a beat of a patch is taken.
     pub patch_ready: bool,
-    /// A word to write: address ([`edof_spec::design::memory::address`]) and value.
+    /// A word to write: address ([`edof_device::design::memory::address`]) and value.
     pub write: Option<(u32, u32)>,
     /// What to show: [`status_address`].
     pub status_address: u32,

@@ -3,10 +3,10 @@
 use super::check::{Boundary, Difference, Fault, stage_names};
 use super::device::{Beat, Device, Inputs, Offer, Outputs, status_address};
 use crate::Error;
+use edof_device::design::memory::{self, Space};
+use edof_device::design::{StagePlan, timing};
 use edof_golden::StageCounts;
 use edof_golden::cycle::{Cycle, Patch, PatchRun, Run, StallPattern, Stalls, Summary};
-use edof_spec::design::memory::{self, Space};
-use edof_spec::design::{StagePlan, timing};
 use std::collections::VecDeque;
 
 /// Cycles of reset: enough for every pipeline to run dry.

@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::icarus::{self, Difference, Observed};
 use crate::rows::{Layout, Rows};
 use crate::{Source, chain::verilated, work};
+use edof_device::design::memory::Set;
 use edof_hdl::project::Project;
-use edof_spec::design::memory::Set;
 
 /// A device that keeps what it was given.
 pub struct Recorded<D> {

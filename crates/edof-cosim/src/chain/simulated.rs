@@ -2,8 +2,8 @@
 
 use super::device::{Beat, Device, Inputs, Offer, Outputs, join, set, split};
 use crate::Error;
+use edof_device::design::memory::Set;
 use edof_hdl::blocks::chain::Chain;
-use edof_spec::design::memory::Set;
 use rust_hdl::prelude::{Block, Clock, simulate};
 
 /// Rounds after which a circuit that still changes is said to oscillate.

@@ -1,17 +1,22 @@
 //! A whole core in Verilator as a board: a serial line at its pins, a frame that goes round, and what the screen shows.
 
+use super::chips::Chips;
 use super::pictures::sent;
 use super::rig::{Begin, Compiled, Rig, project};
 use super::uart::Uart;
-use crate::verilator::Options;
+use crate::Source;
+use crate::bench::{Actor, ClockId};
+use crate::verilator::{Model, Options};
 use edof_board::Error;
 use edof_board::faulty::Resettable;
 use edof_board::line::{BITS_PER_BYTE, Line, line_time};
 use edof_board::terminal::Device;
+use edof_device::Design;
+use edof_device::board::CORE_KILOHERTZ;
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Display, Golden};
-use edof_spec::board::CORE_KILOHERTZ;
-use edof_spec::{Design, FixedNetwork, RawFrame};
+use edof_image::RawFrame;
+use edof_network::FixedNetwork;
 use std::io;
 use std::time::Duration;
 
@@ -64,9 +69,31 @@ const BETWEEN: usize = 2_000;
 /// Pictures that are remembered.
 const REMEMBERED: usize = 64;
 
+/// What stands at a core's ports besides its video and its memory.
+struct Around {
+    uart: Uart,
+    chips: Chips,
+}
+
+impl Actor for Around {
+    fn clock(&self) -> ClockId {
+        self.uart.clock()
+    }
+
+    fn before(&mut self, core: &mut Model) -> Result<(), crate::Error> {
+        self.uart.before(core)?;
+        self.chips.before(core)
+    }
+
+    fn after(&mut self, core: &mut Model) -> Result<(), crate::Error> {
+        self.uart.after(core)?;
+        self.chips.after(core)
+    }
+}
+
 /// A core that runs in Verilator, between a camera that sends a frame again and again, a screen, a memory, and a serial line.
 pub struct VerilogBoard {
-    rig: Rig<Uart>,
+    rig: Rig<Around>,
     speed: Speed,
     shown: Vec<Vec<u16>>,
     /// Frames on the screen so far, black ones too.
@@ -97,8 +124,13 @@ impl VerilogBoard {
         let compiled = Compiled::new(&project, options).map_err(stopped)?;
         let line = (speed.cycles_per_bit, speed.time_out);
         let begin = Begin::leisurely(design, seed);
-        let uart = |source: &_, clock| Uart::new(source, clock, line, seed, options);
-        let rig = Rig::start_with(&compiled, &begin, vec![sent(raw)], uart).map_err(stopped)?;
+        let around = |source: &Source, clock| {
+            Ok(Around {
+                uart: Uart::new(source, clock, line, seed, options)?,
+                chips: Chips::new(source, clock, begin.timing, seed, options)?,
+            })
+        };
+        let rig = Rig::start_with(&compiled, &begin, vec![sent(raw)], around).map_err(stopped)?;
         Ok(Self { rig, speed, shown: vec![], frames: 0, bytes: [0; 2] })
     }
 
@@ -135,6 +167,11 @@ impl VerilogBoard {
         Ok(())
     }
 
+    /// The video chips.
+    pub const fn chips(&mut self) -> &mut Chips {
+        &mut self.rig.host.chips
+    }
+
     /// Pictures that were on the screen, each once where it came several times in a row; black ones are none.
     #[must_use]
     pub fn shown(&self) -> &[Vec<u16>] {
@@ -162,11 +199,11 @@ impl VerilogBoard {
 
     fn put(&mut self, bytes: &[u8]) {
         self.bytes[0] += bytes.len() as u64;
-        self.rig.host.terminal.send(bytes.iter().map(|byte| (0, *byte)));
+        self.rig.host.uart.terminal.send(bytes.iter().map(|byte| (0, *byte)));
     }
 
     fn take(&mut self, most: usize) -> Vec<u8> {
-        let came = &mut self.rig.host.terminal.came;
+        let came = &mut self.rig.host.uart.terminal.came;
         let bytes: Vec<u8> = came.drain(..most.min(came.len())).collect();
         self.bytes[1] += bytes.len() as u64;
         bytes
@@ -175,7 +212,7 @@ impl VerilogBoard {
     /// Whether nothing comes any more, however long one waits: the line is at rest, and a frame that was cut off is given up.
     fn rests(&self) -> bool {
         let byte = u64::from(self.speed.cycles_per_bit) * u64::from(BITS_PER_BYTE);
-        self.rig.host.terminal.quiet > u64::from(self.speed.time_out) + 2 * byte
+        self.rig.host.uart.terminal.quiet > u64::from(self.speed.time_out) + 2 * byte
     }
 }
 
@@ -195,7 +232,7 @@ impl Line for VerilogBoard {
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.put(bytes);
-        while !self.rig.host.terminal.is_done() {
+        while !self.rig.host.uart.terminal.is_done() {
             self.steps(AT_ONCE).map_err(io::Error::other)?;
         }
         Ok(())
@@ -203,7 +240,7 @@ impl Line for VerilogBoard {
 
     fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
         let until = self.seconds() + patience.as_secs_f64();
-        while self.rig.host.terminal.came.is_empty() && self.seconds() < until && !self.rests() {
+        while self.rig.host.uart.terminal.came.is_empty() && self.seconds() < until && !self.rests() {
             self.steps(AT_ONCE).map_err(io::Error::other)?;
         }
         Ok(self.take(most))

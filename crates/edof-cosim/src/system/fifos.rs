@@ -1,11 +1,11 @@
 //! The FIFOs of a core: how full each may get, ahead of a run, and how full it was.
 
 use crate::bench::Mark;
+use edof_device::board::{AGENT_WORDS, BURST_WORDS, CROSSING_PIXELS, WORD_PIXELS};
+use edof_device::fifos::{agent_words, crossing_words};
 use edof_golden::video::figures::Periods;
 use edof_hdl::project::Project;
 use edof_hdl::video::queue;
-use edof_spec::board::{AGENT_WORDS, BURST_WORDS, CROSSING_PIXELS, WORD_PIXELS};
-use edof_spec::fifos::{agent_words, crossing_words};
 
 /// A FIFO of a core and how full it got.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,8 +36,10 @@ const QUEUES: [(&str, &str); 5] = [
 pub(super) fn marks(core: &Project) -> Vec<Mark> {
     let clock = "clock_i";
     let crossing = |name: &&str| {
-        let [put, taken] = ["write", "read"].map(|side| format!("{name}.fifo.{side}_q"));
-        Mark::between(name, clock, [&put, &taken], CROSSING_PIXELS.ilog2() as usize + 1)
+        let [put, taken] = ["write", "read"].map(|side| format!("{name}.fifo.{side}"));
+        let mark = Mark::between(name, clock, [&put, &taken], CROSSING_PIXELS.ilog2() as usize + 1);
+        // While it is being emptied its pointers mean nothing.
+        mark.only_while(&[format!("{put}_open"), format!("{taken}_open")])
     };
     let agent = |taken: &'static str| {
         move |name: &&str| {

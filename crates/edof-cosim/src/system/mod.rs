@@ -6,11 +6,15 @@
 //! | expect | [`pictures`] | frames to send, and the picture that the screen must show for each |
 //! | stand around | [`pins`] | the camera and the screen |
 //! | run | [`rig`] | a core that runs between them, its [`Memory`](crate::bench::Memory) and its [`Host`](crate::bench::Host) |
+//! | set up | [`chips`] | the engines and models of the video chips, and who counts sync codes |
 //! | talk to it | [`uart`], [`board`] | a serial line at its pins, and all of it as a board that any host of `edof-board` knows |
+//! | between cables | [`mod@cables`] | the KC705's core with models of the chips around it, from a source's cable to a screen |
 //! | measure | [`measured`], [`fifos`] | frames a second, what passed through the memory, latency; how full FIFOs got |
 //! | run again | [`mod@recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
 pub mod board;
+pub mod cables;
+pub mod chips;
 pub mod fifos;
 pub mod measured;
 pub mod pictures;

@@ -1,15 +1,16 @@
 //! Frames for a camera, and what the screen must show for them.
 
+use edof_device::design::FrameSize;
 use edof_golden::gamma::ColourTable;
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Display, Golden};
 use edof_hdl::kc705::Tables;
-use edof_spec::design::FrameSize;
-use edof_spec::draw::Draw;
-use edof_spec::fixed_network::FixedNetworkError;
-use edof_spec::frame::FrameError;
-use edof_spec::geometry::GeometryError;
-use edof_spec::{CfaPhase, RawFrame};
+use edof_image::cable::carried;
+use edof_image::draw::Draw;
+use edof_image::frame::FrameError;
+use edof_image::geometry::GeometryError;
+use edof_image::{CfaPhase, RawFrame};
+use edof_network::fixed_network::FixedNetworkError;
 use ndarray::Array2;
 
 /// Frames that have no picture.
@@ -67,7 +68,7 @@ pub fn drawn(size: FrameSize, count: usize, seed: u64) -> Result<Vec<RawFrame>, 
     (0..count).map(frame).collect()
 }
 
-/// The pixel words of a raw frame, as a camera sends them.
+/// The raw pixel words of a frame, as a camera sends them.
 #[must_use]
 pub fn sent(raw: &RawFrame) -> Vec<u16> {
     raw.pixels().iter().copied().collect()
@@ -78,7 +79,7 @@ pub fn sent(raw: &RawFrame) -> Vec<u16> {
 /// # Errors
 /// The frame is too small for the network.
 pub fn picture(golden: &Golden, display: &Display, raw: &RawFrame) -> Result<Vec<u16>, GeometryError> {
-    let bytes = golden.frame(raw)?.picture(display).0.yuyv();
+    let bytes = golden.frame(&carried(raw))?.picture(display).0.yuyv();
     Ok(bytes.chunks_exact(2).map(|bytes| u16::from_le_bytes([bytes[0], bytes[1]])).collect())
 }
 

@@ -3,8 +3,9 @@
 use crate::bench::{Actor, ClockId};
 use crate::verilator::Model;
 use crate::{Error, Source};
-use edof_spec::draw::Draw;
-use edof_spec::video::VideoTiming;
+use edof_device::video::VideoTiming;
+use edof_image::cable;
+use edof_image::draw::Draw;
 
 /// The ports of a bus: horizontal sync, vertical sync, data enable, data.
 fn ports(source: &Source, bus: &str) -> Result<[usize; 4], Error> {
@@ -12,7 +13,7 @@ fn ports(source: &Source, bus: &str) -> Result<[usize; 4], Error> {
     Ok([port("hs")?, port("vs")?, port("de")?, port("data")?])
 }
 
-/// Sends frames of raw pixel words one after the other by the timing of a screen, each once, the last again and again.
+/// Sends frames of raw pixel words (luma low, chroma high) one after the other by the timing of a screen, each once, the last again and again.
 pub struct Camera {
     clock: ClockId,
     ports: [usize; 4],
@@ -84,8 +85,8 @@ impl Actor for Camera {
         let seen = row < frame.active && column < line.active;
         // A vertical sync begins with a horizontal one.
         let vertical = if column < line.active + line.front { row.wrapping_sub(1) } else { row };
-        let pixel = match self.frames.get(self.frame) {
-            Some(pixels) if seen => pixels[row * line.active + column],
+        let data = match self.frames.get(self.frame) {
+            Some(pixels) if seen => u16::from_le_bytes(cable::codes(pixels[row * line.active + column])),
             _ => self.draw.bits() as u16,
         };
         let pins = [line.in_sync(column).into(), frame.in_sync(vertical).into(), seen.into()];
@@ -93,7 +94,7 @@ impl Actor for Camera {
         for (port, value) in self.ports.iter().zip(pins) {
             model.poke(*port, value)?;
         }
-        model.poke(self.ports[3], pixel.swap_bytes().into())?;
+        model.poke(self.ports[3], data.into())?;
         self.advance();
         Ok(())
     }

@@ -9,16 +9,18 @@ use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Mark, Memory, Pace};
 use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Options, Start};
 use crate::{Error, Source, work};
+use edof_device::Design;
+use edof_device::registers::identity::{design_hash, weights_hash};
+use edof_device::registers::map;
+use edof_device::video::VideoTiming;
 use edof_golden::Display;
 use edof_golden::video::figures::Periods;
 use edof_hdl::board::{EdofCore, Identity};
 use edof_hdl::kc705::table_images;
-use edof_hdl::project::{Project, ProjectError, images, of_circuit};
-use edof_spec::atomic::WorkFolder;
-use edof_spec::registers::identity::{design_hash, weights_hash};
-use edof_spec::registers::map;
-use edof_spec::video::VideoTiming;
-use edof_spec::{Design, DisplayMode, FixedNetwork};
+use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
+use edof_image::DisplayMode;
+use edof_network::FixedNetwork;
+use edof_storage::atomic::WorkFolder;
 
 /// The core of a design (`edof_hdl::board::EdofCore`) with its images: its sets of weights start with these networks, the display with
 /// these tables.
@@ -35,9 +37,11 @@ pub fn project(
     let frame = (design.frame.width as u16, design.frame.height as u16);
     let identity =
         Identity { design_hash: design_hash(design), weights_hash: weights_hash(design, sets[0]), frame };
-    let mut core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
-    let files = images(design, sets).into_iter().chain(table_images(&tables)).collect();
-    Ok(of_circuit(&mut core, files)?)
+    spacious(|| {
+        let mut core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
+        let files = images(design, sets).into_iter().chain(table_images(&tables)).collect();
+        Ok(of_circuit(&mut core, files)?)
+    })
 }
 
 /// The core's clock as on the board; pixels so slow that it keeps up with every frame, and the screen a little faster than the camera, so that
@@ -159,7 +163,14 @@ impl<H: Actor> Rig<H> {
         let mut rig = Self {
             camera: Camera::new(source, "input", input, begin.timing, frames)?,
             screen: Screen::new(source, "screen", output, "reset_i", size)?,
-            memory: Memory::new(source, bundles, core, "reset_i", begin.behaviour.clone(), begin.seed)?,
+            memory: Memory::new(
+                source,
+                bundles,
+                core,
+                ("dram_ready_i", 0),
+                begin.behaviour.clone(),
+                begin.seed,
+            )?,
             host: host(source, core)?,
             bench,
             input,
@@ -167,14 +178,14 @@ impl<H: Actor> Rig<H> {
             shown_at: vec![],
             marks: compiled.marks.clone(),
         };
-        for port in ["dram_ready_i", "i2c_done_i"] {
-            rig.bench.set(port, 1)?;
-        }
+        rig.bench.set("i2c_done_i", 1)?;
+        rig.bench.set("dram_ready_i", 0)?;
         rig.reset()?;
+        rig.bench.set("dram_ready_i", 1)?;
         Ok(rig)
     }
 
-    /// Resets the core; the camera goes on.
+    /// Resets the core; camera, screen and memory go on.
     ///
     /// # Errors
     /// As [`Rig::steps`].

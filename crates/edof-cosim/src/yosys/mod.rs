@@ -2,6 +2,7 @@
 
 pub mod fan_out;
 mod netlist;
+pub mod route;
 pub mod timing;
 
 use crate::error::{Error, at};
@@ -47,6 +48,8 @@ pub struct Dsp {
     pub registers_factors: bool,
     /// The Z multiplexer can select P: the sum comes back inside.
     pub sums_inside: bool,
+    /// What chooses the operation comes from a flip-flop of this DSP's own that a tool may take in as OPMODEREG.
+    pub free_operation: bool,
     /// P goes to a carry chain, by way of at most one LUT: something adds to it, or compares it, outside.
     pub feeds_carry: bool,
 }

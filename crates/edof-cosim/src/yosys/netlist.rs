@@ -27,6 +27,8 @@ struct Module {
 struct Wire {
     hide_name: u8,
     bits: Vec<Bit>,
+    #[serde(default)]
+    attributes: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -49,6 +51,12 @@ enum Bit {
     Constant(String),
 }
 
+impl Bit {
+    const fn net(&self) -> Option<u64> {
+        if let Self::Net(net) = self { Some(*net) } else { None }
+    }
+}
+
 impl Netlist {
     /// Reads a file of `write_json`.
     pub fn read(file: impl Read) -> Result<Self, serde_json::Error> {
@@ -58,12 +66,12 @@ impl Netlist {
     /// What a flat top is made of; none where there is no top.
     pub fn report(&self) -> Option<Report> {
         let top = self.modules.values().find(|module| module.attributes.contains_key("top"))?;
-        let to_carry = top.nets_to_carry();
+        let (to_carry, free) = (top.nets_to_carry(), top.free_registers());
         let mut report = Report::default();
         for (name, cell) in &top.cells {
             *report.cells.0.entry(cell.kind.clone()).or_default() += 1;
             if cell.kind == "DSP48E1" {
-                report.dsps.push(cell.dsp(name, &to_carry));
+                report.dsps.push(cell.dsp(name, &to_carry, &free));
             }
         }
         Some(report)
@@ -153,6 +161,19 @@ impl Module {
         names
     }
 
+    /// Outputs of flip-flops that have one load and that nothing keeps: a tool may take such a register into its load.
+    fn free_registers(&self) -> BTreeSet<u64> {
+        let is_kept = |wire: &&Wire| wire.attributes.contains_key("keep");
+        let bits = |wire: &'_ Wire| wire.bits.iter().filter_map(Bit::net).collect::<Vec<_>>();
+        let kept: BTreeSet<u64> = self.netnames.values().filter(is_kept).flat_map(bits).collect();
+        let loads = self.loads();
+        let registers = self.cells.values().filter(|cell| cell.kind.starts_with("FD"));
+        registers
+            .flat_map(|cell| cell.nets(&["Q"]))
+            .filter(|net| !kept.contains(net) && loads.get(net).is_some_and(|loads| loads.count == 1))
+            .collect()
+    }
+
     /// Nets that enter a carry chain, directly or through one LUT.
     fn nets_to_carry(&self) -> BTreeSet<u64> {
         let carries = self.cells.values().filter(|cell| cell.kind == "CARRY4");
@@ -168,7 +189,7 @@ impl Module {
 impl Cell {
     fn nets(&self, ports: &'static [&str]) -> impl Iterator<Item = u64> {
         let bits = ports.iter().filter_map(|&port| self.connections.get(port)).flatten();
-        bits.filter_map(|bit| if let Bit::Net(net) = bit { Some(*net) } else { None })
+        bits.filter_map(Bit::net)
     }
 
     /// Parameters are binary text.
@@ -177,7 +198,7 @@ impl Cell {
     }
 
     /// Bits 6 to 4 of OPMODE select Z: 010 is P (UG479, table 2-9).
-    fn dsp(&self, name: &str, to_carry: &BTreeSet<u64>) -> Dsp {
+    fn dsp(&self, name: &str, to_carry: &BTreeSet<u64>, free: &BTreeSet<u64>) -> Dsp {
         let opmode = self.connections.get("OPMODE");
         let may_be = |bit: usize, value: &str| match opmode.and_then(|bits| bits.get(bit)) {
             Some(Bit::Net(_)) => true,
@@ -190,6 +211,7 @@ impl Cell {
             registers_product: self.is_set("MREG"),
             registers_factors: self.is_set("AREG") && self.is_set("BREG"),
             sums_inside: may_be(6, "0") && may_be(5, "1") && may_be(4, "0"),
+            free_operation: self.nets(&["OPMODE"]).all(|net| free.contains(&net)),
             feeds_carry: self.nets(&["P"]).any(|net| to_carry.contains(&net)),
         }
     }

@@ -24,7 +24,7 @@ pub const NETS: usize = 10;
 /// Parts that are mapped at once, at most: a big one takes 400 MB.
 const AT_ONCE: usize = 2;
 /// Changes with what is read out of a run, so that older results in the cache are not taken for it.
-const FORMAT: &str = "timing 3";
+const FORMAT: &str = "timing 4";
 
 /// Where a user's results belong: `edof/timing` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
 #[must_use]
@@ -55,6 +55,8 @@ pub struct PartTiming {
     pub dsps: usize,
     /// Those of them whose registers A, B, M and P are all used.
     pub registered_dsps: usize,
+    /// Those of them whose operation comes from a register that may become the DSP's own OPMODEREG.
+    pub free_operations: usize,
 }
 
 /// One cell on a path, and the net at which it is left.
@@ -133,7 +135,7 @@ pub fn whole(project: &Project, cache: Option<&Path>) -> Result<PartTiming, Erro
 }
 
 /// The design with all parameters and memory images in place, before anything is mapped.
-fn elaborated(project: &Project, work: &Path) -> Result<PathBuf, Error> {
+pub(super) fn elaborated(project: &Project, work: &Path) -> Result<PathBuf, Error> {
     let source = Source::from(project);
     source.write(work)?;
     crate::chain::verilated::write_images(project, work)?;
@@ -148,7 +150,7 @@ fn elaborated(project: &Project, work: &Path) -> Result<PathBuf, Error> {
 }
 
 /// The module of a part.
-fn module_of(rtlil: &str, top: &str, path: &str) -> Result<String, Error> {
+pub(super) fn module_of(rtlil: &str, top: &str, path: &str) -> Result<String, Error> {
     path.split('/').try_fold(format!("\\{top}"), |module, name| {
         let begin = format!("module {module}");
         let lines = rtlil.lines().skip_while(|line| *line != begin).take_while(|line| *line != "end");
@@ -205,15 +207,16 @@ fn mapped(design: &Path, module: &str, work: &Path) -> Result<PartTiming, Error>
         accumulating_dsps: report.accumulators_inside(),
         dsps: report.dsps.len(),
         registered_dsps: report.dsps.iter().filter(|dsp| dsp.is_registered()).count(),
+        free_operations: report.dsps.iter().filter(|dsp| dsp.free_operation).count(),
         cells: report.cells,
     })
 }
 
-fn run(script: &str, name: &str, dir: &Path) -> Result<(), Error> {
+pub(super) fn run(script: &str, name: &str, dir: &Path) -> Result<(), Error> {
     std::fs::write(dir.join(name), script).map_err(at(&dir.join(name)))?;
     tool::run(tool::command("yosys", dir).args(["-q", "-s", name])).map(drop)
 }
 
-fn unreadable(problem: String) -> Error {
+pub(super) fn unreadable(problem: String) -> Error {
     Error::Output { tool: "yosys".into(), problem }
 }

@@ -5,12 +5,13 @@ use crate::support;
 use edof_cosim::Error;
 use edof_cosim::chain::verilated::{Compiled, Verilated};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
+use edof_device::Design;
+use edof_device::design::memory::{SNAPSHOT, Set};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::scalar;
 use edof_hdl::project::{self, Project};
-use edof_spec::design::memory::{SNAPSHOT, Set};
-use edof_spec::draw::Draw;
-use edof_spec::{Design, FixedNetwork};
+use edof_image::draw::Draw;
+use edof_network::FixedNetwork;
 use std::path::{Path, PathBuf};
 
 /// The root of the project.

@@ -5,7 +5,7 @@ use edof_cosim::Source;
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_hdl::describe::Circuit;
 use edof_hdl::project;
-use edof_spec::draw::Draw;
+use edof_image::draw::Draw;
 use std::collections::VecDeque;
 
 /// Cycles of reset at the start of every run.

@@ -6,9 +6,9 @@
 
 use super::stage::{Receiver, StageClock, StageUse};
 use super::{StallPattern, Stalls};
-use edof_spec::Design;
-use edof_spec::design::StagePlan;
-use edof_spec::design::reading::stolen;
+use edof_device::Design;
+use edof_device::design::StagePlan;
+use edof_device::design::reading::stolen;
 
 /// When the beats of one patch are transferred.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,12 +2,13 @@
 
 use super::Stalls;
 use super::chain::Chain;
-use edof_spec::design::StagePlan;
-use edof_spec::design::timing::{
+use edof_device::Design;
+use edof_device::design::StagePlan;
+use edof_device::design::timing::{
     ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING, RELEASE_LATENCY, SLOTS,
     SUM_LATENCY, release,
 };
-use edof_spec::{Design, Geometry};
+use edof_image::Geometry;
 
 /// Patches until the chain has settled.
 const SETTLE: usize = 200;

@@ -3,20 +3,20 @@
 use super::Stalls;
 use super::chain::Chain;
 use super::estimate::{StageCycles, mean_steps};
-use edof_spec::Design;
-use edof_spec::design::stage::MOST_ROWS;
-use edof_spec::design::{BANK_LANES, StagePlan, StageSize};
+use edof_device::Design;
+use edof_device::design::stage::MOST_ROWS;
+use edof_device::design::{BANK_LANES, StagePlan, StageSize};
 
 /// The foldings worth a look for patches with these mean numbers of pairs: for every number of cycles a patch that some stage can
 /// reach, each stage is the one with the fewest multipliers that is no slower. Cheapest first.
 ///
 /// ```
 /// use edof_golden::cycle::explore::foldings;
-/// let tiny = edof_spec::Design::from_json(include_str!("../../../../designs/tiny.json"))?;
+/// let tiny = edof_device::Design::from_json(include_str!("../../../../designs/tiny.json"))?;
 /// let all = foldings(&tiny, &[64.0, 8.0, 8.0, 8.0]);
-/// let dsps = |design: &edof_spec::Design| design.stages().map(|stage| stage.dsps()).sum::<usize>();
+/// let dsps = |design: &edof_device::Design| design.stages().map(|stage| stage.dsps()).sum::<usize>();
 /// assert!(all.windows(2).all(|two| dsps(&two[0]) < dsps(&two[1])));
-/// # Ok::<(), edof_spec::design::DesignError>(())
+/// # Ok::<(), edof_device::design::DesignError>(())
 /// ```
 #[must_use]
 pub fn foldings(design: &Design, pairs: &[f64]) -> Vec<Design> {

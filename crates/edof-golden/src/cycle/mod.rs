@@ -18,8 +18,8 @@
 //!
 //! ```
 //! use edof_golden::cycle::{Cycle, Patch, Stalls, Summary};
-//! use edof_spec::draw::Draw;
-//! use edof_spec::{Design, design::memory::Set};
+//! use edof_image::draw::Draw;
+//! use edof_device::{Design, design::memory::Set};
 //!
 //! let design = Design::from_json(include_str!("../../../../designs/tiny.json"))?;
 //! let network = edof_random::for_design(&design, 1);
@@ -57,8 +57,8 @@ pub use stall::{StallPattern, Stalls};
 pub use summary::Summary;
 pub use transfer::{Patch, PatchRun, Transfer};
 
-use edof_spec::design::DesignError;
-use edof_spec::fixed_network::FixedNetworkError;
+use edof_device::design::DesignError;
+use edof_network::fixed_network::FixedNetworkError;
 
 /// A design or network that the model cannot run.
 #[derive(Debug, thiserror::Error)]

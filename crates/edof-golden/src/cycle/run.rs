@@ -5,9 +5,10 @@ use super::transfer::{Patch, PatchRun};
 use super::{CycleError, Stalls};
 use crate::Trace;
 use crate::fast::{Batch, Fast};
-use edof_spec::design::memory::Set;
-use edof_spec::design::{BEAT, StagePlan};
-use edof_spec::{Design, FixedNetwork};
+use edof_device::Design;
+use edof_device::design::memory::Set;
+use edof_device::design::{BEAT, StagePlan};
+use edof_network::FixedNetwork;
 use std::collections::VecDeque;
 
 /// The cycle-accurate model of a design with two sets of weights.

@@ -1,8 +1,8 @@
 //! One stage's clock: when it takes, multiplies, drains and sends a vector (docs/calculator.md, "What happens in a stage").
 
 use super::StallPattern;
-use edof_spec::design::StagePlan;
-use edof_spec::design::timing::{
+use edof_device::design::StagePlan;
+use edof_device::design::timing::{
     ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING, RELEASE_LATENCY, SLOTS,
     SUM_LATENCY, release,
 };

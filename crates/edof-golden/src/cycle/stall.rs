@@ -1,6 +1,6 @@
 //! Stalls that a source and a sink make, the same for this model and for whoever drives a circuit.
 
-use edof_spec::draw::Draw;
+use edof_image::draw::Draw;
 
 /// Cycles in which one end of the chain does nothing: a pure function of a seed and the cycle.
 ///

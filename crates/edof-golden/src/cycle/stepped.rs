@@ -3,13 +3,13 @@
 
 use super::Stalls;
 use crate::Trace;
-use edof_spec::Design;
-use edof_spec::design::reading::stolen;
-use edof_spec::design::timing::{
+use edof_device::Design;
+use edof_device::design::reading::stolen;
+use edof_device::design::timing::{
     ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING,
     RELEASE_LATENCY, SLOTS, SUM_LATENCY, release,
 };
-use edof_spec::design::{BEAT, StagePlan};
+use edof_device::design::{BEAT, StagePlan};
 use std::collections::{BTreeSet, VecDeque};
 
 /// Steps a design through patches, from reset until the last result is out. Gives the cycles of all transfers at each boundary.

@@ -3,8 +3,8 @@
 use super::estimate::{StageCycles, busiest};
 use super::transfer::PatchRun;
 use crate::Counts;
-use edof_spec::Design;
-use edof_spec::design::StagePlan;
+use edof_device::Design;
+use edof_device::design::StagePlan;
 
 /// What a run took so far.
 #[derive(Debug, Clone)]

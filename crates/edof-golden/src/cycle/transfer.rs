@@ -2,9 +2,9 @@
 
 use super::chain::PatchTimes;
 use crate::Trace;
-use edof_spec::design::BEAT;
-use edof_spec::design::memory::Set;
-use edof_spec::network::Recurrence;
+use edof_device::design::BEAT;
+use edof_device::design::memory::Set;
+use edof_network::network::Recurrence;
 
 /// A patch that goes into the chain.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,8 +6,8 @@
 
 use super::isa::{Isa, for_each_isa};
 use super::sums::{LOW_BITS, SUM_BITS, Sums};
-use edof_spec::fixed_network::FinalShifts;
-use edof_spec::number::requantize;
+use edof_image::number::requantize;
+use edof_network::fixed_network::FinalShifts;
 
 /// Bits of an output word.
 const OUTPUT_BITS: u32 = 16;

@@ -4,9 +4,11 @@
 //! comes out, and streams may come at any time.
 
 pub mod figures;
+pub mod sync_codes;
 pub mod video_in;
 pub mod video_out;
 
+pub use sync_codes::SyncCodes;
 pub use video_in::VideoIn;
 pub use video_out::VideoOut;
 

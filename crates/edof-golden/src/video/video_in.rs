@@ -1,7 +1,8 @@
 //! The receiver's bus: where a pixel lies, whether it goes on, what is measured.
 
 use super::Pins;
-use edof_spec::design::FrameSize;
+use edof_device::design::FrameSize;
+use edof_image::cable;
 use std::collections::VecDeque;
 
 /// Largest place and count, where counting stops.
@@ -39,6 +40,8 @@ pub struct Measured {
     pub right_frames: u64,
     /// Frames that had others.
     pub wrong_frames: u64,
+    /// Frames with a code outside of those that carry a word, of whatever size.
+    pub range_frames: u64,
     /// Frames given up because a pixel was not taken in time.
     pub overruns: u64,
 }
@@ -56,6 +59,8 @@ pub struct VideoIn {
     between: bool,
     /// A line had another width, or the syncs stopped.
     crooked: bool,
+    /// A code of the frame lay outside of those that carry a word.
+    strays: bool,
     /// The frame before was seen whole, so that the one that ends can be judged.
     known: bool,
     sending: bool,
@@ -79,6 +84,7 @@ impl VideoIn {
             place: (0, 0),
             between: false,
             crooked: true,
+            strays: false,
             known: false,
             sending: false,
             found: None,
@@ -113,6 +119,7 @@ impl VideoIn {
         let ended = Ended {
             between: self.between,
             known: self.known,
+            strays: self.strays,
             right: !self.crooked && self.place.1 == self.frame.height,
             height: self.place.1,
             lines: self.syncs,
@@ -151,10 +158,14 @@ impl VideoIn {
                 (self.crooked, self.sending) = (true, false);
             }
         }
+        let word = cable::word(now.data.to_le_bytes());
+        if now.de && word.is_none() {
+            (self.strays, self.sending) = (true, false);
+        }
         let last = column + 1 == self.frame.width;
         let inside = column < self.frame.width && row < self.frame.height;
         let goes_on = now.de && self.sending && inside && !(last && more);
-        let beat = Beat { pixel: now.data.swap_bytes(), first: (column, row) == (0, 0), last };
+        let beat = Beat { pixel: word?, first: (column, row) == (0, 0), last };
         goes_on.then_some(beat)
     }
 
@@ -185,8 +196,10 @@ impl VideoIn {
             (measured.height, measured.lines) = (ended.height, ended.lines);
             measured.right_frames += u64::from(ended.right);
             measured.wrong_frames += u64::from(!ended.right);
+            measured.range_frames += u64::from(ended.strays);
         }
-        (self.between, self.crooked, self.known, self.sending) = (true, false, true, false);
+        (self.between, self.crooked, self.strays, self.known, self.sending) =
+            (true, false, false, true, false);
         self.syncs = usize::from(now.hs && !before.hs);
     }
 }
@@ -196,6 +209,7 @@ impl VideoIn {
 struct Ended {
     between: bool,
     known: bool,
+    strays: bool,
     right: bool,
     height: usize,
     lines: usize,

@@ -1,11 +1,10 @@
 //! The transmitter's bus: where the screen is, and what it shows.
 
 use super::Pins;
-use edof_spec::display::{BLACK, CHROMA_ZERO};
-use edof_spec::video::VideoTiming;
+use edof_device::video::VideoTiming;
 
 /// What is shown where there is no picture.
-pub const BLACK_PIXEL: u16 = (CHROMA_ZERO as u16) << 8 | BLACK as u16;
+pub use edof_image::display::BLACK_PIXEL;
 
 /// The transmitter's bus since reset.
 #[derive(Debug, Clone)]

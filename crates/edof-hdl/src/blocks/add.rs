@@ -2,7 +2,7 @@
 
 use super::Sum;
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
 /// `a + b` two cycles later.
@@ -38,7 +38,7 @@ impl Logic for Add {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_add")
+        leaf("edof_add")
             .port("clock_i", "clock")
             .port("a_i", "a")
             .port("b_i", "b")

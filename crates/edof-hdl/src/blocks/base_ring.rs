@@ -3,7 +3,7 @@
 use super::Pair;
 use super::ram::{Ram, Shape};
 use crate::describe::Circuit;
-use edof_spec::design::{StagePlan, timing};
+use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
 /// Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as their sums are taken.

@@ -4,9 +4,9 @@ use super::Pair;
 use super::stage::Stage;
 use super::window_guard::WindowGuard;
 use crate::describe::Circuit;
-use edof_spec::FixedNetwork;
-use edof_spec::design::memory::WHOLE_CHAIN;
-use edof_spec::design::{Design, DesignError};
+use edof_device::design::memory::WHOLE_CHAIN;
+use edof_device::design::{Design, DesignError};
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
 /// The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.
@@ -39,7 +39,7 @@ pub struct Chain {
     pub patch_last: Signal<Out, Bit>,
     /// The set that it was made with.
     pub patch_set: Signal<Out, Bit>,
-    /// A word is to be written (`edof_spec::design::memory::address`).
+    /// A word is to be written (`edof_device::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,

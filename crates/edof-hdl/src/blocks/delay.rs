@@ -1,7 +1,7 @@
 //! Leaf `edof_delay`: a row of registers, the last of which is one of its own.
 
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
@@ -37,7 +37,7 @@ impl<const W: usize, const N: usize> Logic for Delay<W, N> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_delay")
+        leaf("edof_delay")
             .parameter("WIDTH", W)
             .parameter("CYCLES", N)
             .port("clock_i", "clock")

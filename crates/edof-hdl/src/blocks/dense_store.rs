@@ -3,7 +3,7 @@
 use super::ram::{Ram, Shape};
 use super::{Descriptor, Pair, Row};
 use crate::describe::Circuit;
-use edof_spec::design::{BEAT, StagePlan, timing};
+use edof_device::design::{BEAT, StagePlan, timing};
 use rust_hdl::prelude::*;
 
 /// Dense vectors that wait for their multipliers: four slots, in as many memories as the stage takes values at once. Each holds a

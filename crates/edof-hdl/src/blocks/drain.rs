@@ -2,7 +2,7 @@
 
 use super::delay::Delay;
 use crate::describe::Circuit;
-use edof_spec::design::{StagePlan, timing};
+use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
 /// When sums are copied out of the multipliers, and when the copies are taken, two a cycle.

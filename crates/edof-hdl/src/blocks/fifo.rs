@@ -1,8 +1,8 @@
 //! Leaf `edof_fifo`: finished beats that wait for their receiver.
 
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
-use edof_spec::design::timing::DRAIN_CREDITS;
+use crate::leaves::leaf;
+use edof_device::design::timing::DRAIN_CREDITS;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
@@ -68,7 +68,7 @@ impl<const W: usize> Logic for Fifo<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_fifo")
+        leaf("edof_fifo")
             .parameter("WIDTH", W)
             .parameter("DEPTH", self._depth)
             .port("clock_i", "clock")

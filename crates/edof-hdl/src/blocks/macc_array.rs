@@ -2,9 +2,9 @@
 
 use super::{Row, Sum};
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
-use edof_spec::FixedNetwork;
-use edof_spec::design::{BANK_LANES, StagePlan, memory};
+use crate::leaves::leaf;
+use edof_device::design::{BANK_LANES, StagePlan, memory};
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
 /// Every bank sees the same addresses and values; sums are handed down to bank 0. See `rtl/edof_macc_array.v` and
@@ -47,7 +47,7 @@ pub struct MaccArray {
     pub write_data: Signal<In, Bits<32>>,
     /// Reads that row of that bank for the host, in place of the step's; not in a cycle of a write.
     pub read_enable: Signal<In, Bit>,
-    /// Its word for one cycle, five cycles later or up to ten, the higher the bank; else 0.
+    /// Its word for one cycle, six cycles later or up to eleven, the higher the bank; else 0.
     pub read_data: Signal<Out, Bits<64>>,
     _sizes: Sizes,
     _state: State,
@@ -95,6 +95,8 @@ struct State {
     steps: [Step; 6],
     /// Rows that lie in the memories' output registers, of each bank and word.
     read: [Vec<u64>; 5],
+    /// The row that is read back, in its bank's register: bank and word.
+    back_of_bank: (usize, u64),
     /// Writes and reads of the last four cycles, the newest first.
     writes: [Write; 4],
     /// What each group of banks hands on of a row that is read back.
@@ -162,7 +164,8 @@ impl MaccArray {
         };
         new.writes.rotate_right(1);
         new.writes[0] = write_now;
-        new.back = back(sizes, &old);
+        new.back = back(&old);
+        new.back_of_bank = back_of_bank(sizes, &old);
         new.read.rotate_right(1);
         new.read[0] = read(sizes, &old, &weights);
         write(sizes, &old.writes[1], &mut weights);
@@ -209,15 +212,23 @@ fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
 }
 
 /// The row that is read back, from group to group.
-fn back(sizes: &Sizes, old: &State) -> Vec<u64> {
+fn back(old: &State) -> Vec<u64> {
     let mut back: Vec<u64> = old.back.iter().skip(1).copied().chain([0]).collect();
+    let (bank, word) = old.back_of_bank;
+    back[bank / GROUP] |= word;
+    back
+}
+
+/// What a bank takes of its rows to be read back.
+fn back_of_bank(sizes: &Sizes, old: &State) -> (usize, u64) {
     let Write { read, bank, row, .. } = old.writes[3];
     let part = row & ((1 << sizes.part_bits) - 1);
     let parts = if sizes.dense { sizes.rows } else { 1 };
     if read && bank < sizes.banks && part < parts {
-        back[bank / GROUP] |= old.read[1][bank * sizes.rows + part];
+        (bank, old.read[1][bank * sizes.rows + part])
+    } else {
+        (0, 0)
     }
-    back
 }
 
 fn write(sizes: &Sizes, write: &Write, weights: &mut [Vec<u64>]) {
@@ -261,13 +272,13 @@ impl Logic for MaccArray {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_macc_array")
+        leaf("edof_macc_array")
             .parameter("BANKS", self._sizes.banks)
             .parameter("DEPTH", self._sizes.depth)
             .parameter("ROWS", self._sizes.rows)
             .parameter("DENSE", usize::from(self._sizes.dense))
             .parameter("SUM", self._sizes.sum_bits as usize)
-            .text("INIT", &self._sizes.images)
+            .text("INIT", memory::image_name(&self._sizes.images))
             .port("clock_i", "clock")
             .port("first_i", "first")
             .port("address_a_i", "address_a")

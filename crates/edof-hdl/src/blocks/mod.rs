@@ -43,7 +43,7 @@ pub mod start;
 pub mod window_guard;
 pub mod window_ring;
 
-use edof_spec::design::{Kind, StagePlan};
+use edof_device::design::{Kind, StagePlan};
 use rust_hdl::prelude::Bits;
 
 /// A 16-bit word of a vector, in two's complement.

@@ -3,7 +3,7 @@
 use super::delay::Delay;
 use super::{IndexedValue, Pair, Row, Word};
 use crate::describe::Circuit;
-use edof_spec::design::{Kind, StagePlan};
+use edof_device::design::{Kind, StagePlan};
 use rust_hdl::prelude::*;
 
 /// From what a step read to rows of weights and values, four cycles after the step: pairs, or pixels of the window (F), shifted left

@@ -3,7 +3,7 @@
 use super::ram::{Ram, Shape};
 use super::{Descriptor, Index, IndexedValue, Row, Word};
 use crate::describe::Circuit;
-use edof_spec::design::{StagePlan, timing};
+use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
 /// From dense vectors to (index, value) pairs: four slots, one fills while others wait and one is read, as often as there are passes.

@@ -2,7 +2,8 @@
 
 use super::Row;
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
+use edof_device::design::memory::image_name;
 use rust_hdl::prelude::*;
 
 /// One write port, one read port, one clock. A read takes a cycle, with the block RAM's output register two, and gives what lay there before a write in the same cycle.
@@ -87,11 +88,11 @@ impl<const W: usize> Logic for Ram<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_ram")
+        leaf("edof_ram")
             .parameter("WIDTH", W)
             .parameter("DEPTH", self._shape.depth)
             .parameter("BLOCK", usize::from(self._shape.block) + usize::from(self._shape.registered))
-            .text("INIT", self._shape.image.as_deref().unwrap_or_default())
+            .text("INIT", image_name(self._shape.image.as_deref().unwrap_or_default()))
             .port("clock_i", "clock")
             .port("read_address_i", "read_address")
             .port("read_data_o", "read_data")

@@ -3,7 +3,7 @@
 use super::Row;
 use super::delay::Delay;
 use crate::describe::Circuit;
-use edof_spec::design::timing::READ_PERIOD;
+use edof_device::design::timing::READ_PERIOD;
 use rust_hdl::prelude::*;
 
 /// Reads rows of a memory of the stage one after the other, each in 256 cycles, and makes a CRC-32 (of IEEE 802.3) of them: a row is 64
@@ -17,7 +17,7 @@ pub struct Reader {
     pub clock: Signal<In, Clock>,
     /// Stops and forgets.
     pub reset: Signal<In, Bit>,
-    /// A command comes (`edof_spec::design::reading::read_command`).
+    /// A command comes (`edof_device::design::reading::read_command`).
     pub starts: Signal<In, Bit>,
     /// It: space (2 bits), bank (6), first row (12), rows after it (12).
     pub command: Signal<In, Bits<32>>,

@@ -3,7 +3,7 @@
 use super::Row;
 use super::start::Start;
 use crate::describe::Circuit;
-use edof_spec::design::memory::{CONTROL_SKIP, Shifts};
+use edof_device::design::memory::{CONTROL_SKIP, Shifts};
 use rust_hdl::prelude::*;
 
 /// What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and control.
@@ -19,7 +19,7 @@ pub struct Registers {
     pub write_row: Signal<In, Row>,
     /// Its new value.
     pub write_data: Signal<In, Bits<32>>,
-    /// Shifts of set 0 (`edof_spec::design::memory::Shifts::word`).
+    /// Shifts of set 0 (`edof_device::design::memory::Shifts::word`).
     pub shifts_0: Signal<Out, Bits<20>>,
     /// Shifts of set 1.
     pub shifts_1: Signal<Out, Bits<20>>,

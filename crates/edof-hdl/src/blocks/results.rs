@@ -9,8 +9,8 @@ use super::shrink::Shrink;
 use super::{Pair, Row, Sum, Word, role};
 use crate::describe::Circuit;
 use crate::verilog::Optional;
-use edof_spec::FixedNetwork;
-use edof_spec::design::{Design, StagePlan, memory};
+use edof_device::design::{Design, StagePlan, memory};
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
 /// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,

@@ -2,7 +2,7 @@
 
 use super::{Descriptor, Row};
 use crate::describe::Circuit;
-use edof_spec::design::StagePlan;
+use edof_device::design::StagePlan;
 use rust_hdl::prelude::*;
 
 /// Which step of which pass is next: over a vector's pairs first, then over the window (F), once a pass, one step a cycle.

@@ -2,7 +2,7 @@
 
 use super::Word;
 use crate::describe::Circuit;
-use edof_spec::network::Shrinkage;
+use edof_network::network::Shrinkage;
 use rust_hdl::prelude::*;
 
 /// The soft threshold of one element, three cycles later: sign(b) max(|b| - theta, 0) where two_sided, else max(b - theta, 0).

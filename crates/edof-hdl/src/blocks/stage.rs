@@ -17,10 +17,10 @@ use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
 use crate::describe::Circuit;
 use crate::verilog::Optional;
-use edof_spec::FixedNetwork;
-use edof_spec::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN, shift_image};
-use edof_spec::design::reading::READ_REGISTER;
-use edof_spec::design::{Design, StagePlan};
+use edof_device::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN, shift_image};
+use edof_device::design::reading::READ_REGISTER;
+use edof_device::design::{Design, StagePlan};
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
@@ -66,7 +66,7 @@ pub struct Stage {
     pub out_last: Signal<Out, Bit>,
     /// The vector's set.
     pub out_set: Signal<Out, Bit>,
-    /// A word is to be written (`edof_spec::design::memory::address`).
+    /// A word is to be written (`edof_device::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,

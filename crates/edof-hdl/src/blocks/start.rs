@@ -1,7 +1,8 @@
 //! Leaf `edof_start`: what registers begin with.
 
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
+use edof_device::design::memory::image_name;
 use rust_hdl::prelude::*;
 
 /// Two words that nobody writes, from a memory image: what registers begin with. So the Verilog of a design is the same for every network.
@@ -41,9 +42,9 @@ impl<const W: usize> Logic for Start<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_start")
+        leaf("edof_start")
             .parameter("WIDTH", W)
-            .text("INIT", &self._image)
+            .text("INIT", image_name(&self._image))
             .port("clock_i", "clock")
             .port("first_o", "first")
             .port("second_o", "second")

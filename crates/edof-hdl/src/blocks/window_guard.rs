@@ -3,7 +3,7 @@
 use super::Pair;
 use super::counters::Counter;
 use crate::describe::Circuit;
-use edof_spec::design::StagePlan;
+use edof_device::design::StagePlan;
 use rust_hdl::prelude::*;
 
 /// Hands on whole windows only. One whose `last` comes too early is filled up with zeros, a beat a cycle; of one whose `last` comes

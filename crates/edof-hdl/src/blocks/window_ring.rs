@@ -3,7 +3,7 @@
 use super::Pair;
 use super::ram::{Ram, Shape};
 use crate::describe::Circuit;
-use edof_spec::design::{BEAT, StagePlan};
+use edof_device::design::{BEAT, StagePlan};
 use rust_hdl::prelude::*;
 
 /// Windows that wait for F's linear path: a ring of whole windows in block RAM, each from a power of two of rows on.

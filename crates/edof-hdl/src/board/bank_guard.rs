@@ -1,17 +1,17 @@
 //! Which words belong to the bank in use.
 
 use crate::describe::Circuit;
-use edof_spec::design::Design;
-use edof_spec::design::memory::rows_of_a_set;
+use edof_device::design::Design;
+use edof_device::design::memory::rows_of_a_set;
 use rust_hdl::prelude::*;
 
-/// Whether a word for the calculator belongs to the bank in use (`edof_spec::design::memory::set_of`). An address stands for two cycles or
+/// Whether a word for the calculator belongs to the bank in use (`edof_device::design::memory::set_of`). An address stands for two cycles or
 /// more; the answer is there two cycles after it came.
 #[derive(Circuit)]
 pub struct BankGuard {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Where a word is to be written (`edof_spec::design::memory::address`).
+    /// Where a word is to be written (`edof_device::design::memory::address`).
     pub address: Signal<In, Bits<25>>,
     /// The bank in use.
     pub set: Signal<In, Bit>,

@@ -13,16 +13,16 @@ use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
 use crate::video::video_out::VideoOut;
-use edof_spec::FixedNetwork;
-use edof_spec::board;
-use edof_spec::design::{Design, DesignError};
-use edof_spec::video::VideoTiming;
+use edof_device::board;
+use edof_device::design::{Design, DesignError};
+use edof_device::video::VideoTiming;
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
 /// Everything between the pins' clocks and the memory: frames in, into DRAM, through the calculator, into DRAM again, and out to a screen.
 ///
 /// Three clocks: that of the incoming pixels, that of the memory and the calculator, that of the screen. `reset` may come at any time; each
-/// domain has its own that follows it. But for the first one it leaves what the host wrote into the calculator, and which bank is in use. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_spec::registers`), both in the
+/// domain has its own that follows it. But for the first one it leaves what the host wrote into the calculator, and which bank is in use. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the
 /// memory's clock. Nothing here knows of a vendor or a board.
 #[derive(Circuit)]
 #[circuit(default(ResetSync, ClockWatch, BusSync, AxiPair, PowerOn))]
@@ -41,7 +41,7 @@ pub struct EdofCore {
     pub input_vs: Signal<In, Bit>,
     /// A pixel lies on the bus.
     pub input_de: Signal<In, Bit>,
-    /// It: Y low, C high.
+    /// It: Y low, C high, each with seven bits of a raw pixel word.
     pub input_data: Signal<In, Bits<16>>,
     /// Horizontal sync of the screen.
     pub screen_hs: Signal<Out, Bit>,
@@ -57,14 +57,26 @@ pub struct EdofCore {
     pub dram_read: AxiReadMaster<512>,
     /// The host.
     pub host: AxiLiteSlave,
-    /// The memory is ready.
+    /// The memory serves; low while it is in reset, in which it forgets what is in flight.
     pub dram_ready: Signal<In, Bit>,
     /// The video chips are set up.
     pub i2c_done: Signal<In, Bit>,
     /// One of them did not answer.
     pub i2c_failed: Signal<In, Bit>,
-    /// How the set-up stands (register `i2c`).
-    pub i2c: Signal<In, Bits<32>>,
+    /// How each bus's set-up stands (registers `i2c_board`, `i2c_card`).
+    pub i2c: [Signal<In, Bits<32>>; 2],
+    /// What the chips say (registers `receiver` to `transmitter`).
+    pub chips: [Signal<In, Bits<32>>; 4],
+    /// Register `chip_answer`.
+    pub chip_answer: Signal<In, Bits<32>>,
+    /// Register `chip_access`.
+    pub chip_access: Signal<Out, Bits<32>>,
+    /// Register `video_setup`.
+    pub video_setup: Signal<Out, Bits<32>>,
+    /// Codes of line start and end inside of the pixels, in the input's clock (register `input_codes`).
+    pub input_codes: Signal<In, Bits<32>>,
+    /// Damaged ones (register `input_malformed`).
+    pub input_malformed: Signal<In, Bits<32>>,
     /// Sets up the video chips once more, with its rise.
     pub i2c_restart: Signal<Out, Bit>,
     /// Frames on the host's line that were given up.
@@ -76,7 +88,7 @@ pub struct EdofCore {
     watch: ClockWatch,
     video_in: VideoIn,
     input_fifo: PixelFifo,
-    input_status: BusSync<96>,
+    input_status: BusSync<192>,
     raw_writer: WriteAgent<512, 64>,
     raw_reader: ReadAgent<512>,
     core: StreamCore,
@@ -87,7 +99,7 @@ pub struct EdofCore {
     screen_status: BusSync<64>,
     memory: AxiPair<512, 64>,
     registers: BoardRegisters,
-    seen: Signal<Local, Bits<96>>,
+    seen: Signal<Local, Bits<192>>,
     shown: Signal<Local, Bits<64>>,
     state: Signal<Local, Bits<32>>,
     runs: Signal<Local, Bit>,
@@ -177,6 +189,7 @@ impl Logic for EdofCore {
         self.picture_reader.reset.next = self.resets[1].domain_reset.val();
         self.memory.clock.next = self.clock.val();
         self.memory.reset.next = self.resets[1].domain_reset.val();
+        self.memory.memory_reset.next = !self.dram_ready.val() || self.power_on.first.val();
         self.registers.clock.next = self.clock.val();
         self.registers.reset.next = self.resets[1].domain_reset.val();
         self.output_fifo.from_clock.next = self.clock.val();
@@ -203,6 +216,7 @@ impl Logic for EdofCore {
         StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.raw_writer.pixels);
 
         // Through the memory to the calculator, as long as the host lets it run.
+        self.raw_writer.corrupted.next = false;
         self.raw_writer.reading.next = self.raw_reader.reading.val();
         self.raw_reader.newest.next = self.raw_writer.newest.val();
         self.runs.next = self.registers.control.val().get_bit(0);
@@ -233,6 +247,7 @@ impl Logic for EdofCore {
         self.picture_writer.pixels.user.next = self.core.picture_user.val();
         self.picture_writer.pixels.last.next = self.core.picture_last.val();
         self.core.picture_ready.next = self.picture_writer.pixels.ready.val();
+        self.picture_writer.corrupted.next = self.raw_reader.corrupted.val();
         self.picture_writer.reading.next = self.picture_reader.reading.val();
         self.picture_reader.newest.next = self.picture_writer.newest.val();
         StreamOut::<16>::join(&mut self.picture_reader.pixels, &mut self.output_fifo.from);
@@ -255,15 +270,18 @@ impl Logic for EdofCore {
         AxiReadMaster::<512>::link(&mut self.dram_read, &mut self.memory.dram_read);
 
         // What the other domains say, again and again.
-        self.seen.next = (bit_cast::<96, 32>(self.video_in.overruns.val()))
-            | (bit_cast::<96, 32>(self.video_in.wrong_frames.val()) << 32)
-            | (bit_cast::<96, 13>(self.video_in.width.val()) << 64)
-            | (bit_cast::<96, 13>(self.video_in.height.val()) << 80);
+        self.seen.next = (bit_cast::<192, 32>(self.video_in.overruns.val()))
+            | (bit_cast::<192, 32>(self.video_in.wrong_frames.val()) << 32)
+            | (bit_cast::<192, 13>(self.video_in.width.val()) << 64)
+            | (bit_cast::<192, 13>(self.video_in.height.val()) << 80)
+            | (bit_cast::<192, 32>(self.input_codes.val()) << 96)
+            | (bit_cast::<192, 32>(self.input_malformed.val()) << 128)
+            | (bit_cast::<192, 32>(self.video_in.range_frames.val()) << 160);
         if self.video_in.present.val() {
-            self.seen.next = self.seen.val() | (bit_cast::<96, 13>(1.into()) << 77);
+            self.seen.next = self.seen.val() | (bit_cast::<192, 13>(1.into()) << 77);
         }
         if self.video_in.fits.val() {
-            self.seen.next = self.seen.val() | (bit_cast::<96, 13>(1.into()) << 78);
+            self.seen.next = self.seen.val() | (bit_cast::<192, 13>(1.into()) << 78);
         }
         self.input_status.word.next = self.seen.val();
         self.input_status.valid.next = true;
@@ -314,7 +332,17 @@ impl Logic for EdofCore {
         }
         self.status.next = self.state.val().get_bits::<8>(0);
         self.registers.status.next = self.state.val();
-        self.registers.i2c.next = self.i2c.val();
+        self.registers.i2c_board.next = self.i2c[0].val();
+        self.registers.i2c_card.next = self.i2c[1].val();
+        self.registers.receiver.next = self.chips[0].val();
+        self.registers.receiver_size.next = self.chips[1].val();
+        self.registers.receiver_format.next = self.chips[2].val();
+        self.registers.transmitter.next = self.chips[3].val();
+        self.registers.chip_answer.next = self.chip_answer.val();
+        self.chip_access.next = self.registers.chip_access.val();
+        self.video_setup.next = self.registers.video_setup.val();
+        self.registers.input_codes.next = self.input_status.arrived.val().get_bits::<32>(96);
+        self.registers.input_malformed.next = self.input_status.arrived.val().get_bits::<32>(128);
         self.registers.input_size.next = (self.input_status.arrived.val().get_bits::<32>(64)) & 0x1fff_1fff;
         self.registers.input_frames.next = self.raw_writer.frames.val();
         self.registers.input_broken.next = self.raw_writer.broken.val();
@@ -337,5 +365,6 @@ impl Logic for EdofCore {
         self.registers.output_read_errors.next = self.picture_reader.errors.val();
         self.registers.output_underruns.next = self.screen_status.arrived.val().get_bits::<32>(0);
         self.registers.uart_broken.next = self.uart_broken.val();
+        self.registers.input_range.next = self.input_status.arrived.val().get_bits::<32>(160);
     }
 }

@@ -6,7 +6,8 @@ use rust_hdl::prelude::*;
 /// Takes the syncs out of a 16-bit 4:2:2 bus that has no pins for them (ITU-R BT.1120): before and after the pixels of a line stand
 /// the words 255, 0, 0 and a code, on Y as on C. Bit 5 of the code is vertical blanking, bit 4 that the line ends.
 ///
-/// Latency five cycles. Only Y is looked at: raw pixels have less than 128 there, so that none of them is taken for a code.
+/// Latency five cycles. Only Y is looked at. Codes are counted: those that are whole on both bytes, with their parity; and the words that
+/// spoil one: 0 or 255 on either byte outside of a whole code, and a line that begins or ends twice.
 #[derive(Circuit)]
 pub struct EmbeddedSyncs {
     /// Clock of the bus.
@@ -23,6 +24,10 @@ pub struct EmbeddedSyncs {
     pub de: Signal<Out, Bit>,
     /// It.
     pub pixel: Signal<Out, Bits<16>>,
+    /// Whole codes.
+    pub codes: Signal<Out, Bits<32>>,
+    /// Damaged ones.
+    pub malformed: Signal<Out, Bits<32>>,
     code: DFF<Bits<16>>,
     third: DFF<Bits<16>>,
     second: DFF<Bits<16>>,
@@ -33,13 +38,41 @@ pub struct EmbeddedSyncs {
     vs_q: DFF<Bit>,
     de_q: DFF<Bit>,
     pixel_q: DFF<Bits<16>>,
+    // What each of four words is: 255 on both bytes, 0 on both, either on one; a code; the end of a line.
+    kinds: [DFF<Bits<5>>; 4],
+    inside: DFF<Bits<2>>,
+    ended: DFF<Bit>,
+    knows: DFF<Bit>,
+    codes_q: DFF<Bits<32>>,
+    malformed_q: DFF<Bits<32>>,
     found: Signal<Local, Bit>,
+    kind: Signal<Local, Bits<5>>,
+    whole: Signal<Local, Bit>,
+    damaged: Signal<Local, Bit>,
 }
 
 impl Logic for EmbeddedSyncs {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, code, third, second, first, pause, line, hs_q, vs_q, de_q, pixel_q);
+        dff_setup!(
+            self,
+            clock,
+            code,
+            third,
+            second,
+            first,
+            pause,
+            line,
+            hs_q,
+            vs_q,
+            de_q,
+            pixel_q,
+            inside,
+            ended,
+            knows,
+            codes_q,
+            malformed_q
+        );
         self.code.d.next = self.data.val();
         self.third.d.next = self.code.q.val();
         self.second.d.next = self.third.q.val();
@@ -61,7 +94,67 @@ impl Logic for EmbeddedSyncs {
         }
         self.de_q.d.next = self.line.q.val() && !self.found.val() && !self.pause.q.val().any();
         self.pixel_q.d.next = self.first.q.val();
+
+        // Each word's kind, and four of them one after the other.
+        self.kind.next = 0.into();
+        if self.code.q.val().all() {
+            self.kind.next = 1.into();
+        }
+        if !self.code.q.val().any() {
+            self.kind.next = 2.into();
+        }
+        if self.code.q.val().get_bits::<8>(0).all()
+            || !self.code.q.val().get_bits::<8>(0).any()
+            || self.code.q.val().get_bits::<8>(8).all()
+            || !self.code.q.val().get_bits::<8>(8).any()
+        {
+            self.kind.next = self.kind.val() | 4;
+        }
+        // The four codes of progressive video with their parity.
+        if (self.code.q.val() == 0x8080)
+            || (self.code.q.val() == 0x9d9d)
+            || (self.code.q.val() == 0xabab)
+            || (self.code.q.val() == 0xb6b6)
+        {
+            self.kind.next = self.kind.val() | 8;
+        }
+        if self.code.q.val().get_bit(4) {
+            self.kind.next = self.kind.val() | 16;
+        }
+        self.kinds[0].clock.next = self.clock.val();
+        self.kinds[0].d.next = self.kind.val();
+        for i in 1..4 {
+            self.kinds[i].clock.next = self.clock.val();
+            self.kinds[i].d.next = self.kinds[i - 1].q.val();
+        }
+        self.whole.next = self.kinds[3].q.val().get_bit(0)
+            && self.kinds[2].q.val().get_bit(1)
+            && self.kinds[1].q.val().get_bit(1)
+            && self.kinds[0].q.val().get_bit(3);
+        self.damaged.next =
+            self.kinds[3].q.val().get_bit(2) && !self.whole.val() && !self.inside.q.val().any();
+        if self.inside.q.val().any() {
+            self.inside.d.next = self.inside.q.val() - 1;
+        }
+        if self.whole.val() {
+            self.inside.d.next = 3.into();
+            self.ended.d.next = self.kinds[0].q.val().get_bit(4);
+            self.knows.d.next = true;
+            self.codes_q.d.next = self.codes_q.q.val() + 1;
+            if self.knows.q.val() && (self.ended.q.val() == self.kinds[0].q.val().get_bit(4)) {
+                self.damaged.next = true;
+            }
+        }
+        if self.damaged.val() {
+            self.malformed_q.d.next = self.malformed_q.q.val() + 1;
+        }
+        self.codes.next = self.codes_q.q.val();
+        self.malformed.next = self.malformed_q.q.val();
         if self.reset.val() {
+            self.inside.d.next = 3.into();
+            self.knows.d.next = false;
+            self.codes_q.d.next = 0.into();
+            self.malformed_q.d.next = 0.into();
             self.line.d.next = false;
             self.pause.d.next = 0.into();
             self.hs_q.d.next = false;

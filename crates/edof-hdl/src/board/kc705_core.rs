@@ -1,14 +1,15 @@
 //! The core with what the KC705 has around it: a serial line, video chips, syncs inside of the pixels.
 
+use super::chip_setup::ChipSetup;
 use super::edof_core::EdofCore;
 use super::embedded_syncs::EmbeddedSyncs;
-use super::i2c_init::I2cInit;
+use super::pace::Pace;
 use super::uart_bus::UartBus;
 use crate::crossing::ResetSync;
 use crate::describe::Circuit;
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
-use edof_spec::board::{BAUD, CORE_KILOHERTZ, I2C_IMAGES, UART_TIME_OUT_MS};
-use edof_spec::i2c;
+use edof_device::board::I2C_IMAGES;
+use edof_device::i2c;
 use rust_hdl::prelude::*;
 
 /// The core with what the KC705 has around it: a serial line to the host, two buses of video chips to be set up, and an HDMI receiver
@@ -24,7 +25,7 @@ pub struct Kc705Core {
     pub screen_clock: Signal<In, Clock>,
     /// Begins anew, of no clock.
     pub reset: Signal<In, Bit>,
-    /// From the receiver: Y low, C high, syncs inside.
+    /// From the receiver: Y high, C low, syncs inside.
     pub input_data: Signal<In, Bits<16>>,
     /// To the transmitter: horizontal sync.
     pub screen_hs: Signal<Out, Bit>,
@@ -52,27 +53,33 @@ pub struct Kc705Core {
     pub scl_low: [Signal<Out, Bit>; 2],
     /// Pulls the data lines down.
     pub sda_low: [Signal<Out, Bit>; 2],
-    /// The register `status`, for lamps.
-    pub status: Signal<Out, Bits<8>>,
+    /// LEDs: 0 the memory is ready; 1 video comes in, blinking where a cable is in and nothing comes; 2 it has the design's size; 3 pictures
+    /// leave; 4 all video chips are set up; 5 a set-up failed; 6 a screen is plugged in.
+    pub leds: Signal<Out, Bits<7>>,
     core: EdofCore,
     syncs: EmbeddedSyncs,
     uart: UartBus,
-    chips: [I2cInit; 2],
+    chips: [ChipSetup; 2],
     reset_of_input: ResetSync,
     reset_of_core: ResetSync,
-    set_up: Signal<Local, Bits<32>>,
+    swapped: Signal<Local, Bits<16>>,
+    blink: DFF<Bits<27>>,
+    shown: Signal<Local, Bits<7>>,
 }
 
 impl Kc705Core {
     /// Around that core.
     #[must_use]
-    pub fn new(core: EdofCore) -> Self {
-        let [board, card] = I2C_IMAGES;
-        let chips = [(i2c::KC705, board), (i2c::IMAGEON, card)];
+    pub fn new(core: EdofCore, pace: &Pace) -> Self {
+        let [board, card] = i2c::programs();
+        let [board_image, card_image] = I2C_IMAGES;
         Self::from_parts(Kc705CoreParts {
             core,
-            uart: UartBus::new((1000 * CORE_KILOHERTZ / BAUD) as u16, UART_TIME_OUT_MS * CORE_KILOHERTZ),
-            chips: chips.map(|(table, image)| I2cInit::new(CORE_KILOHERTZ, table, image)),
+            uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),
+            chips: [
+                ChipSetup::new(pace, &board, board_image, false),
+                ChipSetup::new(pace, &card, card_image, true),
+            ],
         })
     }
 }
@@ -91,7 +98,11 @@ impl Logic for Kc705Core {
 
         self.syncs.clock.next = self.input_clock.val();
         self.syncs.reset.next = self.reset_of_input.domain_reset.val();
-        self.syncs.data.next = self.input_data.val();
+        // The card has luma on the upper byte, the core on the lower.
+        self.swapped.next = (self.input_data.val() >> 8) | (self.input_data.val() << 8);
+        self.syncs.data.next = self.swapped.val();
+        self.core.input_codes.next = self.syncs.codes.val();
+        self.core.input_malformed.next = self.syncs.malformed.val();
         self.core.input_hs.next = self.syncs.hs.val();
         self.core.input_vs.next = self.syncs.vs.val();
         self.core.input_de.next = self.syncs.de.val();
@@ -123,16 +134,29 @@ impl Logic for Kc705Core {
         }
         self.core.i2c_done.next = self.chips[0].done.val() && self.chips[1].done.val();
         self.core.i2c_failed.next = self.chips[0].failed.val() || self.chips[1].failed.val();
-        // The board's own bus, unless it is done and the card's is not.
-        self.set_up.next = bit_cast::<32, 8>(self.chips[0].entry.val())
-            | (bit_cast::<32, 8>(self.chips[0].device.val()) << 8)
-            | (bit_cast::<32, 16>(self.chips[0].retries.val()) << 16);
-        if self.chips[0].done.val() {
-            self.set_up.next = bit_cast::<32, 8>(self.chips[1].entry.val())
-                | (bit_cast::<32, 8>(self.chips[1].device.val()) << 8)
-                | (bit_cast::<32, 16>(self.chips[1].retries.val()) << 16);
+        for i in 0..2 {
+            self.chips[i].settings.next = self.core.video_setup.val();
+            self.chips[i].access.next = self.core.chip_access.val();
+            self.core.i2c[i].next = self.chips[i].word.val();
         }
-        self.core.i2c.next = self.set_up.val();
-        self.status.next = self.core.status.val();
+        for i in 0..3 {
+            self.core.chips[i].next = self.chips[1].slots[i].val();
+        }
+        self.core.chips[3].next = self.chips[0].slots[0].val();
+        self.core.chip_answer.next = self.chips[0].answer.val();
+        if self.core.chip_access.val().get_bit(25) {
+            self.core.chip_answer.next = self.chips[1].answer.val();
+        }
+
+        dff_setup!(self, clock, blink);
+        self.blink.d.next = self.blink.q.val() + 1;
+        self.shown.next = self.core.status.val().get_bits::<7>(0) & 0x3f;
+        if self.chips[1].slots[0].val().get_bit(8) && self.blink.q.val().get_bit(26) {
+            self.shown.next = self.shown.val() | 2;
+        }
+        if self.chips[0].slots[0].val().get_bit(6) {
+            self.shown.next = self.shown.val() | 0x40;
+        }
+        self.leds.next = self.shown.val();
     }
 }

@@ -5,11 +5,13 @@
 //! | [`write_agent`] | a stream of pixels into one of three frame buffers |
 //! | [`read_agent`] | the newest complete frame buffer as a stream of pixels |
 //! | [`axi_pair`] | two agents each way on one memory |
+//! | [`axi_guard`] | completes what is in flight when they are reset |
 //! | [`clock_watch`] | whether a clock runs |
 //! | [`registers`] | what the host sees and sets |
 //! | [`bank_guard`] | which words belong to the bank in use |
 //! | [`power_on`] | the reset after configuration |
-//! | [`i2c_init`] | sets up the video chips |
+//! | [`i2c_master`] | one read or write on an I2C bus |
+//! | [`chip_setup`] | sets up the video chips of a bus, and asks them how they are |
 //! | [`uart_receiver`], [`uart_sender`] | bytes of a serial line |
 //! | [`uart_bus`] | a serial line as a master of registers |
 //! | [`embedded_syncs`] | syncs that come inside of the pixels |
@@ -20,15 +22,18 @@
 //! The two agents of a set of buffers tell each other which buffer is whose: the writer says which is the newest complete one, the
 //! reader which it reads. The writer takes the one that is neither, so there is always one, and nobody waits for the other.
 
+pub mod axi_guard;
 pub mod axi_pair;
 pub mod bank_guard;
 pub mod blocks;
+pub mod chip_setup;
 pub mod clock_watch;
 pub mod edof_core;
 pub mod embedded_syncs;
 pub mod frames;
-pub mod i2c_init;
+pub mod i2c_master;
 pub mod kc705_core;
+mod pace;
 pub mod power_on;
 pub mod read_agent;
 pub mod registers;
@@ -37,14 +42,17 @@ pub mod uart_receiver;
 pub mod uart_sender;
 pub mod write_agent;
 
+pub use axi_guard::AxiGuard;
 pub use axi_pair::AxiPair;
 pub use bank_guard::BankGuard;
+pub use chip_setup::ChipSetup;
 pub use clock_watch::ClockWatch;
 pub use edof_core::EdofCore;
 pub use embedded_syncs::EmbeddedSyncs;
 pub use frames::Frames;
-pub use i2c_init::I2cInit;
+pub use i2c_master::I2cMaster;
 pub use kc705_core::Kc705Core;
+pub use pace::Pace;
 pub use power_on::PowerOn;
 pub use read_agent::ReadAgent;
 pub use registers::{BoardRegisters, Identity};

@@ -1,7 +1,7 @@
 //! Leaf `edof_power_on`: the reset after configuration.
 
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
 /// Tells the first reset from later ones, after which what the host wrote must stand: `first` is high from configuration until `reset`
@@ -38,7 +38,7 @@ impl Logic for PowerOn {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_power_on")
+        leaf("edof_power_on")
             .port("clock_i", "clock")
             .port("reset_i", "reset")
             .port("first_o", "first")

@@ -5,13 +5,15 @@ use crate::blocks::Row;
 use crate::blocks::ram::{Ram, Shape};
 use crate::describe::Circuit;
 use crate::ports::{AxiReadMaster, StreamOut};
+use edof_image::display::BLACK_PIXEL;
 use rust_hdl::prelude::*;
 
 /// The newest complete frame buffer as a stream of pixels, in bursts of full length, several at a time.
 ///
 /// A frame begins when the last pixel of the one before was taken. Where no newer frame is there by then, the same one is sent again
 /// and counted as late, or, where frames are not repeated, the agent waits. A burst is asked for once there is room for all its
-/// words, so that the memory never waits. A pixel a cycle, as long as the memory keeps up.
+/// words, so that the memory never waits. A pixel a cycle, as long as the memory keeps up. From a word on that came with an error the frame
+/// is black.
 #[derive(Circuit)]
 pub struct ReadAgent<const W: usize> {
     /// Clock.
@@ -32,6 +34,8 @@ pub struct ReadAgent<const W: usize> {
     pub late: Signal<Out, Bits<32>>,
     /// Words that came with an error.
     pub errors: Signal<Out, Bits<32>>,
+    /// Such a word came in the cycle before.
+    pub corrupted: Signal<Out, Bit>,
     repeats: Constant<Bit>,
     last_column: Constant<Bits<12>>,
     last_row: Constant<Bits<12>>,
@@ -46,6 +50,7 @@ pub struct ReadAgent<const W: usize> {
     base_0: Constant<Bits<32>>,
     base_1: Constant<Bits<32>>,
     base_2: Constant<Bits<32>>,
+    black: Constant<Bits<16>>,
     busy: DFF<Bit>,
     reading_q: DFF<Buffer>,
     // Words of this frame that are still to be asked for: any, and fewer than a burst, a cycle later.
@@ -70,6 +75,9 @@ pub struct ReadAgent<const W: usize> {
     full: DFF<Bit>,
     is_last_lane: DFF<Bit>,
     word: DFF<Bits<W>>,
+    // A word of this frame came with an error; the first is in `word`, or was.
+    black_on: DFF<Bit>,
+    corrupted_q: DFF<Bit>,
     lane: DFF<Bits<6>>,
     column: DFF<Bits<12>>,
     row: DFF<Bits<12>>,
@@ -77,6 +85,7 @@ pub struct ReadAgent<const W: usize> {
     late_q: DFF<Bits<32>>,
     errors_q: DFF<Bits<32>>,
     ram: Ram<W>,
+    marks: Ram<1>,
     begins: Signal<Local, Bit>,
     words: Signal<Local, Row>,
     taken: Signal<Local, Bit>,
@@ -89,7 +98,7 @@ impl<const W: usize> ReadAgent<W> {
     /// An agent for these frames. With `repeats`, a frame that is late is sent again.
     ///
     /// # Panics
-    /// For frames that no agent can do: whoever makes a design checks it (`edof_spec::board`).
+    /// For frames that no agent can do: whoever makes a design checks it (`edof_device::board`).
     #[must_use]
     pub fn new(frames: &Frames, repeats: bool) -> Self {
         frames.check(W);
@@ -111,7 +120,9 @@ impl<const W: usize> ReadAgent<W> {
             base_0: base[0],
             base_1: base[1],
             base_2: base[2],
+            black: Constant::new(u64::from(BLACK_PIXEL).into()),
             ram: Ram::new(Shape::distributed(frames.depth), &[]),
+            marks: Ram::new(Shape::distributed(frames.depth), &[]),
         })
     }
 }
@@ -143,6 +154,8 @@ impl<const W: usize> Logic for ReadAgent<W> {
             full,
             is_last_lane,
             word,
+            black_on,
+            corrupted_q,
             lane,
             column,
             row,
@@ -151,6 +164,7 @@ impl<const W: usize> Logic for ReadAgent<W> {
             errors_q
         );
         self.ram.clock.next = self.clock.val();
+        self.marks.clock.next = self.clock.val();
 
         // A frame begins.
         self.begins.next = !self.busy.q.val()
@@ -199,12 +213,16 @@ impl<const W: usize> Logic for ReadAgent<W> {
 
         // Words into the RAM; on its output two cycles later.
         self.came.d.next = self.put.q.val();
+        self.corrupted_q.d.next = self.dram.r_valid.val() && self.dram.r_resp.val().any();
         if self.dram.r_valid.val() {
             self.put.d.next = self.put.q.val() + 1;
-            if self.dram.r_resp.val().any() {
-                self.errors_q.d.next = self.errors_q.q.val() + 1;
-            }
         }
+        if self.corrupted_q.q.val() {
+            self.errors_q.d.next = self.errors_q.q.val() + 1;
+        }
+        self.marks.write_enable.next = self.dram.r_valid.val();
+        self.marks.write_address.next = self.put.q.val() & self.row_mask.val();
+        self.marks.write_data.next = bit_cast::<1, 2>(self.dram.r_resp.val() | (self.dram.r_resp.val() >> 1));
         self.ram.write_enable.next = self.dram.r_valid.val();
         self.ram.write_address.next = self.put.q.val() & self.row_mask.val();
         self.ram.write_data.next = self.dram.r_data.val();
@@ -225,6 +243,9 @@ impl<const W: usize> Logic for ReadAgent<W> {
             self.lane.d.next = 0.into();
             self.is_last_lane.d.next = false;
             if self.has_word.q.val() {
+                if self.marks.read_data.val().any() {
+                    self.black_on.d.next = true;
+                }
                 self.got_then.next = self.got_next.q.val();
                 self.got_next.d.next = self.got_next.q.val() + 1;
                 self.has_word.d.next = self.got_next.q.val() != self.came.q.val();
@@ -233,6 +254,7 @@ impl<const W: usize> Logic for ReadAgent<W> {
         self.got.d.next = self.got_then.val();
         // Not held back by a reset: what is read in one is of no meaning.
         self.ram.read_address.next = self.got_then.val() & self.row_mask.val();
+        self.marks.read_address.next = self.got_then.val() & self.row_mask.val();
         self.is_line_end.next = self.column.q.val() == self.last_column.val();
         if self.taken.val() {
             self.column.d.next = self.column.q.val() + 1;
@@ -242,6 +264,7 @@ impl<const W: usize> Logic for ReadAgent<W> {
                 if self.row.q.val() == self.last_row.val() {
                     self.row.d.next = 0.into();
                     self.busy.d.next = false;
+                    self.black_on.d.next = false;
                 }
             }
         }
@@ -268,6 +291,8 @@ impl<const W: usize> Logic for ReadAgent<W> {
             self.frames_q.d.next = 0.into();
             self.late_q.d.next = 0.into();
             self.errors_q.d.next = 0.into();
+            self.black_on.d.next = false;
+            self.corrupted_q.d.next = false;
         }
 
         self.dram.ar_id.next = 0.into();
@@ -279,11 +304,15 @@ impl<const W: usize> Logic for ReadAgent<W> {
         self.dram.r_ready.next = true;
         self.pixels.valid.next = self.full.q.val();
         self.pixels.data.next = self.word.q.val().get_bits::<16>(0);
+        if self.black_on.q.val() {
+            self.pixels.data.next = self.black.val();
+        }
         self.pixels.user.next = !self.column.q.val().any() && !self.row.q.val().any();
         self.pixels.last.next = self.is_line_end.val();
         self.reading.next = self.reading_q.q.val();
         self.frames.next = self.frames_q.q.val();
         self.late.next = self.late_q.q.val();
         self.errors.next = self.errors_q.q.val();
+        self.corrupted.next = self.corrupted_q.q.val();
     }
 }

@@ -1,10 +1,10 @@
-//! What the host sees of the board: the registers and windows of `edof_spec::registers`.
+//! What the host sees of the board: the registers and windows of `edof_device::registers`.
 
 use super::bank_guard::BankGuard;
 use crate::describe::Circuit;
 use crate::ports::AxiLiteSlave;
-use edof_spec::design::Design;
-use edof_spec::registers::map::{
+use edof_device::design::Design;
+use edof_device::registers::map::{
     DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHT_SET, WEIGHTS,
 };
 use rust_hdl::prelude::*;
@@ -47,13 +47,23 @@ pub struct BoardRegisters {
     pub bus: AxiLiteSlave,
     /// How the board is.
     pub status: Signal<In, Bits<32>>,
-    /// The set-up of the video chips.
-    pub i2c: Signal<In, Bits<32>>,
+    /// Set-up of the chips on the board's bus.
+    pub i2c_board: Signal<In, Bits<32>>,
     /// The size of the incoming picture.
     pub input_size: Signal<In, Bits<32>>,
+    /// Set-up of the chips on the card's bus.
+    pub i2c_card: Signal<In, Bits<32>>,
+    /// The receiver's inputs.
+    pub receiver: Signal<In, Bits<32>>,
+    /// The size that it measures.
+    pub receiver_size: Signal<In, Bits<32>>,
+    /// What it makes of the source's signal.
+    pub receiver_format: Signal<In, Bits<32>>,
+    /// The transmitter.
+    pub transmitter: Signal<In, Bits<32>>,
     /// Raw frames that were written whole.
     pub input_frames: Signal<In, Bits<32>>,
-    /// Raw frames that were begun and not completed: cable, wrong size, or a write that failed.
+    /// Raw frames that were begun and not completed: cable, wrong size or range, or a write that failed.
     pub input_broken: Signal<In, Bits<32>>,
     /// Frames on the cable that had another size than the design's.
     pub input_wrong: Signal<In, Bits<32>>,
@@ -93,6 +103,18 @@ pub struct BoardRegisters {
     pub output_underruns: Signal<In, Bits<32>>,
     /// Frames on the UART that were given up, and bytes that were no command.
     pub uart_broken: Signal<In, Bits<32>>,
+    /// Codes of line start and end that came inside of the pixels.
+    pub input_codes: Signal<In, Bits<32>>,
+    /// Words of such codes that were damaged.
+    pub input_malformed: Signal<In, Bits<32>>,
+    /// The answer to `chip_access`.
+    pub chip_answer: Signal<In, Bits<32>>,
+    /// Frames on the cable with a code outside of 64…191.
+    pub input_range: Signal<In, Bits<32>>,
+    /// What set-ups of the video chips use.
+    pub video_setup: Signal<Out, Bits<32>>,
+    /// What the host wants to read or write of a chip.
+    pub chip_access: Signal<Out, Bits<32>>,
     /// Hash of the network in use.
     pub weights_hash: Signal<Out, Bits<32>>,
     /// What the host decides.
@@ -115,7 +137,7 @@ pub struct BoardRegisters {
     pub weight_valid: Signal<Out, Bit>,
     /// It is taken.
     pub weight_ready: Signal<In, Bit>,
-    /// Where (`edof_spec::design::memory::address`).
+    /// Where (`edof_device::design::memory::address`).
     pub weight_address: Signal<Out, Bits<25>>,
     /// What.
     pub weight_data: Signal<Out, Bits<32>>,
@@ -128,25 +150,26 @@ pub struct BoardRegisters {
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
     is_bad: DFF<Bit>,
-    controls: [DFF<Bits<32>>; 4],
+    controls: [DFF<Bits<32>>; 6],
     // Where a word to write goes, known before it is judged.
-    at_control: [DFF<Bit>; 4],
+    at_control: [DFF<Bit>; 6],
     at_tables: DFF<Bit>,
     at_weights: DFF<Bit>,
     guard: BankGuard,
     is_checked: DFF<Bit>,
     refuses: DFF<Bit>,
     refused: DFF<Bits<32>>,
-    // A third of the registers each: one multiplexer for all is too long a path.
-    found: [DFF<Bits<32>>; 3],
+    // A quarter of the registers each: one multiplexer for all is too long a path.
+    found: [DFF<Bits<32>>; 4],
     found_any: DFF<Bit>,
     is_stage: DFF<Bit>,
     result: DFF<Bits<32>>,
     values: Vec<Signal<Local, Bits<32>>>,
-    selected: [Signal<Local, Bits<32>>; 3],
+    selected: [Signal<Local, Bits<32>>; 4],
     known: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
-    may_write: [Signal<Local, Bit>; 4],
+    may_write: [Signal<Local, Bit>; 6],
+    control_words: [Signal<Local, Bits<32>>; 6],
     bars: Signal<Local, Bit>,
     kept_out: Signal<Local, Bit>,
     bank_only: Constant<Bits<32>>,
@@ -205,13 +228,13 @@ impl Logic for BoardRegisters {
             self, clock, phase, address, word, is_bad, found_any, is_stage, result, is_checked, refuses,
             refused, at_tables, at_weights
         );
-        for i in 0..4 {
+        for i in 0..6 {
             self.controls[i].clock.next = self.clock.val();
             self.controls[i].d.next = self.controls[i].q.val();
             self.at_control[i].clock.next = self.clock.val();
         }
 
-        for i in 0..3 {
+        for i in 0..4 {
             self.found[i].clock.next = self.clock.val();
             self.selected[i].next = 0.into();
         }
@@ -244,30 +267,41 @@ impl Logic for BoardRegisters {
             self.values[i].next = self.controls[i - 4].q.val();
         }
         self.values[8].next = self.status.val();
-        self.values[9].next = self.i2c.val();
+        self.values[9].next = self.i2c_board.val();
         self.values[10].next = self.input_size.val();
-        self.values[11].next = self.input_frames.val();
-        self.values[12].next = self.input_broken.val();
-        self.values[13].next = self.input_wrong.val();
-        self.values[14].next = self.input_overruns.val();
-        self.values[15].next = self.input_write_errors.val();
-        self.values[16].next = self.raw_frames.val();
-        self.values[17].next = self.raw_late.val();
-        self.values[18].next = self.raw_read_errors.val();
-        self.values[19].next = self.busy_cycles.val();
-        self.values[20].next = self.patches.val();
-        self.values[21].next = self.saturated_sums.val();
-        self.values[22].next = self.clamped_chroma.val();
-        self.values[23].next = self.out_of_gamut.val();
-        self.values[24].next = self.picture_frames.val();
-        self.values[25].next = self.picture_broken.val();
-        self.values[26].next = self.picture_write_errors.val();
-        self.values[27].next = self.output_frames.val();
-        self.values[28].next = self.output_late.val();
-        self.values[29].next = self.output_read_errors.val();
-        self.values[30].next = self.output_underruns.val();
-        self.values[31].next = self.uart_broken.val();
-        self.values[32].next = self.refused.q.val();
+        self.values[11].next = self.i2c_card.val();
+        self.values[12].next = self.receiver.val();
+        self.values[13].next = self.receiver_size.val();
+        self.values[14].next = self.receiver_format.val();
+        self.values[15].next = self.transmitter.val();
+        self.values[16].next = self.input_frames.val();
+        self.values[17].next = self.input_broken.val();
+        self.values[18].next = self.input_wrong.val();
+        self.values[19].next = self.input_overruns.val();
+        self.values[20].next = self.input_write_errors.val();
+        self.values[21].next = self.raw_frames.val();
+        self.values[22].next = self.raw_late.val();
+        self.values[23].next = self.raw_read_errors.val();
+        self.values[24].next = self.busy_cycles.val();
+        self.values[25].next = self.patches.val();
+        self.values[26].next = self.saturated_sums.val();
+        self.values[27].next = self.clamped_chroma.val();
+        self.values[28].next = self.out_of_gamut.val();
+        self.values[29].next = self.picture_frames.val();
+        self.values[30].next = self.picture_broken.val();
+        self.values[31].next = self.picture_write_errors.val();
+        self.values[32].next = self.output_frames.val();
+        self.values[33].next = self.output_late.val();
+        self.values[34].next = self.output_read_errors.val();
+        self.values[35].next = self.output_underruns.val();
+        self.values[36].next = self.uart_broken.val();
+        self.values[37].next = self.refused.q.val();
+        self.values[38].next = self.input_codes.val();
+        self.values[39].next = self.input_malformed.val();
+        self.values[40].next = self.controls[4].q.val();
+        self.values[41].next = self.controls[5].q.val();
+        self.values[42].next = self.chip_answer.val();
+        self.values[43].next = self.input_range.val();
         self.known.next = false;
         for i in 0..11 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
@@ -281,13 +315,19 @@ impl Logic for BoardRegisters {
                 self.known.next = true;
             }
         }
-        for i in 22..self._count {
+        for i in 22..33 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[2].next = self.selected[2].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
             }
         }
-        for i in 0..3 {
+        for i in 33..self._count {
+            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
+                self.selected[3].next = self.selected[3].val() | (self.values[i].val() & self.masks[i].val());
+                self.known.next = true;
+            }
+        }
+        for i in 0..4 {
             self.found[i].d.next = self.selected[i].val();
         }
         self.found_any.d.next = self.known.val() && self.in_area.val();
@@ -303,9 +343,17 @@ impl Logic for BoardRegisters {
         self.may_write[1].next = self.is_checked.q.val() || !self.controls[3].q.val().get_bit(1);
         self.may_write[2].next = true;
         self.may_write[3].next = self.is_checked.q.val();
+        self.may_write[4].next = true;
+        self.may_write[5].next = true;
         for i in 4..8 {
             self.at_control[i - 4].d.next =
                 self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val());
+            self.control_words[i - 4].next = self.word.q.val() & self.masks[i].val();
+        }
+        for i in 40..42 {
+            self.at_control[i - 36].d.next =
+                self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val());
+            self.control_words[i - 36].next = self.word.q.val() & self.masks[i].val();
         }
         self.at_tables.d.next = self.in_window[1].val();
         self.at_weights.d.next = self.in_window[2].val();
@@ -352,10 +400,10 @@ impl Logic for BoardRegisters {
                     }
                 } else {
                     self.phase.d.next = Phase::WriteAnswer;
-                    for i in 4..8 {
-                        if self.at_control[i - 4].q.val() {
-                            if self.may_write[i - 4].val() {
-                                self.controls[i - 4].d.next = self.word.q.val() & self.masks[i].val();
+                    for i in 0..6 {
+                        if self.at_control[i].q.val() {
+                            if self.may_write[i].val() {
+                                self.controls[i].d.next = self.control_words[i].val();
                                 self.written.next = true;
                             } else {
                                 self.kept_out.next = true;
@@ -381,8 +429,10 @@ impl Logic for BoardRegisters {
                 } else if self.is_stage.q.val() {
                     self.result.d.next = self.stage_counter.val();
                 } else {
-                    self.result.d.next =
-                        self.found[0].q.val() | self.found[1].q.val() | self.found[2].q.val();
+                    self.result.d.next = self.found[0].q.val()
+                        | self.found[1].q.val()
+                        | self.found[2].q.val()
+                        | self.found[3].q.val();
                 }
             }
             Phase::ReadAnswer => {
@@ -401,6 +451,9 @@ impl Logic for BoardRegisters {
             self.refused.d.next = 0.into();
             for i in 4..8 {
                 self.controls[i - 4].d.next = self.start[i].val();
+            }
+            for i in 40..42 {
+                self.controls[i - 36].d.next = self.start[i].val();
             }
             if self.keeps.val() {
                 self.controls[0].d.next = self.controls[0].q.val();
@@ -424,6 +477,8 @@ impl Logic for BoardRegisters {
         self.weights_hash.next = self.controls[0].q.val();
         self.control.next = self.controls[1].q.val();
         self.scratch.next = self.controls[2].q.val();
+        self.video_setup.next = self.controls[4].q.val();
+        self.chip_access.next = self.controls[5].q.val();
         self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2));
         if self.in_window[3].val() {
             self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2)) | 0x40;

@@ -26,8 +26,8 @@ enum Phase {
 /// A stream of pixels into one of three frame buffers, in bursts of full length.
 ///
 /// A burst is asked for once all its words are here, so that it never waits for pixels. A frame counts as complete, and becomes the
-/// newest, when all its lines were of the right length, all its bursts are answered, and no answer was an error; otherwise it is counted
-/// as broken and its buffer used again. After a frame the stream waits until all answers have come. A pixel a cycle otherwise, as long
+/// newest, when all its lines were of the right length, all its bursts are answered, no answer was an error, and no `corrupted` came since
+/// the frame before the last; otherwise it is counted as broken and its buffer used again. After a frame the stream waits until all answers have come. A pixel a cycle otherwise, as long
 /// as the memory keeps up.
 #[derive(Circuit)]
 pub struct WriteAgent<const W: usize, const S: usize> {
@@ -39,13 +39,16 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     pub pixels: StreamIn<16>,
     /// Memory.
     pub dram: AxiWriteMaster<W, S>,
+    /// What the frames are made of was corrupted in this cycle: the next two frames that end are held back. One of them may have left the
+    /// source before, the other is made of it.
+    pub corrupted: Signal<In, Bit>,
     /// The buffer that is being read.
     pub reading: Signal<In, Buffer>,
     /// The newest complete buffer.
     pub newest: Signal<Out, Buffer>,
     /// Complete frames.
     pub frames: Signal<Out, Bits<32>>,
-    /// Frames that were begun and not completed.
+    /// Frames that were begun and not completed, or held back.
     pub broken: Signal<Out, Bits<32>>,
     /// Answers that were errors.
     pub errors: Signal<Out, Bits<32>>,
@@ -69,10 +72,9 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     row: DFF<Bits<12>>,
     lane: DFF<Bits<6>>,
     word: DFF<Bits<W>>,
-    // Words of this frame: put into the RAM, announced, allowed to be sent, taken out of the RAM (and the one after).
+    // Words of this frame: put into the RAM, announced, taken out of the RAM (and the one after).
     put: DFF<Row>,
     announced: DFF<Row>,
-    allowed: DFF<Row>,
     sent: DFF<Row>,
     sent_next: DFF<Row>,
     // How many the RAM holds and whether there is room for more, how many wait to be announced, whether any may be sent: each from the
@@ -94,6 +96,8 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     sent_last: DFF<Bit>,
     outstanding: DFF<Bits<4>>,
     failed: DFF<Bit>,
+    // Frames that are to be held back.
+    doubtful: DFF<Bits<2>>,
     target: DFF<Buffer>,
     newest_q: DFF<Buffer>,
     frames_q: DFF<Bits<32>>,
@@ -116,7 +120,7 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
     /// An agent for these frames.
     ///
     /// # Panics
-    /// For frames that no agent can do: whoever makes a design checks it (`edof_spec::board`).
+    /// For frames that no agent can do: whoever makes a design checks it (`edof_device::board`).
     #[must_use]
     pub fn new(frames: &Frames) -> Self {
         frames.check(W);
@@ -156,7 +160,6 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             word,
             put,
             announced,
-            allowed,
             sent,
             sent_next,
             held,
@@ -175,6 +178,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             sent_last,
             outstanding,
             failed,
+            doubtful,
             target,
             newest_q,
             frames_q,
@@ -225,7 +229,6 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         self.accepted.next = self.asks.q.val() && self.dram.aw_ready.val();
         if self.accepted.val() {
             self.asks.d.next = false;
-            self.allowed.d.next = self.allowed.q.val() + self.asked_words.q.val();
         }
         if !self.asks.q.val()
             && (self.outstanding.q.val() != self.outstanding_most.val())
@@ -245,10 +248,10 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             }
         }
 
-        // Their words, by way of a register.
+        // Their words, by way of a register; they do not wait for the address to be accepted.
         self.moves.next = !self.sends.q.val() || self.dram.w_ready.val();
         self.sent_then.next = self.sent.q.val();
-        self.has_word.d.next = self.sent.q.val() != self.allowed.q.val();
+        self.has_word.d.next = self.sent.q.val() != self.announced.q.val();
         if self.moves.val() {
             self.sends.d.next = self.has_word.q.val();
             self.sent_word.d.next = self.ram.read_data.val();
@@ -257,7 +260,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             if self.has_word.q.val() {
                 self.sent_then.next = self.sent_next.q.val();
                 self.sent_next.d.next = self.sent_next.q.val() + 1;
-                self.has_word.d.next = self.sent_next.q.val() != self.allowed.q.val();
+                self.has_word.d.next = self.sent_next.q.val() != self.announced.q.val();
             }
         }
         self.sent.d.next = self.sent_then.val();
@@ -323,7 +326,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             Phase::Complete => {
                 if self.is_over.val() {
                     self.phase.d.next = Phase::Between;
-                    if self.failed.q.val() {
+                    if self.failed.q.val() || self.doubtful.q.val().any() {
                         self.broken_q.d.next = self.broken_q.q.val() + 1;
                     } else {
                         self.frames_q.d.next = self.frames_q.q.val() + 1;
@@ -338,13 +341,18 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
                 }
             }
         }
+        if self.is_over.val() && self.doubtful.q.val().any() {
+            self.doubtful.d.next = self.doubtful.q.val() - 1;
+        }
+        if self.corrupted.val() {
+            self.doubtful.d.next = 2.into();
+        }
         if self.is_over.val() || self.reset.val() {
             self.column.d.next = 0.into();
             self.row.d.next = 0.into();
             self.lane.d.next = 0.into();
             self.put.d.next = 0.into();
             self.announced.d.next = 0.into();
-            self.allowed.d.next = 0.into();
             self.sent.d.next = 0.into();
             self.sent_next.d.next = 1.into();
             self.held.d.next = 0.into();
@@ -358,6 +366,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.asks.d.next = false;
             self.sends.d.next = false;
             self.outstanding.d.next = 0.into();
+            self.doubtful.d.next = 0.into();
             self.newest_q.d.next = 3.into();
             self.frames_q.d.next = 0.into();
             self.broken_q.d.next = 0.into();

@@ -1,17 +1,19 @@
 //! Leaf `edof_async_fifo`: a word a cycle from one clock domain to another.
 
+use super::clear::Clear;
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
 /// 2^`log_depth` words in LUT RAM, and one at the output. A word can be read three to four read cycles after it was written.
-/// Both resets come from the same request and overlap; what was inside is lost.
+/// A reset of either side empties both sides, in any order and with either clock standing still; until both clocks have run nothing is
+/// taken and nothing new is offered.
 #[derive(Circuit)]
 pub struct AsyncFifo<const W: usize> {
     /// Clock of the writer.
     pub write_clock: Signal<In, Clock>,
-    /// Empties it, together with the reader's reset.
+    /// Reset of the writer's domain: empties the FIFO.
     pub write_reset: Signal<In, Bit>,
     /// A word is offered.
     pub write_valid: Signal<In, Bit>,
@@ -21,7 +23,7 @@ pub struct AsyncFifo<const W: usize> {
     pub write_data: Signal<In, Bits<W>>,
     /// Clock of the reader.
     pub read_clock: Signal<In, Clock>,
-    /// Empties it, together with the writer's reset.
+    /// Reset of the reader's domain: empties the FIFO and the output.
     pub read_reset: Signal<In, Bit>,
     /// A word stands on the output.
     pub read_valid: Signal<Out, Bit>,
@@ -32,6 +34,7 @@ pub struct AsyncFifo<const W: usize> {
     _log_depth: usize,
     _words: VecDeque<Bits<W>>,
     _pointers: Pointers,
+    _clear: Clear,
     _front: Option<Bits<W>>,
 }
 
@@ -52,12 +55,45 @@ impl<const W: usize> AsyncFifo<W> {
             _log_depth: log_depth,
             _words: VecDeque::new(),
             _pointers: Pointers::default(),
+            _clear: Clear::default(),
             _front: None,
         })
     }
 
     fn has_room(&self) -> bool {
-        self._pointers.written - self._pointers.read_seen[1] < 1 << self._log_depth
+        let held = self._pointers.written.wrapping_sub(self._pointers.read_seen[1]);
+        self._clear.sender_open() && held < 1 << self._log_depth
+    }
+
+    fn write(&mut self, read: u64) {
+        if self._clear.sender_clear() {
+            self._pointers.written = 0;
+            self._words.clear();
+        } else if self.write_valid.val() && self.has_room() && !self.write_reset.val() {
+            self._words.push_back(self.write_data.val());
+            self._pointers.written += 1;
+        }
+        self._pointers.read_seen = [read, self._pointers.read_seen[0]];
+    }
+
+    fn read(&mut self, written: u64) {
+        let moves = self._front.is_none() || self.read_ready.val();
+        let fetches =
+            self._clear.receiver_open() && moves && self._pointers.written_seen[1] != self._pointers.read;
+        if self._clear.receiver_clear() {
+            self._pointers.read = 0;
+        } else if fetches {
+            self._pointers.read += 1;
+        }
+        if fetches {
+            self._front = self._words.pop_front();
+        } else if moves {
+            self._front = None;
+        }
+        if self.read_reset.val() {
+            self._front = None;
+        }
+        self._pointers.written_seen = [written, self._pointers.written_seen[0]];
     }
 }
 
@@ -66,26 +102,12 @@ impl<const W: usize> Logic for AsyncFifo<W> {
         let (written, read) = (self._pointers.written, self._pointers.read);
         let (writes, reads) = (self.write_clock.pos_edge(), self.read_clock.pos_edge());
         if writes {
-            if self.write_reset.val() {
-                self._pointers.written = 0;
-            } else if self.write_valid.val() && self.has_room() {
-                self._words.push_back(self.write_data.val());
-                self._pointers.written += 1;
-            }
-            self._pointers.read_seen = [read, self._pointers.read_seen[0]];
+            self.write(read);
         }
         if reads {
-            if self.read_reset.val() {
-                self._pointers.read = 0;
-                self._front = None;
-                self._words.clear();
-            } else if self._front.is_none() || self.read_ready.val() {
-                let arrived = self._pointers.written_seen[1] > read;
-                self._front = if arrived { self._words.pop_front() } else { None };
-                self._pointers.read += u64::from(self._front.is_some());
-            }
-            self._pointers.written_seen = [written, self._pointers.written_seen[0]];
+            self.read(written);
         }
+        self._clear.step(writes.then(|| self.write_reset.val()), reads.then(|| self.read_reset.val()));
         self.write_ready.next = self.has_room();
         self.read_valid.next = self._front.is_some();
         if let Some(front) = self._front {
@@ -100,7 +122,7 @@ impl<const W: usize> Logic for AsyncFifo<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_async_fifo")
+        leaf("edof_async_fifo")
             .parameter("WIDTH", W)
             .parameter("LOG_DEPTH", self._log_depth)
             .port("write_clock_i", "write_clock")

@@ -1,16 +1,17 @@
 //! Leaf `edof_bus_sync`: a word now and then into another clock domain, all its bits at once.
 
+use super::clear::Clear;
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
-/// A word that is given while `ready` arrives three to four cycles later and stands until the next one; 0 before the first. Both
-/// resets come from the same request and overlap.
+/// A word that is given while `ready` arrives three to four cycles later and stands until the next one; 0 after the receiver's reset. A
+/// reset of either side drops a word in flight, in any order and with either clock standing still.
 #[derive(Circuit)]
 pub struct BusSync<const W: usize> {
     /// Clock of the sender.
     pub from_clock: Signal<In, Clock>,
-    /// Forgets a word on its way, together with the receiver's reset.
+    /// Reset of the sender's domain: drops a word in flight.
     pub from_reset: Signal<In, Bit>,
     /// A word is offered.
     pub valid: Signal<In, Bit>,
@@ -20,7 +21,7 @@ pub struct BusSync<const W: usize> {
     pub word: Signal<In, Bits<W>>,
     /// Clock of the receiver.
     pub to_clock: Signal<In, Clock>,
-    /// Back to 0, together with the sender's reset.
+    /// Reset of the receiver's domain: back to 0, and drops a word in flight.
     pub to_reset: Signal<In, Bit>,
     /// A word has come in this cycle.
     pub arrives: Signal<Out, Bit>,
@@ -38,6 +39,7 @@ pub(super) struct Handshake {
     told: bool,
     asked_seen: [bool; 2],
     told_seen: [bool; 2],
+    clear: Clear,
     /// Something has come at the receiver's last edge.
     pub arrived: bool,
 }
@@ -45,21 +47,23 @@ pub(super) struct Handshake {
 impl Handshake {
     /// The sender may ask.
     pub const fn is_ready(&self) -> bool {
-        self.asked == self.told_seen[1]
+        self.clear.sender_open() && self.asked == self.told_seen[1]
     }
 
     /// An edge of the sender (reset, whether it asks), of the receiver (reset), or of both.
     pub fn step(&mut self, from: Option<(bool, bool)>, to: Option<bool>) {
         let (asked, told) = (self.asked, self.told);
         if let Some((reset, asks)) = from {
-            self.asked = !reset && (asked ^ (asks && self.is_ready()));
+            self.asked = !self.clear.sender_clear() && (asked ^ (asks && !reset && self.is_ready()));
             self.told_seen = [told, self.told_seen[0]];
         }
         if let Some(reset) = to {
-            self.arrived = !reset && self.asked_seen[1] != told;
-            self.told = !reset && self.asked_seen[1];
+            let arrives = self.clear.receiver_open() && self.asked_seen[1] != told;
+            self.arrived = arrives && !reset;
+            self.told = !self.clear.receiver_clear() && (told ^ arrives);
             self.asked_seen = [asked, self.asked_seen[0]];
         }
+        self.clear.step(from.map(|(reset, _)| reset), to);
     }
 }
 
@@ -74,7 +78,7 @@ impl<const W: usize> Logic for BusSync<W> {
     fn update(&mut self) {
         let from = self.from_clock.pos_edge().then(|| (self.from_reset.val(), self.valid.val()));
         let to = self.to_clock.pos_edge().then(|| self.to_reset.val());
-        let taken = from.is_some_and(|(_, valid)| valid) && self._handshake.is_ready();
+        let taken = from == Some((false, true)) && self._handshake.is_ready();
         self._handshake.step(from, to);
         match to {
             Some(true) => self._word = 0.into(),
@@ -96,7 +100,7 @@ impl<const W: usize> Logic for BusSync<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_bus_sync")
+        leaf("edof_bus_sync")
             .parameter("WIDTH", W)
             .port("from_clock_i", "from_clock")
             .port("from_reset_i", "from_reset")

@@ -44,7 +44,7 @@ fn of_leaf(leaf: &str, path: &str, period: f64) -> Vec<String> {
         format!("set_max_delay -datapath_only -from {} -to {} {period:.3}", cells(from), cells(to))
     };
     let synchronised = |register: &str, sync: &str| limit(register, &format!("{sync}/first_q_reg[*]"));
-    match leaf {
+    let limits = match leaf {
         "edof_sync" => vec![format!("set_false_path -to [get_pins {{{path}/first_q_reg[*]/D}}]")],
         "edof_reset_sync" => {
             vec![format!("set_false_path -to [get_pins {{{path}/first_q_reg/PRE {path}/second_q_reg/PRE}}]")]
@@ -74,5 +74,15 @@ fn of_leaf(leaf: &str, path: &str, period: f64) -> Vec<String> {
             limit("held_q_reg[*]", "word_q_reg[*]"),
         ],
         _ => vec![],
-    }
+    };
+    // Those that carry words are cleared from either side (`edof_clear`).
+    let clears = match leaf {
+        "edof_async_fifo" | "edof_pulse_sync" | "edof_bus_sync" => vec![
+            synchronised("clear/clear_q_reg", "clear/to_receiver"),
+            synchronised("clear/asks_q_reg", "clear/asks_sync"),
+            synchronised("clear/answers_q_reg", "clear/answers_sync"),
+        ],
+        _ => vec![],
+    };
+    [limits, clears].concat()
 }

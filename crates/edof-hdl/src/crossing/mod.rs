@@ -11,11 +11,16 @@
 //!
 //! [`constraints`] tells Vivado of each.
 //!
+//! Each side of a crossing takes the reset of its own domain and nothing more: resets need no overlap, no order, and no second clock. Those
+//! that carry words or pulses are empty after a reset of either side, and closed until both clocks have run (`rtl/edof_clear.v`).
+//!
 //! Each but the last is a leaf of `rtl/`, and here as its model. A model sees every change at the first edge after it; in Verilog, with
 //! `EDOF_METASTABLE` defined, each bit is seen then or an edge later, by lot, as on a real chip.
 
 pub mod async_fifo;
 pub mod bus_sync;
+mod clear;
+pub(crate) mod clocks;
 pub mod constraints;
 pub mod pixel_fifo;
 pub mod pulse_sync;

@@ -7,8 +7,8 @@ use rust_hdl::prelude::*;
 
 /// A stream of pixels from one clock domain to another, in order and whole.
 ///
-/// Latency three to four cycles of `to_clock` and one of `from_clock`; a pixel a cycle of the slower clock. Both resets come from the
-/// same request and overlap; what was inside is lost.
+/// Latency three to four cycles of `to_clock` and one of `from_clock`; a pixel a cycle of the slower clock. A reset of
+/// either side empties both sides, in any order and with either clock standing still ([`AsyncFifo`]).
 #[derive(Circuit)]
 pub struct PixelFifo {
     /// Clock of the sender.

@@ -2,15 +2,16 @@
 
 use super::bus_sync::Handshake;
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
-/// One pulse for each that is given while `ready`, three to four cycles later. Both resets come from the same request and overlap.
+/// One pulse for each that is given while `ready`, three to four cycles later. A reset of either side drops a pulse in
+/// flight, in any order and with either clock standing still.
 #[derive(Circuit)]
 pub struct PulseSync {
     /// Clock of the sender.
     pub from_clock: Signal<In, Clock>,
-    /// Forgets a pulse on its way, together with the receiver's reset.
+    /// Reset of the sender's domain: drops a pulse in flight.
     pub from_reset: Signal<In, Bit>,
     /// A pulse.
     pub pulse: Signal<In, Bit>,
@@ -18,7 +19,7 @@ pub struct PulseSync {
     pub ready: Signal<Out, Bit>,
     /// Clock of the receiver.
     pub to_clock: Signal<In, Clock>,
-    /// Forgets a pulse on its way, together with the sender's reset.
+    /// Reset of the receiver's domain: drops a pulse in flight.
     pub to_reset: Signal<In, Bit>,
     /// The pulse.
     pub arrives: Signal<Out, Bit>,
@@ -46,7 +47,7 @@ impl Logic for PulseSync {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_pulse_sync")
+        leaf("edof_pulse_sync")
             .port("from_clock_i", "from_clock")
             .port("from_reset_i", "from_reset")
             .port("pulse_i", "pulse")

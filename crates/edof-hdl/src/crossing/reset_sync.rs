@@ -1,7 +1,7 @@
 //! Leaf `edof_reset_sync`: the reset of a clock domain.
 
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
 /// Cycles for which a domain's reset stays high after the request fell: what pipelines need to run dry, and more than any
@@ -44,7 +44,7 @@ impl Logic for ResetSync {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_reset_sync")
+        leaf("edof_reset_sync")
             .parameter("CYCLES", RESET_CYCLES)
             .port("clock_i", "clock")
             .port("reset_i", "reset")

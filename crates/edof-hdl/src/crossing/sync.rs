@@ -1,7 +1,7 @@
 //! Leaf `edof_sync`: bits into another clock domain, each by itself.
 
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
 /// Two flip-flops a bit. A change arrives in the second or third cycle; bits that change together may arrive a cycle apart.
@@ -35,7 +35,7 @@ impl<const W: usize> Logic for Sync<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_sync")
+        leaf("edof_sync")
             .parameter("WIDTH", W)
             .port("clock_i", "clock")
             .port("from_i", "from")

@@ -7,7 +7,7 @@ use super::{Factor, Wide};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
 use crate::describe::Circuit;
-use edof_spec::display::{
+use edof_image::display::{
     BLACK, CHROMA_ZERO, TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
 };
 use rust_hdl::prelude::*;
@@ -188,7 +188,7 @@ fn base(shift: u32, zero: u64) -> Constant<Wide> {
 
 /// Where the images of the tables lie, by the table's number.
 pub const TABLE_IMAGES: [&str; 4] =
-    ["mem/display_luma.hex", "mem/display_red.hex", "mem/display_green.hex", "mem/display_blue.hex"];
+    ["mem/display_luma.mem", "mem/display_red.mem", "mem/display_green.mem", "mem/display_blue.mem"];
 
 impl Display {
     /// The display with the tables that it starts with: 2¹⁵ luma codes and 2¹⁴ entries of 12 bits for red, green and blue.

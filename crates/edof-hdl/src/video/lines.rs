@@ -6,7 +6,7 @@ use super::raster_reorder::RasterReorder;
 use crate::blocks::Pair;
 use crate::describe::Circuit;
 use crate::verilog::Optional;
-use edof_spec::Design;
+use edof_device::Design;
 use rust_hdl::prelude::*;
 
 /// From the calculator's patches to the lines of the 4:2:2 frame: pairs of pixels, added where patches overlap, in the order of a raster.

@@ -2,7 +2,8 @@
 
 use super::Place;
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
+use edof_device::design::memory::image_name;
 use rust_hdl::prelude::*;
 
 /// Block RAM with one write port and one read port. A read takes two cycles and gives what lay there before a write in the cycle of its address.
@@ -71,10 +72,10 @@ impl<const W: usize> Logic for Memory<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_memory")
+        leaf("edof_memory")
             .parameter("WIDTH", W)
             .parameter("DEPTH", self._words.len())
-            .text("INIT", self._image.as_deref().unwrap_or_default())
+            .text("INIT", image_name(self._image.as_deref().unwrap_or_default()))
             .port("clock_i", "clock")
             .port("read_address_i", "read_address")
             .port("read_data_o", "read_data")

@@ -1,7 +1,7 @@
 //! Leaf `edof_queue`: where a pipeline ends.
 
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
@@ -71,7 +71,7 @@ impl<const W: usize> Logic for Queue<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_queue")
+        leaf("edof_queue")
             .parameter("WIDTH", W)
             .parameter("DEPTH", DEPTH)
             .parameter("SLACK", self._slack)

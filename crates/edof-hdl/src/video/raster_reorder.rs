@@ -6,7 +6,7 @@ use super::{Coordinate, Place};
 use crate::blocks::Pair;
 use crate::blocks::delay::Delay;
 use crate::describe::Circuit;
-use edof_spec::Design;
+use edof_device::Design;
 use rust_hdl::prelude::*;
 
 /// From square blocks of pairs of pixels, `stride` rows and columns each, to lines: blocks lie in rows from the frame's corner on, and

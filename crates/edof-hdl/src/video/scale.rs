@@ -2,7 +2,7 @@
 
 use super::{Factor, Wide};
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
 /// value × factor + addend in one DSP48E1, in two's complement: three cycles after value and factor, two after addend.
@@ -51,7 +51,7 @@ impl Logic for Scale {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_scale")
+        leaf("edof_scale")
             .port("clock_i", "clock")
             .port("value_i", "value")
             .port("factor_i", "factor")

@@ -7,8 +7,8 @@ use super::window_reorder::WindowReorder;
 use crate::blocks::Word;
 use crate::blocks::chain::Chain;
 use crate::describe::Circuit;
-use edof_spec::FixedNetwork;
-use edof_spec::design::{Design, DesignError};
+use edof_device::design::{Design, DesignError};
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
 /// The whole way of a picture: lines of red-first raw frames in, lines of codes out, a pixel a beat.
@@ -44,7 +44,7 @@ pub struct StreamCore {
     pub picture_user: Signal<Out, Bit>,
     /// Whether it is its line's last.
     pub picture_last: Signal<Out, Bit>,
-    /// A word of the calculator is to be written (`edof_spec::design::memory::address`).
+    /// A word of the calculator is to be written (`edof_device::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
     /// Where.
     pub write_address: Signal<In, Bits<25>>,

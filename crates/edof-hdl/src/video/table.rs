@@ -2,7 +2,8 @@
 
 use super::Place;
 use crate::describe::Circuit;
-use crate::leaf::Leaf;
+use crate::leaves::leaf;
+use edof_device::design::memory::image_name;
 use rust_hdl::prelude::*;
 
 /// Block RAM with one read port and one port that writes or looks. Either shows two cycles after its address what lay there before a write in
@@ -58,10 +59,10 @@ impl<const W: usize> Logic for Table<W> {
     }
 
     fn hdl(&self) -> Verilog {
-        Leaf::new("edof_table")
+        leaf("edof_table")
             .parameter("WIDTH", W)
             .parameter("DEPTH", self._words.len())
-            .text("INIT", &self._image)
+            .text("INIT", image_name(&self._image))
             .port("clock_i", "clock")
             .port("read_address_i", "read_address")
             .port("read_data_o", "read_data")

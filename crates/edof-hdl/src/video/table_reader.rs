@@ -3,12 +3,12 @@
 use crate::blocks::delay::Delay;
 use crate::blocks::reader::Reader;
 use crate::describe::Circuit;
-use edof_spec::design::memory::TABLES;
-use edof_spec::design::reading::READ_REGISTER;
+use edof_device::design::memory::TABLES;
+use edof_device::design::reading::READ_REGISTER;
 use rust_hdl::prelude::*;
 
 /// Stands before the tables of the display: what the host writes passes in a cycle, and in the cycles between, rows are read back as those of
-/// a stage's weights are (`edof_spec::design::reading`), and go through a CRC. A row is four entries, the lowest first, each in 16
+/// a stage's weights are (`edof_device::design::reading`), and go through a CRC. A row is four entries, the lowest first, each in 16
 /// bits. Its bank is {table (2 bits), whether it lies in the second half of a table of luma}.
 #[derive(Circuit)]
 #[circuit(default(Reader, Delay))]
@@ -37,7 +37,7 @@ pub struct TableReader {
     pub table_word: Signal<In, Bits<12>>,
     /// A word of the calculator is to be written; commands to read are among them.
     pub write_valid: Signal<In, Bit>,
-    /// Where (`edof_spec::design::memory::address`).
+    /// Where (`edof_device::design::memory::address`).
     pub write_address: Signal<In, Bits<25>>,
     /// What.
     pub write_data: Signal<In, Bits<32>>,

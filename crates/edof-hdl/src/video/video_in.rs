@@ -2,15 +2,15 @@
 
 use super::Coordinate;
 use crate::describe::Circuit;
-use edof_spec::design::FrameSize;
+use edof_device::design::FrameSize;
 use rust_hdl::prelude::*;
 
-/// The 16-bit 4:2:2 bus of a receiver with separate syncs, from which raw pixels come: their most significant byte lies where Y does
-/// (bits 0 to 7), the least where C does. Out goes a stream as AXI4-Stream has it for video.
+/// The 16-bit 4:2:2 bus of a receiver with separate syncs, from which raw pixel words come: bits 15 to 9 plus 64 lie where Y does (bits 0
+/// to 7), bits 8 to 2 plus 64 where C does, and bits 1 and 0 are 0. Out goes a stream as AXI4-Stream has it for video.
 /// A pixel stands on the output four cycles after it was on the pins. A frame begins with the first pixel after an edge of the vertical
 /// sync, whichever its polarity. A frame whose line has another width than the design's, which ends early, or which is not taken in
 /// time is left as it is: its receiver must not take it for whole until all of its pixels have come, and sees the next first pixel.
-/// So is one in which the horizontal sync pauses for 8191 cycles. Lines beyond the design's height are left out. What was measured of a
+/// So is one in which the horizontal sync pauses for 8191 cycles, or in which a code lies outside of 64 to 191. Lines beyond the design's height are left out. What was measured of a
 /// frame stands with its end, the first after a loss left out.
 #[derive(Circuit)]
 pub struct VideoIn {
@@ -24,7 +24,7 @@ pub struct VideoIn {
     pub vs: Signal<In, Bit>,
     /// A pixel lies on the bus.
     pub de: Signal<In, Bit>,
-    /// It: Y low, C high.
+    /// It: Y low, C high, each with seven bits of a raw pixel word.
     pub data: Signal<In, Bits<16>>,
     /// A raw pixel word stands on the output.
     pub pixels_valid: Signal<Out, Bit>,
@@ -52,6 +52,8 @@ pub struct VideoIn {
     pub right_frames: Signal<Out, Bits<32>>,
     /// Frames that had others.
     pub wrong_frames: Signal<Out, Bits<32>>,
+    /// Frames with a code outside of 64 to 191, of whatever size.
+    pub range_frames: Signal<Out, Bits<32>>,
     /// Frames given up because a pixel was not taken in time.
     pub overruns: Signal<Out, Bits<32>>,
     wanted_width: Constant<Coordinate>,
@@ -66,6 +68,7 @@ pub struct VideoIn {
     vs_2: DFF<Bit>,
     de_2: DFF<Bit>,
     pixel_2: DFF<Bits<16>>,
+    in_range_2: DFF<Bit>,
     line_begins_2: DFF<Bit>,
     line_ends_2: DFF<Bit>,
     frame_ends_2: DFF<Bit>,
@@ -74,6 +77,7 @@ pub struct VideoIn {
     row: DFF<Coordinate>,
     begins: DFF<Bit>,
     crooked: DFF<Bit>,
+    strays: DFF<Bit>,
     known: DFF<Bit>,
     sending: DFF<Bit>,
     pixel_3: DFF<Bits<16>>,
@@ -95,6 +99,7 @@ pub struct VideoIn {
     fits_q: DFF<Bit>,
     right_q: DFF<Bits<32>>,
     wrong_q: DFF<Bits<32>>,
+    range_q: DFF<Bits<32>>,
     overruns_q: DFF<Bits<32>>,
     row_now: Signal<Local, Coordinate>,
     column_now: Signal<Local, Coordinate>,
@@ -132,6 +137,7 @@ impl Logic for VideoIn {
             vs_2,
             de_2,
             pixel_2,
+            in_range_2,
             line_begins_2,
             line_ends_2,
             frame_ends_2,
@@ -140,6 +146,7 @@ impl Logic for VideoIn {
             row,
             begins,
             crooked,
+            strays,
             known,
             sending,
             pixel_3,
@@ -161,6 +168,7 @@ impl Logic for VideoIn {
             fits_q,
             right_q,
             wrong_q,
+            range_q,
             overruns_q
         );
 
@@ -172,8 +180,13 @@ impl Logic for VideoIn {
         self.hs_2.d.next = self.hs_1.q.val();
         self.vs_2.d.next = self.vs_1.q.val();
         self.de_2.d.next = self.de_1.q.val();
-        self.pixel_2.d.next = (bit_cast::<16, 8>(self.data_1.q.val().get_bits::<8>(0)) << 8)
-            | bit_cast::<16, 8>(self.data_1.q.val().get_bits::<8>(8));
+        // Less 64, seven bits are left: the lower six, and the topmost. Codes of 64 to 191 are those whose upper two bits differ.
+        self.pixel_2.d.next = (bit_cast::<16, 1>(self.data_1.q.val().get_bits::<1>(7)) << 15)
+            | (bit_cast::<16, 6>(self.data_1.q.val().get_bits::<6>(0)) << 9)
+            | (bit_cast::<16, 1>(self.data_1.q.val().get_bits::<1>(15)) << 8)
+            | (bit_cast::<16, 6>(self.data_1.q.val().get_bits::<6>(8)) << 2);
+        self.in_range_2.d.next = (self.data_1.q.val().get_bit(7) ^ self.data_1.q.val().get_bit(6))
+            && (self.data_1.q.val().get_bit(15) ^ self.data_1.q.val().get_bit(14));
         self.line_begins_2.d.next = self.de_1.q.val() && !self.de_2.q.val();
         self.line_ends_2.d.next = !self.de_1.q.val() && self.de_2.q.val();
         self.frame_ends_2.d.next = self.vs_1.q.val() ^ self.vs_2.q.val();
@@ -213,8 +226,13 @@ impl Logic for VideoIn {
             self.sending.d.next = true;
         }
         self.ends.next = self.column_now.val() == self.last_column.val();
+        if self.de_2.q.val() && !self.in_range_2.q.val() {
+            self.strays.d.next = true;
+            self.sending.d.next = false;
+        }
         self.send_3.d.next = self.de_2.q.val()
             && self.sends.val()
+            && self.in_range_2.q.val()
             && !(self.ends.val() && self.de_1.q.val())
             && (self.column_now.val() < self.wanted_width.val())
             && (self.row_now.val() < self.wanted_height.val());
@@ -269,6 +287,7 @@ impl Logic for VideoIn {
         if self.frame_ends_2.q.val() && !self.begins.q.val() {
             self.begins.d.next = true;
             self.crooked.d.next = false;
+            self.strays.d.next = false;
             self.sending.d.next = false;
             self.syncs.d.next = 0.into();
             if self.sync_2.q.val() {
@@ -286,6 +305,9 @@ impl Logic for VideoIn {
             } else {
                 self.wrong_q.d.next = self.wrong_q.q.val() + 1;
             }
+            if self.strays.q.val() {
+                self.range_q.d.next = self.range_q.q.val() + 1;
+            }
         }
         self.width.next = self.width_q.q.val();
         self.height.next = self.height_q.q.val();
@@ -295,6 +317,7 @@ impl Logic for VideoIn {
         self.fits.next = self.fits_q.q.val();
         self.right_frames.next = self.right_q.q.val();
         self.wrong_frames.next = self.wrong_q.q.val();
+        self.range_frames.next = self.range_q.q.val();
         self.overruns.next = self.overruns_q.q.val();
 
         if self.reset.val() {
@@ -302,6 +325,7 @@ impl Logic for VideoIn {
             self.row.d.next = 0.into();
             self.begins.d.next = false;
             self.crooked.d.next = true;
+            self.strays.d.next = false;
             self.known.d.next = false;
             self.sending.d.next = false;
             self.send_3.d.next = false;
@@ -317,6 +341,7 @@ impl Logic for VideoIn {
             self.fits_q.d.next = false;
             self.right_q.d.next = 0.into();
             self.wrong_q.d.next = 0.into();
+            self.range_q.d.next = 0.into();
             self.overruns_q.d.next = 0.into();
         }
     }

@@ -2,8 +2,8 @@
 
 use super::Coordinate;
 use crate::describe::Circuit;
-use edof_spec::display::{BLACK, CHROMA_ZERO};
-use edof_spec::video::VideoTiming;
+use edof_device::video::VideoTiming;
+use edof_image::display::BLACK_PIXEL;
 use rust_hdl::prelude::*;
 
 /// The 16-bit 4:2:2 bus of a transmitter with separate syncs, positive pulses. A frame is shown whole if its first pixel waits as the
@@ -80,7 +80,7 @@ impl VideoOut {
         let number = |value: usize| Constant::new((value as u64).into());
         let (line, frame) = (timing.line, timing.frame);
         Self::from_parts(VideoOutParts {
-            black: Constant::new(((CHROMA_ZERO as u64) << 8 | u64::from(BLACK)).into()),
+            black: Constant::new(u64::from(BLACK_PIXEL).into()),
             last_column: number(line.total() - 1),
             last_row: number(frame.total() - 1),
             width: number(line.active),

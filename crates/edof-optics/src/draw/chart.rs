@@ -2,7 +2,7 @@
 
 use super::{coverage, font};
 use crate::scene::Layer;
-use edof_spec::ColourFrame;
+use edof_image::ColourFrame;
 use ndarray::Array2;
 
 /// Linear light of paper and ink, red to blue, for each card from back to front: grey, then the three pairs that ask most of the

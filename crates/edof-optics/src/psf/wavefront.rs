@@ -4,8 +4,8 @@
 
 use super::{sinc, wave_um};
 use crate::pupil::Pupil;
-use edof_fft::{Complex64, Real};
-use edof_spec::camera::{Aberration, Camera};
+use edof_camera::camera::{Aberration, Camera};
+use edof_numerics::fft::{Complex64, Real};
 use ndarray::Array2;
 
 /// Most points along a side of the finest grid.
@@ -153,7 +153,7 @@ fn transform(plane: Array2<Complex64>) -> Array2<Complex64> {
 mod tests {
     use super::*;
     use crate::psf::quarter_psf;
-    use edof_spec::height_map::HeightMap;
+    use edof_camera::height_map::HeightMap;
 
     fn aberrated(noll: u32, rms_nm: f64) -> Camera {
         Camera { aberrations: vec![Aberration { noll, rms_nm }], ..Camera::resolve("clear").unwrap() }

@@ -7,9 +7,11 @@ use crate::weights;
 use edof_board::contents::{letter, other, parts};
 use edof_board::load::Job;
 use edof_board::{Board, Serial, dry_run};
+use edof_device::Design;
+use edof_device::design::memory::Set;
 use edof_golden::{Curve, Display};
-use edof_spec::design::memory::Set;
-use edof_spec::{Design, DisplayMode, FixedNetwork};
+use edof_image::DisplayMode;
+use edof_network::FixedNetwork;
 use serde_json::json;
 use std::time::Instant;
 

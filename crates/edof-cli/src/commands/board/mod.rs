@@ -1,5 +1,6 @@
 //! `edof board`: weights onto a board, and what the board says.
 
+mod align;
 mod load;
 mod sim;
 mod status;
@@ -14,11 +15,13 @@ use edof_board::contents::letter;
 use edof_board::line::{self, DEFAULT_BAUD, Serial};
 use edof_board::names::{Place, number};
 use edof_board::{Board, link};
-use edof_spec::design::memory::Set;
-use edof_spec::registers::identity::weights_hash;
-use edof_spec::registers::map;
-use edof_spec::registers::{c_header, markdown, systemrdl};
-use edof_spec::{Design, DisplayMode, FixedNetwork};
+use edof_device::Design;
+use edof_device::design::memory::Set;
+use edof_device::registers::identity::weights_hash;
+use edof_device::registers::map;
+use edof_device::registers::{c_header, markdown, systemrdl};
+use edof_image::DisplayMode;
+use edof_network::FixedNetwork;
 use serde_json::json;
 use std::time::Duration;
 
@@ -34,6 +37,7 @@ use std::time::Duration;
   edof board load edof-t4w12-outer --dry-run --design kc705
   edof board load low.fixed.safetensors --bank a       with 'load high… --bank b' and 'bank a|b': weights by the scene's gain
   edof board status --watch
+  edof board align                                     the receiver's clock to where its data is sampled well
   edof board set control.colour 0
   edof board sim --design tiny --link /tmp/board &     a simulated board; then --port /tmp/board")]
 pub struct Args {
@@ -66,6 +70,7 @@ enum Command {
     Load(load::Load),
     Verify(load::Verify),
     Status(status::Args),
+    Align(align::Args),
     /// The value of a register: scratch, control.run, `stage_counters[4]`
     Get {
         /// Its name
@@ -136,6 +141,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         Command::Load(load) => load::load(args, load, ui),
         Command::Verify(verify) => load::verify(args, verify, ui),
         Command::Status(status) => status::run(args, status, ui),
+        Command::Align(align) => align::run(args, align, ui),
         Command::Get { register } => {
             let place: Place = register.parse()?;
             let value = args.open()?.get(place)?;
@@ -282,8 +288,9 @@ fn info(args: &Args, ui: &Ui) -> Result<(), Error> {
     let name = design.as_ref().map_or("unknown", |design| design.name.as_str());
     ui.say(format!("{}: edof board, register map {major}.{minor}", board.port()))?;
     ui.say(format!("design {name} ({:08x}), {}x{}", identity.design_hash, identity.width, identity.height))?;
-    let core = edof_spec::board::CORE_KILOHERTZ / 1000;
-    ui.say(format!("clock {core} MHz, line {} bits a second", args.baud))?;
+    let clock = design.as_ref().map(|design| design.clock_mhz);
+    let told = clock.map_or("an unknown clock".to_owned(), |mhz| format!("{mhz} MHz"));
+    ui.say(format!("calculator at {told}, line {} bits a second", args.baud))?;
     let in_use = board.bank()?;
     let mut banks = vec![];
     for bank in [Set::First, Set::Second] {
@@ -310,7 +317,7 @@ fn info(args: &Args, ui: &Ui) -> Result<(), Error> {
         "identity": identity,
         "curve": curve,
         "design": design.map(|design| design.name),
-        "clock_mhz": core,
+        "clock_mhz": clock,
         "banks": banks,
     }))
 }
@@ -327,17 +334,32 @@ fn dump(args: &Args, ui: &Ui) -> Result<(), Error> {
 
 fn switch(args: &Args, bank: Set, ui: &Ui) -> Result<(), Error> {
     let mut board = args.open()?;
+    let before = board.bank()?;
     // The switch first: the scene does not wait for names.
     board.change_control(map::WEIGHT_SET, if bank == Set::First { 0 } else { map::WEIGHT_SET })?;
-    let held = match board.identity.design(args.designs()?) {
-        Some(design) => {
-            let known = known(&design, None);
-            let found = board.identify(&design, &known, bank).map_err(of)?;
-            found.map(|index| (known[index].origin.name.clone(), weights_hash(&design, &known[index])))
-        }
-        None => None,
-    };
-    board.switch(bank, held.as_ref().map_or(0, |(_, hash)| *hash)).map_err(of)?;
-    let name = held.map_or("a network that the program does not have".into(), |(name, _)| name);
+    let (name, hash) = held(args, &mut board, bank, before)?;
+    board.switch(bank, hash).map_err(of)?;
+    let name = name.unwrap_or_else(|| format!("a network that the program does not have, hash {hash:08x}"));
     ui.say(format!("bank {} is in use: {name}", letter(bank)))
+}
+
+/// Name and hash of the network in a bank; 0 where nobody can tell. The hash that the board has is of the bank that was in use
+/// before, and of the other one where that holds the same words.
+fn held(
+    args: &Args,
+    board: &mut Board<Serial>,
+    bank: Set,
+    before: Set,
+) -> Result<(Option<String>, u32), Error> {
+    let own = board.identity.weights_hash;
+    let Some(design) = board.identity.design(args.designs()?) else {
+        return Ok((None, if bank == before { own } else { 0 }));
+    };
+    let known = known(&design, None);
+    if let Some(index) = board.identify(&design, &known, bank).map_err(of)? {
+        return Ok((Some(known[index].origin.name.clone()), weights_hash(&design, &known[index])));
+    }
+    let same =
+        bank == before || board.holds_alike(&design, &edof_random::for_design(&design, 1)).map_err(of)?;
+    Ok((None, if same { own } else { 0 }))
 }

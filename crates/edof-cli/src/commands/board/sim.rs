@@ -12,18 +12,21 @@ use edof_board::Simulated;
 use edof_board::terminal::{Device, InRust, Terminal};
 use edof_cosim::system::{Speed, VerilogBoard};
 use edof_cosim::verilator::Options;
+use edof_device::Design;
+use edof_device::design::FrameSize;
+use edof_device::video::VideoTiming;
 use edof_golden::{Display, Picture};
+use edof_image::RawFrame;
 use edof_io::{photo, raw};
-use edof_spec::design::FrameSize;
-use edof_spec::{Design, FixedNetwork, RawFrame};
+use edof_network::FixedNetwork;
 use ndarray::Array2;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// A simulated board behind a pseudo-terminal, until Ctrl-C: registers, memories and pictures as of the real one
 ///
-/// It answers from a model in Rust, as fast as this machine goes: a raw frame goes round in it at 60 frames a second of the board's time, which
-/// passes with the wall's and with every byte on the line. With --rtl it is the circuit itself, in Verilator: some hundred thousand of
+/// It answers from a model in Rust, as fast as this machine goes: a raw frame goes round in it at the frame rate of the design's video mode,
+/// each picture takes as long as the design's calculator does, and the board's time passes with the wall's and with every byte on the line. With --rtl it is the circuit itself, in Verilator: some hundred thousand of
 /// its cycles a second pass, so a design with small frames (--size) and a fast line (--baud 12500000 is 16 cycles a bit) is best.
 #[derive(clap::Args)]
 pub struct Args {
@@ -76,6 +79,7 @@ fn is_codes(file: &Path) -> bool {
 /// What does not fit, or no pseudo-terminal.
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let design = sized(designs::load(args.design.as_deref().unwrap_or("tiny"))?, sim.size)?;
+    edof_device::board::screen_clock(&design)?;
     let network = network(&design, sim.weights.as_deref())?;
     let raw = frame(&design, sim)?;
     let mut device: Box<dyn Device> = if sim.rtl {
@@ -91,12 +95,14 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     let mut terminal = Terminal::open(sim.link.as_deref())?;
     ui.say(format!(
-        "{}: {} with {}, {}x{}{}; Ctrl-C ends it",
+        "{}: {} with {}, {}x{} at {:.0} frames per second, calculator at {} MHz{}; Ctrl-C ends it",
         terminal.path().display(),
         design.name,
         network.origin.name,
         design.frame.width,
         design.frame.height,
+        VideoTiming::of_frame(design.frame).frames_per_second(),
+        design.clock_mhz,
         if sim.rtl { ", in Verilog" } else { "" }
     ))?;
     let mut shown = None;
@@ -161,7 +167,7 @@ fn frame(design: &Design, sim: &Args) -> Result<RawFrame, Error> {
 fn write(file: &Path, words: &[u16], size: FrameSize, codes: bool) -> Result<(), Error> {
     if codes {
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-        edof_spec::atomic::write(file, &bytes)?;
+        edof_storage::atomic::write(file, &bytes)?;
         return Ok(());
     }
     let at = |row: usize, column: usize| words[row * size.width + column].to_le_bytes();

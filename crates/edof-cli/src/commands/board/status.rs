@@ -4,11 +4,12 @@ use super::of;
 use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
+use edof_board::diagnosis::{Finding, findings};
 use edof_board::status::{Look, Report, report};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Frames a second, late frames, share of busy cycles; non-zeros and saturations of every stage
+/// Frames a second, late frames, share of busy cycles; non-zeros and saturations of every stage; what the video chips miss
 #[derive(clap::Args)]
 pub struct Args {
     /// Look again and again, until Ctrl-C
@@ -30,7 +31,8 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
         return Err(Error::message(format!("--seconds {}: must be above 0, at most 3600", status.seconds)));
     }
     let mut board = args.open()?;
-    let stages = args.design_of(&board)?.stages.len();
+    let design = args.design_of(&board)?;
+    let stages = design.stages.len();
     let mut before = board.look(stages).map_err(of)?;
     let mut at = Instant::now();
     loop {
@@ -41,14 +43,15 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
         let seconds = at.elapsed().as_secs_f64();
         at = Instant::now();
         let after = board.look(stages).map_err(of)?;
-        let told = report(&before, &after, seconds);
+        let told = report(&before, &after, seconds, design.clock_mhz);
         if status.watch && std::io::stdout().is_terminal() {
             // The screen anew, from its corner.
             ui.say("\x1b[2J\x1b[H")?;
         }
-        lines(&after, &told).iter().try_for_each(|line| ui.say(line))?;
+        let chips = findings(&after);
+        lines(&after, &told).iter().chain(&chip_lines(&chips)).try_for_each(|line| ui.say(line))?;
         if !status.watch {
-            return ui.json(&serde_json::json!({ "now": after, "report": told }));
+            return ui.json(&serde_json::json!({ "now": after, "report": told, "chips": chips }));
         }
         before = after;
     }
@@ -62,6 +65,13 @@ const FLAGS: [(&str, &str); 6] = [
     ("status.i2c_done", "video chips set up"),
     ("control.run", "running"),
 ];
+
+fn chip_lines(chips: &[Finding]) -> Vec<String> {
+    let line = |Finding { about, is_good, text }: &Finding| {
+        format!("{about}: {}{text}", if *is_good { "" } else { "NOT WORKING, " })
+    };
+    chips.iter().map(line).collect()
+}
 
 fn lines(now: &Look, report: &Report) -> Vec<String> {
     let flag = |(name, what): &(&str, &str)| {

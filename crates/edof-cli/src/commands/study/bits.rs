@@ -2,7 +2,7 @@
 
 use super::options::Outputs;
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
@@ -28,6 +28,9 @@ pub struct Args {
 
     #[command(flatten)]
     outputs: Outputs,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 /// # Errors
@@ -37,7 +40,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         return Err(Error::message(format!("--allowed {}: must be 0 or more", args.allowed)));
     }
     let files = args.nets.iter().fold(Files::new(ui), |files, net| files.reads_all(weights::fixed_file(net)));
-    args.outputs.of(files).check()?;
+    args.outputs.of(files).keeps(args.force).check()?;
     let own: Vec<String> = weights::names().into_iter().map(str::to_owned).collect();
     let names = if args.nets.is_empty() { own } else { args.nets.clone() };
     let networks =
@@ -51,9 +54,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         progress.set(all.len() as u64);
     }
     drop(progress);
-    let command = ui.provenance().command;
-    let report = || Ok(bits::report(&all, &ui.signed(&command)));
-    args.outputs.write(|| bits::to_markdown(&all, &command), report, || edof_study::csv::of(&all))?;
+    let report = || Ok(bits::report(&all, &ui.signed(&ui.provenance().command)));
+    args.outputs.write(|| bits::to_markdown(&all, &ui.made_here()), report, || edof_study::csv::of(&all))?;
     for bits in &all {
         ui.say(bits.verdict())?;
     }

@@ -41,11 +41,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         )));
     }
     let files = Files::new(ui).reads_pictures_of(args.photographs.folder.path()?);
-    args.outputs.of(files.may_write("--rows", args.rows.rows.as_ref())).check()?;
+    args.rows.of(args.outputs.of(files)).check()?;
     let (photos, notes) = args.photographs.load(ui)?;
     notes.iter().for_each(|note| ui.note(note));
     let settings = Settings { side: args.side.into(), ..Settings::default() };
-    let mut journal = open(args.rows.rows.as_ref(), false, ui)?;
+    let mut journal = open(args.rows.rows.as_ref(), &args.rows.part, ui)?;
     let shard = args.rows.part.shard;
     measured(ui, |tell| known_blurs::run(&photos, &settings, shard, &mut journal, tell))?;
     tell::<KnownBlurs>(&journal, &args.outputs, ui)

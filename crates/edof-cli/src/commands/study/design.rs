@@ -29,7 +29,7 @@ pub struct Args {
 /// # Errors
 /// A network, design or picture that cannot be used, or nothing that fits the device.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    args.outputs.of(args.explore.files(Files::new(ui))).check()?;
+    args.outputs.of(args.explore.files(Files::new(ui))).keeps(args.explore.force).check()?;
     let (base, found) = args.explore.found(ui)?;
     let all = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
     let mut foldings = vec![];
@@ -45,9 +45,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         device: args.explore.device().to_uppercase(),
         pictures: args.explore.pictures(),
     };
-    let command = ui.provenance().command;
-    let report = || Ok(study.report(&ui.signed(&command)));
-    args.outputs.write(|| study.to_markdown(&command), report, || csv::of(&study.foldings))?;
+    let report = || Ok(study.report(&ui.signed(&ui.provenance().command)));
+    args.outputs.write(|| study.to_markdown(&ui.made_here()), report, || csv::of(&study.foldings))?;
     ui.say(study.to_text())?;
     ui.json(&study)
 }

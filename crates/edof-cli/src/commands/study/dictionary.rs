@@ -2,7 +2,7 @@
 
 use super::options::Folder;
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::ui::Ui;
 use edof_study::dictionary::{self, Recipe};
 use std::path::PathBuf;
@@ -46,12 +46,16 @@ pub struct Args {
     /// train (all but every third number), test, all, or numbers such as 1,2
     #[arg(long, default_value = "train")]
     photos: String,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 /// # Errors
 /// Nothing found, numbers out of range, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    Files::new(ui).reads_pictures_of(args.folder.path()?).writes("--out", &args.out).check()?;
+    let files = Files::new(ui).reads_pictures_of(args.folder.path()?).writes("--out", &args.out);
+    files.keeps(args.force).check()?;
     let (photos, skipped) = args.folder.load(&args.photos, ui)?;
     skipped.iter().for_each(|note| ui.note(note));
     let Args { atoms, sparsity, patches, rounds, seed, .. } = args;

@@ -6,8 +6,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::lens::Depth;
 use crate::ui::Ui;
-use edof_spec::provenance::Input;
-use edof_spec::{Noise, Stride};
+use edof_image::{Noise, Stride};
 use edof_study::dictionary::Dictionary;
 use edof_study::knobs::{self, Knob, Knobs, Plan};
 use std::path::PathBuf;
@@ -63,8 +62,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (photos, notes) = args.photographs.load(ui)?;
     let plan = args.plan(ui)?;
     notes.iter().for_each(|note| ui.note(note));
-    let mut journal = open(Some(&args.rows.rows), false, ui)?;
-    measured(ui, |tell| knobs::run(&plan, &photos, &mut journal, tell))?;
+    let mut journal = open(Some(&args.rows.rows), &args.rows.part, ui)?;
+    measured(ui, |tell| knobs::run(&plan, &photos, &mut journal, tell).map_err(Box::new))?;
     tell::<Knobs>(&journal, &args.outputs, ui)
 }
 
@@ -72,7 +71,7 @@ impl Args {
     fn plan(&self, ui: &Ui) -> Result<Plan, Error> {
         let knobs = if self.knobs.is_empty() { Knob::ALL.to_vec() } else { self.knobs.clone() };
         let (network, network_sha256) = nets::float(&self.net, ui)?;
-        ui.used(Input::camera(&network.origin.camera));
+        ui.used(network.origin.camera.input());
         // Quantizing takes its time: only where one of its knobs is turned.
         let mut bits: Vec<u32> = knobs.iter().flat_map(|knob| knob.quantized_bits()).collect();
         bits.sort_unstable();

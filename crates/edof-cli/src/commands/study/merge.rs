@@ -2,13 +2,14 @@
 
 use super::options::{Outputs, tell};
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::ui::Ui;
-use edof_study::journal::{Header, Journal, Line};
+use edof_study::journal::{Header, Journal, Line, Mixing};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
 use edof_study::multi_depth::MultiDepth;
 use edof_study::speed::Speed;
+use edof_study::summary::Study;
 use edof_study::told::Told;
 use std::path::PathBuf;
 
@@ -22,7 +23,7 @@ Example:
   for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
   edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
 pub struct Args {
-    /// Files of rows, as --rows of single-depth, multi-depth, blind or knobs wrote them
+    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind or knobs wrote them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -34,21 +35,29 @@ pub struct Args {
     #[arg(long)]
     any_machine: bool,
 
+    /// Take rows that programs of different revisions or compilers measured; the tables name them all
+    #[arg(long)]
+    any_revision: bool,
+
     #[command(flatten)]
     outputs: Outputs,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 /// # Errors
 /// Files that are none of rows, of different studies, or that contradict each other.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(&args.files).writes("--out", &args.out);
-    args.outputs.of(files).check()?;
+    args.outputs.of(files.keeps(args.force)).check()?;
     // The first file says of what study they all are.
     let study = args.files.first().map(|file| Header::read(file)).transpose()?.map(|header| header.study);
     match study.as_deref() {
         Some(study) if study == study_of::<Knobs>() => merged::<Knobs>(&args, ui),
         Some(study) if study == study_of::<MultiDepth>() => merged::<MultiDepth>(&args, ui),
         Some(study) if study == study_of::<KnownBlurs>() => merged::<KnownBlurs>(&args, ui),
+        Some(study) if study == study_of::<Study>() => merged::<Study>(&args, ui),
         _ => merged::<Speed>(&args, ui),
     }
 }
@@ -60,7 +69,9 @@ const fn study_of<T: Told>() -> &'static str {
 
 /// All rows, in a file of their own, and what they say.
 fn merged<T: Told>(args: &Args, ui: &Ui) -> Result<(), Error> {
-    let mut journal = Journal::merged(&args.out, &args.files, args.any_machine)?;
+    let mixing = Mixing { any_machine: args.any_machine, any_revision: args.any_revision };
+    let mut journal = Journal::merged(&args.out, &args.files, mixing)?;
+    journal.notes().iter().for_each(|note| ui.note(note));
     journal.finish()?;
     tell::<T>(&journal, &args.outputs, ui)
 }

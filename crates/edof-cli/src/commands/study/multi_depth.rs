@@ -6,9 +6,9 @@ use crate::commands::scene;
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
+use edof_camera::Camera;
+use edof_image::{Noise, Stride, Tone};
 use edof_optics::draw::{Builtin, four_depths};
-use edof_spec::provenance::Input;
-use edof_spec::{Camera, Noise, Stride, Tone};
 use edof_study::dictionary::Dictionary;
 use edof_study::multi_depth::{
     self, BEHIND, BLIND, CODED, DEMOSAICED, Drawn, Lens, MIDDLE, MultiDepth, OMP, Plan,
@@ -83,10 +83,10 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui).reads_all(&args.dictionary), &args.nets);
     let files = nets::read(files, std::slice::from_ref(&args.clear_net));
-    args.outputs.of(files.may_write("--rows", args.rows.rows.as_ref())).check()?;
+    args.rows.of(args.outputs.of(files)).check()?;
     scene::fits(args.width, args.height)?;
     let plan = args.plan(ui)?;
-    let mut journal = open(args.rows.rows.as_ref(), args.kernels.exact, ui)?;
+    let mut journal = open(args.rows.rows.as_ref(), &args.rows.part, ui)?;
     measured(ui, |tell| multi_depth::run(&plan, &mut journal, tell))?;
     tell::<MultiDepth>(&journal, &args.outputs, ui)
 }
@@ -144,7 +144,7 @@ impl Args {
         at_coded.push((OMP.into(), named("omp")?));
         at_coded.extend(networks(&coded, &self.nets)?);
         let lens = |title, camera: Camera, methods| {
-            ui.used(Input::camera(&camera));
+            ui.used(camera.input());
             Lens { title, camera, methods }
         };
         Ok(vec![lens(BEHIND, end, plain()?), lens(MIDDLE, middle, at_middle), lens(CODED, coded, at_coded)])

@@ -5,13 +5,18 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use crate::{designs, interrupt, weights};
+use edof_camera::Camera;
+use edof_device::Design;
+use edof_device::design::FrameSize;
+use edof_image::Stride;
+use edof_network::weight_file::WeightFileError;
+use edof_network::{FixedNetwork, Network};
 use edof_optics::draw::{Builtin, draw};
 use edof_quantize::{Calibration, QuantizeOptions, capture, quantize};
-use edof_spec::design::FrameSize;
-use edof_spec::weight_file::WeightFileError;
-use edof_spec::{Camera, Design, FixedNetwork, Network, Stride, digest};
+use edof_storage::digest;
 use edof_study::nets::Net;
-use edof_study::spec::MethodSpec;
+use edof_study::settings::FloatSettings;
+use edof_study::spec::{MethodSpec, words_sha256};
 use std::sync::Arc;
 
 /// Adds the networks' files to what a command reads.
@@ -52,7 +57,7 @@ fn load(name: &str, ui: &Ui) -> Result<Loaded, Error> {
 /// Nothing of that name, or a file that is broken.
 pub fn of_kodak(name: &str, stride: Stride, ui: &Ui) -> Result<(Net, Option<String>), Error> {
     let Loaded { float, name, sha256, fixed } = load(name, ui)?;
-    Ok(Net::new(name, float, &sha256, fixed.map(|(fixed, _)| fixed), stride))
+    Ok(Net::new(name, float, &sha256, fixed, stride))
 }
 
 /// A network at every stride in float, in fixed point, and on a design that it fits; lines that tell where its integers come from. Its own
@@ -78,7 +83,10 @@ pub fn methods(
     let float = Arc::new(float);
     let mut methods: Vec<MethodSpec> = strides
         .iter()
-        .map(|&stride| MethodSpec::Float { network: Arc::clone(&float), sha256: sha256.clone(), stride })
+        .map(|&stride| {
+            let settings = FloatSettings::at(stride);
+            MethodSpec::Float { network: Arc::clone(&float), sha256: sha256.clone(), settings }
+        })
         .collect();
     let Some((fixed, own_sha256)) = fixed else { return Ok((methods, vec![])) };
     if fixed.float_hash != sha256 {
@@ -105,7 +113,7 @@ pub fn methods(
     for fixed in quantized(&float, &sha256, &[bits], &missing, ui)? {
         let stride = fixed.stride.pixels();
         notes.push(format!("{shown}.fixed at stride {stride}: quantized here, on drawn scenes"));
-        let own = digest::sha256(format!("{sha256}\n{bits} bits, stride {stride}, drawn scenes").as_bytes());
+        let own = words_sha256(&fixed);
         add(fixed, own)?;
     }
     Ok((methods, notes))
@@ -120,9 +128,9 @@ pub fn on_device(device: Device, methods: &[MethodSpec]) -> Result<(Vec<MethodSp
     let device = device.number();
     let hash = |sha256: &str| digest::sha256(format!("{sha256}\n{}", gpu.name()).as_bytes());
     let twin = |method: &MethodSpec| match method {
-        MethodSpec::Float { network, stride, sha256 } => Some(MethodSpec::FloatGpu {
+        MethodSpec::Float { network, settings, sha256 } => Some(MethodSpec::FloatGpu {
             network: Arc::clone(network),
-            stride: *stride,
+            settings: *settings,
             device,
             sha256: hash(sha256),
         }),

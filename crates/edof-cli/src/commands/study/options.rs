@@ -1,12 +1,13 @@
 //! Options that studies share, and what they lead to.
 
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::ui::Ui;
 use edof_optics::psf::Settings;
-use edof_spec::provenance::Input;
-use edof_study::journal::{Header, Journal, JournalError, Line, Progress, Shard};
+use edof_storage::provenance::Input;
+use edof_study::journal::{Header, Journal, JournalError, Line, Mixing, Progress, Shard};
+use edof_study::made::machines;
 use edof_study::photos::{self, Photo, Selection};
 use edof_study::report::Report;
 use edof_study::told::Told;
@@ -102,23 +103,49 @@ pub struct MayKeepRows {
 
     #[command(flatten)]
     pub part: Part,
+
+    #[command(flatten)]
+    force: Force,
 }
 
-/// Which of a study's rows.
+impl MayKeepRows {
+    /// Adds the rows to what a command writes. Where they are kept, all other outputs are made of them in a moment and may be replaced.
+    pub fn of(&self, files: Files) -> Files {
+        match &self.rows {
+            Some(rows) => files.writes("--rows", rows),
+            None => files.keeps(self.force),
+        }
+    }
+}
+
+/// Which of a study's rows, and which rows that are there stay.
 #[derive(clap::Args)]
 pub struct Part {
     /// A part of the study, such as 2/8 for the second of eight; edof study merge puts their files together
     #[arg(long, default_value_t = Shard::WHOLE, requires = "rows", value_name = "I/N")]
     pub shard: Shard,
+
+    /// Keep rows that a program of another revision or compiler measured; the tables name every revision
+    #[arg(long, requires = "rows")]
+    any_revision: bool,
+}
+
+impl Part {
+    fn mixing(&self) -> Mixing {
+        Mixing { any_revision: self.any_revision, any_machine: false }
+    }
 }
 
 /// Opens a file of rows or begins one; without a file rows last as long as the program.
 ///
 /// # Errors
-/// A file of something else, or of rows of another machine.
-pub fn open<L: Line>(rows: Option<&PathBuf>, exact: bool, ui: &Ui) -> Result<Journal<L>, JournalError> {
-    let header = Header::of::<L>(exact, machine(ui));
-    rows.map_or_else(|| Ok(Journal::in_memory(header.clone())), |path| Journal::open(path, header.clone()))
+/// A file of something else, rows of another machine or revision, or a file that another process adds to.
+pub fn open<L: Line>(rows: Option<&PathBuf>, part: &Part, ui: &Ui) -> Result<Journal<L>, JournalError> {
+    let header = Header::of::<L>(crate::provenance::program());
+    let Some(path) = rows else { return Ok(Journal::in_memory(header)) };
+    let journal = Journal::open(path, header, part.mixing())?;
+    journal.notes().iter().for_each(|note| ui.note(note));
+    Ok(journal)
 }
 
 /// Measures: `study` is given what hears of every row, shows how far it is, and stops it at Ctrl-C.
@@ -144,10 +171,11 @@ pub fn measured<E: Into<Error>>(
 /// # Errors
 /// Rows that no study gave, a file that cannot be written.
 pub fn tell<T: Told>(journal: &Journal<T::Row>, outputs: &Outputs, ui: &Ui) -> Result<(), Error> {
-    let told = T::new(journal.rows(), journal.header().machine.clone())?;
-    let command = ui.provenance().command;
-    let report = || Ok(told.report(&ui.signed(&command)));
-    outputs.write(|| told.to_markdown(&command), report, || T::csv(journal.rows()))?;
+    let (rows, makers) = (journal.rows(), journal.makers());
+    let told = T::new(&rows, machines(&makers))?;
+    let made = ui.made(makers);
+    let report = || Ok(told.report(&ui.signed(&ui.provenance().command)));
+    outputs.write(|| told.to_markdown(&made), report, || T::csv(&rows))?;
     ui.say(told.to_text())?;
     ui.json(&told)
 }
@@ -186,23 +214,16 @@ impl Outputs {
         csv: impl FnOnce() -> String,
     ) -> Result<(), Error> {
         if let Some(path) = &self.markdown {
-            edof_spec::atomic::write(path, markdown().as_bytes())?;
+            edof_storage::atomic::write(path, markdown().as_bytes())?;
         }
         if let Some(path) = &self.report {
             report()?.save(path)?;
         }
         if let Some(path) = &self.csv {
-            edof_spec::atomic::write(path, csv().as_bytes())?;
+            edof_storage::atomic::write(path, csv().as_bytes())?;
         }
         Ok(())
     }
-}
-
-/// CPU and threads, which every time is of.
-fn machine(ui: &Ui) -> String {
-    let host = ui.provenance().host;
-    let threads = || std::thread::available_parallelism().map_or(1, usize::from);
-    format!("{}, {} threads", host.cpu, host.threads.unwrap_or_else(threads))
 }
 
 /// What a study is told after each step: to end where Ctrl-C was pressed.

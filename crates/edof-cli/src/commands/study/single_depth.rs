@@ -7,10 +7,10 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth};
 use crate::ui::Ui;
-use edof_spec::provenance::Input;
-use edof_spec::{Noise, Stride, Tone};
+use edof_image::{Noise, Stride, Tone};
 use edof_study::dictionary::Dictionary;
 use edof_study::kodak::usual_noise;
+use edof_study::made::machines;
 use edof_study::single_depth::{self, Plan};
 use edof_study::spec::MethodSpec;
 use edof_study::speed::Speed;
@@ -110,11 +110,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (plan, notes) = args.plan(ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
-    let mut journal = open(Some(&args.rows.rows), args.kernels.exact, ui)?;
-    measured(ui, |tell| single_depth::run(&plan, &photos, &mut journal, tell))?;
+    let mut journal = open(Some(&args.rows.rows), &args.rows.part, ui)?;
+    measured(ui, |tell| single_depth::run(&plan, &photos, &mut journal, tell).map_err(Box::new))?;
     if let Some(path) = &args.plot {
-        let speed = Speed::new(journal.rows(), journal.header().machine.clone())?;
-        edof_spec::atomic::write(path, speed.diagrams().as_bytes())?;
+        let speed = Speed::new(&journal.rows(), machines(&journal.makers()))?;
+        edof_storage::atomic::write(path, speed.diagrams().as_bytes())?;
     }
     tell::<Speed>(&journal, &args.outputs, ui)
 }
@@ -123,7 +123,7 @@ impl Args {
     /// What is to be measured, and what was left out, one line each.
     fn plan(&self, ui: &Ui) -> Result<(Plan, Vec<String>), Error> {
         let camera = lens::resolve(&self.camera, None)?.camera;
-        ui.used(Input::camera(&camera));
+        ui.used(camera.input());
         let strides = self.stride.iter().map(|&step| Stride::new(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
         // What is quick to refuse comes before what takes its time.

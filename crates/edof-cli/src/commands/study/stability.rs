@@ -2,7 +2,7 @@
 
 use super::options::{Outputs, unless_interrupted};
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::ui::Ui;
 use crate::weights;
 use edof_stability::bench::{Bench, Trained};
@@ -45,6 +45,9 @@ pub struct Args {
 
     #[command(flatten)]
     outputs: Outputs,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 /// # Errors
@@ -54,7 +57,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         files.reads_all(weights::float_file(net)).reads_all(weights::fixed_file(net))
     });
     let files = args.cases.iter().fold(files, |files, folder| files.reads_pictures_of(folder));
-    args.outputs.of(files).check()?;
+    args.outputs.of(files).keeps(args.force).check()?;
     let cases = args.chosen()?;
     let bench = Bench::new(args.networks(ui)?, args.windows as usize);
     let progress = ui.progress(cases.len() as u64, "cases");
@@ -65,10 +68,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     });
     drop(progress);
     let suite = suite.ok_or(Error::Interrupted)?;
-    let command = ui.provenance().command;
     let rows: Vec<_> = suite.cases.iter().flat_map(|outcome| &outcome.seen).collect();
-    let report = || Ok(suite.report(&ui.signed(&command)));
-    args.outputs.write(|| suite.to_markdown(&command), report, || edof_study::csv::of(&rows))?;
+    let report = || Ok(suite.report(&ui.signed(&ui.provenance().command)));
+    args.outputs.write(|| suite.to_markdown(&ui.made_here()), report, || edof_study::csv::of(&rows))?;
     ui.say(suite.to_text())?;
     ui.json(&suite)?;
     if suite.broken == 0 { Ok(()) } else { Err(Error::message(suite.verdict())) }

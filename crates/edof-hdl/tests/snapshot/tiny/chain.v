@@ -18,7 +18,7 @@ module chain (
     output wire [31:0] patch_data_o,      // They.
     output wire        patch_last_o,      // Whether they are their patch's last.
     output wire        patch_set_o,       // The set that it was made with.
-    input  wire        write_valid_i,     // A word is to be written (`edof_spec::design::memory::address`).
+    input  wire        write_valid_i,     // A word is to be written (`edof_device::design::memory::address`).
     input  wire [24:0] write_address_i,   // Where.
     input  wire [31:0] write_data_i,      // What.
     input  wire [6:0]  status_address_i,  // What to show: bit 6 counters or what was read back, then stage (4 bits; 15 for the windows that come in), then which (2 bits).
@@ -107,10 +107,10 @@ module chain (
 
     stage_m #(
         .ID(4'd1),
-        .MACC_INIT("mem/stage1_bank"),
+        .MACC_INIT("stage1_bank"),
         .BASE_FIFO_DEPTH(128),
-        .RESULTS_INIT("mem/stage1_thresholds.hex"),
-        .REGISTERS_INIT("mem/stage1_shifts.hex")
+        .RESULTS_INIT("stage1_thresholds.mem"),
+        .REGISTERS_INIT("stage1_shifts.mem")
     ) stages_1 (
         .clock_i(clock_i),
         .reset_i(reset_i),
@@ -137,10 +137,10 @@ module chain (
 
     stage_m #(
         .ID(4'd2),
-        .MACC_INIT("mem/stage2_bank"),
+        .MACC_INIT("stage2_bank"),
         .BASE_FIFO_DEPTH(0),
-        .RESULTS_INIT("mem/stage2_thresholds.hex"),
-        .REGISTERS_INIT("mem/stage2_shifts.hex")
+        .RESULTS_INIT("stage2_thresholds.mem"),
+        .REGISTERS_INIT("stage2_shifts.mem")
     ) stages_2 (
         .clock_i(clock_i),
         .reset_i(reset_i),

@@ -9,7 +9,7 @@
 module reader (
     input  wire        clock_i,            // Clock.
     input  wire        reset_i,            // Stops and forgets.
-    input  wire        starts_i,           // A command comes (`edof_spec::design::reading::read_command`).
+    input  wire        starts_i,           // A command comes (`edof_device::design::reading::read_command`).
     input  wire [31:0] command_i,          // It: space (2 bits), bank (6), first row (12), rows after it (12).
     output wire        wants_weights_o,    // A row of weights is asked for.
     input  wire        taken_i,            // It will be read.

@@ -92,12 +92,7 @@ module results_i (
         .clock_i(clock_i), .now_i(result_flags_now), .later_o(result_saturated_o)
     );
 
-    edof_ram #(
-        .WIDTH(32),
-        .DEPTH(16),
-        .BLOCK(0),
-        .INIT("mem/stage0_thresholds.hex")
-    ) thresholds (
+    edof_ram #(.WIDTH(32), .DEPTH(16), .BLOCK(0), .INIT("stage0_thresholds.mem")) thresholds (
         .clock_i(clock_i),
         .read_address_i(threshold_row_q),
         .read_data_o(read_thresholds_o),

@@ -5,7 +5,7 @@
 `default_nettype none
 
 module results_m #(
-    parameter INIT = "mem/stage1_thresholds.hex"
+    parameter INIT = "stage1_thresholds.mem"
 ) (
     input  wire        clock_i,               // Clock.
     input  wire        reset_i,               // Forgets everything.

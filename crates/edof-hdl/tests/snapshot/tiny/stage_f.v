@@ -23,7 +23,7 @@ module stage_f (
     output wire [31:0] out_base_o,       // Their base words.
     output wire        out_last_o,       // Whether it is its vector's last.
     output wire        out_set_o,        // The vector's set.
-    input  wire        write_valid_i,    // A word is to be written (`edof_spec::design::memory::address`).
+    input  wire        write_valid_i,    // A word is to be written (`edof_device::design::memory::address`).
     input  wire [24:0] write_address_i,  // Where.
     input  wire [31:0] write_data_i,     // What.
     input  wire [6:0]  status_address_i, // What to show: bit 6 counters or what was read back, then stage (4 bits), then which (2 bits).
@@ -183,7 +183,7 @@ module stage_f (
         .ROWS(2),
         .DENSE(0),
         .SUM(48),
-        .INIT("mem/stage3_bank")
+        .INIT("stage3_bank")
     ) macc (
         .clock_i(clock_i),
         .first_i(pair_operands_step_first),
@@ -262,7 +262,7 @@ module stage_f (
         .data_o(fifo_front_data)
     );
 
-    registers #(.INIT("mem/stage3_shifts.hex")) registers (
+    registers #(.INIT("stage3_shifts.mem")) registers (
         .clock_i(clock_i),
         .reset_i(reset_registers_later),
         .write_enable_i(registers_2_q),

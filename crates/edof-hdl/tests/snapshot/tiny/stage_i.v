@@ -20,7 +20,7 @@ module stage_i (
     output wire [31:0] out_base_o,       // Their base words.
     output wire        out_last_o,       // Whether it is its vector's last.
     output wire        out_set_o,        // The vector's set.
-    input  wire        write_valid_i,    // A word is to be written (`edof_spec::design::memory::address`).
+    input  wire        write_valid_i,    // A word is to be written (`edof_device::design::memory::address`).
     input  wire [24:0] write_address_i,  // Where.
     input  wire [31:0] write_data_i,     // What.
     input  wire [6:0]  status_address_i, // What to show: bit 6 counters or what was read back, then stage (4 bits), then which (2 bits).
@@ -166,7 +166,7 @@ module stage_i (
         .ROWS(2),
         .DENSE(1),
         .SUM(48),
-        .INIT("mem/stage0_bank")
+        .INIT("stage0_bank")
     ) macc (
         .clock_i(clock_i),
         .first_i(dense_operands_step_first),
@@ -258,7 +258,7 @@ module stage_i (
         .data_o(out_base_o)
     );
 
-    registers #(.INIT("mem/stage0_shifts.hex")) registers (
+    registers #(.INIT("stage0_shifts.mem")) registers (
         .clock_i(clock_i),
         .reset_i(reset_registers_later),
         .write_enable_i(registers_2_q),

@@ -6,10 +6,10 @@
 
 module stage_m #(
     parameter [3:0] ID = 4'd1,
-    parameter MACC_INIT = "mem/stage1_bank",
+    parameter MACC_INIT = "stage1_bank",
     parameter BASE_FIFO_DEPTH = 128,
-    parameter RESULTS_INIT = "mem/stage1_thresholds.hex",
-    parameter REGISTERS_INIT = "mem/stage1_shifts.hex"
+    parameter RESULTS_INIT = "stage1_thresholds.mem",
+    parameter REGISTERS_INIT = "stage1_shifts.mem"
 ) (
     input  wire        clock_i,          // Clock.
     input  wire        reset_i,          // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
@@ -27,7 +27,7 @@ module stage_m #(
     output wire [31:0] out_base_o,       // Their base words.
     output wire        out_last_o,       // Whether it is its vector's last.
     output wire        out_set_o,        // The vector's set.
-    input  wire        write_valid_i,    // A word is to be written (`edof_spec::design::memory::address`).
+    input  wire        write_valid_i,    // A word is to be written (`edof_device::design::memory::address`).
     input  wire [24:0] write_address_i,  // Where.
     input  wire [31:0] write_data_i,     // What.
     input  wire [6:0]  status_address_i, // What to show: bit 6 counters or what was read back, then stage (4 bits), then which (2 bits).

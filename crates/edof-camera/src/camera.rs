@@ -1,0 +1,554 @@
+//! A camera: lens, phase mask, focus and sensor, and the JSON files that describe one.
+
+use crate::height_map::{HeightMap, etched_rad};
+use crate::psf_bank::{BankError, PsfBank};
+use edof_image::cfa::Channel;
+use edof_storage::provenance::{Input, InputKind};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Most rings of a mask.
+const MOST_RINGS: usize = 64;
+/// Smallest F-number that there is in air.
+const FASTEST: f64 = 0.5;
+/// Least and most pixels that a wavelength times the F-number may be.
+const CUT_OFF_PIXELS: [f64; 2] = [0.125, 64.0];
+/// Most bytes of a camera file.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Everything that decides how a point at a given depth falls on the sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// Short name, as in `ring-2018`.
+    pub name: String,
+    /// Focal length in millimetres.
+    pub focal_length_mm: f64,
+    /// Radius R of the aperture in millimetres.
+    pub aperture_radius_mm: f64,
+    /// Distance between pixels in micrometres.
+    pub pixel_pitch_um: f64,
+    /// Light that the red, green and blue filters pass.
+    pub spectra: [Spectrum; 3],
+    /// Wavelength in nanometres for which ψ is stated.
+    pub reference_wavelength_nm: f64,
+    /// Sign of the defocus phase: which side of focus positive ψ lies on, seen by the mask.
+    pub defocus_sign: Sign,
+    /// ψ at which the lens is focused (the clear aperture's sharpest depth).
+    pub focus_psi: f64,
+    /// Distance in metres at which ψ is zero, where the camera knows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_m: Option<f64>,
+    /// Range of ψ that the camera is meant for.
+    pub psi_range: [f64; 2],
+    /// Rings of the phase mask; none for a clear aperture.
+    pub rings: Vec<Ring>,
+    /// A phase of the mask that changes smoothly with the radius, besides its rings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
+    /// A mask of any shape, besides its rings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_map: Option<HeightMap>,
+    /// What the lens does besides focusing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub aberrations: Vec<Aberration>,
+    /// PSFs of one's own in place of those that follow from lens and mask.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psf_bank: Option<PsfBank>,
+    /// Where the numbers come from and how sure we are.
+    pub source: String,
+}
+
+/// One wavelength in nanometres, or several with relative weights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Spectrum {
+    /// A single wavelength.
+    Line(f64),
+    /// Pairs of wavelength and weight, wavelengths ascending; linear between them.
+    Sampled(Vec<[f64; 2]>),
+}
+
+impl Spectrum {
+    /// Shortest and longest wavelength, nanometres.
+    fn ends(&self) -> Vec<f64> {
+        match self {
+            Self::Line(nm) => vec![*nm],
+            Self::Sampled(pairs) => {
+                [pairs.first(), pairs.last()].into_iter().flatten().map(|p| p[0]).collect()
+            }
+        }
+    }
+}
+
+/// The text of a file that is no camera if it is long, such as a device that never ends.
+fn read(path: &Path) -> std::io::Result<String> {
+    let mut text = String::new();
+    std::fs::File::open(path)?.take(MOST_BYTES).read_to_string(&mut text)?;
+    Ok(text)
+}
+
+/// Sign of the defocus phase in the pupil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "i8", into = "i8")]
+pub enum Sign {
+    /// exp(+iψρ²).
+    Plus,
+    /// exp(−iψρ²).
+    Minus,
+}
+
+impl Sign {
+    /// +1 or −1.
+    #[must_use]
+    pub const fn factor(self) -> f64 {
+        match self {
+            Self::Plus => 1.0,
+            Self::Minus => -1.0,
+        }
+    }
+}
+
+impl TryFrom<i8> for Sign {
+    type Error = String;
+
+    fn try_from(sign: i8) -> Result<Self, String> {
+        match sign {
+            1 => Ok(Self::Plus),
+            -1 => Ok(Self::Minus),
+            _ => Err(format!("defocus_sign {sign}: must be 1 or -1")),
+        }
+    }
+}
+
+impl From<Sign> for i8 {
+    fn from(sign: Sign) -> Self {
+        sign.factor() as Self
+    }
+}
+
+/// A ring of the mask between two normalised pupil radii.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ring {
+    /// Inner radius, 0…1.
+    pub inner: f64,
+    /// Outer radius, 0…1.
+    pub outer: f64,
+    /// What the ring does to the phase.
+    pub delay: Delay,
+}
+
+/// Phase delay of a ring.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Delay {
+    /// Stated as a phase: at λ it is `rad`·`at_nm`/λ.
+    Phase {
+        /// Radians.
+        rad: f64,
+        /// Wavelength in nanometres for which they are stated.
+        at_nm: f64,
+    },
+    /// Etched height: the phase is 2π·height·(n(λ) − 1)/λ.
+    Etched {
+        /// Height in micrometres.
+        height_um: f64,
+        /// n(λ) = `cauchy[0]` + `cauchy[1]`/λ² with λ in micrometres.
+        cauchy: [f64; 2],
+    },
+}
+
+impl Delay {
+    /// Phase in radians at `wavelength_nm`.
+    #[must_use]
+    pub fn phase_rad(self, wavelength_nm: f64) -> f64 {
+        match self {
+            Self::Phase { rad, at_nm } => rad * at_nm / wavelength_nm,
+            Self::Etched { height_um, cauchy } => etched_rad(height_um, cauchy, wavelength_nm),
+        }
+    }
+}
+
+/// Phase of a rotationally symmetric mask over the normalised pupil radius, linear between its points and constant beyond them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// Wavelength in nanometres for which the phase is stated; at λ it is `at_nm`/λ of it.
+    pub at_nm: f64,
+    /// Pairs of radius 0…1, ascending, and radians.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Profile {
+    /// Phase in radians at a radius, at `wavelength_nm`.
+    #[must_use]
+    pub fn phase_rad(&self, rho: f64, wavelength_nm: f64) -> f64 {
+        let after = self.points.partition_point(|point| point[0] < rho);
+        let rad = match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) {
+            (Some([r0, a]), Some(&[r1, b])) => a + (b - a) * (rho - r0) / (r1 - r0),
+            (Some([_, end]), None) | (None, Some(&[_, end])) => end,
+            (None, None) => 0.0,
+        };
+        rad * self.at_nm / wavelength_nm
+    }
+}
+
+/// A Zernike term of the wavefront in Noll's order and normalisation (Noll 1976), over the aperture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Aberration {
+    /// Noll's index: 2 and 3 tilt, 4 defocus, 5 and 6 astigmatism, 7 and 8 coma, 9 and 10 trefoil, 11 spherical, ….
+    pub noll: u32,
+    /// Root mean square of the optical path in nanometres; its sign is the term's.
+    pub rms_nm: f64,
+}
+
+/// The largest of Noll's indices that is taken, and the largest path in nanometres.
+const MOST_NOLL: u32 = 66;
+const MOST_RMS_NM: f64 = 10_000.0;
+/// The highest mask, micrometres.
+const MOST_HEIGHT_UM: f64 = 100.0;
+/// Most points of a profile.
+const MOST_POINTS: usize = 4096;
+
+/// A camera that cannot be read, or could not be built.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum CameraError {
+    /// The file cannot be opened.
+    #[error("{path}: cannot read: {source}", path = path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    /// The text is no camera.
+    #[error("{origin}: not a camera: {source}")]
+    Parse { origin: String, source: serde_json::Error },
+    /// A number is out of range.
+    #[error("camera {camera}: {field} is {value}, expected {expected}")]
+    Value { camera: String, field: &'static str, value: String, expected: &'static str },
+    /// PSFs of its own that cannot be used.
+    #[error(transparent)]
+    Bank(#[from] BankError),
+    /// Neither a preset nor a file.
+    #[error("camera '{name}': no such file, and not one of the presets {presets}")]
+    Unknown { name: String, presets: String },
+}
+
+macro_rules! presets {
+    ($($name:literal),*) => {
+        /// The cameras that come with the program: name and JSON text.
+        pub const PRESETS: &[(&str, &str)] = &[$(
+            ($name, include_str!(concat!("../../../cameras/", $name, ".json")))
+        ),*];
+    };
+}
+presets!("clear", "clear-mid", "ring-2015", "ring-2018", "ring-depth-2018", "ring-outer");
+
+impl Camera {
+    /// A preset by its name or a camera from a JSON file; the picture of a height map is not read.
+    ///
+    /// ```
+    /// let camera = edof_camera::Camera::resolve("ring-2018")?;
+    /// assert_eq!(camera.f_number().round(), 3.0);
+    /// # Ok::<(), edof_camera::camera::CameraError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CameraError`]: unknown name, unreadable file, wrong text, a number out of range, a PSF bank that cannot be used.
+    pub fn resolve(name_or_path: &str) -> Result<Self, CameraError> {
+        if let Some((name, text)) = PRESETS.iter().find(|(name, _)| *name == name_or_path) {
+            return Self::from_json(text, name);
+        }
+        let path = Path::new(name_or_path);
+        if !path.exists() {
+            return Err(CameraError::Unknown {
+                name: name_or_path.to_owned(),
+                presets: PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
+            });
+        }
+        let text = read(path).map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
+        let mut camera = Self::from_json(&text, name_or_path)?;
+        camera.read_bank(path.parent().unwrap_or(Path::new("")))?;
+        Ok(camera)
+    }
+
+    /// Reads the PSFs of its own, if it has any, from a folder.
+    ///
+    /// # Errors
+    /// [`BankError`].
+    pub fn read_bank(&mut self, folder: &Path) -> Result<(), BankError> {
+        match &mut self.psf_bank {
+            Some(bank) => bank.read(folder, &self.name, self.pixel_pitch_um),
+            None => Ok(()),
+        }
+    }
+
+    /// A camera from JSON text, without reading what other files it may name; `origin` names it in errors.
+    ///
+    /// # Errors
+    /// [`CameraError::Parse`] or [`CameraError::Value`].
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, CameraError> {
+        let camera: Self = serde_json::from_str(text)
+            .map_err(|source| CameraError::Parse { origin: origin.to_owned(), source })?;
+        camera.check()?;
+        Ok(camera)
+    }
+
+    /// JSON text that [`Camera::from_json`] reads back.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// The camera as an input of a result ([`edof_storage::provenance`]): its name and the SHA-256 of its JSON.
+    #[must_use]
+    pub fn input(&self) -> Input {
+        Input::of_bytes(InputKind::Camera, &self.name, self.to_json().as_bytes())
+    }
+
+    /// Whether a network for one serves the other, too: names, sources and ranges may differ, lens, mask and sensor may not.
+    #[must_use]
+    pub fn same_lens(&self, other: &Self) -> bool {
+        let renamed = Self {
+            name: other.name.clone(),
+            source: other.source.clone(),
+            psi_range: other.psi_range,
+            nominal_m: other.nominal_m,
+            ..self.clone()
+        };
+        renamed == *other
+    }
+
+    /// Fields in which the lens, mask or sensor of two cameras differ; empty where [`Camera::same_lens`].
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        let fields = |camera: &Self| match serde_json::to_value(camera) {
+            Ok(serde_json::Value::Object(fields)) => fields,
+            _ => serde_json::Map::new(),
+        };
+        let (own, others) = (fields(self), fields(other));
+        let names: BTreeSet<&String> = own.keys().chain(others.keys()).collect();
+        let differs = |name: &&String| own.get(*name) != others.get(*name);
+        let any = |name: &&String| !["name", "source", "psi_range", "nominal_m"].contains(&name.as_str());
+        names.into_iter().filter(any).filter(differs).cloned().collect()
+    }
+
+    /// Its name, and the files that it has PSFs or the mask's surface from.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let bank = self.psf_bank.as_ref().map(|bank| format!(" with the PSFs of {}", bank.file));
+        let map = self.height_map.as_ref().map(|map| format!(" with the mask of {}", map.file));
+        format!("{}{}{}", self.name, bank.unwrap_or_default(), map.unwrap_or_default())
+    }
+
+    /// Whether the pupil looks the same whichever way it is turned, so that all PSFs are even.
+    #[must_use]
+    pub const fn is_round(&self) -> bool {
+        self.aberrations.is_empty() && self.height_map.is_none()
+    }
+
+    /// Focal length over aperture diameter.
+    #[must_use]
+    pub fn f_number(&self) -> f64 {
+        self.focal_length_mm / (2.0 * self.aperture_radius_mm)
+    }
+
+    /// What a channel's filter passes.
+    #[must_use]
+    pub const fn spectrum(&self, channel: Channel) -> &Spectrum {
+        &self.spectra[channel.plane()]
+    }
+
+    /// # Errors
+    /// [`CameraError::Value`] for the first number that no camera can have.
+    pub fn check(&self) -> Result<(), CameraError> {
+        let refuse = |field, value: String, expected| {
+            Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
+        };
+        let positive = [
+            ("focal_length_mm", self.focal_length_mm),
+            ("aperture_radius_mm", self.aperture_radius_mm),
+            ("pixel_pitch_um", self.pixel_pitch_um),
+            ("reference_wavelength_nm", self.reference_wavelength_nm),
+        ];
+        for (field, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return refuse(field, value.to_string(), "a positive number");
+            }
+        }
+        if let Some(metres) = self.nominal_m.filter(|metres| metres.is_nan() || *metres <= 0.0) {
+            return refuse("nominal_m", metres.to_string(), "a distance of more than 0 m");
+        }
+        let [low, high] = self.psi_range;
+        if !(low.is_finite() && high.is_finite() && low <= high) {
+            return refuse("psi_range", format!("[{low}, {high}]"), "two numbers, the smaller first");
+        }
+        if !self.focus_psi.is_finite() {
+            return refuse("focus_psi", self.focus_psi.to_string(), "a finite number");
+        }
+        for spectrum in &self.spectra {
+            let good = match spectrum {
+                Spectrum::Line(nm) => nm.is_finite() && *nm > 0.0,
+                Spectrum::Sampled(pairs) => {
+                    pairs.iter().all(|[nm, w]| *nm > 0.0 && *w >= 0.0 && nm.is_finite() && w.is_finite())
+                        && pairs.windows(2).all(|p| p[0][0] < p[1][0])
+                        && pairs.iter().any(|[_, w]| *w > 0.0)
+                }
+            };
+            if !good {
+                let expected = "a wavelength in nm, or ascending [nm, weight] pairs of some positive weight";
+                return refuse("spectra", format!("{spectrum:?}"), expected);
+            }
+        }
+        self.check_sampling()?;
+        if self.rings.len() > MOST_RINGS {
+            return refuse("rings", format!("{} of them", self.rings.len()), "64 at most");
+        }
+        for ring in &self.rings {
+            if !(0.0 <= ring.inner && ring.inner < ring.outer && ring.outer <= 1.0) {
+                return refuse("rings", format!("{}..{}", ring.inner, ring.outer), "0 <= inner < outer <= 1");
+            }
+            let finite = match ring.delay {
+                Delay::Phase { rad, at_nm } => rad.is_finite() && at_nm.is_finite() && at_nm > 0.0,
+                Delay::Etched { height_um, cauchy } => {
+                    [height_um, cauchy[0], cauchy[1]].iter().all(|v| v.is_finite())
+                }
+            };
+            if !finite {
+                return refuse("rings", format!("{:?}", ring.delay), "finite numbers, a positive wavelength");
+            }
+        }
+        if let Some(Profile { at_nm, points }) = &self.profile {
+            let finite = points.iter().flatten().all(|v| v.is_finite());
+            let inside = points.iter().all(|point| (0.0..=1.0).contains(&point[0]));
+            let ascending = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+            let sized = (1..=MOST_POINTS).contains(&points.len()) && *at_nm > 0.0 && at_nm.is_finite();
+            if !(finite && inside && ascending && sized) {
+                let found = format!("{} points at {at_nm} nm", points.len());
+                return refuse(
+                    "profile",
+                    found,
+                    "1 to 4096 [radius 0 to 1, radians] pairs of ascending radius",
+                );
+            }
+        }
+        if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map {
+            let glass = cauchy.iter().all(|v| v.is_finite());
+            if !(*white_um > 0.0 && *white_um <= MOST_HEIGHT_UM && glass) {
+                let found = format!("{white_um} um of {cauchy:?}");
+                return refuse("height_map", found, "more than 0 and at most 100 um, of two finite numbers");
+            }
+        }
+        let wrong = |a: &&Aberration| {
+            !((2..=MOST_NOLL).contains(&a.noll) && a.rms_nm.is_finite() && a.rms_nm.abs() <= MOST_RMS_NM)
+        };
+        if let Some(Aberration { noll, rms_nm }) = self.aberrations.iter().find(wrong) {
+            let found = format!("noll {noll} of {rms_nm} nm");
+            return refuse("aberrations", found, "Noll's indices 2 to 66, and at most 10000 nm either way");
+        }
+        Ok(())
+    }
+
+    /// Whether pixels and the lens's cut-off suit each other: a grid that holds both must be neither endless nor too coarse for
+    /// the pupil.
+    fn check_sampling(&self) -> Result<(), CameraError> {
+        let refuse = |field, value: f64, expected| {
+            let value = value.to_string();
+            Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
+        };
+        if self.f_number() < FASTEST {
+            return refuse("aperture_radius_mm", self.aperture_radius_mm, "at most the focal length (F/0.5)");
+        }
+        // λF# in pixels, the reciprocal of the cut-off in cycles a pixel.
+        let pixels = |nm: f64| nm * 1e-3 * self.f_number() / self.pixel_pitch_um;
+        let ends = self.spectra.iter().flat_map(Spectrum::ends).map(pixels);
+        let (least, most) = ends.fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p), b.max(p)));
+        let [finest, coarsest] = CUT_OFF_PIXELS;
+        if least < finest {
+            let expected = "at most 8 wavelengths times the F-number, or the lens's cut-off is far above what pixels see";
+            return refuse("pixel_pitch_um", self.pixel_pitch_um, expected);
+        }
+        if most > coarsest {
+            let expected = "at least 1/64 of a wavelength times the F-number, or a point is a blur of hundreds of pixels";
+            return refuse("pixel_pitch_um", self.pixel_pitch_um, expected);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_reads_and_round_trips() {
+        for (name, _) in PRESETS {
+            let camera = Camera::resolve(name).unwrap();
+            assert_eq!(camera.name, *name);
+            assert_eq!(Camera::from_json(&camera.to_json(), name).unwrap(), camera);
+        }
+    }
+
+    #[test]
+    fn an_unknown_camera_is_told_the_presets() {
+        let error = Camera::resolve("ring-1999").unwrap_err().to_string();
+        assert!(error.starts_with("camera 'ring-1999': no such file") && error.contains("ring-2018"));
+    }
+
+    #[test]
+    fn a_ring_outside_the_pupil_is_refused() {
+        let mut camera = Camera::resolve("ring-2018").unwrap();
+        camera.rings[0].outer = 1.2;
+        let error = Camera::from_json(&camera.to_json(), "file").unwrap_err().to_string();
+        assert_eq!(error, "camera ring-2018: rings is 0.68..1.2, expected 0 <= inner < outer <= 1");
+    }
+
+    #[test]
+    fn a_lens_and_pixels_that_no_grid_holds_are_refused() {
+        let refused = |change: fn(&mut Camera)| {
+            let mut camera = Camera::resolve("ring-2018").unwrap();
+            change(&mut camera);
+            camera.check().unwrap_err().to_string()
+        };
+        assert!(refused(|c| c.aperture_radius_mm = 1e9).contains("aperture_radius_mm is 1000000000"));
+        assert!(refused(|c| c.aperture_radius_mm = 1e-9).contains("at least 1/64 of a wavelength"));
+        assert!(refused(|c| c.pixel_pitch_um = 1e9).contains("at most 8 wavelengths"));
+        assert!(refused(|c| c.pixel_pitch_um = 1e-9).contains("at least 1/64 of a wavelength"));
+        assert!(refused(|c| c.rings = vec![c.rings[0]; 65]).contains("65 of them, expected 64 at most"));
+    }
+
+    #[test]
+    fn a_profile_is_linear_between_its_points_and_scales_with_the_wavelength() {
+        let profile = Profile { at_nm: 500.0, points: vec![[0.2, 1.0], [0.6, 3.0]] };
+        let phases = [0.0, 0.2, 0.4, 0.6, 1.0].map(|rho| profile.phase_rad(rho, 500.0));
+        assert!(
+            phases.iter().zip([1.0, 1.0, 2.0, 3.0, 3.0]).all(|(a, b)| (a - b).abs() < 1e-12),
+            "{phases:?}"
+        );
+        assert!((profile.phase_rad(0.4, 1000.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn profiles_and_aberrations_that_cannot_be_are_refused() {
+        let refused = |change: &dyn Fn(&mut Camera)| {
+            let mut camera = Camera::resolve("clear").unwrap();
+            change(&mut camera);
+            Camera::from_json(&camera.to_json(), "file").unwrap_err().to_string()
+        };
+        for points in [vec![], vec![[0.5, 0.0], [0.5, 1.0]], vec![[0.0, 1.0], [1.1, 0.0]]] {
+            let error = refused(&|c| c.profile = Some(Profile { at_nm: 500.0, points: points.clone() }));
+            assert!(error.contains("profile is") && error.contains("ascending radius"), "{error}");
+        }
+        for (noll, rms_nm) in [(1, 10.0), (67, 10.0), (8, 1e9)] {
+            let error = refused(&|c| c.aberrations = vec![Aberration { noll, rms_nm }]);
+            assert!(error.contains(&format!("aberrations is noll {noll}")), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_etched_ring_has_the_phase_of_its_height() {
+        let delay = Delay::Etched { height_um: 0.46, cauchy: [1.5, 0.0] };
+        assert!((delay.phase_rad(460.0) - std::f64::consts::PI).abs() < 1e-9);
+    }
+}

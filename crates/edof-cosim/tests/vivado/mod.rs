@@ -1,0 +1,195 @@
+//! build.tcl and the constraints against a Vivado that knows its commands, their arguments and the objects of the netlist (sim/vivado/commands.tcl):
+//! it gets to the end without a doubt, and with any constraint or image missing it does not.
+
+mod netlist;
+
+use crate::board::{Place, generated, project, said, written};
+use netlist::Objects;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::LazyLock;
+
+/// Modules in which there is one clock, left out here to be quick; `scripts/soak.sh` has all of `kc705`.
+const BOXES: [&str; 5] = ["chain", "window_reorder", "overlap_add", "display", "raster_reorder"];
+
+/// The objects of `tiny`.
+static OBJECTS: LazyLock<Objects> = LazyLock::new(|| {
+    let place = Place::new();
+    netlist::objects(&generated(&place), &BOXES)
+});
+
+/// A generated directory and the objects of its design.
+struct Design {
+    place: Place,
+    folder: PathBuf,
+}
+
+impl Design {
+    fn tiny() -> Self {
+        let place = Place::new();
+        let folder = generated(&place);
+        Self::of(place, folder, &OBJECTS)
+    }
+
+    fn of(place: Place, folder: PathBuf, objects: &Objects) -> Self {
+        fs::write(place.path("objects.tcl"), &objects.tcl).unwrap();
+        Self { place, folder }
+    }
+
+    /// Runs build.tcl; gives what it said, and the commands.
+    fn build(&self, fault: &str) -> (Output, String) {
+        let script = "source $env(STUB)\nsource $env(BUILD)\n";
+        let log = self.place.path("commands.log");
+        fs::write(self.place.path("run.tcl"), script).unwrap();
+        let mut tclsh = Command::new("tclsh");
+        tclsh.arg(self.place.path("run.tcl")).current_dir("/");
+        tclsh.env("STUB", stub()).env("BUILD", self.folder.join("build.tcl")).env("FAULT", fault);
+        tclsh.env("COMMANDS", &log).env("NETLIST", self.place.path("objects.tcl"));
+        let output = tclsh.output().unwrap();
+        (output, fs::read_to_string(&log).unwrap_or_default())
+    }
+
+    /// It must fail, and say so, before there is a bitstream.
+    fn fails(&self, fault: &str, words: &str) {
+        let (output, commands) = self.build(fault);
+        assert!(!output.status.success(), "{fault}{words}: nobody missed it");
+        assert!(said(&output).contains(words), "{fault}: '{words}' is not in {}", said(&output));
+        assert!(!self.folder.join("build/edof.bit").exists(), "{commands}");
+    }
+}
+
+fn stub() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sim/vivado/commands.tcl")
+}
+
+#[test]
+fn the_build_script_gets_to_its_end_and_does_so_again() {
+    let design = Design::tiny();
+    for round in 0..2 {
+        let (output, commands) = design.build("");
+        assert!(output.status.success(), "round {round}: {}", said(&output));
+        assert!(!said(&output).contains("WARNING"), "{}", said(&output));
+        let steps = [
+            "create_ip",
+            "synth_ip",
+            "read_mem",
+            "synth_design",
+            "crossings.xdc",
+            "place_design",
+            "route_design",
+            "write_bitstream",
+        ];
+        let at: Vec<usize> =
+            steps.iter().map(|step| commands.find(step).unwrap_or_else(|| panic!("no {step}"))).collect();
+        assert!(at.is_sorted(), "{commands}");
+        fs::remove_file(design.folder.join("build/edof.bit")).unwrap();
+    }
+}
+
+#[test]
+#[ignore = "minutes: all of the design in Yosys"]
+fn kc705_with_all_of_its_netlist_gets_to_the_end() {
+    let place = Place::new();
+    let folder = written(&place, &project("kc705"));
+    let objects = netlist::objects(&folder, &[]);
+    assert_eq!(objects.glitches, Vec::<String>::new());
+    let design = Design::of(place, folder, &objects);
+    let (output, _) = design.build("");
+    assert!(output.status.success() && !said(&output).contains("WARNING"), "{}", said(&output));
+}
+
+#[test]
+fn nothing_asynchronous_is_behind_logic() {
+    assert_eq!(OBJECTS.glitches, Vec::<String>::new(), "a set or reset that a glitch could trigger");
+}
+
+/// Lines of a file of constraints that are one.
+fn constraints(folder: &Path, file: &str) -> Vec<String> {
+    let text = fs::read_to_string(folder.join(file)).unwrap();
+    text.lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_lowercase()))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Lines of the host and the chips come in through a synchroniser; they are excepted there and at their ports, each of which is enough.
+fn is_excepted_twice(line: &str) -> bool {
+    let pin =
+        line.strip_prefix("set_false_path -to [get_pins {").and_then(|rest| rest.strip_suffix("[*]/D}]"));
+    pin.is_some_and(|register| !OBJECTS.tcl.contains(&format!("}} {{{register}[")))
+}
+
+#[test]
+fn any_constraint_that_is_taken_away_is_missed() {
+    let design = Design::tiny();
+    for file in ["constraints/kc705.xdc", "constraints/crossings.xdc"] {
+        let path = design.folder.join(file);
+        let text = fs::read_to_string(&path).unwrap();
+        let lines = constraints(&design.folder, file);
+        let counted = (lines.len(), lines.iter().filter(|line| is_excepted_twice(line)).count());
+        assert!(counted.0 > 20 && counted.1 <= 3, "{file}: {counted:?}");
+        for line in lines.iter().filter(|line| !is_excepted_twice(line)) {
+            fs::write(&path, text.replacen(&format!("{line}\n"), "", 1)).unwrap();
+            let (output, _) = design.build("");
+            assert!(!output.status.success(), "{file}: nobody missed {line}");
+        }
+        fs::write(&path, text).unwrap();
+    }
+}
+
+#[test]
+fn any_image_that_is_missing_or_not_hexadecimal_alone_is_told() {
+    let design = Design::tiny();
+    let images: Vec<PathBuf> =
+        fs::read_dir(design.folder.join("mem")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(images.len() > 30);
+    for image in images {
+        let name = image.file_name().unwrap().to_str().unwrap();
+        let text = fs::read_to_string(&image).unwrap();
+        fs::remove_file(&image).unwrap();
+        design.fails("", &format!("[Synth 8-4445] could not open $readmem data file '{name}'"));
+        for (other, words) in [
+            (format!("{text}0\n"), "lines, expected"),
+            (text.replacen('\n', " // a comment\n", 1), "is no word"),
+            (text.replacen('\n', " 0\n", 1), "is no word"),
+        ] {
+            fs::write(&image, other).unwrap();
+            design.fails("", words);
+        }
+        fs::write(&image, text).unwrap();
+    }
+}
+
+#[test]
+fn whatever_a_report_says_stops_it() {
+    let design = Design::tiny();
+    let faults = [
+        ("slack", "failed to meet the timing"),
+        ("pulse_width", "a clock's pulse is too short"),
+        ("cdc", "a crossing is unsafe"),
+        ("methodology", "methodology: TIMING-6#1"),
+        ("bus_skew", "report_bus_skew: 1 critical warnings"),
+        ("critical", "synth_design: 1 critical warnings"),
+        ("pad", "place_design: "),
+    ];
+    for (fault, words) in faults {
+        design.fails(fault, words);
+    }
+}
+
+#[test]
+fn an_object_that_is_not_there_and_a_line_that_is_no_constraint_stop_it() {
+    let design = Design::tiny();
+    let path = design.folder.join("constraints/kc705.xdc");
+    let text = fs::read_to_string(&path).unwrap();
+    for (line, words) in [
+        ("set_false_path -from [get_ports no_such]", "[Vivado 12-584] No ports matched 'no_such'"),
+        ("set_false_path -to [get_pins core/no/D]", "[Vivado 12-508] No pins matched 'core/no/D'"),
+        ("foreach port {a b} { puts $port }", "[Designutils 20-1307] Command 'foreach' is not supported"),
+        ("set_max_delay -datapath -from [get_ports uart_rx] 3.0", "unknown option '-datapath'"),
+    ] {
+        fs::write(&path, format!("{text}{line}\n")).unwrap();
+        design.fails("", words);
+    }
+}

@@ -1,0 +1,153 @@
+//! The board's numbers: memory, clocks, the line to the host.
+//!
+//! Frames lie in sets of three buffers of 16-bit pixels: raw frames, and pictures in the codes of the wire.
+
+use crate::design::{Design, DesignError};
+use crate::fifos;
+use crate::mmcm::Mmcm;
+use crate::video::VideoTiming;
+
+/// Bits of a word of the DRAM's port.
+pub const WORD_BITS: usize = 512;
+/// Pixels in a word.
+pub const WORD_PIXELS: usize = WORD_BITS / 16;
+/// Words of a burst: 4 KiB, the most that a burst may have.
+pub const BURST_WORDS: usize = 64;
+/// Cycles that the memory may take for a burst, from the offer of its address to its last word, so that no pixel is late: a burst of
+/// another agent before it, both ways, a refresh, and as much again.
+pub const MEMORY_LATE: u64 = 512;
+/// Words that an agent holds, in LUT RAM: a pixel a cycle at most.
+pub const AGENT_WORDS: usize =
+    fifos::agent_words(BURST_WORDS, MEMORY_LATE, WORD_PIXELS as u64).next_power_of_two();
+/// Pixels between clock domains, in LUT RAM: for pixel clocks up to the memory's.
+pub const CROSSING_PIXELS: usize = fifos::crossing_words(1, 1).next_power_of_two();
+/// Bytes of a frame buffer.
+pub const BUFFER_BYTES: u32 = 1 << 22;
+/// Byte addresses of the buffers of raw frames.
+pub const RAW_BUFFERS: [u32; 3] = [0, BUFFER_BYTES, 2 * BUFFER_BYTES];
+/// Byte addresses of the buffers of pictures.
+pub const PICTURE_BUFFERS: [u32; 3] = [4 * BUFFER_BYTES, 5 * BUFFER_BYTES, 6 * BUFFER_BYTES];
+
+/// Clock of the DRAM's port and of the host's registers, in kilohertz: the user clock of the memory controller, from which all others but
+/// the receiver's are made.
+pub const CORE_KILOHERTZ: u32 = 200_000;
+/// Bits a second on the line to the host.
+pub const BAUD: u32 = 921_600;
+/// Milliseconds after which a frame on that line is given up.
+pub const UART_TIME_OUT_MS: u32 = 100;
+/// Memory images of the programs of [`crate::i2c::programs`]: the board's bus, the card's.
+pub const I2C_IMAGES: [&str; 2] = ["mem/i2c_kc705.mem", "mem/i2c_imageon.mem"];
+
+/// Sides below which a frame that is of no video mode is taken, for simulation.
+pub const SIMULATED_SIDES: (usize, usize) = (640, 480);
+/// Pixel clock for such frames, in kilohertz: the slowest that the transmitter takes. No screen shows them.
+const SIMULATED_KHZ: u64 = 25_000;
+
+/// A clock that an MMCM makes of the memory's ([`CORE_KILOHERTZ`]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MadeClock {
+    /// Kilohertz.
+    pub khz: u64,
+    /// How.
+    pub mmcm: Mmcm,
+}
+
+impl MadeClock {
+    fn of(khz: u64) -> Option<Self> {
+        Mmcm::of(CORE_KILOHERTZ.into(), khz).map(|mmcm| Self { khz, mmcm })
+    }
+
+    /// The period in nanoseconds.
+    #[must_use]
+    pub fn period_ns(self) -> f64 {
+        1e6 / self.khz as f64
+    }
+}
+
+/// The pixel clock of a design's screen, from the video mode of its frames. Its calculator runs on the memory's clock.
+///
+/// # Errors
+/// [`DesignError::Field`] for a calculator that would need a faster clock than the memory's, or frames that no video mode has.
+pub fn screen_clock(design: &Design) -> Result<MadeClock, DesignError> {
+    let field =
+        |field: &str, value: String, expected| DesignError::Field { field: field.into(), value, expected };
+    let memory_mhz = f64::from(CORE_KILOHERTZ) / 1e3;
+    if design.clock_mhz > memory_mhz {
+        let expected =
+            format!("at most {memory_mhz}, the clock of the board's memory, on which the calculator runs");
+        return Err(field("clock_mhz", design.clock_mhz.to_string(), expected));
+    }
+    let (width, height) = (design.frame.width, design.frame.height);
+    let simulated = (width < SIMULATED_SIDES.0 && height < SIMULATED_SIDES.1).then_some(SIMULATED_KHZ);
+    let mode = VideoTiming::mode(design.frame).map(|mode| mode.pixel_khz as u64);
+    mode.or(simulated).and_then(MadeClock::of).ok_or_else(|| {
+        let mut sizes: Vec<String> = VideoTiming::MODES.map(VideoTiming::size).into();
+        sizes.dedup();
+        let (sizes, (columns, rows)) = (sizes.join(", "), SIMULATED_SIDES);
+        let expected =
+            format!("the size of a video mode ({sizes}), or below {columns}x{rows} for simulation");
+        field("frame", format!("{width}x{height}"), expected)
+    })
+}
+
+/// Cycles of the pixel clock without an edge of the vertical sync after which there is no signal: four frames, as far as 24 bits go.
+#[must_use]
+pub fn patience(timing: VideoTiming) -> u32 {
+    let frames = 4 * timing.line.total() * timing.frame.total();
+    u32::try_from(frames).unwrap_or(u32::MAX).min((1 << 24) - 1)
+}
+
+/// # Errors
+/// [`DesignError::Field`] for a frame that the buffers cannot hold.
+pub fn check(design: &Design) -> Result<(), DesignError> {
+    let pixels = design.frame.width * design.frame.height;
+    let field = |expected: String| DesignError::Field {
+        field: "frame".into(),
+        value: format!("{}x{}", design.frame.width, design.frame.height),
+        expected,
+    };
+    if !pixels.is_multiple_of(WORD_PIXELS) {
+        return Err(field(format!(
+            "a multiple of {WORD_PIXELS} pixels, so that it is whole words of memory"
+        )));
+    }
+    if 2 * pixels > BUFFER_BYTES as usize {
+        return Err(field(format!("at most {} pixels, which a buffer holds", BUFFER_BYTES / 2)));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn design(clock_mhz: f64, width: usize, height: usize) -> Design {
+        let mut design = Design::from_json(include_str!("../../../designs/kc705.json")).unwrap();
+        design.clock_mhz = clock_mhz;
+        (design.frame.width, design.frame.height) = (width, height);
+        design
+    }
+
+    #[test]
+    fn every_video_mode_has_a_pixel_clock_that_an_mmcm_makes() {
+        for mode in VideoTiming::MODES {
+            let made = MadeClock::of(mode.pixel_khz as u64).unwrap();
+            assert!(made.mmcm.is_legal(CORE_KILOHERTZ.into()), "{made:?}");
+        }
+        assert_eq!(screen_clock(&design(150.0, 1280, 720)).unwrap().khz, 74_250);
+    }
+
+    #[test]
+    fn clocks_and_frames_that_no_board_has_are_refused_in_words() {
+        for (design, words) in [
+            (
+                design(200.0, 1366, 768),
+                "frame 1366x768: must be the size of a video mode (1280x720, 1920x1080), or below",
+            ),
+            (design(215.0, 1280, 720), "clock_mhz 215: must be at most 200, the clock of the board's memory"),
+        ] {
+            let error = screen_clock(&design).unwrap_err().to_string();
+            assert!(error.starts_with(words), "{error}");
+        }
+    }
+}

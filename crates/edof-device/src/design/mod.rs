@@ -1,0 +1,250 @@
+//! A design: everything that a generator, the golden model, the estimator and the board agree on.
+//!
+//! | what | module |
+//! |---|---|
+//! | one stage: sizes that follow from the design | [`stage`] |
+//! | cycles that all stages have in common | [`timing`] |
+//! | what lies where in weight and threshold memories, and how they are written | [`memory`] |
+
+pub mod memory;
+pub mod reading;
+pub mod stage;
+pub mod timing;
+
+pub use stage::{Kind, StagePlan};
+
+use edof_image::geometry::{Geometry, GeometryError, Stride};
+use edof_image::number::ACCUMULATOR_BITS;
+use edof_network::fixed_network::FixedNetwork;
+use edof_network::network::{Form, NetworkError, Recurrence, Shrinkage};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Lanes that share one block of weight memory.
+pub const BANK_LANES: usize = 4;
+/// Elements of a vector that pass in one beat.
+pub const BEAT: usize = 2;
+/// Largest left shift of a value before it is multiplied: the multiplier of a DSP48E1 takes 25 bits, a value has 16.
+pub const MOST_VALUE_SHIFT: u32 = 9;
+
+/// Fastest clock of a calculator in megahertz: its longest path of logic alone takes 2.45 ns (docs/calculator.md, Clock).
+pub const MOST_CLOCK_MHZ: f64 = 400.0;
+
+/// A hardware design for one form of network.
+///
+/// ```
+/// use edof_device::Design;
+/// let paper = Design::from_json(include_str!("../../../../designs/paper.json"))?;
+/// assert_eq!(paper.stages().map(|s| s.dsps()).sum::<usize>(), 704);
+/// # Ok::<(), edof_device::design::DesignError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Design {
+    /// Short name, as in `kc705`.
+    pub name: String,
+    /// Clock of the calculator in megahertz.
+    pub clock_mhz: f64,
+    /// The form of network it runs.
+    pub form: Form,
+    /// Bits of every weight, pre-activation and sparse code.
+    pub code_bits: u32,
+    /// Bits of a sum on its way from the DSPs to rounding.
+    pub accumulator_bits: u32,
+    /// Whether only non-zero values are multiplied (initial value of a register).
+    pub skip_zeros: bool,
+    /// Lanes and rows of I, each M, F.
+    pub stages: Vec<StageSize>,
+    /// The picture it is made for.
+    pub frame: FrameSize,
+}
+
+/// How a stage is folded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageSize {
+    /// Outputs computed at once.
+    pub lanes: usize,
+    /// Values multiplied per cycle in each lane: 1 or 2, in I up to 4.
+    pub rows: usize,
+}
+
+/// Size of a picture and the stride of its patches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrameSize {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Stride between patches.
+    pub stride: Stride,
+}
+
+/// A design that cannot be built, or a network that does not fit it.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum DesignError {
+    /// The file cannot be read.
+    #[error("{path}: {source}")]
+    Read { path: String, source: std::io::Error },
+    /// No design in the file.
+    #[error("{path}: {source}")]
+    Parse { path: String, source: serde_json::Error },
+    /// A form that no network has.
+    #[error(transparent)]
+    Form(#[from] NetworkError),
+    /// A picture that has no whole windows.
+    #[error("frame: {0}")]
+    Frame(#[from] GeometryError),
+    /// A field out of range.
+    #[error("{field} {value}: must be {expected}")]
+    Field { field: String, value: String, expected: String },
+    /// The network is another than the design computes.
+    #[error("network {network} does not fit design {design}: it has {found}, the design {expected}")]
+    Misfit { network: String, design: String, found: String, expected: String },
+}
+
+impl Design {
+    /// A design from JSON text, checked.
+    ///
+    /// # Errors
+    /// [`DesignError::Parse`], or the first field that is wrong.
+    pub fn from_json(text: &str) -> Result<Self, DesignError> {
+        Self::parse(text, "design")
+    }
+
+    /// A design from a file, checked.
+    ///
+    /// # Errors
+    /// [`DesignError::Read`], [`DesignError::Parse`], or the first field that is wrong.
+    pub fn load(path: &Path) -> Result<Self, DesignError> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| DesignError::Read { path: name.clone(), source })?;
+        Self::parse(&text, &name)
+    }
+
+    fn parse(text: &str, path: &str) -> Result<Self, DesignError> {
+        let design: Self =
+            serde_json::from_str(text).map_err(|source| DesignError::Parse { path: path.into(), source })?;
+        design.check()?;
+        Ok(design)
+    }
+
+    /// The stages in order: I, each M, F.
+    pub fn stages(&self) -> impl ExactSizeIterator<Item = StagePlan> + '_ {
+        (0..self.stages.len()).map(|index| StagePlan::new(self, index))
+    }
+
+    /// One stage.
+    #[must_use]
+    pub fn stage(&self, index: usize) -> StagePlan {
+        StagePlan::new(self, index)
+    }
+
+    /// # Errors
+    /// [`DesignError::Field`] and its like for the first field that no design can have.
+    pub fn check(&self) -> Result<(), DesignError> {
+        self.form.check()?;
+        require(
+            "clock_mhz",
+            self.clock_mhz,
+            self.clock_mhz > 0.0 && self.clock_mhz <= MOST_CLOCK_MHZ,
+            &format!("above 0, at most {MOST_CLOCK_MHZ}"),
+        )?;
+        require(
+            "form.codes",
+            self.form.codes,
+            self.form.codes.is_multiple_of(BEAT) && self.form.codes <= 256,
+            "even and at most 256",
+        )?;
+        require("code_bits", self.code_bits, (8..=16).contains(&self.code_bits), "8 to 16")?;
+        let sums = 32..=ACCUMULATOR_BITS;
+        require(
+            "accumulator_bits",
+            self.accumulator_bits,
+            sums.contains(&self.accumulator_bits),
+            "32 to 48",
+        )?;
+        let layers = self.form.layers;
+        require(
+            "stages",
+            self.stages.len(),
+            self.stages.len() == layers,
+            &format!("{layers} stages, one a layer"),
+        )?;
+        Geometry::new(self.form.window, self.frame.stride)
+            .check_frame((self.frame.height, self.frame.width))?;
+        self.stages().try_for_each(|stage| stage.check())
+    }
+
+    /// # Errors
+    /// [`DesignError::Misfit`] with everything of their forms in which the network and the design differ, or the first other thing.
+    pub fn check_network(&self, network: &FixedNetwork) -> Result<(), DesignError> {
+        let misfit = |found: String, expected: String| DesignError::Misfit {
+            network: network.origin.name.clone(),
+            design: self.name.clone(),
+            found,
+            expected,
+        };
+        if let Some((theirs, ours)) = differing(network.form, self.form) {
+            return Err(misfit(theirs, ours));
+        }
+        if network.code_bits != self.code_bits {
+            return Err(misfit(format!("weights of {} bits", network.code_bits), self.code_bits.to_string()));
+        }
+        if network.stride != self.frame.stride {
+            let stride = network.stride.pixels();
+            return Err(misfit(format!("a stride of {stride}"), self.frame.stride.pixels().to_string()));
+        }
+        let widest = network.accumulator_bits().into_iter().max().unwrap_or(0);
+        if widest > self.accumulator_bits {
+            return Err(misfit(
+                format!("sums of {widest} bits"),
+                format!("{} at most", self.accumulator_bits),
+            ));
+        }
+        let shifts = network.final_shifts();
+        let shift = shifts.dictionary.max(shifts.linear_path);
+        if shift > MOST_VALUE_SHIFT {
+            return Err(misfit(
+                format!("an alignment of F by {shift} bits"),
+                format!("{MOST_VALUE_SHIFT} at most"),
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// What differs between the forms of a network and of a design, in words of either. A design has a memory for each M layer's S, tied
+/// or not.
+fn differing(network: Form, design: Form) -> Option<(String, String)> {
+    let parts = |form: Form| {
+        [
+            format!("windows of {0}x{0}", form.window.side()),
+            format!("{} values of sparse code", form.codes),
+            format!("{} layers", form.layers),
+            match form.shrinkage {
+                Shrinkage::OneSided => "one-sided shrinkage",
+                Shrinkage::TwoSided => "two-sided shrinkage",
+            }
+            .to_owned(),
+            match form.recurrence {
+                Recurrence::Direct => "direct recurrence",
+                Recurrence::Difference => "recurrence of differences",
+            }
+            .to_owned(),
+            if form.linear_path { "a linear path" } else { "no linear path" }.to_owned(),
+        ]
+    };
+    let pairs = parts(network).into_iter().zip(parts(design));
+    let (theirs, ours): (Vec<String>, Vec<String>) = pairs.filter(|(theirs, ours)| theirs != ours).unzip();
+    (!theirs.is_empty()).then(|| (theirs.join(", "), ours.join(", ")))
+}
+
+fn require(field: &str, value: impl ToString, holds: bool, expected: &str) -> Result<(), DesignError> {
+    let wrong =
+        || DesignError::Field { field: field.into(), value: value.to_string(), expected: expected.into() };
+    if holds { Ok(()) } else { Err(wrong()) }
+}

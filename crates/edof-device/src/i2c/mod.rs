@@ -1,0 +1,73 @@
+//! How the video chips around the FPGA are set up and polled: a program for each I2C bus, and why each step is there.
+//!
+//! | what | module |
+//! |---|---|
+//! | steps, their words, and how a program is put together | [`program`] |
+//! | the KC705's own bus: the transmitter | [`transmitter`] |
+//! | the FMC-IMAGEON card's bus: the receiver | [`receiver`] |
+//! | why a transfer failed | [`cause`] |
+//! | what the receiver tells a source of itself | [`edid`] |
+//!
+//! Values are those of the makers' programming guides, of drivers and of public board code; nothing here was tried on a board. What is a
+//! guess among them stands in `docs/decisions/0028-video-chips.md`.
+
+pub mod cause;
+pub mod edid;
+pub mod program;
+pub mod receiver;
+pub mod transmitter;
+
+pub use cause::Cause;
+pub use program::{Action, Entry, SETTINGS, SLOTS, depth, image};
+
+/// The programs of both buses, in the order of `edof_device::board::I2C_IMAGES`.
+#[must_use]
+pub fn programs() -> [Vec<Entry>; 2] {
+    [transmitter::program(), receiver::program()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_step_has_a_meaning_and_every_jump_a_target() {
+        for program in programs() {
+            assert!(depth(&program) <= 512 && program.len() < depth(&program));
+            for entry in &program {
+                assert!(!entry.doc.is_empty());
+                assert_eq!(Action::of_word(entry.action.word()), entry.action);
+                match entry.action {
+                    Action::Goto(target) => assert!(usize::from(target) < program.len()),
+                    Action::Wait(milliseconds) => assert!(milliseconds > 0),
+                    _ => {}
+                }
+            }
+            assert_eq!(image(&program).lines().count(), depth(&program));
+        }
+    }
+
+    /// A step after an `If` or a `More` is skipped or done: it must be a jump, so that what follows is clear.
+    #[test]
+    fn what_may_be_skipped_is_a_jump() {
+        for program in programs() {
+            for pair in program.windows(2) {
+                if matches!(pair[0].action, Action::If { .. } | Action::More) {
+                    assert!(matches!(pair[1].action, Action::Goto(_)), "{pair:?}");
+                }
+            }
+        }
+    }
+
+    /// Every chip that is written is one that the card or the board has.
+    #[test]
+    fn programs_speak_to_the_chips_of_their_bus_alone() {
+        let devices = |program: &[Entry]| -> BTreeSet<u8> {
+            program.iter().filter_map(|entry| entry.action.device()).collect()
+        };
+        let [board, card] = programs().map(|program| devices(&program));
+        assert_eq!(board, [0x39, 0x3f, 0x74].into());
+        assert_eq!(card, [0x20, 0x22, 0x32, 0x34, 0x36, 0x4c, 0x70].into());
+    }
+}

@@ -1,0 +1,21 @@
+//! The hardware as data: what circuit, golden model and host must agree on.
+//!
+//! | what | module |
+//! |---|---|
+//! | stages, memories, addresses and cycles of the calculator for one network architecture | [`design`] |
+//! | registers that the host sees | [`registers`] |
+//! | memory map, clocks, line to the host | [`board`] |
+//! | video timing | [`video`] |
+//! | set-up of the video chips | [`i2c`] |
+//! | depths of FIFOs | [`fifos`] |
+//! | clocks that an MMCM makes | [`mmcm`] |
+
+pub mod board;
+pub mod design;
+pub mod fifos;
+pub mod i2c;
+pub mod mmcm;
+pub mod registers;
+pub mod video;
+
+pub use design::Design;

@@ -1,0 +1,523 @@
+//! The registers and windows of the board.
+
+use super::{Access, Field, Register, Window};
+use crate::design::memory::ADDRESS_BITS;
+use edof_image::display::{DisplayMode, LUMA_ENTRIES};
+
+/// `EDOF` in ASCII: what `id` reads.
+pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
+/// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
+pub const VERSION: u32 = 0x0002_0000;
+
+/// Address of `weights_hash`.
+pub const WEIGHTS_HASH: u32 = 0x10;
+/// Address of `control`.
+pub const CONTROL: u32 = 0x14;
+/// Address of `scratch`.
+pub const SCRATCH: u32 = 0x18;
+/// Address of `protection`.
+pub const PROTECTION: u32 = 0x1c;
+/// Address of `status`.
+pub const STATUS: u32 = 0x20;
+/// Address of `uart_broken`.
+pub const UART_BROKEN: u32 = 0x90;
+/// Address of `video_setup`.
+pub const VIDEO_SETUP: u32 = 0xa0;
+/// Address of `chip_access`.
+pub const CHIP_ACCESS: u32 = 0xa4;
+/// Address of `chip_answer`.
+pub const CHIP_ANSWER: u32 = 0xa8;
+/// Address of `input_codes`; `input_malformed` is the next word.
+pub const INPUT_CODES: u32 = 0x98;
+/// `video_setup` after reset: RGB to the screen, the receiver's output clock inverted, tap 0.
+pub const VIDEO_SETUP_RESET: u32 = 0x00a1_8000;
+/// Address of `writes_refused`.
+pub const WRITES_REFUSED: u32 = 0x94;
+
+/// Bit of `control`: frames are reconstructed.
+pub const RUN: u32 = 1;
+/// Bit of `control`: display in colour.
+pub const COLOUR: u32 = 1 << 1;
+/// Bit of `control`: the set of weights.
+pub const WEIGHT_SET: u32 = 1 << 2;
+/// Bit of `control`: its rise sets up the video chips.
+pub const I2C_RESTART: u32 = 1 << 3;
+/// Bit of `control`: drops the frame that is under way.
+pub const FLUSH: u32 = 1 << 4;
+
+/// Bit of `protection`: the bank in use takes no words.
+pub const PROTECT_BANK: u32 = 1;
+/// Bit of `protection`: `control` takes checked words alone.
+pub const PROTECT_CONTROL: u32 = 1 << 1;
+
+/// A word of 16 bits with its complement above it, as `protection` and, under protection, `control` want it: one that lost, doubled or
+/// changed a byte on its way is none.
+///
+/// ```
+/// use edof_device::registers::map::{checked, is_checked};
+/// assert_eq!(checked(0x0007), 0xfff8_0007);
+/// assert!(is_checked(checked(0x0007)) && !is_checked(0x0007) && !is_checked(checked(0x0007) << 8));
+/// ```
+#[must_use]
+pub const fn checked(word: u32) -> u32 {
+    (word & 0xffff) | !word << 16
+}
+
+/// Whether a word is as [`checked`] makes it.
+#[must_use]
+pub const fn is_checked(word: u32) -> bool {
+    word == checked(word)
+}
+
+/// The word of `control` with which frames are reconstructed, shown in that mode, with that set of weights.
+#[must_use]
+pub fn running(mode: DisplayMode, set: usize) -> u32 {
+    RUN | if mode == DisplayMode::Colour { COLOUR } else { 0 } | if set == 0 { 0 } else { WEIGHT_SET }
+}
+
+const fn constant(
+    name: &'static str,
+    address: u32,
+    reset: u32,
+    fields: &'static [Field],
+    doc: &'static str,
+) -> Register {
+    Register { name, address, access: Access::Constant, reset, doc, fields }
+}
+
+const fn status(name: &'static str, address: u32, fields: &'static [Field], doc: &'static str) -> Register {
+    Register { name, address, access: Access::Status, reset: 0, doc, fields }
+}
+
+const fn control(
+    name: &'static str,
+    address: u32,
+    reset: u32,
+    fields: &'static [Field],
+    doc: &'static str,
+) -> Register {
+    Register { name, address, access: Access::Control, reset, doc, fields }
+}
+
+const fn count(name: &'static str, address: u32, doc: &'static str) -> Register {
+    status(name, address, &[], doc)
+}
+
+const fn bit(name: &'static str, low: u32, doc: &'static str) -> Field {
+    Field { name, low, bits: 1, doc }
+}
+
+const fn half(name: &'static str, low: u32, doc: &'static str) -> Field {
+    Field { name, low, bits: 16, doc }
+}
+
+const CAUSES: &str = "0 none, 1 not acknowledged, 2 arbitration lost, 3 data line held low, 4 clock line held low, 5 read back \
+                      another value.";
+
+/// How the set-up of a bus stands.
+const SET_UP: [Field; 6] = [
+    Field { name: "entry", low: 0, bits: 10, doc: "Entry of the table at which it is, or failed." },
+    Field { name: "device", low: 10, bits: 7, doc: "7-bit address of that entry's chip." },
+    Field { name: "cause", low: 17, bits: 3, doc: CAUSES },
+    bit("done", 20, "The chips are set up, and polled."),
+    bit("failed", 21, "The last set-up failed; it is tried again every second."),
+    Field { name: "retries", low: 22, bits: 10, doc: "Attempts that were repeated since reset." },
+];
+
+/// Every register, by address. Counters wrap; they start from zero
+/// at reset.
+pub const REGISTERS: &[Register] = &[
+    constant("id", 0x00, ID, &[], "`EDOF` in ASCII, so that a client knows what it talks to."),
+    constant(
+        "version",
+        0x04,
+        VERSION,
+        &[],
+        "Version of this map: major in the upper half, minor in the lower.",
+    ),
+    constant(
+        "design_hash",
+        0x08,
+        0,
+        &[],
+        "First 32 bits of the SHA-256 of the design's JSON (`identity::design_hash`).",
+    ),
+    constant(
+        "frame_size",
+        0x0c,
+        0,
+        &[half("width", 0, "Columns."), half("height", 16, "Rows.")],
+        "The picture that the design is made for.",
+    ),
+    control(
+        "weights_hash",
+        WEIGHTS_HASH,
+        0,
+        &[],
+        "First 32 bits of the hash of the network in use (`identity::weights_hash`). Starts with the one that the design was generated with; \
+         whoever loads another one writes its hash here. A reset leaves it.",
+    ),
+    control(
+        "control",
+        CONTROL,
+        0b11,
+        &[
+            bit("run", 0, "Frames are reconstructed. Off: the picture stands still."),
+            bit("colour", 1, "Display in colour; off: luma only."),
+            bit(
+                "weight_set",
+                2,
+                "The set of weights for the frames that begin from now on: the bank in use. A reset leaves it.",
+            ),
+            bit("i2c_restart", 3, "A change from 0 to 1 sets up the video chips once more."),
+            bit(
+                "flush",
+                4,
+                "Drops the frame that is under way and leaves all that was written as it is; for 48 cycles or more. Pictures go on with the \
+                 next frame after it.",
+            ),
+        ],
+        "What the host decides.",
+    ),
+    control("scratch", SCRATCH, 0, &[], "Holds what is written: tries out the link; a reset clears it."),
+    control(
+        "protection",
+        PROTECTION,
+        PROTECT_BANK,
+        &[
+            bit(
+                "bank",
+                0,
+                "Words for the bank in use, and for the display's tables while frames are reconstructed, are refused.",
+            ),
+            bit(
+                "control",
+                1,
+                "`control` too takes only words whose upper half is the complement of the lower one.",
+            ),
+        ],
+        "What a word that went astray cannot change. Takes only words whose upper half is the complement of the lower one.",
+    ),
+    status(
+        "status",
+        STATUS,
+        &[
+            bit("dram_ready", 0, "The memory is ready: it is out of its reset."),
+            bit("input_present", 1, "There is a video signal."),
+            bit("input_fits", 2, "It has the size of the design's frame."),
+            bit("output_runs", 3, "Pictures leave the board; before the first one they are black."),
+            bit("i2c_done", 4, "All video chips are set up."),
+            bit("i2c_failed", 5, "A set-up failed: see `i2c_board`, `i2c_card`."),
+            bit("weight_set", 6, "The set of weights of the last patch."),
+            bit(
+                "window_fault",
+                7,
+                "A window was too short or too long since the counters of the stages were last asked for.",
+            ),
+        ],
+        "How the board is.",
+    ),
+    status("i2c_board", 0x24, &SET_UP, "Set-up of the chips on the board's own I2C bus: the transmitter."),
+    status(
+        "input_size",
+        0x28,
+        &[half("width", 0, "Pixels of a line."), half("height", 16, "Lines of a frame.")],
+        "The size of the incoming picture, as measured.",
+    ),
+    status("i2c_card", 0x2c, &SET_UP, "Set-up of the chips on the video card's I2C bus: the receiver."),
+    status(
+        "receiver",
+        0x30,
+        &[
+            bit("de_locked", 0, "Active lines are regular. Bits 7 to 0 are IO 0x6A."),
+            bit("vertical_locked", 1, "Frames are regular."),
+            bit("clock", 4, "The source's clock is there."),
+            bit("tmds_locked", 6, "The PLL follows it."),
+            bit("cable", 8, "The source supplies 5 V through the cable. Bits 15 to 8 are IO 0x6F."),
+            bit("hdcp", 22, "The source encrypts. Bits 23 to 16 are HDMI 0x05."),
+            bit("hdmi", 23, "The source sends HDMI; 0 is DVI."),
+            bit("interlaced", 29, "Fields in place of frames. Bits 31 to 24 are HDMI 0x0B."),
+            Field {
+                name: "deep_colour",
+                low: 30,
+                bits: 2,
+                doc: "0 is 8 bits per colour, 1 to 3 are 10, 12, 16.",
+            },
+        ],
+        "The receiver's inputs, as last polled; 0 until the receiver is set up.",
+    ),
+    status(
+        "receiver_size",
+        0x34,
+        &[
+            Field {
+                name: "width",
+                low: 0,
+                bits: 13,
+                doc: "Active pixels per line. Bits 15 to 0 are HDMI 0x07, 0x08.",
+            },
+            bit("de_locked", 13, "The width is valid."),
+            bit("vertical_locked", 15, "The height is valid."),
+            Field {
+                name: "height",
+                low: 16,
+                bits: 13,
+                doc: "Active lines per frame. Bits 31 to 16 are HDMI 0x09, 0x0A.",
+            },
+        ],
+        "The picture's size as the receiver measures it on the cable.",
+    ),
+    status(
+        "receiver_format",
+        0x38,
+        &[
+            Field {
+                name: "colour_space",
+                low: 0,
+                bits: 4,
+                doc: "Of the source, by the receiver's code. HDMI 0x53.",
+            },
+            bit("infoframe", 8, "The source sent an AVI infoframe. Bits 15 to 8 are IO 0x60."),
+            bit("unlocked", 16, "The component processor is not locked. Bits 23 to 16 are IO 0x12."),
+            bit("free_run", 28, "The receiver sends a picture of its own. Bits 31 to 24 are CP 0xFF."),
+        ],
+        "What the receiver makes of the source's signal.",
+    ),
+    status(
+        "transmitter",
+        0x3c,
+        &[
+            bit("monitor_sense", 5, "The screen's terminators are there. Bits 7 to 0 are ADV7511 0x42."),
+            bit("hot_plug", 6, "A screen is plugged in."),
+            bit("powered_down", 14, "The transmitter is powered down. Bits 15 to 8 are ADV7511 0x41."),
+            bit("output_422", 23, "Y'CbCr 4:2:2 to the screen; 0 is RGB. Bits 23 to 16 are ADV7511 0x16."),
+            bit("hdmi", 25, "HDMI to the screen; 0 is DVI. Bits 31 to 24 are ADV7511 0xAF."),
+        ],
+        "The transmitter, as last polled; 0 until it is set up.",
+    ),
+    count("input_frames", 0x40, "Raw frames that were written whole."),
+    count(
+        "input_broken",
+        0x44,
+        "Raw frames that were begun and not completed: cable, wrong size or range, or a write that failed.",
+    ),
+    count("input_wrong", 0x48, "Frames on the cable that had another size than the design's."),
+    count(
+        "input_overruns",
+        0x4c,
+        "Frames on the cable that were given up because there was no room for a pixel.",
+    ),
+    count("input_write_errors", 0x50, "Bursts of raw frames that the memory answered with an error."),
+    count("raw_frames", 0x54, "Raw frames that were begun to be read."),
+    count("raw_late", 0x58, "Of these, how many were read again for want of a newer one."),
+    count("raw_read_errors", 0x5c, "Words of raw frames that came with an error."),
+    count("busy_cycles", 0x60, "Cycles in which a window or a patch stood at the calculator."),
+    count("patches", 0x64, "Patches that left the calculator."),
+    count("saturated_sums", 0x68, "Sums of overlapping patches that did not fit 16 bits."),
+    count("clamped_chroma", 0x6c, "Chroma codes that were clamped (luma only)."),
+    count("out_of_gamut", 0x70, "Pixels with less than no or more than full light of a colour (colour)."),
+    count("picture_frames", 0x74, "Pictures that were written whole."),
+    count(
+        "picture_broken",
+        0x78,
+        "Pictures that were begun and not completed, or held back after raw words that came with an error.",
+    ),
+    count("picture_write_errors", 0x7c, "Bursts of pictures that the memory answered with an error."),
+    count("output_frames", 0x80, "Pictures that were begun to be read."),
+    count("output_late", 0x84, "Of these, how many were read again for want of a newer one."),
+    count("output_read_errors", 0x88, "Words of pictures that came with an error."),
+    count("output_underruns", 0x8c, "Pictures on the cable whose pixels came late."),
+    count(
+        "uart_broken",
+        UART_BROKEN,
+        "Frames on the UART that were given up, and bytes that were no command.",
+    ),
+    count("writes_refused", WRITES_REFUSED, "Words that `protection` kept out."),
+    count("input_codes", INPUT_CODES, "Codes of line start and end that came inside of the pixels."),
+    count(
+        "input_malformed",
+        0x9c,
+        "Words of such codes that were damaged, alone on one of the two bytes, or out of turn.",
+    ),
+    control(
+        "video_setup",
+        VIDEO_SETUP,
+        VIDEO_SETUP_RESET,
+        &[
+            bit("screen_422", 0, "Y'CbCr 4:2:2 to the screen in place of RGB."),
+            Field {
+                name: "receiver_tap",
+                low: 8,
+                bits: 8,
+                doc: "Receiver's IO 0x19: 0x80 + tap (0 to 31) of its output clock's delay.",
+            },
+            Field {
+                name: "receiver_polarity",
+                low: 16,
+                bits: 8,
+                doc: "Receiver's IO 0x06: 0xA0, or 0xA1 with its output clock inverted.",
+            },
+        ],
+        "What the next set-up of the video chips uses (`control.i2c_restart` starts one).",
+    ),
+    control(
+        "chip_access",
+        CHIP_ACCESS,
+        0,
+        &[
+            Field { name: "value", low: 0, bits: 8, doc: "Byte to write." },
+            Field { name: "register", low: 8, bits: 8, doc: "Register of the chip." },
+            Field { name: "device", low: 16, bits: 7, doc: "7-bit address of the chip." },
+            bit("read", 23, "Read; 0 writes."),
+            bit("bare", 24, "The chip has no registers: a multiplexer."),
+            bit("card", 25, "On the video card's bus; 0 is the board's own."),
+            Field {
+                name: "sequence",
+                low: 28,
+                bits: 4,
+                doc: "A number other than the last starts the access.",
+            },
+        ],
+        "Reads or writes one register of a chip, between two steps of its bus's set-up. A multiplexer stays as the set-up left it.",
+    ),
+    status(
+        "chip_answer",
+        CHIP_ANSWER,
+        &[
+            Field { name: "value", low: 0, bits: 8, doc: "Byte that was read." },
+            Field { name: "cause", low: 8, bits: 3, doc: CAUSES },
+            Field { name: "sequence", low: 28, bits: 4, doc: "That of the access which is answered." },
+        ],
+        "The answer to `chip_access`.",
+    ),
+    count(
+        "input_range",
+        0xac,
+        "Frames on the cable with a code outside of 64…191, which carries no raw pixel word; they are not taken.",
+    ),
+];
+
+/// Counters of the calculator's stages.
+pub const STAGE_COUNTERS: Window = Window {
+    name: "stage_counters",
+    address: 0x100,
+    bytes: 0x100,
+    access: Access::Status,
+    doc: "Word 4·stage + counter. Counters: 0 non-zero words sent, 1 saturated results, 2 saturated codes, 3 saturated differences; of stage \
+          15, which is the whole calculator, 0 windows that were too short, 1 too long. All of them as they were when anything was last \
+          written to register 0 of stage 15 (`weights`), which starts them anew.",
+};
+
+/// What the calculator's stages read back.
+pub const STAGE_READS: Window = Window {
+    name: "stage_reads",
+    address: 0x200,
+    bytes: 0x100,
+    access: Access::Status,
+    doc: "Word 4·stage + part; stage 14 is the display's tables. Parts: 0 CRC-32 of the rows that were read, 1 and 2 low and high half of the \
+          last one, 3 whether the stage still reads. A command written to register 3 of the stage (`weights`) has it read: space (2 bits), \
+          bank (6), first row (12), rows after it (12).",
+};
+
+/// Tables of the display step.
+pub const DISPLAY_TABLES: Window = Window {
+    name: "display_tables",
+    address: 0x10_0000,
+    bytes: 4 * 4 * LUMA_ENTRIES as u32,
+    access: Access::WriteOnly,
+    doc: "Word 32768·table + entry. Tables: 0 luma (8-bit codes), 1 red, 2 green, 3 blue (12-bit encoded light, 16384 entries).",
+};
+
+/// Weights, thresholds and shifts of all stages.
+pub const WEIGHTS: Window = Window {
+    name: "weights",
+    address: 0x0800_0000,
+    bytes: 4 << (ADDRESS_BITS[0] + ADDRESS_BITS[1] + ADDRESS_BITS[2] + ADDRESS_BITS[3] + ADDRESS_BITS[4]),
+    access: Access::WriteOnly,
+    doc: "Word {stage (4 bits), space (2), bank (6), row (12), half (1)}. Spaces: 0 weights, 1 thresholds, 2 thresholds of the stage \
+          before, 3 registers (0 and 1 shifts of each set, 2 control, 3 command to read back).",
+};
+
+/// Every window, by address.
+pub const WINDOWS: &[Window] = &[STAGE_COUNTERS, STAGE_READS, DISPLAY_TABLES, WEIGHTS];
+
+/// A register by its name.
+#[must_use]
+pub fn register(name: &str) -> Option<&'static Register> {
+    REGISTERS.iter().find(|register| register.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn nothing_overlaps() {
+        let registers = REGISTERS.iter().map(|register| (register.address, register.address + 4));
+        let windows = WINDOWS.iter().map(|window| (window.address, window.address + window.bytes));
+        let spans: Vec<(u32, u32)> = registers.chain(windows).collect();
+        assert!(spans.windows(2).all(|pair| pair[0].1 <= pair[1].0), "{spans:x?}");
+        for register in REGISTERS {
+            let mut taken = 0;
+            for field in register.fields {
+                assert!(
+                    field.low + field.bits <= 32 && taken & field.mask() == 0,
+                    "{}.{}",
+                    register.name,
+                    field.name
+                );
+                taken |= field.mask();
+            }
+            assert_eq!(register.reset & !register.mask(), 0, "{}", register.name);
+            assert_eq!(register.address % 4, 0);
+        }
+        assert!(
+            WINDOWS.iter().all(|window| window.bytes.is_power_of_two() && window.address % window.bytes == 0)
+        );
+    }
+
+    #[test]
+    fn names_are_unique_and_are_names_everywhere() {
+        let is_name = |name: &str| {
+            name.starts_with(|c: char| c.is_ascii_lowercase())
+                && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        };
+        let names: Vec<&str> =
+            REGISTERS.iter().map(|r| r.name).chain(WINDOWS.iter().map(|w| w.name)).collect();
+        assert!(names.iter().all(|name| is_name(name)));
+        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
+        assert!(REGISTERS.iter().flat_map(|r| r.fields).all(|field| is_name(field.name)));
+    }
+
+    #[test]
+    fn bits_of_control_are_where_its_fields_are() {
+        let bits = [
+            ("run", RUN),
+            ("colour", COLOUR),
+            ("weight_set", WEIGHT_SET),
+            ("i2c_restart", I2C_RESTART),
+            ("flush", FLUSH),
+        ];
+        let masks =
+            bits.map(|(name, _)| register("control").and_then(|r| r.field(name)).map(|field| field.mask()));
+        assert_eq!(masks, bits.map(|(_, mask)| Some(mask)));
+    }
+
+    #[test]
+    fn bits_of_protection_are_where_its_fields_are() {
+        let bits = [("bank", PROTECT_BANK), ("control", PROTECT_CONTROL)];
+        let masks = bits
+            .map(|(name, _)| register("protection").and_then(|r| r.field(name)).map(|field| field.mask()));
+        assert_eq!(masks, bits.map(|(_, mask)| Some(mask)));
+        // What protects must be able to hold what it protects.
+        assert!(register("control").is_some_and(|register| register.mask() < 1 << 16));
+    }
+
+    #[test]
+    fn every_write_of_a_network_has_a_place_in_its_window() {
+        assert_eq!(WEIGHTS.word_bits(), ADDRESS_BITS.iter().sum::<u32>());
+        assert_eq!(DISPLAY_TABLES.word_bits(), 17);
+        assert_eq!([STAGE_COUNTERS, STAGE_READS].map(|window| window.word_bits()), [6; 2]);
+    }
+}

@@ -1,0 +1,120 @@
+//! Video timing: what lies around a picture on the wires between devices (CEA-861).
+//!
+//! The picture comes first, so that a frame begins with its first pixel: picture, front porch, sync, back porch, along a line and along
+//! the lines of a frame.
+
+use crate::design::FrameSize;
+
+/// A length along one axis: pixels of a line, or lines of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Axis {
+    /// Pixels or lines that are seen.
+    pub active: usize,
+    /// From the picture to the sync.
+    pub front: usize,
+    /// Sync pulse.
+    pub sync: usize,
+    /// From the sync to the picture.
+    pub back: usize,
+}
+
+impl Axis {
+    /// All of it.
+    #[must_use]
+    pub const fn total(self) -> usize {
+        self.active + self.front + self.sync + self.back
+    }
+
+    /// Whether the sync pulse is on at this place.
+    #[must_use]
+    pub const fn in_sync(self, at: usize) -> bool {
+        let start = self.active + self.front;
+        at >= start && at < start + self.sync
+    }
+}
+
+/// The timing of a screen. Both syncs are positive pulses, as all of these formats have them; a frame's sync begins with that of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VideoTiming {
+    /// Along a line, in pixels.
+    pub line: Axis,
+    /// Along a frame, in lines.
+    pub frame: Axis,
+    /// Pixel clock in kilohertz.
+    pub pixel_khz: usize,
+}
+
+impl VideoTiming {
+    /// 1280×720 at 60 frames a second (CEA-861 format 4).
+    pub const P720_60: Self = Self {
+        line: Axis { active: 1280, front: 110, sync: 40, back: 220 },
+        frame: Axis { active: 720, front: 5, sync: 5, back: 20 },
+        pixel_khz: 74_250,
+    };
+    /// 1920×1080 at 60 frames a second (CEA-861 format 16).
+    pub const P1080_60: Self = Self {
+        line: Axis { active: 1920, front: 88, sync: 44, back: 148 },
+        frame: Axis { active: 1080, front: 4, sync: 5, back: 36 },
+        pixel_khz: 148_500,
+    };
+    /// 1920×1080 at 30 frames a second (CEA-861 format 34): as [`VideoTiming::P1080_60`] at half the clock.
+    pub const P1080_30: Self = Self { pixel_khz: 74_250, ..Self::P1080_60 };
+
+    /// The video modes that boards are built for.
+    pub const MODES: [Self; 3] = [Self::P720_60, Self::P1080_60, Self::P1080_30];
+
+    /// The mode of [`VideoTiming::MODES`] for frames of a size, the fastest of several.
+    #[must_use]
+    pub fn mode(frame: FrameSize) -> Option<Self> {
+        let fits = |mode: &Self| (mode.line.active, mode.frame.active) == (frame.width, frame.height);
+        Self::MODES.into_iter().filter(fits).max_by_key(|mode| mode.pixel_khz)
+    }
+
+    /// The timing for frames of a size: the mode where there is one; else porches and syncs of a few pixels and lines at 60 frames per
+    /// second, which is for simulation, not for a screen.
+    #[must_use]
+    pub fn of_frame(frame: FrameSize) -> Self {
+        Self::mode(frame).unwrap_or_else(|| {
+            let line = Axis { active: frame.width, front: 4, sync: 6, back: 6 };
+            let lines = Axis { active: frame.height, front: 2, sync: 2, back: 4 };
+            Self { line, frame: lines, pixel_khz: line.total() * lines.total() * 60 / 1000 + 1 }
+        })
+    }
+
+    /// Columns and rows of its picture, as in `1920x1080`.
+    #[must_use]
+    pub fn size(self) -> String {
+        format!("{}x{}", self.line.active, self.frame.active)
+    }
+
+    /// Frames a second.
+    #[must_use]
+    pub fn frames_per_second(self) -> f64 {
+        self.pixel_khz as f64 * 1000.0 / (self.line.total() * self.frame.total()) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_image::geometry::Stride;
+
+    #[test]
+    fn standard_timings_have_the_frame_rates_in_their_names() {
+        for (timing, rate) in
+            [(VideoTiming::P720_60, 60.0), (VideoTiming::P1080_60, 60.0), (VideoTiming::P1080_30, 30.0)]
+        {
+            assert_eq!(timing.frames_per_second(), rate);
+        }
+        let size = |width, height| FrameSize { width, height, stride: Stride::PATCH };
+        assert_eq!(VideoTiming::of_frame(size(1920, 1080)), VideoTiming::P1080_60);
+        assert!((VideoTiming::of_frame(size(64, 48)).frames_per_second() - 60.0).abs() < 0.5);
+    }
+
+    #[test]
+    fn a_sync_lies_between_its_porches() {
+        let line = VideoTiming::P720_60.line;
+        let on: Vec<usize> = (0..line.total()).filter(|at| line.in_sync(*at)).collect();
+        assert_eq!((on.len(), on[0], line.total() - on[39] - 1), (40, 1390, 220));
+    }
+}

@@ -1,0 +1,157 @@
+use super::*;
+use edof_image::colour::{chroma_word, luma_word, srgb_encode, ycbcr_matrix};
+use proptest::prelude::*;
+
+/// A frame of one colour in linear light.
+fn flat(rgb: [f64; 3]) -> Frame422 {
+    let [luma, cb, cr] =
+        ycbcr_matrix().map(|row| row.iter().zip(rgb).map(|(weight, light)| weight * light).sum::<f64>());
+    let chroma = [cb, cr].map(|c| Array2::from_elem((2, 4), chroma_word(c)));
+    Frame422 { luma: Array2::from_elem((2, 8), luma_word(luma)), chroma }
+}
+
+/// What a sink shows in the middle of a patch of linear light, as sRGB codes.
+fn shown(rgb: [f64; 3], mode: DisplayMode) -> [u8; 3] {
+    let picture = Display::new(mode, Curve::Srgb).picture(&flat(rgb), (0, 0), (2, 8)).0;
+    let shown = picture.shown();
+    std::array::from_fn(|plane| shown[(plane, 1, 3)])
+}
+
+fn farthest(rgb: [f64; 3]) -> f64 {
+    let exact = rgb.map(|light| 255.0 * srgb_encode(light));
+    exact
+        .iter()
+        .zip(shown(rgb, DisplayMode::Colour))
+        .map(|(e, s)| (e - f64::from(s)).abs())
+        .fold(0.0, f64::max)
+}
+
+/// Linear light of a chart of our own: skin, sky, leaves, primaries and secondaries, six greys; then dark colours.
+const PATCHES: [[f64; 3]; 30] = [
+    [0.17, 0.08, 0.05],
+    [0.54, 0.30, 0.22],
+    [0.11, 0.19, 0.34],
+    [0.10, 0.15, 0.05],
+    [0.22, 0.21, 0.43],
+    [0.13, 0.51, 0.41],
+    [0.70, 0.20, 0.025],
+    [0.06, 0.10, 0.38],
+    [0.55, 0.09, 0.12],
+    [0.11, 0.04, 0.14],
+    [0.34, 0.50, 0.04],
+    [0.77, 0.36, 0.02],
+    [0.03, 0.04, 0.28],
+    [0.05, 0.30, 0.06],
+    [0.45, 0.03, 0.04],
+    [0.85, 0.57, 0.01],
+    [0.51, 0.08, 0.30],
+    [0.01, 0.24, 0.37],
+    [0.90, 0.90, 0.88],
+    [0.58, 0.58, 0.58],
+    [0.36, 0.36, 0.36],
+    [0.19, 0.19, 0.19],
+    [0.09, 0.09, 0.09],
+    [0.032, 0.032, 0.032],
+    [0.05, 0.01, 0.01],
+    [0.01, 0.05, 0.01],
+    [0.01, 0.01, 0.05],
+    [0.004, 0.002, 0.001],
+    [0.0, 0.0, 0.0],
+    [1.0, 1.0, 1.0],
+];
+
+#[test]
+fn colour_patches_show_within_two_codes_of_their_light() {
+    for rgb in PATCHES {
+        assert!(farthest(rgb) <= 2.0, "{rgb:?} shows as {:?}", shown(rgb, DisplayMode::Colour));
+    }
+}
+
+#[test]
+fn dark_red_is_red_in_colour_and_pale_in_luma_only() {
+    let dark_red = [0.05, 0.01, 0.01];
+    for (shown, exact) in shown(dark_red, DisplayMode::Colour).into_iter().zip([63, 25, 25]) {
+        assert!(shown.abs_diff(exact) <= 1, "{shown}, expected {exact}");
+    }
+    assert!(shown(dark_red, DisplayMode::Luma)[0] < 50);
+}
+
+#[test]
+fn luma_only_rounds_chroma_with_ties_up_and_keeps_off_the_sync_codes() {
+    let words = [63, 64, -64, -65, i16::MAX, i16::MIN];
+    let frame = Frame422 {
+        luma: Array2::zeros((1, 12)),
+        chroma: [Array2::from_shape_vec((1, 6), words.to_vec()).unwrap(), Array2::zeros((1, 6))],
+    };
+    let (picture, counts) = Display::new(DisplayMode::Luma, Curve::Linear).picture(&frame, (0, 0), (1, 12));
+    assert_eq!(picture.chroma[0].as_slice().unwrap(), [128, 129, 128, 127, 254, 1]);
+    assert_eq!(counts, DisplayCounts { clamped_chroma: 2, out_of_gamut: 0 });
+}
+
+#[test]
+fn a_frame_that_starts_between_sites_takes_the_mean_of_its_neighbours() {
+    let frame = Frame422 {
+        luma: Array2::from_shape_fn((1, 6), |(_, x)| (x as i16) << 8),
+        chroma: [0, 1].map(|_| Array2::from_shape_vec((1, 3), vec![0, 1280, 2561]).unwrap()),
+    };
+    let (picture, _) = Display::new(DisplayMode::Luma, Curve::Linear).picture(&frame, (0, 1), (1, 4));
+    // (0 + 1280)/2 and (1280 + 2561)/2 in units of 128.
+    assert_eq!(picture.chroma[0].as_slice().unwrap(), [133, 143]);
+    assert_eq!(picture.luma[(0, 0)], LumaTable::new(Curve::Linear).code(256));
+}
+
+#[test]
+fn colours_that_no_screen_has_are_counted_and_clipped() {
+    let mut frame = flat([0.5, 0.5, 0.5]);
+    frame.chroma[1].fill(chroma_word(0.4));
+    let (picture, counts) = Display::default().picture(&frame, (0, 0), (2, 8));
+    assert_eq!(counts, DisplayCounts { clamped_chroma: 0, out_of_gamut: 16 });
+    assert_eq!(picture.shown()[(0, 0, 0)], 255);
+}
+
+#[test]
+fn codes_are_written_luma_first() {
+    let row = |values: [u8; 4]| Array2::from_shape_vec((2, 2), values.to_vec()).unwrap();
+    let one = |values: [u8; 2]| Array2::from_shape_vec((2, 1), values.to_vec()).unwrap();
+    let picture = Picture { luma: row([1, 2, 3, 4]), chroma: [one([11, 12]), one([21, 22])] };
+    assert_eq!(picture.yuyv(), [1, 11, 2, 21, 3, 12, 4, 22]);
+}
+
+proptest! {
+    #[test]
+    fn light_in_32_bits_is_the_contracts(luma: i16, cb in -65_536..=65_534, cr in -65_536..=65_534) {
+        let contract: [i64; 3] = TO_RGB.map(|[of_cb, of_cr]| {
+            let chroma = i64::from(of_cb) * i64::from(cb) + i64::from(of_cr) * i64::from(cr);
+            ((i64::from(luma) << TO_RGB_SHIFT) + chroma + (1 << (TO_RGB_SHIFT - 1))) >> TO_RGB_SHIFT
+        });
+        prop_assert_eq!(light_of(luma, [cb, cr]).map(i64::from), contract);
+        for isa in Isa::available() {
+            let mut light = [0; 3].map(|_| vec![0; 40]);
+            let outside = light_line(isa, &[luma; 40], [&[cb; 40], &[cr; 40]], &mut light);
+            prop_assert_eq!(outside == 40, contract.iter().any(|light| !(0..=1 << 14).contains(light)));
+            for (plane, expected) in light.iter().zip(contract) {
+                let address = expected.clamp(0, (1 << 14) - 1);
+                prop_assert!(plane.iter().all(|light| i64::from(*light) == address), "{isa:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn grey_stays_grey_and_every_colour_shows_within_two_and_a_half_codes(rgb in prop::array::uniform3(0.0f64..1.0)) {
+        prop_assert!(farthest(rgb) <= 2.5, "{:?}", shown(rgb, DisplayMode::Colour));
+        let [r, g, b] = shown([rgb[0]; 3], DisplayMode::Colour);
+        prop_assert!(r == g && g == b);
+    }
+
+    #[test]
+    fn no_word_gives_a_sync_code(luma: i16, cb: i16, cr: i16) {
+        let frame = Frame422 {
+            luma: Array2::from_elem((1, 4), luma),
+            chroma: [cb, cr].map(|word| Array2::from_elem((1, 2), word)),
+        };
+        for mode in DisplayMode::ALL {
+            let picture = Display::new(mode, Curve::Srgb).picture(&frame, (0, 0), (1, 4)).0;
+            prop_assert!(picture.yuyv().iter().all(|code| (1..=254).contains(code)));
+        }
+    }
+}

@@ -1,0 +1,509 @@
+//! Sets up the chips on an I2C bus and asks them how they are.
+
+use super::i2c_master::I2cMaster;
+use super::pace::Pace;
+use crate::blocks::ram::{Ram, Shape};
+use crate::describe::Circuit;
+use edof_device::i2c::{Entry, depth};
+use rust_hdl::prelude::*;
+
+/// Attempts for a transfer, after which the set-up has failed.
+const ATTEMPTS: u64 = 8;
+/// Milliseconds between two attempts.
+const PAUSE_MS: u64 = 1;
+/// Milliseconds between two reads of a poll.
+const POLL_MS: u64 = 10;
+/// Milliseconds from a set-up that failed to the next.
+const REST_MS: u64 = 1000;
+
+/// What is done.
+#[derive(Copy, Clone, Debug, PartialEq, LogicState)]
+enum Phase {
+    /// Reads the entry: its word is valid two cycles after its address.
+    Fetch,
+    /// Looks at its kind.
+    Decode,
+    /// Does what needs no transfer.
+    Execute,
+    /// Begins a transfer.
+    Begin,
+    /// Waits for its end.
+    Transfer,
+    /// Judges it.
+    Judge,
+    /// Waits some milliseconds.
+    Wait,
+    /// Begins the host's transfer.
+    HostBegin,
+    /// Waits for its end.
+    HostTransfer,
+}
+
+/// Runs a program (`edof_device::i2c`) on an I2C bus: set-up of its chips, then polling. Its slots are what it found out.
+///
+/// A transfer that fails is repeated, eight times with a pause of a millisecond; then the set-up has failed: `word` says where and why until
+/// it has been done, all slots are 0, and it begins anew after a second. A rise of `restart` begins anew at once. Between two entries, and in
+/// every millisecond of a wait, the host's access is carried out: a number in its bits 28 to 31 that was not there before, with the bit of this
+/// bus in bit 25. The program's own transfers are at most 4.7 ms each ([`I2cMaster`]).
+#[derive(Circuit)]
+pub struct ChipSetup {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// Begins anew.
+    pub reset: Signal<In, Bit>,
+    /// Its rise begins anew.
+    pub restart: Signal<In, Bit>,
+    /// Slots 12 to 15: register `video_setup`.
+    pub settings: Signal<In, Bits<32>>,
+    /// Register `chip_access`.
+    pub access: Signal<In, Bits<32>>,
+    /// The clock line as it is, of no clock.
+    pub scl: Signal<In, Bit>,
+    /// The data line as it is, of no clock.
+    pub sda: Signal<In, Bit>,
+    /// Pulls the clock line down.
+    pub scl_low: Signal<Out, Bit>,
+    /// Pulls the data line down.
+    pub sda_low: Signal<Out, Bit>,
+    /// All is set up.
+    pub done: Signal<Out, Bit>,
+    /// The last set-up failed.
+    pub failed: Signal<Out, Bit>,
+    /// Registers `i2c_board`, `i2c_card`.
+    pub word: Signal<Out, Bits<32>>,
+    /// Slots 0 to 11.
+    pub slots: [Signal<Out, Bits<32>>; 3],
+    /// Register `chip_answer`.
+    pub answer: Signal<Out, Bits<32>>,
+    millisecond: Constant<Bits<24>>,
+    attempts: Constant<Bits<4>>,
+    pause: Constant<Bits<16>>,
+    poll: Constant<Bits<16>>,
+    rest: Constant<Bits<16>>,
+    is_card: Constant<Bits<1>>,
+    places: [Constant<Bits<4>>; 12],
+    program: Ram<32>,
+    master: I2cMaster,
+    phase: DFF<Phase>,
+    settles: DFF<Bits<2>>,
+    entry: DFF<Bits<10>>,
+    // The entries around it, known before they are chosen from.
+    following: DFF<Bits<10>>,
+    beyond: DFF<Bits<10>>,
+    previous: DFF<Bits<10>>,
+    instruction: DFF<Bits<32>>,
+    accumulator: DFF<Bits<8>>,
+    index: DFF<Bits<8>>,
+    tries: DFF<Bits<8>>,
+    matches: DFF<Bit>,
+    has_more: DFF<Bit>,
+    file: [DFF<Bits<8>>; 12],
+    loaded: DFF<Bits<8>>,
+    attempt: DFF<Bits<4>>,
+    retries: DFF<Bits<10>>,
+    milliseconds: DFF<Bits<16>>,
+    wait_cycle: DFF<Bits<24>>,
+    tick: DFF<Bit>,
+    waits: DFF<Bit>,
+    moves_on: DFF<Bit>,
+    device: DFF<Bits<7>>,
+    cause: DFF<Bits<3>>,
+    done_q: DFF<Bit>,
+    failed_q: DFF<Bit>,
+    failure: DFF<Bits<20>>,
+    word_q: DFF<Bits<32>>,
+    restart_q: DFF<Bit>,
+    again: DFF<Bit>,
+    sequence: DFF<Bits<4>>,
+    access_q: DFF<Bits<32>>,
+    wanted: DFF<Bit>,
+    answer_q: DFF<Bits<32>>,
+    kind: Signal<Local, Bits<4>>,
+    first: Signal<Local, Bits<8>>,
+    second: Signal<Local, Bits<8>>,
+    third: Signal<Local, Bits<8>>,
+    selected: Signal<Local, Bits<8>>,
+    stores: Signal<Local, Bit>,
+    stored: Signal<Local, Bits<8>>,
+    fails: Signal<Local, Bit>,
+    failing: Signal<Local, Bits<3>>,
+    of_host: Signal<Local, Bit>,
+    shown: Signal<Local, Bits<32>>,
+}
+
+impl ChipSetup {
+    /// At that pace. The image of the program is the file of that path; `is_card` is the value of the host's
+    /// bit 25 that names this bus.
+    #[must_use]
+    pub fn new(pace: &Pace, program: &[Entry], image: &str, is_card: bool) -> Self {
+        let words: Vec<u64> = program.iter().map(|entry| entry.action.word().into()).collect();
+        // Block RAM: a memory that nobody writes is no LUT RAM to Yosys.
+        let shape = Shape { image: Some(image.into()), ..Shape::block(depth(program)) };
+        let constant = |value: u64| Constant::new(value.into());
+        Self::from_parts(ChipSetupParts {
+            millisecond: Constant::new((u64::from(pace.millisecond) - 2).into()),
+            attempts: Constant::new((ATTEMPTS - 1).into()),
+            pause: constant(PAUSE_MS),
+            poll: constant(POLL_MS),
+            rest: constant(REST_MS),
+            is_card: Constant::new(u64::from(is_card).into()),
+            places: std::array::from_fn(|slot| Constant::new((slot as u64).into())),
+            program: Ram::new(shape, &words),
+            master: I2cMaster::new(pace.i2c_quarter),
+        })
+    }
+}
+
+impl Logic for ChipSetup {
+    #[hdl_gen]
+    fn update(&mut self) {
+        dff_setup!(
+            self,
+            clock,
+            phase,
+            settles,
+            entry,
+            following,
+            beyond,
+            previous,
+            instruction,
+            accumulator,
+            index,
+            tries,
+            matches,
+            has_more,
+            loaded,
+            attempt,
+            retries,
+            milliseconds,
+            wait_cycle,
+            tick,
+            waits,
+            moves_on,
+            device,
+            cause,
+            done_q,
+            failed_q,
+            failure,
+            word_q,
+            restart_q,
+            again,
+            sequence,
+            access_q,
+            wanted,
+            answer_q
+        );
+        for i in 0..12 {
+            self.file[i].clock.next = self.clock.val();
+            self.file[i].d.next = self.file[i].q.val();
+        }
+        self.program.clock.next = self.clock.val();
+        self.program.read_address.next = bit_cast::<12, 10>(self.entry.q.val());
+        self.program.write_enable.next = false;
+        self.program.write_address.next = 0.into();
+        self.program.write_data.next = 0.into();
+        self.kind.next = self.instruction.q.val().get_bits::<4>(24);
+        self.first.next = self.instruction.q.val().get_bits::<8>(16);
+        self.second.next = self.instruction.q.val().get_bits::<8>(8);
+        self.third.next = self.instruction.q.val().get_bits::<8>(0);
+
+        self.following.d.next = self.entry.q.val() + 1;
+        self.beyond.d.next = self.entry.q.val() + 2;
+        self.previous.d.next = self.entry.q.val() - 1;
+
+        // The bus: the program's transfer, or the host's.
+        self.of_host.next =
+            (self.phase.q.val() == Phase::HostBegin) || (self.phase.q.val() == Phase::HostTransfer);
+        self.master.clock.next = self.clock.val();
+        self.master.reset.next = self.reset.val();
+        self.master.scl.next = self.scl.val();
+        self.master.sda.next = self.sda.val();
+        self.scl_low.next = self.master.scl_low.val();
+        self.sda_low.next = self.master.sda_low.val();
+        self.master.start.next =
+            (self.phase.q.val() == Phase::Begin) || (self.phase.q.val() == Phase::HostBegin);
+        self.master.device.next = self.instruction.q.val().get_bits::<7>(16);
+        self.master.register.next = self.second.val();
+        self.master.write_value.next = self.third.val();
+        self.master.read.next = (self.kind.val() == 4) || (self.kind.val() == 13);
+        self.master.bare.next = self.kind.val() == 1;
+        if self.kind.val() == 8 {
+            self.master.write_value.next = self.loaded.q.val();
+        }
+        if self.kind.val() == 13 {
+            self.master.register.next = self.index.q.val();
+        }
+        if self.of_host.val() {
+            self.master.device.next = self.access_q.q.val().get_bits::<7>(16);
+            self.master.register.next = self.access_q.q.val().get_bits::<8>(8);
+            self.master.write_value.next = self.access_q.q.val().get_bits::<8>(0);
+            self.master.read.next = self.access_q.q.val().get_bit(23);
+            self.master.bare.next = self.access_q.q.val().get_bit(24);
+        }
+
+        // What the host wants: a number that is new; that of another bus is only noted.
+        if !self.of_host.val() {
+            self.access_q.d.next = self.access.val();
+        }
+        self.wanted.d.next = false;
+        if self.access_q.q.val().get_bits::<4>(28) != self.sequence.q.val() {
+            if self.access_q.q.val().get_bits::<1>(25) == self.is_card.val() {
+                self.wanted.d.next = true;
+            } else {
+                self.sequence.d.next = self.access_q.q.val().get_bits::<4>(28);
+            }
+        }
+        self.restart_q.d.next = self.restart.val();
+        if self.restart.val() && !self.restart_q.q.val() {
+            self.again.d.next = true;
+        }
+
+        // Slots: the program's, and the host's settings after them.
+        self.selected.next = 0.into();
+        for i in 0..12 {
+            if self.third.val().get_bits::<4>(0) == self.places[i].val() {
+                self.selected.next = self.file[i].q.val();
+            }
+        }
+        if self.third.val().get_bits::<4>(0) == 12 {
+            self.selected.next = self.settings.val().get_bits::<8>(0);
+        }
+        if self.third.val().get_bits::<4>(0) == 13 {
+            self.selected.next = self.settings.val().get_bits::<8>(8);
+        }
+        if self.third.val().get_bits::<4>(0) == 14 {
+            self.selected.next = self.settings.val().get_bits::<8>(16);
+        }
+        if self.third.val().get_bits::<4>(0) == 15 {
+            self.selected.next = self.settings.val().get_bits::<8>(24);
+        }
+
+        // A millisecond is over.
+        self.tick.d.next = false;
+        if self.tick.q.val() || (self.phase.q.val() != Phase::Wait) {
+            self.wait_cycle.d.next = 0.into();
+        } else {
+            self.wait_cycle.d.next = self.wait_cycle.q.val() + 1;
+            self.tick.d.next = self.wait_cycle.q.val() == self.millisecond.val();
+        }
+
+        self.stores.next = false;
+        self.stored.next = self.loaded.q.val();
+        self.fails.next = false;
+        self.failing.next = self.cause.q.val();
+        match self.phase.q.val() {
+            Phase::Fetch => {
+                self.settles.d.next = self.settles.q.val() + 1;
+                self.waits.d.next = false;
+                if self.again.q.val() {
+                    self.again.d.next = false;
+                    self.settles.d.next = 0.into();
+                    self.entry.d.next = 0.into();
+                    self.attempt.d.next = 0.into();
+                    self.tries.d.next = 0.into();
+                    self.done_q.d.next = false;
+                } else if (self.settles.q.val() == 2) && self.wanted.q.val() {
+                    self.settles.d.next = 0.into();
+                    self.phase.d.next = Phase::HostBegin;
+                } else if self.settles.q.val() == 3 {
+                    self.instruction.d.next = self.program.read_data.val();
+                    self.phase.d.next = Phase::Decode;
+                }
+            }
+            Phase::Decode => {
+                self.loaded.d.next = self.selected.val();
+                self.matches.d.next = (self.accumulator.q.val() & self.second.val()) == self.third.val();
+                self.has_more.d.next = self.index.q.val().any();
+                self.milliseconds.d.next = self.instruction.q.val().get_bits::<16>(0);
+                self.moves_on.d.next = true;
+                self.phase.d.next = Phase::Execute;
+                if (self.kind.val() == 1)
+                    || (self.kind.val() == 2)
+                    || (self.kind.val() == 4)
+                    || (self.kind.val() == 8)
+                    || (self.kind.val() == 13)
+                {
+                    self.device.d.next = self.instruction.q.val().get_bits::<7>(16);
+                    self.phase.d.next = Phase::Begin;
+                } else if self.kind.val() == 3 {
+                    self.phase.d.next = Phase::Wait;
+                }
+            }
+            Phase::Execute => {
+                self.phase.d.next = Phase::Fetch;
+                self.entry.d.next = self.following.q.val();
+                if self.kind.val() == 5 {
+                    self.tries.d.next = 0.into();
+                    if !self.matches.q.val() {
+                        if self.tries.q.val() == self.first.val() {
+                            self.fails.next = true;
+                            self.failing.next = 5.into();
+                        } else {
+                            self.tries.d.next = self.tries.q.val() + 1;
+                            self.entry.d.next = self.previous.q.val();
+                            self.moves_on.d.next = false;
+                            self.milliseconds.d.next = self.poll.val();
+                            self.phase.d.next = Phase::Wait;
+                        }
+                    }
+                } else if self.kind.val() == 6 {
+                    if !self.matches.q.val() {
+                        self.entry.d.next = self.beyond.q.val();
+                    }
+                } else if self.kind.val() == 7 {
+                    self.entry.d.next = self.instruction.q.val().get_bits::<10>(0);
+                } else if self.kind.val() == 9 {
+                    self.accumulator.d.next = self.loaded.q.val();
+                } else if self.kind.val() == 10 {
+                    self.stores.next = true;
+                    self.stored.next = self.second.val();
+                } else if self.kind.val() == 11 {
+                    self.done_q.d.next = true;
+                    self.failed_q.d.next = false;
+                } else if self.kind.val() == 12 {
+                    self.index.d.next = self.third.val();
+                } else if self.kind.val() == 14 {
+                    if !self.has_more.q.val() {
+                        self.entry.d.next = self.beyond.q.val();
+                    }
+                } else {
+                    self.entry.d.next = self.entry.q.val();
+                }
+            }
+            Phase::Begin => {
+                self.phase.d.next = Phase::Transfer;
+            }
+            Phase::Transfer => {
+                if self.master.done.val() {
+                    self.cause.d.next = self.master.cause.val();
+                    self.loaded.d.next = self.master.value.val();
+                    self.phase.d.next = Phase::Judge;
+                }
+            }
+            Phase::Judge => {
+                self.attempt.d.next = 0.into();
+                self.phase.d.next = Phase::Fetch;
+                self.entry.d.next = self.following.q.val();
+                if self.kind.val() == 13 {
+                    // What nobody answers is 0.
+                    self.index.d.next = self.index.q.val() + 1;
+                    self.accumulator.d.next = 0.into();
+                    if !self.cause.q.val().any() {
+                        self.accumulator.d.next = self.loaded.q.val();
+                    }
+                } else if !self.cause.q.val().any() {
+                    if self.kind.val() == 4 {
+                        self.accumulator.d.next = self.loaded.q.val();
+                        self.stores.next = true;
+                    }
+                } else if self.attempt.q.val() == self.attempts.val() {
+                    self.fails.next = true;
+                } else {
+                    self.attempt.d.next = self.attempt.q.val() + 1;
+                    self.retries.d.next = self.retries.q.val() + 1;
+                    self.entry.d.next = self.entry.q.val();
+                    self.milliseconds.d.next = self.pause.val();
+                    self.moves_on.d.next = false;
+                    self.phase.d.next = Phase::Wait;
+                }
+            }
+            Phase::Wait => {
+                if self.again.q.val() {
+                    self.phase.d.next = Phase::Fetch;
+                } else if self.tick.q.val() {
+                    self.milliseconds.d.next = self.milliseconds.q.val() - 1;
+                    if self.milliseconds.q.val() == 1 {
+                        self.phase.d.next = Phase::Fetch;
+                        if self.moves_on.q.val() {
+                            self.entry.d.next = self.following.q.val();
+                        }
+                    } else if self.wanted.q.val() {
+                        self.waits.d.next = true;
+                        self.phase.d.next = Phase::HostBegin;
+                    }
+                }
+            }
+            Phase::HostBegin => {
+                self.phase.d.next = Phase::HostTransfer;
+            }
+            Phase::HostTransfer => {
+                if self.master.done.val() {
+                    self.sequence.d.next = self.access_q.q.val().get_bits::<4>(28);
+                    self.answer_q.d.next = bit_cast::<32, 8>(self.master.value.val())
+                        | (bit_cast::<32, 3>(self.master.cause.val()) << 8)
+                        | (bit_cast::<32, 4>(self.access_q.q.val().get_bits::<4>(28)) << 28);
+                    self.phase.d.next = Phase::Fetch;
+                    if self.waits.q.val() {
+                        self.phase.d.next = Phase::Wait;
+                    }
+                }
+            }
+        }
+        for i in 0..12 {
+            if self.stores.val() && (self.third.val().get_bits::<4>(0) == self.places[i].val()) {
+                self.file[i].d.next = self.stored.val();
+            }
+        }
+        if self.fails.val() {
+            self.failure.d.next = bit_cast::<20, 10>(self.entry.q.val())
+                | (bit_cast::<20, 7>(self.device.q.val()) << 10)
+                | (bit_cast::<20, 3>(self.failing.val()) << 17);
+            self.failed_q.d.next = true;
+            self.done_q.d.next = false;
+            self.entry.d.next = 0.into();
+            self.attempt.d.next = 0.into();
+            self.tries.d.next = 0.into();
+            self.milliseconds.d.next = self.rest.val();
+            self.moves_on.d.next = false;
+            self.phase.d.next = Phase::Wait;
+        }
+        if self.fails.val() || self.again.q.val() || self.reset.val() {
+            for i in 0..12 {
+                self.file[i].d.next = 0.into();
+            }
+        }
+        if self.reset.val() {
+            self.phase.d.next = Phase::Fetch;
+            self.settles.d.next = 0.into();
+            self.entry.d.next = 0.into();
+            self.attempt.d.next = 0.into();
+            self.tries.d.next = 0.into();
+            self.retries.d.next = 0.into();
+            self.device.d.next = 0.into();
+            self.done_q.d.next = false;
+            self.failed_q.d.next = false;
+            self.again.d.next = false;
+            self.restart_q.d.next = true;
+            self.sequence.d.next = 0.into();
+            self.access_q.d.next = 0.into();
+            self.answer_q.d.next = 0.into();
+        }
+
+        // What the host reads.
+        self.shown.next =
+            bit_cast::<32, 10>(self.entry.q.val()) | (bit_cast::<32, 7>(self.device.q.val()) << 10);
+        if self.failed_q.q.val() {
+            self.shown.next = bit_cast::<32, 20>(self.failure.q.val()) | 0x20_0000;
+        }
+        if self.done_q.q.val() {
+            self.shown.next = self.shown.val() | 0x10_0000;
+        }
+        self.word_q.d.next = self.shown.val() | (bit_cast::<32, 10>(self.retries.q.val()) << 22);
+        self.word.next = self.word_q.q.val();
+        self.done.next = self.done_q.q.val();
+        self.failed.next = self.failed_q.q.val();
+        self.answer.next = self.answer_q.q.val();
+        self.slots[0].next = bit_cast::<32, 8>(self.file[0].q.val())
+            | (bit_cast::<32, 8>(self.file[1].q.val()) << 8)
+            | (bit_cast::<32, 8>(self.file[2].q.val()) << 16)
+            | (bit_cast::<32, 8>(self.file[3].q.val()) << 24);
+        self.slots[1].next = bit_cast::<32, 8>(self.file[4].q.val())
+            | (bit_cast::<32, 8>(self.file[5].q.val()) << 8)
+            | (bit_cast::<32, 8>(self.file[6].q.val()) << 16)
+            | (bit_cast::<32, 8>(self.file[7].q.val()) << 24);
+        self.slots[2].next = bit_cast::<32, 8>(self.file[8].q.val())
+            | (bit_cast::<32, 8>(self.file[9].q.val()) << 8)
+            | (bit_cast::<32, 8>(self.file[10].q.val()) << 16)
+            | (bit_cast::<32, 8>(self.file[11].q.val()) << 24);
+    }
+}

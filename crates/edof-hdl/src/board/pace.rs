@@ -1,0 +1,26 @@
+//! Speeds of the slow interfaces, so that a simulation can shorten them.
+
+use edof_device::board::{BAUD, CORE_KILOHERTZ, UART_TIME_OUT_MS};
+
+/// How fast what is not video goes, in cycles of the core's clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pace {
+    /// A bit on the host's line.
+    pub cycles_per_bit: u16,
+    /// A pause on it after which a frame is given up.
+    pub uart_time_out: u32,
+    /// A quarter of a bit on an I2C bus, at least 4.
+    pub i2c_quarter: u32,
+    /// A millisecond, as the set-up of the video chips counts them.
+    pub millisecond: u32,
+}
+
+impl Pace {
+    /// As on the board; I2C at 100 kHz.
+    pub const BOARD: Self = Self {
+        cycles_per_bit: (1000 * CORE_KILOHERTZ / BAUD) as u16,
+        uart_time_out: UART_TIME_OUT_MS * CORE_KILOHERTZ,
+        i2c_quarter: CORE_KILOHERTZ / 400,
+        millisecond: CORE_KILOHERTZ,
+    };
+}

@@ -1,0 +1,64 @@
+//! The contract that every reconstruction method fulfils: a raw frame in, a colour frame out, with the time and work it took.
+
+use crate::frame::{ColourFrame, RawFrame};
+use crate::geometry::GeometryError;
+use serde::Serialize;
+
+/// What a method made of a raw frame, and what it cost.
+#[derive(Debug, Clone)]
+pub struct Reconstruction {
+    /// The colour frame, linear light, as large as the raw frame.
+    pub frame: ColourFrame,
+    /// Wall-clock seconds, without reading and writing files.
+    pub seconds: f64,
+    /// Multiplications that it took, where the method counts them.
+    pub multiplications: Option<Multiplications>,
+    /// What the method's counters say, where it has some.
+    pub counters: Option<Counters>,
+    /// Steps of an iterative method, mean over patches or colours; a network has layers instead.
+    pub iterations: Option<f64>,
+}
+
+/// Counters of a fixed-point network for a whole frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Counters {
+    /// Patches reconstructed.
+    pub patches: u64,
+    /// Words that were not zero after each shrinkage, all patches together.
+    pub nonzeros: Vec<u64>,
+    /// Words of all stages and overlap sums that did not fit.
+    pub saturations: u64,
+}
+
+/// Multiplications of a weight by a word or number, for a whole frame; each is added to a sum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Multiplications {
+    /// Those of a machine that multiplies every weight: patches × `Form::dense_multiplications` of the network.
+    pub dense: u64,
+    /// Those that were carried out; fewer where zero sparse codes are skipped.
+    pub executed: u64,
+}
+
+/// A frame that a method cannot reconstruct.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum ReconstructError {
+    /// Odd or too small.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Anything else, in one line.
+    #[error("{method}: {reason}")]
+    Method { method: String, reason: String },
+}
+
+/// A method that turns raw frames into colour frames.
+pub trait Reconstructor: Sync {
+    /// Name in reports, as in `edof-t4w12.fixed`.
+    fn name(&self) -> &str;
+
+    /// Reconstructs one frame of any CFA phase.
+    ///
+    /// # Errors
+    /// [`ReconstructError`] for frames of sides that the method cannot take.
+    fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError>;
+}

@@ -1,0 +1,194 @@
+//! Tone: whether the numbers of a photograph or picture are light itself or sRGB's encoding of it
+//! (docs/decisions/0010-tone-and-noise.md).
+//!
+//! Light adds, so lens, sensor and network work on light. A photograph holds sRGB codes, and a picture is looked at as such:
+//! under [`Tone::Srgb`] a photograph is decoded before the lens and a picture encoded after the network; under
+//! [`Tone::Linear`], the paper's convention, a photograph's codes are taken for light and nothing is converted.
+
+use crate::colour::{srgb_decode, srgb_encode};
+use crate::frame::ColourFrame;
+use serde::{Deserialize, Serialize};
+
+/// What the numbers of a photograph or picture mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tone {
+    /// Light as it is: value = light.
+    Linear,
+    /// sRGB's curve (IEC 61966-2-1): value = encoded light.
+    Srgb,
+}
+
+/// A word that names no tone.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("tone '{0}': must be linear or srgb")]
+pub struct ToneError(String);
+
+impl Tone {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Linear, Self::Srgb];
+
+    /// Value that stands for `light`; both are 0…1 from black to white.
+    ///
+    /// Beyond white the curve goes on; below black it is odd, encode(−x) = −encode(x), so that an error above black and
+    /// one below it weigh the same. It rises everywhere, and [`Tone::decode`] undoes it everywhere.
+    ///
+    /// ```
+    /// use edof_image::Tone;
+    /// assert!((Tone::Srgb.encode(0.18) - 0.4613).abs() < 1e-4);
+    /// assert_eq!(Tone::Linear.encode(0.18), 0.18);
+    /// ```
+    #[must_use]
+    pub fn encode(self, light: f32) -> f32 {
+        match self {
+            Self::Linear => light,
+            Self::Srgb => odd(srgb_encode, light),
+        }
+    }
+
+    /// Light that `value` stands for: the inverse of [`Tone::encode`].
+    #[must_use]
+    pub fn decode(self, value: f32) -> f32 {
+        match self {
+            Self::Linear => value,
+            Self::Srgb => odd(srgb_decode, value),
+        }
+    }
+
+    /// Slope of [`Tone::encode`] at `light`: what a loss measured on the encoded picture is multiplied by on its way back to
+    /// light. Never more than 12.92, nor less than nothing.
+    #[must_use]
+    pub fn slope(self, light: f32) -> f32 {
+        match self {
+            Self::Linear => 1.0,
+            Self::Srgb => srgb_slope(f64::from(light).abs()) as f32,
+        }
+    }
+
+    /// A frame of light, encoded.
+    #[must_use]
+    pub fn encoded(self, light: &ColourFrame) -> ColourFrame {
+        match self {
+            Self::Linear => light.clone(),
+            Self::Srgb => ColourFrame { planes: light.planes.mapv(|v| self.encode(v)) },
+        }
+    }
+
+    /// The light of an encoded frame.
+    #[must_use]
+    pub fn decoded(self, values: &ColourFrame) -> ColourFrame {
+        self.into_decoded(values.clone())
+    }
+
+    /// The same in its own place.
+    #[must_use]
+    pub fn into_decoded(self, mut values: ColourFrame) -> ColourFrame {
+        if self == Self::Srgb {
+            // Most photographs hold no other values.
+            let codes = std::array::from_fn::<_, 256, _>(|code| code as f32 / 255.0);
+            let light = codes.map(|value| self.decode(value));
+            values.planes.mapv_inplace(|value| {
+                let code = ((value * 255.0 + 0.5) as usize).min(255);
+                if codes[code].to_bits() == value.to_bits() { light[code] } else { self.decode(value) }
+            });
+        }
+        values
+    }
+}
+
+fn odd(curve: impl Fn(f64) -> f64, x: f32) -> f32 {
+    let x = f64::from(x);
+    curve(x.abs()).copysign(x) as f32
+}
+
+/// Derivative of [`srgb_encode`] for light of 0 or more.
+fn srgb_slope(light: f64) -> f64 {
+    if light <= 0.003_130_8 { 12.92 } else { 1.055 / 2.4 * light.powf(1.0 / 2.4 - 1.0) }
+}
+
+impl std::str::FromStr for Tone {
+    type Err = ToneError;
+
+    fn from_str(text: &str) -> Result<Self, ToneError> {
+        Self::ALL.into_iter().find(|tone| tone.to_string() == text).ok_or_else(|| ToneError(text.to_owned()))
+    }
+}
+
+impl std::fmt::Display for Tone {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Linear => "linear",
+            Self::Srgb => "srgb",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array3;
+    use proptest::prelude::*;
+
+    #[test]
+    fn tones_read_as_they_print_and_as_json_holds_them() {
+        for tone in Tone::ALL {
+            assert_eq!(tone.to_string().parse(), Ok(tone));
+            assert_eq!(serde_json::to_string(&tone).unwrap(), format!("\"{tone}\""));
+        }
+        assert_eq!("gamma".parse::<Tone>().unwrap_err().to_string(), "tone 'gamma': must be linear or srgb");
+    }
+
+    #[test]
+    fn every_8_and_16_bit_code_of_a_photograph_comes_back() {
+        for most in [255, 65535] {
+            for code in 0..=most {
+                let value = code as f32 / most as f32;
+                let back = Tone::Srgb.encode(Tone::Srgb.decode(value)) * most as f32;
+                assert_eq!(back.round() as i32, code, "{code} of {most}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_frame_is_decoded_value_by_value() {
+        let values = [0.0, -0.0, 1.0, 128.0 / 255.0, 0.5, 1e9, -1e9, f32::MIN_POSITIVE, f32::INFINITY];
+        let codes = (0..=65535).map(|code| code as f32 / 65535.0);
+        let all: Vec<f32> = codes.chain(values).chain((0..=255).map(|code| code as f32 / 255.0)).collect();
+        let frame = ColourFrame { planes: Array3::from_shape_vec((1, 1, all.len()), all.clone()).unwrap() };
+        for tone in Tone::ALL {
+            let decoded = tone.decoded(&frame).planes;
+            assert!(decoded.iter().zip(&all).all(|(light, v)| light.to_bits() == tone.decode(*v).to_bits()));
+        }
+    }
+
+    #[test]
+    fn the_curve_goes_through_known_points() {
+        // Middle grey, code 128 of 255, and both sides of the joint at 0.04045.
+        for (light, value) in [(0.0, 0.0), (1.0, 1.0), (0.214_041, 0.5), (0.215_861, 128.0 / 255.0)] {
+            assert!((Tone::Srgb.encode(light) - value).abs() < 1e-5, "{light}");
+        }
+        assert!((Tone::Srgb.decode(10.0 / 255.0) - 10.0 / 255.0 / 12.92).abs() < 1e-8);
+    }
+
+    proptest! {
+        #[test]
+        fn decoding_undoes_encoding_on_both_sides_of_black_and_white(light in -2.0f32..2.0) {
+            for tone in Tone::ALL {
+                prop_assert!((tone.decode(tone.encode(light)) - light).abs() < 1e-6);
+                prop_assert_eq!(tone.encode(-light), -tone.encode(light));
+            }
+        }
+
+        #[test]
+        fn the_slope_is_the_curves_own(light in -2.0f64..2.0) {
+            // Central difference, away from the joints.
+            prop_assume!((light.abs() - 0.003_130_8).abs() > 1e-5 && light.abs() > 1e-5);
+            let step = 1e-6;
+            let curve = |x: f64| srgb_encode(x.abs()).copysign(x);
+            let expected = (curve(light + step) - curve(light - step)) / (2.0 * step);
+            let slope = f64::from(Tone::Srgb.slope(light as f32));
+            prop_assert!((slope - expected).abs() < 1e-4 * expected, "{slope} not {expected}");
+            prop_assert_eq!(Tone::Linear.slope(light as f32), 1.0);
+        }
+    }
+}

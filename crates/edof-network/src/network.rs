@@ -1,0 +1,276 @@
+//! The float network (docs/contract.md is its integer form): its form, its matrices, where it came from.
+//!
+//! ```text
+//! b₁      = A y                   I layer
+//! z_t     = shrink_θt(b_t)        t = 1…T−1
+//! b_{t+1} = b₁ + S_t z_t          M layers, t = 1…T−2        (direct)
+//! b_{t+1} = b_t + S_t (z_t − z_{t−1}), z_0 = 0               (difference)
+//! x       = D z_{T−1} + R y       F layer, R where the form has a linear path
+//! ```
+
+use edof_camera::camera::Camera;
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::geometry::Window;
+use edof_image::noise::Noise;
+use edof_image::tone::Tone;
+use edof_storage::provenance::Provenance;
+use ndarray::{Array1, Array2};
+use serde::{Deserialize, Serialize};
+
+/// The soft threshold σ_θ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shrinkage {
+    /// sign(b)·max(|b| − θ, 0), θ ≥ 0: the paper's.
+    TwoSided,
+    /// max(b − θ, 0), θ of any sign.
+    OneSided,
+}
+
+/// What an M layer adds its product to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Recurrence {
+    /// To b₁.
+    Direct,
+    /// To the previous b, multiplying the change of z (the paper's Algorithm 1).
+    Difference,
+}
+
+/// The form of a network; from it follow the shapes of all its matrices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Form {
+    /// Side of the raw window.
+    pub window: Window,
+    /// Length of b and z.
+    pub codes: usize,
+    /// T: one I, T − 2 M, one F.
+    pub layers: usize,
+    /// The soft threshold.
+    pub shrinkage: Shrinkage,
+    /// What M layers add to.
+    pub recurrence: Recurrence,
+    /// Whether F also sees the raw window through R.
+    pub linear_path: bool,
+    /// Whether all M layers share one S.
+    pub tied: bool,
+}
+
+/// A form that no network has, or matrices that do not fit their form.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum NetworkError {
+    /// T out of range.
+    #[error("layers {0}: must be 2 to 10")]
+    Layers(usize),
+    /// Length of the sparse code out of range.
+    #[error("codes {0}: must be 1 to 1024")]
+    Codes(usize),
+    /// Wrong number of matrices or thresholds.
+    #[error("{what}: {found} given, this form has {expected}")]
+    Count { what: &'static str, found: usize, expected: usize },
+    /// A matrix of the wrong shape.
+    #[error("{what}: {rows}x{columns}, this form needs {expected_rows}x{expected_columns}")]
+    Shape { what: &'static str, rows: usize, columns: usize, expected_rows: usize, expected_columns: usize },
+    /// NaN or infinity.
+    #[error("{what}: holds {value}, every weight must be a finite number")]
+    NotFinite { what: &'static str, value: f32 },
+    /// Two-sided thresholds cannot be negative.
+    #[error("thresholds: holds {0}, two-sided shrinkage needs thresholds of 0 or more")]
+    NegativeThreshold(f32),
+}
+
+impl Form {
+    /// # Errors
+    /// [`NetworkError::Layers`] or [`NetworkError::Codes`].
+    pub const fn check(&self) -> Result<(), NetworkError> {
+        if self.layers < 2 || self.layers > 10 {
+            return Err(NetworkError::Layers(self.layers));
+        }
+        if self.codes == 0 || self.codes > 1024 {
+            return Err(NetworkError::Codes(self.codes));
+        }
+        Ok(())
+    }
+
+    /// Multiplications that one window takes if every weight is multiplied, for an F of `outputs` rows (128 in the board's 4:2:2,
+    /// 192 in RGB): codes·pixels + (T − 2)·codes² + outputs·codes, + outputs·pixels where R is used.
+    #[must_use]
+    pub const fn dense_multiplications(&self, outputs: usize) -> u64 {
+        let linear = if self.linear_path { outputs * self.window.pixels() } else { 0 };
+        let middle = self.middle_layers() * self.codes * self.codes;
+        (self.codes * self.window.pixels() + middle + outputs * self.codes + linear) as u64
+    }
+
+    /// M layers: T − 2.
+    #[must_use]
+    pub const fn middle_layers(&self) -> usize {
+        self.layers - 2
+    }
+
+    /// Soft thresholds: T − 1.
+    #[must_use]
+    pub const fn shrinkages(&self) -> usize {
+        self.layers - 1
+    }
+
+    /// Distinct S matrices: T − 2, or 1 where they are tied.
+    #[must_use]
+    pub const fn recurrent_matrices(&self) -> usize {
+        if self.tied && self.layers > 2 { 1 } else { self.layers - 2 }
+    }
+
+    /// Which of the S matrices M layer `layer` (0 first) uses.
+    #[must_use]
+    pub const fn recurrent_index(&self, layer: usize) -> usize {
+        if self.tied { 0 } else { layer }
+    }
+}
+
+/// A trained network. All arithmetic is in f32 on raw pixels of 0…1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Network {
+    /// Its form.
+    pub form: Form,
+    /// A: codes × window pixels.
+    pub analysis: Array2<f32>,
+    /// θ_t: one vector of length codes a soft threshold.
+    pub thresholds: Vec<Array1<f32>>,
+    /// S_t: codes × codes each.
+    pub recurrent: Vec<Array2<f32>>,
+    /// D: 192 × codes, RGB.
+    pub dictionary: Array2<f32>,
+    /// R: 192 × window pixels, RGB.
+    pub linear_path: Option<Array2<f32>>,
+    /// How it came to be.
+    pub origin: Origin,
+}
+
+/// How a network came to be.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Origin {
+    /// Name, as in `edof-t4w12`.
+    pub name: String,
+    /// Camera it was trained for; its `psi_range` is the range of depths.
+    pub camera: Camera,
+    /// Light and noise it was trained for: each tone convention, with the most noise of it.
+    pub conditions: Vec<Condition>,
+    /// Patches seen.
+    pub patches: u64,
+    /// Mean PSNR in dB on validation patches held out of the training photos.
+    pub validation_db: f64,
+    /// Mean count of non-zeros after each shrinkage, on the busiest quarter of validation patches; empty where it was not measured.
+    #[serde(default)]
+    pub non_zeros: Vec<f64>,
+    /// The program, command and inputs that made it.
+    pub provenance: Provenance,
+}
+
+/// One kind of light that a network was trained for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// What a photograph's numbers were taken for.
+    pub tone: Tone,
+    /// The most noise.
+    pub noise: Noise,
+}
+
+impl Origin {
+    /// The most noise of its first condition; none if it has no condition.
+    #[must_use]
+    pub fn most_noise(&self) -> Noise {
+        self.conditions.first().map_or(Noise::None, |condition| condition.noise)
+    }
+
+    /// The most Gaussian noise of its conditions: σ in units of full scale, 0 where none has any.
+    #[must_use]
+    pub fn most_sigma(&self) -> f64 {
+        let sigma = |c: &Condition| if let Noise::Gaussian { sigma } = c.noise { sigma } else { 0.0 };
+        self.conditions.iter().map(sigma).fold(0.0, f64::max)
+    }
+
+    /// Of a network that nobody trained: drawn or written by hand, for linear light without noise.
+    #[must_use]
+    pub fn untrained(name: &str, camera: Camera) -> Self {
+        Self {
+            name: name.to_owned(),
+            camera,
+            conditions: vec![Condition { tone: Tone::Linear, noise: Noise::None }],
+            patches: 0,
+            validation_db: 0.0,
+            non_zeros: vec![],
+            provenance: Provenance::default(),
+        }
+    }
+}
+
+impl Network {
+    /// # Errors
+    /// [`NetworkError`] for the first thing that does not fit the form.
+    pub fn check(&self) -> Result<(), NetworkError> {
+        let form = &self.form;
+        form.check()?;
+        let (codes, pixels) = (form.codes, form.window.pixels());
+        check_count("thresholds", self.thresholds.len(), form.shrinkages())?;
+        check_count("recurrent", self.recurrent.len(), form.recurrent_matrices())?;
+        check_count("linear_path", self.linear_path.iter().count(), usize::from(form.linear_path))?;
+        check_shape("analysis", self.analysis.dim(), (codes, pixels))?;
+        for theta in &self.thresholds {
+            check_shape("thresholds", (theta.len(), 1), (codes, 1))?;
+            check_finite("thresholds", theta.iter())?;
+            let negative = theta.iter().find(|v| **v < 0.0);
+            if let (Shrinkage::TwoSided, Some(&value)) = (form.shrinkage, negative) {
+                return Err(NetworkError::NegativeThreshold(value));
+            }
+        }
+        for s in &self.recurrent {
+            check_shape("recurrent", s.dim(), (codes, codes))?;
+            check_finite("recurrent", s.iter())?;
+        }
+        check_shape("dictionary", self.dictionary.dim(), (RGB_OUTPUTS, codes))?;
+        if let Some(r) = &self.linear_path {
+            check_shape("linear_path", r.dim(), (RGB_OUTPUTS, pixels))?;
+            check_finite("linear_path", r.iter())?;
+        }
+        check_finite("analysis", self.analysis.iter())?;
+        check_finite("dictionary", self.dictionary.iter())
+    }
+}
+
+pub(crate) const fn check_count(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), NetworkError> {
+    if found == expected { Ok(()) } else { Err(NetworkError::Count { what, found, expected }) }
+}
+
+pub(crate) fn check_shape(
+    what: &'static str,
+    found: (usize, usize),
+    expected: (usize, usize),
+) -> Result<(), NetworkError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(NetworkError::Shape {
+        what,
+        rows: found.0,
+        columns: found.1,
+        expected_rows: expected.0,
+        expected_columns: expected.1,
+    })
+}
+
+fn check_finite<'a>(
+    what: &'static str,
+    mut values: impl Iterator<Item = &'a f32>,
+) -> Result<(), NetworkError> {
+    match values.find(|v| !v.is_finite()) {
+        Some(&value) => Err(NetworkError::NotFinite { what, value }),
+        None => Ok(()),
+    }
+}

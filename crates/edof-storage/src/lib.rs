@@ -1,0 +1,15 @@
+//! Result files: written whole or not at all, identified by content, with a record of how they were made.
+//!
+//! | what | module |
+//! |---|---|
+//! | files that appear whole or not at all | [`atomic`] |
+//! | SHA-256 of contents | [`digest`] |
+//! | arrays in files of other programs (`.npz`, safetensors) | [`arrays`] |
+//! | command, version, inputs and machine behind a result | [`provenance`] |
+//!
+//! Formats of photographs and raw frames are in `edof-io`.
+
+pub mod arrays;
+pub mod atomic;
+pub mod digest;
+pub mod provenance;

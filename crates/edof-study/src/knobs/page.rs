@@ -1,0 +1,162 @@
+//! What rows of knobs say together: a curve for each.
+
+use super::{Knob, Row};
+use crate::made::Made;
+use crate::paired::Paired;
+use crate::plot::{Axis, Mark, Plot, Series};
+use crate::report::Report;
+use crate::tables::Table;
+use crate::told::{Told, ToldError};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// One value of a knob, averaged over photographs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// Which knob.
+    pub knob: Knob,
+    /// Where it stands.
+    pub value: f64,
+    /// Whether that is its default.
+    pub is_default: bool,
+    /// Photographs.
+    pub photos: usize,
+    /// Mean PSNR in dB.
+    pub psnr_db: f64,
+    /// That less the default's, on the photographs of both; none where the default was not measured.
+    pub to_default: Option<Paired>,
+    /// Mean seconds a megapixel.
+    pub seconds_per_megapixel: f64,
+}
+
+/// All curves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Knobs {
+    /// Knob by knob, values ascending.
+    pub points: Vec<Point>,
+    /// CPU and threads that all times are of.
+    pub machine: String,
+}
+
+/// PSNR of each photograph's row.
+fn by_photo(rows: &[Row], own: impl Fn(&Row) -> bool) -> BTreeMap<String, f64> {
+    rows.iter().filter(|row| own(row)).map(|row| (row.image.clone(), row.psnr_db)).collect()
+}
+
+/// A curve of a few points, whole on a phone.
+const SMALL: [f64; 2] = [400.0, 300.0];
+
+const TITLE: &str = "What can be left out: speed against error";
+
+impl Told for Knobs {
+    type Row = Row;
+
+    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
+        let mut points: Vec<Point> = vec![];
+        for row in rows {
+            let same = |other: &&Row| other.knob == row.knob && other.value == row.value;
+            if points.iter().any(|p| p.knob == row.knob && p.value == row.value) {
+                continue;
+            }
+            let own: Vec<&Row> = rows.iter().filter(same).collect();
+            let mean = |of: fn(&Row) -> f64| own.iter().map(|row| of(row)).sum::<f64>() / own.len() as f64;
+            points.push(Point {
+                knob: row.knob,
+                value: row.value,
+                is_default: row.is_default,
+                photos: own.len(),
+                psnr_db: mean(|row| row.psnr_db),
+                to_default: Paired::between(
+                    &by_photo(rows, |other| other.knob == row.knob && other.value == row.value),
+                    &by_photo(rows, |other| other.knob == row.knob && other.is_default),
+                ),
+                seconds_per_megapixel: mean(|row| row.seconds_per_megapixel),
+            });
+        }
+        Ok(Self { points, machine })
+    }
+
+    fn to_text(&self) -> String {
+        let mut text = String::new();
+        for (knob, table) in self.tables() {
+            let _ = write!(text, "{}\n{}\n", knob.name(), table.to_text());
+        }
+        text.trim_end().to_owned()
+    }
+
+    fn to_markdown(&self, made: &Made) -> String {
+        let mut page = format!("# {TITLE}\n\n{made}\n\n{}\n", self.explanation());
+        for (knob, table) in self.tables() {
+            let _ = write!(page, "\n## {}\n\n{}\n\n{}", knob.name(), knob.reason(), table.to_markdown());
+        }
+        page
+    }
+
+    fn report(&self, command: &str) -> Report {
+        let mut report = Report::new(TITLE);
+        report.paragraph(&self.explanation()).made_by(command);
+        for (knob, table) in self.tables() {
+            report.heading(knob.name()).paragraph(knob.reason()).plots(&[self.plot(knob)]);
+            table.add_to(&mut report, &[]);
+        }
+        report
+    }
+}
+
+impl Knobs {
+    fn explanation(&self) -> String {
+        format!(
+            "Each curve turns one knob and leaves all others where they stand; its default is marked, and the text says why it is there. Photographs' numbers are \
+             taken for light. PSNR over red, green and blue, peak 1, border 8 cropped: of the light on the sensor against an exact computation for knobs of \
+             capturing, of the picture against the photograph for all others; differences to the default are paired by photograph, with the standard error of their \
+             mean. Time is wall-clock on {}, for kernels and blur or for reconstruction.",
+            self.machine
+        )
+    }
+
+    fn tables(&self) -> Vec<(Knob, Table)> {
+        let of = |knob: Knob| {
+            let own = self.points.iter().filter(move |p| p.knob == knob);
+            let row = |p: &Point| {
+                let mark = if p.is_default { "default" } else { "" };
+                let value = p.value.to_string();
+                vec![
+                    value,
+                    mark.into(),
+                    format!("{:.2}", p.psnr_db),
+                    match p.to_default {
+                        Some(paired) if !p.is_default => paired.to_string(),
+                        _ => "–".to_owned(),
+                    },
+                    format!("{:.4}", p.seconds_per_megapixel),
+                    p.photos.to_string(),
+                ]
+            };
+            let header = [knob.unit(), "", "PSNR dB", "to the default", "seconds a megapixel", "photos"]
+                .map(str::to_owned)
+                .to_vec();
+            (knob, Table { header, rows: own.map(row).collect() })
+        };
+        Knob::ALL.into_iter().map(of).filter(|(_, table)| !table.rows.is_empty()).collect()
+    }
+
+    /// PSNR against time: the curve, and its default.
+    fn plot(&self, knob: Knob) -> Plot {
+        let own = || self.points.iter().filter(move |p| p.knob == knob);
+        let at = |p: &Point| [p.seconds_per_megapixel, p.psnr_db];
+        let each = own().map(|p| {
+            let label = format!("{} {}", p.value, if p.is_default { "(default)" } else { "" });
+            let series = Series::new(label.trim(), Mark::Points, [at(p)]).named_at_points();
+            if p.is_default { series.coloured("#d55e00") } else { series.coloured("#0072b2") }
+        });
+        let curve = Series::new("", Mark::Line, own().map(at)).coloured("#999999");
+        Plot {
+            title: knob.unit().into(),
+            x: Axis::log("seconds a megapixel"),
+            y: Axis::linear("PSNR (dB)"),
+            size: SMALL,
+            series: std::iter::once(curve).chain(each).collect(),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! What knobs give, on pictures of a few pixels.
+
+use super::*;
+use crate::journal::{Header, Program};
+use crate::told::Told;
+
+fn photo() -> Photo {
+    let mut frame = ColourFrame::zeros(32, 32);
+    frame.planes.indexed_iter_mut().for_each(|((p, r, c), v)| {
+        *v = 0.5 + 0.3 * ((r / (3 + p)) as f32).sin() * ((c / 4) as f32).cos();
+    });
+    Photo { name: "p".into(), frame }
+}
+
+fn plan(knobs: &[Knob], fixed: &FixedNetwork) -> Plan {
+    Plan {
+        camera: Camera::resolve("ring-2018").unwrap(),
+        psi: 4.0,
+        noise: Noise::gaussian(0.01),
+        network: Arc::new(float()),
+        network_sha256: "n".into(),
+        fixed: vec![fixed.clone()],
+        dictionary: Arc::new(Dictionary::load(None).unwrap()),
+        knobs: knobs.to_vec(),
+        shard: Shard::WHOLE,
+    }
+}
+
+fn float() -> Network {
+    use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
+    use ndarray::Array1;
+    Network {
+        form: Form {
+            window: Window::new(8).unwrap(),
+            codes: 2,
+            layers: 2,
+            shrinkage: Shrinkage::OneSided,
+            recurrence: Recurrence::Direct,
+            linear_path: false,
+            tied: false,
+        },
+        analysis: Array2::zeros((2, 64)),
+        thresholds: vec![Array1::zeros(2)],
+        recurrent: vec![],
+        dictionary: Array2::zeros((192, 2)),
+        linear_path: None,
+        origin: Origin::untrained("n", Camera::resolve("ring-2018").unwrap()),
+    }
+}
+
+fn rows(knobs: &[Knob]) -> Vec<Row> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rows");
+    let header = || Header::of::<Row>(Program::stub("r", "m"));
+    let mut journal = Journal::open(&path, header(), Default::default()).unwrap();
+    let plan = plan(knobs, &edof_random::natural(8, 8, 7));
+    run(&plan, &[photo()], &mut journal, |_| ControlFlow::Continue(())).unwrap();
+    // What was written is read again: nothing in it is no number.
+    let keys = |journal: &Journal<Row>| journal.rows().iter().map(Line::key).collect::<Vec<_>>();
+    let again = Journal::open(&path, header(), Default::default()).unwrap();
+    assert_eq!(keys(&again), keys(&journal));
+    journal.rows()
+}
+
+#[test]
+fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
+    let plan = plan(&[], &edof_random::natural(8, 8, 7));
+    let mut captures = Captures::default();
+    let mut db = |knob: Knob, value: f64| {
+        let how = plan.shortened(knob, value).unwrap();
+        plan.captured(knob, &how, &photo(), &mut captures).unwrap().0
+    };
+    // The coarsest and a fine value, and what lies between them at least.
+    for (knob, coarse, fine, least) in [
+        (Knob::KernelEnergy, 0.9, 0.9999, 5.0),
+        (Knob::Wavelengths, 0.3, 0.003, -0.1),
+        (Knob::Depths, 2.0, 16.0, 2.0),
+    ] {
+        let (coarse, fine) = (db(knob, coarse), db(knob, fine));
+        assert!(coarse + least < fine, "{}: {coarse} dB, {fine} dB", knob.name());
+    }
+}
+
+#[test]
+fn every_knob_of_reconstruction_has_a_row_for_each_value_and_one_default() {
+    let plan = plan(&[], &edof_random::natural(8, 8, 7));
+    let knobs: Vec<Knob> = Knob::ALL
+        .into_iter()
+        .filter(|&knob| plan.shortened(knob, 1.0).is_none() && knob != Knob::Bits)
+        .collect();
+    let rows = rows(&knobs);
+    for &knob in &knobs {
+        let own: Vec<&Row> = rows.iter().filter(|row| row.knob == knob).collect();
+        assert_eq!(own.len(), knob.values().len());
+        assert_eq!(own.iter().filter(|row| row.is_default).count(), 1, "{}", knob.name());
+    }
+    let study = Knobs::new(&rows, "m".into()).unwrap();
+    assert_eq!(study.points.len(), rows.len());
+    let html = study.report("edof study knobs").to_html();
+    // Where the pointer rests on the dot.
+    assert_eq!(html.matches("<title>").count() - 1, rows.len());
+    assert_eq!(html.matches("(default): ").count(), knobs.len());
+}
+
+#[test]
+fn words_keep_their_first_bits_and_their_sign() {
+    let weights = ndarray::array![[0x7fff, 0x1234, -0x1234, -0x8000]];
+    let mut matrix = FixedMatrix { weights, fraction: 15 };
+    keep_bits(&mut matrix, 8);
+    assert_eq!(matrix.weights, ndarray::array![[0x7f00, 0x1200, -0x1200, -0x8000]]);
+    let before = matrix.clone();
+    keep_bits(&mut matrix, 16);
+    assert_eq!(matrix, before);
+}
+
+#[test]
+fn knobs_are_known_by_name() {
+    assert_eq!(Knob::ALL.map(|knob| knob.name().parse::<Knob>().unwrap()), Knob::ALL);
+    let error = "gain".parse::<Knob>().unwrap_err().to_string();
+    assert!(error.starts_with("knob 'gain': must be one of kernel-energy, wavelengths, "), "{error}");
+}

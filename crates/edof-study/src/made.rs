@@ -1,0 +1,70 @@
+//! What a page states of its making: the command that made it, and the programs that measured what it says.
+
+use crate::journal::Maker;
+
+/// How a page was made.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Made {
+    /// The command, as the run's own arguments give it.
+    pub command: String,
+    /// What measured it: one program, or those of all rows.
+    pub makers: Vec<Maker>,
+}
+
+/// What a page says of rows whose program did not state itself.
+pub const OLD: &str = "the rows are of an old format, which does not state the revision that measured them";
+
+impl std::fmt::Display for Made {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let maker = |maker: &Maker| match maker {
+            Maker::Program(p) => {
+                format!("revision `{}`, {}, on {}; {}", p.revision, p.compiler, p.machine(), p.host.isa)
+            }
+            Maker::Old { .. } => OLD.to_owned(),
+        };
+        let makers: Vec<String> = self.makers.iter().map(maker).collect();
+        write!(f, "Made by `{}`", self.command)?;
+        match &makers[..] {
+            [] => f.write_str("."),
+            [one] => write!(f, " ({one})."),
+            several => write!(f, " (rows of {} programs: {}).", several.len(), several.join("; ")),
+        }
+    }
+}
+
+/// CPU and threads that times are of; of rows of several machines all of them.
+#[must_use]
+pub fn machines(makers: &[Maker]) -> String {
+    let mut all: Vec<String> = makers.iter().map(Maker::machine).collect();
+    all.sort();
+    all.dedup();
+    all.join("; ")
+}
+
+#[cfg(test)]
+impl Made {
+    /// By a command of nobody's, for tests.
+    pub(crate) fn by(command: &str) -> Self {
+        Self { command: command.into(), makers: vec![] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::journal::Program;
+
+    #[test]
+    fn a_page_names_every_program_that_measured_its_rows() {
+        let program = |revision: &str| Maker::Program(Program::stub(revision, "a CPU"));
+        let made = |makers| Made { command: "edof study".into(), makers }.to_string();
+        assert_eq!(made(vec![]), "Made by `edof study`.");
+        let one = made(vec![program("r")]);
+        assert_eq!(one, "Made by `edof study` (revision `r`, rustc, on a CPU, 2 threads; ).");
+        let old = Maker::Old { exact: false, machine: "a CPU, 2 threads".into() };
+        let both = [program("r"), program("s"), old];
+        assert!(made(both.to_vec()).starts_with("Made by `edof study` (rows of 3 programs: revision `r`, "));
+        assert!(made(both.to_vec()).ends_with(&format!("; {OLD}).")));
+        assert_eq!(machines(&both), "a CPU, 2 threads");
+    }
+}

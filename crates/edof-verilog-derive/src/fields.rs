@@ -1,0 +1,145 @@
+//! What the struct says: its fields, their documentation, and which of them start by themselves.
+
+use syn::{
+    Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, Meta, Type, Visibility,
+};
+
+/// Types that have a start value wherever they stand. Ports, the public fields, always have one: signals, or bundles of signals.
+const SIGNALS: [&str; 2] = ["Signal", "DFF"];
+
+/// A struct that is to be a circuit.
+pub struct Circuit<'a> {
+    pub name: &'a Ident,
+    pub generics: &'a Generics,
+    pub doc: String,
+    pub fields: Vec<Part<'a>>,
+    /// The field that says which of several roles a block of this type has.
+    pub role: Option<Ident>,
+}
+
+/// One of its fields.
+pub struct Part<'a> {
+    pub name: &'a Ident,
+    pub ty: &'a Type,
+    pub doc: String,
+    /// Rust data rather than hardware: its name starts with `_`.
+    pub is_data: bool,
+    pub start: Start,
+}
+
+/// How a field gets its first value.
+pub enum Start {
+    /// By its `Default`.
+    Itself,
+    /// Each element of an array by its `Default`, whatever the array's length.
+    Elements,
+    /// Whoever makes the circuit says.
+    Given,
+}
+
+impl<'a> Circuit<'a> {
+    pub fn read(input: &'a DeriveInput) -> syn::Result<Self> {
+        let refuse = || syn::Error::new_spanned(&input.ident, "a circuit is a struct with named fields");
+        let Data::Struct(data) = &input.data else { return Err(refuse()) };
+        let Fields::Named(named) = &data.fields else { return Err(refuse()) };
+        let said = Said::of(&input.attrs)?;
+        let part = |field: &'a Field| {
+            let name = field.ident.as_ref().ok_or_else(refuse)?;
+            let is_data = name.to_string().starts_with('_');
+            let is_list = last_name(&field.ty).is_some_and(|name| name == "Vec");
+            let is_port = !is_data && !is_list && matches!(field.vis, Visibility::Public(_));
+            let start = said.start(is_port, &field.ty);
+            Ok(Part { name, ty: &field.ty, doc: documentation(&field.attrs), is_data, start })
+        };
+        let fields = named.named.iter().map(part).collect::<syn::Result<_>>()?;
+        let doc = documentation(&input.attrs);
+        if doc.is_empty() {
+            let missing = "a circuit needs documentation: it becomes the header of its Verilog";
+            return Err(syn::Error::new_spanned(&input.ident, missing));
+        }
+        Ok(Self { name: &input.ident, generics: &input.generics, doc, fields, role: said.role })
+    }
+
+    /// The fields that are hardware.
+    pub fn hardware(&self) -> impl Iterator<Item = &Part<'a>> {
+        self.fields.iter().filter(|field| !field.is_data)
+    }
+}
+
+/// `#[circuit(default)]`, `#[circuit(default(A, B))]`, `#[circuit(role(_field))]`.
+#[derive(Default)]
+struct Said {
+    all: bool,
+    types: Vec<Ident>,
+    role: Option<Ident>,
+}
+
+impl Said {
+    fn of(attributes: &[Attribute]) -> syn::Result<Self> {
+        let mut said = Self::default();
+        for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("circuit")) {
+            attribute.parse_nested_meta(|meta| {
+                let in_brackets = meta.input.peek(syn::token::Paren);
+                match (meta.path.is_ident("default"), meta.path.is_ident("role"), in_brackets) {
+                    (true, _, false) => said.all = true,
+                    (true, _, true) => meta.parse_nested_meta(|ty| {
+                        said.types.push(ty.path.require_ident()?.clone());
+                        Ok(())
+                    })?,
+                    (_, true, true) => meta.parse_nested_meta(|field| {
+                        said.role = Some(field.path.require_ident()?.clone());
+                        Ok(())
+                    })?,
+                    _ => return Err(meta.error("`default`, `default(Type, …)` or `role(field)` is expected")),
+                }
+                Ok(())
+            })?;
+        }
+        Ok(said)
+    }
+
+    fn start(&self, is_port: bool, ty: &Type) -> Start {
+        let starts = |ty: &Type| {
+            let name = last_name(ty);
+            is_port
+                || self.all
+                || name.is_some_and(|name| SIGNALS.iter().any(|s| name == s) || self.types.contains(name))
+        };
+        match plain(ty) {
+            Type::Array(array) if starts(&array.elem) => Start::Elements,
+            ty if starts(ty) => Start::Itself,
+            _ => Start::Given,
+        }
+    }
+}
+
+/// The type without the invisible brackets that `macro_rules!` puts around it.
+fn plain(ty: &Type) -> &Type {
+    match ty {
+        Type::Group(group) => plain(&group.elem),
+        Type::Paren(paren) => plain(&paren.elem),
+        _ => ty,
+    }
+}
+
+/// `DFF` of `widgets::DFF<Bits<8>>`.
+fn last_name(ty: &Type) -> Option<&Ident> {
+    match plain(ty) {
+        Type::Path(path) => path.path.segments.last().map(|segment| &segment.ident),
+        _ => None,
+    }
+}
+
+/// The text of doc comments, a line each.
+fn documentation(attributes: &[Attribute]) -> String {
+    let line = |attribute: &Attribute| match &attribute.meta {
+        Meta::NameValue(meta) if meta.path.is_ident("doc") => match &meta.value {
+            Expr::Lit(ExprLit { lit: Lit::Str(text), .. }) => Some(text.value()),
+            _ => None,
+        },
+        _ => None,
+    };
+    let lines: Vec<String> = attributes.iter().filter_map(line).collect();
+    let trimmed: Vec<&str> = lines.iter().flat_map(|text| text.split('\n')).map(str::trim).collect();
+    trimmed.join("\n").trim().to_string()
+}

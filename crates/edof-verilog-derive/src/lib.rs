@@ -1,0 +1,39 @@
+//! `#[derive(Circuit)]`: a rust-hdl block that says what it is, and is made without a word about its signals.
+//!
+//! | part | file | gives |
+//! |---|---|---|
+//! | read | `fields` | the fields, their documentation, which of them start by themselves |
+//! | walk | `block` | rust-hdl's `Block` |
+//! | say | `description` | `edof_verilog::describe::Circuit`: name, source, header, comments |
+//! | make | `make` | `from_parts`, or `Default` |
+
+mod block;
+mod description;
+mod fields;
+mod make;
+
+use proc_macro::TokenStream;
+use syn::{DeriveInput, parse_macro_input};
+
+/// Makes a struct a circuit. Its documentation becomes the header of its Verilog module, that of its fields the comments of ports and
+/// constants.
+///
+/// Ports (public fields: signals and bundles of signals), `Signal` and `DFF`, and arrays of them, start as their `Default`. Where that is true of all fields the
+/// block gets `Default`. Otherwise it gets a private `fn from_parts(NameParts) -> Self`, and a private struct `NameParts` of the
+/// fields that are left. `#[circuit(default)]` on the struct says that each field has a `Default`; `#[circuit(default(A, B))]`
+/// that fields of the types `A` and `B` have one.
+///
+/// A module is called after the type. `#[circuit(role(_field))]` names a field whose text tells blocks of one type apart, for instance the
+/// stages of a chain; without it the const parameters of the type do.
+/// `edof_verilog::describe` shows one.
+#[proc_macro_derive(Circuit, attributes(circuit))]
+pub fn derive_circuit(input: TokenStream) -> TokenStream {
+    let input = parse_macro_input!(input as DeriveInput);
+    fields::Circuit::read(&input)
+        .map(|circuit| {
+            let parts = [block::tokens(&circuit), description::tokens(&circuit), make::tokens(&circuit)];
+            parts.into_iter().collect::<proc_macro2::TokenStream>()
+        })
+        .unwrap_or_else(syn::Error::into_compile_error)
+        .into()
+}

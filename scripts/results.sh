@@ -1,0 +1,182 @@
+#!/usr/bin/env bash
+# Remakes every table and figure of docs/results, docs/figures and README.md: scripts/results.sh [PART]...; without arguments all parts.
+#   linear srgb   docs/results/kodak-TONE.*, the first table of each into README.md     (a few minutes each on two cores)
+#   speed         docs/results/single-depth.*, docs/figures/speed.svg                   (25 minutes)
+#   overlap       docs/results/overlap.*: all methods of patches at stride 4            (10 minutes)
+#   depths        docs/results/multi-depth.*                                            (5 minutes)
+#   blind         docs/results/blind.* (test photographs) and blind-train.* (others)    (15 minutes)
+#                 fails where blind deconvolution loses more than 1 dB of any photograph
+#   knobs design  docs/results/knobs.*, design.md, on three training photographs        (10 minutes, 1 minute)
+#   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
+#   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
+#   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
+# From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
+# one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak. Nothing is trained
+# on the photographs that scripts/held-back.sh names.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/prepare.sh
+source scripts/held-back.sh
+
+parts="linear srgb speed overlap depths blind knobs design bits stability forms layers figures"
+# shellcheck disable=SC2086 # parts are several words
+[ $# -gt 0 ] || set -- $parts
+for part in "$@"; do
+    [[ " $parts " == *" $part "* ]] || fail "'$part': must be one of $parts"
+done
+# What the script itself writes may differ.
+changed=$(git status --porcelain -- . ':!docs/results' ':!docs/figures' ':!README.md')
+[ -z "$changed" ] || fail "the tree has changes, so that no page could say what made it; commit them first: $changed"
+revision=$(git rev-parse HEAD)
+
+say "building"
+cargo build --release --locked --package edof-cli
+target=${CARGO_TARGET_DIR:-target}
+edof=$target/release/edof
+photographs=${EDOF_KODAK:-../shared/data/kodak}
+made=$target/results/$revision
+mkdir -p out "$made"
+
+# Whether a file of rows or a page is of this revision.
+is_made() { grep -qs -e "\"revision\":\"$revision\"" -e "revision \`$revision\`" "$1"; }
+# The file of rows of a study, without rows of another revision.
+rows() {
+    local file=docs/results/$1.jsonl
+    is_made "$file" || rm -f "$file"
+    echo "--rows $file"
+}
+# Outputs of a study, by its name.
+pages() { echo "--markdown docs/results/$1.md --report out/$1.html"; }
+
+# Those trained for the paper's convention; of real light also those trained for it.
+declare -A nets
+nets[linear]="paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear"
+nets[srgb]=${nets[linear]},edof-t4w12-outer-light
+
+# shellcheck disable=SC2046 # outputs are several words
+photographs_of() {
+    local page=docs/results/kodak-$1.md
+    "$edof" study kodak --tone "$1" --nets "${nets[$1]}" --psi 0,2,4,6,8 --stride 8 $(rows "kodak-$1") $(pages "kodak-$1")
+    rm -f "docs/results/kodak-$1.json"
+    awk -v page="$page" -v start="<!-- table: $page -->" '
+        $0 == start { print; while ((getline line < page) > 0) { if (line ~ /^\|/) { print line; found = 1 } else if (found) break }
+                      skip = 1; next }
+        skip && /^<!-- end -->$/ { skip = 0 }
+        !skip { print }' README.md > README.md.new
+    mv README.md.new README.md
+}
+
+# Everything where each patch is seen once; at the paper's stride and half-way what its claims need: OMP takes 16 times as long there.
+# shellcheck disable=SC2046
+speed() {
+    "$edof" study single-depth $(rows single-depth) --noise none,0.01 --stride 8 > /dev/null
+    "$edof" study single-depth $(rows single-depth) --noise none --stride 4,2 --methods omp,omp-known $(pages single-depth) \
+        --plot docs/figures/speed.svg
+    rm -f docs/results/single-depth.json
+}
+
+# shellcheck disable=SC2046
+overlap() {
+    "$edof" study single-depth $(rows overlap) --noise none --stride 4 \
+        --methods omp,omp-known,fista,fista-known,untrained,untrained-dc-removed $(pages overlap)
+}
+
+# Its rows hold the pictures and stay out of docs.
+# shellcheck disable=SC2046
+depths() {
+    "$edof" study multi-depth --rows "$made/multi-depth.jsonl" $(pages multi-depth) --csv docs/results/multi-depth.csv
+    rm -f docs/results/multi-depth.json
+}
+
+# shellcheck disable=SC2046
+blind() {
+    local set page
+    for set in test train; do
+        page=blind${set/test/}
+        page=${page/train/-train}
+        "$edof" study blind --photos "$set" --side 15 $(rows "$page") $(pages "$page")
+        grep -q "Lost more than 1 dB: none" "docs/results/$page.md" || fail "docs/results/$page.md: blind deconvolution diverges on a photograph"
+    done
+}
+
+# shellcheck disable=SC2046
+knobs() { "$edof" study knobs --photos 1,13,20 $(rows knobs) $(pages knobs); }
+
+# shellcheck disable=SC2046
+design() {
+    local shots=() number
+    for number in 01 13 20; do shots+=(--photo "$photographs/kodim$number.png"); done
+    is_made docs/results/design.md ||
+        "$edof" study design --weights paper-t4,edof-t4w12,edof-t4w12-outer "${shots[@]}" --psi 0,4,8 $(pages design) --force
+}
+
+# shellcheck disable=SC2046
+bits() { is_made docs/results/bits.md || "$edof" study bits $(pages bits) --force; }
+# shellcheck disable=SC2046
+stability() { is_made docs/results/stability.md || "$edof" study stability $(pages stability) --force; }
+
+# One short training each (8,000 steps, seed 1, the default's camera, else the recipe of scripts/weights.sh): name, then what differs from
+# the default.
+forms() {
+    local line name options folder=$made/forms
+    local all=(
+        "t4w12 --form one-sided,w12,t4,c192,r"
+        "t3w12 --form one-sided,w12,t3,c192,r"
+        "t5w12 --form one-sided,w12,t5,c192,r"
+        "t4w8 --form one-sided,w8,t4,c192,r"
+        "t4w16 --form one-sided,w16,t4,c192,r"
+        "t4w12c256 --form one-sided,w12,t4,c256,r --non-zeros 62,62,54"
+        "t4w12c128 --form one-sided,w12,t4,c128,r --non-zeros 62,62,54"
+        "t4w12half --form one-sided,w12,t4,c192,r --non-zeros 40,40,36"
+        "t4w12free --form one-sided,w12,t4,c192,r --non-zeros none --lambda 3e-5"
+    )
+    mkdir -p "$folder"
+    for line in "${all[@]}"; do
+        read -r name options <<<"$line"
+        [ -e "$folder/$name.json" ] && continue
+        say "$name"
+        # shellcheck disable=SC2046,SC2086 # options are several words
+        "$edof" train --camera ring-outer --tone linear $options --leave-out "$held_back" --steps 8000 --seed 1 --out "$folder/$name.safetensors" \
+            --json "$folder/$name.json" $(resume "$folder/$name.safetensors") --force
+    done
+    python3 scripts/forms.py "$folder" "${all[@]}" > docs/results/forms.md
+}
+
+# The paper's form with T = 3 to 10, one short training each (half the usual rate, at which T = 10 does not converge), quantized on drawn
+# scenes, then measured on the test photographs.
+layers() {
+    local layers name nets=() folder=$made/layers
+    mkdir -p "$folder"
+    for layers in 3 4 5 6 8 10; do
+        name=$folder/paper-t$layers-short
+        nets+=("$name.safetensors")
+        [ -e "$name.fixed.safetensors" ] && continue
+        say "T = $layers"
+        # shellcheck disable=SC2046
+        "$edof" train --form "paper-t4,t$layers" --camera ring-2018 --tone linear --leave-out "$held_back" --steps 8000 --rate 1e-3 --seed 1 \
+            --out "$name.safetensors" --json "$name.json" $(resume "$name.safetensors") --force
+        "$edof" quantize "$name.safetensors" --out "$name.fixed.safetensors" --force
+    done
+    "$edof" study single-depth --nets "$(IFS=,; echo "${nets[*]}")" --methods malvar --psi 8 --noise none --stride 8 \
+        --rows "$folder/rows.jsonl" > /dev/null
+    python3 scripts/layers.py "$folder" > docs/results/layers.md
+}
+
+figures() {
+    local lens
+    for lens in ring-2018 ring-outer; do
+        "$edof" optics "$lens" --psi 0,2,4,6,8 --out "$made/$lens"
+        cp "$made/$lens"/{figure1.svg,mtf.svg,psf.png} "docs/figures/$lens/"
+    done
+    "$edof" demo --tone linear --height 320 --width 480 --design none --out "$made/demo"
+    cp "$made/demo/overview.png" docs/figures/demo/
+}
+
+for part in "$@"; do
+    say "$part"
+    case $part in
+        linear | srgb) photographs_of "$part" ;;
+        *) "$part" ;;
+    esac
+done
+say "made of revision $revision: $*"

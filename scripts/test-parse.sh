@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Benches and modules of a generated directory by a strict front end (slang, by way of PyPI's pyslang), and two mistakes that it must find.
+# The program is built if it is not given as EDOF.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/prepare.sh
+need_python
+
+if [ -z "${EDOF:-}" ]; then
+    cargo build -q -p edof-cli --locked
+    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
+fi
+environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/parsing")
+if ! "$environment/bin/python" -c 'import pyslang' 2>/dev/null; then
+    say "installing pyslang under $environment"
+    python3 -m venv --clear "$environment"
+    "$environment/bin/pip" install -q -r tests/parsing/requirements.txt
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+"$EDOF" random-network -q --design tiny --out "$work/drawn.fixed.safetensors"
+"$EDOF" generate -q --design tiny --weights "$work/drawn.fixed.safetensors" --out "$work/edof"
+parse() { "$environment/bin/python" -B tests/parsing/parse.py "$work/edof" 2>&1; }
+
+parse || fail "the directory is refused"
+bench=$work/edof/sim/core_bench.sv
+cp "$bench" "$work/kept.sv"
+sed '1i `timescale 1ns / 1ps' "$work/kept.sv" >"$bench"
+if parse >/dev/null; then fail "a time scale beside modules without one was not found"; fi
+sed 's/integer cycle = 0;/integer cycle = later;\n    integer later = 0;/' "$work/kept.sv" >"$bench"
+if parse >/dev/null; then fail "a name that is used before it is declared was not found"; fi
+say "slang reads all of it, and finds both mistakes"

@@ -1,0 +1,95 @@
+//! What took minutes is kept: a finished result is replaced where the user says so, and nowhere else.
+
+use crate::support::Place;
+use serde_json::Value;
+
+const TRAIN: &str = "train --form two-sided,w8,t2,c8 --camera clear --images photos --depths 1 --steps 4 --batch 64 \
+                     --validate-every 2 --out net.safetensors";
+
+fn ready() -> Place {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 288, 256);
+    place
+}
+
+#[test]
+fn a_finished_network_is_replaced_by_force_alone() {
+    let place = ready();
+    let line = format!("{TRAIN} --photos all");
+    place.edof(&line).done();
+    let before = place.snapshot();
+    let there = ["net.safetensors: is there already", "the network net (", "dB on validation", "--force"];
+    place.edof(&format!("{line} --seed 2")).refused(&there);
+    place.edof(&format!("{line} --resume")).refused(&[
+        "--resume: there is no checkpoint net.safetensors.checkpoint",
+        "net.safetensors is finished, the network net (",
+        "--force",
+    ]);
+    place.edof(&format!("{line} --resume --force")).refused(&["--resume: there is no checkpoint"]);
+    assert!(place.snapshot() == before);
+    place.edof(&format!("{line} --seed 2 --force")).done();
+    assert!(place.snapshot() != before);
+}
+
+#[test]
+fn what_is_resumed_must_be_there() {
+    let place = ready();
+    place.edof(&format!("{TRAIN} --resume")).refused(&["there is no checkpoint", "leave --resume out"]);
+    place.write("net.safetensors.2.checkpoint", "of seed 2");
+    place.edof(&format!("{TRAIN} --resume")).refused(&[
+        "there is no checkpoint",
+        "net.safetensors.2.checkpoint",
+        "--seed",
+    ]);
+    assert_eq!(place.files(), ["net.safetensors.2.checkpoint", "photos"]);
+}
+
+/// Commands that take minutes, each with what it would write over.
+const LONG: [&str; 17] = [
+    "quantize net.safetensors --out kept",
+    "quantize net.safetensors --json kept --out new",
+    "quantize net",
+    "optics design --out kept",
+    "optics design --out new --json kept",
+    "study kodak --nets net.safetensors --images photos --json kept",
+    "study kodak --nets net.safetensors --images photos --report kept",
+    "study bits --csv kept",
+    "study stability --markdown kept",
+    "study blind --images photos --csv kept",
+    "study multi-depth --report kept",
+    "study design --weights paper-t4 --markdown kept",
+    "study dictionary --images photos --out kept",
+    "study merge part.jsonl --out kept",
+    "explore --weights paper-t4 --json kept",
+    "cosim --design tiny --junit kept",
+    "cosim --system --design tiny --json kept",
+];
+
+#[test]
+fn a_result_that_took_minutes_is_replaced_by_force_alone() {
+    let place = ready();
+    place.float_network("net.safetensors");
+    place.write("kept", "last night's");
+    place.write("part.jsonl", "{}");
+    std::fs::create_dir(place.path("weights")).unwrap();
+    place.float_network("weights/net.safetensors");
+    place.fixed_network("weights/net.fixed.safetensors");
+    let before = place.snapshot();
+    for line in LONG {
+        let file = if line == "quantize net" { "weights/net.fixed.safetensors" } else { "kept" };
+        place.edof_within_bounds(line).refused(&[file, "is there already", "--force replaces it"]);
+        assert!(place.snapshot() == before, "{line}");
+    }
+}
+
+#[test]
+fn an_empty_file_is_no_result() {
+    let place = ready();
+    place.float_network("net.safetensors");
+    place.write("new", "");
+    place.edof("quantize net.safetensors --out new --json report.json --quiet").done();
+    let report: Value = serde_json::from_slice(&std::fs::read(place.path("report.json")).unwrap()).unwrap();
+    assert_eq!(report["out"], "new");
+    place.edof("quantize net.safetensors --out new --json report.json --quiet --force").done();
+}

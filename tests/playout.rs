@@ -1,0 +1,108 @@
+//! Raw frames as video that a playout card sends to the board, by the real binary.
+
+use crate::support::Place;
+use edof_io::raw::{self, RawOptions};
+use serde_json::Value;
+
+/// Frame and video of a scene that is drawn, with a network beside them.
+fn captured(more: &str) -> Place {
+    let place = Place::new();
+    place.fixed_network("net.safetensors");
+    let line =
+        "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --out raw.png --video frame.2vuy";
+    place.edof(&format!("{line} {more}")).done();
+    place
+}
+
+fn bytes(place: &Place, name: &str) -> Vec<u8> {
+    std::fs::read(place.path(name)).unwrap()
+}
+
+const RECONSTRUCT: &str = "reconstruct --weights net.safetensors --bits 16";
+
+#[test]
+fn video_carries_the_upper_fourteen_bits_chroma_first() {
+    for (depth, lost) in [(12, 0), (14, 0), (16, 3)] {
+        let place = captured(&format!("--depth {depth} --phase gbrg"));
+        let video = bytes(&place, "frame.2vuy");
+        let words = raw::load(&place.path("raw.png"), &RawOptions::default()).unwrap().pixels().clone();
+        assert_eq!(video.len(), 2 * 80 * 64);
+        for (pair, word) in video.chunks_exact(2).zip(&words) {
+            let [chroma, luma] = [pair[0], pair[1]].map(|code| u16::from(code) - 64);
+            assert_eq!(luma * 512 + chroma * 4, word & !lost);
+        }
+        assert!(depth < 16 || words.iter().any(|word| word & 3 != 0));
+        // The record says all that the file does not; without it the size is to be told.
+        place.edof(&format!("{RECONSTRUCT} --video frame.2vuy --out video.png")).done();
+        place.edof(&format!("{RECONSTRUCT} frame.2vuy --out recorded.png")).done();
+        place.write("alone.2vuy", &video);
+        let line =
+            format!("{RECONSTRUCT} --video alone.2vuy --size 80x64 --phase gbrg --tone srgb --out alone.png");
+        place.edof(&line).done();
+        place.edof(&format!("{RECONSTRUCT} raw.png --out raw-out.png")).done();
+        let pictures = ["recorded.png", "alone.png", "raw-out.png"]
+            .map(|name| bytes(&place, name) == bytes(&place, "video.png"));
+        assert_eq!(pictures, [true, true, lost == 0], "{depth} bits");
+    }
+}
+
+#[test]
+fn the_board_makes_the_same_of_a_frame_and_of_its_video() {
+    let place = captured("--depth 16 --noise 0.01");
+    let board = "reconstruct --weights net.safetensors --board";
+    place.edof(&format!("{board} raw.png --words of-raw --out raw-out.png")).done();
+    place.edof(&format!("{board} --video frame.2vuy --words of-video --out video.png")).done();
+    assert_eq!(bytes(&place, "raw-out.yuyv"), bytes(&place, "video.yuyv"));
+    assert_eq!(bytes(&place, "of-raw/words.npz"), bytes(&place, "of-video/words.npz"));
+}
+
+#[test]
+fn a_black_level_is_taken_off_before_the_cable() {
+    let place = captured("--depth 10 --black-level 64");
+    let record: Value = serde_json::from_slice(&bytes(&place, "frame.2vuy.json")).unwrap();
+    assert_eq!(
+        (&record["depth"], &record["black_level"], &record["video"]),
+        (&16.into(), &0.0.into(), &"80x64".into())
+    );
+    let board = "reconstruct --weights net.safetensors --board";
+    place.edof(&format!("{board} raw.png --out raw-out.png")).done();
+    place.edof(&format!("{board} --video frame.2vuy --out video.png")).done();
+    assert_eq!(bytes(&place, "raw-out.yuyv"), bytes(&place, "video.yuyv"));
+}
+
+#[test]
+fn video_that_is_no_raw_frame_is_refused_with_the_place_that_says_so() {
+    let place = captured("");
+    let mut video = bytes(&place, "frame.2vuy");
+    // Luma of row 1, column 3; then chroma of row 0, column 2.
+    for (at, code, row, column) in [(2 * (80 + 3) + 1, 63, 1, 3), (4, 235, 0, 2)] {
+        video[at] = code;
+        place.write("other.2vuy", &video);
+        let run = place.edof(&format!("{RECONSTRUCT} --video other.2vuy --size 80x64 --out out.png"));
+        let place_of = format!("row {row}, column {column}");
+        run.refused(&["other.2vuy", &format!("byte {code}"), &place_of, "expected 64 to 191"]);
+    }
+    let refused = |more: &str, words: &[&str]| {
+        place.edof(&format!("{RECONSTRUCT} {more} --out out.png")).refused(words);
+    };
+    refused("--video other.2vuy", &["other.2vuy", "size", "WIDTHxHEIGHT"]);
+    refused("--video other.2vuy --size 80x62", &["other.2vuy", "10240 bytes", "expected 9920", "80x62"]);
+    refused("--video frame.2vuy --size 64x80", &["--size 64x80", "frame.2vuy.json says 80x64"]);
+    refused("--packing bytes --size 80x64 frame.2vuy", &["--packing bytes", "says 2vuy"]);
+    refused("--video raw.png", &["raw.png"]);
+    // A frame of another depth than is stated.
+    place.write("deep.2vuy", vec![65; 2 * 80 * 64]);
+    refused("--video deep.2vuy --size 80x64 --depth 8", &["deep.2vuy", "row 0, column 0", "8-bit"]);
+    assert!(!place.path("out.png").exists());
+}
+
+#[test]
+fn video_replaces_no_other_file_of_its_command() {
+    let place = Place::new();
+    for video in ["raw.png", "raw.png.json", "sharp.png"] {
+        let line =
+            format!("capture leaves --size 80x64 --psi 0 --out raw.png --sharp sharp.png --video {video}");
+        place.edof(&line).refused(&[video]);
+        assert_eq!(place.files(), Vec::<String>::new());
+    }
+}
