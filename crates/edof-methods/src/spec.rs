@@ -322,12 +322,15 @@ pub struct Ready<'a> {
 
 /// A method that is prepared.
 pub struct Prepared<'a> {
+    /// What reconstructs.
     pub reconstructor: &'a dyn Reconstructor,
     /// Wall-clock seconds that it took.
     pub seconds: f64,
 }
 
 impl<'a> Ready<'a> {
+    /// Methods behind a camera at a depth, none of them prepared yet.
+    #[must_use]
     pub fn new(camera: &'a Camera, specs: &'a [MethodSpec], psi: f64, optics: Settings) -> Self {
         Self { camera, specs, psi, optics, prepared: HashMap::new() }
     }

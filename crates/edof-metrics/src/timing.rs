@@ -32,14 +32,17 @@ impl Range {
 
 /// A reconstruction, its times the medians of several runs where those cost little.
 pub struct Timed {
+    /// The first of the runs that count, its seconds the median of all.
     pub result: Reconstruction,
     /// Wall-clock seconds of the fastest and the slowest run.
     pub range: Range,
     /// Of all threads together.
     pub cpu_seconds: Option<f64>,
+    /// The least and the most of them.
     pub cpu_range: Option<Range>,
     /// Of the process, in the first run.
     pub peak_memory_bytes: Option<u64>,
+    /// Runs that the times are of.
     pub repetitions: usize,
 }
 

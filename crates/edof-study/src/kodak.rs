@@ -13,7 +13,7 @@ use edof_image::reconstructor::Multiplications;
 use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
 use edof_io::photos::Photo;
 use edof_methods::method::Method;
-use edof_methods::spec::{MethodSpec, PrepareError, Ready};
+use edof_methods::spec::{PrepareError, Ready};
 use edof_metrics::{BORDER, MetricError, Quality, shown};
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
@@ -397,7 +397,7 @@ pub fn sensor(image: &str, psi: f64, noise: Noise) -> Sensor {
 mod tests {
     use super::*;
     use crate::journal::{Header, Program};
-    use crate::setup::Setup;
+    use edof_methods::spec::MethodSpec;
 
     fn setup(camera: &str) -> Setup {
         Setup { camera: Camera::resolve(camera).unwrap(), methods: vec![MethodSpec::Malvar] }

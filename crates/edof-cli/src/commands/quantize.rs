@@ -12,7 +12,6 @@ use edof_golden::Golden;
 use edof_image::overlap::Overlap;
 use edof_image::{ColourFrame, Stride};
 use edof_io::photos::Selection;
-use edof_metrics;
 use edof_network::fixed_network::{CalibratedOn, Quantized};
 use edof_network::network::Origin;
 use edof_network::{FixedNetwork, Network, weight_file};
@@ -213,7 +212,7 @@ fn judge(
     scenes: &[Scene<'_>],
 ) -> Result<Evaluation, Error> {
     let float = FloatReconstructor::new(network.clone(), options.stride, options.overlap, Output::Ycc422)?;
-    Ok(evaluate(&float, golden, scenes, |sharp, estimate| metrics::psnr(sharp, estimate, BORDER))?)
+    Ok(evaluate(&float, golden, scenes, |sharp, estimate| edof_metrics::psnr(sharp, estimate, BORDER))?)
 }
 
 /// `x.safetensors` gives `x.fixed.safetensors` beside it; a name gives it under `weights/`.
