@@ -154,7 +154,7 @@ pub struct Args {
 
 /// Transfer curves by name.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Gamma {
+pub(super) enum Gamma {
     /// Numbers proportional to light
     Linear,
     /// For an sRGB screen
