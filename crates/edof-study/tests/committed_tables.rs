@@ -6,11 +6,11 @@ use edof_storage::provenance::Provenance;
 use edof_study::journal::{Header, Journal, Maker, Program};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
-use edof_study::kodak::Measured;
 use edof_study::made::{Made, OLD, machines};
 use edof_study::speed::Speed;
 use edof_study::summary::Study;
 use edof_study::told::Told;
+use edof_study::trial::Measured;
 use std::path::{Path, PathBuf};
 
 /// Files that were made before rows and pages stated their revision. They leave this list when `scripts/results.sh` has remade them; no
