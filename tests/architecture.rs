@@ -158,9 +158,9 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-metrics",
-        uses: &["edof-image"],
+        uses: &["edof-image", "edof-numerics"],
         tests_use: &[],
-        knows_nothing_of: &["edof-storage", "edof-numerics"],
+        knows_nothing_of: &["edof-storage", "edof-optics"],
     },
     Row {
         name: "edof-report",
@@ -192,6 +192,7 @@ const CRATES: &[Row] = &[
         name: "edof-study",
         uses: &[
             "edof-image",
+            "edof-numerics",
             "edof-storage",
             "edof-camera",
             "edof-network",
@@ -269,7 +270,9 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["edof-cli"]),
     // Pictures. The golden pipeline's tests read photographs.
     ("image", &["edof-io", "edof-report", "edof-study", "edof-golden"]),
+    ("csv", &["edof-report"]),
     ("libloading", &["edof-cosim"]),
+    ("maud", &["edof-report"]),
     ("opencl3", &["edof-gpu"]),
     ("rust-hdl", &["edof-verilog", "edof-hdl", "edof-cosim"]),
     ("serialport", &["edof-board"]),

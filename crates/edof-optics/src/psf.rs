@@ -12,6 +12,7 @@ use crate::depth::geometric_blur_um;
 use crate::pupil::Pupil;
 use edof_camera::camera::{Camera, Spectrum};
 use edof_image::Channel;
+use edof_numerics::sinc;
 use ndarray::{Array1, Array2, Axis, s};
 use rayon::prelude::*;
 
@@ -58,8 +59,8 @@ impl Settings {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Psf {
-    /// Odd side, sum 1, the point on the centre of the middle pixel.
-    pub kernel: Array2<f32>,
+    /// Odd side, sum 1: no other is given out, and nobody can change it.
+    kernel: Array2<f32>,
     /// Share of the computed energy that the kernel held before it was scaled to sum 1.
     pub energy_kept: f64,
     /// Side of the computed support in pixels.
@@ -100,6 +101,18 @@ impl Psf {
             return Err(PsfError::Sum(sum));
         }
         Ok(Self::given(kernel))
+    }
+
+    /// The kernel: of odd side, summing to 1, the point on the centre of the middle pixel.
+    #[must_use]
+    pub const fn kernel(&self) -> &Array2<f32> {
+        &self.kernel
+    }
+
+    /// The same to keep.
+    #[must_use]
+    pub fn into_kernel(self) -> Array2<f32> {
+        self.kernel
     }
 
     /// Pixels along one side of the kernel.
@@ -192,7 +205,7 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
 /// ```
 /// use edof_optics::psf::{Settings, channel_psfs};
 /// let [red, _, blue] = channel_psfs(&edof_camera::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
-/// let middle = |psf: &edof_optics::psf::Psf| psf.kernel[(psf.side() / 2, psf.side() / 2)];
+/// let middle = |psf: &edof_optics::psf::Psf| psf.kernel()[(psf.side() / 2, psf.side() / 2)];
 /// assert!(middle(&red) > middle(&blue), "red is in focus at psi 1");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -431,12 +444,6 @@ impl FineIntensity {
         let intensity = squared_field(sampled.mapv(|p| p.re)) + squared_field(sampled.mapv(|p| p.im));
         Self { intensity, transform, band: (2 * samples).min(n) }
     }
-}
-
-/// sin(πx)/(πx).
-pub(crate) fn sinc(x: f64) -> f64 {
-    let angle = std::f64::consts::PI * x;
-    if angle.abs() < 1e-9 { 1.0 } else { angle.sin() / angle }
 }
 
 /// Sum over all four quarters of an even plane of which one, with the axes, is given.

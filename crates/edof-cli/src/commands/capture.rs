@@ -79,7 +79,7 @@ pub struct Args {
     map_of: MapOf,
 
     /// Most layers that the photograph is cut into
-    #[arg(long, default_value_t = 16, value_name = "N")]
+    #[arg(long, default_value_t = layers::USUAL, value_name = "N")]
     layers: usize,
 
     /// Bits a pixel of the sensor, 8 to 16

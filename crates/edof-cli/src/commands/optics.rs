@@ -260,7 +260,7 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
 
 /// The kernels as a PSF bank (`edof_camera::psf_bank`).
 fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
-    let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| &psf.kernel)).collect();
+    let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| psf.kernel())).collect();
     let mut npz = Npz::new();
     npz.add("psi", &aview1(psis))?;
     npz.add("psf", &bank::stacked(&kernels))?;
@@ -335,7 +335,7 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
         design::search(&base, &statistics, &task, &search, |done, db| {
             progress.message(format!("{db:.2} dB"));
             progress.set(done as u64);
-            interrupt::check().is_ok()
+            interrupt::flow()
         })?;
     drop(progress);
     interrupt::check()?;

@@ -1,7 +1,8 @@
 //! `edof board load` and `verify`.
 
-use super::{goes_on, known, of};
+use super::{known, of};
 use crate::error::Error;
+use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_board::contents::{letter, other, parts};
@@ -127,13 +128,13 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     let loaded = board
         .load(&job, &mut |done, total| {
             bar.of(done, total);
-            goes_on()
+            interrupt::flow()
         })
         .map_err(of)?;
     if let Some(curve) = load.curve {
         let mut step = |done, total| {
             bar.of(done, total);
-            goes_on()
+            interrupt::flow()
         };
         board.load_tables(&display(curve), &mut step).map_err(of)?;
     }
@@ -211,7 +212,7 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
     let differences = board
         .verify(&design, &network, bank, verify.read_back, &mut |done, total| {
             bar.of(done, total);
-            goes_on()
+            interrupt::flow()
         })
         .map_err(of)?;
     drop(bar);

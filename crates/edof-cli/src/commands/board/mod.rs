@@ -189,11 +189,6 @@ fn of(error: edof_board::Error) -> Error {
     }
 }
 
-/// Whether to go on.
-fn goes_on() -> bool {
-    interrupt::check().is_ok()
-}
-
 impl Args {
     fn patience(&self) -> Duration {
         Duration::from_secs_f64(self.patience)

@@ -114,7 +114,7 @@ fn dataset(
     let bar = ui.progress(frames.len() as u64, "blur");
     let tell = |done: usize, _| {
         bar.set(done as u64);
-        interrupt::check().is_ok()
+        interrupt::flow()
     };
     Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)
 }
