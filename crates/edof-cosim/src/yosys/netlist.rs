@@ -216,3 +216,79 @@ impl Cell {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A top in which register 2 leads to a bank's register, and through a LUT to another bank's; the library states what they take.
+    fn netlist(other_bank: usize) -> [Netlist; 2] {
+        let register = |d: u64, q: u64| {
+            format!(
+                r#"{{"type": "FDRE", "port_directions": {{"C": "input", "D": "input", "Q": "output"}}, "connections": {{"C": [1], "D": [{d}], "Q": [{q}]}}}}"#
+            )
+        };
+        let name = |net: u64| format!(r#"{{"hide_name": 0, "bits": [{net}]}}"#);
+        let top = format!(
+            r#"{{"modules": {{"top": {{"attributes": {{"top": 1}}, "ports": {{"in_i": {{"direction": "input", "bits": [9]}}}},
+            "cells": {{"a": {}, "b": {}, "c": {}, "lut": {{"type": "LUT1", "port_directions": {{"I0": "input", "O": "output"}},
+            "connections": {{"I0": [2], "O": [3]}}}}}},
+            "netnames": {{"copy_q": {}, "banks[7].lanes.near_q": {}, "banks[{other_bank}].lanes.far_q": {}}}}}}}}}"#,
+            register(9, 2),
+            register(2, 4),
+            register(3, 5),
+            name(2),
+            name(4),
+            name(5)
+        );
+        let arc = |kind: &str, from: u64, to: u64, delay: &str| {
+            format!(
+                r#"{{"type": "{kind}", "parameters": {{"FULL": "0", "T_RISE_MAX": "{delay}", "T_FALL_MAX": "0", "T_LIMIT_MAX": "{delay}"}},
+                "connections": {{"SRC": [{from}], "DST": [{to}]}}}}"#
+            )
+        };
+        let port = |name: &str, direction: &str, net: u64| {
+            format!(r#""{name}": {{"direction": "{direction}", "bits": [{net}]}}"#)
+        };
+        let library = format!(
+            r#"{{"modules": {{"FDRE": {{"ports": {{{}, {}, {}}}, "cells": {{"leaves": {}, "ends": {}}}}},
+            "LUT1": {{"ports": {{{}, {}}}, "cells": {{"through": {}}}}}}}}}"#,
+            port("C", "input", 1),
+            port("D", "input", 2),
+            port("Q", "output", 3),
+            arc("$specify3", 1, 3, "1010"),
+            arc("$specrule", 2, 1, "11"),
+            port("I0", "input", 1),
+            port("O", "output", 2),
+            arc("$specify2", 1, 2, "100")
+        );
+        [top, library].map(|text| Netlist::read(text.as_bytes()).unwrap())
+    }
+
+    #[test]
+    fn a_register_that_leads_to_banks_of_two_groups_is_a_stray() {
+        let strays = |bank: usize| netlist(bank)[0].strays(8).unwrap();
+        assert_eq!(strays(6), [""; 0]);
+        assert_eq!(strays(8), ["copy_q: groups {0, 1}"]);
+    }
+
+    #[test]
+    fn kinds_of_paths_are_told_longest_first() {
+        let [top, library] = netlist(8);
+        let kinds = top.kinds(&library).unwrap();
+        let told: Vec<_> =
+            kinds.iter().map(|kind| (kind.delay_ps, kind.from.as_str(), kind.to.as_str())).collect();
+        let expected = [
+            (17, "copy_q", "banks[8].lanes.far_q"),
+            (13, "copy_q", "banks[7].lanes.near_q"),
+            (3, "in_i", "copy_q"),
+        ];
+        // The name of an input's net is that of a wire, which this top has not.
+        assert_eq!(
+            told.iter().map(|kind| (kind.0, kind.2)).collect::<Vec<_>>(),
+            expected.map(|kind| (kind.0, kind.2))
+        );
+        assert_eq!(told[0], expected[0]);
+        assert_eq!(kinds[0].pin, "FDRE.D");
+    }
+}

@@ -5,8 +5,8 @@ use super::chain::Chain;
 use edof_device::Design;
 use edof_device::design::StagePlan;
 use edof_device::design::timing::{
-    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS,
-    SUM_LATENCY, release,
+    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS, SUM_LATENCY,
+    release,
 };
 use edof_image::Geometry;
 

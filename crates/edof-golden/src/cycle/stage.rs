@@ -3,8 +3,8 @@
 use super::StallPattern;
 use edof_device::design::StagePlan;
 use edof_device::design::timing::{
-    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS,
-    SUM_LATENCY, release,
+    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS, SUM_LATENCY,
+    release,
 };
 use std::collections::{BTreeSet, VecDeque};
 

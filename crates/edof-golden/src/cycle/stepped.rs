@@ -6,8 +6,8 @@ use crate::Trace;
 use edof_device::Design;
 use edof_device::design::reading::stolen;
 use edof_device::design::timing::{
-    ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING,
-    RELEASE_LATENCY, SLOTS, SUM_LATENCY, release,
+    ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS,
+    SUM_LATENCY, release,
 };
 use edof_device::design::{BEAT, StagePlan};
 use std::collections::{BTreeSet, VecDeque};

@@ -216,11 +216,7 @@ fn back_of_bank(sizes: &Sizes, old: &State) -> u64 {
     let Write { read, bank, row, .. } = old.writes[3];
     let part = row & ((1 << sizes.part_bits) - 1);
     let parts = if sizes.dense { sizes.rows } else { 1 };
-    if read && bank < sizes.banks && part < parts {
-        old.read[1][bank * sizes.rows + part]
-    } else {
-        0
-    }
+    if read && bank < sizes.banks && part < parts { old.read[1][bank * sizes.rows + part] } else { 0 }
 }
 
 fn write(sizes: &Sizes, write: &Write, weights: &mut [Vec<u64>]) {
