@@ -1,9 +1,11 @@
 //! The part of Yosys's JSON netlist that we read.
 
+pub mod paths;
+
 use super::fan_out::FanOut;
 use super::{Dsp, Report};
 use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
@@ -16,7 +18,11 @@ pub struct Netlist {
 #[derive(Deserialize)]
 struct Module {
     #[serde(default)]
-    attributes: BTreeMap<String, IgnoredAny>,
+    attributes: BTreeMap<String, Value>,
+    #[serde(default)]
+    parameter_default_values: BTreeMap<String, Value>,
+    #[serde(default)]
+    ports: BTreeMap<String, Port>,
     #[serde(default)]
     cells: BTreeMap<String, Cell>,
     #[serde(default)]
@@ -24,11 +30,17 @@ struct Module {
 }
 
 #[derive(Deserialize)]
+struct Port {
+    direction: String,
+    bits: Vec<Bit>,
+}
+
+#[derive(Deserialize)]
 struct Wire {
     hide_name: u8,
     bits: Vec<Bit>,
     #[serde(default)]
-    attributes: BTreeMap<String, IgnoredAny>,
+    attributes: BTreeMap<String, Value>,
 }
 
 #[derive(Deserialize)]
@@ -75,6 +87,11 @@ impl Netlist {
             }
         }
         Some(report)
+    }
+
+    /// Registers of a flat top that lead to banks of more than one group of so many neighbours; none where there is no top.
+    pub fn strays(&self, group: usize) -> Option<Vec<String>> {
+        Some(self.modules.values().find(|module| module.attributes.contains_key("top"))?.strays(group))
     }
 
     /// All nets of a flat top but its clocks, those with the most loads first; none where there is no top.
@@ -174,6 +191,60 @@ impl Module {
             .collect()
     }
 
+    /// Registers whose outputs lead, directly or through logic, to banks of more than one group of `group` neighbours: name and groups. A bank is
+    /// an instance `banks[N].`.
+    fn strays(&self, group: usize) -> Vec<String> {
+        let names = self.bank_names();
+        let mut readers: BTreeMap<u64, Vec<&Cell>> = BTreeMap::new();
+        for cell in self.cells.values() {
+            let inputs = cell.connections.iter().filter(|(pin, _)| {
+                cell.port_directions.get(*pin).is_some_and(|direction| direction == "input")
+                    && !CLOCK_PINS.contains(&pin.as_str())
+            });
+            for net in inputs.flat_map(|(_, bits)| bits).filter_map(Bit::net) {
+                readers.entry(net).or_default().push(cell);
+            }
+        }
+        let all = self.names();
+        let registers = self.cells.values().filter(|cell| !cell.is_logic());
+        let outputs = registers.flat_map(Cell::outputs).collect::<BTreeSet<u64>>();
+        let mut strays = vec![];
+        for net in outputs {
+            let (mut found, mut seen, mut open) = (BTreeSet::new(), BTreeSet::new(), vec![net]);
+            while let Some(net) = open.pop() {
+                for cell in readers.get(&net).into_iter().flatten() {
+                    let fresh = cell.outputs().filter(|net| seen.insert(*net));
+                    if cell.is_logic() {
+                        open.extend(fresh);
+                    } else {
+                        found.extend(
+                            cell.outputs().filter_map(|net| names.get(&net)).map(|bank| bank / group),
+                        );
+                    }
+                }
+            }
+            if found.len() > 1 {
+                let name = all.get(&net).map_or_else(|| format!("net {net}"), |(name, _)| name.clone());
+                strays.push(format!("{name}: groups {found:?}"));
+            }
+        }
+        strays
+    }
+
+    /// The bank in which a net is driven: its register is named there.
+    fn bank_names(&self) -> BTreeMap<u64, usize> {
+        let mut banks = BTreeMap::new();
+        for (name, wire) in &self.netnames {
+            let Some((_, inside)) = name.split_once("banks[") else { continue };
+            let bank = inside.split_once(']').and_then(|(bank, _)| bank.parse().ok());
+            let is_own = name.ends_with("_q") || name.ends_with(".sum") || name.ends_with("sum_o");
+            if let Some(bank) = bank.filter(|_| is_own) {
+                banks.extend(wire.bits.iter().filter_map(Bit::net).map(|net| (net, bank)));
+            }
+        }
+        banks
+    }
+
     /// Nets that enter a carry chain, directly or through one LUT.
     fn nets_to_carry(&self) -> BTreeSet<u64> {
         let carries = self.cells.values().filter(|cell| cell.kind == "CARRY4");
@@ -187,6 +258,18 @@ impl Module {
 }
 
 impl Cell {
+    /// Whether paths go through it.
+    fn is_logic(&self) -> bool {
+        ["LUT", "MUXF", "CARRY4", "INV"].iter().any(|kind| self.kind.starts_with(kind))
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = u64> {
+        let is_output =
+            |pin: &&String| self.port_directions.get(*pin).is_some_and(|direction| direction == "output");
+        let pins = self.connections.keys().filter(is_output).cloned().collect::<Vec<_>>();
+        pins.into_iter().flat_map(|pin| self.connections[&pin].iter().filter_map(Bit::net))
+    }
+
     fn nets(&self, ports: &'static [&str]) -> impl Iterator<Item = u64> {
         let bits = ports.iter().filter_map(|&port| self.connections.get(port)).flatten();
         bits.filter_map(Bit::net)
