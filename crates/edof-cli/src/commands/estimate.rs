@@ -7,18 +7,15 @@ use crate::interrupt;
 use crate::lens::Depth;
 use crate::ui::Ui;
 use crate::weights;
-use crate::windows::{self, Shot};
+use crate::windows::Shot;
 use edof_cosim::chain::check::stage_names;
+use edof_cosim::estimate::{Estimated, Measured, Picture};
 use edof_device::Design;
 use edof_device::board;
-use edof_device::design::memory::Set;
-use edof_golden::cycle::estimate::{StageCycles, estimate};
-use edof_golden::cycle::{Cycle, Patch, Summary};
-use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
-use edof_hdl::resources::{self, Resources, XC7K325T};
+use edof_golden::cycle::estimate::StageCycles;
+use edof_hdl::resources::{Resources, XC7K325T};
 use edof_image::Noise;
 use edof_network::FixedNetwork;
-use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Tell what a design takes: cycles a patch, frames a second, and how much of the FPGA
@@ -71,39 +68,32 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let measured = match &args.weights {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);
-            Some(Measured::new(&design, &weights::fixed(name)?, &args, ui)?)
+            Some(self::measured(&design, &weights::fixed(name)?, &args, ui)?)
         }
         None => None,
     };
-    let pairs = measured.as_ref().map(Measured::mean_pairs);
-    let ahead = estimate(&design, pairs.as_deref());
-    let cycles = measured.as_ref().map_or(ahead.cycles_per_patch, Measured::cycles_per_patch);
-    let limiting = measured.as_ref().map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage);
-    let rate = |cycles: f64| design.clock_mhz * 1e6 / (cycles * ahead.patches_per_frame as f64);
-    let frames = rate(cycles);
-    let stages = resources::stages(&design);
-    let total = resources::whole(&design);
+    let estimated = Estimated::new(&design, measured.as_ref());
+    let Estimated { pairs, ahead, cycles, limiting, stages, total, board, .. } = &estimated;
+    let (cycles, frames) = (*cycles, estimated.rate(*cycles));
     let names = stage_names(stages.len());
 
     ui.say("stage  lanes x rows  values  cycles  DSP48E1  RAMB36E1  RAMB18E1      LUT       FF")?;
-    for (index, (plan, used)) in design.stages().zip(&stages).enumerate() {
+    for (index, (plan, used)) in design.stages().zip(stages).enumerate() {
         let values = pairs.as_ref().map_or(plan.inputs as f64, |p| p[index]);
         let own = StageCycles::largest(&ahead.stages[index]);
         let folded = format!("{} x {}", plan.lanes, plan.rows);
         ui.say(format!("{:5}  {folded:>12}  {values:6.1}  {own:6.1}  {}", names[index], row(used)))?;
     }
-    ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}  {}", "all", "", "", row(&total)))?;
+    ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}  {}", "all", "", "", row(total)))?;
     let (scarcest, share) = total.fullest(&XC7K325T);
     ui.say(format!(
         "{frames:.1} frames a second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an XC7K325T",
         design.frame.width,
         design.frame.height,
         design.clock_mhz,
-        names[limiting],
+        names[*limiting],
         100.0 * share
     ))?;
-    let latency = measured.as_ref().map_or(ahead.latency as f64, Measured::mean_latency);
-    let board = figures_of(&design, cycles, latency);
     ui.say(format!(
         "from HDMI in to HDMI out: {:.1} frames a second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
         board.frames_per_second,
@@ -112,144 +102,36 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         board.written / 1e6,
         board.read / 1e6
     ))?;
-    let picture = |Picture { name, summary }: &Picture| {
-        json!({
-            "picture": name,
-            "patches": summary.counts.patches,
-            "cycles_per_patch": summary.cycles_per_patch(),
-            "most_cycles_per_patch": summary.most_cycles,
-            "frames_per_second": rate(summary.cycles_per_patch()),
-            "limiting_stage": names[summary.limiting_stage()],
-            "pairs_per_patch": summary.mean_pairs(),
-        })
-    };
     if let Some(Measured(pictures)) = &measured
         && pictures.len() > 1
-        && let Some(Picture { name, summary }) = worst(pictures)
+        && let Some(Picture { name, summary }) = estimated.measured.and_then(Measured::worst)
     {
         let cycles = summary.cycles_per_patch();
         ui.say(format!(
             "mean of {} pictures; the slowest is {name}: {cycles:.1} cycles a patch, {:.1} frames a second; {} limits",
             pictures.len(),
-            rate(cycles),
+            estimated.rate(cycles),
             names[summary.limiting_stage()]
         ))?;
     }
-    let per_stage: Vec<Value> = stages
-        .iter()
-        .enumerate()
-        .map(|(index, used)| {
-            json!({
-                "stage": names[index],
-                "cycles_per_patch": ahead.stages[index].largest(),
-                "pairs_per_patch": pairs.as_ref().map(|p| p[index]),
-                "resources": used,
-            })
-        })
-        .collect();
-    ui.json(&json!({
-        "design": design.name,
-        "weights": args.weights,
-        "dsp48e1": total.dsp48e1,
-        "ramb36e1": total.ramb36e1,
-        "ramb18e1": total.ramb18e1,
-        "lut": total.lut,
-        "ff": total.ff,
-        "clock_mhz": design.clock_mhz,
-        "cycles_per_patch": cycles,
-        "most_cycles_per_patch": measured.as_ref().map(Measured::most_cycles),
-        "frames_per_second": frames,
-        "limiting_stage": names[limiting],
-        "board": {
-            "frames_per_second": board.frames_per_second,
-            "memory_written_per_second": board.written,
-            "memory_read_per_second": board.read,
-            "latency_seconds": board.latency,
-        },
-        "scarcest": scarcest,
-        "share_of_scarcest": share,
-        "stages": per_stage,
-        "slowest_picture": measured.as_ref().and_then(|measured| worst(&measured.0)).map(picture),
-        "pictures": measured.as_ref().map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
-    }))
+    ui.json(&estimated.json(args.weights.as_deref()))
 }
 
-/// The whole board at the design's clock, a camera and a screen of its frames' standard timing.
-fn figures_of(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Figures {
-    let core = (1e6 / design.clock_mhz) as u64;
-    let periods = Periods { core, ..Periods::of_board(design.frame) };
-    figures(design.frame, CoreCycles::of(design, cycles_a_patch, patch_latency), periods)
-}
-
-/// A picture that went through the cycle model.
-struct Picture {
-    name: String,
-    summary: Summary,
-}
-
-/// Pictures through the cycle model, each by itself.
-struct Measured(Vec<Picture>);
-
-impl Measured {
-    fn new(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Self, Error> {
-        designs::fits(design, network)?;
-        let model = Cycle::new(design, [network, network])?;
-        let shots = Shot::all(&args.photo, &args.psi, args.noise);
-        let bar = ui.progress(shots.len() as u64, "pictures measured");
-        let mut pictures = vec![];
-        for shot in &shots {
-            let raw = shot.frame(network, ui)?;
-            let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
-            let mut summary = Summary::new(design);
-            for patch in model.run(patches) {
-                summary.add(&patch);
-                interrupt::check()?;
-            }
-            pictures.push(Picture { name: shot.name(network)?, summary });
-            bar.set(pictures.len() as u64);
-        }
-        Ok(Self(pictures))
+/// Every picture through the cycle model.
+fn measured(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Measured, Error> {
+    designs::fits(design, network)?;
+    let shots = Shot::all(&args.photo, &args.psi, args.noise);
+    let bar = ui.progress(shots.len() as u64, "pictures measured");
+    let mut pictures = vec![];
+    for shot in &shots {
+        let raw = shot.frame(network, ui)?;
+        let picture =
+            Picture::measure(shot.name(network)?, design, network, &raw, || interrupt::check().is_ok());
+        interrupt::check()?;
+        pictures.push(picture?);
+        bar.set(pictures.len() as u64);
     }
-
-    /// Mean over all patches of all pictures.
-    fn mean(&self, of: impl Fn(&Summary) -> f64) -> f64 {
-        let weighed = |Picture { summary, .. }: &Picture| (summary.counts.patches as f64, of(summary));
-        let sums = self.0.iter().map(weighed);
-        let (patches, sum) = sums.fold((0.0, 0.0), |(n, sum), (patches, x)| (n + patches, sum + patches * x));
-        sum / f64::max(patches, 1.0)
-    }
-
-    fn cycles_per_patch(&self) -> f64 {
-        self.mean(Summary::cycles_per_patch)
-    }
-
-    fn mean_latency(&self) -> f64 {
-        self.mean(Summary::mean_latency)
-    }
-
-    fn stages(&self) -> std::ops::Range<usize> {
-        0..self.0.first().map_or(0, |picture| picture.summary.stages.len())
-    }
-
-    fn mean_pairs(&self) -> Vec<f64> {
-        self.stages().map(|stage| self.mean(|summary| summary.mean_pairs()[stage])).collect()
-    }
-
-    fn most_cycles(&self) -> u64 {
-        self.0.iter().map(|picture| picture.summary.most_cycles).max().unwrap_or(0)
-    }
-
-    /// The stage that would have needed the most cycles alone, all pictures together.
-    fn limiting_stage(&self) -> usize {
-        let alone = |stage: usize| -> f64 { self.0.iter().map(|p| p.summary.stages[stage].alone).sum() };
-        self.stages().fold(0, |most, stage| if alone(stage) > alone(most) { stage } else { most })
-    }
-}
-
-/// The picture that takes longest, the first of equal ones.
-fn worst(pictures: &[Picture]) -> Option<&Picture> {
-    let cycles = |picture: &Picture| picture.summary.cycles_per_patch();
-    pictures.iter().reduce(|worst, next| if cycles(next) > cycles(worst) { next } else { worst })
+    Ok(Measured(pictures))
 }
 
 fn row(used: &Resources) -> String {

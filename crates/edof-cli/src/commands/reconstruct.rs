@@ -376,7 +376,7 @@ impl Job<'_> {
     fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(), Error> {
         taken.rendering.apply(&mut light);
         let curve = curve(self.args, self.tone(taken));
-        Ok(photo::save(&self.out, &encoded(light, curve), self.args.bits)?)
+        Ok(photo::save(&self.out, &curve.encoded(light), self.args.bits)?)
     }
 
     /// Where the board's codes go, if they are asked for.
@@ -545,7 +545,7 @@ fn counters(counts: &Counts) -> Value {
 impl Args {
     /// The camera that the user states, if any.
     fn stated_lens(&self) -> Result<Option<Lens>, Error> {
-        self.camera.as_deref().map(|name| lens::resolve(name, self.psf_bank.as_deref())).transpose()
+        Ok(self.camera.as_deref().map(|name| lens::resolve(name, self.psf_bank.as_deref())).transpose()?)
     }
 
     /// All that the user states of a frame.
@@ -567,14 +567,6 @@ fn curve(args: &Args, tone: Tone) -> Curve {
         (Some(Gamma::Srgb), _) | (None, Tone::Srgb) => Curve::Srgb,
         (Some(Gamma::Bt709), _) => Curve::Bt709,
     }
-}
-
-/// Light as the numbers of a picture file.
-fn encoded(mut light: ColourFrame, curve: Curve) -> ColourFrame {
-    if curve != Curve::Linear {
-        light.planes.mapv_inplace(|v| curve.encode(f64::from(v.clamp(0.0, 1.0))) as f32);
-    }
-    light
 }
 
 fn raw_options(args: &Args) -> RawOptions {
