@@ -73,7 +73,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => None,
     };
     let estimated = Estimated::new(&design, measured.as_ref());
-    let Estimated { pairs, ahead, cycles, limiting, stages, total, board, .. } = &estimated;
+    tell(&design, &estimated, ui)?;
+    ui.json(&estimated.json(args.weights.as_deref()))
+}
+
+fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error> {
+    let Estimated { pairs, ahead, cycles, limiting, stages, total, board, .. } = estimated;
     let (cycles, frames) = (*cycles, estimated.rate(*cycles));
     let names = stage_names(stages.len());
 
@@ -102,7 +107,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         board.written / 1e6,
         board.read / 1e6
     ))?;
-    if let Some(Measured(pictures)) = &measured
+    if let Some(Measured(pictures)) = estimated.measured
         && pictures.len() > 1
         && let Some(Picture { name, summary }) = estimated.measured.and_then(Measured::worst)
     {
@@ -114,7 +119,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             names[summary.limiting_stage()]
         ))?;
     }
-    ui.json(&estimated.json(args.weights.as_deref()))
+    Ok(())
 }
 
 /// Every picture through the cycle model.

@@ -15,8 +15,8 @@ use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
 use edof_hdl::resources::Resources;
 use edof_image::Noise;
+use edof_metrics::{BORDER, psnr, shown};
 use edof_network::FixedNetwork;
-use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
 use std::path::PathBuf;
 
