@@ -579,6 +579,21 @@ def demosaic(
 ) -> _Light:
     """The frame as a plain camera would show it: malvar (Malvar, He, Cutler) or directional (Menon, Andriani, Calvagno)."""
 
+def train(
+    form: str,
+    pictures: Sequence[_Light],
+    camera: _Camera,
+    *,
+    recipe: Optional[dict[str, Any]] = None,
+    psi: Optional[Sequence[float]] = None,
+    threads: Optional[SupportsIndex] = None,
+    start: Optional[Network] = None,
+    name: str = "trained",
+) -> tuple[Network, list[dict[str, Any]]]:
+    """Trains a float network of `form` on pictures (as files hold them, 0 to 1) behind a camera, at depths `psi` (default: nine over its range), as `edof train`; `recipe` replaces fields of
+    edof_train::recipe::Recipe (steps, batch, rate, seed, tones, conditions, ...); `start` goes on from a network. Gives the best validated network and a report (step, loss,
+    best_db) of every hundred steps. The same arguments give the same weights on any number of threads (default 2)."""
+
 def wiener(plane: _Light, kernel: _Light, *, noise_to_contrast: float = 0.01) -> _Light:
     """Deconvolution of least mean square error; the variance of the noise over that of a difference of neighbouring pixels, above 0."""
 

@@ -10,6 +10,7 @@
 //! | PSF, OTF, blur and its adjoint | [`optics`] |
 //! | scenes and raw frames | [`scene`] |
 //! | networks, float and fixed | [`network`] |
+//! | training | [`train`] |
 //! | from raw frames to pictures | [`reconstruct`] |
 //! | picture files, PSNR and SSIM | [`pictures`] |
 //! | demosaicing, deconvolution, pursuits | [`restore`] |
@@ -33,6 +34,7 @@ mod pictures;
 mod reconstruct;
 mod restore;
 mod scene;
+mod train;
 
 use pyo3::prelude::*;
 
@@ -74,6 +76,7 @@ fn _edof(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(restore::lasso, module)?,
         wrap_pyfunction!(restore::learned, module)?,
         wrap_pyfunction!(cycles::stall_pattern, module)?,
+        wrap_pyfunction!(train::train, module)?,
         wrap_pyfunction!(pictures::load_picture, module)?,
         wrap_pyfunction!(pictures::save_picture, module)?,
         wrap_pyfunction!(pictures::quality, module)?,

@@ -207,3 +207,19 @@ def test_generated_sources_are_those_of_the_program(run: Run, tmp_path: Path) ->
     with pytest.raises(edof.EdofError, match="holds what no earlier run wrote"):
         (tmp_path / "ours" / "files.f").write_text("mine\n")
         design.generate(network, tmp_path / "ours")
+
+
+def test_a_training_gives_the_weights_of_the_program(run: Run, tmp_path: Path) -> None:
+    photos = [edof.Scene.draw("leaves", 192, 256, psi=[0.0], seed=seed).sharp() for seed in (1, 2)]
+    (tmp_path / "photos").mkdir()
+    for index, photo in enumerate(photos):
+        edof.save_picture(tmp_path / "photos" / f"p{index}.png", photo, bits=16)
+    run("train", "--form", "one-sided,w8,t3,c16,r", "--camera", "ring-outer", "--images", "photos", "--photos", "all", "--steps", 30, "--batch", 64,
+        "--validate-every", 15, "--depths", 2, "--seed", 5, "--threads", 1, "--out", "theirs.safetensors", "-q")  # fmt: skip
+    pictures = [edof.load_picture(tmp_path / "photos" / f"p{index}.png") for index in (0, 1)]
+    recipe = {"steps": 30, "batch": 64, "validate_every": 15, "seed": 5}
+    network, reports = edof.train("one-sided,w8,t3,c16,r", pictures, "ring-outer", recipe=recipe, psi=[0.0, 8.0], threads=2)
+    assert [report["step"] for report in reports] == [15, 30]
+    expected = edof.Network.load(tmp_path / "theirs.safetensors").arrays()
+    for name, array in network.arrays().items():
+        same(array, expected[name])
