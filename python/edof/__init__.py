@@ -46,6 +46,7 @@ from ._edof import (
     wiener,
     words,
 )
+from ._rows import rows
 
 __all__ = [
     "Board",
@@ -79,6 +80,7 @@ __all__ = [
     "quality",
     "reconstruct",
     "richardson_lucy",
+    "rows",
     "sampled_otf",
     "save_picture",
     "stall_pattern",

@@ -72,12 +72,12 @@ fn recipe(form: &str, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Recipe> {
         PyModule::import(changes.py(), "json")?.call_method1("dumps", (changes,))?.extract()?;
     let (mut fields, changes): (Value, Value) =
         (serde_json::to_value(&usual).or_raise()?, serde_json::from_str(&text).or_raise()?);
+    let known: Vec<String> = fields.as_object().into_iter().flat_map(|all| all.keys().cloned()).collect();
     for (name, value) in changes.as_object().into_iter().flatten() {
+        if !known.contains(name) {
+            return Err(failed(format!("recipe: '{name}' is no field of a recipe; they are {}", known.join(", "))));
+        }
         match (&mut fields[name.as_str()], value) {
-            (Value::Null, _) if fields.get(name).is_none() => {
-                let known: Vec<&String> = fields.as_object().into_iter().flat_map(|all| all.keys()).collect();
-                return Err(failed(format!("recipe: '{name}' is no field of a recipe; they are {known:?}")));
-            }
             (Value::Object(own), Value::Object(more)) => own.extend(more.clone()),
             (own, value) => *own = value.clone(),
         }
