@@ -9,7 +9,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frames: usize = std::env::args().nth(1).map_or(Ok(10), |count| count.parse())?;
     let golden = Golden::new(edof_presets::weights::fixed("edof-t4w12-outer-light")?)?;
     // A frame is read, aligned and reconstructed, and its words become colours: what `edof reconstruct` does between its files.
-    let file = Array2::from_shape_fn((1080, 1920), |(row, column)| ((row * 2003 + column * 331) % 4096) as u16);
+    let file =
+        Array2::from_shape_fn((1080, 1920), |(row, column)| ((row * 2003 + column * 331) % 4096) as u16);
     let frame = || -> Result<f32, Box<dyn std::error::Error>> {
         let raw = RawFrame::from_values(file.clone(), 12, CfaPhase::Rggb)?;
         Ok(golden.frame(&raw)?.colour().planes[(0, 5, 5)])

@@ -41,7 +41,8 @@ impl Task {
     fn run(&self, stop: &AtomicBool) -> PyResult<(Network, Vec<Report>)> {
         let going = || !stop.load(Ordering::Relaxed);
         let interrupted = || failed("train: interrupted");
-        let dataset = Dataset::new(&self.pictures, &self.camera, self.recipe.dataset(&self.psis), |_, _| going());
+        let dataset =
+            Dataset::new(&self.pictures, &self.camera, self.recipe.dataset(&self.psis), |_, _| going());
         let dataset = dataset.or_raise()?.ok_or_else(interrupted)?;
         let recipe = self.recipe.clone();
         let mut trainer = match &self.start {
@@ -75,7 +76,10 @@ fn recipe(form: &str, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Recipe> {
     let known: Vec<String> = fields.as_object().into_iter().flat_map(|all| all.keys().cloned()).collect();
     for (name, value) in changes.as_object().into_iter().flatten() {
         if !known.contains(name) {
-            return Err(failed(format!("recipe: '{name}' is no field of a recipe; they are {}", known.join(", "))));
+            return Err(failed(format!(
+                "recipe: '{name}' is no field of a recipe; they are {}",
+                known.join(", ")
+            )));
         }
         match (&mut fields[name.as_str()], value) {
             (Value::Object(own), Value::Object(more)) => own.extend(more.clone()),
