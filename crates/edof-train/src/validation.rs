@@ -150,7 +150,7 @@ impl Validation {
             let mut counts: Vec<f64> = self.0.iter().filter(|m| m.noisy).map(|m| m.non_zeros[t]).collect();
             counts.sort_by(|a, b| b.total_cmp(a));
             counts.truncate(counts.len().div_ceil(4));
-            mean(counts.into_iter())
+            mean(counts)
         };
         (0..layers).filter_map(busy).collect()
     }

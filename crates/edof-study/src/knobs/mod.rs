@@ -236,14 +236,14 @@ impl Plan {
         let (psnr_db, seconds, range) = match work {
             Work::Capture(shortened) => {
                 captures.exact.retain(|(of, _), _| of == knob);
-                self.captured(*knob, shortened, photo, captures)?
+                self.captured(knob, shortened, photo, captures)?
             }
             Work::Method(spec) => self.reconstructed(spec, photo, captures)?,
         };
         let (height, width) = photo.frame.size();
         let megapixels = (height * width) as f64 * 1e-6;
         Ok(Row {
-            knob: *knob,
+            knob,
             value: *value,
             is_default: *value == (knob.default)(self),
             image: photo.name.clone(),
