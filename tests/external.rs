@@ -7,7 +7,7 @@ fn study(place: &Place, external: &[&str]) -> Run {
     let line = "study single-depth --rows rows.jsonl --camera clear --nets net.safetensors --images photos --psi 2 --noise none \
                 --stride 8 --methods malvar --csv rows.csv --report page.html";
     let mut command = place.command(line);
-    external.iter().for_each(|external| drop(command.args(["--external", external])));
+    command.args(external.iter().flat_map(|external| ["--external", external]));
     command.output().unwrap().into()
 }
 

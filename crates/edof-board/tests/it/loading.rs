@@ -158,7 +158,9 @@ fn a_load_that_is_stopped_leaves_what_was_in_use() {
         let mut simulated = board(&design, &old);
         frames(&mut simulated, 3);
         let mut board = open(&mut simulated);
-        let stopped = board.load(&Job { bank, ..job(&design, &new) }, &mut |done, _| done < 900);
+        let stopped = board.load(&Job { bank, ..job(&design, &new) }, &mut |done, _| {
+            if done < 900 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
         assert!(matches!(stopped, Err(Error::Interrupted)));
         // Never the bank that is half written.
         let whole = if bank == Some(Set::First) { Set::Second } else { Set::First };
