@@ -3,6 +3,7 @@
 mod architecture;
 mod bad_input;
 mod board;
+mod board_data;
 mod contradictions;
 mod developing;
 mod documents;
@@ -19,5 +20,6 @@ mod support;
 mod tone;
 mod too_big;
 mod tools;
+mod words_of_failure;
 mod workspace;
 mod wrong_files;

@@ -2,14 +2,15 @@
 
 use crate::error::Error;
 use crate::interrupt;
+use crate::said;
 use crate::ui::Ui;
 use edof_cosim::system::{self, Begin, Compiled, Rig, recorded, second};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
-use edof_device::design::FrameSize;
+use edof_device::design::{DesignError, FrameSize};
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::Project;
-use edof_image::{DisplayMode, RawFrame, Stride, Window};
+use edof_image::{DisplayMode, RawFrame};
 use edof_network::FixedNetwork;
 use ndarray::s;
 use serde_json::json;
@@ -65,11 +66,16 @@ impl Args {
     /// # Errors
     /// One that cannot be built.
     pub fn design(&self, mut design: Design) -> Result<Design, Error> {
-        let stride = self.stride.map_or(Ok(design.frame.stride), Stride::new)?;
+        let stride = self.stride.map_or(Ok(design.frame.stride), said::stride)?;
         let (width, height) = self.size.unwrap_or((design.frame.width, design.frame.height));
-        design.form.window = self.window.map_or(Ok(design.form.window), Window::new)?;
+        design.form.window = self.window.map_or(Ok(design.form.window), said::window)?;
         design.frame = FrameSize { width, height, stride };
-        design.check()?;
+        design.check().map_err(|e| match (self.size, e) {
+            (Some((width, height)), e @ (DesignError::Frame(_) | DesignError::Field { .. })) => {
+                Error::message(format!("--size {width}x{height}: {e}"))
+            }
+            (_, e) => e.into(),
+        })?;
         Ok(design)
     }
 }
@@ -96,7 +102,7 @@ pub fn run(
     let (run, shown) = (passed.in_a_row(), &passed.shown);
     if run < args.frames {
         let problem = format!("{run} pictures were shown one after the other, expected {}", args.frames);
-        return Err(Error::message(format!("{problem}: those of frames {shown:?}")));
+        return Err(Error::message(format!("{problem}: those of frames {}", list(shown))));
     }
     let [written, read] = passed.traffic.map(|bytes| bytes as f64 / passed.seconds / 1e6);
     ui.say(format!(
@@ -123,6 +129,12 @@ pub fn run(
         "seed": seed,
         "seconds": start.elapsed().as_secs_f64(),
     }))
+}
+
+/// Frames by their numbers; those that were black have none.
+fn list(shown: &[Option<usize>]) -> String {
+    let name = |frame: &Option<usize>| frame.map_or("black".to_owned(), |frame| frame.to_string());
+    shown.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
 /// What came of frames that passed through a core.

@@ -6,6 +6,7 @@ use edof_camera::psf_bank::PsfBank;
 use edof_io::photo;
 use edof_optics::bank;
 use edof_optics::depth::psi_at;
+use edof_optics::psf::{self, NoPsf};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -127,12 +128,30 @@ impl Depth {
     }
 }
 
-/// ψ of several depths before a camera.
+/// ψ of several depths of `--psi` before a camera.
 ///
 /// # Errors
-/// As [`Depth::psi`].
+/// As [`Depth::psi`] and [`reached`].
 pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
-    depths.iter().map(|depth| depth.psi(camera)).collect()
+    depths
+        .iter()
+        .map(|depth| {
+            let psi = depth.psi(camera)?;
+            reached(*depth, psi, camera).map(|()| psi)
+        })
+        .collect()
+}
+
+/// Whether the camera has PSFs at a depth of `--psi`, which is at `psi`.
+///
+/// # Errors
+/// It has none there: the depth as it was given, and how far they reach.
+pub fn reached(depth: Depth, psi: f64, camera: &Camera) -> Result<(), Error> {
+    psf::check(camera, psi).map_err(|e| match (&e, depth) {
+        (NoPsf::Missing { .. } | NoPsf::NoMask { .. }, _) => e.into(),
+        (_, Depth::Psi(_)) => Error::message(format!("--{e}")),
+        (_, Depth::Metres(_)) => Error::message(format!("--psi {depth}: {e}")),
+    })
 }
 
 /// Two depths, as in `8:0` or `0.7m:3m`.
@@ -165,8 +184,22 @@ impl DepthRange {
     /// # Errors
     /// As [`Depth::psi`].
     pub fn psi(self, camera: &Camera) -> Result<[f64; 2], Error> {
-        let (near, far) = (self.near.psi(camera)?, self.far.psi(camera)?);
+        let [near, far] = self.ends(camera)?;
         Ok([near.min(far), near.max(far)])
+    }
+
+    /// ψ of its nearer and its farther end before a camera that has PSFs there.
+    ///
+    /// # Errors
+    /// As [`Depth::psi`], or an end where the camera has no PSFs.
+    pub fn ends(self, camera: &Camera) -> Result<[f64; 2], Error> {
+        let ends = [self.near.psi(camera)?, self.far.psi(camera)?];
+        let check = |psi: f64| psf::check(camera, psi);
+        ends.into_iter().try_for_each(check).map_err(|e| match e {
+            NoPsf::Missing { .. } | NoPsf::NoMask { .. } => e.into(),
+            e => Error::message(format!("range {self}: {e}")),
+        })?;
+        Ok(ends)
     }
 }
 

@@ -17,11 +17,12 @@
 //! | what a network runs on | [`device`] |
 //! | the sources of a bitstream | [`sources`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
+//! | errors that name the option and the file | [`said`] |
 //! | windows to feed the hardware with | [`windows`] |
 //! | a camera, with PSFs of its own | [`lens`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
-//! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
+//! Exit status: 0 done, 1 refused or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod cosim_system;
@@ -41,6 +42,7 @@ mod npz;
 mod pages;
 mod pictures;
 mod provenance;
+mod said;
 mod scene_file;
 mod sources;
 mod ui;
@@ -72,6 +74,17 @@ struct Cli {
     /// Say nothing about progress
     #[arg(long, short, global = true)]
     quiet: bool,
+
+    /// How progress is told on standard error: text, or json, a line each second for programs, with remarks and a failure as such lines
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        default_value = "text",
+        value_name = "HOW",
+        hide_possible_values = true
+    )]
+    progress: ui::ProgressAs,
 }
 
 const EXAMPLES: &str = "\
@@ -121,7 +134,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
-            ui::last_line(&format!("edof: {error}"));
+            ui::failure(&error);
             ExitCode::from(error.exit_code())
         }
     }
@@ -133,7 +146,7 @@ fn run() -> Result<(), Error> {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     interrupt::install()?;
     let made = (provenance::of_run(&matches, &command), provenance::whole_command(&matches, &command));
-    let ui = Ui::new(cli.json, cli.quiet, made.0, made.1);
+    let ui = Ui::new(cli.json, cli.quiet, cli.progress, made.0, made.1);
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),

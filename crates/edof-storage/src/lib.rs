@@ -5,6 +5,7 @@
 //! | files that appear whole or not at all | [`atomic`] |
 //! | SHA-256 of contents | [`digest`] |
 //! | arrays in files of other programs (`.npz`, safetensors) | [`arrays`] |
+//! | JSON that a person wrote | [`json`] |
 //! | command, version, inputs and machine behind a result | [`provenance`] |
 //!
 //! Formats of photographs and raw frames are in `edof-io`.
@@ -12,4 +13,5 @@
 pub mod arrays;
 pub mod atomic;
 pub mod digest;
+pub mod json;
 pub mod provenance;

@@ -126,8 +126,10 @@ impl Recipe {
         if self.batch == 0 || !self.batch.is_multiple_of(SHARES) {
             return Err(value("batch", self.batch, "a positive multiple of 8"));
         }
-        if self.steps == 0 || self.validate_every == 0 {
-            return Err(value("steps", self.steps.min(self.validate_every), "1 or more"));
+        for (field, number) in [("steps", self.steps), ("validate every", self.validate_every)] {
+            if number == 0 {
+                return Err(value(field, number, "1 or more"));
+            }
         }
         let rates =
             [("rate", self.rate), ("output rate", self.output_rate), ("threshold rate", self.threshold_rate)];

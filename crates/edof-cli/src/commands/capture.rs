@@ -8,6 +8,7 @@ use crate::scene_file::{self, SceneFile};
 use crate::ui::Ui;
 use crate::{memory, pictures};
 use edof_camera::Camera;
+use edof_image::frame::FrameError;
 use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame, Tone, cable};
 use edof_io::levels::{Black, Levels};
 use edof_io::raw::{Alignment, Size};
@@ -21,7 +22,7 @@ use edof_optics::draw::parse_name;
 use edof_optics::layers;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
+use edof_optics::sensor::{Sensor, SensorError};
 use edof_storage::provenance::Input;
 use ndarray::{Array2, ArrayView2, Axis, s};
 use serde::Serialize;
@@ -199,7 +200,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         seed: args.drawing.seed,
         black_level: args.black_level,
     };
-    sensor.check()?;
+    sensor.check().map_err(of_sensor)?;
     let scene = match listed {
         Some(file) => file.scene(args.tone, &camera, ui)?,
         None => open(&args, &camera, ui)?,
@@ -243,6 +244,19 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         approximations: costs,
         out,
     })
+}
+
+/// A failure of the sensor's options, by their names.
+fn of_sensor(error: SensorError) -> Error {
+    match error {
+        SensorError::Frame(FrameError::Depth(bits)) => {
+            Error::message(format!("--depth {bits}: must be 8 to 16"))
+        }
+        SensorError::Black { black, full, depth } => Error::message(format!(
+            "--black-level {black}: must be less than {full}, for a sensor of --depth {depth} bits"
+        )),
+        error => error.into(),
+    }
 }
 
 /// Writes a frame for a playout card: as light, for the board takes no black level off; and its record.
@@ -347,7 +361,7 @@ fn layered(
 impl MapOf {
     /// ψ of each pixel from a map of 0…1.
     fn psis(self, map: &ArrayView2<f32>, range: DepthRange, camera: &Camera) -> Result<Array2<f32>, Error> {
-        let (near, far) = (range.near.psi(camera)?, range.far.psi(camera)?);
+        let [near, far] = range.ends(camera).map_err(|e| Error::message(format!("--range: {e}")))?;
         match (self, range.near, range.far) {
             (Self::Nearness, ..) => Ok(map.mapv(|v| (far + f64::from(v) * (near - far)) as f32)),
             (Self::Distance, Depth::Metres(first), Depth::Metres(last)) if last.is_finite() => {

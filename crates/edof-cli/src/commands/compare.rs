@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
+use edof_image::words::number;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_storage::provenance::Input;
@@ -112,11 +113,18 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     files.check()?;
     if !(args.map_gain.is_finite() && args.map_gain > 0.0) {
-        return Err(Error::message(format!("--map-gain {}: must be a positive number", args.map_gain)));
+        return Err(Error::message(format!(
+            "--map-gain {}: must be a positive number",
+            number(args.map_gain.into())
+        )));
     }
     let [a, b] = [part(&args.a, &args, ui)?, part(&args.b, &args, ui)?];
     let border = args.border.unwrap_or(if args.region.is_some() { 0 } else { BORDER });
-    let quality = Quality::of(&a, &b, border)?;
+    let of_files = |e| {
+        let hint = if args.region.is_none() && border > 0 { "; or a smaller --border" } else { "" };
+        Error::message(format!("{}, {}: {e}{hint}", args.a.display(), args.b.display()))
+    };
+    let quality = Quality::of(&a, &b, border).map_err(of_files)?;
     let compared = Compared {
         a: args.a.display().to_string(),
         b: args.b.display().to_string(),

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
 use crate::lens::Depth;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
@@ -66,7 +67,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    board::screen_clock(&design)?;
+    board::screen_clock(&design).map_err(|e| said::of_file(&args.design, e))?;
     ui.used(designs::input(&design));
     let measured = match &args.weights {
         Some(name) => {
@@ -199,7 +200,7 @@ impl Measured {
         let mut pictures = vec![];
         for shot in &shots {
             let raw = shot.frame(network, ui)?;
-            let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
+            let patches = windows::of(network, &raw, shot)?.map(|window| Patch { window, set: Set::First });
             let mut summary = Summary::new(design);
             for patch in model.run(patches) {
                 summary.add(&patch);

@@ -16,6 +16,7 @@ use edof_golden::cycle::explore::{cycles_per_patch, foldings, front};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_image::colour::OUTPUTS_422;
+use edof_image::words::count;
 use edof_image::{Geometry, Noise};
 use edof_network::FixedNetwork;
 use edof_study::metrics::{BORDER, psnr, shown};
@@ -175,7 +176,7 @@ impl Args {
         match self.photo.len() {
             0 => "a drawn scene of dead leaves".into(),
             1 => "a photograph".into(),
-            several => format!("{several} photographs"),
+            several => count(several, "photograph"),
         }
     }
 }
@@ -256,7 +257,7 @@ fn measure(
         let (scene, raw) = shot.taken(network, ui)?;
         let frame = golden.frame(&raw)?.colour();
         db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
-        let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
+        let patches = windows::of(network, &raw, shot)?.map(|window| Patch { window, set: Set::First });
         let mut pairs = vec![];
         for patch in model.run(patches) {
             pairs.push(patch.times.stages.iter().map(|used| used.pairs as usize).collect());

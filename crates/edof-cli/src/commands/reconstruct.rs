@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
 use crate::lens::{self, Lens};
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::words;
@@ -14,14 +15,15 @@ use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::{Counts, Curve, Display, Golden};
 use edof_gpu::{GpuFloat, GpuGolden};
 use edof_image::display::DisplayMode;
+use edof_image::frame::FrameError;
 use edof_image::overlap::Overlap;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_io::doubt::{self, Doubt};
-use edof_io::levels::{Black, Levels};
+use edof_io::levels::{Black, Levels, LevelsError};
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::picture::Format;
-use edof_io::raw::{Alignment, RawOptions, Size};
+use edof_io::raw::{Alignment, RawError, RawOptions, Size};
 use edof_io::record::{self, RawRecord, RecordError, Stated};
 use edof_io::rendering::{ColourMatrix, Rendering, WhiteBalance};
 use edof_io::{photo, raw};
@@ -314,7 +316,7 @@ impl Job<'_> {
 
     fn float(&self, taken: &Taken, ui: &Ui) -> Result<Made, Error> {
         let args = self.args;
-        let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
+        let stride = args.stride.map_or(Ok(Stride::PATCH), said::stride)?;
         let tone = self.tone(taken);
         let name = args.network(tone);
         let network = weights::float(name)?;
@@ -389,6 +391,31 @@ impl Job<'_> {
         Error::message(format!("{}: {error}", self.raw.display()))
     }
 
+    /// A frame that cannot be read, with the option that says how.
+    fn unread(&self, error: RawError) -> Error {
+        match (&error, self.args.depth) {
+            (RawError::Frame { source: FrameError::Depth(_), .. }, Some(depth)) => {
+                Error::message(format!("--depth {depth}: {error}"))
+            }
+            (RawError::NoSize { .. }, _) => Error::message(format!("{error}: --size 1920x1080, say")),
+            _ => error.into(),
+        }
+    }
+
+    /// Levels that cannot be, with the option that says so, if one does.
+    fn level(&self, error: &LevelsError) -> Error {
+        let of = |option: &str, given: bool, what: &str| {
+            let text = error.to_string();
+            if given { text.replacen(what, option, 1) } else { text }
+        };
+        let text = match error {
+            LevelsError::White { .. } => of("--white-level", self.args.white_level.is_some(), "white level"),
+            LevelsError::Black { .. } => of("--black-level", self.args.black_level.is_some(), "black level"),
+            error => error.to_string(),
+        };
+        self.failed(text)
+    }
+
     /// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.
     fn tone(&self, taken: &Taken) -> Tone {
         self.args.tone.or(taken.record.as_ref().map(|r| r.tone)).unwrap_or(Tone::Srgb)
@@ -404,7 +431,8 @@ impl Job<'_> {
         let camera = record.as_ref().map(|record| record.camera.clone()).or(stated.camera);
         let given = raw_options(args);
         let options = record.as_ref().map_or(given, |record| record.options(given));
-        let raw::Opened { frame, levels: of_file, rendering: own } = raw::open(raw, &options)?;
+        let raw::Opened { frame, levels: of_file, rendering: own } =
+            raw::open(raw, &options).map_err(|e| self.unread(e))?;
         if let Some(given) = args.phase.filter(|phase| *phase != frame.phase()) {
             return Err(self.failed(format!("says {}; leave --phase {given} out", frame.phase())));
         }
@@ -425,7 +453,7 @@ impl Job<'_> {
         };
         let name = raw.file_name().unwrap_or_default().to_string_lossy();
         ui.used(Input::raw_frame(&name, &frame));
-        let light = levels.light(&frame).map_err(|e| self.failed(e))?;
+        let light = levels.light(&frame).map_err(|e| self.level(&e))?;
         // To the board leads a cable.
         let frame = if args.board { cable::carried(&light) } else { light };
         Ok(Taken { frame, record, camera, rendering })
@@ -452,7 +480,7 @@ impl Job<'_> {
         let network = weights::fixed(name)?;
         ui.used(weights::fixed_input(name)?);
         self.fits_camera(&network.origin, taken, ui)?;
-        match args.stride.map(Stride::new).transpose()? {
+        match args.stride.map(said::stride).transpose()? {
             Some(stride) if stride != network.stride => Err(Error::message(format!(
                 "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
                 stride.pixels(),

@@ -7,8 +7,9 @@ use crate::memory;
 use crate::ui::Ui;
 use edof_camera::Camera;
 use edof_image::Tone;
+use edof_image::words::number;
 use edof_io::raw::Size;
-use edof_optics::draw::{self, four_depths};
+use edof_optics::draw::{self, DrawError, four_depths};
 use edof_optics::scene::Scene;
 use edof_study::picture::png;
 use ndarray::Array2;
@@ -123,7 +124,10 @@ impl Drawing {
     /// No distance.
     pub fn before(&self, camera: Camera) -> Result<Camera, Error> {
         if let Some(metres) = self.nominal.filter(|m| m.is_nan() || *m <= 0.0) {
-            return Err(Error::message(format!("--nominal {metres}: must be a distance of more than 0 m")));
+            return Err(Error::message(format!(
+                "--nominal {}: must be a distance of more than 0 m",
+                number(metres)
+            )));
         }
         Ok(Camera { nominal_m: self.nominal.or(camera.nominal_m), ..camera })
     }
@@ -156,7 +160,10 @@ impl Drawing {
         };
         let Size { width, height } = self.size.unwrap_or(SIZE);
         fits(width, height)?;
-        Ok(draw::draw(kind, height, width, &psis, self.seed)?)
+        draw::draw(kind, height, width, &psis, self.seed).map_err(|e| match (e, self.size) {
+            (e @ DrawError::Size { .. }, Some(size)) => Error::message(format!("--size {size}: {e}")),
+            (e, _) => e.into(),
+        })
     }
 }
 

@@ -4,8 +4,9 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::ui::Ui;
-use crate::{form, interrupt, memory, weights};
+use crate::{form, interrupt, memory, said, weights};
 use edof_camera::Camera;
+use edof_image::words::count;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_network::network::{Form, Network};
@@ -213,8 +214,8 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     ui.used(camera.input());
     from.iter().for_each(|from| ui.used(from.input.clone()));
     let recipe = &seeds[0].0;
-    recipe.check()?;
-    check_threads(threads(args))?;
+    recipe.check().map_err(said::recipe)?;
+    check_threads(threads(args)).map_err(said::recipe)?;
     memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let mut photographs = photographs(&args.images, args.photos.as_ref(), ui)?;
@@ -434,8 +435,9 @@ fn recipes(args: &Args, from: Option<&Beginning>) -> Result<Vec<Recipe>, Error> 
         (Some(form), Some(found)) if form != found => {
             let name = args.from.as_deref().unwrap_or_default();
             return Err(Error::message(format!(
-                "--from {name}: its form is {}, not --form",
-                form::words(&found)
+                "--from {name}: its form is {}, that of --form {}; leave --form out, or train without --from",
+                form::words(&found),
+                form::words(&form)
             )));
         }
         (form, found) => form.or(found).unwrap_or_else(|| unreachable!("the options ask for one of them")),
@@ -522,6 +524,8 @@ pub struct Photograph {
     pub folder: String,
     /// Name of its file, without the ending.
     pub stem: String,
+    /// Its file.
+    pub file: PathBuf,
     /// Its values, 0…1; sides even.
     pub frame: ColourFrame,
 }
@@ -574,9 +578,14 @@ pub fn photographs(
             ui.note(format!("skipped {error}"));
         }
         if !skipped.is_empty() {
-            ui.note(format!("{} of {} photographs skipped", skipped.len(), skipped.len() + named.len()));
+            ui.note(format!(
+                "{} of {} skipped",
+                skipped.len(),
+                count(skipped.len() + named.len(), "photograph")
+            ));
         }
         found += named.len();
+        let files = edof_io::picture::of_folder(folder).unwrap_or_default();
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let wanted = named.into_iter().filter(|(stem, _)| match choice {
             Some(selection) => selection.holds(stem),
@@ -585,14 +594,18 @@ pub fn photographs(
         photographs.extend(wanted.map(|(stem, frame)| {
             // Whole Bayer cells.
             let (height, width) = frame.size();
-            Photograph { folder: name.clone(), stem, frame: frame.crop(0, 0, height & !1, width & !1) }
+            let frame = frame.crop(0, 0, height & !1, width & !1);
+            let file = files.iter().find(|file| file.file_stem().is_some_and(|own| *own == *stem));
+            let file = file.cloned().unwrap_or_else(|| folder.join(&stem));
+            Photograph { folder: name.clone(), stem, file, frame }
         }));
     }
     if photographs.is_empty() {
         let folders: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
         return Err(Error::message(format!(
-            "{}: none of its {found} photographs is to be trained on; choose with --photos",
-            folders.join(", ")
+            "{}: {}, none to be trained on; choose with --photos, as in --photos all",
+            folders.join(", "),
+            count(found, "photograph")
         )));
     }
     Ok(photographs)
@@ -608,7 +621,7 @@ fn tell_photographs(photographs: &[Photograph], ui: &Ui) -> Result<(), Error> {
     for folder in folders(photographs) {
         let stems: Vec<&str> =
             photographs.iter().filter(|p| p.folder == folder).map(|p| p.stem.as_str()).collect();
-        ui.say(format!("{} photographs of {folder}: {}", stems.len(), stems.join(" ")))?;
+        ui.say(format!("{} of {folder}: {}", count(stems.len(), "photograph"), stems.join(" ")))?;
     }
     Ok(())
 }
@@ -630,7 +643,9 @@ fn dataset(
         bar.set(done as u64);
         interrupt::check().is_ok()
     };
-    Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)
+    let name = |index: usize| photographs[index].file.display().to_string();
+    let made = Dataset::new(&frames, camera, recipe.dataset(psis), tell);
+    made.map_err(|error| said::dataset(error, name))?.ok_or(Error::Interrupted)
 }
 
 fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
