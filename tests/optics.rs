@@ -53,7 +53,12 @@ fn a_capture_of_a_drawn_scene_tells_what_its_approximations_cost() {
     let line = "--size 64x64 --noise 0.01 --seed 3 --depth 10 --phase bggr --energy 0.99 --out raw.pgm --sharp sharp.png --json";
     let capture = |scene: &str| json(&place.edof(&format!("capture {scene} {line}")).done().out);
     assert_eq!(capture("leaves-4 --no-measure")["depths"].as_array().unwrap().len(), 4);
-    let report = capture("leaves");
+    assert_eq!(
+        capture("leaves")["approximations"],
+        serde_json::json!([]),
+        "measured only where it is asked for"
+    );
+    let report = capture("leaves --measure");
     assert_eq!(report["depths"].as_array().unwrap().len(), 1);
     let costs = report["approximations"].as_array().unwrap();
     assert_eq!(

@@ -7,6 +7,7 @@ mod board_data;
 mod contradictions;
 mod developing;
 mod documents;
+mod first_steps;
 mod happy;
 mod hardware;
 mod kept;

@@ -85,12 +85,9 @@ fn what_speaks_to_the_video_chips_and_the_host_is_short_of_path() {
     let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
     let mut registers = BoardRegisters::new(&committed("tiny"), &identity);
     let registers = project::of_circuit(&mut registers, vec![]).unwrap();
-    // The set-up's choice of its next entry is 49 ps longer than half a period: known, and no longer from now on.
-    for (project, domain, excess_ps) in
-        [(setup, Domain::Core, 50), (syncs, Domain::Pixel, 0), (registers, Domain::Core, 0)]
-    {
+    for (project, domain) in [(setup, Domain::Core), (syncs, Domain::Pixel), (registers, Domain::Core)] {
         let found = timing::whole(&project, None).unwrap();
-        assert!(found.delay_ps <= domain.limit_ps() + excess_ps, "{found:#?}");
+        assert!(found.delay_ps <= domain.limit_ps(), "{found:#?}");
         println!("{}: {} ps", found.module, found.delay_ps);
     }
 }

@@ -16,6 +16,7 @@
 //! | interface of every reconstruction method | [`reconstructor`] |
 //! | random numbers for trials | [`draw`] |
 //! | numbers and counts in errors | [`words`] |
+//! | letters of 5×7 dots, for charts and captions | [`font`] |
 //!
 //! ```
 //! use edof_image::geometry::{Geometry, Stride, Window};
@@ -29,6 +30,7 @@ pub mod cfa;
 pub mod colour;
 pub mod display;
 pub mod draw;
+pub mod font;
 pub mod frame;
 pub mod geometry;
 pub mod noise;

@@ -58,7 +58,8 @@ impl Recipe {
     pub fn new(form: Form) -> Self {
         Self {
             form,
-            tones: vec![Tone::Linear],
+            // What photographs are, and what `edof capture` takes them for (docs/decisions/0041-one-tone.md).
+            tones: vec![Tone::Srgb],
             conditions: Conditions::plain(0.015),
             // No looks but the photograph's own; these are what --variants draws.
             augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },

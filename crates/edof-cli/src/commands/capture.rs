@@ -36,7 +36,7 @@ use std::path::{Path, PathBuf};
 ///
 /// Only what the scene needs is computed: the depths it has, kernels up to an asked share of the energy, as many wavelengths
 /// as a tolerance asks for. What each of these approximations changes of the light on the sensor, and the time it saves, is
-/// measured against an exact computation and printed (--no-measure leaves that out; --exact approximates nothing).
+/// measured against an exact computation and printed by --measure (which takes several times as long; --exact approximates nothing).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -117,8 +117,12 @@ pub struct Args {
     #[arg(long)]
     exact: bool,
 
-    /// Do not measure what the approximations change and save
+    /// Measure what each approximation changes of the light, and the time it saves, against an exact computation
     #[arg(long)]
+    measure: bool,
+
+    /// As it is without: scripts of before say so
+    #[arg(long, hide = true, conflicts_with = "measure")]
     no_measure: bool,
 
     /// Also write the frame as video that a playout card sends to the board: bytes Cb Y Cr Y without a header (2vuy), the upper 14 bits of
@@ -220,7 +224,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         photo::save(path, &args.tone.encoded(&shot.light), 16)?;
     }
     // A bank's kernels are used as they are: nothing is approximated.
-    let costs = if args.exact || args.no_measure || camera.psf_bank.is_some() {
+    let costs = if !args.measure || args.exact || args.no_measure || camera.psf_bank.is_some() {
         vec![]
     } else {
         measure_approximation(&scene, &camera, &approximation)?
