@@ -166,7 +166,7 @@ fn long_work_writes_its_progress_remarks_and_failure_as_lines_of_data() {
     place.photo("photos/a.png", 288, 256);
     place.write("photos/b.png", "no picture");
     let train = "train --form two-sided,w8,t2,c8 --camera clear --images photos --depths 1 --batch 64 --steps 4 \
-                 --validate-every 2 --out net.safetensors --progress json";
+                 --validate-every 2 --no-cache --out net.safetensors --progress json";
     let lines = progress(&place.edof(train).done().err);
     let of = |key: &str, value: &str| {
         lines.iter().filter(|line| line[key].as_str().is_some_and(|v| v.contains(value))).count()

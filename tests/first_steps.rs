@@ -151,3 +151,107 @@ fn a_byte_order_mark_before_json_is_passed_over() {
         .edof("reconstruct raw.png --camera camera.json --weights edof-t4w12-clear --force --out o.png")
         .done();
 }
+
+#[test]
+fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
+    let place = Place::new();
+    let made = place
+        .edof("design new --form two-sided,w8,t3,c64 --size 64x48 --clock-mhz 150 --multipliers 200 --out mine.json --json made.json")
+        .done();
+    assert!(
+        made.out.contains("calculator, nothing skipped") && made.out.contains("memory: "),
+        "{}",
+        made.out
+    );
+    let (design, promise) = (json(&place, "mine.json"), &json(&place, "made.json")["promise"]);
+    assert_eq!((&design["clock_mhz"], &design["name"]), (&Value::from(150.0), &Value::from("mine")));
+    assert!(promise["resources"]["dsp48e1"].as_u64().unwrap() <= 200, "{promise}");
+    let said = place.edof("design check mine.json").done().out;
+    assert_eq!(said, made.out);
+    place.edof("random-network --design mine.json --out drawn.fixed.safetensors").done();
+    assert!(
+        place.edof("design check mine.json --weights drawn.fixed.safetensors").done().out.contains("fits it")
+    );
+    place.edof("estimate --design mine.json").done();
+    // The README of a generated directory promises the same.
+    place.edof("generate --design mine.json --weights drawn.fixed.safetensors --out board").done();
+    let page = std::fs::read_to_string(place.path("board/README.md")).unwrap();
+    let cycles = promise["cycles_per_patch"].as_f64().unwrap();
+    assert!(
+        page.contains("## What this design promises")
+            && page.contains(&format!("{cycles:.1} cycles per patch")),
+        "{page}"
+    );
+    // What cannot be is told by the option.
+    for (options, told) in [
+        ("--form w8,t3,c63", "--form: form.codes 63: must be even"),
+        ("--form w8,t3 --clock-mhz 1e99", "--clock-mhz 1e99: clock_mhz 1e99: must be above 0"),
+        ("--form w8,t3 --clock-mhz 250", "--clock-mhz 250: clock_mhz 250: must be at most 200"),
+        ("--form w8,t3 --size 1366x768", "--size 1366x768: frame 1366x768: must be the size of a video mode"),
+        ("--form w8,t3 --size 63x48", "--size 63x48: frame: frame 63x48: both sides must be even"),
+        ("--form w8,t3 --stride 3", "--stride 3: must be 2, 4 or 8"),
+        ("--form w8,t3 --multipliers 1", "--multipliers 1: no folding of this form has as few"),
+        ("--weights none", "weights 'none': no such file"),
+    ] {
+        place.edof(&format!("design new --out other.json {options}")).refused(&[told]);
+        assert!(!place.path("other.json").exists(), "{options}");
+    }
+    place
+        .edof("design check mine.json --weights paper-t4")
+        .refused(&["paper-t4 does not fit design mine", "edof random-network"]);
+}
+
+/// The example of docs/design.md is none of ours, and is a design.
+#[test]
+fn the_example_of_the_page_on_designs_is_one() {
+    let page = include_str!("../docs/design.md");
+    let text = page.split_once("```json\n").unwrap().1.split_once("```").unwrap().0;
+    let place = Place::new();
+    place.write("mine.json", text);
+    let said = place.edof("design check mine.json").done().out;
+    assert!(said.contains("60 frames per second at a pixel clock of 74.25 MHz"), "{said}");
+    let design: Value = serde_json::from_str(text).unwrap();
+    // Every field of a design stands in the table.
+    for (field, of) in [("", &design), ("form.", &design["form"]), ("stages[].", &design["stages"][0])] {
+        for name in of.as_object().unwrap().keys().filter(|name| !["form", "frame"].contains(&name.as_str()))
+        {
+            assert!(page.contains(&format!("| `{field}{name}`")), "{field}{name}");
+        }
+    }
+}
+
+#[test]
+fn photographs_are_blurred_once_for_trainings_on_the_same_ones() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 288, 256);
+    let cache = place.path("cache");
+    let train = |options: &str, out: &str| {
+        let line = format!("{TRAIN} {options} --out {out} --name net").replace("--steps 200", "--steps 100");
+        let output = place.command(&line).env("XDG_CACHE_HOME", &cache).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{told}");
+        (told.contains("blurred photographs: as kept"), std::fs::read(place.path(out)).unwrap())
+    };
+    let kept = || std::fs::read_dir(cache.join("edof/blurs")).map_or(0, Iterator::count);
+    let (first, fresh) = train("--no-cache", "fresh.safetensors");
+    assert!(!first && kept() == 0);
+    let (second, made) = train("", "made.safetensors");
+    assert!(!second && kept() == 1);
+    let (third, taken) = train("", "taken.safetensors");
+    assert!(third && fresh == made && made == taken, "the same bytes, wherever the blurs come from");
+    // Another seed learns from the same blurs, another range from others.
+    assert!(train("--seed 9", "seed.safetensors").0);
+    assert!(!train("--psi 0:1", "range.safetensors").0);
+    // What is damaged is made again.
+    for entry in std::fs::read_dir(cache.join("edof/blurs")).unwrap() {
+        let path = entry.unwrap().path();
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+    }
+    assert_eq!(train("", "again.safetensors"), (false, fresh));
+    for low in [0.1, 0.2, 0.3, 0.4] {
+        train(&format!("--psi {low}:1"), &format!("{low}.safetensors"));
+    }
+    assert_eq!(kept(), 3, "the last used ones");
+}

@@ -18,6 +18,7 @@
 //! | the sources of a bitstream | [`sources`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | errors that name the option and the file | [`said`] |
+//! | what a design promises before any picture | [`promise`] |
 //! | windows to feed the hardware with | [`windows`] |
 //! | a camera, with PSFs of its own | [`lens`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
@@ -41,6 +42,7 @@ mod npz;
 #[cfg(test)]
 mod pages;
 mod pictures;
+mod promise;
 mod provenance;
 mod said;
 mod scene_file;
@@ -97,6 +99,7 @@ Examples:
   edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
   edof estimate --design kc705 --weights edof-t4w12-outer
+  edof design new --form edof-t4w12 --size 1280x720 --out mine.json
   edof cosim --design tiny                             the generated Verilog against the cycle model
   edof generate --design paper --weights paper-t4 --out build/paper
   edof timing --design tiny                            the longest path of logic of every stage
@@ -121,6 +124,7 @@ enum Command {
     Compare(commands::compare::Args),
     Doctor(commands::doctor::Args),
     Cosim(commands::cosim::Args),
+    Design(commands::design::Args),
     Estimate(commands::estimate::Args),
     Explore(commands::explore::Args),
     Generate(commands::generate::Args),
@@ -160,6 +164,7 @@ fn run() -> Result<(), Error> {
         Command::Compare(args) => commands::compare::run(args, &ui),
         Command::Doctor(args) => commands::doctor::run(args, &ui),
         Command::Cosim(args) => commands::cosim::run(args, &ui),
+        Command::Design(args) => commands::design::run(&args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Explore(args) => commands::explore::run(args, &ui),
         Command::Generate(args) => commands::generate::run(args, &ui),

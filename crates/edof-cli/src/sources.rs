@@ -3,6 +3,7 @@
 use crate::designs;
 use crate::error::Error;
 use crate::folder::{self, Contents};
+use crate::promise;
 use edof_cosim::system::{self, TableWords};
 use edof_device::Design;
 use edof_device::registers::identity;
@@ -49,7 +50,11 @@ impl Sources {
         let core = &project.core;
         let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
         let counts = [core.verilog.len(), verilog, core.memory.len()];
-        Ok(Self { contents: contents(&project), about, counts })
+        let mut contents = contents(&project);
+        if let Some(page) = contents.get_mut(Path::new("README.md")) {
+            page.push_str(&promise::section(design)?);
+        }
+        Ok(Self { contents, about, counts })
     }
 
     /// Paths of all files in the folder.

@@ -196,6 +196,9 @@ impl Ui {
         };
         let plain = (!terminal && !self.quiet)
             .then(|| Mutex::new(Plain { last: Instant::now(), told: None, first: None }));
+        if plain.is_some() && in_data() {
+            data_line(&serde_json::json!({ "progress": what, "done": 0, "total": total }));
+        }
         Progress { bar, what, plain }
     }
 }

@@ -50,6 +50,7 @@ pub mod verilator;
 mod work;
 pub mod yosys;
 
+pub use cache::of_user as user_cache;
 pub use error::Error;
 pub use rows::{Layout, Rows};
 pub use source::{Direction, Port, Source};

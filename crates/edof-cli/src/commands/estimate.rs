@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
 use crate::lens::Depth;
+use crate::promise::figures_of;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
@@ -15,7 +16,6 @@ use edof_device::board;
 use edof_device::design::memory::Set;
 use edof_golden::cycle::estimate::{Estimate, StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
-use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_image::Noise;
 use edof_network::FixedNetwork;
@@ -207,13 +207,6 @@ impl<'a> Estimated<'a> {
             "pairs_per_patch": summary.mean_pairs(),
         })
     }
-}
-
-/// The whole board at the design's clock, a camera and a screen of its frames' standard timing.
-fn figures_of(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Figures {
-    let core = (1e6 / design.clock_mhz) as u64;
-    let periods = Periods { core, ..Periods::of_board(design.frame) };
-    figures(design.frame, CoreCycles::of(design, cycles_a_patch, patch_latency), periods)
 }
 
 /// A picture that went through the cycle model.

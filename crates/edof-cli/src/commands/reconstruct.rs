@@ -46,10 +46,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         jobs.iter().try_for_each(|job| job.open(ui).map(drop))?;
     }
     let mut reports = vec![];
+    let bar = (jobs.len() > 1).then(|| ui.progress(jobs.len() as u64, "frames"));
     for job in &jobs {
         interrupt::check()?;
         reports.push(job.run(ui)?);
+        bar.iter().for_each(|bar| bar.set(reports.len() as u64));
     }
+    drop(bar);
     match &reports[..] {
         [one] => ui.json(one),
         all => ui.json(&json!({ "frames": all })),

@@ -151,22 +151,15 @@ fn bank(text: &str) -> Result<Set, String> {
 /// # Errors
 /// A line that fails, something that does not fit, a register that is not there, or Ctrl-C.
 pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
-    if !(args.patience > 0.0 && args.patience <= 3600.0) {
-        return Err(Error::message(format!(
-            "--patience {}: must be above 0, at most 3600",
-            short(args.patience)
-        )));
-    }
-    let files = args.files(ui);
-    match &args.command {
-        Command::Sim(sim) => sim.writes(files)?,
-        _ => files,
-    }
-    .check()?;
-    let done = carry_out(args, ui);
+    let checked = args.check(ui);
+    // The file of --json may be what was refused.
+    let may_tell = checked.is_ok() || ui.json_file().is_none();
+    let done = checked.and_then(|()| carry_out(args, ui));
     match &done {
         // A program that reads results reads why there are none, too.
-        Err(error @ Error::Failed(_)) if !ui.has_told() => ui.json(&json!({ "error": error.to_string() }))?,
+        Err(error @ Error::Failed(_)) if may_tell && !ui.has_told() => {
+            ui.json(&json!({ "error": error.to_string() }))?;
+        }
         Ok(()) if !ui.has_told() => ui.json(&json!({ "done": true }))?,
         _ => {}
     }
@@ -241,6 +234,20 @@ fn goes_on() -> bool {
 }
 
 impl Args {
+    /// What can be refused before a board is asked.
+    fn check(&self, ui: &Ui) -> Result<(), Error> {
+        if !(self.patience > 0.0 && self.patience <= 3600.0) {
+            let given = short(self.patience);
+            return Err(Error::message(format!("--patience {given}: must be above 0, at most 3600")));
+        }
+        let files = self.files(ui);
+        match &self.command {
+            Command::Sim(sim) => sim.writes(files)?,
+            _ => files,
+        }
+        .check()
+    }
+
     fn patience(&self) -> Duration {
         Duration::from_secs_f64(self.patience)
     }

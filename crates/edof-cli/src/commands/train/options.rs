@@ -157,6 +157,11 @@ pub struct Args {
     #[arg(long, value_delimiter = ',')]
     pub(super) seed: Vec<u64>,
 
+    /// Blur the photographs anew, and do not keep them blurred: else the next training on the same ones, behind the same camera, takes them
+    /// from the cache (~/.cache/edof/blurs, the last three data sets of at most 4 GiB each)
+    #[arg(long)]
+    pub(super) no_cache: bool,
+
     /// Threads [default: one for each core, 8 at most: more are of no use]
     #[arg(long)]
     pub(super) threads: Option<usize>,
