@@ -34,7 +34,7 @@ fn a_camera_is_shown_in_figures_and_numbers() {
     assert!(photo::load(&place.path("figures/psf.png")).unwrap().size().1 > 200);
     assert!((shown["depths"][1]["psi"].as_f64().unwrap() - 5.0).abs() < 1e-3, "{shown}");
     assert!(std::fs::read_to_string(place.path("figures/mtf.svg")).unwrap().contains("ψ = 5, 4.19 m"));
-    place.edof("optics ring-2018 --psi 3m --out no").refused(&["depth 3m", "--nominal"]);
+    place.edof("optics ring-2018 --psi 3m --out no").refused(&["--psi 3m: camera", "--nominal"]);
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
     let before = place.files();
     for (line, words) in [
         ("capture photo.png --out r.png", ["--psi: one value", "one depth"]),
-        ("capture photo.png --psi 2m --out r.png", ["depth 2m", "--nominal"]),
+        ("capture photo.png --psi 2m --out r.png", ["--psi 2m: camera", "--nominal"]),
         ("capture photo.png --depth-map odd.png --range 8:0 --out r.png", ["odd.png", "expected a grey one"]),
         (
             "capture photo.png --depth-map small.pgm --range 8:0 --out r.png",

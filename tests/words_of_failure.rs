@@ -57,6 +57,8 @@ fn ready() -> Place {
     place.raw("small-raw.png", 8, 8);
     place.photo("photo.png", 288, 256);
     place.photo("small.png", 8, 8);
+    place.photo("dot.png", 1, 1);
+    place.photo("frame.png", 48, 32);
     for folder in ["photos", "one", "unnumbered", "tiny-photos", "gt", "broken"] {
         std::fs::create_dir(place.path(folder)).unwrap();
     }
@@ -93,15 +95,24 @@ fn cameras(place: &Place) {
     place.write("ring.json", camera("\"rings\": []", RINGS));
     place.write("pitch.json", camera("\"pixel_pitch_um\": 3.0", "\"pixel_pitch_um\": 1e300"));
     place.write("kind.json", camera("\"psi_range\": [\n    0.0,\n    8.0\n  ]", "\"psi_range\": {}"));
+    place.write("bank.json", camera("\"rings\"", "\"psf_bank\": { \"file\": \"nothere.npz\" }, \"rings\""));
+    place.write("mask.json", camera("\"rings\"", MASK));
+    place.write("far.json", camera("8.0\n", "1e308\n"));
     place.write("field.json", camera("\"focus_psi\"", "\"focus\""));
     place.write("text.json", camera("\"focal_length_mm\": 16.0", "\"focal_length_mm\": \"16\""));
 }
+
+/// The picture of a mask that is not there.
+const MASK: &str =
+    r#""height_map": { "file": "nothere.png", "white_um": 1.2, "cauchy": [1.4, 0.003] }, "rings""#;
 
 /// A ring of a wavelength that is none.
 const RINGS: &str =
     r#""rings": [{ "inner": 0.2, "outer": 0.5, "delay": { "phase": { "rad": 6.8, "at_nm": 0 } } }]"#;
 
 fn designs(place: &Place) {
+    place.write("mine.json", include_str!("../designs/tiny.json"));
+    place.write("d-video.json", design("\"width\": 64", "\"width\": 1366").replacen("48", "768", 1));
     place.write("d-clock.json", design("\"clock_mhz\": 100.0", "\"clock_mhz\": 1e99"));
     place.write("d-codes.json", design("\"codes\": 16", "\"codes\": 17"));
     place.write("d-stages.json", design("\"layers\": 4", "\"layers\": 5"));
@@ -259,6 +270,34 @@ const FILES: &[Row] = &[
     (DESIGN, "--images tiny-photos --camera f01.json", &["f01.json: camera clear"]),
     ("study stability", "--cases photos", &["photos: no case files (*.json) there"]),
     ("study stability", "--cases one", &["one: no case files"]),
+    ("optics", "bank.json", &["bank.json: nothere.npz: cannot read"]),
+    ("optics", "mask.json", &["mask.json: nothere.png: cannot read"]),
+    (
+        "optics",
+        "far.json",
+        &["far.json: camera clear: psi_range is [0, 1e308], expected two numbers of at most 10000"],
+    ),
+    ("capture dot.png --psi 1 --out o.png", "", &["dot.png: frame 1x1: both sides must be even"]),
+    ("cosim --design tiny", "--photo dot.png", &["dot.png: frame 1x1"]),
+    (
+        "cosim --system --design tiny --size 64x48",
+        "--photo small.png",
+        &["small.png: 8x8, must be at least", "a larger --photo, or --size"],
+    ),
+    ("explore --weights paper-t4", "--photo small.png", &["small.png: frame 8x8"]),
+    (
+        "generate --weights paper-t4 --out o",
+        "--design mine.json",
+        &["--design mine.json: network paper-t4", "edof random-network --design mine.json"],
+    ),
+    ("generate --weights paper-t4 --out o", "--design d-frame.json", &["d-frame.json: frame: frame 63x48"]),
+    (
+        "board sim",
+        "--design d-video.json",
+        &["d-video.json: frame 1366x768: must be the size of a video mode"],
+    ),
+    ("design check", "d-video.json", &["d-video.json: frame 1366x768: must be the size of a video mode"]),
+    ("design check", "d-codes.json", &["d-codes.json: form.codes 17"]),
 ];
 
 /// Arrays of other programs.
@@ -307,7 +346,7 @@ const OPTIONS: &[Row] = &[
     (TRAIN, "--output-rate 0", &["--output-rate 0: must be a positive number"]),
     (TRAIN, "--threshold-rate=-1", &["--threshold-rate -1: must be"]),
     (TRAIN, "--noiseless 0", &["--noiseless 0: must be 1 or more"]),
-    (TRAIN, "--non-zeros 1,2,3", &["--non-zeros with 3 values: must be one for each of the"]),
+    (TRAIN, "--non-zeros 1,2,3", &["--non-zeros with 3 values: must be one for each of 1 shrinkage"]),
     (TRAIN, "--hue 200", &["--hue 200: must be 0 to 180 degrees"]),
     (TRAIN, "--scale 2", &["--scale 2: must be more than 0, 1 at most"]),
     (TRAIN, "--variants 0", &["--variants 0: must be 1 or more"]),
@@ -325,13 +364,19 @@ const OPTIONS: &[Row] = &[
     (
         DESIGN,
         "--psi-range=8,0",
-        &["--psi-range 8,0: camera ring-outer: psi_range is [8, 0], expected two numbers"],
+        &[
+            "--psi-range 8,0: camera ring-outer: psi_range is [8, 0], expected two numbers of at most 10000 either way",
+        ],
     ),
-    (DESIGN, "--psi-range 1m,2m", &["does not know the distance at which psi is 0", "nominal_m"]),
+    (
+        DESIGN,
+        "--psi-range 1m,2m",
+        &["--psi-range 1m: camera ring-outer does not know the distance at which psi is 0", "nominal_m"],
+    ),
     (CAPTURE, "--psi 1e308", &["--psi 1e308: must lie within"]),
     (CAPTURE, "--psi=-1e308", &["--psi -1e308: must lie within"]),
     (CAPTURE, "--psi 0.001m --nominal 1", &["--psi 0.001m: psi ", "m and farther"]),
-    (CAPTURE, "--depth-map small.png --range 0:1e300", &["--range: range 0:1", "psi 1e300: must lie within"]),
+    (CAPTURE, "--depth-map small.png --range 0:1e300", &["--range 0:1e300: psi 1e300: must lie within"]),
     (CAPTURE, "--psi 1 --depth 99", &["--depth 99: must be 8 to 16"]),
     (CAPTURE, "--psi 1 --black-level 4096", &["--black-level 4096: must be less than 4096", "--depth 12"]),
     (CAPTURE, "--psi 1 --nominal=-1e308", &["--nominal -1e308: must be a distance of more than 0 m"]),
@@ -380,6 +425,37 @@ const OPTIONS: &[Row] = &[
     ("board find", "--port photo.png", &["photo.png: is a file; expected a serial port"]),
     ("board status", "--seconds 1e308", &["--seconds 1e308: must be above 0, at most 3600"]),
     ("board info", "--patience 1e308", &["--patience 1e308: must be above 0, at most 3600"]),
+    (
+        "capture frame.png --depth-map raw.png --range 8:0 --out o.png",
+        "--layers 0",
+        &["--layers 0: must be 1 to 64"],
+    ),
+    (
+        "capture photo.png --out o.png",
+        "--psi 2m",
+        &["--psi 2m: camera ring-outer does not know the distance"],
+    ),
+    (
+        CAPTURE,
+        "--psi 1 --wavelength-tolerance 1e308",
+        &["--wavelength-tolerance 1e308: a share, must be 0 to 1"],
+    ),
+    (CAPTURE, "--psi 1 --depth-tolerance=-1e308", &["--depth-tolerance -1e308: must be 0 or more"]),
+    (TRAIN, "--psi 0:900", &["--psi 0:900: psi 900: must lie within 200"]),
+    (TRAIN, "--psi 0:1e308", &["--psi 0:1e308: psi 1e308"]),
+    (TRAIN, "--psi 1m:2m", &["--psi 1m: camera clear does not know", "nominal_m"]),
+    (TRAIN, "--exposure 1e30:1e38", &["--exposure 1e30:1e38: must be two factors"]),
+    (TRAIN, "--lambda 1,2,3", &["--lambda with 3 values: must be one for each of 1 shrinkage"]),
+    (DESIGN, "--focus 1e308", &["--psi-range and --focus: psi is 0 to 8, focus 1e308"]),
+    ("cosim --design tiny", "--stalls 1e308", &["--stalls 1e308: must be 0 to 0.99"]),
+    ("explore --weights paper-t4", "--fps=-1e308", &["--fps -1e308: must be more than 0"]),
+    ("demo --out o", "--height 33", &["--width 720 --height 33: scene 720x33: both sides must be even"]),
+    (
+        "compare photo.png photo.png",
+        "--region 0,0,4x4",
+        &["frame of 4x4 pixels: must be at least 11x11", "a larger --region"],
+    ),
+    ("scene chart-4 --out o", "--psi 1", &["--psi: 1 value for chart-4, expected 4"]),
 ];
 
 /// What a message has of Rust, or of numbers that nobody reads.

@@ -16,6 +16,8 @@ const MOST_RINGS: usize = 64;
 const FASTEST: f64 = 0.5;
 /// Least and most pixels that a wavelength times the F-number may be.
 const CUT_OFF_PIXELS: [f64; 2] = [0.125, 64.0];
+/// Largest ψ either way: far beyond any blur that is computed.
+const MOST_PSI: f64 = 10_000.0;
 /// Most bytes of a camera file.
 const MOST_BYTES: u64 = 1 << 20;
 
@@ -292,7 +294,9 @@ impl Camera {
         let text = json::text(path, MOST_BYTES)
             .map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
         let mut camera = Self::from_json(&text, name_or_path)?;
-        camera.read_bank(path.parent().unwrap_or(Path::new("")))?;
+        let of_file =
+            |e: BankError| CameraError::File { origin: name_or_path.to_owned(), source: Box::new(e.into()) };
+        camera.read_bank(path.parent().unwrap_or(Path::new(""))).map_err(of_file)?;
         Ok(camera)
     }
 
@@ -405,15 +409,15 @@ impl Camera {
             return refuse("nominal_m", number(metres), "a distance of more than 0 m");
         }
         let [low, high] = self.psi_range;
-        if !(low.is_finite() && high.is_finite() && low <= high) {
+        if !(low.abs() <= MOST_PSI && high.abs() <= MOST_PSI && low <= high) {
             return refuse(
                 "psi_range",
                 format!("[{}, {}]", number(low), number(high)),
-                "two numbers, the smaller first",
+                "two numbers of at most 10000 either way, the smaller first",
             );
         }
-        if !self.focus_psi.is_finite() {
-            return refuse("focus_psi", number(self.focus_psi), "a finite number");
+        if !(self.focus_psi.abs() <= MOST_PSI) {
+            return refuse("focus_psi", number(self.focus_psi), "at most 10000 either way");
         }
         for spectrum in &self.spectra {
             let good = match spectrum {

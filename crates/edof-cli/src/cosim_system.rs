@@ -61,6 +61,14 @@ pub fn size(text: &str) -> Result<(usize, usize), String> {
 }
 
 impl Args {
+    /// Whether the frames that are asked for can be cut out of a picture.
+    ///
+    /// # Errors
+    /// A picture that is too small.
+    pub fn has_room(&self, design: &Design, raw: &RawFrame) -> Result<(), Error> {
+        check_room(raw, design.frame, self.frames.max(1) + BESIDES)
+    }
+
     /// The design with what was asked for in place of its own.
     ///
     /// # Errors
@@ -198,17 +206,23 @@ pub fn through(
     Ok(Passed { project, pictures, shown, traffic, seconds: rig.bench.time_ps() as f64 * 1e-12 })
 }
 
-/// Frames of the design's size out of a larger one, each a bit beside the one before.
-fn crops(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<Vec<RawFrame>, Error> {
+/// Whether so many frames can be cut out of a larger one.
+fn check_room(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<(), Error> {
     let (height, width) = raw.size();
     let reach = SHIFT * (count - 1);
     let needed = (frame.width + reach, frame.height + reach);
-    if width < needed.0 || height < needed.1 {
-        return Err(Error::message(format!(
-            "picture {width}x{height}: must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size",
-            needed.0, needed.1, frame.width, frame.height
-        )));
+    if width >= needed.0 && height >= needed.1 {
+        return Ok(());
     }
+    Err(Error::message(format!(
+        "{width}x{height}, must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size",
+        needed.0, needed.1, frame.width, frame.height
+    )))
+}
+
+/// Frames of the design's size out of a larger one, each a bit beside the one before.
+fn crops(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<Vec<RawFrame>, Error> {
+    check_room(raw, frame, count)?;
     (0..count).map(|i| crop(raw, (SHIFT * i, SHIFT * i), frame)).collect()
 }
 

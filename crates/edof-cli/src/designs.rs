@@ -40,19 +40,20 @@ pub fn all() -> Result<Vec<Design>, Error> {
     EMBEDDED.iter().map(|(_, text)| Ok(Design::from_json(text)?)).collect()
 }
 
-/// Holds a network against a design, for who chose both by name.
+/// Holds a network against a design, which the user `given` named so: by its name, or by its file.
 ///
 /// # Errors
 /// They do not fit each other: in what, and what would.
-pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), Error> {
+pub fn fits(design: &Design, given: &str, network: &FixedNetwork) -> Result<(), Error> {
     let Err(misfit) = design.check_network(network) else { return Ok(()) };
     let fitting = |name: &&str| weights::fixed(name).is_ok_and(|own| design.check_network(&own).is_ok());
     let own: Vec<&str> = weights::names().into_iter().filter(fitting).collect();
     let instead = match own[..] {
-        [] => format!("draw one that does by 'edof random-network --design {}'", design.name),
+        [] => format!("draw one that does by 'edof random-network --design {given}'"),
         _ => format!("use --weights {}", own.join(" or ")),
     };
-    Err(Error::message(format!("{misfit}; {instead}")))
+    let file = if Path::new(given).is_file() { format!("--design {given}: ") } else { String::new() };
+    Err(Error::message(format!("{file}{misfit}; {instead}")))
 }
 
 /// A design as the input of a result, by its JSON.

@@ -1,8 +1,10 @@
 //! The camera that a command is told of, with PSFs of its own in place of its lens's where it is told of any, and depths before it.
 
 use crate::error::Error;
+use crate::said;
 use edof_camera::Camera;
 use edof_camera::psf_bank::PsfBank;
+use edof_image::words::number;
 use edof_io::photo;
 use edof_optics::bank;
 use edof_optics::depth::psi_at;
@@ -49,7 +51,7 @@ pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, Error> {
 /// No such camera, or a file that it names and that cannot be used.
 pub fn camera(name: &str) -> Result<Camera, Error> {
     let mut camera = Camera::resolve(name)?;
-    read_mask(&mut camera, folder(Path::new(name)))?;
+    read_mask(&mut camera, folder(Path::new(name))).map_err(|e| said::of_file(name, e))?;
     Ok(camera)
 }
 
@@ -121,7 +123,7 @@ impl Depth {
             (Self::Psi(psi), _) => Ok(psi),
             (Self::Metres(metres), Some(nominal)) => Ok(psi_at(camera, metres, nominal)),
             (Self::Metres(metres), None) => Err(Error::message(format!(
-                "depth {metres}m: camera {} does not know the distance at which psi is 0; give it as nominal_m in its file, or where a command has it by --nominal",
+                "{metres}m: camera {} does not know the distance at which psi is 0; give it as nominal_m in its file, or where a command has it by --nominal",
                 camera.name
             ))),
         }
@@ -136,7 +138,7 @@ pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
     depths
         .iter()
         .map(|depth| {
-            let psi = depth.psi(camera)?;
+            let psi = depth.psi(camera).map_err(|e| Error::message(format!("--psi {e}")))?;
             reached(*depth, psi, camera).map(|()| psi)
         })
         .collect()
@@ -193,11 +195,18 @@ impl DepthRange {
     /// # Errors
     /// As [`Depth::psi`], or an end where the camera has no PSFs.
     pub fn ends(self, camera: &Camera) -> Result<[f64; 2], Error> {
+        let given = || {
+            let short = |depth: Depth| match depth {
+                Depth::Psi(psi) => number(psi),
+                Depth::Metres(metres) => format!("{}m", number(metres)),
+            };
+            format!("{}:{}", short(self.near), short(self.far))
+        };
         let ends = [self.near.psi(camera)?, self.far.psi(camera)?];
         let check = |psi: f64| psf::check(camera, psi);
         ends.into_iter().try_for_each(check).map_err(|e| match e {
             NoPsf::Missing { .. } | NoPsf::NoMask { .. } => e.into(),
-            e => Error::message(format!("range {self}: {e}")),
+            e => Error::message(format!("{}: {e}", given())),
         })?;
         Ok(ends)
     }

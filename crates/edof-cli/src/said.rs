@@ -1,6 +1,7 @@
 //! What the user said, in errors of parts that do not know of files and options: a failure names the option or the file that it is about.
 
 use crate::error::Error;
+use edof_image::words::number;
 use edof_image::{Stride, Window};
 use edof_optics::design::DesignError as LensDesignError;
 use edof_train::dataset::DatasetError;
@@ -48,6 +49,7 @@ fn option(field: &str) -> String {
 pub fn recipe(error: RecipeError) -> Error {
     match error {
         RecipeError::Value { field, value, expected } => {
+            let value = value.parse().map_or(value, number);
             Error::message(format!("--{} {value}: must be {expected}", option(field)))
         }
         error => error.into(),
@@ -73,7 +75,8 @@ pub fn dataset(error: DatasetError, photo: impl Fn(usize) -> String) -> Error {
 pub fn lens_design(error: LensDesignError) -> Error {
     match error {
         LensDesignError::Value { field, value, expected } => {
-            Error::message(format!("--{}: {field} is {value}, expected {expected}", option(field)))
+            let focus = if field == "psi" && value.contains("focus") { " and --focus" } else { "" };
+            Error::message(format!("--{}{focus}: {field} is {value}, expected {expected}", option(field)))
         }
         error => error.into(),
     }

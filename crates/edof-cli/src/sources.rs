@@ -86,7 +86,7 @@ impl Sources {
 
 /// The sources, with the display tables that a board starts with and words that its benches try it with.
 fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, Error> {
-    designs::fits(design, network)?;
+    designs::fits(design, &design.name, network)?;
     let display = Display::default();
     let words = TableWords::of(&display);
     let identity = Identity {

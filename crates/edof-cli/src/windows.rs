@@ -61,6 +61,14 @@ impl Shot {
         self.psi.map_or(Ok(camera.psi_range[1]), |depth| Ok(lens::psis(&[depth], camera)?[0]))
     }
 
+    /// A failure of the picture, by its file's name where it has one.
+    pub fn failed(&self, error: impl std::fmt::Display) -> Error {
+        match &self.photo {
+            Some(photo) => said::of_file(photo, error),
+            None => Error::message(error.to_string()),
+        }
+    }
+
     /// The raw frame.
     ///
     /// # Errors
@@ -85,7 +93,8 @@ impl Shot {
         };
         let noise = self.noise.unwrap_or_else(|| network.origin.most_noise());
         let sensor = Sensor { noise, seed: self.seed, ..Sensor::default() };
-        let raw = capture(&scene, camera, &sensor, &Approximation::default())?.raw;
+        let taken = capture(&scene, camera, &sensor, &Approximation::default());
+        let raw = taken.map_err(|e| self.failed(e))?.raw;
         Ok((scene, raw))
     }
 }
@@ -106,10 +115,7 @@ pub fn of<'a>(
 ) -> Result<impl Iterator<Item = Vec<i16>> + 'a, Error> {
     let geometry = Geometry::new(network.form.window, network.stride);
     let (height, width) = raw.size();
-    geometry.check_frame((height, width)).map_err(|e| match shot.photo.as_ref() {
-        Some(photo) => said::of_file(photo, e),
-        None => e.into(),
-    })?;
+    geometry.check_frame((height, width)).map_err(|e| shot.failed(e))?;
     let (rows, columns) = geometry.patches(height, width);
     Ok((0..rows)
         .flat_map(move |row| (0..columns).map(move |column| windows::window(raw, geometry, row, column))))

@@ -7,6 +7,7 @@ use crate::initial::Start;
 use crate::noise::Conditions;
 use crate::weighting::Weighting;
 use edof_image::Tone;
+use edof_image::words;
 use edof_network::network::{Form, Shrinkage};
 use edof_optics::psf::Settings;
 use serde::{Deserialize, Serialize};
@@ -155,7 +156,7 @@ impl Recipe {
         if !(least > 0.0 && least <= most && most <= 16.0) {
             return Err(value(
                 "exposure",
-                format!("{least}:{most}"),
+                format!("{}:{}", words::number(least.into()), words::number(most.into())),
                 "two factors in order, above 0 and up to 16",
             ));
         }
@@ -167,8 +168,8 @@ impl Recipe {
         let count = |field, found: usize| {
             Err(value(
                 field,
-                format!("with {found} values"),
-                format!("one for each of the {layers} shrinkages"),
+                format!("with {}", words::count(found, "value")),
+                format!("one for each of {}", words::count(layers, "shrinkage")),
             ))
         };
         if self.lambda.len() != 1 && self.lambda.len() != layers {

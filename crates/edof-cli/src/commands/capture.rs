@@ -6,20 +6,21 @@ use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::scene_file::{self, SceneFile};
 use crate::ui::Ui;
-use crate::{memory, pictures};
+use crate::{memory, pictures, said};
 use edof_camera::Camera;
 use edof_image::frame::FrameError;
+use edof_image::words::{count, number};
 use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame, Tone, cable};
 use edof_io::levels::{Black, Levels};
 use edof_io::raw::{Alignment, Size};
 use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_optics::capture::{
-    Approximation, ApproximationCost, Capture, Kernel, capture, measure_approximation,
+    Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture, measure_approximation,
 };
 use edof_optics::depth::{distance_m, psi_at};
 use edof_optics::draw::parse_name;
-use edof_optics::layers;
+use edof_optics::layers::{self, LayersError};
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::{Sensor, SensorError};
@@ -210,7 +211,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => open(&args, &camera, ui)?,
     };
     let approximation = args.approximation()?;
-    let shot = capture(&scene, &camera, &sensor, &approximation)?;
+    let shot = capture(&scene, &camera, &sensor, &approximation).map_err(|e| args.of_scene(&e))?;
     raw::save(&args.out, &shot.raw)?;
     let record = record_of(&args, &camera, &scene, &shot.raw, ui);
     record::save(&args.out, &record)?;
@@ -359,13 +360,16 @@ fn layered(
     ui.used(Input::photograph(&name, &photograph));
     ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
     let psi = args.map_of.psis(&depths.slice(s![..height, ..width]), range, camera)?;
-    Ok(layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers)?)
+    layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers).map_err(|e| match e {
+        LayersError::Count(_) => Error::message(format!("--{e}")),
+        e => said::of_file(map, e),
+    })
 }
 
 impl MapOf {
     /// ψ of each pixel from a map of 0…1.
     fn psis(self, map: &ArrayView2<f32>, range: DepthRange, camera: &Camera) -> Result<Array2<f32>, Error> {
-        let [near, far] = range.ends(camera).map_err(|e| Error::message(format!("--range: {e}")))?;
+        let [near, far] = range.ends(camera).map_err(|e| Error::message(format!("--range {e}")))?;
         match (self, range.near, range.far) {
             (Self::Nearness, ..) => Ok(map.mapv(|v| (far + f64::from(v) * (near - far)) as f32)),
             (Self::Distance, Depth::Metres(first), Depth::Metres(last)) if last.is_finite() => {
@@ -380,6 +384,14 @@ impl MapOf {
 }
 
 impl Args {
+    /// A failure of a scene that is in a file, by the file's name.
+    fn of_scene(&self, error: &CaptureError) -> Error {
+        if Path::new(&self.scene).exists() {
+            return said::of_file(&self.scene, error);
+        }
+        Error::message(error.to_string())
+    }
+
     /// The layers of a scene that a file lists; what only photographs and drawn scenes have is refused.
     fn listed(&self) -> Result<Option<SceneFile>, Error> {
         if !scene_file::is_scene_file(&self.scene) {
@@ -403,17 +415,17 @@ impl Args {
         if !(self.energy > 0.0 && self.energy <= 1.0) {
             return Err(Error::message(format!(
                 "--energy {}: must be more than 0 and at most 1",
-                self.energy
+                number(self.energy)
             )));
         }
         let shares = [("wavelength", self.wavelength_tolerance), ("depth", self.depth_tolerance)];
         if let Some((name, value)) = shares.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0)) {
-            return Err(Error::message(format!("--{name}-tolerance {value}: must be 0 or more")));
+            return Err(Error::message(format!("--{name}-tolerance {}: must be 0 or more", number(value))));
         }
         if self.wavelength_tolerance > 1.0 {
             return Err(Error::message(format!(
                 "--wavelength-tolerance {}: a share, must be 0 to 1",
-                self.wavelength_tolerance
+                number(self.wavelength_tolerance)
             )));
         }
         let wavelength_tolerance = self.wavelength_tolerance;
@@ -430,7 +442,8 @@ fn tell(
     ui: &Ui,
 ) -> Result<(), Error> {
     let (height, width) = scene.size();
-    ui.say(format!("{}: {width}x{height}, {} depths, {:.2} s", scene.name, shot.depths.len(), shot.seconds))?;
+    let depths = count(shot.depths.len(), "depth");
+    ui.say(format!("{}: {width}x{height}, {depths}, {:.2} s", scene.name, shot.seconds))?;
     for depth in &shot.depths {
         let metres = camera.nominal_m.and_then(|nominal| distance_m(camera, depth.psi, nominal));
         let metres = metres.map_or(String::new(), |metres| format!(", {metres:.2} m"));

@@ -8,7 +8,7 @@ use edof_image::words::number;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_metrics::mtf50::EdgeResponse;
-use edof_metrics::{BORDER, Quality, luma};
+use edof_metrics::{BORDER, MetricError, Quality, luma};
 use edof_storage::provenance::Input;
 use ndarray::{Axis, s};
 use serde::Serialize;
@@ -123,7 +123,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (a, b) = whole_cells(a, b, &args, ui);
     let border = args.border.unwrap_or(if args.region.is_some() { 0 } else { BORDER });
     let of_files = |e| {
-        let hint = if args.region.is_none() && border > 0 { "; or a smaller --border" } else { "" };
+        let hint = match (&e, args.region) {
+            (MetricError::Small { .. }, None) if border > 0 => "; or a smaller --border",
+            (MetricError::Small { .. }, Some(_)) => "; give a larger --region",
+            _ => "",
+        };
         Error::message(format!("{}, {}: {e}{hint}", args.a.display(), args.b.display()))
     };
     let quality = Quality::of(&a, &b, border).map_err(of_files)?;

@@ -23,6 +23,7 @@ use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_hdl::project::{self, Project};
 use edof_image::Noise;
 use edof_image::draw::Draw;
+use edof_image::words::number;
 use edof_network::FixedNetwork;
 use edof_stability::case::{self, Case};
 use edof_stability::inputs;
@@ -144,13 +145,15 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);
             let network = weights::fixed(name)?;
-            designs::fits(&design, &network)?;
+            designs::fits(&design, &args.design, &network)?;
             network
         }
         None => edof_random::for_design(&design, args.seed),
     };
     if args.system.system {
-        let raw = args.shot().frame(&network, ui)?;
+        let shot = args.shot();
+        let raw = shot.frame(&network, ui)?;
+        args.system.has_room(&design, &raw).map_err(|e| shot.failed(e))?;
         return cosim_system::run(&args.system, &design, network, &raw, args.seed, args.icarus, ui);
     }
     let trial =
@@ -177,7 +180,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 fn drive(args: &Args) -> Result<Drive, Error> {
     if !(0.0..=0.99).contains(&args.stalls) {
-        return Err(Error::message(format!("--stalls {}: must be 0 to 0.99", args.stalls)));
+        return Err(Error::message(format!("--stalls {}: must be 0 to 0.99", number(args.stalls))));
     }
     let stalls = Stalls::drawn(args.seed, (256.0 * args.stalls) as u8);
     Ok(Drive { skip_zeros: args.skip.as_ref().map(|s| s == "on"), stalls: Some(stalls), ..Drive::default() })

@@ -169,7 +169,7 @@ impl Check {
         ui.used(designs::input(&design));
         if let Some(name) = &self.weights {
             ui.used(weights::fixed_input(name)?);
-            designs::fits(&design, &weights::fixed(name)?)?;
+            designs::fits(&design, &self.design, &weights::fixed(name)?)?;
         }
         let promise = Promise::of(&design).map_err(|e| said::of_file(&self.design, e))?;
         tell(&design, &promise, ui)?;

@@ -220,7 +220,7 @@ struct Measured(Vec<Picture>);
 
 impl Measured {
     fn new(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Self, Error> {
-        designs::fits(design, network)?;
+        designs::fits(design, &args.design, network)?;
         let model = Cycle::new(design, [network, network])?;
         let shots = Shot::all(&args.photo, &args.psi, args.noise);
         let bar = ui.progress(shots.len() as u64, "pictures measured");

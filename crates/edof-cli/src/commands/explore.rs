@@ -16,7 +16,7 @@ use edof_golden::cycle::explore::{cycles_per_patch, foldings, front};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_image::colour::OUTPUTS_422;
-use edof_image::words::count;
+use edof_image::words::{count, number};
 use edof_image::{Geometry, Noise};
 use edof_metrics::{BORDER, psnr, shown};
 use edof_network::FixedNetwork;
@@ -95,7 +95,7 @@ impl Found {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.files(Files::new(ui)).keeps(args.force).check()?;
     if !(args.fps > 0.0 && args.fps.is_finite()) {
-        return Err(Error::message(format!("--fps {}: must be more than 0", args.fps)));
+        return Err(Error::message(format!("--fps {}: must be more than 0", number(args.fps))));
     }
     let (base, mut found) = args.found(ui)?;
     let fast = found.iter().any(|one| one.frames >= args.fps);
@@ -117,7 +117,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if !fast {
         ui.say(format!(
             "none of them reaches {} frames a second at {} MHz (planned)",
-            args.fps, base.clock_mhz
+            number(args.fps),
+            base.clock_mhz
         ))?;
     }
     let told = |one: &Found| {
@@ -255,7 +256,7 @@ fn measure(
     let (mut db, mut pictures) = (0.0, vec![]);
     for shot in &shots {
         let (scene, raw) = shot.taken(network, ui)?;
-        let frame = golden.frame(&raw)?.colour();
+        let frame = golden.frame(&raw).map_err(|e| shot.failed(e))?.colour();
         db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
         let patches = windows::of(network, &raw, shot)?.map(|window| Patch { window, set: Set::First });
         let mut pairs = vec![];

@@ -3,9 +3,11 @@
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
+use crate::said;
 use crate::sources::Sources;
 use crate::ui::Ui;
 use crate::weights;
+use edof_device::board;
 use std::path::PathBuf;
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories
@@ -42,6 +44,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
+    designs::fits(&design, &args.design, &network)?;
+    board::screen_clock(&design).map_err(|e| said::of_file(&args.design, e))?;
     let sources = Sources::of(&design, &network)?;
     let files = Files::new(ui).reads(&args.design).reads_all(weights::fixed_file(&args.weights));
     files.writes_into("--out", &args.out, sources.names()).check()?;

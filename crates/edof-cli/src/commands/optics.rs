@@ -229,12 +229,7 @@ impl Args {
             None if self.psi.is_empty() => return Ok((0..=8).map(f64::from).collect()),
             _ => {}
         }
-        let asked = |depth: &Depth| {
-            let psi = depth.psi(camera)?;
-            lens::reached(*depth, psi, camera)?;
-            Ok(psi)
-        };
-        self.psi.iter().map(asked).collect()
+        lens::psis(&self.psi, camera)
     }
 
     fn settings(&self) -> Result<Settings, Error> {
@@ -380,8 +375,14 @@ impl Design {
         (base.psf_bank, base.height_map) = (None, None);
         base.psi_range = match self.psi_range[..] {
             [] => base.psi_range,
-            [low @ Depth::Psi(_), high] | [low, high @ Depth::Psi(_)] => [low.psi(&base)?, high.psi(&base)?],
-            [near, far] => DepthRange { near, far }.psi(&base)?,
+            [low @ Depth::Psi(_), high] | [low, high @ Depth::Psi(_)] => {
+                let psi =
+                    |depth: Depth| depth.psi(&base).map_err(|e| Error::message(format!("--psi-range {e}")));
+                [psi(low)?, psi(high)?]
+            }
+            [near, far] => {
+                DepthRange { near, far }.psi(&base).map_err(|e| Error::message(format!("--psi-range {e}")))?
+            }
             _ => {
                 return Err(Error::message(
                     "--psi-range: two values of psi as in 0,8, or two distances as in 0.7m,3m",

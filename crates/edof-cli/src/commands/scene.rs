@@ -7,7 +7,7 @@ use crate::memory;
 use crate::ui::Ui;
 use edof_camera::Camera;
 use edof_image::Tone;
-use edof_image::words::number;
+use edof_image::words::{count, number};
 use edof_io::raw::Size;
 use edof_optics::draw::{self, DrawError, four_depths};
 use edof_optics::scene::Scene;
@@ -153,8 +153,8 @@ impl Drawing {
             (given, _) if given.len() == depths => given.to_vec(),
             (given, _) => {
                 return Err(Error::message(format!(
-                    "--psi: {} values for {name}, expected {depths}",
-                    given.len()
+                    "--psi: {} for {name}, expected {depths}",
+                    count(given.len(), "value")
                 )));
             }
         };

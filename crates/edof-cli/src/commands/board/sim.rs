@@ -79,8 +79,9 @@ fn is_codes(file: &Path) -> bool {
 /// # Errors
 /// What does not fit, or no pseudo-terminal.
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
-    let design = sized(designs::load(args.design.as_deref().unwrap_or("tiny"))?, sim.size)?;
-    edof_device::board::screen_clock(&design).map_err(|e| said::of_file(&design.name, e))?;
+    let given = args.design.as_deref().unwrap_or("tiny");
+    let design = sized(designs::load(given)?, sim.size)?;
+    edof_device::board::screen_clock(&design).map_err(|e| said::of_file(given, e))?;
     let network = network(&design, sim.weights.as_deref())?;
     let raw = frame(&design, sim)?;
     let mut device: Box<dyn Device> = if sim.rtl {

@@ -38,7 +38,10 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     checkpoints::check(args, &seeds)?;
     let files = files.keeps(args.force);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
-    camera.psi_range = args.psi.map_or(Ok(camera.psi_range), |range| range.psi(&camera))?;
+    camera.psi_range = args
+        .psi
+        .map_or(Ok(camera.psi_range), |range| range.psi(&camera))
+        .map_err(|e| Error::message(format!("--psi {e}")))?;
     ui.used(camera.input());
     from.iter().for_each(|from| ui.used(from.input.clone()));
     let recipe = &seeds[0].0;
