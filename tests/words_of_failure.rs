@@ -79,7 +79,7 @@ fn ready() -> Place {
     place.write("long.json", " ".repeat((1 << 20) + 1) + "{}");
     place.write("latin.json", b"{\"name\": \"caf\xe9\"}");
     place.write("said.png", std::fs::read(place.path("raw.png")).unwrap());
-    place.write("said.png.json", r#"{"phase": 3}"#);
+    place.write("said.png.json", r#"{"phase": "rgbg"}"#);
     std::fs::copy(place.path("net.fixed.safetensors"), place.path("kinds.fixed.safetensors")).unwrap();
     forge(&place.path("kinds.fixed.safetensors"), |text, _| {
         *text = text.replace("\"code_bits\":16", "\"code_bits\":{}");
@@ -112,7 +112,10 @@ const RINGS: &str =
 
 fn designs(place: &Place) {
     place.write("mine.json", include_str!("../designs/tiny.json"));
-    place.write("d-video.json", design("\"width\": 64", "\"width\": 1366").replacen("48", "768", 1));
+    place.write(
+        "d-video.json",
+        design("\"width\": 64", "\"width\": 1366").replacen("\"height\": 48", "\"height\": 768", 1),
+    );
     place.write("d-clock.json", design("\"clock_mhz\": 100.0", "\"clock_mhz\": 1e99"));
     place.write("d-codes.json", design("\"codes\": 16", "\"codes\": 17"));
     place.write("d-stages.json", design("\"layers\": 4", "\"layers\": 5"));
@@ -243,7 +246,10 @@ const FILES: &[Row] = &[
     (
         "reconstruct said.png --weights net.fixed.safetensors --out o.png",
         "",
-        &["said.png.json: no record of a raw frame: 3, expected", "mend or delete it"],
+        &[
+            "said.png.json: no record of a raw frame: CFA phase 'rgbg': must be rggb, grbg, gbrg or bggr",
+            "mend or delete it",
+        ],
     ),
     (
         "reconstruct raw.png --weights kinds.fixed.safetensors --out o.png",
@@ -359,8 +365,8 @@ const OPTIONS: &[Row] = &[
     (DESIGN, "--rings 3", &["--rings: rings is 3, expected 0, 1 or 2"]),
     (DESIGN, "--most-phase 0", &["--most-phase: largest phase is 0, expected a positive number"]),
     (DESIGN, "--worst-weight 2", &["--worst-weight: "]),
-    (DESIGN, "--window 9", &["--window 9: must be 8, 12 or 16"]),
-    (DESIGN, "--psi-range=0,1e308", &["--psi-range", "0 to 1e308"]),
+    ("optics design --out o.json", "--window 9", &["--window 9: must be 8, 12 or 16"]),
+    (DESIGN, "--psi-range=0,1e308", &["--psi-range 0,1e308: camera ring-outer: psi_range is [0, 1e308]"]),
     (
         DESIGN,
         "--psi-range=8,0",
@@ -376,7 +382,11 @@ const OPTIONS: &[Row] = &[
     (CAPTURE, "--psi 1e308", &["--psi 1e308: must lie within"]),
     (CAPTURE, "--psi=-1e308", &["--psi -1e308: must lie within"]),
     (CAPTURE, "--psi 0.001m --nominal 1", &["--psi 0.001m: psi ", "m and farther"]),
-    (CAPTURE, "--depth-map small.png --range 0:1e300", &["--range 0:1e300: psi 1e300: must lie within"]),
+    (
+        "capture frame.png --depth-map raw.png --out o.png",
+        "--range 0:1e300",
+        &["--range 0:1e300: psi 1e300: must lie within"],
+    ),
     (CAPTURE, "--psi 1 --depth 99", &["--depth 99: must be 8 to 16"]),
     (CAPTURE, "--psi 1 --black-level 4096", &["--black-level 4096: must be less than 4096", "--depth 12"]),
     (CAPTURE, "--psi 1 --nominal=-1e308", &["--nominal -1e308: must be a distance of more than 0 m"]),
@@ -422,7 +432,7 @@ const OPTIONS: &[Row] = &[
         &["--rtl gt: has no ", "expected the folder rtl of what 'edof generate' wrote"],
     ),
     ("cosim --design tiny", "--rtl nowhere", &["--rtl nowhere: is no folder; expected the folder rtl"]),
-    ("board find", "--port photo.png", &["photo.png: is a file; expected a serial port"]),
+    ("board info", "--port photo.png", &["photo.png: is a file; expected a serial port"]),
     ("board status", "--seconds 1e308", &["--seconds 1e308: must be above 0, at most 3600"]),
     ("board info", "--patience 1e308", &["--patience 1e308: must be above 0, at most 3600"]),
     (
@@ -461,8 +471,24 @@ const OPTIONS: &[Row] = &[
 /// What a message has of Rust, or of numbers that nobody reads.
 fn of_rust(line: &str) -> Option<&'static str> {
     const WORDS: [&str; 18] = [
-        "Some(", "None", "Ok(", "Err(", "Line(", "Sampled(", "Phase {", "Etched {", "f32", "f64", "usize",
-        "u16", "u32", "struct ", "enum ", "variant", "NotFound", "\\u{",
+        "Some(",
+        "None",
+        "Ok(",
+        "Err(",
+        "Line(",
+        "Sampled(",
+        "Phase {",
+        "Etched {",
+        "f32",
+        "f64",
+        "usize",
+        "u16",
+        "u32",
+        "struct ",
+        "enum ",
+        "unknown variant",
+        "NotFound",
+        "\\u{",
     ];
     WORDS.into_iter().find(|word| line.contains(word)).or_else(|| {
         let digits = line.split(|c: char| !c.is_ascii_digit()).map(str::len).max().unwrap_or(0);

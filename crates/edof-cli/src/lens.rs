@@ -114,6 +114,14 @@ impl fmt::Display for Depth {
 }
 
 impl Depth {
+    /// As it was given, in few digits.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Psi(psi) => number(psi),
+            Self::Metres(metres) => format!("{}m", number(metres)),
+        }
+    }
+
     /// ψ before a camera.
     ///
     /// # Errors
@@ -152,7 +160,7 @@ pub fn reached(depth: Depth, psi: f64, camera: &Camera) -> Result<(), Error> {
     psf::check(camera, psi).map_err(|e| match (&e, depth) {
         (NoPsf::Missing { .. } | NoPsf::NoMask { .. }, _) => e.into(),
         (_, Depth::Psi(_)) => Error::message(format!("--{e}")),
-        (_, Depth::Metres(_)) => Error::message(format!("--psi {depth}: {e}")),
+        (_, Depth::Metres(_)) => Error::message(format!("--psi {}: {e}", depth.in_words())),
     })
 }
 
@@ -195,13 +203,7 @@ impl DepthRange {
     /// # Errors
     /// As [`Depth::psi`], or an end where the camera has no PSFs.
     pub fn ends(self, camera: &Camera) -> Result<[f64; 2], Error> {
-        let given = || {
-            let short = |depth: Depth| match depth {
-                Depth::Psi(psi) => number(psi),
-                Depth::Metres(metres) => format!("{}m", number(metres)),
-            };
-            format!("{}:{}", short(self.near), short(self.far))
-        };
+        let given = || format!("{}:{}", self.near.in_words(), self.far.in_words());
         let ends = [self.near.psi(camera)?, self.far.psi(camera)?];
         let check = |psi: f64| psf::check(camera, psi);
         ends.into_iter().try_for_each(check).map_err(|e| match e {

@@ -16,6 +16,7 @@ use edof_device::board;
 use edof_device::design::memory::Set;
 use edof_golden::cycle::estimate::{Estimate, StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
+use edof_golden::video::figures::Figures;
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_image::Noise;
 use edof_network::FixedNetwork;

@@ -40,6 +40,9 @@ pub struct Args {
 /// # Errors
 /// A design or network that cannot be used or do not fit each other, or a folder that cannot be written or holds other things.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    if args.out.is_file() {
+        return Err(Error::message(format!("--out {}: is a file, expected a folder", args.out.display())));
+    }
     let design = designs::load(&args.design)?;
     ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;

@@ -389,7 +389,7 @@ impl Design {
                 ));
             }
         };
-        let given = || self.psi_range.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+        let given = || self.psi_range.iter().map(|depth| depth.in_words()).collect::<Vec<_>>().join(",");
         let wrong = |e| Error::message(format!("--psi-range {}: {e}", given()));
         base.check().map_err(|e| if self.psi_range.is_empty() { e.into() } else { wrong(e) })?;
         Ok(base)

@@ -8,7 +8,7 @@ use edof_image::ColourFrame;
 use edof_storage::atomic::{self, WriteError};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// Most bytes of the first line.

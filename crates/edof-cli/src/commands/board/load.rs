@@ -123,13 +123,15 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         return plan(args, load, &job, bank, Some(&held), ui);
     }
     let start = Instant::now();
-    let bar = ui.progress(0, "words");
+    let (bar, mut words) = (ui.progress(0, "words"), 0);
     let loaded = board
         .load(&job, &mut |done, total| {
+            words = total;
             bar.of(done, total);
             goes_on()
         })
         .map_err(of)?;
+    bar.of(words, words);
     if let Some(curve) = load.curve {
         let mut step = |done, total| {
             bar.of(done, total);

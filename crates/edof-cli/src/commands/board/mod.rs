@@ -50,7 +50,7 @@ pub struct Args {
     port: Option<String>,
 
     /// Bits a second on the line
-    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_name = "BITS")]
+    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_name = "BITS", value_parser = clap::value_parser!(u32).range(1..))]
     baud: u32,
 
     /// Seconds that the board may take to answer, beyond the time on the line

@@ -138,7 +138,10 @@ fn sized(mut design: Design, size: Option<(usize, usize)>) -> Result<Design, Err
     if let Some((width, height)) = size {
         design.frame = FrameSize { width, height, ..design.frame };
     }
-    design.check()?;
+    design.check().map_err(|e| match size {
+        Some((width, height)) => Error::message(format!("--size {width}x{height}: {e}")),
+        None => e.into(),
+    })?;
     Ok(design)
 }
 

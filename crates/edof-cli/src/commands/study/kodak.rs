@@ -5,8 +5,9 @@ use super::options::{Kernels, MayKeepRows, Outputs, Photographs, measured, open,
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth};
+use crate::said;
 use crate::ui::Ui;
-use edof_image::{Noise, Stride, Tone};
+use edof_image::{Noise, Tone};
 use edof_study::kodak::{self, Conditions, Plan, usual_noise};
 use edof_study::setup::{Setup, setups};
 use edof_study::summary::Study;
@@ -72,7 +73,7 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui), &args.nets).reads_pictures_of(args.photographs.folder.path()?);
     args.rows.of(args.outputs.of(files)).check()?;
-    let stride = Stride::new(args.stride)?;
+    let stride = said::stride(args.stride)?;
     let (mut notes, mut loaded) = (vec![], vec![]);
     for name in &args.nets {
         let (net, note) = nets::of_kodak(name, stride, ui)?;
