@@ -285,7 +285,7 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
         ("capture photo.png --psi 1 --psf-bank photo.png --out r.png", ["photo.png", "not a whole NPZ"]),
         ("optics --psf-bank none.npz", ["none.npz", "cannot read"]),
         ("capture photo.png --psi 900 --out r.png", ["psi 900", "within 200"]),
-        ("capture photo.png --psi 1 --depth 7 --out r.png", ["bit depth 7", "8 to 16"]),
+        ("capture photo.png --psi 1 --depth 7 --out r.png", ["--depth 7: must be 8 to 16", "8 to 16"]),
         ("capture photo.png --psi 1 --energy 0 --out r.png", ["--energy 0", "at most 1"]),
         ("capture photo.png --psi 1 --camera none --out r.png", ["camera 'none'", "ring-outer"]),
         ("capture none.png --psi 1 --out r.png", ["none.png", "cannot read"]),

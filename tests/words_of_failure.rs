@@ -247,7 +247,7 @@ const FILES: &[Row] = &[
         "reconstruct said.png --weights net.fixed.safetensors --out o.png",
         "",
         &[
-            "said.png.json: no record of a raw frame: CFA phase 'rgbg': must be rggb, grbg, gbrg or bggr",
+            "said.png.json: no record of a raw frame: unknown value `rgbg`, expected one of `rggb`",
             "mend or delete it",
         ],
     ),
