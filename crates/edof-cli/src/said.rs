@@ -1,9 +1,12 @@
 //! What the user said, in errors of parts that do not know of files and options: a failure names the option or the file that it is about.
 
 use crate::error::Error;
+use crate::lens::Depth;
+use edof_camera::Camera;
 use edof_image::words::number;
 use edof_image::{Stride, Window};
 use edof_optics::design::DesignError as LensDesignError;
+use edof_optics::psf::{self, NoPsf};
 use edof_train::dataset::DatasetError;
 use edof_train::recipe::RecipeError;
 use std::fmt::Display;
@@ -33,6 +36,23 @@ pub fn stride(pixels: usize) -> Result<Stride, Error> {
 /// One that there is none of.
 pub fn window(side: usize) -> Result<Window, Error> {
     Window::new(side).map_err(of_option)
+}
+
+/// ψ of the depths of `--psi` before a camera that has PSFs there.
+///
+/// # Errors
+/// A distance before a camera that does not know where ψ is zero, or a depth where it has no PSFs: the depth as it was given.
+pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
+    let one = |depth: &Depth| {
+        let psi = depth.psi(camera).map_err(|e| Error::message(format!("--psi {e}")))?;
+        psf::check(camera, psi).map_err(|e| match (&e, depth) {
+            (NoPsf::Missing { .. } | NoPsf::NoMask { .. }, _) => e.into(),
+            (_, Depth::Psi(_)) => Error::message(format!("--{e}")),
+            (_, Depth::Metres(_)) => Error::message(format!("--psi {}: {e}", depth.in_words())),
+        })?;
+        Ok(psi)
+    };
+    depths.iter().map(one).collect()
 }
 
 /// A field as `edof train` and `edof optics design` name its option.

@@ -1,12 +1,11 @@
 //! Windows of a picture as a network's own camera sees it: what the hardware is fed with in trials and estimates.
 
 use crate::error::Error;
-use crate::lens::{self, Depth};
+use crate::lens::Depth;
 use crate::pictures;
 use crate::said;
 use crate::ui::Ui;
-use edof_golden::windows;
-use edof_image::{Geometry, Noise, RawFrame, Tone};
+use edof_image::{Noise, RawFrame, Tone};
 use edof_network::FixedNetwork;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
@@ -58,7 +57,7 @@ impl Shot {
 
     fn depth(&self, network: &FixedNetwork) -> Result<f64, Error> {
         let camera = &network.origin.camera;
-        self.psi.map_or(Ok(camera.psi_range[1]), |depth| Ok(lens::psis(&[depth], camera)?[0]))
+        self.psi.map_or(Ok(camera.psi_range[1]), |depth| Ok(said::psis(&[depth], camera)?[0]))
     }
 
     /// A failure of the picture, by its file's name where it has one.
@@ -102,21 +101,4 @@ impl Shot {
 /// The tone of the first condition that a network was trained for.
 pub fn tone(network: &FixedNetwork) -> Tone {
     network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone)
-}
-
-/// All windows of the frame of a shot, in the order in which the hardware takes them.
-///
-/// # Errors
-/// A frame that is too small for the network's windows.
-pub fn of<'a>(
-    network: &FixedNetwork,
-    raw: &'a RawFrame,
-    shot: &Shot,
-) -> Result<impl Iterator<Item = Vec<i16>> + 'a, Error> {
-    let geometry = Geometry::new(network.form.window, network.stride);
-    let (height, width) = raw.size();
-    geometry.check_frame((height, width)).map_err(|e| shot.failed(e))?;
-    let (rows, columns) = geometry.patches(height, width);
-    Ok((0..rows)
-        .flat_map(move |row| (0..columns).map(move |column| windows::window(raw, geometry, row, column))))
 }

@@ -35,6 +35,10 @@
 //! assert_eq!((shot.raw.size(), shot.raw.depth()), ((64, 96), 12));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Stability
+//!
+//! Stable: what a camera file means, and the words that a seed gives. Signatures may change between minor versions until 1.0; `examples/lens_to_raw.rs` is kept compiling.
 
 pub mod bank;
 pub mod blur;

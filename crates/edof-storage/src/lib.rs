@@ -3,6 +3,7 @@
 //! | what | module |
 //! |---|---|
 //! | files that appear whole or not at all | [`atomic`] |
+//! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | SHA-256 of contents | [`digest`] |
 //! | arrays in files of other programs (`.npz`, safetensors) | [`arrays`] |
 //! | JSON that a person wrote | [`json`] |
@@ -13,5 +14,6 @@
 pub mod arrays;
 pub mod atomic;
 pub mod digest;
+pub mod folder;
 pub mod json;
 pub mod provenance;

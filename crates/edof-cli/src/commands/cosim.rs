@@ -9,7 +9,7 @@ use crate::lens::Depth;
 use crate::memory;
 use crate::ui::Ui;
 use crate::weights;
-use crate::windows::{self, Shot};
+use crate::windows::Shot;
 use edof_cosim::chain::device::Inputs;
 use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::chain::second::{Recorded, icarus};
@@ -145,7 +145,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);
             let network = weights::fixed(name)?;
-            designs::fits(&design, &args.design, &network)?;
+            designs::fits_given(&design, &args.design, &network)?;
             network
         }
         None => edof_random::for_design(&design, args.seed),
@@ -204,7 +204,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
     }
     let shot = args.shot();
     let raw = shot.frame(network, ui)?;
-    let windows = windows::of(network, &raw, &shot)?.take(args.patches);
+    let windows = edof_golden::windows::all(network, &raw).map_err(|e| shot.failed(e))?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }
 

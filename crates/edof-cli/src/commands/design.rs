@@ -4,10 +4,10 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::form;
-use crate::promise::Promise;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
+use edof_cosim::promise::Promise;
 use edof_device::Design;
 use edof_device::design::{FrameSize, StageSize};
 use edof_golden::cycle::estimate::estimate;
@@ -169,7 +169,7 @@ impl Check {
         ui.used(designs::input(&design));
         if let Some(name) = &self.weights {
             ui.used(weights::fixed_input(name)?);
-            designs::fits(&design, &self.design, &weights::fixed(name)?)?;
+            designs::fits_given(&design, &self.design, &weights::fixed(name)?)?;
         }
         let promise = Promise::of(&design).map_err(|e| said::of_file(&self.design, e))?;
         tell(&design, &promise, ui)?;

@@ -4,9 +4,9 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::said;
-use crate::sources::Sources;
 use crate::ui::Ui;
 use crate::weights;
+use edof_cosim::bitstream::Sources;
 use edof_device::board;
 use std::path::PathBuf;
 
@@ -47,12 +47,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
-    designs::fits(&design, &args.design, &network)?;
+    designs::fits_given(&design, &args.design, &network)?;
     board::screen_clock(&design).map_err(|e| said::of_file(&args.design, e))?;
     let sources = Sources::of(&design, &network)?;
     let files = Files::new(ui).reads(&args.design).reads_all(weights::fixed_file(&args.weights));
     files.writes_into("--out", &args.out, sources.names()).check()?;
-    let manifest = sources.write(&args.out, args.force)?;
+    let manifest = sources.write(&args.out, args.force).map_err(Error::of_folder)?;
     ui.say(sources.summary(&args.out))?;
     ui.json(&manifest)
 }

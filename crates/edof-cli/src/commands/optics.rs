@@ -229,17 +229,13 @@ impl Args {
             None if self.psi.is_empty() => return Ok((0..=8).map(f64::from).collect()),
             _ => {}
         }
-        lens::psis(&self.psi, camera)
+        said::psis(&self.psi, camera)
     }
 
     fn settings(&self) -> Result<Settings, Error> {
-        if !(self.energy > 0.0 && self.energy <= 1.0) {
-            return Err(Error::message(format!(
-                "--energy {}: must be more than 0 and at most 1",
-                number(self.energy)
-            )));
-        }
-        Ok(Settings { energy: self.energy, exact: self.exact, ..Settings::default() })
+        let settings = Settings { energy: self.energy, exact: self.exact, ..Settings::default() };
+        settings.check().map_err(|e| Error::message(format!("--{e}")))?;
+        Ok(settings)
     }
 }
 

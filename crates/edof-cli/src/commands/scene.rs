@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, Lens};
 use crate::memory;
+use crate::said;
 use crate::ui::Ui;
 use edof_camera::Camera;
 use edof_image::Tone;
@@ -137,7 +138,7 @@ impl Drawing {
     /// # Errors
     /// A distance before a camera that does not know where ψ is zero.
     pub fn psis(&self, camera: &Camera) -> Result<Vec<f64>, Error> {
-        lens::psis(&self.psi, camera)
+        said::psis(&self.psi, camera)
     }
 
     /// The built-in scene of that name, its depths spread over the camera's range where none were given.

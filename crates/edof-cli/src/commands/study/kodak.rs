@@ -4,7 +4,7 @@ use super::nets;
 use super::options::{Kernels, MayKeepRows, Outputs, Photographs, measured, open, tell};
 use crate::error::Error;
 use crate::files::Files;
-use crate::lens::{self, Depth};
+use crate::lens::Depth;
 use crate::said;
 use crate::ui::Ui;
 use edof_image::{Noise, Tone};
@@ -104,9 +104,9 @@ impl Args {
     /// ψ of the depths, which must be the same before all cameras: tables stand them side by side.
     fn depths(&self, setups: &[Setup]) -> Result<Vec<f64>, Error> {
         let [first, others @ ..] = setups else { return Ok(vec![]) };
-        let psi = lens::psis(&self.psi, &first.camera)?;
+        let psi = said::psis(&self.psi, &first.camera)?;
         for Setup { camera, .. } in others {
-            let own = lens::psis(&self.psi, camera)?;
+            let own = said::psis(&self.psi, camera)?;
             if let Some(((depth, a), b)) = self.psi.iter().zip(&psi).zip(own).find(|((_, a), b)| **a != *b) {
                 return Err(Error::message(format!(
                     "--psi {depth}: is psi {a:.3} before camera {}, {b:.3} before {}: study their nets one by one",

@@ -144,7 +144,7 @@ impl Args {
         methods.extend(others);
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
-        let (psi, optics) = (lens::psis(&self.psi, &camera)?, self.kernels.settings());
+        let (psi, optics) = (said::psis(&self.psi, &camera)?, self.kernels.settings());
         Ok((
             Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.rows.part.shard },
             notes,

@@ -1,12 +1,11 @@
 //! What a design promises before any network or picture is known: the worst case in which no value is zero.
 
+use crate::estimate::Estimated;
 use edof_device::Design;
 use edof_device::board::{self, MEMORY_LATE, WORD_BITS};
 use edof_device::design::DesignError;
 use edof_device::video::VideoTiming;
-use edof_golden::cycle::estimate::estimate;
-use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
-use edof_hdl::resources::{self, Resources, XC7K325T};
+use edof_hdl::resources::{Resources, XC7K325T};
 use serde::Serialize;
 
 /// Figures of a design, at the clock that it states.
@@ -30,13 +29,6 @@ pub struct Promise {
     pub latency: [f64; 2],
 }
 
-/// The board's figures at the design's clock, for cycles per patch and the latency of a patch in cycles.
-pub fn figures_of(design: &Design, cycles_per_patch: f64, patch_latency: f64) -> Figures {
-    let core = (1e6 / design.clock_mhz) as u64;
-    let periods = Periods { core, ..Periods::of_board(design.frame) };
-    figures(design.frame, CoreCycles::of(design, cycles_per_patch, patch_latency), periods)
-}
-
 impl Promise {
     /// Of a checked design.
     ///
@@ -45,15 +37,14 @@ impl Promise {
     pub fn of(design: &Design) -> Result<Self, DesignError> {
         board::check(design)?;
         board::screen_clock(design)?;
-        let ahead = estimate(design, None);
+        let estimated = Estimated::new(design, None);
+        let Estimated { ahead, board, total: resources, .. } = &estimated;
         let mode = VideoTiming::mode(design.frame);
-        let board = figures_of(design, ahead.cycles_per_patch, ahead.latency as f64);
-        let resources = resources::whole(design);
+        let resources = *resources;
         Ok(Self {
             cycles_per_patch: ahead.cycles_per_patch,
             patches_per_frame: ahead.patches_per_frame as u64,
-            frames_per_second: design.clock_mhz * 1e6
-                / (ahead.cycles_per_patch * ahead.patches_per_frame as f64),
+            frames_per_second: estimated.rate(ahead.cycles_per_patch),
             video: mode.map(|mode| (mode.frames_per_second(), mode.pixel_khz)),
             resources,
             scarcest: resources.fullest(&XC7K325T),
@@ -63,6 +54,7 @@ impl Promise {
     }
 
     /// Lines for people: what, how much.
+    #[must_use]
     pub fn rows(&self, design: &Design) -> Vec<(&'static str, String)> {
         let Resources { dsp48e1, ramb36e1, ramb18e1, lut, ff } = self.resources;
         let (scarcest, share) = self.scarcest;
@@ -107,7 +99,10 @@ impl Promise {
     }
 }
 
-/// The lines as a section of a page.
+/// The lines as a section of a page in Markdown.
+///
+/// # Errors
+/// As [`Promise::of`].
 pub fn section(design: &Design) -> Result<String, DesignError> {
     let rows = Promise::of(design)?.rows(design);
     let rows: String = rows.iter().map(|(what, text)| format!("| {what} | {text} |\n")).collect();
