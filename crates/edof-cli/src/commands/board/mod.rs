@@ -134,7 +134,7 @@ impl Own {
     fn networks(&self, ui: &Ui) -> Result<Vec<FixedNetwork>, Error> {
         let one = |name: &String| {
             ui.used(weights::fixed_input(name)?);
-            weights::fixed(name)
+            Ok(weights::fixed(name)?)
         };
         self.weights.iter().map(one).collect()
     }
