@@ -1,4 +1,4 @@
-//! The whole board but for its pins: frames from an HDMI bus through DRAM, calculator and DRAM to another HDMI bus, three clocks that drift,
+//! The whole board but for its pins: frames from an HDMI bus through DRAM, calculator and DRAM to another HDMI bus, four clocks that drift,
 //! synchronisers that see changes by lot, a memory that is as hard to please as AXI allows. Every picture that is shown is, bit for bit, what
 //! `edof reconstruct --board` writes for one of the frames.
 
@@ -25,7 +25,7 @@ use edof_image::draw::Draw;
 use edof_image::{DisplayMode, Geometry, RawFrame, Stride, Window};
 use edof_network::FixedNetwork;
 
-fn design(window: usize, stride: usize, (width, height): (usize, usize)) -> Design {
+pub fn design(window: usize, stride: usize, (width, height): (usize, usize)) -> Design {
     let mut design = committed("tiny");
     design.form.window = Window::new(window).unwrap();
     design.frame = FrameSize { width, height, stride: Stride::new(stride).unwrap() };
@@ -34,14 +34,14 @@ fn design(window: usize, stride: usize, (width, height): (usize, usize)) -> Desi
 }
 
 /// A core, and what is expected of it.
-struct Setup {
-    design: Design,
-    sets: [FixedNetwork; 2],
+pub struct Setup {
+    pub design: Design,
+    pub sets: [FixedNetwork; 2],
     compiled: Compiled,
 }
 
 impl Setup {
-    fn new(design: Design) -> Self {
+    pub fn new(design: Design) -> Self {
         let sets = networks(&design, 7);
         let display = Display::new(DisplayMode::Colour, Curve::Srgb);
         let project = system::project(&design, [&sets[0], &sets[1]], &display).unwrap();
@@ -50,7 +50,7 @@ impl Setup {
     }
 
     /// What the screen must show.
-    fn pictures(&self, frames: &[RawFrame], set: usize, mode: DisplayMode) -> Vec<Vec<u16>> {
+    pub fn pictures(&self, frames: &[RawFrame], set: usize, mode: DisplayMode) -> Vec<Vec<u16>> {
         let golden = Golden::new(self.sets[set].clone()).unwrap();
         let display = Display::new(mode, Curve::Srgb);
         frames.iter().map(|raw| system::picture(&golden, &display, raw).unwrap()).collect()
@@ -60,13 +60,13 @@ impl Setup {
         Begin::leisurely(&self.design, seed)
     }
 
-    fn start(&self, frames: &[RawFrame], seed: u64) -> Rig {
+    pub fn start(&self, frames: &[RawFrame], seed: u64) -> Rig {
         let sent = frames.iter().map(system::sent).collect();
         Rig::start(&self.compiled, &self.begin(seed), sent).unwrap()
     }
 
     /// The numbers of the pictures on the screen, none for a black one; every one of them whole.
-    fn shown(&self, rig: &Rig, pictures: &[Vec<u16>]) -> Vec<Option<usize>> {
+    pub fn shown(&self, rig: &Rig, pictures: &[Vec<u16>]) -> Vec<Option<usize>> {
         compare(&rig.screen.frames, pictures, self.design.frame.width).unwrap_or_else(|torn| panic!("{torn}"))
     }
 }

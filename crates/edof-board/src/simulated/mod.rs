@@ -95,6 +95,8 @@ struct Inside {
     /// A picture was made that was not shown.
     picture_waits: bool,
     last_set: usize,
+    /// The calculator's clock was lost since `weights_hash` was written.
+    weights_unchecked: bool,
     uart_broken: u32,
     shown: Vec<Shown>,
     mixed: u64,
@@ -167,6 +169,7 @@ impl Simulated {
             frame_waits: false,
             picture_waits: false,
             last_set: 0,
+            weights_unchecked: false,
             uart_broken: 0,
             shown: vec![],
             mixed: 0,
@@ -190,6 +193,12 @@ impl Simulated {
     #[must_use]
     pub const fn now(&self) -> u64 {
         self.now
+    }
+
+    /// The calculator's clock is lost and comes back: the frame under way is dropped, and its memories are in doubt.
+    pub fn lose_calculator_clock(&mut self) {
+        self.inside.begun = None;
+        self.inside.weights_unchecked = true;
     }
 
     fn byte_time(&self) -> Time {
@@ -513,7 +522,15 @@ impl Inside {
         let pictures = u32::from(self.counts.get("picture_frames").is_some_and(|count| *count > 0));
         let source = 0b110 * u32::from(self.chips.has_source());
         let [done, failed] = self.chips.state().map(u32::from);
-        1 | source | pictures << 3 | done << 4 | failed << 5 | (self.last_set as u32) << 6
+        // The calculator's clock runs.
+        let unchecked = u32::from(self.weights_unchecked);
+        1 | source
+            | pictures << 3
+            | done << 4
+            | failed << 5
+            | (self.last_set as u32) << 6
+            | 1 << 8
+            | unchecked << 9
     }
 
     /// The chips as they are by now, where one of their registers is looked at.
@@ -606,6 +623,7 @@ impl Bus for Inside {
         } else if self.controls.contains_key(&address) {
             self.follow_chips();
             let before = self.control();
+            self.weights_unchecked &= address != map::WEIGHTS_HASH;
             self.set_control(address, word);
             if self.control() & !before & map::I2C_RESTART != 0 {
                 self.chips.restart(self.now);

@@ -227,6 +227,7 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
         }));
     }
     let curve = tables(&mut board, verify.curve)?;
+    board.confirm(&design, &network, bank).map_err(of)?;
     ui.say(format!("bank {} holds {}: {pieces} parts, every CRC right", letter(bank), network.origin.name))?;
     ui.say(format!("the display's tables are those of {curve}: every CRC right"))?;
     ui.json(&json!({ "bank": letter(bank), "parts": pieces, "differences": differences, "curve": curve }))
