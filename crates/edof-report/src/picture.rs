@@ -4,8 +4,7 @@
 //! whose sRGB codes were taken for light, is not ([`Tone::Linear`]).
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use edof_image::{ColourFrame, Tone};
-use edof_optics::draw::font;
+use edof_image::{ColourFrame, Tone, font};
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;

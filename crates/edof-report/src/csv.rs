@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 ///     Row { method: "omp", layers: vec![1.5, 2.0], ssim: None },
 ///     Row { method: "a, b", layers: vec![], ssim: Some(0.9) },
 /// ];
-/// assert_eq!(edof_study::csv::of(&rows), "method,layers,ssim\nomp,1.5 2,\n\"a, b\",,0.9\n");
+/// assert_eq!(edof_report::csv::of(&rows), "method,layers,ssim\nomp,1.5 2,\n\"a, b\",,0.9\n");
 /// ```
 #[must_use]
 pub fn of(rows: &[impl Serialize]) -> String {

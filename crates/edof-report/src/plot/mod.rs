@@ -1,17 +1,26 @@
 //! Line and scatter plots as SVG text: axes with round numbers, a legend beside or below them, linear or logarithmic scales.
 //!
 //! ```
-//! use edof_study::plot::{Axis, Mark, Plot, Series};
+//! use edof_report::plot::{Axis, Mark, Plot, Series};
 //! let plot = Plot {
 //!     title: "A parabola".into(),
 //!     x: Axis::linear("x"),
 //!     y: Axis::linear("x²").from(0.0),
-//!     size: edof_study::plot::USUAL,
+//!     size: edof_report::plot::USUAL,
 //!     series: vec![Series::new("x²", Mark::Line, (0..10).map(|i| [f64::from(i), f64::from(i * i)]))],
 //! };
 //! assert!(plot.to_svg().starts_with("<svg"));
 //! ```
 
+mod area;
+mod axis;
+mod palette;
+
+pub use axis::{Axis, Scale};
+pub use palette::{PALETTE, sequential};
+
+use area::{Area, along};
+use axis::Ruler;
 use std::fmt::Write;
 
 /// One diagram.
@@ -31,54 +40,6 @@ pub struct Plot {
 
 /// The size of most diagrams.
 pub const USUAL: [f64; 2] = [640.0, 400.0];
-
-/// An axis.
-#[derive(Debug, Clone)]
-pub struct Axis {
-    /// What it shows, with its unit.
-    pub label: String,
-    /// How values are laid out.
-    pub scale: Scale,
-    /// Ends of the axis; what is missing follows from the data.
-    pub ends: [Option<f64>; 2],
-}
-
-impl Axis {
-    /// Equal steps for equal differences.
-    #[must_use]
-    pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, ends: [None; 2] }
-    }
-
-    /// Equal steps for equal ratios; values of 0 or less are not drawn.
-    #[must_use]
-    pub fn log(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Log, ends: [None; 2] }
-    }
-
-    /// Starts at `low`.
-    #[must_use]
-    pub const fn from(mut self, low: f64) -> Self {
-        self.ends[0] = Some(low);
-        self
-    }
-
-    /// Ends at `high`.
-    #[must_use]
-    pub const fn to(mut self, high: f64) -> Self {
-        self.ends[1] = Some(high);
-        self
-    }
-}
-
-/// How an axis lays values out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// Linear.
-    Linear,
-    /// Logarithmic to base 10.
-    Log,
-}
 
 /// Points that belong together.
 #[derive(Debug, Clone)]
@@ -133,31 +94,6 @@ pub enum Mark {
     LineAndPoints,
 }
 
-/// Colours that stay apart in print and for most eyes (Okabe and Ito).
-pub const PALETTE: [&str; 8] =
-    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c8c00"];
-
-/// Colours of a quantity that grows, from dark to light, told apart by most eyes and in grey ("viridis" without its lightest end, which
-/// paper swallows).
-const SEQUENCE: [[f64; 3]; 6] = [
-    [68.0, 1.0, 84.0],
-    [64.0, 67.0, 135.0],
-    [41.0, 120.0, 142.0],
-    [34.0, 167.0, 132.0],
-    [94.0, 201.0, 97.0],
-    [190.0, 205.0, 30.0],
-];
-
-/// The colour of a quantity at `share`, 0…1, of its range.
-#[must_use]
-pub fn sequential(share: f64) -> String {
-    let place = share.clamp(0.0, 1.0) * (SEQUENCE.len() - 1) as f64;
-    let first = (place as usize).min(SEQUENCE.len() - 2);
-    let part = place - first as f64;
-    let code = |i: usize| (SEQUENCE[first][i] * (1.0 - part) + SEQUENCE[first + 1][i] * part).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", code(0), code(1), code(2))
-}
-
 const LEFT: f64 = 66.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 52.0;
@@ -166,9 +102,6 @@ const LINE_HEIGHT: f64 = 18.0;
 const LETTER: [f64; 2] = [7.0, 13.0];
 /// The most of a diagram's width that a legend beside it may take.
 const LEGEND_SHARE: f64 = 0.3;
-/// Pixels of a line drawn from which names keep away.
-const STEP_ALONG: f64 = 8.0;
-
 impl Plot {
     /// The diagram as a complete SVG document.
     #[must_use]
@@ -329,51 +262,6 @@ impl Plot {
     }
 }
 
-/// Points along a line through others, without its corners.
-fn along(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let between = |pair: &[[f64; 2]]| {
-        let [[a, b], [c, d]] = [pair[0], pair[1]];
-        let steps = ((c - a).hypot(d - b) / STEP_ALONG) as usize;
-        (1..=steps).map(move |step| {
-            let share = step as f64 / (steps + 1) as f64;
-            [a + share * (c - a), b + share * (d - b)]
-        })
-    };
-    corners.windows(2).flat_map(between).collect()
-}
-
-/// An upright rectangle, in pixels from the upper left.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Area {
-    x: [f64; 2],
-    y: [f64; 2],
-}
-
-impl Area {
-    /// A square of so many pixels to each side of a point.
-    const fn around([x, y]: [f64; 2], reach: f64) -> Self {
-        Self { x: [x - reach, x + reach], y: [y - reach, y + reach] }
-    }
-
-    /// Places of so much width and height around a point, the usual ones first: right, left, above, below, then aslant and further off.
-    fn beside([x, y]: [f64; 2], [width, height]: [f64; 2]) -> impl Iterator<Item = Self> {
-        let at = move |left: f64, top: f64| Self { x: [left, left + width], y: [top, top + height] };
-        let (right, left, middle) = (x + 6.0, x - 6.0 - width, x - 0.5 * width);
-        let level = y - 0.5 * height;
-        let near = [(right, level), (left, level), (middle, y - 5.0 - height), (middle, y + 5.0)];
-        let far = [12.0, -12.0, 24.0, -24.0]
-            .into_iter()
-            .flat_map(move |off| [(right, level + off), (left, level + off)]);
-        near.into_iter().chain(far).map(move |(left, top)| at(left, top))
-    }
-
-    /// Pixels that both cover.
-    fn shared(&self, other: &Self) -> f64 {
-        let along = |a: [f64; 2], b: [f64; 2]| (a[1].min(b[1]) - a[0].max(b[0])).max(0.0);
-        along(self.x, other.x) * along(self.y, other.y)
-    }
-}
-
 /// Several diagrams in a row, as one SVG document.
 #[must_use]
 pub fn side_by_side(plots: &[Plot]) -> String {
@@ -461,88 +349,6 @@ fn draw_series(svg: &mut String, series: &Series, index: usize, x: &Ruler, y: &R
     }
 }
 
-/// An axis laid out on the page: its range, ticks, and where values lie.
-struct Ruler {
-    scale: Scale,
-    low: f64,
-    high: f64,
-    start: f64,
-    end: f64,
-    ticks: Vec<(f64, String)>,
-}
-
-impl Ruler {
-    fn new(axis: &Axis, values: impl Iterator<Item = f64>, start: f64, end: f64) -> Self {
-        let drawable = |v: &f64| v.is_finite() && (axis.scale == Scale::Linear || *v > 0.0);
-        let (mut low, mut high) = values
-            .chain(axis.ends.into_iter().flatten())
-            .filter(drawable)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        if low > high {
-            (low, high) = (1.0, 10.0);
-        }
-        let [fixed_low, fixed_high] = axis.ends.map(|end| end.filter(drawable));
-        low = fixed_low.unwrap_or(low);
-        high = fixed_high.unwrap_or(high);
-        let ticks = match axis.scale {
-            Scale::Linear => {
-                if high - low < 1e-12 * high.abs().max(1.0) {
-                    (low, high) = (low - 0.5, high + 0.5);
-                }
-                let step = round_step((high - low) / 6.0);
-                low = fixed_low.unwrap_or((low / step).floor() * step);
-                high = fixed_high.unwrap_or((high / step).ceil() * step);
-                linear_ticks(low, high, step)
-            }
-            Scale::Log => {
-                low = fixed_low.unwrap_or_else(|| 10f64.powf(low.log10().floor()));
-                high = fixed_high.unwrap_or_else(|| 10f64.powf(high.log10().ceil()));
-                if high <= low {
-                    high = low * 10.0;
-                }
-                log_ticks(low, high)
-            }
-        };
-        Self { scale: axis.scale, low, high, start, end, ticks }
-    }
-
-    fn place(&self, value: f64) -> f64 {
-        let share = match self.scale {
-            Scale::Linear => (value - self.low) / (self.high - self.low),
-            Scale::Log => (value.ln() - self.low.ln()) / (self.high.ln() - self.low.ln()),
-        };
-        share.mul_add(self.end - self.start, self.start)
-    }
-}
-
-/// The smallest 1, 2 or 5 times a power of ten that is at least `least`.
-fn round_step(least: f64) -> f64 {
-    let power = 10f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= least * (1.0 - 1e-9)).unwrap_or(least)
-}
-
-fn linear_ticks(low: f64, high: f64, step: f64) -> Vec<(f64, String)> {
-    let decimals = (-step.log10().floor()).max(0.0) as usize;
-    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last)
-        .map(|i| {
-            let value = i as f64 * step;
-            (value, format!("{value:.decimals$}"))
-        })
-        .collect()
-}
-
-fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
-    let decades = (high / low).log10();
-    let factors: &[f64] = if decades < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
-    powers
-        .flat_map(|p| factors.iter().map(move |f| f * 10f64.powi(p)))
-        .filter(|v| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(v))
-        .map(|v| (v, if (1e-3..1e5).contains(&v) { format!("{}", round_to(v)) } else { format!("{v:.0e}") }))
-        .collect()
-}
-
 /// A number in four digits or fewer.
 fn short(value: f64) -> String {
     let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6);
@@ -550,13 +356,9 @@ fn short(value: f64) -> String {
     format!("{}", (value * scale).round() / scale)
 }
 
-/// Hides the last digits of 10f64.powi's error in a tick's text.
-fn round_to(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
-}
-
 /// Text that may stand between tags.
-pub(crate) fn escape(text: &str) -> String {
+#[must_use]
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
@@ -572,43 +374,6 @@ mod tests {
             size: USUAL,
             series: vec![Series::new("one", Mark::Line, points.iter().copied())],
         }
-    }
-
-    #[test]
-    fn ticks_are_round_numbers_inside_the_axis() {
-        let texts = |low, high| {
-            let ruler = Ruler::new(&Axis::linear(""), [low, high].into_iter(), 0.0, 1.0);
-            ruler.ticks.into_iter().map(|t| t.1).collect::<Vec<_>>()
-        };
-        assert_eq!(texts(0.0, 1.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(texts(28.4, 38.9), ["28", "30", "32", "34", "36", "38", "40"]);
-    }
-
-    #[test]
-    fn a_sequence_of_colours_grows_lighter() {
-        assert_eq!([sequential(0.0), sequential(0.2), sequential(1.0)], ["#440154", "#404387", "#becd1e"]);
-        let lightness = |share: f64| {
-            let colour = u32::from_str_radix(&sequential(share)[1..], 16).unwrap();
-            [16, 8, 0]
-                .map(|bit| f64::from(colour >> bit & 255))
-                .iter()
-                .zip([0.2126, 0.7152, 0.0722])
-                .map(|(c, w)| c * w)
-                .sum()
-        };
-        let steps: Vec<f64> = (0..=20).map(|i| lightness(f64::from(i) / 20.0)).collect();
-        assert!(steps.windows(2).all(|pair| pair[1] > pair[0] + 2.0), "{steps:?}");
-    }
-
-    #[test]
-    fn a_logarithmic_axis_spaces_decades_equally() {
-        let ruler = Ruler::new(&Axis::log("t"), [0.02, 300.0].into_iter(), 0.0, 100.0);
-        let places: Vec<f64> = ruler.ticks.iter().map(|(v, _)| ruler.place(*v)).collect();
-        assert_eq!(
-            places.iter().map(|p| p.round()).collect::<Vec<_>>(),
-            [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]
-        );
-        assert_eq!(ruler.ticks[0].1, "0.01");
     }
 
     #[test]

@@ -3,9 +3,8 @@
 //! Photographs are told apart by the number in their file's name (`kodim03.png` is 3). Every third one is for tests, the rest
 //! for training ([`CHOICES`]).
 
+use crate::{photo, picture};
 use edof_image::ColourFrame;
-use edof_io::photo;
-use edof_io::picture;
 use std::path::{Path, PathBuf};
 
 /// Every how many-th photo is for tests.
@@ -57,7 +56,8 @@ pub const CHOICES: &str = "Nothing was trained on the eight test photographs (Ko
                            weighted, the length of the second round of training, and the headroom of fixed point (docs/decisions, 0005 and 0002).";
 
 /// [`CHOICES`] behind a blank, where one of these photographs is for tests.
-pub(crate) fn choices<'a>(mut names: impl Iterator<Item = &'a str>) -> String {
+#[must_use]
+pub fn choices<'a>(mut names: impl Iterator<Item = &'a str>) -> String {
     if names.any(|name| Selection::Test.holds(name)) { format!(" {CHOICES}") } else { String::new() }
 }
 

@@ -1,22 +1,18 @@
-//! PSNR and SSIM, with the conventions that every number of this project follows (docs/decisions/0003-metrics.md).
+//! What a reconstruction is worth: PSNR and SSIM with the conventions that every number of this project follows
+//! (docs/decisions/0003-metrics.md).
 //!
 //! Peak 1. A border of [`BORDER`] pixels is cropped first. Estimates are *not* clipped to 0…1 unless a name says so. Sums
 //! run in f64 in a fixed order. What is compared is the picture ([`shown`]), under sRGB the light beside it.
 
+use crate::psnr::{decibel, mean_square};
+use crate::ssim::{self, ssim};
 use edof_image::colour::LUMA;
 use edof_image::{ColourFrame, Tone};
-use ndarray::{Array2, ArrayView2, Axis, s};
+use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
 /// Pixels that studies crop on each side before they measure.
 pub const BORDER: usize = 8;
-
-/// Standard deviation of SSIM's Gaussian window, in pixels.
-const SSIM_SIGMA: f64 = 1.5;
-/// Half of SSIM's window without its centre: 11×11 pixels in all.
-const SSIM_REACH: usize = 5;
-const SSIM_C1: f64 = 0.01 * 0.01;
-const SSIM_C2: f64 = 0.03 * 0.03;
 
 /// What a reconstruction is worth, in every way this project states.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -65,7 +61,7 @@ impl Quality {
             return Err(MetricError::Sizes(truth.size(), estimate.size()));
         }
         let (height, width) = truth.size();
-        let least = 2 * (border + SSIM_REACH) + 1;
+        let least = 2 * (border + ssim::REACH) + 1;
         if height < least || width < least {
             return Err(MetricError::Small { height, width, least, border });
         }
@@ -96,39 +92,6 @@ pub fn shown(light: &ColourFrame, tone: Tone) -> ColourFrame {
     }
 }
 
-/// PSNR in dB for a peak of 1: −10 log₁₀ of the mean squared error over all colours and pixels inside the border.
-/// Infinite for equal frames.
-///
-/// ```
-/// use edof_image::ColourFrame;
-/// let black = ColourFrame::zeros(20, 20);
-/// let mut grey = black.clone();
-/// grey.planes.fill(0.1);
-/// assert!((edof_study::metrics::psnr(&black, &grey, 8) - 20.0).abs() < 1e-5);
-/// ```
-///
-/// # Panics
-/// If the frames' sizes differ or the border leaves nothing; [`Quality::of`] refuses such frames instead.
-#[must_use]
-pub fn psnr(truth: &ColourFrame, estimate: &ColourFrame, border: usize) -> f64 {
-    let (truth, estimate) = (cropped(truth, border), cropped(estimate, border));
-    let error = |p| mean_square(truth.planes.index_axis(Axis(0), p), estimate.planes.index_axis(Axis(0), p));
-    decibel((error(0) + error(1) + error(2)) / 3.0)
-}
-
-/// −10 log₁₀ of a mean squared error.
-#[must_use]
-pub fn decibel(mean_square: f64) -> f64 {
-    -10.0 * mean_square.log10()
-}
-
-/// Mean squared difference of two planes.
-#[must_use]
-pub fn mean_square(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
-    let sum: f64 = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
-    sum / a.len() as f64
-}
-
 /// BT.709 luma of linear light.
 #[must_use]
 pub fn luma(frame: &ColourFrame) -> Array2<f32> {
@@ -139,55 +102,7 @@ pub fn luma(frame: &ColourFrame) -> Array2<f32> {
     })
 }
 
-/// Mean structural similarity of two planes with range 1 (Wang, Bovik, Sheikh, Simoncelli 2004): Gaussian window of 11×11
-/// pixels with σ = 1.5, K₁ = 0.01, K₂ = 0.03, population moments, averaged where the window fits whole; no downsampling.
-///
-/// Both planes must be equally large and at least 11×11.
-#[must_use]
-pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
-    let (a, b) = (a.mapv(f64::from), b.mapv(f64::from));
-    let mean_a = gaussian_mean(&a);
-    let mean_b = gaussian_mean(&b);
-    let square_a = gaussian_mean(&(&a * &a));
-    let square_b = gaussian_mean(&(&b * &b));
-    let product = gaussian_mean(&(&a * &b));
-    let mut sum = 0.0;
-    ndarray::Zip::from(&mean_a).and(&mean_b).and(&square_a).and(&square_b).and(&product).for_each(
-        |&ma, &mb, &saa, &sbb, &sab| {
-            let (variance_a, variance_b, covariance) = (saa - ma * ma, sbb - mb * mb, sab - ma * mb);
-            sum += (2.0 * ma * mb + SSIM_C1) * (2.0 * covariance + SSIM_C2)
-                / ((ma * ma + mb * mb + SSIM_C1) * (variance_a + variance_b + SSIM_C2));
-        },
-    );
-    sum / mean_a.len() as f64
-}
-
-/// Weighted mean under SSIM's window, wherever it fits whole.
-fn gaussian_mean(plane: &Array2<f64>) -> Array2<f64> {
-    let taps = gaussian_taps();
-    let (height, width) = plane.dim();
-    let (out_height, out_width) = (height - 2 * SSIM_REACH, width - 2 * SSIM_REACH);
-    let mut along_rows = Array2::zeros((height, out_width));
-    for (offset, &tap) in taps.iter().enumerate() {
-        along_rows.scaled_add(tap, &plane.slice(s![.., offset..offset + out_width]));
-    }
-    let mut out = Array2::zeros((out_height, out_width));
-    for (offset, &tap) in taps.iter().enumerate() {
-        out.scaled_add(tap, &along_rows.slice(s![offset..offset + out_height, ..]));
-    }
-    out
-}
-
-fn gaussian_taps() -> [f64; 2 * SSIM_REACH + 1] {
-    let taps: [f64; 2 * SSIM_REACH + 1] = std::array::from_fn(|i| {
-        let distance = i as f64 - SSIM_REACH as f64;
-        (-0.5 * (distance / SSIM_SIGMA).powi(2)).exp()
-    });
-    let sum: f64 = taps.iter().sum();
-    taps.map(|t| t / sum)
-}
-
-fn cropped(frame: &ColourFrame, border: usize) -> ColourFrame {
+pub(crate) fn cropped(frame: &ColourFrame, border: usize) -> ColourFrame {
     let (height, width) = frame.size();
     frame.crop(border, border, height - 2 * border, width - 2 * border)
 }
@@ -195,6 +110,7 @@ fn cropped(frame: &ColourFrame, border: usize) -> ColourFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::psnr;
     use ndarray::Array3;
 
     fn pattern(height: usize, width: usize) -> ColourFrame {
@@ -265,37 +181,6 @@ mod tests {
         let mut estimate = truth.clone();
         estimate.planes.indexed_iter_mut().for_each(|((_, r, c), v)| *v += 0.1 * ((r + c) % 2) as f32);
         assert!(Quality::of(&truth, &estimate, 8).unwrap().ssim < 0.95);
-    }
-
-    #[test]
-    fn ssim_of_two_even_greys_is_its_luminance_term() {
-        let plane = |level: f32| Array2::from_elem((20, 20), level);
-        let (a, b) = (f64::from(0.25f32), 0.75);
-        let expected = (2.0 * a * b + SSIM_C1) / (a * a + b * b + SSIM_C1);
-        assert!((ssim(plane(0.25).view(), plane(0.75).view()) - expected).abs() < 1e-9);
-    }
-
-    #[test]
-    fn ssim_of_one_window_follows_the_formula() {
-        // One 11×11 window, moments taken directly under the two-dimensional Gaussian.
-        let a = Array2::from_shape_fn((11, 11), |(r, c)| ((r * 13 + c * 7) % 11) as f32 / 11.0);
-        let b = Array2::from_shape_fn((11, 11), |(r, c)| ((r * 5 + c * 3) % 11) as f32 / 11.0);
-        let weight = |r: usize, c: usize| {
-            let (y, x) = (r as f64 - 5.0, c as f64 - 5.0);
-            (-(x * x + y * y) / (2.0 * 1.5 * 1.5)).exp()
-        };
-        let total: f64 = (0..121).map(|i| weight(i / 11, i % 11)).sum();
-        let mean = |f: &dyn Fn(usize, usize) -> f64| {
-            (0..121).map(|i| weight(i / 11, i % 11) * f(i / 11, i % 11)).sum::<f64>() / total
-        };
-        let at = |m: &Array2<f32>, r, c| f64::from(m[(r, c)]);
-        let (ma, mb) = (mean(&|r, c| at(&a, r, c)), mean(&|r, c| at(&b, r, c)));
-        let va = mean(&|r, c| (at(&a, r, c) - ma).powi(2));
-        let vb = mean(&|r, c| (at(&b, r, c) - mb).powi(2));
-        let cov = mean(&|r, c| (at(&a, r, c) - ma) * (at(&b, r, c) - mb));
-        let expected =
-            (2.0 * ma * mb + 1e-4) * (2.0 * cov + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
-        assert!((ssim(a.view(), b.view()) - expected).abs() < 1e-9);
     }
 
     #[test]

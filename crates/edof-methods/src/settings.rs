@@ -225,12 +225,12 @@ impl DeconvolutionSettings {
     }
 
     /// Wiener's ratio of noise to contrast.
-    pub(crate) fn wiener_ratio(model: &PictureModel, noise: Noise) -> f32 {
+    pub fn wiener_ratio(model: &PictureModel, noise: Noise) -> f32 {
         (model.variance(noise) / model.contrast) as f32
     }
 
     /// Weights of the hyper-Laplacian prior.
-    pub(crate) fn prior(model: &PictureModel, share: f64, alpha: f32, noise: Noise) -> Prior {
+    pub fn prior(model: &PictureModel, share: f64, alpha: f32, noise: Noise) -> Prior {
         Prior { lambda: (share / model.variance(noise)) as f32, alpha }
     }
 }

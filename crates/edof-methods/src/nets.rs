@@ -1,6 +1,5 @@
 //! Trained nets as methods, each behind the camera it was trained for.
 
-use crate::kodak::Setup;
 use crate::settings::FloatSettings;
 use crate::spec::MethodSpec;
 use edof_float::reconstruct::Output;
@@ -21,11 +20,6 @@ pub struct Net {
     /// The fixed network, where there is one that fits, and the SHA-256 of its own.
     pub fixed: Option<(FixedNetwork, String)>,
 }
-
-/// Two nets would share their rows.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("net '{0}': given twice, every net needs a name of its own")]
-pub struct NetTwice(String);
 
 impl Net {
     /// Puts a float network and the fixed one made from it together. A fixed network for another stride, or made from other
@@ -57,7 +51,8 @@ impl Net {
     }
 
     /// The net in every format that there is. All average overlapping patches alike.
-    fn methods(self, stride: Stride) -> Vec<MethodSpec> {
+    #[must_use]
+    pub fn methods(self, stride: Stride) -> Vec<MethodSpec> {
         let Self { name, mut float, float_sha256, fixed } = self;
         float.origin.name.clone_from(&name);
         let network = Arc::new(float);
@@ -77,54 +72,13 @@ impl Net {
     }
 }
 
-/// One setup for each camera, in the nets' order, with demosaicing as its first method.
-///
-/// # Errors
-/// A net given twice.
-pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetTwice> {
-    let mut names: Vec<String> = vec![];
-    let mut setups: Vec<Setup> = vec![];
-    for net in nets {
-        if names.contains(&net.name) {
-            return Err(NetTwice(net.name));
-        }
-        names.push(net.name.clone());
-        let camera = net.float.origin.camera.clone();
-        let index = setups.iter().position(|s| s.camera == camera).unwrap_or_else(|| {
-            setups.push(Setup { camera, methods: vec![MethodSpec::Malvar] });
-            setups.len() - 1
-        });
-        setups[index].methods.extend(net.methods(stride));
-    }
-    Ok(setups)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use edof_camera::Camera;
-    use edof_image::Window;
-    use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
-    use ndarray::{Array1, Array2};
 
     fn float(camera: &str) -> Network {
-        Network {
-            form: Form {
-                window: Window::new(8).unwrap(),
-                codes: 2,
-                layers: 2,
-                shrinkage: Shrinkage::OneSided,
-                recurrence: Recurrence::Direct,
-                linear_path: false,
-                tied: false,
-            },
-            analysis: Array2::zeros((2, 64)),
-            thresholds: vec![Array1::zeros(2)],
-            recurrent: vec![],
-            dictionary: Array2::zeros((192, 2)),
-            linear_path: None,
-            origin: Origin::untrained("n", Camera::resolve(camera).unwrap()),
-        }
+        edof_random::silent(Camera::resolve(camera).unwrap())
     }
 
     /// Fixed weights for stride 8 made from the float weights of hash `h`.
@@ -143,31 +97,5 @@ mod tests {
         assert_eq!(note(None, "h", 8).unwrap(), "NO n.fixed ROWS: n has no fixed-point weights");
         assert!(note(Some(fixed()), "h", 4).unwrap().contains("made for stride 8, not 4"));
         assert!(note(Some(fixed()), "other", 8).unwrap().contains("other float weights"));
-    }
-
-    #[test]
-    fn each_camera_has_one_setup_and_one_demosaicing() {
-        let net = |name: &str, camera, fixed| Net::new(name, float(camera), "h", fixed, Stride::PATCH).0;
-        let nets = vec![
-            net("a", "ring-2018", Some(fixed())),
-            net("b", "ring-2018", None),
-            net("c", "ring-outer", None),
-        ];
-        let setups = setups(nets, Stride::PATCH).unwrap();
-        // Reports use the name asked for, whatever the files say.
-        let names: Vec<Vec<String>> =
-            setups.iter().map(|s| s.methods.iter().map(|m| m.method().to_string()).collect()).collect();
-        assert_eq!(
-            names[0],
-            ["demosaic-malvar", "a.float", "a.float422", "a.fixed", "b.float", "b.float422"]
-        );
-        assert_eq!(names[1], ["demosaic-malvar", "c.float", "c.float422"]);
-    }
-
-    #[test]
-    fn a_net_given_twice_is_refused() {
-        let net = || Net::new("a", float("clear"), "h", None, Stride::PATCH).0;
-        let error = setups(vec![net(), net()], Stride::PATCH).err().unwrap().to_string();
-        assert_eq!(error, "net 'a': given twice, every net needs a name of its own");
     }
 }

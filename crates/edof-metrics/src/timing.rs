@@ -20,7 +20,7 @@ pub struct Range {
 
 impl Range {
     /// The same for one of so many.
-    pub(crate) fn over(self, count: f64) -> Self {
+    pub fn over(self, count: f64) -> Self {
         Self { least: self.least / count, most: self.most / count }
     }
 
@@ -31,28 +31,31 @@ impl Range {
 }
 
 /// A reconstruction, its times the medians of several runs where those cost little.
-pub(crate) struct Timed {
-    pub(crate) result: Reconstruction,
+pub struct Timed {
+    /// The first of the runs that count, its seconds the median of all.
+    pub result: Reconstruction,
     /// Wall-clock seconds of the fastest and the slowest run.
-    pub(crate) range: Range,
+    pub range: Range,
     /// Of all threads together.
-    pub(crate) cpu_seconds: Option<f64>,
-    pub(crate) cpu_range: Option<Range>,
+    pub cpu_seconds: Option<f64>,
+    /// The least and the most of them.
+    pub cpu_range: Option<Range>,
     /// Of the process, in the first run.
-    pub(crate) peak_memory_bytes: Option<u64>,
-    pub(crate) repetitions: usize,
+    pub peak_memory_bytes: Option<u64>,
+    /// Runs that the times are of.
+    pub repetitions: usize,
 }
 
 impl Timed {
     /// A reconstruction whose time is computed, not measured.
-    pub(crate) const fn not(result: Reconstruction) -> Self {
+    pub const fn not(result: Reconstruction) -> Self {
         let range = Range { least: result.seconds, most: result.seconds };
         Self { result, range, cpu_seconds: None, cpu_range: None, peak_memory_bytes: None, repetitions: 1 }
     }
 }
 
 /// Runs a method and times it.
-pub(crate) fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Timed, ReconstructError> {
+pub fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Timed, ReconstructError> {
     let run = || -> Result<_, ReconstructError> {
         let before = cpu_time::seconds();
         let result = method.reconstruct(raw)?;

@@ -312,7 +312,7 @@ impl MethodSpec {
 }
 
 /// Methods prepared for a camera and a depth, each for every noise that it meets.
-pub(crate) struct Ready<'a> {
+pub struct Ready<'a> {
     camera: &'a Camera,
     specs: &'a [MethodSpec],
     psi: f64,
@@ -321,24 +321,27 @@ pub(crate) struct Ready<'a> {
 }
 
 /// A method that is prepared.
-pub(crate) struct Prepared<'a> {
-    pub(crate) reconstructor: &'a dyn Reconstructor,
+pub struct Prepared<'a> {
+    /// What reconstructs.
+    pub reconstructor: &'a dyn Reconstructor,
     /// Wall-clock seconds that it took.
-    pub(crate) seconds: f64,
+    pub seconds: f64,
 }
 
 impl<'a> Ready<'a> {
-    pub(crate) fn new(camera: &'a Camera, specs: &'a [MethodSpec], psi: f64, optics: Settings) -> Self {
+    /// Methods behind a camera at a depth, none of them prepared yet.
+    #[must_use]
+    pub fn new(camera: &'a Camera, specs: &'a [MethodSpec], psi: f64, optics: Settings) -> Self {
         Self { camera, specs, psi, optics, prepared: HashMap::new() }
     }
 
     /// What a method is.
-    pub(crate) fn identity(&self, method: usize) -> Method {
+    pub fn identity(&self, method: usize) -> Method {
         self.specs[method].method()
     }
 
     /// A method for a noise level, prepared where it is not yet.
-    pub(crate) fn method(&mut self, noise: Noise, method: usize) -> Result<Prepared<'_>, PrepareError> {
+    pub fn method(&mut self, noise: Noise, method: usize) -> Result<Prepared<'_>, PrepareError> {
         let (reconstructor, seconds) = &*match self.prepared.entry((noise.to_string(), method)) {
             Entry::Occupied(entry) => entry.into_mut(),
             Entry::Vacant(entry) => {

@@ -182,9 +182,9 @@ const READABLE: f64 = 0.9;
 /// The share above which it shouts.
 const LARGE: f64 = 1.4;
 
-const STYLE: &str = include_str!("report/style.css");
-const VIEWER: &str = include_str!("report/viewer.html");
-const SORTER: &str = include_str!("report/sorter.html");
+const STYLE: &str = include_str!("html/style.css");
+const VIEWER: &str = include_str!("html/viewer.html");
+const SORTER: &str = include_str!("html/sorter.html");
 
 /// Whether a column holds numbers, and dashes where there are none.
 fn is_of_numbers(rows: &[Vec<String>], column: usize) -> bool {

@@ -1,8 +1,8 @@
 //! The dictionary of sharp 8×8 colour patches that pursuits reconstruct with (paper §3), learned by k-SVD, and its file.
 
-use crate::photos::Photo;
 use edof_image::colour::RGB_OUTPUTS;
 use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_io::photos::Photo;
 use edof_numerics::random::Random;
 use edof_sparse::ksvd::{Settings, ksvd};
 use edof_storage::atomic::{self, WriteError};
