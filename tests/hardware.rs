@@ -194,7 +194,7 @@ fn clocks_and_frames_that_no_board_has_are_refused_by_every_command_that_promise
         (clocked(1000.0, (1280, 720)), "clock_mhz 1000: must be above 0, at most 400"),
         (
             clocked(199.999, (1280, 720)),
-            "clock_mhz 199.999: must be a clock that an MMCM makes of 200 MHz, such as 199.99 or 200",
+            "clock_mhz 199.999: must be a clock that an MMCM makes of 200 MHz, such as 199.6 or 200",
         ),
     ] {
         place.write("bad.json", text);

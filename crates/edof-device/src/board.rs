@@ -180,7 +180,7 @@ mod tests {
             ),
             (
                 design(199.999, 1280, 720),
-                "clock_mhz 199.999: must be a clock that an MMCM makes of 200 MHz, such as 199.99 or 200",
+                "clock_mhz 199.999: must be a clock that an MMCM makes of 200 MHz, such as 199.6 or 200",
             ),
             (design(2.0, 1280, 720), "clock_mhz 2: must be a clock that an MMCM makes of 200 MHz, such as "),
         ] {
