@@ -5,6 +5,7 @@ use edof_board::line::Line;
 use edof_board::link::PATIENCE;
 use edof_board::names::Place;
 use edof_board::{Board, Error, Simulated, status};
+use edof_device::design::memory::Set;
 use edof_device::registers::map::{self, REGISTERS};
 use std::io;
 use std::time::Duration;
