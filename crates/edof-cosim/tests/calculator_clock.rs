@@ -12,7 +12,7 @@ use edof_device::registers::map::{self, DISPLAY_TABLES, STAGE_READS, WEIGHTS};
 use edof_image::DisplayMode;
 use edof_image::draw::Draw;
 
-/// Edges after which a clock that stands still is known to: 4096 cycles of the memory's, and a few; of three clocks or four.
+/// Edges after which a clock that stands still is known to: 4096 cycles of the memory's, and those of the other clocks meanwhile.
 const NOTICED: usize = 20_000;
 
 struct Trial {
@@ -88,6 +88,7 @@ fn a_calculator_whose_clock_stands_is_told_and_begins_anew_when_it_comes_back() 
         }
         assert_eq!(trial.told(), [0, 1], "round {round}");
         // The screen goes on with the last picture.
+        trial.rig.show(2).unwrap();
         let before = trial.rig.screen.frames.len();
         trial.rig.show(2).unwrap();
         assert_eq!(trial.rig.screen.frames[before + 1].1, trial.rig.screen.frames[before].1);
@@ -129,7 +130,7 @@ fn a_lock_that_is_lost_resets_the_calculator_alone() {
 }
 
 #[test]
-fn a_short_pause_of_either_clock_loses_nothing() {
+fn a_short_pause_of_either_clock_resets_nothing() {
     let mut trial = Trial::new(23);
     let draw = &mut Draw::new(23);
     for clock in [trial.rig.calculator, trial.rig.core, trial.rig.calculator, trial.rig.core] {
@@ -137,6 +138,12 @@ fn a_short_pause_of_either_clock_loses_nothing() {
         trial.rig.bench.run_clock(clock, false);
         trial.rig.steps(draw.whole(1, 900) as usize).unwrap();
         trial.rig.bench.run_clock(clock, true);
+        if clock == trial.rig.core {
+            // Without the memory's clock the screen is black from somewhere in the frame on, and the camera's frame is lost.
+            trial.rig.show(2).unwrap();
+            trial.rig.screen.forget();
+            trial.rig.shown_at.clear();
+        }
         trial.recovers("a pause");
         assert_eq!(trial.told(), [1, 0]);
     }

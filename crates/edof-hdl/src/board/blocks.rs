@@ -49,7 +49,7 @@ const BLOCKS: [(&str, Domain); 24] = [
     ("raw_reader", Domain::Core),
     ("raw_fifo", CALCULATOR),
     ("choices", CALCULATOR),
-    ("calculator", CALCULATOR),
+    ("access", CALCULATOR),
     ("core/windows", CALCULATOR),
     ("core/lines/pairs", CALCULATOR),
     ("core/lines/raster", CALCULATOR),

@@ -108,7 +108,7 @@ pub struct EdofCore {
     raw_reader: ReadAgent<512>,
     raw_fifo: PixelFifo,
     choices: Sync<2>,
-    calculator: CalculatorPort,
+    access: CalculatorPort,
     core: StreamCore,
     calculator_status: BusSync<192>,
     picture_fifo: PixelFifo,
@@ -379,33 +379,33 @@ impl Logic for EdofCore {
 
         // The host.
         AxiLiteSlave::link(&mut self.host, &mut self.registers.bus);
-        self.calculator.clock.next = self.clock.val();
-        self.calculator.reset.next = self.restarts_calculator.q.val();
-        self.calculator.is_down.next = self.is_down.q.val();
-        self.calculator.weight_valid.next = self.registers.weight_valid.val();
-        self.calculator.table_valid.next = self.registers.table_valid.val();
-        self.calculator.stage_valid.next = self.registers.stage_valid.val();
-        self.calculator.address.next = self.registers.weight_address.val();
+        self.access.clock.next = self.clock.val();
+        self.access.reset.next = self.restarts_calculator.q.val();
+        self.access.is_down.next = self.is_down.q.val();
+        self.access.weight_valid.next = self.registers.weight_valid.val();
+        self.access.table_valid.next = self.registers.table_valid.val();
+        self.access.stage_valid.next = self.registers.stage_valid.val();
+        self.access.address.next = self.registers.weight_address.val();
         if self.registers.stage_valid.val() {
-            self.calculator.address.next = bit_cast::<25, 7>(self.registers.stage_address.val());
+            self.access.address.next = bit_cast::<25, 7>(self.registers.stage_address.val());
         }
-        self.calculator.data.next = self.registers.weight_data.val();
-        self.registers.weight_ready.next = self.calculator.ready.val();
-        self.registers.table_ready.next = self.calculator.ready.val();
-        self.registers.stage_ready.next = self.calculator.ready.val();
-        self.registers.unreached.next = self.calculator.fails.val();
-        self.registers.stage_counter.next = self.calculator.shown.val();
-        self.calculator.to_clock.next = self.calculator_clock.val();
-        self.calculator.to_reset.next = self.resets[3].domain_reset.val();
-        self.calculator.status.next = self.core.status.val();
-        self.core.write_valid.next = self.calculator.write_weight.val();
-        self.core.write_address.next = self.calculator.to_address.val();
-        self.core.write_data.next = self.calculator.to_data.val();
-        self.core.status_address.next = self.calculator.to_address.val().get_bits::<7>(0);
-        self.core.table_write.next = self.calculator.write_table.val();
-        self.core.table_select.next = self.calculator.to_address.val().get_bits::<2>(15);
-        self.core.table_address.next = self.calculator.to_address.val().get_bits::<15>(0);
-        self.core.table_data.next = self.calculator.to_data.val().get_bits::<12>(0);
+        self.access.data.next = self.registers.weight_data.val();
+        self.registers.weight_ready.next = self.access.ready.val();
+        self.registers.table_ready.next = self.access.ready.val();
+        self.registers.stage_ready.next = self.access.ready.val();
+        self.registers.unreached.next = self.access.fails.val();
+        self.registers.stage_counter.next = self.access.shown.val();
+        self.access.to_clock.next = self.calculator_clock.val();
+        self.access.to_reset.next = self.resets[3].domain_reset.val();
+        self.access.status.next = self.core.status.val();
+        self.core.write_valid.next = self.access.write_weight.val();
+        self.core.write_address.next = self.access.to_address.val();
+        self.core.write_data.next = self.access.to_data.val();
+        self.core.status_address.next = self.access.to_address.val().get_bits::<7>(0);
+        self.core.table_write.next = self.access.write_table.val();
+        self.core.table_select.next = self.access.to_address.val().get_bits::<2>(15);
+        self.core.table_address.next = self.access.to_address.val().get_bits::<15>(0);
+        self.core.table_data.next = self.access.to_data.val().get_bits::<12>(0);
         self.i2c_restart.next = self.registers.control.val().get_bit(3);
         self.state.next = 0.into();
         if self.dram_ready.val() {
