@@ -5,7 +5,6 @@ use super::memory::{self, Stage};
 use super::uart::Bus;
 use super::video::{self, Made, Pixels, Tables};
 use edof_device::Design;
-use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::StagePlan;
 use edof_device::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
 use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
@@ -353,8 +352,8 @@ impl Inside {
         };
         if rows > 0 {
             let cycles = READ_LATENCY + rows as u64 * READ_PERIOD;
-            // Reading goes at the memory's clock, which the calculator shares (docs/decisions/0032).
-            self.reads_until[place] = self.now + cycles as Time * 1_000_000 / Time::from(CORE_KILOHERTZ);
+            let nanoseconds = cycles as f64 * 1e3 / self.design.clock_mhz;
+            self.reads_until[place] = self.now + nanoseconds as Time;
         }
     }
 }

@@ -95,7 +95,7 @@ pub struct EdofCore {
     pub status: Signal<Out, Bits<8>>,
     resets: [ResetSync; 4],
     calculator_flush: ResetSync,
-    watch_reset: ResetSync,
+    first_reset: ResetSync,
     power_on: PowerOn,
     calculator_first: PowerOn,
     calculator_power_on: PowerOn,
@@ -127,9 +127,12 @@ pub struct EdofCore {
     flushes: Signal<Local, Bit>,
     skips: Signal<Local, Bit>,
     realigns: DFF<Bit>,
-    // Why a domain begins anew, straight into its asynchronous set: no logic between.
+    // What leads to asynchronous sets, and to nothing else: why a domain begins anew.
     restarts_screen: DFF<Bit>,
     restarts_calculator: DFF<Bit>,
+    asks_for_flush: DFF<Bit>,
+    begins: DFF<Bit>,
+    drops: DFF<Bit>,
     is_down: DFF<Bit>,
     clears_calculator: Signal<Local, Bit>,
 }
@@ -180,7 +183,17 @@ impl EdofCore {
 impl Logic for EdofCore {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, realigns, restarts_screen, restarts_calculator, is_down);
+        dff_setup!(
+            self,
+            clock,
+            realigns,
+            restarts_screen,
+            restarts_calculator,
+            asks_for_flush,
+            begins,
+            drops,
+            is_down
+        );
         // Clocks and resets.
         self.resets[0].clock.next = self.input_clock.val();
         self.resets[0].reset.next = self.reset.val();
@@ -190,20 +203,25 @@ impl Logic for EdofCore {
         self.resets[2].clock.next = self.screen_clock.val();
         self.resets[2].reset.next = self.restarts_screen.q.val();
         self.is_down.d.next = self.calculator_reset.val() || self.calculator_watch.stopped.val();
+        self.drops.d.next = self.resets[1].domain_reset.val()
+            || self.calculator_reset.val()
+            || self.calculator_watch.stopped.val();
         self.restarts_calculator.d.next = self.resets[1].domain_reset.val()
             || self.calculator_reset.val()
             || self.calculator_watch.stopped.val();
         self.resets[3].clock.next = self.calculator_clock.val();
         self.resets[3].reset.next = self.restarts_calculator.q.val();
         self.calculator_flush.clock.next = self.calculator_clock.val();
-        self.calculator_flush.reset.next = self.registers.control.val().get_bit(4);
+        self.asks_for_flush.d.next = self.registers.control.val().get_bit(4);
+        self.calculator_flush.reset.next = self.asks_for_flush.q.val();
         // What looks at a clock is reset by the first reset alone: a longer one is no clock that stands still.
-        self.watch_reset.clock.next = self.calculator_clock.val();
-        self.watch_reset.reset.next = self.power_on.first.val();
+        self.first_reset.clock.next = self.calculator_clock.val();
+        self.begins.d.next = self.power_on.first.val();
+        self.first_reset.reset.next = self.begins.q.val();
         self.calculator_watch.clock.next = self.clock.val();
         self.calculator_watch.reset.next = self.power_on.first.val();
         self.calculator_watch.watched.next = self.calculator_clock.val();
-        self.calculator_watch.watched_reset.next = self.watch_reset.domain_reset.val();
+        self.calculator_watch.watched_reset.next = self.first_reset.domain_reset.val();
         self.watch.clock.next = self.clock.val();
         self.watch.reset.next = self.resets[1].domain_reset.val();
         self.watch.watched.next = self.input_clock.val();
@@ -228,7 +246,7 @@ impl Logic for EdofCore {
         self.calculator_power_on.reset.next = self.resets[3].domain_reset.val();
         self.core.keeps.next = !self.calculator_power_on.first.val();
         self.calculator_first.clock.next = self.clock.val();
-        self.calculator_first.reset.next = self.restarts_calculator.q.val();
+        self.calculator_first.reset.next = self.drops.q.val();
         self.registers.calculator_lost.next = self.is_down.q.val() && !self.calculator_first.first.val();
         // What the host wrote, and which bank is in use, outlive a reset: a bank that is half written comes into use by none.
         self.power_on.clock.next = self.clock.val();
@@ -266,7 +284,7 @@ impl Logic for EdofCore {
         self.video_in.pixels_ready.next = self.input_fifo.from.ready.val();
         StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.raw_writer.pixels);
 
-        self.flushes.next = self.registers.control.val().get_bit(4) || self.restarts_calculator.q.val();
+        self.flushes.next = self.registers.control.val().get_bit(4) || self.drops.q.val();
         // Through the memory to the calculator, as long as the host lets it run. What is in flight between the two domains goes with a flush, or
         // with a reset of either.
         self.clears_calculator.next =
@@ -380,7 +398,7 @@ impl Logic for EdofCore {
         // The host.
         AxiLiteSlave::link(&mut self.host, &mut self.registers.bus);
         self.access.clock.next = self.clock.val();
-        self.access.reset.next = self.restarts_calculator.q.val();
+        self.access.reset.next = self.drops.q.val();
         self.access.is_down.next = self.is_down.q.val();
         self.access.weight_valid.next = self.registers.weight_valid.val();
         self.access.table_valid.next = self.registers.table_valid.val();

@@ -193,7 +193,7 @@ fn plan(
         ui.say(format!("{seconds:.2} s at {baud}"))?;
         rates.push(json!({ "baud": baud, "seconds": seconds }));
     }
-    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), args.baud));
+    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), job.design.clock_mhz, args.baud));
     if let Some((words, seconds)) = tables {
         ui.say(format!("display tables: {words} words, {seconds:.2} s"))?;
     }
