@@ -186,7 +186,10 @@ fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
     for (options, told) in [
         ("--form w8,t3,c63", "--form: form.codes 63: must be even"),
         ("--form w8,t3 --clock-mhz 1e99", "--clock-mhz 1e99: clock_mhz 1e99: must be above 0"),
-        ("--form w8,t3 --clock-mhz 250", "--clock-mhz 250: clock_mhz 250: must be at most 200"),
+        (
+            "--form w8,t3 --clock-mhz 150.001",
+            "--clock-mhz 150.001: clock_mhz 150.001: must be a clock that an MMCM makes of 200 MHz",
+        ),
         ("--form w8,t3 --size 1366x768", "--size 1366x768: frame 1366x768: must be the size of a video mode"),
         ("--form w8,t3 --size 63x48", "--size 63x48: frame: frame 63x48: both sides must be even"),
         ("--form w8,t3 --stride 3", "--stride 3: must be 2, 4 or 8"),

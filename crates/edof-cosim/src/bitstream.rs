@@ -51,6 +51,8 @@ pub struct Sources {
     about: Value,
     /// Modules, their bytes, memory images.
     counts: [usize; 3],
+    /// The calculator's clock.
+    clock_mhz: f64,
 }
 
 impl Sources {
@@ -72,7 +74,7 @@ impl Sources {
         if let Some(page) = contents.get_mut(Path::new("README.md")) {
             page.push_str(&promise::section(design)?);
         }
-        Ok(Self { contents, about, counts })
+        Ok(Self { contents, about, counts, clock_mhz: design.clock_mhz })
     }
 
     /// Paths of all files in the folder.
@@ -95,10 +97,10 @@ impl Sources {
     pub fn summary(&self, out: &Path) -> String {
         let [modules, bytes, images] = self.counts;
         format!(
-            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator on the memory's {} MHz",
+            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator at {} MHz",
             out.display(),
             bytes / 1000,
-            edof_device::board::CORE_KILOHERTZ / 1000
+            self.clock_mhz
         )
     }
 }

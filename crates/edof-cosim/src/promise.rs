@@ -36,7 +36,7 @@ impl Promise {
     /// Frames or a clock that no board of ours has.
     pub fn of(design: &Design) -> Result<Self, DesignError> {
         board::check(design)?;
-        board::screen_clock(design)?;
+        board::clocks(design)?;
         let estimated = Estimated::new(design, None);
         let Estimated { ahead, board, total: resources, .. } = &estimated;
         let mode = VideoTiming::mode(design.frame);

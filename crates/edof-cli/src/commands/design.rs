@@ -60,7 +60,7 @@ struct New {
     #[arg(long)]
     name: Option<String>,
 
-    /// Clock of the calculator in megahertz, above 0, at most 200 on the KC705
+    /// Clock of the calculator in megahertz, above 0, at most 400; on the KC705 one that an MMCM makes of 200 MHz
     #[arg(long, default_value_t = 200.0, value_name = "MHZ")]
     clock_mhz: f64,
 

@@ -64,7 +64,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    board::screen_clock(&design).map_err(|e| said::of_file(&args.design, e))?;
+    board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
     ui.used(designs::input(&design));
     let measured = match &args.weights {
         Some(name) => {

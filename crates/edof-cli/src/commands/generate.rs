@@ -48,7 +48,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
     designs::fits_given(&design, &args.design, &network)?;
-    board::screen_clock(&design).map_err(|e| said::of_file(&args.design, e))?;
+    board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
     let sources = Sources::of(&design, &network)?;
     let files = Files::new(ui).reads(&args.design).reads_all(weights::fixed_file(&args.weights));
     files.writes_into("--out", &args.out, sources.names()).check()?;

@@ -81,7 +81,7 @@ fn is_codes(file: &Path) -> bool {
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let given = args.design.as_deref().unwrap_or("tiny");
     let design = sized(designs::load(given)?, sim.size)?;
-    edof_device::board::screen_clock(&design).map_err(|e| said::of_file(given, e))?;
+    edof_device::board::clocks(&design).map_err(|e| said::of_file(given, e))?;
     let network = network(&design, sim.weights.as_deref())?;
     let raw = frame(&design, sim)?;
     let mut device: Box<dyn Device> = if sim.rtl {
