@@ -335,7 +335,7 @@ mod tests {
 
     /// An NPZ file of deflated entries, by hand: the archive's writer here only stores.
     fn deflated(entries: &[(&str, &[u8])], stated: impl Fn(usize) -> u32) -> Vec<u8> {
-        let (mut bytes, mut directory) = (vec![], vec![]);
+        let (mut bytes, mut directory): (Vec<u8>, Vec<u8>) = (vec![], vec![]);
         for (name, content) in entries {
             let mut packed = flate2::write::DeflateEncoder::new(vec![], flate2::Compression::default());
             packed.write_all(content).unwrap();
