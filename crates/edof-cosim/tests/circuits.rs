@@ -7,6 +7,7 @@ mod both_simulators;
 mod cables;
 mod chain;
 mod chain_in_rust;
+mod checking;
 mod common;
 mod crossing;
 mod crossing_resets;

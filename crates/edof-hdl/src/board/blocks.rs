@@ -32,7 +32,7 @@ pub struct Block {
     pub domain: Domain,
 }
 
-const BLOCKS: [(&str, Domain); 18] = [
+const BLOCKS: [(&str, Domain); 27] = [
     ("video_in", Domain::Pixel),
     ("input_fifo", Domain::Core),
     ("input_status", Domain::Core),
@@ -51,6 +51,15 @@ const BLOCKS: [(&str, Domain); 18] = [
     ("output_fifo", Domain::Core),
     ("video_out", Domain::Pixel),
     ("screen_status", Domain::Core),
+    ("pattern", Domain::Core),
+    ("window", Domain::Core),
+    ("core/check", Domain::Core),
+    ("checks_0", Domain::Core),
+    ("checks_1", Domain::Core),
+    ("checks_2", Domain::Core),
+    ("cycles_0", Domain::Core),
+    ("cycles_1", Domain::Pixel),
+    ("cycles_2", Domain::Pixel),
 ];
 /// Only where patches overlap.
 const OVERLAP: (&str, Domain) = ("core/lines/overlap", Domain::Core);

@@ -1,7 +1,10 @@
 //! `edof board`: weights onto a board, and what the board says.
 
 mod align;
+mod check;
 mod load;
+mod picture;
+mod selftest;
 mod sim;
 mod status;
 
@@ -19,7 +22,7 @@ use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::registers::identity::weights_hash;
 use edof_device::registers::map;
-use edof_device::registers::{c_header, markdown, systemrdl};
+use edof_device::registers::{c_header, csr_csv, markdown, systemrdl};
 use edof_image::DisplayMode;
 use edof_network::FixedNetwork;
 use serde_json::json;
@@ -71,6 +74,9 @@ enum Command {
     Verify(load::Verify),
     Status(status::Args),
     Align(align::Args),
+    Check(check::Args),
+    Selftest(selftest::Args),
+    Picture(picture::Args),
     /// The value of a register: scratch, control.run, `stage_counters[4]`
     Get {
         /// Its name
@@ -109,7 +115,7 @@ enum Command {
     /// Print the register map
     Map {
         /// Of which kind
-        #[arg(long, value_parser = ["markdown", "c", "systemrdl"], default_value = "markdown")]
+        #[arg(long, value_parser = ["markdown", "c", "systemrdl", "csr-csv"], default_value = "markdown")]
         format: String,
     },
     Sim(sim::Args),
@@ -132,6 +138,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let files = args.files(ui);
     match &args.command {
         Command::Sim(sim) => sim.writes(files)?,
+        Command::Picture(picture) => picture.files(files)?,
         _ => files,
     }
     .check()?;
@@ -142,6 +149,9 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         Command::Verify(verify) => load::verify(args, verify, ui),
         Command::Status(status) => status::run(args, status, ui),
         Command::Align(align) => align::run(args, align, ui),
+        Command::Check(check) => check::run(args, check, ui),
+        Command::Selftest(test) => selftest::run(args, test, ui),
+        Command::Picture(picture) => picture::run(args, picture, ui),
         Command::Get { register } => {
             let place: Place = register.parse()?;
             let value = args.open()?.get(place)?;
@@ -175,6 +185,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         Command::Map { format } => ui.say(match format.as_str() {
             "c" => c_header::header(),
             "systemrdl" => systemrdl::address_map(),
+            "csr-csv" => csr_csv::csr_csv(),
             _ => markdown::page(),
         }),
         Command::Sim(sim) => sim::run(args, sim, ui),
@@ -208,6 +219,8 @@ impl Args {
         let weights = match &self.command {
             Command::Load(load) => Some(&load.weights),
             Command::Verify(verify) => Some(&verify.weights),
+            Command::Check(check) => check.weights.as_ref(),
+            Command::Selftest(test) => test.weights.as_ref(),
             _ => None,
         };
         let weights = weights.and_then(|name| weights::fixed_file(name));
