@@ -66,7 +66,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    board::screen_clock(&design)?;
+    board::clocks(&design)?;
     ui.used(designs::input(&design));
     let measured = match &args.weights {
         Some(name) => {
@@ -208,11 +208,9 @@ impl<'a> Estimated<'a> {
     }
 }
 
-/// The whole board at the design's clock, a camera and a screen of its frames' standard timing.
+/// The whole board, its calculator at the design's clock, a camera and a screen of its frames' standard timing.
 fn figures_of(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Figures {
-    let core = (1e6 / design.clock_mhz) as u64;
-    let periods = Periods { core, ..Periods::of_board(design.frame) };
-    figures(design.frame, CoreCycles::of(design, cycles_a_patch, patch_latency), periods)
+    figures(design.frame, CoreCycles::of(design, cycles_a_patch, patch_latency), Periods::of_board(design))
 }
 
 /// A picture that went through the cycle model.

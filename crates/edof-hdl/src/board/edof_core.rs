@@ -1,6 +1,7 @@
 //! Everything between the pins' clocks and the memory, for any board.
 
 use super::axi_pair::AxiPair;
+use super::calculator_port::CalculatorPort;
 use super::clock_watch::ClockWatch;
 use super::cycle_count::CycleCount;
 use super::frames::Frames;
@@ -11,38 +12,44 @@ use super::read_agent::ReadAgent;
 use super::registers::{BoardRegisters, Identity};
 use super::write_agent::WriteAgent;
 use crate::blocks::frame_check::FrameCheck;
-use crate::crossing::{BusSync, PixelFifo, ResetSync};
+use crate::crossing::{BusSync, PixelFifo, ResetSync, Sync};
 use crate::describe::Circuit;
 use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
 use crate::video::video_out::VideoOut;
 use edof_device::board;
-use edof_device::design::memory::WHOLE_CHAIN;
+use edof_device::design::memory::SNAPSHOT_REGISTERS;
 use edof_device::design::{Design, DesignError};
 use edof_device::video::VideoTiming;
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
-/// Stage and space of a write that copies counters and CRCs to where they are shown.
-const SNAPSHOT: usize = WHOLE_CHAIN << 2 | 3;
-
 /// Everything between the pins' clocks and the memory: frames in, into DRAM, through the calculator, into DRAM again, and out to a screen.
 ///
-/// Three clocks: that of the incoming pixels, that of the memory and the calculator, that of the screen. `reset` may come at any time; each
-/// domain has its own that follows it. But for the first one it leaves what the host wrote into the calculator, and which bank is in use. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the
-/// memory's clock. Nothing here knows of a vendor or a board.
+/// Four clocks: that of the incoming pixels, that of memory and host, that of the calculator and all that stands with it between raw and
+/// picture ([`StreamCore`]), that of the screen. `reset` may come at any time; each domain has its own that follows it. A clock that was lost
+/// resets its own domain alone: the screen's (`screen_reset`), the calculator's (`calculator_reset`, or when it is seen to stand still), whose
+/// frame is dropped on both sides. But for the first one a reset leaves what the host wrote into the calculator, and which bank is in use. The
+/// memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor
+/// or a board.
 #[derive(Circuit)]
-#[circuit(default(ResetSync, ClockWatch, BusSync, AxiPair, PowerOn, PictureWindow, CycleCount))]
+#[circuit(default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort, PictureWindow, CycleCount))]
 pub struct EdofCore {
-    /// Clock of memory, calculator and host.
+    /// Clock of memory and host.
     pub clock: Signal<In, Clock>,
+    /// Clock of the calculator.
+    pub calculator_clock: Signal<In, Clock>,
     /// Clock of the incoming pixels.
     pub input_clock: Signal<In, Clock>,
     /// Clock of the screen.
     pub screen_clock: Signal<In, Clock>,
     /// Begins anew, of no clock.
     pub reset: Signal<In, Bit>,
+    /// Begins the calculator's domain anew, in `clock`: its clock does not run, or is not yet what it should be.
+    pub calculator_reset: Signal<In, Bit>,
+    /// Begins the screen's domain anew, in `clock`, likewise.
+    pub screen_reset: Signal<In, Bit>,
     /// Horizontal sync of the incoming video.
     pub input_hs: Signal<In, Bit>,
     /// Vertical sync.
@@ -91,11 +98,16 @@ pub struct EdofCore {
     pub uart_broken: Signal<In, Bits<32>>,
     /// The register `status`, for lamps.
     pub status: Signal<Out, Bits<8>>,
-    resets: [ResetSync; 3],
+    resets: [ResetSync; 4],
+    calculator_flush: ResetSync,
+    first_reset: ResetSync,
     // Of the core, the input, the screen.
     cycles: [CycleCount; 3],
     power_on: PowerOn,
+    calculator_first: PowerOn,
+    calculator_power_on: PowerOn,
     watch: ClockWatch,
+    calculator_watch: ClockWatch,
     video_in: VideoIn,
     input_fifo: PixelFifo,
     input_status: BusSync<224>,
@@ -103,7 +115,12 @@ pub struct EdofCore {
     window: PictureWindow,
     raw_writer: WriteAgent<512, 64>,
     raw_reader: ReadAgent<512>,
+    raw_fifo: PixelFifo,
+    choices: Sync<2>,
+    access: CalculatorPort,
     core: StreamCore,
+    calculator_status: BusSync<232>,
+    picture_fifo: PixelFifo,
     picture_writer: WriteAgent<512, 64>,
     picture_reader: ReadAgent<512>,
     output_fifo: PixelFifo,
@@ -113,6 +130,7 @@ pub struct EdofCore {
     registers: BoardRegisters,
     seen: Signal<Local, Bits<224>>,
     shown: Signal<Local, Bits<96>>,
+    made: Signal<Local, Bits<232>>,
     state: Signal<Local, Bits<32>>,
     runs: Signal<Local, Bit>,
     flushes: Signal<Local, Bit>,
@@ -123,6 +141,14 @@ pub struct EdofCore {
     snapshot: DFF<Bit>,
     snapshot_register: Constant<Bits<6>>,
     check_frames: Signal<Local, Bits<32>>,
+    // What leads to asynchronous sets, and to nothing else: why a domain begins anew.
+    restarts_screen: DFF<Bit>,
+    restarts_calculator: DFF<Bit>,
+    asks_for_flush: DFF<Bit>,
+    begins: DFF<Bit>,
+    drops: DFF<Bit>,
+    is_down: DFF<Bit>,
+    clears_calculator: Signal<Local, Bit>,
 }
 
 impl EdofCore {
@@ -151,18 +177,22 @@ impl EdofCore {
         let (raw, picture) = (frames(board::RAW_BUFFERS), frames(board::PICTURE_BUFFERS));
         Ok(Self::from_parts(EdofCoreParts {
             video_in: VideoIn::new(design.frame, board::patience(timing)),
+            watch: ClockWatch::new(true),
+            calculator_watch: ClockWatch::new(false),
             input_fifo: PixelFifo::new(crossing),
             pattern: PatternSource::new(design.frame),
             raw_writer: WriteAgent::new(&raw),
             raw_reader: ReadAgent::new(&raw, false),
+            raw_fifo: PixelFifo::new(crossing),
             core: StreamCore::new(design, sets, luma, colours)?,
+            picture_fifo: PixelFifo::new(crossing),
             picture_writer: WriteAgent::new(&picture),
             picture_reader: ReadAgent::new(&picture, true),
             output_fifo: PixelFifo::new(crossing),
             video_out: VideoOut::new(timing),
             registers: BoardRegisters::new(design, identity),
             checks: std::array::from_fn(|_| FrameCheck::new(design.frame.width * design.frame.height)),
-            snapshot_register: Constant::new((SNAPSHOT as u64).into()),
+            snapshot_register: Constant::new((SNAPSHOT_REGISTERS as u64).into()),
         }))
     }
 }
@@ -170,11 +200,19 @@ impl EdofCore {
 impl Logic for EdofCore {
     #[hdl_gen]
     fn update(&mut self) {
-        dff_setup!(self, clock, realigns, snapshot);
+        dff_setup!(
+            self,
+            clock,
+            realigns,
+            restarts_screen,
+            restarts_calculator,
+            asks_for_flush,
+            begins,
+            drops,
+            is_down,
+            snapshot
+        );
         // Clocks and resets.
-        for i in 0..3 {
-            self.resets[i].reset.next = self.reset.val();
-        }
         self.cycles[0].clock.next = self.clock.val();
         self.cycles[0].reset.next = self.resets[1].domain_reset.val();
         self.cycles[1].clock.next = self.input_clock.val();
@@ -182,8 +220,32 @@ impl Logic for EdofCore {
         self.cycles[2].clock.next = self.screen_clock.val();
         self.cycles[2].reset.next = self.resets[2].domain_reset.val();
         self.resets[0].clock.next = self.input_clock.val();
+        self.resets[0].reset.next = self.reset.val();
         self.resets[1].clock.next = self.clock.val();
+        self.resets[1].reset.next = self.reset.val();
+        self.restarts_screen.d.next = self.resets[1].domain_reset.val() || self.screen_reset.val();
         self.resets[2].clock.next = self.screen_clock.val();
+        self.resets[2].reset.next = self.restarts_screen.q.val();
+        self.is_down.d.next = self.calculator_reset.val() || self.calculator_watch.stopped.val();
+        self.drops.d.next = self.resets[1].domain_reset.val()
+            || self.calculator_reset.val()
+            || self.calculator_watch.stopped.val();
+        self.restarts_calculator.d.next = self.resets[1].domain_reset.val()
+            || self.calculator_reset.val()
+            || self.calculator_watch.stopped.val();
+        self.resets[3].clock.next = self.calculator_clock.val();
+        self.resets[3].reset.next = self.restarts_calculator.q.val();
+        self.calculator_flush.clock.next = self.calculator_clock.val();
+        self.asks_for_flush.d.next = self.registers.control.val().get_bit(4);
+        self.calculator_flush.reset.next = self.asks_for_flush.q.val();
+        // What looks at a clock is reset by the first reset alone: a longer one is no clock that stands still.
+        self.first_reset.clock.next = self.calculator_clock.val();
+        self.begins.d.next = self.power_on.first.val();
+        self.first_reset.reset.next = self.begins.q.val();
+        self.calculator_watch.clock.next = self.clock.val();
+        self.calculator_watch.reset.next = self.power_on.first.val();
+        self.calculator_watch.watched.next = self.calculator_clock.val();
+        self.calculator_watch.watched_reset.next = self.first_reset.domain_reset.val();
         self.watch.clock.next = self.clock.val();
         self.watch.reset.next = self.resets[1].domain_reset.val();
         self.watch.watched.next = self.input_clock.val();
@@ -202,12 +264,17 @@ impl Logic for EdofCore {
         self.raw_writer.reset.next = self.resets[1].domain_reset.val();
         self.raw_reader.clock.next = self.clock.val();
         self.raw_reader.reset.next = self.resets[1].domain_reset.val();
-        self.core.clock.next = self.clock.val();
-        self.core.reset.next = self.resets[1].domain_reset.val();
+        self.core.clock.next = self.calculator_clock.val();
+        self.core.reset.next = self.resets[3].domain_reset.val();
+        self.calculator_power_on.clock.next = self.calculator_clock.val();
+        self.calculator_power_on.reset.next = self.resets[3].domain_reset.val();
+        self.core.keeps.next = !self.calculator_power_on.first.val();
+        self.calculator_first.clock.next = self.clock.val();
+        self.calculator_first.reset.next = self.drops.q.val();
+        self.registers.calculator_lost.next = self.is_down.q.val() && !self.calculator_first.first.val();
         // What the host wrote, and which bank is in use, outlive a reset: a bank that is half written comes into use by none.
         self.power_on.clock.next = self.clock.val();
         self.power_on.reset.next = self.resets[1].domain_reset.val();
-        self.core.keeps.next = !self.power_on.first.val();
         self.registers.keeps.next = !self.power_on.first.val();
         self.picture_writer.clock.next = self.clock.val();
         self.picture_writer.reset.next = self.resets[1].domain_reset.val();
@@ -245,13 +312,24 @@ impl Logic for EdofCore {
         StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.pattern.source);
         StreamOut::<16>::join(&mut self.pattern.pixels, &mut self.raw_writer.pixels);
 
-        // Through the memory to the calculator, as long as the host lets it run.
+        self.flushes.next = self.registers.control.val().get_bit(4) || self.drops.q.val();
+        // Through the memory to the calculator, as long as the host lets it run. What is in flight between the two domains goes with a flush, or
+        // with a reset of either.
+        self.clears_calculator.next =
+            self.resets[3].domain_reset.val() || self.calculator_flush.domain_reset.val();
+        self.raw_fifo.from_clock.next = self.clock.val();
+        self.raw_fifo.from_reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+        self.raw_fifo.to_clock.next = self.calculator_clock.val();
+        self.raw_fifo.to_reset.next = self.clears_calculator.val();
+        self.picture_fifo.from_clock.next = self.calculator_clock.val();
+        self.picture_fifo.from_reset.next = self.clears_calculator.val();
+        self.picture_fifo.to_clock.next = self.clock.val();
+        self.picture_fifo.to_reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
         self.raw_writer.corrupted.next = false;
         self.raw_writer.reading.next = self.raw_reader.reading.val();
         self.raw_reader.newest.next = self.raw_writer.newest.val();
         self.runs.next = self.registers.control.val().get_bit(0);
         // After a flush what is left of the frame is thrown away.
-        self.flushes.next = self.registers.control.val().get_bit(4);
         self.skips.next = self.flushes.val() || (self.realigns.q.val() && !self.raw_reader.pixels.user.val());
         if self.flushes.val() {
             self.realigns.d.next = true;
@@ -261,22 +339,30 @@ impl Logic for EdofCore {
         if self.resets[1].domain_reset.val() {
             self.realigns.d.next = false;
         }
-        self.core.flush.next = self.flushes.val();
-        self.core.pixels_valid.next =
+        self.raw_fifo.from.valid.next =
             self.raw_reader.pixels.valid.val() && self.runs.val() && !self.skips.val();
-        self.core.pixels_data.next = self.raw_reader.pixels.data.val();
+        self.raw_fifo.from.data.next = self.raw_reader.pixels.data.val();
+        self.raw_fifo.from.user.next = false;
+        self.raw_fifo.from.last.next = false;
         self.raw_reader.pixels.ready.next =
-            self.skips.val() || (self.core.pixels_ready.val() && self.runs.val());
-        self.core.set.next = self.registers.control.val().get_bit(2);
-        self.core.colour.next = self.registers.control.val().get_bit(1);
+            self.skips.val() || (self.raw_fifo.from.ready.val() && self.runs.val());
+        self.core.flush.next = self.calculator_flush.domain_reset.val();
+        self.core.pixels_valid.next = self.raw_fifo.to.valid.val();
+        self.core.pixels_data.next = self.raw_fifo.to.data.val();
+        self.raw_fifo.to.ready.next = self.core.pixels_ready.val();
+        self.choices.clock.next = self.calculator_clock.val();
+        self.choices.from.next = self.registers.control.val().get_bits::<2>(1);
+        self.core.colour.next = self.choices.to.val().get_bit(0);
+        self.core.set.next = self.choices.to.val().get_bit(1);
         self.core.clear.next = false;
 
         // Through the memory to the screen.
-        self.picture_writer.pixels.valid.next = self.core.picture_valid.val();
-        self.picture_writer.pixels.data.next = self.core.picture_data.val();
-        self.picture_writer.pixels.user.next = self.core.picture_user.val();
-        self.picture_writer.pixels.last.next = self.core.picture_last.val();
-        self.core.picture_ready.next = self.picture_writer.pixels.ready.val();
+        self.picture_fifo.from.valid.next = self.core.picture_valid.val();
+        self.picture_fifo.from.data.next = self.core.picture_data.val();
+        self.picture_fifo.from.user.next = self.core.picture_user.val();
+        self.picture_fifo.from.last.next = self.core.picture_last.val();
+        self.core.picture_ready.next = self.picture_fifo.from.ready.val();
+        StreamOut::<16>::join(&mut self.picture_fifo.to, &mut self.picture_writer.pixels);
         self.picture_writer.corrupted.next = self.raw_reader.corrupted.val();
         self.picture_writer.reading.next = self.picture_reader.reading.val();
         self.picture_reader.newest.next = self.picture_writer.newest.val();
@@ -303,10 +389,10 @@ impl Logic for EdofCore {
         self.window.write.next = self.registers.tile_write.val();
         self.window.write_address.next = self.registers.tile_address.val();
         self.window.write_data.next = self.registers.weight_data.val().get_bits::<16>(0);
-        self.window.valid.next = self.core.picture_valid.val() && self.picture_writer.pixels.ready.val();
-        self.window.data.next = self.core.picture_data.val();
-        self.window.user.next = self.core.picture_user.val();
-        self.window.last.next = self.core.picture_last.val();
+        self.window.valid.next = self.picture_fifo.to.valid.val() && self.picture_writer.pixels.ready.val();
+        self.window.data.next = self.picture_fifo.to.data.val();
+        self.window.user.next = self.picture_fifo.to.user.val();
+        self.window.last.next = self.picture_fifo.to.last.val();
         self.window.corner.next = self.registers.window_corner.val();
         self.window.read_address.next = self.registers.tile_address.val();
         self.registers.window_pixel.next = self.window.read_data.val();
@@ -318,22 +404,23 @@ impl Logic for EdofCore {
             self.checks[i].reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
         }
         self.checks[2].reset.next = self.resets[1].domain_reset.val();
-        self.checks[0].valid.next = self.core.pixels_valid.val() && self.core.pixels_ready.val();
+        self.checks[0].valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
         self.checks[0].data.next = self.raw_reader.pixels.data.val();
-        self.checks[1].valid.next = self.core.picture_valid.val() && self.picture_writer.pixels.ready.val();
-        self.checks[1].data.next = self.core.picture_data.val();
+        self.checks[1].valid.next =
+            self.picture_fifo.to.valid.val() && self.picture_writer.pixels.ready.val();
+        self.checks[1].data.next = self.picture_fifo.to.data.val();
         self.checks[2].valid.next =
             self.picture_reader.pixels.valid.val() && self.output_fifo.from.ready.val();
         self.checks[2].data.next = self.picture_reader.pixels.data.val();
         self.snapshot.d.next = self.registers.weight_valid.val()
+            && self.access.ready.val()
             && (self.registers.weight_address.val().get_bits::<6>(19) == self.snapshot_register.val());
-        self.core.snapshot.next = self.snapshot.q.val();
         self.registers.check_raw.next = self.checks[0].crc.val();
-        self.registers.check_windows.next = self.core.window_crc.val();
+        self.registers.check_windows.next = self.calculator_status.arrived.val().get_bits::<32>(192);
         self.registers.check_codes.next = self.checks[1].crc.val();
         self.registers.check_sent.next = self.checks[2].crc.val();
         self.check_frames.next = bit_cast::<32, 8>(self.checks[0].frames.val())
-            | (bit_cast::<32, 8>(self.core.window_frames.val()) << 8)
+            | (bit_cast::<32, 8>(self.calculator_status.arrived.val().get_bits::<8>(224)) << 8)
             | (bit_cast::<32, 8>(self.checks[1].frames.val()) << 16)
             | (bit_cast::<32, 8>(self.checks[2].frames.val()) << 24);
         self.registers.check_frames.next = self.check_frames.val();
@@ -368,20 +455,55 @@ impl Logic for EdofCore {
             | (bit_cast::<96, 32>(self.cycles[2].count.val()) << 64);
         self.screen_status.word.next = self.shown.val();
         self.screen_status.valid.next = true;
+        self.calculator_status.from_clock.next = self.calculator_clock.val();
+        self.calculator_status.from_reset.next = self.resets[3].domain_reset.val();
+        self.calculator_status.to_clock.next = self.clock.val();
+        self.calculator_status.to_reset.next = self.resets[1].domain_reset.val();
+        self.made.next = bit_cast::<232, 32>(self.core.saturated_sums.val())
+            | (bit_cast::<232, 32>(self.core.clamped_chroma.val()) << 32)
+            | (bit_cast::<232, 32>(self.core.out_of_gamut.val()) << 64)
+            | (bit_cast::<232, 32>(self.core.patches.val()) << 96)
+            | (bit_cast::<232, 32>(self.core.busy_cycles.val()) << 128)
+            | (bit_cast::<232, 32>(self.core.window_crc.val()) << 192)
+            | (bit_cast::<232, 8>(self.core.window_frames.val()) << 224);
+        if self.core.set_used.val() {
+            self.made.next = self.made.val() | (bit_cast::<232, 2>(1.into()) << 160);
+        }
+        if self.core.window_fault.val() {
+            self.made.next = self.made.val() | (bit_cast::<232, 2>(2.into()) << 160);
+        }
+        self.calculator_status.word.next = self.made.val();
+        self.calculator_status.valid.next = true;
 
         // The host.
         AxiLiteSlave::link(&mut self.host, &mut self.registers.bus);
-        self.core.write_valid.next = self.registers.weight_valid.val();
-        self.registers.weight_ready.next = true;
-        self.core.write_address.next = self.registers.weight_address.val();
-        self.core.write_data.next = self.registers.weight_data.val();
-        self.core.status_address.next = self.registers.stage_address.val();
-        self.registers.stage_counter.next = self.core.status.val();
-        self.core.table_write.next = self.registers.table_valid.val();
-        self.registers.table_ready.next = true;
-        self.core.table_select.next = self.registers.table_address.val().get_bits::<2>(15);
-        self.core.table_address.next = self.registers.table_address.val().get_bits::<15>(0);
-        self.core.table_data.next = self.registers.table_data.val();
+        self.access.clock.next = self.clock.val();
+        self.access.reset.next = self.drops.q.val();
+        self.access.is_down.next = self.is_down.q.val();
+        self.access.weight_valid.next = self.registers.weight_valid.val();
+        self.access.table_valid.next = self.registers.table_valid.val();
+        self.access.stage_valid.next = self.registers.stage_valid.val();
+        self.access.address.next = self.registers.weight_address.val();
+        if self.registers.stage_valid.val() {
+            self.access.address.next = bit_cast::<25, 7>(self.registers.stage_address.val());
+        }
+        self.access.data.next = self.registers.weight_data.val();
+        self.registers.weight_ready.next = self.access.ready.val();
+        self.registers.table_ready.next = self.access.ready.val();
+        self.registers.stage_ready.next = self.access.ready.val();
+        self.registers.unreached.next = self.access.fails.val();
+        self.registers.stage_counter.next = self.access.shown.val();
+        self.access.to_clock.next = self.calculator_clock.val();
+        self.access.to_reset.next = self.resets[3].domain_reset.val();
+        self.access.status.next = self.core.status.val();
+        self.core.write_valid.next = self.access.write_weight.val();
+        self.core.write_address.next = self.access.to_address.val();
+        self.core.write_data.next = self.access.to_data.val();
+        self.core.status_address.next = self.access.to_address.val().get_bits::<7>(0);
+        self.core.table_write.next = self.access.write_table.val();
+        self.core.table_select.next = self.access.to_address.val().get_bits::<2>(15);
+        self.core.table_address.next = self.access.to_address.val().get_bits::<15>(0);
+        self.core.table_data.next = self.access.to_data.val().get_bits::<12>(0);
         self.i2c_restart.next = self.registers.control.val().get_bit(3);
         self.state.next = 0.into();
         if self.dram_ready.val() {
@@ -403,11 +525,14 @@ impl Logic for EdofCore {
         if self.i2c_failed.val() {
             self.state.next = self.state.val() | 32;
         }
-        if self.core.set_used.val() {
+        if self.calculator_status.arrived.val().get_bit(160) {
             self.state.next = self.state.val() | 64;
         }
-        if self.core.window_fault.val() {
+        if self.calculator_status.arrived.val().get_bit(161) {
             self.state.next = self.state.val() | 128;
+        }
+        if !self.is_down.q.val() {
+            self.state.next = self.state.val() | 256;
         }
         self.status.next = self.state.val().get_bits::<8>(0);
         self.registers.status.next = self.state.val();
@@ -431,11 +556,11 @@ impl Logic for EdofCore {
         self.registers.raw_frames.next = self.raw_reader.frames.val();
         self.registers.raw_late.next = self.raw_reader.late.val();
         self.registers.raw_read_errors.next = self.raw_reader.errors.val();
-        self.registers.busy_cycles.next = self.core.busy_cycles.val();
-        self.registers.patches.next = self.core.patches.val();
-        self.registers.saturated_sums.next = self.core.saturated_sums.val();
-        self.registers.clamped_chroma.next = self.core.clamped_chroma.val();
-        self.registers.out_of_gamut.next = self.core.out_of_gamut.val();
+        self.registers.busy_cycles.next = self.calculator_status.arrived.val().get_bits::<32>(128);
+        self.registers.patches.next = self.calculator_status.arrived.val().get_bits::<32>(96);
+        self.registers.saturated_sums.next = self.calculator_status.arrived.val().get_bits::<32>(0);
+        self.registers.clamped_chroma.next = self.calculator_status.arrived.val().get_bits::<32>(32);
+        self.registers.out_of_gamut.next = self.calculator_status.arrived.val().get_bits::<32>(64);
         self.registers.picture_frames.next = self.picture_writer.frames.val();
         self.registers.picture_broken.next = self.picture_writer.broken.val();
         self.registers.picture_write_errors.next = self.picture_writer.errors.val();

@@ -9,6 +9,7 @@
 //! | [`clock_watch`] | whether a clock runs |
 //! | [`cycle_count`] | cycles of a clock |
 //! | [`registers`] | what the host sees and sets |
+//! | [`calculator_port`] | the host's words into the calculator's clock, and back |
 //! | [`bank_guard`] | which words belong to the bank in use |
 //! | [`pattern_source`] | raw frames that the board makes itself |
 //! | [`picture_window`] | a tile of raw pixels that the host writes, and a part of the codes that it reads |
@@ -29,6 +30,7 @@ pub mod axi_guard;
 pub mod axi_pair;
 pub mod bank_guard;
 pub mod blocks;
+pub mod calculator_port;
 pub mod chip_setup;
 pub mod clock_watch;
 pub mod cycle_count;
@@ -51,6 +53,7 @@ pub mod write_agent;
 pub use axi_guard::AxiGuard;
 pub use axi_pair::AxiPair;
 pub use bank_guard::BankGuard;
+pub use calculator_port::CalculatorPort;
 pub use chip_setup::ChipSetup;
 pub use clock_watch::ClockWatch;
 pub use cycle_count::CycleCount;
