@@ -62,4 +62,4 @@ impl<L: Line> Board<L> {
 }
 
 /// Looks for a picture before it is given up.
-const MOST_LOOKS: usize = 3_000;
+const MOST_LOOKS: usize = 20_000;

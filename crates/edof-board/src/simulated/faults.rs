@@ -3,7 +3,6 @@
 use super::{Simulated, video::Pixels};
 use edof_image::RawFrame;
 use edof_network::FixedNetwork;
-use std::rc::Rc;
 
 /// What is wrong with a board.
 #[derive(Debug, Clone, Copy, Default)]
@@ -33,7 +32,7 @@ impl Faults {
 
     pub(super) fn spoil_codes(&self, pixels: &mut Pixels) {
         if let Some(fault) = self.codes {
-            *pixels = Rc::new(pixels.iter().map(|word| fault(*word)).collect());
+            *pixels = pixels.iter().map(|word| fault(*word)).collect::<Vec<u16>>().into();
         }
     }
 }
