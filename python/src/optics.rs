@@ -1,6 +1,6 @@
 //! Point spread functions, their transforms, blur and its adjoint.
 
-use crate::arguments::{PICTURE, PLANE, array, finite, word};
+use crate::arguments::{PICTURE, PLANE, array, finite, owned, word};
 use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::job;
@@ -103,7 +103,7 @@ fn response<'py>(
 }
 
 fn frequencies(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Array1<f64>> {
-    let frequencies = array::<f64, Ix1>(value, name, "one number per frequency")?.as_array().to_owned();
+    let frequencies = owned(array::<f64, Ix1>(value, name, "one number per frequency")?.as_array());
     match frequencies.iter().find(|f| !(f.is_finite() && **f >= 0.0)) {
         Some(f) => Err(failed(format!("{name}: holds {f}, expected finite numbers of 0 or more"))),
         None => Ok(frequencies),
@@ -128,7 +128,7 @@ pub fn sampled_otf<'py>(
 
 fn one_kernel(value: &Bound<'_, PyAny>) -> PyResult<Psf> {
     let kernel = finite::<Ix2>(value, "kernel", "rows x columns, square, of an odd side")?;
-    Psf::new(kernel.as_array().to_owned()).or_raise()
+    Psf::new(owned(kernel.as_array())).or_raise()
 }
 
 fn three_kernels(value: &Bound<'_, PyAny>) -> PyResult<[Psf; 3]> {
