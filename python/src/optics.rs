@@ -13,6 +13,9 @@ use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyUntypedArray, PyUntype
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
+/// Frequencies and values.
+type Curve<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// Where kernels end and how many wavelengths are summed.
 pub fn settings(energy: f64, wavelength_tolerance: f64, exact: bool) -> PyResult<Settings> {
     if exact {
@@ -58,7 +61,7 @@ pub fn otf<'py>(
     channel: &str,
     cycles_per_mm: Option<&Bound<'py, PyAny>>,
     pixel: bool,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<Curve<'py>> {
     let (frequencies, values) = response(py, camera, psi, channel, cycles_per_mm, pixel)?;
     Ok((frequencies.into_pyarray(py), values.into_pyarray(py)))
 }
@@ -73,7 +76,7 @@ pub fn mtf<'py>(
     channel: &str,
     cycles_per_mm: Option<&Bound<'py, PyAny>>,
     pixel: bool,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<Curve<'py>> {
     let (frequencies, values) = response(py, camera, psi, channel, cycles_per_mm, pixel)?;
     Ok((frequencies.into_pyarray(py), values.mapv_into(f64::abs).into_pyarray(py)))
 }
