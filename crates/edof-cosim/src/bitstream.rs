@@ -1,5 +1,6 @@
 //! The sources of a bitstream: everything that is written for a board, as one folder.
 
+use crate::promise;
 use crate::system::{self, PictureError, TableWords};
 use edof_device::Design;
 use edof_device::design::DesignError;
@@ -50,6 +51,8 @@ pub struct Sources {
     about: Value,
     /// Modules, their bytes, memory images.
     counts: [usize; 3],
+    /// The calculator's clock.
+    clock_mhz: f64,
 }
 
 impl Sources {
@@ -67,7 +70,11 @@ impl Sources {
         let core = &project.core;
         let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
         let counts = [core.verilog.len(), verilog, core.memory.len()];
-        Ok(Self { contents: contents(&project), about, counts })
+        let mut contents = contents(&project);
+        if let Some(page) = contents.get_mut(Path::new("README.md")) {
+            page.push_str(&promise::section(design)?);
+        }
+        Ok(Self { contents, about, counts, clock_mhz: design.clock_mhz })
     }
 
     /// Paths of all files in the folder.
@@ -90,10 +97,10 @@ impl Sources {
     pub fn summary(&self, out: &Path) -> String {
         let [modules, bytes, images] = self.counts;
         format!(
-            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator on the memory's {} MHz",
+            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator at {} MHz",
             out.display(),
             bytes / 1000,
-            edof_device::board::CORE_KILOHERTZ / 1000
+            self.clock_mhz
         )
     }
 }

@@ -6,13 +6,14 @@ use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::diagnosis::{Finding, findings};
 use edof_board::status::{Look, Report, report};
+use edof_image::words::number;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 /// Frames a second, late frames, share of busy cycles; non-zeros and saturations of every stage; what the video chips miss
 #[derive(clap::Args)]
 pub struct Args {
-    /// Look again and again, until Ctrl-C
+    /// Look again and again, until Ctrl-C; with --json each look is a line of JSON with its time
     #[arg(long)]
     watch: bool,
 
@@ -28,7 +29,10 @@ const BLINK: Duration = Duration::from_millis(20);
 /// A line that fails.
 pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
     if !(status.seconds > 0.0 && status.seconds <= 3600.0) {
-        return Err(Error::message(format!("--seconds {}: must be above 0, at most 3600", status.seconds)));
+        return Err(Error::message(format!(
+            "--seconds {}: must be above 0, at most 3600",
+            number(status.seconds)
+        )));
     }
     let mut board = args.open()?;
     let design = args.design_of(&board)?;
@@ -49,16 +53,21 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
             ui.say("\x1b[2J\x1b[H")?;
         }
         let chips = findings(&after);
-        lines(&after, &told).iter().chain(&chip_lines(&chips)).try_for_each(|line| ui.say(line))?;
+        lines(&after, &told, design.clock_mhz)
+            .iter()
+            .chain(&chip_lines(&chips))
+            .try_for_each(|line| ui.say(line))?;
         if !status.watch {
             return ui.json(&serde_json::json!({ "now": after, "report": told, "chips": chips }));
         }
+        ui.json_line(&serde_json::json!({ "now": after, "report": told, "chips": chips }))?;
         before = after;
     }
 }
 
-const FLAGS: [(&str, &str); 6] = [
+const FLAGS: [(&str, &str); 7] = [
     ("status.dram_ready", "memory ready"),
+    ("status.calculator_runs", "calculator's clock there"),
     ("status.input_present", "signal"),
     ("status.input_fits", "of the right size"),
     ("status.output_runs", "pictures leave"),
@@ -73,7 +82,7 @@ fn chip_lines(chips: &[Finding]) -> Vec<String> {
     chips.iter().map(line).collect()
 }
 
-fn lines(now: &Look, report: &Report) -> Vec<String> {
+fn lines(now: &Look, report: &Report, clock_mhz: f64) -> Vec<String> {
     let flag = |(name, what): &(&str, &str)| {
         if now.value(name) == 1 { (*what).to_owned() } else { format!("NOT {what}") }
     };
@@ -82,7 +91,7 @@ fn lines(now: &Look, report: &Report) -> Vec<String> {
     let mut lines = vec![
         format!("{}; bank {bank}", FLAGS.iter().map(flag).collect::<Vec<_>>().join(", ")),
         format!(
-            "{:.1} pictures a second of {:.1} frames on the screen, {} late; calculator busy {:.0} %, {cycles} cycles a patch",
+            "{:.1} pictures a second of {:.1} frames on the screen, {} late; calculator at {clock_mhz} MHz busy {:.0} %, {cycles} cycles a patch",
             report.frames_per_second,
             report.screen_frames_per_second,
             report.late_frames,
@@ -100,6 +109,12 @@ fn lines(now: &Look, report: &Report) -> Vec<String> {
             stage.saturated_differences
         )
     }));
+    if now.value("status.weights_unchecked") == 1 {
+        lines.push(
+            "the calculator's clock was lost: whether the weights are still there, `edof board verify` tells"
+                .to_owned(),
+        );
+    }
     lines.extend(report.grown.iter().map(|(name, count)| format!("{name}: {count} more")));
     lines
 }
