@@ -98,7 +98,7 @@ pub fn network_in_use(
     }
     let candidates = match named {
         Some(network) => vec![network],
-        None => known(design, None),
+        None => known(design, &[]),
     };
     let found = board.identify(design, &candidates, bank).map_err(of)?;
     found.and_then(|index| candidates.into_iter().nth(index)).ok_or_else(|| {
