@@ -73,7 +73,11 @@ impl Writer<'_> {
     fn header(&self) -> String {
         let line = |line: &str| format!("// {}", line.trim()).trim_end().to_string() + "\n";
         let text: String = self.description.header.trim().lines().map(line).collect();
-        text + &format!("//\n// From {} ({}).\n", self.description.source, self.description.name)
+        text + &format!(
+            "//\n// From {} ({}).\n",
+            in_workspace(self.description.source),
+            self.description.name
+        )
     }
 
     fn signal_name(&self, id: SignalId) -> &str {
@@ -499,4 +503,9 @@ fn is_started(scope: &Scope, resolved: &[Expression], process: &Process) -> bool
         _ => false,
     };
     process.reads.iter().any(changes)
+}
+
+/// A source as its own workspace names it. For a crate of another workspace, as Python's extension is, the compiler states where it lies on this machine.
+fn in_workspace(source: &str) -> String {
+    source.rsplit_once("/crates/").map_or_else(|| source.to_owned(), |(_, rest)| format!("crates/{rest}"))
 }

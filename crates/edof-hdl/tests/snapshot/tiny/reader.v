@@ -20,7 +20,7 @@ module reader (
     input  wire        thresholds_valid_i, // They are here.
     input  wire [31:0] thresholds_i,       // They.
     input  wire [31:0] previous_i,         // Those of the stage before.
-    input  wire [19:0] register_i,         // The register of that row.
+    input  wire [31:0] register_i,         // The register of that row.
     input  wire [1:0]  select_i,           // What to show: 0 CRC-32 of all rows, 1 and 2 the halves of the row that was read last, 3 whether it still reads.
     output wire [31:0] value_o             // It.
 );
@@ -101,7 +101,7 @@ module reader (
         end else if (goes_on && (space_q == 2'd2)) begin
             came_d = previous_i;
         end else if (goes_on && (space_q == 2'd3)) begin
-            came_d = {12'd0, register_i};
+            came_d = register_i;
         end
     end
 

@@ -31,15 +31,15 @@ module stage_i (
     localparam [3:0] WHOLE_CHAIN = 4'd15;
     localparam BOTH_PORTS = 1'b0;
     localparam [11:0] READ_REGISTER = 12'd3;
-    localparam [19:0] SKIP_BIT = 20'd1;
+    localparam [31:0] SKIP_BIT = 32'd1;
 
-    wire [6:0] resets;
+    wire [7:0] resets;
     wire [10:0] marks;
     wire [33:0] finished_word;
     wire selected, reads;
     wire [52:0] weights_word, weights_marks;
     wire [31:0] asked;
-    wire [6:0] reset_parts_later;
+    wire [7:0] reset_parts_later;
     wire reset_registers_later, vectors_arrived;
     wire [11:0] vectors_descriptor;
     wire [31:0] vectors_pair_a, vectors_pair_b, vectors_pair_c, vectors_pair_d;
@@ -72,12 +72,13 @@ module stage_i (
     wire base_fifo_front_valid_unused, base_fifo_front_ready;
     wire [19:0] registers_shifts_0, registers_shifts_1;
     wire registers_skip_zeros;
-    wire [31:0] counters_value;
+    wire [31:0] counters_value, check_crc;
+    wire [7:0] check_frames;
     wire reader_starts, reader_wants_weights;
     wire [5:0] reader_bank;
     wire [11:0] reader_row;
     wire reader_wants_thresholds;
-    reg  [19:0] reader_register;
+    reg  [31:0] reader_register;
     wire [31:0] reader_value;
     reg  [31:0] status_q;
     reg  write_1_q;
@@ -89,7 +90,7 @@ module stage_i (
     reg  snapshot_2_q, read_2_q, steal_2_q;
     wire [52:0] weights_to_5_now, weights_to_5_later;
 
-    edof_delay #(.WIDTH(7), .CYCLES(1)) reset_parts (
+    edof_delay #(.WIDTH(8), .CYCLES(1)) reset_parts (
         .clock_i(clock_i), .now_i(resets), .later_o(reset_parts_later)
     );
     edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
@@ -289,6 +290,16 @@ module stage_i (
         .value_o(counters_value)
     );
 
+    frame_check_w32 #(.LAST_BEAT(28'd383)) check (
+        .clock_i(clock_i),
+        .reset_i(reset_parts_later[7]),
+        .valid_i(out_valid_o && out_ready_i),
+        .data_i(fifo_front_data[33:2]),
+        .snapshot_i(snapshot_2_q),
+        .crc_o(check_crc),
+        .frames_o(check_frames)
+    );
+
     reader reader (
         .clock_i(clock_i),
         .reset_i(reset_parts_later[6]),
@@ -312,7 +323,7 @@ module stage_i (
         .clock_i(clock_i), .now_i(weights_to_5_now), .later_o(weights_to_5_later)
     );
 
-    assign resets = (reset_i || flush_i) ? 7'h7f : 7'd0;
+    assign resets = (reset_i || flush_i) ? 8'hff : 8'd0;
     assign window_ready_o = 1'b1;
     assign marks = {drain_beat, drain_taken_set, drain_last, drain_take};
     assign finished_word = {results_data, results_done};
@@ -336,14 +347,19 @@ module stage_i (
     assign reader_starts = registers_2_q && (address_2_q[12:1] == READ_REGISTER);
 
     always @* begin
-        reader_register = registers_shifts_0;
-        if (reader_row[1]) begin
-            reader_register = 20'd0;
+        reader_register = {12'd0, registers_shifts_0};
+        if (reader_row[2]) begin
+            reader_register = check_crc;
+            if (reader_row[0]) begin
+                reader_register = {24'd0, check_frames};
+            end
+        end else if (reader_row[1]) begin
+            reader_register = 32'd0;
             if (registers_skip_zeros) begin
                 reader_register = SKIP_BIT;
             end
         end else if (reader_row[0]) begin
-            reader_register = registers_shifts_1;
+            reader_register = {12'd0, registers_shifts_1};
         end
     end
 
