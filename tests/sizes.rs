@@ -6,21 +6,28 @@ const FILE: usize = 500;
 const FUNCTION: usize = 80;
 
 /// Files that may be longer, how long, and why.
-const FILES: [(&str, usize, &str); 12] = [
-    ("crates/edof-cosim/tests/agents.rs", 520, TRIALS),
-    ("crates/edof-cosim/tests/blocks.rs", 680, TRIALS),
+const FILES: [(&str, usize, &str); 18] = [
+    ("crates/edof-camera/src/camera.rs", 540, "one type, its file and its checks"),
+    ("crates/edof-cosim/tests/agents.rs", 540, TRIALS),
+    ("crates/edof-cosim/tests/blocks.rs", 740, TRIALS),
     ("crates/edof-cosim/tests/crossing.rs", 560, TRIALS),
-    ("crates/edof-cosim/tests/host.rs", 560, TRIALS),
+    ("crates/edof-cosim/tests/host.rs", 580, TRIALS),
     ("crates/edof-cosim/tests/i2c.rs", 560, TRIALS),
-    ("crates/edof-hdl/src/board/chip_setup.rs", 540, "one block, whose kernel must be one function"),
+    ("crates/edof-device/src/registers/map.rs", 580, "one table, a row for each register"),
+    ("crates/edof-hdl/src/board/chip_setup.rs", 540, BLOCK),
+    ("crates/edof-hdl/src/board/edof_core.rs", 600, BLOCK),
+    ("crates/edof-hdl/src/board/registers.rs", 620, BLOCK),
     ("crates/edof-hdl/tests/printing.rs", 640, TRIALS),
     ("crates/edof-hdl/tests/refusals.rs", 540, TRIALS),
+    ("crates/edof-optics/src/psf.rs", 530, "from a lens to its kernel, step after step"),
     ("crates/edof-verilog/src/print.rs", 560, PRINTER),
-    ("crates/edof-verilog/src/write.rs", 530, PRINTER),
+    ("crates/edof-verilog/src/write.rs", 540, PRINTER),
     ("tests/happy.rs", 580, TRIALS),
+    ("tests/words_of_failure.rs", 580, TRIALS),
     ("tests/wrong_files.rs", 580, TRIALS),
 ];
 
+const BLOCK: &str = "one block, whose kernel must be one function";
 const TRIALS: &str = "a list of trials side by side, each read by itself";
 const PRINTER: &str = "one walk over a syntax tree, a case for each kind of node";
 
