@@ -455,9 +455,10 @@ fn broken_agents(kind: &str, port: &str, change: impl Fn(&str) -> String) -> Sou
     let is_one = |name: &str| name == format!("{kind}.v") || name.starts_with(&format!("{kind}_"));
     for (_, text) in source.files.iter_mut().filter(|(name, _)| is_one(name)) {
         let start = format!("assign {port} = ");
-        let line = text.lines().find(|line| line.trim_start().starts_with(&start)).unwrap().to_string();
-        let value = line.trim().trim_start_matches(&start).trim_end_matches(';');
-        *text = text.replace(&line, &format!("    {start}{};", change(value)));
+        let at = text.find(&start).unwrap() + start.len();
+        let end = at + text[at..].find(';').unwrap();
+        let changed = change(&text[at..end]);
+        text.replace_range(at..end, &changed);
         found += 1;
     }
     assert!(found > 0, "no {kind}");

@@ -15,10 +15,49 @@ use crate::typing::Typing;
 /// A typed statement.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Statement {
-    Comment(String),
+    Comment(Note),
     Assign(Assign),
     If { test: Expression, then: Vec<Statement>, otherwise: Vec<Statement> },
     Case { subject: Expression, arms: Vec<Arm>, default: Option<Vec<Statement>> },
+}
+
+/// What the kernel says of the statement behind it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Note {
+    /// Line of the Rust file.
+    pub line: Option<usize>,
+    /// What its comment says, or that of the paragraph.
+    pub text: String,
+    /// The text is a statement of its own, not a comment.
+    is_own: bool,
+}
+
+impl Note {
+    fn own(text: &str) -> Self {
+        let lines = text.trim().trim_matches('"').lines().map(str::trim);
+        Self { line: None, text: lines.collect::<Vec<_>>().join("\n"), is_own: true }
+    }
+
+    /// Reads a mark of `#[kernel]`, `… "@ 143 What the step reads.`, or any other comment.
+    fn of(comment: &str) -> Self {
+        let mark = comment.split_once("\"@ ").map(|(_, mark)| mark.trim_end_matches('"'));
+        let (number, text) = mark.map_or(("", ""), |mark| mark.split_once(' ').unwrap_or((mark, "")));
+        match number.parse() {
+            Ok(line) => Self { line: Some(line), text: text.into(), is_own: false },
+            Err(_) => Self::own(comment),
+        }
+    }
+
+    /// One note of two that follow each other.
+    fn and(self, next: Self) -> Self {
+        let line = next.line.or(self.line);
+        let (text, is_own) = if self.is_own && !next.is_own {
+            (self.text, true)
+        } else {
+            (next.text, next.is_own)
+        };
+        Self { line, text, is_own }
+    }
 }
 
 /// A target and its new value.
@@ -72,14 +111,21 @@ impl Lowering<'_> {
     fn block(&mut self, block: &VerilogBlock) -> Lowered {
         let mut statements = vec![];
         for statement in block {
-            statements.extend(self.statement(statement)?);
+            for statement in self.statement(statement)? {
+                match (statement, statements.last_mut()) {
+                    (Statement::Comment(next), Some(Statement::Comment(note))) => {
+                        *note = std::mem::take(note).and(next);
+                    }
+                    (statement, _) => statements.push(statement),
+                }
+            }
         }
         Ok(statements)
     }
 
     fn statement(&mut self, statement: &VerilogStatement) -> Lowered {
         match statement {
-            VerilogStatement::Comment(text) => Ok(vec![Statement::Comment(text.clone())]),
+            VerilogStatement::Comment(text) => Ok(vec![Statement::Comment(Note::of(text))]),
             VerilogStatement::Assignment(target, value) => Ok(vec![self.assign(target, value)?]),
             VerilogStatement::SliceAssignment { base, width, offset, replacement } => {
                 Ok(vec![self.assign_part(base, *width, offset, replacement)?])
@@ -244,5 +290,5 @@ fn last_as_default(arm: Arm) -> Vec<Statement> {
         Label::State(state) => format!("{}::{}", state.label.0, state.label.1),
         Label::Number(number) => number.to_string(),
     };
-    std::iter::once(Statement::Comment(note)).chain(arm.body).collect()
+    std::iter::once(Statement::Comment(Note::own(&note))).chain(arm.body).collect()
 }

@@ -8,7 +8,7 @@ use super::read_agent::ReadAgent;
 use super::registers::{BoardRegisters, Identity};
 use super::write_agent::WriteAgent;
 use crate::crossing::{BusSync, PixelFifo, ResetSync};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
@@ -148,7 +148,7 @@ impl EdofCore {
 }
 
 impl Logic for EdofCore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, realigns);
         // Clocks and resets.

@@ -6,7 +6,7 @@ use super::table::Table;
 use super::{Factor, Wide};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_image::display::{
     BLACK, CHROMA_ZERO, TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
 };
@@ -215,7 +215,7 @@ impl Display {
 }
 
 impl Logic for Display {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -6,7 +6,7 @@ use super::table_reader::TableReader;
 use super::window_reorder::WindowReorder;
 use crate::blocks::Word;
 use crate::blocks::chain::Chain;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::{Design, DesignError};
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
@@ -113,7 +113,7 @@ impl StreamCore {
 }
 
 impl Logic for StreamCore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, set_q, patch_done, busy, patches_q, busy_cycles_q);
         self.windows.clock.next = self.clock.val();
