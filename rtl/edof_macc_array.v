@@ -1,12 +1,15 @@
-// All banks of a stage. Each sees the same addresses and values; copied sums are handed down the chain to bank 0, and those of a
-// lane's ROWS multipliers are added as they leave.
+// All banks of a stage, in groups of eight. Each bank sees the same addresses and values; copied sums are handed down the chain to bank 0,
+// and those of a lane's ROWS multipliers are added as they leave.
+//
+// Everything passes from group to group: it enters at the highest one, and each group hands it to the one below a cycle later, in registers
+// of its own. Group n therefore does all that it does a cycle after group n + 1, sums pass a register between them, and all leaves at bank 0.
+// No register leads to banks of two groups.
 //
 // Counted from a step's address_*_i, value_*_i and first_i (all in one cycle), its product is in its sum seven cycles later at the
-// latest edge that a copy_i three cycles later still sees. Sums that a shift_i hands on stand on sum_*_o seven cycles after it.
+// latest edge that a copy_i three cycles later still sees. Sums that a shift_i hands on are valid on sum_*_o 7 + GROUPS cycles after it.
 // A write in the cycle before a step's address takes that step's place where both ports of the memory read (DENSE = 0, ROWS = 2).
-// A read_enable_i there reads a row for the host in that step's place, everywhere; its word stands on read_data_o six cycles later,
-// and one more for each eight banks before it, for one cycle. At all other times that is 0.
-// Writes and reads reach the banks in registers of their own for every eight of them, and so what was read comes back.
+// A read_enable_i there reads a row for the host in that step's place, everywhere; its word is valid on read_data_o 6 + GROUPS cycles later,
+// for one cycle. At all other times that is 0.
 `ifndef EDOF_KEEP_IN_YOSYS
 `ifdef YOSYS
 `define EDOF_KEEP_IN_YOSYS (* keep *)
@@ -46,62 +49,84 @@ module edof_macc_array #(
 );
     localparam WORDS = (DENSE != 0) ? ROWS : 1;
     localparam PART_BITS = $clog2(WORDS);
+    localparam GROUPS = (BANKS + 7) / 8;
+    localparam BITS = $clog2(DEPTH);
+    // The second port's address, where there is one.
+    localparam PORTS = (DENSE == 0 && ROWS == 2) ? 2 : 1;
 
     wire [99:0] values = {value_d_i, value_c_i, value_b_i, value_a_i};
-    // Values and starts reach the banks by a tree: registers of their own for every eight of them.
-    reg [25*ROWS-1:0] values_q;
-    reg first_q;
-    always @(posedge clock_i) begin
-        values_q <= values[25*ROWS-1:0];
-        first_q <= first_i;
-    end
+    wire [2*BITS-1:0] addresses = {address_b_i[BITS-1:0], address_a_i[BITS-1:0]};
 
-    // The host's writes on their way: bit 18 to 13 bank, 12 half, 11 to 0 row; what is written follows a cycle later. There is none at
-    // first, so that no image is spoilt.
-    localparam GROUPS = (BANKS + 7) / 8;
-    wire [GROUPS-1:0] writes;
-    wire [GROUPS-1:0] reads;
+    // What each group hands to the one below it; GROUPS is what enters. Steps: bit 0 starts a sum, the rest values. Control: bit 1 copy, 0 shift.
+    wire [25*ROWS:0] steps [0:GROUPS];
+    wire [PORTS*BITS-1:0] address [0:GROUPS];
+    wire [1:0] control [0:GROUPS];
+    // The host's words: bit 18 to 13 bank, 12 half, 11 to 0 row; what is written follows a cycle later.
+    wire [GROUPS:0] writes;
+    wire [GROUPS:0] reads;
+    wire [18:0] places [0:GROUPS];
+    wire [31:0] written [0:GROUPS];
     wire [18:0] places_later [0:GROUPS-1];
-    wire [25*ROWS-1:0] values_near [0:GROUPS-1];
-    wire [GROUPS-1:0] first_near;
-    wire [19*GROUPS-1:0] places;
-    wire [32*GROUPS-1:0] written;
+
+    // Values come two cycles after their row's address, writes a cycle after they are due.
+    edof_delay #(.WIDTH(25 * ROWS + 1), .CYCLES(2)) step_enters (
+        .clock_i(clock_i),
+        .now_i({values[25*ROWS-1:0], first_i}),
+        .later_o(steps[GROUPS])
+    );
+    assign address[GROUPS] = addresses[PORTS*BITS-1:0];
+    assign control[GROUPS] = {copy_i, shift_i};
+    // A write begins as none, so that no image is corrupted before reset has come through.
+    (* keep = "true", dont_touch = "true" *) reg enters_q = 1'b0;
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) enters_q <= write_enable_i;
+    assign writes[GROUPS] = enters_q;
+    edof_delay #(.WIDTH(20), .CYCLES(1)) place_enters (
+        .clock_i(clock_i),
+        .now_i({read_enable_i, write_bank_i, write_half_i, write_row_i}),
+        .later_o({reads[GROUPS], places[GROUPS]})
+    );
+    edof_delay #(.WIDTH(32), .CYCLES(2)) data_enters (
+        .clock_i(clock_i),
+        .now_i(write_data_i),
+        .later_o(written[GROUPS])
+    );
+
     genvar group;
     generate
         for (group = 0; group < GROUPS; group = group + 1) begin : groups
-            edof_delay #(.WIDTH(25 * ROWS), .CYCLES(1)) near (
+            edof_delay #(.WIDTH(25 * ROWS + 1), .CYCLES(1)) step (
                 .clock_i(clock_i),
-                .now_i(values_q),
-                .later_o(values_near[group])
+                .now_i(steps[group+1]),
+                .later_o(steps[group])
             );
-            edof_delay #(.WIDTH(1), .CYCLES(1)) starts (
+            edof_delay #(.WIDTH(PORTS * BITS), .CYCLES(1)) row (
                 .clock_i(clock_i),
-                .now_i(first_q),
-                .later_o(first_near[group])
+                .now_i(address[group+1]),
+                .later_o(address[group])
+            );
+            edof_delay #(.WIDTH(2), .CYCLES(1)) moves (
+                .clock_i(clock_i),
+                .now_i(control[group+1]),
+                .later_o(control[group])
             );
             (* keep = "true", dont_touch = "true" *) reg write_q = 1'b0;
-            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) write_q <= write_enable_i;
+            `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) write_q <= writes[group+1];
             assign writes[group] = write_q;
-            edof_delay #(.WIDTH(1), .CYCLES(1)) read (
+            edof_delay #(.WIDTH(20), .CYCLES(1)) place (
                 .clock_i(clock_i),
-                .now_i(read_enable_i),
-                .later_o(reads[group])
+                .now_i({reads[group+1], places[group+1]}),
+                .later_o({reads[group], places[group]})
+            );
+            edof_delay #(.WIDTH(32), .CYCLES(1)) data (
+                .clock_i(clock_i),
+                .now_i(written[group+1]),
+                .later_o(written[group])
             );
             // What was read, when the row is there: bit 18 that it was, 17 to 12 bank, 11 to 0 row.
             edof_delay #(.WIDTH(19), .CYCLES(2)) place_later (
                 .clock_i(clock_i),
-                .now_i({reads[group], places[19*group+13 +: 6], places[19*group +: 12]}),
+                .now_i({reads[group], places[group][18:13], places[group][11:0]}),
                 .later_o(places_later[group])
-            );
-            edof_delay #(.WIDTH(19), .CYCLES(1)) place (
-                .clock_i(clock_i),
-                .now_i({write_bank_i, write_half_i, write_row_i}),
-                .later_o(places[19*group +: 19])
-            );
-            edof_delay #(.WIDTH(32), .CYCLES(2)) data (
-                .clock_i(clock_i),
-                .now_i(write_data_i),
-                .later_o(written[32*group +: 32])
             );
         end
     endgenerate
@@ -111,7 +136,7 @@ module edof_macc_array #(
     assign even[BANKS] = {(ROWS * SUM){1'b0}};
     assign odd[BANKS] = {(ROWS * SUM){1'b0}};
 
-    // What is read for the host is handed down from eight banks to eight.
+    // What is read for the host is handed down from group to group, as the sums are.
     wire [64*8*GROUPS-1:0] read;
     wire [63:0] back [0:GROUPS];
     assign back[GROUPS] = 64'd0;
@@ -130,6 +155,9 @@ module edof_macc_array #(
         end
     endgenerate
 
+    // Sums of the group above, a cycle later: that group moved a cycle before.
+    wire [2*ROWS*SUM-1:0] drained [0:BANKS-1];
+
     genvar bank;
     genvar word;
     generate
@@ -141,6 +169,13 @@ module edof_macc_array #(
                 localparam [11:0] PART = word;
                 assign mine[word] = place[18] && place[17:12] == NUMBER && (place[11:0] & (12'd1 << PART_BITS) - 12'd1) == PART;
             end
+            if (bank % 8 == 7 && bank + 1 < BANKS) begin : from_above
+                reg [2*ROWS*SUM-1:0] drained_q;
+                always @(posedge clock_i) drained_q <= {odd[bank+1], even[bank+1]};
+                assign drained[bank] = drained_q;
+            end else begin : from_neighbour
+                assign drained[bank] = {odd[bank+1], even[bank+1]};
+            end
             edof_macc_bank #(
                 .BANK(bank),
                 .DEPTH(DEPTH),
@@ -150,24 +185,24 @@ module edof_macc_array #(
                 .INIT(INIT)
             ) lanes (
                 .clock_i(clock_i),
-                .first_i(first_near[bank/8]),
-                .address_a_i(address_a_i),
-                .address_b_i(address_b_i),
-                .value_i(values_near[bank/8]),
-                .copy_i(copy_i),
-                .shift_i(shift_i),
-                .drain_even_i(even[bank+1]),
-                .drain_odd_i(odd[bank+1]),
+                .first_i(steps[bank/8][0]),
+                .address_a_i(address[bank/8][BITS-1:0]),
+                .address_b_i(address[bank/8][PORTS*BITS-1 -: BITS]),
+                .value_i(steps[bank/8][25*ROWS:1]),
+                .copy_i(control[bank/8][1]),
+                .shift_i(control[bank/8][0]),
+                .drain_even_i(drained[bank][ROWS*SUM-1:0]),
+                .drain_odd_i(drained[bank][2*ROWS*SUM-1 -: ROWS*SUM]),
                 .drain_even_o(even[bank]),
                 .drain_odd_o(odd[bank]),
                 .back_i(mine),
                 .back_o(read[64*bank +: 64]),
                 .read_i(reads[bank/8]),
                 .write_i(writes[bank/8]),
-                .write_bank_i(places[19*(bank/8)+13 +: 6]),
-                .write_half_i(places[19*(bank/8)+12]),
-                .write_address_i(places[19*(bank/8) +: 12]),
-                .write_data_q_i(written[32*(bank/8) +: 32])
+                .write_bank_i(places[bank/8][18:13]),
+                .write_half_i(places[bank/8][12]),
+                .write_address_i(places[bank/8][11:0]),
+                .write_data_q_i(written[bank/8])
             );
         end
     endgenerate

@@ -37,8 +37,8 @@ module edof_macc_bank #(
 ) (
     input  wire                clock_i,
     input  wire                first_i,
-    input  wire [11:0]         address_a_i,
-    input  wire [11:0]         address_b_i,
+    input  wire [$clog2(DEPTH)-1:0] address_a_i,
+    input  wire [$clog2(DEPTH)-1:0] address_b_i,
     input  wire [25*ROWS-1:0]  value_i,
     input  wire                copy_i,
     input  wire                shift_i,
@@ -95,8 +95,8 @@ module edof_macc_bank #(
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
             (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
-                address_a_q <= (mine || mine_back) ? write_row : address_a_i[BITS-1:0];
-                address_b_q <= address_b_i[BITS-1:0];
+                address_a_q <= (mine || mine_back) ? write_row : address_a_i;
+                address_b_q <= address_b_i;
                 write_low_q <= mine && !write_half_i;
                 write_high_q <= mine && write_half_i;
             end
@@ -117,7 +117,7 @@ module edof_macc_bank #(
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_q;
             (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] write_row_q;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
-                address_q <= mine_back ? write_row : address_a_i[BITS-1:0];
+                address_q <= mine_back ? write_row : address_a_i;
                 write_row_q <= write_row;
             end
             for (part = 0; part < WORDS; part = part + 1) begin : parts

@@ -104,6 +104,36 @@ fn file_name(word: &str) -> &str {
     word.rsplit('/').next().unwrap_or(word)
 }
 
+/// A command line, put together option by option.
+pub struct CommandLine(String);
+
+impl CommandLine {
+    /// The command and its sub-commands.
+    pub fn new(command: &str) -> Self {
+        Self(command.to_owned())
+    }
+
+    /// Adds `--name value`.
+    pub fn option(&mut self, name: &str, value: impl std::fmt::Display) -> &mut Self {
+        self.0 += &format!(" --{name} {}", quoted(&value.to_string()));
+        self
+    }
+
+    /// The same where there is a value.
+    pub fn option_if(&mut self, name: &str, value: Option<impl std::fmt::Display>) -> &mut Self {
+        if let Some(value) = value {
+            self.option(name, value);
+        }
+        self
+    }
+}
+
+impl std::fmt::Display for CommandLine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
 /// A word as a shell takes it back.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./:=,+@%".contains(c);

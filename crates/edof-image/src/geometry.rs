@@ -35,6 +35,9 @@ pub enum GeometryError {
 pub struct Window(usize);
 
 impl Window {
+    /// As large as a patch: the paper's.
+    pub const PATCH: Self = Self(PATCH);
+
     /// # Errors
     /// [`GeometryError::Window`] for any side but 8, 12 and 16.
     pub const fn new(side: usize) -> Result<Self, GeometryError> {

@@ -15,6 +15,7 @@
 //! | conversion of the board's words to 8-bit Y′CbCr codes | [`display`] |
 //! | interface of every reconstruction method | [`reconstructor`] |
 //! | random numbers for trials | [`draw`] |
+//! | letters of 5×7 dots, for charts and captions | [`font`] |
 //!
 //! ```
 //! use edof_image::geometry::{Geometry, Stride, Window};
@@ -28,6 +29,7 @@ pub mod cfa;
 pub mod colour;
 pub mod display;
 pub mod draw;
+pub mod font;
 pub mod frame;
 pub mod geometry;
 pub mod noise;

@@ -3,6 +3,7 @@
 //! | what | module |
 //! |---|---|
 //! | photographs: PNG, JPEG, WebP, TIFF, BMP, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
+//! | the test or training photographs of a folder | [`photos`] |
 //! | raw frames: PNG, TIFF, PGM, and headerless files | [`raw`], whose pixels may be packed [`packing`] |
 //! | what a raw frame knows of itself: phase, sensor, camera, depth | [`record`] |
 //! | what its values are of light: black and white level | [`levels`] |
@@ -36,6 +37,7 @@ pub mod doubt;
 pub mod levels;
 pub mod packing;
 pub mod photo;
+pub mod photos;
 pub mod picture;
 pub mod pnm;
 pub mod raw;

@@ -8,7 +8,6 @@
 //! Each can lie at one depth or at four (the paper's 2.5D experiment).
 
 pub mod chart;
-pub mod font;
 pub mod leaves;
 
 use crate::scene::Scene;

@@ -6,6 +6,7 @@
 //! | [`extreme`] | a form: weights and thresholds anywhere in their range, mostly at its ends |
 //! | [`for_design`] | a design: an extreme network that fits it |
 //! | [`natural`] | a window and a stride: a network of the size and sparsity of a trained one |
+//! | [`silent`] | a camera: the smallest float network, all of its weights 0 |
 //! | [`extreme_window`] | input words, often at the ends of their range |
 //!
 //! ```
@@ -15,14 +16,14 @@
 
 use edof_camera::Camera;
 use edof_device::Design;
-use edof_image::colour::OUTPUTS_422;
+use edof_image::colour::{OUTPUTS_422, RGB_OUTPUTS};
 use edof_image::draw::Draw;
 use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_image::overlap::Overlap;
 use edof_image::{Stride, Window};
-use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedMatrix;
 use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
+use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2};
 
 /// Input words of one window: all of them 0…32767, often at the ends.
@@ -192,6 +193,29 @@ fn origin(name: &str) -> Origin {
         source: "drawn".into(),
     };
     Origin::untrained(name, camera)
+}
+
+/// The smallest float network behind a camera, named `silent`: two layers, two codes, a window of 8 pixels, and all weights 0.
+#[must_use]
+pub fn silent(camera: Camera) -> Network {
+    let form = Form {
+        window: Window::PATCH,
+        codes: 2,
+        layers: 2,
+        shrinkage: Shrinkage::OneSided,
+        recurrence: Recurrence::Direct,
+        linear_path: false,
+        tied: false,
+    };
+    Network {
+        form,
+        analysis: Array2::zeros((form.codes, form.window.pixels())),
+        thresholds: vec![Array1::zeros(form.codes)],
+        recurrent: vec![],
+        dictionary: Array2::zeros((RGB_OUTPUTS, form.codes)),
+        linear_path: None,
+        origin: Origin::untrained("silent", camera),
+    }
 }
 
 #[cfg(test)]

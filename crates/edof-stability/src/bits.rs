@@ -1,15 +1,15 @@
 //! Which layer's bits matter: dB lost against the bits of one stage, of all, and the fewest that lose next to nothing.
 
 use edof_image::ColourFrame;
+use edof_metrics::{BORDER, psnr};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::layer_names;
 use edof_optics::draw::{Builtin, DrawError, draw};
 use edof_quantize::stage_bits::{LEAST, StageBitsError, fewest, mean_db, with_stage_bits};
 use edof_quantize::{Scene, capture};
+use edof_report::Report;
+use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
 use edof_study::made::Made;
-use edof_study::metrics::{BORDER, psnr};
-use edof_study::plot::{Axis, Mark, Plot, Series, USUAL};
-use edof_study::report::Report;
 use serde::Serialize;
 use std::fmt::Write;
 

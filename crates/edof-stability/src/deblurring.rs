@@ -9,7 +9,7 @@ use edof_deblur::hyper_laplacian::{Prior, hyper_laplacian};
 use edof_deblur::known::{richardson_lucy, wiener};
 use edof_image::{ColourFrame, Tone};
 use edof_optics::cosine::mirror_index;
-use edof_study::picture::{png, sheet};
+use edof_report::picture::{png, sheet};
 use ndarray::{Array2, Axis};
 
 /// Richardson and Lucy's steps: those of the studies.

@@ -21,7 +21,7 @@ use edof_io::doubt::{Doubt, doubts};
 use edof_network::FixedNetwork;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::sensor::{Sensor, expose};
-use edof_study::picture::{png, sheet};
+use edof_report::picture::{png, sheet};
 use rayon::prelude::*;
 
 /// Sides of the frames.

@@ -8,7 +8,7 @@ use edof_image::{Channel, Tone};
 use edof_optics::blur::blur;
 use edof_optics::cosine::mirror_index;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_study::picture::{png, psf_picture};
+use edof_report::picture::{png, psf_picture};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 

@@ -12,9 +12,9 @@ use edof_image::draw::Draw;
 use edof_image::frame::Frame422;
 use edof_image::number::ACCUMULATOR_BITS;
 use edof_image::{ColourFrame, Geometry, Noise, Stride, Tone, Window};
+use edof_metrics::Quality;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_optics::sensor::{Sensor, expose};
-use edof_study::metrics::Quality;
 use edof_train::adam::Adam;
 use ndarray::{Array2, Axis};
 

@@ -6,13 +6,13 @@ use crate::outcome::{Stopped, Tried};
 use edof_camera::Camera;
 use edof_golden::{ColourTable, Golden};
 use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame, Stride, Window};
+use edof_metrics::Quality;
 use edof_network::FixedNetwork;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::QuantizeOptions;
-use edof_study::metrics::Quality;
 use ndarray::Array2;
 
 /// Tries it; what comes back is the refusal, unless it was let pass.

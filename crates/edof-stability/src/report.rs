@@ -3,8 +3,8 @@
 use crate::case::Trial;
 use crate::outcome::{Outcome, Seen};
 use crate::suite::Suite;
+use edof_report::{Figure, Layout, Report};
 use edof_study::made::Made;
-use edof_study::report::{Figure, Layout, Report};
 use std::fmt::Write;
 
 /// Kinds of cases in the order in which tables tell them, and what each is about.

@@ -14,8 +14,8 @@ use edof_image::draw::Draw;
 use edof_image::geometry::PATCH;
 use edof_image::overlap::Overlap;
 use edof_image::{CfaPhase, RawFrame, Reconstructor, Stride};
+use edof_metrics::memory;
 use edof_optics::sensor::{Sensor, expose};
-use edof_study::memory;
 use ndarray::{Array2, s};
 
 /// Sides of the frame of a hundred megapixels: this wide.

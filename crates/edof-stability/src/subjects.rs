@@ -29,7 +29,7 @@ impl Default for Subjects {
             requantize: edof_image::number::requantize,
             encoded: ColourTable::encoded,
             least_squares: edof_numerics::least_squares,
-            psnr: edof_study::metrics::psnr,
+            psnr: edof_metrics::psnr,
         }
     }
 }

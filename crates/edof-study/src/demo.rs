@@ -2,14 +2,14 @@
 //!
 //! Drawn scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
-use crate::metrics::MetricError;
-use crate::picture::{caption, sheet, stacked};
 use crate::pictures::{self, Names, Part, Picture, Truth};
 use edof_camera::Camera;
 use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
+use edof_metrics::MetricError;
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
+use edof_report::picture::{caption, sheet, stacked};
 use serde::Serialize;
 use std::ops::ControlFlow;
 

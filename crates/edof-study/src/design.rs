@@ -1,9 +1,9 @@
 //! What foldings of networks are worth: dB against cycles, multipliers and frames a second, and which of them nothing beats.
 
 use crate::made::Made;
-use crate::plot::{Axis, Mark, Plot, Series, USUAL};
-use crate::report::Report;
-use crate::tables::Table;
+use edof_report::Report;
+use edof_report::Table;
+use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
 use serde::Serialize;
 
 /// A folding of a network.

@@ -1,20 +1,20 @@
 //! Blind deconvolution where the blur is known to whoever judges it: photographs blurred with drawn kernels, which the method has to
 //! find. Rows go to a [`Journal`] as those of other studies.
 
-use crate::cpu_time;
 use crate::journal::{self, Journal, JournalError, Line, Progress, Proof, Shard};
 use crate::made::Made;
-use crate::metrics::{BORDER, MetricError, Quality};
-use crate::paired::Paired;
-use crate::photos::{Photo, choices};
-use crate::report::Report;
-use crate::tables::Table;
 use crate::told::{Told, ToldError};
 use edof_deblur::blind::{self, Estimate, Settings};
 use edof_deblur::hyper_laplacian::hyper_laplacian;
 use edof_image::ColourFrame;
+use edof_io::photos::{Photo, choices};
+use edof_metrics::cpu_time;
+use edof_metrics::paired::Paired;
+use edof_metrics::{BORDER, MetricError, Quality};
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::Psf;
+use edof_report::Report;
+use edof_report::Table;
 use edof_storage::provenance::Input;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
@@ -90,16 +90,16 @@ pub struct Row {
     /// Side in pixels of the kernel that was looked for.
     pub side: usize,
     /// PSNR in dB of the blurred picture.
-    #[serde(with = "crate::number")]
+    #[serde(with = "edof_metrics::number")]
     pub blurred_db: f64,
     /// PSNR in dB of what the method made of it.
-    #[serde(with = "crate::number")]
+    #[serde(with = "edof_metrics::number")]
     pub restored_db: f64,
     /// PSNR in dB of the same last step with the true kernel.
-    #[serde(with = "crate::number")]
+    #[serde(with = "edof_metrics::number")]
     pub known_db: f64,
     /// Correlation of the kernel that was found with the true one, at the best shift of a few pixels.
-    #[serde(with = "crate::number")]
+    #[serde(with = "edof_metrics::number")]
     pub correlation: f64,
     /// How often the method's step was halved.
     pub halvings: usize,

@@ -7,13 +7,14 @@
 //! compared; all else runs side by side.
 
 use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Proof, Shard, settings};
-use crate::method::Method;
-use crate::metrics::{BORDER, MetricError, Quality, shown};
-use crate::photos::Photo;
-use crate::spec::{MethodSpec, PrepareError, Ready};
+use crate::setup::Setup;
 use edof_camera::Camera;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
+use edof_io::photos::Photo;
+use edof_methods::method::Method;
+use edof_methods::spec::{PrepareError, Ready};
+use edof_metrics::{BORDER, MetricError, Quality, shown};
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
@@ -25,14 +26,6 @@ use std::ops::ControlFlow;
 
 /// Bits of the simulated sensor.
 const DEPTH: u32 = 16;
-
-/// A camera and the methods that stand behind it.
-pub struct Setup {
-    /// The camera.
-    pub camera: Camera,
-    /// Methods.
-    pub methods: Vec<MethodSpec>,
-}
 
 /// Settings of an experiment.
 #[derive(Debug, Clone)]
@@ -404,6 +397,7 @@ pub fn sensor(image: &str, psi: f64, noise: Noise) -> Sensor {
 mod tests {
     use super::*;
     use crate::journal::{Header, Program};
+    use edof_methods::spec::MethodSpec;
 
     fn setup(camera: &str) -> Setup {
         Setup { camera: Camera::resolve(camera).unwrap(), methods: vec![MethodSpec::Malvar] }
@@ -501,7 +495,7 @@ mod tests {
         let photo = photo("p");
         let light = Tone::Srgb.decoded(&photo.frame);
         let back = shown(&light, Tone::Srgb);
-        assert!(crate::metrics::psnr(&photo.frame, &back, BORDER) > 130.0);
+        assert!(edof_metrics::psnr(&photo.frame, &back, BORDER) > 130.0);
     }
 
     #[test]

@@ -4,26 +4,27 @@
 //! the network behind the coded one. The clear lens focused mid-range, with a network of its own, is the fairer peer: it stands beside
 //! them. Rows go to a [`Journal`] with their pictures, so that a report can be made from the file alone.
 
-use crate::csv;
 use crate::demo_report::{figure, figure_at, figure_of_scene};
 use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Proof, Shard, settings};
 use crate::made::Made;
-use crate::method::Method;
-use crate::metrics::{BORDER, MetricError};
-use crate::picture::{Encoded, jpeg, png};
 use crate::pictures::{self, Names, Part, Picture, Truth};
-use crate::report::{Figure, Layout, Report};
-use crate::spec::{Case, MethodSpec, PrepareError};
-use crate::tables::{Table, noise_words};
-use crate::timing::{Range, Timed, timed};
+use crate::tables::noise_words;
 use crate::told::{Told, ToldError};
 use edof_camera::Camera;
 use edof_image::{Noise, RawFrame, ReconstructError, Tone};
+use edof_methods::method::Method;
+use edof_methods::spec::{Case, MethodSpec, PrepareError};
+use edof_metrics::timing::{Range, Timed, timed};
+use edof_metrics::{BORDER, MetricError};
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::draw::{DrawError, draw, parse_name};
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
+use edof_report::Table;
+use edof_report::csv;
+use edof_report::picture::{Encoded, jpeg, png};
+use edof_report::{Figure, Layout, Report};
 use edof_storage::digest::sha256;
 use edof_storage::provenance::Input;
 use serde::{Deserialize, Serialize};
@@ -571,9 +572,9 @@ const TITLE: &str = "Four depths in one scene";
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dictionary::Dictionary;
     use crate::journal::{Header, Program};
     use edof_image::Stride;
+    use edof_methods::dictionary::Dictionary;
     use std::path::Path;
     use std::sync::Arc;
 

@@ -6,13 +6,13 @@
 
 use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Proof, Shard, settings};
 use crate::kodak::{Conditions, KodakError, Measured, Trial, sensor};
-use crate::method::{Format, Method};
-use crate::metrics::BORDER;
-use crate::photos::Photo;
-use crate::spec::{MethodSpec, PrepareError, Ready};
-use crate::timing::{Range, Timed, timed};
 use edof_camera::Camera;
 use edof_image::{Noise, RawFrame, Tone};
+use edof_io::photos::Photo;
+use edof_methods::method::{Format, Method};
+use edof_methods::spec::{MethodSpec, PrepareError, Ready};
+use edof_metrics::BORDER;
+use edof_metrics::timing::{Range, Timed, timed};
 use edof_optics::psf::{Settings, channel_psfs};
 use edof_storage::digest::sha256;
 use edof_storage::provenance::Input;
@@ -246,11 +246,11 @@ impl Trial<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dictionary::Dictionary;
     use crate::journal::{Header, Program};
-    use crate::method::Family;
-    use crate::settings::Pursuit;
     use edof_image::{ColourFrame, Stride};
+    use edof_methods::dictionary::Dictionary;
+    use edof_methods::method::Family;
+    use edof_methods::settings::Pursuit;
     use std::path::{Path, PathBuf};
     use std::sync::Arc;
 

@@ -2,15 +2,16 @@
 
 use crate::kodak::Measured;
 use crate::made::Made;
-use crate::method::{Family, Format, Method};
-use crate::paired::Paired;
-use crate::photos::choices;
-use crate::plot::{Axis, Mark, PALETTE, Plot, Series, stacked};
-use crate::report::Report;
 use crate::single_depth::Row;
-use crate::tables::{Table, noise_words};
+use crate::tables::noise_words;
 use crate::told::{Told, ToldError};
 use edof_image::{Noise, Tone};
+use edof_io::photos::choices;
+use edof_methods::method::{Family, Format, Method};
+use edof_metrics::paired::Paired;
+use edof_report::Report;
+use edof_report::Table;
+use edof_report::plot::{Axis, Mark, PALETTE, Plot, Series, stacked};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

@@ -2,56 +2,16 @@
 
 use crate::kodak::{Measured, Row, Work};
 use crate::made::Made;
-use crate::method::Format;
-use crate::photos::choices;
-use crate::plot::{Axis, Mark, Plot, Series, USUAL};
-use crate::report::Report;
 use crate::summary::{Course, MethodSummary, Study, Summary};
 use crate::told::{Told, ToldError};
 use edof_image::noise::SensorNoise;
 use edof_image::{Noise, Tone};
+use edof_io::photos::choices;
+use edof_methods::method::Format;
+use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
+use edof_report::{Report, Table};
 use std::collections::BTreeSet;
 use std::fmt::Write;
-
-/// Cells under a header.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Table {
-    /// One for each column.
-    pub header: Vec<String>,
-    /// As many cells each as the header has.
-    pub rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    /// Columns as wide as their widest cell.
-    #[must_use]
-    pub fn to_text(&self) -> String {
-        let width = |column: usize| {
-            let cells = self.rows.iter().chain([&self.header]).filter_map(|row| row.get(column));
-            cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-        };
-        let widths: Vec<usize> = (0..self.header.len()).map(width).collect();
-        let line = |row: &Vec<String>| {
-            let cells: Vec<String> =
-                row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:width$}")).collect();
-            cells.join("  ").trim_end().to_owned() + "\n"
-        };
-        std::iter::once(&self.header).chain(&self.rows).map(line).collect()
-    }
-
-    /// A Markdown table.
-    #[must_use]
-    pub fn to_markdown(&self) -> String {
-        let line = |row: &Vec<String>| format!("| {} |\n", row.join(" | "));
-        let rule = format!("|{}\n", "---|".repeat(self.header.len()));
-        line(&self.header) + &rule + &self.rows.iter().map(line).collect::<String>()
-    }
-
-    /// Adds the table to a report; `best` holds row and column of cells to set off.
-    pub fn add_to(&self, report: &mut Report, best: &[(usize, usize)]) {
-        report.table(&self.header.iter().map(String::as_str).collect::<Vec<_>>(), &self.rows, best);
-    }
-}
 
 impl Told for Study {
     type Row = Row;
@@ -298,8 +258,8 @@ pub(crate) fn noise_words(noise: Noise) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::Method;
     use crate::summary::tests::{net, row};
+    use edof_methods::method::Method;
 
     fn study(tone: Tone) -> Study {
         let noisy = Noise::sensor(8.0);
@@ -349,13 +309,5 @@ mod tests {
         assert_eq!(drawn, [3, 1]);
         let html = study.report("edof study").to_html();
         assert!(html.contains("edof study") && html.contains("Light, not clipped"));
-    }
-
-    #[test]
-    fn columns_of_text_stand_below_each_other() {
-        let cells = |row: &[&str]| row.iter().map(|&c| c.to_owned()).collect::<Vec<_>>();
-        let table =
-            Table { header: cells(&["a", "b"]), rows: vec![cells(&["ψψψ", "1"]), cells(&["x", "2"])] };
-        assert_eq!(table.to_text(), "a    b\nψψψ  1\nx    2\n");
     }
 }

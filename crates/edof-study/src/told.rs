@@ -1,10 +1,10 @@
 //! What a file of rows says: every study that is kept in one is told in the same ways.
 
-use crate::csv;
 use crate::journal::Line;
 use crate::made::Made;
-use crate::report::Report;
 use edof_optics::draw::DrawError;
+use edof_report::Report;
+use edof_report::csv;
 use serde::Serialize;
 
 /// A study made from its rows.

@@ -1,13 +1,13 @@
 //! The tables that README.md quotes are those of docs/results; those are what their rows say; and rows and pages say of which clean
 //! revision they are.
 
+use edof_io::photos::CHOICES;
 use edof_storage::provenance::Provenance;
 use edof_study::journal::{Header, Journal, Maker, Program};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
 use edof_study::kodak::Measured;
 use edof_study::made::{Made, OLD, machines};
-use edof_study::photos::CHOICES;
 use edof_study::speed::Speed;
 use edof_study::summary::Study;
 use edof_study::told::Told;

@@ -73,7 +73,7 @@ impl Text {
         Self { first: line(body.span()), lines: text.lines().map(String::from).collect() }
     }
 
-    /// `@ 143 What the step reads.`: the comment right above the statement, or that of its paragraph.
+    /// `@ src/uart.rs:143 What the step reads.`: the comment right above the statement, or that of its paragraph.
     fn mark(&self, statement: Span) -> String {
         let at = line(statement);
         let above = &self.lines[..at.saturating_sub(self.first).min(self.lines.len())];
@@ -87,7 +87,7 @@ impl Text {
         comment.reverse();
         // Quotes and braces mean something in a format string.
         let comment = comment.join(" ").replace(['"', '{', '}', '\\'], "'");
-        format!("{MARK} {at} {comment}").trim_end().to_string()
+        format!("{MARK} {}:{at} {comment}", statement.unwrap().file()).trim_end().to_string()
     }
 }
 

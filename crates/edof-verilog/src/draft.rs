@@ -54,6 +54,7 @@ pub(crate) fn draft(
     let scope = Scope::of(tree)?;
     let statements = kernel::lower(&scope, kernel)?;
     flow::check(&scope, &statements)?;
+    let source = source_of(&statements).unwrap_or_else(|| description.source.into());
     let paths = paths_of_parts(&scope, kinds);
     let Logic { blocks, processes } = Logic::of(&scope, statements, &paths, style)?;
     let (processes, live) = live::prune(&scope, processes, &dropped(&scope, kinds));
@@ -74,11 +75,12 @@ pub(crate) fn draft(
         .collect();
     let single = single_elements(tree, &scope);
     let signal_names = name_signals(&scope, kinds, &single, &ports_of, &reads, &wired.arrays, &mut names);
-    let file = description.source.rsplit('/').next().unwrap_or_default();
+    let file = source.rsplit('/').next().unwrap_or_default();
     let writer = Writer {
         tree,
         scope: &scope,
         description,
+        source: &source,
         wiring: &wired.wiring,
         processes: &wired.processes,
         arrays: &wired.arrays,
@@ -170,6 +172,14 @@ impl Wired {
             candidates.retain(|(key, _)| arrays.iter().any(|array| array.key == *key));
         }
     }
+}
+
+/// The Rust file of a kernel that says it.
+fn source_of(statements: &[Statement]) -> Option<String> {
+    statements.iter().find_map(|statement| match statement {
+        Statement::Comment(note) if note.line.is_some() => Some(note.file.clone()),
+        _ => None,
+    })
 }
 
 /// Inputs of parts whose module does not read them.

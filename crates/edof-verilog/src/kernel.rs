@@ -24,7 +24,8 @@ pub(crate) enum Statement {
 /// What the kernel says of the statement behind it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Note {
-    /// Line of the Rust file.
+    /// The Rust file, and the line in it.
+    pub file: String,
     pub line: Option<usize>,
     /// What its comment says, or that of the paragraph.
     pub text: String,
@@ -35,28 +36,29 @@ pub(crate) struct Note {
 impl Note {
     fn own(text: &str) -> Self {
         let lines = text.trim().trim_matches('"').lines().map(str::trim);
-        Self { line: None, text: lines.collect::<Vec<_>>().join("\n"), is_own: true }
+        Self { file: String::new(), line: None, text: lines.collect::<Vec<_>>().join("\n"), is_own: true }
     }
 
-    /// Reads a mark of `#[kernel]`, `… "@ 143 What the step reads.`, or any other comment.
+    /// Reads a mark of `#[kernel]`, `… "@ src/uart.rs:143 What the step reads.`, or any other comment.
     fn of(comment: &str) -> Self {
         let mark = comment.split_once("\"@ ").map(|(_, mark)| mark.trim_end_matches('"'));
-        let (number, text) = mark.map_or(("", ""), |mark| mark.split_once(' ').unwrap_or((mark, "")));
-        match number.parse() {
-            Ok(line) => Self { line: Some(line), text: text.into(), is_own: false },
+        let (place, text) = mark.map_or(("", ""), |mark| mark.split_once(' ').unwrap_or((mark, "")));
+        let (file, line) = place.rsplit_once(':').unwrap_or_default();
+        match line.parse() {
+            Ok(line) => Self { file: file.into(), line: Some(line), text: text.into(), is_own: false },
             Err(_) => Self::own(comment),
         }
     }
 
     /// One note of two that follow each other.
     fn and(self, next: Self) -> Self {
-        let line = next.line.or(self.line);
+        let (file, line) = if next.line.is_some() { (next.file, next.line) } else { (self.file, self.line) };
         let (text, is_own) = if self.is_own && !next.is_own {
             (self.text, true)
         } else {
             (next.text, next.is_own)
         };
-        Self { line, text, is_own }
+        Self { file, line, text, is_own }
     }
 }
 

@@ -28,6 +28,8 @@ pub(crate) struct Writer<'a> {
     pub tree: &'a Tree,
     pub scope: &'a Scope,
     pub description: &'a Description,
+    /// The Rust file of the kernel.
+    pub source: &'a str,
     pub wiring: &'a Wiring,
     pub processes: &'a [Process],
     pub arrays: &'a [Array],
@@ -65,7 +67,7 @@ impl Writer<'_> {
         let sheet = Sheet {
             name: self.name(),
             header: self.header(),
-            source: self.description.source.into(),
+            source: self.source.into(),
             ports: self.ports(),
             constants,
             states: self.states(),
@@ -86,7 +88,7 @@ impl Writer<'_> {
         let line = |line: &str| format!("// {}", line.trim()).trim_end().to_string() + "\n";
         let text: String = self.description.header.trim().lines().map(line).collect();
         let follows: String = self.follows().iter().map(|text| line(text)).collect();
-        let source = format!("// From {} ({}).\n", self.description.source, self.description.name);
+        let source = format!("// From {} ({}).\n", self.source, self.description.name);
         let gap = if follows.is_empty() { "" } else { "//\n" };
         format!("{text}{gap}{follows}//\n{source}")
     }

@@ -8,7 +8,7 @@ use crate::weights;
 use edof_cosim::tool;
 use edof_cosim::verilator::Options;
 use edof_cosim::yosys::timing;
-use edof_study::photos;
+use edof_io::photos;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

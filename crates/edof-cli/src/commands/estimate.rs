@@ -12,7 +12,7 @@ use edof_cosim::chain::check::stage_names;
 use edof_device::Design;
 use edof_device::board;
 use edof_device::design::memory::Set;
-use edof_golden::cycle::estimate::{StageCycles, estimate};
+use edof_golden::cycle::estimate::{Estimate, StageCycles, estimate};
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
 use edof_hdl::resources::{self, Resources, XC7K325T};
@@ -60,7 +60,7 @@ pub struct Args {
 }
 
 /// # Errors
-/// A design, network or picture that cannot be used.
+/// A design, network or picture that cannot be used, a file that cannot be written, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files =
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
@@ -75,103 +75,137 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         }
         None => None,
     };
-    let pairs = measured.as_ref().map(Measured::mean_pairs);
-    let ahead = estimate(&design, pairs.as_deref());
-    let cycles = measured.as_ref().map_or(ahead.cycles_per_patch, Measured::cycles_per_patch);
-    let limiting = measured.as_ref().map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage);
-    let rate = |cycles: f64| design.clock_mhz * 1e6 / (cycles * ahead.patches_per_frame as f64);
-    let frames = rate(cycles);
-    let stages = resources::stages(&design);
-    let total = resources::whole(&design);
-    let names = stage_names(stages.len());
+    let estimated = Estimated::new(&design, measured);
+    estimated.tell(ui)?;
+    ui.json(&estimated.to_json(args.weights.as_deref()))
+}
 
-    ui.say("stage  lanes x rows  values  cycles  DSP48E1  RAMB36E1  RAMB18E1      LUT       FF")?;
-    for (index, (plan, used)) in design.stages().zip(&stages).enumerate() {
-        let values = pairs.as_ref().map_or(plan.inputs as f64, |p| p[index]);
-        let own = StageCycles::largest(&ahead.stages[index]);
-        let folded = format!("{} x {}", plan.lanes, plan.rows);
-        ui.say(format!("{:5}  {folded:>12}  {values:6.1}  {own:6.1}  {}", names[index], row(used)))?;
+/// What a design takes.
+struct Estimated<'a> {
+    design: &'a Design,
+    measured: Option<Measured>,
+    pairs: Option<Vec<f64>>,
+    ahead: Estimate,
+    /// Of a patch.
+    cycles: f64,
+    board: Figures,
+    stages: Vec<Resources>,
+    total: Resources,
+    names: Vec<String>,
+    /// The name of the stage that limits the pace.
+    limiting: String,
+}
+
+impl<'a> Estimated<'a> {
+    fn new(design: &'a Design, measured: Option<Measured>) -> Self {
+        let pairs = measured.as_ref().map(Measured::mean_pairs);
+        let ahead = estimate(design, pairs.as_deref());
+        let cycles = measured.as_ref().map_or(ahead.cycles_per_patch, Measured::cycles_per_patch);
+        let limiting = measured.as_ref().map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage);
+        let latency = measured.as_ref().map_or(ahead.latency as f64, Measured::mean_latency);
+        let (board, stages) = (figures_of(design, cycles, latency), resources::stages(design));
+        let (total, names) = (resources::whole(design), stage_names(stages.len()));
+        let limiting = names[limiting].clone();
+        Self { design, measured, pairs, ahead, cycles, board, stages, total, names, limiting }
     }
-    ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}  {}", "all", "", "", row(&total)))?;
-    let (scarcest, share) = total.fullest(&XC7K325T);
-    ui.say(format!(
-        "{frames:.1} frames a second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an XC7K325T",
-        design.frame.width,
-        design.frame.height,
-        design.clock_mhz,
-        names[limiting],
-        100.0 * share
-    ))?;
-    let latency = measured.as_ref().map_or(ahead.latency as f64, Measured::mean_latency);
-    let board = figures_of(&design, cycles, latency);
-    ui.say(format!(
-        "from HDMI in to HDMI out: {:.1} frames a second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
-        board.frames_per_second,
-        1e3 * board.latency[0],
-        1e3 * board.latency[1],
-        board.written / 1e6,
-        board.read / 1e6
-    ))?;
-    let picture = |Picture { name, summary }: &Picture| {
+
+    /// Frames a second at so many cycles a patch.
+    fn rate(&self, cycles: f64) -> f64 {
+        self.design.clock_mhz * 1e6 / (cycles * self.ahead.patches_per_frame as f64)
+    }
+
+    fn tell(&self, ui: &Ui) -> Result<(), Error> {
+        let Self { design, cycles, board, names, limiting, .. } = self;
+        ui.say("stage  lanes x rows  values  cycles  DSP48E1  RAMB36E1  RAMB18E1      LUT       FF")?;
+        for (index, (plan, used)) in design.stages().zip(&self.stages).enumerate() {
+            let values = self.pairs.as_ref().map_or(plan.inputs as f64, |p| p[index]);
+            let own = StageCycles::largest(&self.ahead.stages[index]);
+            let folded = format!("{} x {}", plan.lanes, plan.rows);
+            ui.say(format!("{:5}  {folded:>12}  {values:6.1}  {own:6.1}  {}", names[index], row(used)))?;
+        }
+        ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}  {}", "all", "", "", row(&self.total)))?;
+        let (scarcest, share) = self.total.fullest(&XC7K325T);
+        ui.say(format!(
+            "{:.1} frames a second of {}x{} at {} MHz; {limiting} limits; {scarcest} {:.0} % of an XC7K325T",
+            self.rate(*cycles),
+            design.frame.width,
+            design.frame.height,
+            design.clock_mhz,
+            100.0 * share
+        ))?;
+        ui.say(format!(
+            "from HDMI in to HDMI out: {:.1} frames a second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
+            board.frames_per_second,
+            1e3 * board.latency[0],
+            1e3 * board.latency[1],
+            board.written / 1e6,
+            board.read / 1e6
+        ))?;
+        if let Some(Measured(pictures)) = &self.measured
+            && pictures.len() > 1
+            && let Some(Picture { name, summary }) = worst(pictures)
+        {
+            let cycles = summary.cycles_per_patch();
+            ui.say(format!(
+                "mean of {} pictures; the slowest is {name}: {cycles:.1} cycles a patch, {:.1} frames a second; {} limits",
+                pictures.len(),
+                self.rate(cycles),
+                names[summary.limiting_stage()]
+            ))?;
+        }
+        Ok(())
+    }
+
+    fn to_json(&self, weights: Option<&str>) -> Value {
+        let Self { design, board, total, measured, .. } = self;
+        let (scarcest, share) = total.fullest(&XC7K325T);
+        let picture = |picture: &Picture| self.picture(picture);
+        let stage = |(index, used): (usize, &Resources)| {
+            json!({
+                "stage": self.names[index],
+                "cycles_per_patch": self.ahead.stages[index].largest(),
+                "pairs_per_patch": self.pairs.as_ref().map(|p| p[index]),
+                "resources": used,
+            })
+        };
+        json!({
+            "design": design.name,
+            "weights": weights,
+            "dsp48e1": total.dsp48e1,
+            "ramb36e1": total.ramb36e1,
+            "ramb18e1": total.ramb18e1,
+            "lut": total.lut,
+            "ff": total.ff,
+            "clock_mhz": design.clock_mhz,
+            "cycles_per_patch": self.cycles,
+            "most_cycles_per_patch": measured.as_ref().map(Measured::most_cycles),
+            "frames_per_second": self.rate(self.cycles),
+            "limiting_stage": self.limiting,
+            "board": {
+                "frames_per_second": board.frames_per_second,
+                "memory_written_per_second": board.written,
+                "memory_read_per_second": board.read,
+                "latency_seconds": board.latency,
+            },
+            "scarcest": scarcest,
+            "share_of_scarcest": share,
+            "stages": self.stages.iter().enumerate().map(stage).collect::<Vec<_>>(),
+            "slowest_picture": measured.as_ref().and_then(|measured| worst(&measured.0)).map(picture),
+            "pictures": measured.as_ref().map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
+        })
+    }
+
+    fn picture(&self, Picture { name, summary }: &Picture) -> Value {
         json!({
             "picture": name,
             "patches": summary.counts.patches,
             "cycles_per_patch": summary.cycles_per_patch(),
             "most_cycles_per_patch": summary.most_cycles,
-            "frames_per_second": rate(summary.cycles_per_patch()),
-            "limiting_stage": names[summary.limiting_stage()],
+            "frames_per_second": self.rate(summary.cycles_per_patch()),
+            "limiting_stage": self.names[summary.limiting_stage()],
             "pairs_per_patch": summary.mean_pairs(),
         })
-    };
-    if let Some(Measured(pictures)) = &measured
-        && pictures.len() > 1
-        && let Some(Picture { name, summary }) = worst(pictures)
-    {
-        let cycles = summary.cycles_per_patch();
-        ui.say(format!(
-            "mean of {} pictures; the slowest is {name}: {cycles:.1} cycles a patch, {:.1} frames a second; {} limits",
-            pictures.len(),
-            rate(cycles),
-            names[summary.limiting_stage()]
-        ))?;
     }
-    let per_stage: Vec<Value> = stages
-        .iter()
-        .enumerate()
-        .map(|(index, used)| {
-            json!({
-                "stage": names[index],
-                "cycles_per_patch": ahead.stages[index].largest(),
-                "pairs_per_patch": pairs.as_ref().map(|p| p[index]),
-                "resources": used,
-            })
-        })
-        .collect();
-    ui.json(&json!({
-        "design": design.name,
-        "weights": args.weights,
-        "dsp48e1": total.dsp48e1,
-        "ramb36e1": total.ramb36e1,
-        "ramb18e1": total.ramb18e1,
-        "lut": total.lut,
-        "ff": total.ff,
-        "clock_mhz": design.clock_mhz,
-        "cycles_per_patch": cycles,
-        "most_cycles_per_patch": measured.as_ref().map(Measured::most_cycles),
-        "frames_per_second": frames,
-        "limiting_stage": names[limiting],
-        "board": {
-            "frames_per_second": board.frames_per_second,
-            "memory_written_per_second": board.written,
-            "memory_read_per_second": board.read,
-            "latency_seconds": board.latency,
-        },
-        "scarcest": scarcest,
-        "share_of_scarcest": share,
-        "stages": per_stage,
-        "slowest_picture": measured.as_ref().and_then(|measured| worst(&measured.0)).map(picture),
-        "pictures": measured.as_ref().map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
-    }))
 }
 
 /// The whole board at the design's clock, a camera and a screen of its frames' standard timing.

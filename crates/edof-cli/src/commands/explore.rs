@@ -17,8 +17,8 @@ use edof_golden::cycle::{Cycle, Patch};
 use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_image::colour::OUTPUTS_422;
 use edof_image::{Geometry, Noise};
+use edof_metrics::{BORDER, psnr, shown};
 use edof_network::FixedNetwork;
-use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
 use std::path::PathBuf;
 

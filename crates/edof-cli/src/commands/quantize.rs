@@ -1,6 +1,6 @@
 //! `edof quantize`: from a float network to the board's integers.
 
-use super::train::photographs;
+use super::train::photographs::photographs;
 use crate::error::Error;
 use crate::error_bounds;
 use crate::files::{Files, Force};
@@ -11,6 +11,7 @@ use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::Golden;
 use edof_image::overlap::Overlap;
 use edof_image::{ColourFrame, Stride};
+use edof_io::photos::Selection;
 use edof_network::fixed_network::{CalibratedOn, Quantized};
 use edof_network::network::Origin;
 use edof_network::{FixedNetwork, Network, weight_file};
@@ -22,8 +23,6 @@ use edof_quantize::{
     quantize,
 };
 use edof_storage::provenance::Input;
-use edof_study::metrics;
-use edof_study::photos::Selection;
 use edof_train::dataset::{Dataset, DatasetOptions};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -213,7 +212,7 @@ fn judge(
     scenes: &[Scene<'_>],
 ) -> Result<Evaluation, Error> {
     let float = FloatReconstructor::new(network.clone(), options.stride, options.overlap, Output::Ycc422)?;
-    Ok(evaluate(&float, golden, scenes, |sharp, estimate| metrics::psnr(sharp, estimate, BORDER))?)
+    Ok(evaluate(&float, golden, scenes, |sharp, estimate| edof_metrics::psnr(sharp, estimate, BORDER))?)
 }
 
 /// `x.safetensors` gives `x.fixed.safetensors` beside it; a name gives it under `weights/`.

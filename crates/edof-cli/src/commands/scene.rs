@@ -10,7 +10,7 @@ use edof_image::Tone;
 use edof_io::raw::Size;
 use edof_optics::draw::{self, four_depths};
 use edof_optics::scene::Scene;
-use edof_study::picture::png;
+use edof_report::picture::png;
 use ndarray::Array2;
 use serde::Serialize;
 use std::path::PathBuf;

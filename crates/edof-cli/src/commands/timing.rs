@@ -9,7 +9,7 @@ use edof_cosim::chain::check::stage_names;
 use edof_cosim::system;
 use edof_cosim::yosys::fan_out::FanOut;
 use edof_cosim::yosys::route::{self, Fabric, Routed, RoutedStep, Router};
-use edof_cosim::yosys::timing::{self, PartTiming};
+use edof_cosim::yosys::timing::{self, Kind, PartTiming};
 use edof_golden::Display;
 use edof_hdl::board::blocks::{self, Block};
 use serde_json::json;
@@ -123,6 +123,10 @@ fn tell(name: &str, stage: &PartTiming, ui: &Ui) -> Result<(), Error> {
     ))?;
     for step in &stage.path {
         ui.say(format!("  {:6} ps  {:28} {}", step.arrival_ps, step.cell, step.net))?;
+    }
+    ui.say(format!("  longest kinds of paths (the same registers but for their numbers), {} registers that lead to two groups of banks", stage.strays.len()))?;
+    for Kind { delay_ps, from, to, pin } in &stage.kinds {
+        ui.say(format!("  {delay_ps:6} ps  {pin:28} {from} to {to}"))?;
     }
     for (kind, control) in [("control", true), ("data", false)] {
         let nets = stage.nets.iter().filter(|net| net.control == control);

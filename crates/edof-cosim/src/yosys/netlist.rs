@@ -1,9 +1,11 @@
 //! The part of Yosys's JSON netlist that we read.
 
+pub mod paths;
+
 use super::fan_out::FanOut;
 use super::{Dsp, Report};
 use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
@@ -16,7 +18,11 @@ pub struct Netlist {
 #[derive(Deserialize)]
 struct Module {
     #[serde(default)]
-    attributes: BTreeMap<String, IgnoredAny>,
+    attributes: BTreeMap<String, Value>,
+    #[serde(default)]
+    parameter_default_values: BTreeMap<String, Value>,
+    #[serde(default)]
+    ports: BTreeMap<String, Port>,
     #[serde(default)]
     cells: BTreeMap<String, Cell>,
     #[serde(default)]
@@ -24,11 +30,17 @@ struct Module {
 }
 
 #[derive(Deserialize)]
+struct Port {
+    direction: String,
+    bits: Vec<Bit>,
+}
+
+#[derive(Deserialize)]
 struct Wire {
     hide_name: u8,
     bits: Vec<Bit>,
     #[serde(default)]
-    attributes: BTreeMap<String, IgnoredAny>,
+    attributes: BTreeMap<String, Value>,
 }
 
 #[derive(Deserialize)]
@@ -75,6 +87,11 @@ impl Netlist {
             }
         }
         Some(report)
+    }
+
+    /// Registers of a flat top that lead to banks of more than one group of so many neighbours; none where there is no top.
+    pub fn strays(&self, group: usize) -> Option<Vec<String>> {
+        Some(self.modules.values().find(|module| module.attributes.contains_key("top"))?.strays(group))
     }
 
     /// All nets of a flat top but its clocks, those with the most loads first; none where there is no top.
@@ -174,6 +191,60 @@ impl Module {
             .collect()
     }
 
+    /// Registers whose outputs lead, directly or through logic, to banks of more than one group of `group` neighbours: name and groups. A bank is
+    /// an instance `banks[N].`.
+    fn strays(&self, group: usize) -> Vec<String> {
+        let names = self.bank_names();
+        let mut readers: BTreeMap<u64, Vec<&Cell>> = BTreeMap::new();
+        for cell in self.cells.values() {
+            let inputs = cell.connections.iter().filter(|(pin, _)| {
+                cell.port_directions.get(*pin).is_some_and(|direction| direction == "input")
+                    && !CLOCK_PINS.contains(&pin.as_str())
+            });
+            for net in inputs.flat_map(|(_, bits)| bits).filter_map(Bit::net) {
+                readers.entry(net).or_default().push(cell);
+            }
+        }
+        let all = self.names();
+        let registers = self.cells.values().filter(|cell| !cell.is_logic());
+        let outputs = registers.flat_map(Cell::outputs).collect::<BTreeSet<u64>>();
+        let mut strays = vec![];
+        for net in outputs {
+            let (mut found, mut seen, mut open) = (BTreeSet::new(), BTreeSet::new(), vec![net]);
+            while let Some(net) = open.pop() {
+                for cell in readers.get(&net).into_iter().flatten() {
+                    let fresh = cell.outputs().filter(|net| seen.insert(*net));
+                    if cell.is_logic() {
+                        open.extend(fresh);
+                    } else {
+                        found.extend(
+                            cell.outputs().filter_map(|net| names.get(&net)).map(|bank| bank / group),
+                        );
+                    }
+                }
+            }
+            if found.len() > 1 {
+                let name = all.get(&net).map_or_else(|| format!("net {net}"), |(name, _)| name.clone());
+                strays.push(format!("{name}: groups {found:?}"));
+            }
+        }
+        strays
+    }
+
+    /// The bank in which a net is driven: its register is named there.
+    fn bank_names(&self) -> BTreeMap<u64, usize> {
+        let mut banks = BTreeMap::new();
+        for (name, wire) in &self.netnames {
+            let Some((_, inside)) = name.split_once("banks[") else { continue };
+            let bank = inside.split_once(']').and_then(|(bank, _)| bank.parse().ok());
+            let is_own = name.ends_with("_q") || name.ends_with(".sum") || name.ends_with("sum_o");
+            if let Some(bank) = bank.filter(|_| is_own) {
+                banks.extend(wire.bits.iter().filter_map(Bit::net).map(|net| (net, bank)));
+            }
+        }
+        banks
+    }
+
     /// Nets that enter a carry chain, directly or through one LUT.
     fn nets_to_carry(&self) -> BTreeSet<u64> {
         let carries = self.cells.values().filter(|cell| cell.kind == "CARRY4");
@@ -187,6 +258,18 @@ impl Module {
 }
 
 impl Cell {
+    /// Whether paths go through it.
+    fn is_logic(&self) -> bool {
+        ["LUT", "MUXF", "CARRY4", "INV"].iter().any(|kind| self.kind.starts_with(kind))
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = u64> {
+        let is_output =
+            |pin: &&String| self.port_directions.get(*pin).is_some_and(|direction| direction == "output");
+        let pins = self.connections.keys().filter(is_output).cloned().collect::<Vec<_>>();
+        pins.into_iter().flat_map(|pin| self.connections[&pin].iter().filter_map(Bit::net))
+    }
+
     fn nets(&self, ports: &'static [&str]) -> impl Iterator<Item = u64> {
         let bits = ports.iter().filter_map(|&port| self.connections.get(port)).flatten();
         bits.filter_map(Bit::net)
@@ -214,5 +297,81 @@ impl Cell {
             free_operation: self.nets(&["OPMODE"]).all(|net| free.contains(&net)),
             feeds_carry: self.nets(&["P"]).any(|net| to_carry.contains(&net)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A top in which register 2 leads to a bank's register, and through a LUT to another bank's; the library states what they take.
+    fn netlist(other_bank: usize) -> [Netlist; 2] {
+        let register = |d: u64, q: u64| {
+            format!(
+                r#"{{"type": "FDRE", "port_directions": {{"C": "input", "D": "input", "Q": "output"}}, "connections": {{"C": [1], "D": [{d}], "Q": [{q}]}}}}"#
+            )
+        };
+        let name = |net: u64| format!(r#"{{"hide_name": 0, "bits": [{net}]}}"#);
+        let top = format!(
+            r#"{{"modules": {{"top": {{"attributes": {{"top": 1}}, "ports": {{"in_i": {{"direction": "input", "bits": [9]}}}},
+            "cells": {{"a": {}, "b": {}, "c": {}, "lut": {{"type": "LUT1", "port_directions": {{"I0": "input", "O": "output"}},
+            "connections": {{"I0": [2], "O": [3]}}}}}},
+            "netnames": {{"copy_q": {}, "banks[7].lanes.near_q": {}, "banks[{other_bank}].lanes.far_q": {}}}}}}}}}"#,
+            register(9, 2),
+            register(2, 4),
+            register(3, 5),
+            name(2),
+            name(4),
+            name(5)
+        );
+        let arc = |kind: &str, from: u64, to: u64, delay: &str| {
+            format!(
+                r#"{{"type": "{kind}", "parameters": {{"FULL": "0", "T_RISE_MAX": "{delay}", "T_FALL_MAX": "0", "T_LIMIT_MAX": "{delay}"}},
+                "connections": {{"SRC": [{from}], "DST": [{to}]}}}}"#
+            )
+        };
+        let port = |name: &str, direction: &str, net: u64| {
+            format!(r#""{name}": {{"direction": "{direction}", "bits": [{net}]}}"#)
+        };
+        let library = format!(
+            r#"{{"modules": {{"FDRE": {{"ports": {{{}, {}, {}}}, "cells": {{"leaves": {}, "ends": {}}}}},
+            "LUT1": {{"ports": {{{}, {}}}, "cells": {{"through": {}}}}}}}}}"#,
+            port("C", "input", 1),
+            port("D", "input", 2),
+            port("Q", "output", 3),
+            arc("$specify3", 1, 3, "1010"),
+            arc("$specrule", 2, 1, "11"),
+            port("I0", "input", 1),
+            port("O", "output", 2),
+            arc("$specify2", 1, 2, "100")
+        );
+        [top, library].map(|text| Netlist::read(text.as_bytes()).unwrap())
+    }
+
+    #[test]
+    fn a_register_that_leads_to_banks_of_two_groups_is_a_stray() {
+        let strays = |bank: usize| netlist(bank)[0].strays(8).unwrap();
+        assert_eq!(strays(6), [""; 0]);
+        assert_eq!(strays(8), ["copy_q: groups {0, 1}"]);
+    }
+
+    #[test]
+    fn kinds_of_paths_are_told_longest_first() {
+        let [top, library] = netlist(8);
+        let kinds = top.kinds(&library).unwrap();
+        let told: Vec<_> =
+            kinds.iter().map(|kind| (kind.delay_ps, kind.from.as_str(), kind.to.as_str())).collect();
+        let expected = [
+            (17, "copy_q", "banks[8].lanes.far_q"),
+            (13, "copy_q", "banks[7].lanes.near_q"),
+            (3, "in_i", "copy_q"),
+        ];
+        // The name of an input's net is that of a wire, which this top has not.
+        assert_eq!(
+            told.iter().map(|kind| (kind.0, kind.2)).collect::<Vec<_>>(),
+            expected.map(|kind| (kind.0, kind.2))
+        );
+        assert_eq!(told[0], expected[0]);
+        assert_eq!(kinds[0].pin, "FDRE.D");
     }
 }

@@ -9,9 +9,11 @@ mod report;
 use super::Cells;
 use super::fan_out::FanOut;
 use super::netlist::Netlist;
+pub use super::netlist::paths::Kind;
 use crate::cache;
 use crate::error::{Error, at};
 use crate::{Source, tool, work};
+use edof_device::design::stage::GROUP_BANKS;
 use edof_hdl::project::Project;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -21,10 +23,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Nets of highest fan-out that are told of each stage.
 pub const NETS: usize = 10;
+/// Kinds of paths that are told of each stage.
+pub const KINDS: usize = 10;
 /// Parts that are mapped at once, at most: a big one takes 400 MB.
 const AT_ONCE: usize = 2;
 /// Changes with what is read out of a run, so that older results in the cache are not taken for it.
-const FORMAT: &str = "timing 4";
+const FORMAT: &str = "timing 5";
 
 /// Where a user's results belong: `edof/timing` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
 #[must_use]
@@ -43,6 +47,10 @@ pub struct PartTiming {
     pub levels: usize,
     /// The path, where it begins first.
     pub path: Vec<Step>,
+    /// The kinds of paths that are longest, the longest first, at most [`KINDS`].
+    pub kinds: Vec<Kind>,
+    /// Registers that lead to banks of multipliers in more than one group of neighbours (`rtl/edof_macc_array.v`): name and groups.
+    pub strays: Vec<String>,
     /// Nets of highest fan-out, those of control and those of data; the clock is left out.
     pub nets: Vec<FanOut>,
     /// Loads of the net of control that has most; 0 without one.
@@ -184,15 +192,20 @@ fn mapped(design: &Path, module: &str, work: &Path) -> Result<PartTiming, Error>
          synth_xilinx -family xc7 -flatten -noiopad -noclkbuf\n\
          write_json netlist.json\n\
          read_verilog -lib -specify +/xilinx/cells_sim.v\n\
-         tee -q -o sta.txt sta\n",
+         tee -q -o sta.txt sta\n\
+         delete {module}\n\
+         proc\n\
+         write_json delays.json\n",
         design.display()
     );
     run(&script, "time.ys", work)?;
     let text = std::fs::read_to_string(work.join("sta.txt")).map_err(at(&work.join("sta.txt")))?;
     let (delay_ps, path) = report::path(&text).map_err(unreadable)?;
-    let file = std::fs::File::open(work.join("netlist.json")).map_err(at(&work.join("netlist.json")))?;
-    let netlist =
-        Netlist::read(std::io::BufReader::new(file)).map_err(|error| unreadable(error.to_string()))?;
+    let read = |name: &str| {
+        let file = std::fs::File::open(work.join(name)).map_err(at(&work.join(name)))?;
+        Netlist::read(std::io::BufReader::new(file)).map_err(|error| unreadable(error.to_string()))
+    };
+    let netlist = read("netlist.json")?;
     let missing = || unreadable("no top in the netlist".into());
     let nets = netlist.fan_out().ok_or_else(missing)?;
     let report = netlist.report().ok_or_else(missing)?;
@@ -202,6 +215,8 @@ fn mapped(design: &Path, module: &str, work: &Path) -> Result<PartTiming, Error>
         delay_ps,
         levels: path.iter().filter(|step| report::is_logic(&step.cell)).count(),
         path,
+        kinds: netlist.kinds(&read("delays.json")?).ok_or_else(missing)?.into_iter().take(KINDS).collect(),
+        strays: netlist.strays(GROUP_BANKS).ok_or_else(missing)?,
         control_loads: of_kind(true).map(|net| net.loads).max().unwrap_or(0),
         nets: of_kind(true).take(NETS).chain(of_kind(false).take(NETS)).cloned().collect(),
         accumulating_dsps: report.accumulators_inside(),

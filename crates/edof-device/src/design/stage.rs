@@ -1,5 +1,6 @@
 //! One stage of a design: every size that its memories, ports and counters have.
 
+use super::timing::DRAIN_LATENCY;
 use super::{BANK_LANES, BEAT, Design, DesignError, require};
 use edof_image::colour::OUTPUTS_422;
 use edof_network::network::Recurrence;
@@ -42,6 +43,8 @@ pub struct StagePlan {
 
 /// Rows of a dense stage, at most.
 pub const MOST_ROWS: usize = 4;
+/// Banks that share the registers of what passes through all banks (`rtl/edof_macc_array.v`).
+pub const GROUP_BANKS: usize = 8;
 /// Windows that fit the window ring's addresses.
 const MOST_WINDOWS: usize = 32;
 
@@ -88,6 +91,18 @@ impl StagePlan {
     #[must_use]
     pub const fn banks(&self) -> usize {
         self.lanes / BANK_LANES
+    }
+
+    /// Groups of neighbouring banks that share the registers of what passes through all banks, [`GROUP_BANKS`] each.
+    #[must_use]
+    pub const fn groups(&self) -> usize {
+        self.banks().div_ceil(GROUP_BANKS)
+    }
+
+    /// Cycles from taking two sums to the first cycle in which their results are valid on the output: [`DRAIN_LATENCY`] and one per group.
+    #[must_use]
+    pub const fn drain_latency(&self) -> u64 {
+        DRAIN_LATENCY + self.groups() as u64
     }
 
     /// Multipliers.

@@ -5,8 +5,8 @@ use super::chain::Chain;
 use edof_device::Design;
 use edof_device::design::StagePlan;
 use edof_device::design::timing::{
-    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING, RELEASE_LATENCY, SLOTS,
-    SUM_LATENCY, release,
+    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS, SUM_LATENCY,
+    release,
 };
 use edof_image::Geometry;
 
@@ -38,7 +38,7 @@ impl StageCycles {
         let (passes, beats) = (stage.passes() as f64, stage.drain_beats() as f64);
         Self {
             multiply: passes * steps.max(PASS_SPACING as f64),
-            drain: passes * beats.max(credit_cycles(stage.drain_beats())),
+            drain: passes * beats.max(credit_cycles(stage)),
             turn: passes * (steps + to_release as f64) / 2.0,
             slots: (stage.beats_in() as f64 + ARRIVAL_LATENCY as f64 - 1.0 + passes * steps) / SLOTS as f64,
             wires: stage.beats_in().max(stage.beats_out()) as f64,
@@ -52,11 +52,12 @@ impl StageCycles {
     }
 }
 
-/// Cycles between two drains of so many beats when the last one waits for a credit that an earlier one returns.
-fn credit_cycles(beats: usize) -> f64 {
+/// Cycles between two drains of a stage when the last one waits for a credit that an earlier one returns.
+fn credit_cycles(stage: &StagePlan) -> f64 {
+    let beats = stage.drain_beats();
     let drains = (DRAIN_CREDITS + 1 - beats.min(DRAIN_CREDITS)).div_ceil(beats).max(1);
     let beat = (drains + 1) * beats - 1 - DRAIN_CREDITS.min((drains + 1) * beats - 1);
-    (beat as f64 + (DRAIN_LATENCY + CREDIT_LATENCY) as f64) / drains as f64
+    (beat as f64 + (stage.drain_latency() + CREDIT_LATENCY) as f64) / drains as f64
 }
 
 /// What a design takes for a patch and a picture.

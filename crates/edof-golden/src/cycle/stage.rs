@@ -3,8 +3,8 @@
 use super::StallPattern;
 use edof_device::design::StagePlan;
 use edof_device::design::timing::{
-    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING, RELEASE_LATENCY, SLOTS,
-    SUM_LATENCY, release,
+    ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS, SUM_LATENCY,
+    release,
 };
 use std::collections::{BTreeSet, VecDeque};
 
@@ -134,8 +134,9 @@ impl StageClock {
         let beats = self.plan.drain_beats();
         let credit = self.credits[(self.oldest + beats - 1) % DRAIN_CREDITS];
         let first = (copy + 1).max(credit);
+        let latency = self.plan.drain_latency();
         for taken in first..first + beats as u64 {
-            let sent = stalls.next_go(self.output.max(taken + DRAIN_LATENCY));
+            let sent = stalls.next_go(self.output.max(taken + latency));
             out.push(sent);
             self.output = sent + 1;
             self.credits[self.oldest] = sent + CREDIT_LATENCY;

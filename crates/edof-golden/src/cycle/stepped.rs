@@ -6,8 +6,8 @@ use crate::Trace;
 use edof_device::Design;
 use edof_device::design::reading::stolen;
 use edof_device::design::timing::{
-    ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, DRAIN_LATENCY, PASS_SPACING,
-    RELEASE_LATENCY, SLOTS, SUM_LATENCY, release,
+    ARRIVAL_LATENCY, BASE_VECTORS, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS,
+    SUM_LATENCY, release,
 };
 use edof_device::design::{BEAT, StagePlan};
 use std::collections::{BTreeSet, VecDeque};
@@ -227,7 +227,7 @@ impl Stage {
             returning: Delay::new(CREDIT_LATENCY),
             takes: plan.beats_out(),
             bases: 0,
-            draining: Delay::new(DRAIN_LATENCY),
+            draining: Delay::new(plan.drain_latency()),
             fifo: 0,
         }
     }

@@ -46,3 +46,47 @@ impl<const W: usize, const N: usize> Logic for Delay<W, N> {
             .verilog()
     }
 }
+
+/// What came in a number of cycles ago that a design decides: [`Delay`] with its length in the value.
+#[derive(Circuit)]
+pub struct DelayOf<const W: usize> {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// In.
+    pub now: Signal<In, Bits<W>>,
+    /// Out.
+    pub later: Signal<Out, Bits<W>>,
+    _row: VecDeque<Bits<W>>,
+}
+
+impl<const W: usize> DelayOf<W> {
+    /// A delay of so many cycles, one or more.
+    #[must_use]
+    pub fn new(cycles: usize) -> Self {
+        Self::from_parts(DelayOfParts { _row: VecDeque::from(vec![Bits::default(); cycles.max(1)]) })
+    }
+}
+
+impl<const W: usize> Logic for DelayOf<W> {
+    fn update(&mut self) {
+        if self.clock.pos_edge() {
+            self._row.push_back(self.now.val());
+            self._row.pop_front();
+        }
+        self.later.next = self._row.front().copied().unwrap_or_default();
+    }
+
+    fn connect(&mut self) {
+        self.later.connect();
+    }
+
+    fn hdl(&self) -> Verilog {
+        leaf("edof_delay")
+            .parameter("WIDTH", W)
+            .parameter("CYCLES", self._row.len())
+            .port("clock_i", "clock")
+            .port("now_i", "now")
+            .port("later_o", "later")
+            .verilog()
+    }
+}

@@ -6,8 +6,9 @@ use crate::leaves::leaf;
 use edof_device::design::{BANK_LANES, StagePlan, memory};
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
+use std::collections::VecDeque;
 
-/// Every bank sees the same addresses and values; sums are handed down to bank 0. See `rtl/edof_macc_array.v` and
+/// Every bank sees the same addresses and values; everything passes from the highest group of banks to the lowest, sums too, and leaves at bank 0. See `rtl/edof_macc_array.v` and
 /// `rtl/edof_macc_bank.v` for the exact cycles.
 #[derive(Circuit)]
 pub struct MaccArray {
@@ -31,7 +32,7 @@ pub struct MaccArray {
     pub copy: Signal<In, Bit>,
     /// Hands two on.
     pub shift: Signal<In, Bit>,
-    /// The two that were first seven cycles ago.
+    /// The two that were first 7 cycles and as many as there are groups ago.
     pub sum_even: Signal<Out, Sum>,
     /// The odd one.
     pub sum_odd: Signal<Out, Sum>,
@@ -47,14 +48,11 @@ pub struct MaccArray {
     pub write_data: Signal<In, Bits<32>>,
     /// Reads that row of that bank for the host, in place of the step's; not in a cycle of a write.
     pub read_enable: Signal<In, Bit>,
-    /// Its word for one cycle, six cycles later or up to eleven, the higher the bank; else 0.
+    /// Its word for one cycle, 6 cycles and as many as there are groups later; else 0.
     pub read_data: Signal<Out, Bits<64>>,
     _sizes: Sizes,
     _state: State,
 }
-
-/// Banks that share the registers of what the host writes and reads.
-const GROUP: usize = 8;
 
 #[derive(Debug, Clone)]
 struct Sizes {
@@ -95,19 +93,19 @@ struct State {
     steps: [Step; 6],
     /// Rows that lie in the memories' output registers, of each bank and word.
     read: [Vec<u64>; 5],
-    /// The row that is read back, in its bank's register: bank and word.
-    back_of_bank: (usize, u64),
+    /// The row that is read back, in its bank's register.
+    back_of_bank: u64,
     /// Writes and reads of the last four cycles, the newest first.
     writes: [Write; 4],
-    /// What each group of banks hands on of a row that is read back.
-    back: Vec<u64>,
+    /// A row that is read back, on its way through the groups.
+    back: VecDeque<u64>,
     /// Of each lane, its rows.
     sums: Vec<Vec<i64>>,
     hold: Vec<Vec<i64>>,
     copy: [bool; 2],
     shift: [bool; 2],
-    /// Even and odd sums that leave.
-    leaving: [[i64; 2]; 5],
+    /// Even and odd sums that leave, by way of the groups.
+    leaving: VecDeque<[i64; 2]>,
 }
 
 impl MaccArray {
@@ -131,7 +129,8 @@ impl MaccArray {
             _state: State {
                 weights: memories.map(|(bank, part)| words(bank, part).collect()).collect(),
                 read: std::array::from_fn(|_| vec![0; stage.banks() * stage.rows]),
-                back: vec![0; stage.banks().div_ceil(GROUP)],
+                back: vec![0; 1 + stage.groups()].into(),
+                leaving: vec![[0; 2]; 5 + stage.groups()].into(),
                 sums: lanes.clone(),
                 hold: lanes,
                 ..State::default()
@@ -164,7 +163,8 @@ impl MaccArray {
         };
         new.writes.rotate_right(1);
         new.writes[0] = write_now;
-        new.back = back(&old);
+        new.back.pop_front();
+        new.back.push_back(old.back_of_bank);
         new.back_of_bank = back_of_bank(sizes, &old);
         new.read.rotate_right(1);
         new.read[0] = read(sizes, &old, &weights);
@@ -187,8 +187,8 @@ impl MaccArray {
             let end = new.hold.len() - 2;
             new.hold[end..].iter_mut().for_each(|sums| sums.fill(0));
         }
-        new.leaving.rotate_right(1);
-        new.leaving[0] = [0, 1].map(|lane| wrap(old.hold[lane].iter().sum(), 48));
+        new.leaving.pop_front();
+        new.leaving.push_back([0, 1].map(|lane| wrap(old.hold[lane].iter().sum(), 48)));
     }
 }
 
@@ -211,24 +211,12 @@ fn read(sizes: &Sizes, old: &State, weights: &[Vec<u64>]) -> Vec<u64> {
         .collect()
 }
 
-/// The row that is read back, from group to group.
-fn back(old: &State) -> Vec<u64> {
-    let mut back: Vec<u64> = old.back.iter().skip(1).copied().chain([0]).collect();
-    let (bank, word) = old.back_of_bank;
-    back[bank / GROUP] |= word;
-    back
-}
-
 /// What a bank takes of its rows to be read back.
-fn back_of_bank(sizes: &Sizes, old: &State) -> (usize, u64) {
+fn back_of_bank(sizes: &Sizes, old: &State) -> u64 {
     let Write { read, bank, row, .. } = old.writes[3];
     let part = row & ((1 << sizes.part_bits) - 1);
     let parts = if sizes.dense { sizes.rows } else { 1 };
-    if read && bank < sizes.banks && part < parts {
-        (bank, old.read[1][bank * sizes.rows + part])
-    } else {
-        (0, 0)
-    }
+    if read && bank < sizes.banks && part < parts { old.read[1][bank * sizes.rows + part] } else { 0 }
 }
 
 fn write(sizes: &Sizes, write: &Write, weights: &mut [Vec<u64>]) {
@@ -260,9 +248,9 @@ impl Logic for MaccArray {
             self.step();
         }
         let low = |sum: i64| (sum as u64 & ((1 << 48) - 1)).into();
-        self.sum_even.next = low(self._state.leaving[4][0]);
-        self.sum_odd.next = low(self._state.leaving[4][1]);
-        self.read_data.next = self._state.back.first().copied().unwrap_or(0).into();
+        self.sum_even.next = low(self._state.leaving.front().map_or(0, |sums| sums[0]));
+        self.sum_odd.next = low(self._state.leaving.front().map_or(0, |sums| sums[1]));
+        self.read_data.next = self._state.back.front().copied().unwrap_or(0).into();
     }
 
     fn connect(&mut self) {

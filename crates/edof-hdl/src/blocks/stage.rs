@@ -1,7 +1,7 @@
 //! One stage of the calculator: I, M or F.
 
 use super::counters::Counters;
-use super::delay::Delay;
+use super::delay::{Delay, DelayOf};
 use super::dense_operands::DenseOperands;
 use super::dense_store::DenseStore;
 use super::drain::Drain;
@@ -91,6 +91,7 @@ pub struct Stage {
     sequencer: Sequencer,
     macc: MaccArray,
     drain: Drain,
+    marks_to_groups: DelayOf<11>,
     results: Results,
     fifo: Fifo<34>,
     base_fifo: Optional<Fifo<32>>,
@@ -112,6 +113,7 @@ pub struct Stage {
     steal_2: DFF<Bit>,
     weights_to_5: Delay<53, 3>,
     resets: Signal<Local, Bits<7>>,
+    marks: Signal<Local, Bits<11>>,
     ready_in: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
     descriptor: Signal<Local, Descriptor>,
@@ -151,6 +153,7 @@ impl Stage {
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
+            marks_to_groups: DelayOf::new(stage.groups()),
             results: Results::new(design, stage, sets),
             base_fifo: Optional::when(stage.shrinks(), || Fifo::new(stage.feeds_m)),
             registers: Registers::new(
@@ -323,10 +326,17 @@ impl Logic for Stage {
         self.drain.set.next = self.sequencer.set.val();
         self.macc.copy.next = self.drain.copy.val();
         self.macc.shift.next = self.drain.take.val();
-        self.results.take.next = self.drain.take.val();
-        self.results.beat.next = self.drain.beat.val();
-        self.results.last.next = self.drain.last.val();
-        self.results.set.next = self.drain.taken_set.val();
+        // What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2 set, then which.
+        self.marks.next = (bit_cast::<11, 8>(self.drain.beat.val()) << 3)
+            | (bit_cast::<11, 1>(self.drain.taken_set.val().into()) << 2)
+            | (bit_cast::<11, 1>(self.drain.last.val().into()) << 1)
+            | bit_cast::<11, 1>(self.drain.take.val().into());
+        self.marks_to_groups.clock.next = self.clock.val();
+        self.marks_to_groups.now.next = self.marks.val();
+        self.results.take.next = self.marks_to_groups.later.val().get_bit(0);
+        self.results.last.next = self.marks_to_groups.later.val().get_bit(1);
+        self.results.set.next = self.marks_to_groups.later.val().get_bit(2);
+        self.results.beat.next = self.marks_to_groups.later.val().get_bits::<8>(3);
         self.results.sum_even.next = self.macc.sum_even.val();
         self.results.sum_odd.next = self.macc.sum_odd.val();
         self.results.shifts_0.next = self.registers.shifts_0.val();

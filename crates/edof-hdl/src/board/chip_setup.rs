@@ -81,7 +81,7 @@ pub struct ChipSetup {
     poll: Constant<Bits<16>>,
     rest: Constant<Bits<16>>,
     is_card: Constant<Bits<1>>,
-    places: [Constant<Bits<4>>; 12],
+    numbers: [Constant<Bits<4>>; 15],
     program: Ram<32>,
     master: I2cMaster,
     phase: DFF<Phase>,
@@ -92,9 +92,12 @@ pub struct ChipSetup {
     beyond: DFF<Bits<10>>,
     previous: DFF<Bits<10>>,
     instruction: DFF<Bits<32>>,
+    // What it is, from the phase after its decoding on: no choice of the next entry begins with a comparison.
+    is_kind: [DFF<Bit>; 15],
     accumulator: DFF<Bits<8>>,
     index: DFF<Bits<8>>,
     tries: DFF<Bits<8>>,
+    spent: DFF<Bit>,
     matches: DFF<Bit>,
     has_more: DFF<Bit>,
     file: [DFF<Bits<8>>; 12],
@@ -147,7 +150,7 @@ impl ChipSetup {
             poll: constant(POLL_MS),
             rest: constant(REST_MS),
             is_card: Constant::new(u64::from(is_card).into()),
-            places: std::array::from_fn(|slot| Constant::new((slot as u64).into())),
+            numbers: std::array::from_fn(|number| Constant::new((number as u64).into())),
             program: Ram::new(shape, &words),
             master: I2cMaster::new(pace.i2c_quarter),
         })
@@ -170,6 +173,7 @@ impl Logic for ChipSetup {
             accumulator,
             index,
             tries,
+            spent,
             matches,
             has_more,
             loaded,
@@ -207,6 +211,11 @@ impl Logic for ChipSetup {
         self.second.next = self.instruction.q.val().get_bits::<8>(8);
         self.third.next = self.instruction.q.val().get_bits::<8>(0);
 
+        for i in 0..15 {
+            self.is_kind[i].clock.next = self.clock.val();
+            self.is_kind[i].d.next = self.kind.val() == self.numbers[i].val();
+        }
+        self.spent.d.next = self.tries.q.val() == self.first.val();
         self.following.d.next = self.entry.q.val() + 1;
         self.beyond.d.next = self.entry.q.val() + 2;
         self.previous.d.next = self.entry.q.val() - 1;
@@ -261,7 +270,7 @@ impl Logic for ChipSetup {
         // Slots: the program's, and the host's settings after them.
         self.selected.next = 0.into();
         for i in 0..12 {
-            if self.third.val().get_bits::<4>(0) == self.places[i].val() {
+            if self.third.val().get_bits::<4>(0) == self.numbers[i].val() {
                 self.selected.next = self.file[i].q.val();
             }
         }
@@ -332,10 +341,10 @@ impl Logic for ChipSetup {
             Phase::Execute => {
                 self.phase.d.next = Phase::Fetch;
                 self.entry.d.next = self.following.q.val();
-                if self.kind.val() == 5 {
+                if self.is_kind[5].q.val() {
                     self.tries.d.next = 0.into();
                     if !self.matches.q.val() {
-                        if self.tries.q.val() == self.first.val() {
+                        if self.spent.q.val() {
                             self.fails.next = true;
                             self.failing.next = 5.into();
                         } else {
@@ -346,23 +355,23 @@ impl Logic for ChipSetup {
                             self.phase.d.next = Phase::Wait;
                         }
                     }
-                } else if self.kind.val() == 6 {
+                } else if self.is_kind[6].q.val() {
                     if !self.matches.q.val() {
                         self.entry.d.next = self.beyond.q.val();
                     }
-                } else if self.kind.val() == 7 {
+                } else if self.is_kind[7].q.val() {
                     self.entry.d.next = self.instruction.q.val().get_bits::<10>(0);
-                } else if self.kind.val() == 9 {
+                } else if self.is_kind[9].q.val() {
                     self.accumulator.d.next = self.loaded.q.val();
-                } else if self.kind.val() == 10 {
+                } else if self.is_kind[10].q.val() {
                     self.stores.next = true;
                     self.stored.next = self.second.val();
-                } else if self.kind.val() == 11 {
+                } else if self.is_kind[11].q.val() {
                     self.done_q.d.next = true;
                     self.failed_q.d.next = false;
-                } else if self.kind.val() == 12 {
+                } else if self.is_kind[12].q.val() {
                     self.index.d.next = self.third.val();
-                } else if self.kind.val() == 14 {
+                } else if self.is_kind[14].q.val() {
                     if !self.has_more.q.val() {
                         self.entry.d.next = self.beyond.q.val();
                     }
@@ -384,7 +393,7 @@ impl Logic for ChipSetup {
                 self.attempt.d.next = 0.into();
                 self.phase.d.next = Phase::Fetch;
                 self.entry.d.next = self.following.q.val();
-                if self.kind.val() == 13 {
+                if self.is_kind[13].q.val() {
                     // What nobody answers is 0.
                     self.index.d.next = self.index.q.val() + 1;
                     self.accumulator.d.next = 0.into();
@@ -392,7 +401,7 @@ impl Logic for ChipSetup {
                         self.accumulator.d.next = self.loaded.q.val();
                     }
                 } else if !self.cause.q.val().any() {
-                    if self.kind.val() == 4 {
+                    if self.is_kind[4].q.val() {
                         self.accumulator.d.next = self.loaded.q.val();
                         self.stores.next = true;
                     }
@@ -440,7 +449,7 @@ impl Logic for ChipSetup {
             }
         }
         for i in 0..12 {
-            if self.stores.val() && (self.third.val().get_bits::<4>(0) == self.places[i].val()) {
+            if self.stores.val() && (self.third.val().get_bits::<4>(0) == self.numbers[i].val()) {
                 self.file[i].d.next = self.stored.val();
             }
         }

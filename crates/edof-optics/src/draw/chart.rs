@@ -1,8 +1,9 @@
 //! The resolution chart: four cards with a Siemens star, slanted edges, bars and text, each in ink of another colour.
 
-use super::{coverage, font};
+use super::coverage;
 use crate::scene::Layer;
 use edof_image::ColourFrame;
+use edof_image::font;
 use ndarray::Array2;
 
 /// Linear light of paper and ink, red to blue, for each card from back to front: grey, then the three pairs that ask most of the

@@ -6,7 +6,7 @@ use serde::Deserialize;
 struct Measured {
     name: String,
     settings: String,
-    #[serde(with = "crate::number")]
+    #[serde(with = "edof_metrics::number")]
     db: f64,
     seconds: f64,
 }

@@ -1,8 +1,8 @@
 //! The knobs: where each is tried, where it stands, and why.
 
 use super::WORD_BITS;
-use crate::settings::Pursuit;
 use edof_image::Noise;
+use edof_methods::settings::Pursuit;
 use edof_optics::psf::Settings;
 use serde::{Deserialize, Serialize};
 

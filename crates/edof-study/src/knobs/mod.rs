@@ -11,19 +11,19 @@ mod tests;
 pub use knob::{Knob, UnknownKnob};
 pub use page::{Knobs, Point};
 
-use crate::dictionary::Dictionary;
 use crate::journal::{Journal, JournalError, Line, Ordered, Progress, Proof, Shard, settings};
 use crate::kodak::{KodakError, sensor};
-use crate::metrics::{BORDER, MetricError, Quality};
-use crate::photos::Photo;
-use crate::settings::{
-    DeconvolutionSettings, Depths, FloatSettings, PictureModel, Pursuit, PursuitSettings, UntrainedSettings,
-};
-use crate::spec::{Case, MethodSpec, PrepareError, words_sha256};
-use crate::timing::{Range, timed};
 use edof_camera::Camera;
 use edof_camera::camera::Spectrum;
 use edof_image::{ColourFrame, Noise, RawFrame, Stride, Window};
+use edof_io::photos::Photo;
+use edof_methods::dictionary::Dictionary;
+use edof_methods::settings::{
+    DeconvolutionSettings, Depths, FloatSettings, PictureModel, Pursuit, PursuitSettings, UntrainedSettings,
+};
+use edof_methods::spec::{Case, MethodSpec, PrepareError, words_sha256};
+use edof_metrics::timing::{Range, timed};
+use edof_metrics::{BORDER, MetricError, Quality};
 use edof_network::fixed_network::FixedMatrix;
 use edof_network::{FixedNetwork, Network};
 use edof_optics::capture::{Approximation, Capture, CaptureError, capture};
@@ -80,7 +80,7 @@ pub struct Row {
     /// Noise of the sensor.
     pub noise: Noise,
     /// PSNR in dB: of the light on the sensor against an exact one for knobs of capturing, of the picture for all others.
-    #[serde(with = "crate::number")]
+    #[serde(with = "edof_metrics::number")]
     pub psnr_db: f64,
     /// Wall-clock seconds a megapixel, median of the runs.
     pub seconds_per_megapixel: f64,

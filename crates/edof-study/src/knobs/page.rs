@@ -2,11 +2,11 @@
 
 use super::{Knob, Row};
 use crate::made::Made;
-use crate::paired::Paired;
-use crate::plot::{Axis, Mark, Plot, Series};
-use crate::report::Report;
-use crate::tables::Table;
 use crate::told::{Told, ToldError};
+use edof_metrics::paired::Paired;
+use edof_report::Report;
+use edof_report::Table;
+use edof_report::plot::{Axis, Mark, Plot, Series};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -17,34 +17,12 @@ fn plan(knobs: &[Knob], fixed: &FixedNetwork) -> Plan {
         camera: Camera::resolve("ring-2018").unwrap(),
         psi: 4.0,
         noise: Noise::gaussian(0.01),
-        network: Arc::new(float()),
+        network: Arc::new(edof_random::silent(Camera::resolve("ring-2018").unwrap())),
         network_sha256: "n".into(),
         fixed: vec![fixed.clone()],
         dictionary: Arc::new(Dictionary::load(None).unwrap()),
         knobs: knobs.to_vec(),
         shard: Shard::WHOLE,
-    }
-}
-
-fn float() -> Network {
-    use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
-    use ndarray::Array1;
-    Network {
-        form: Form {
-            window: Window::new(8).unwrap(),
-            codes: 2,
-            layers: 2,
-            shrinkage: Shrinkage::OneSided,
-            recurrence: Recurrence::Direct,
-            linear_path: false,
-            tied: false,
-        },
-        analysis: Array2::zeros((2, 64)),
-        thresholds: vec![Array1::zeros(2)],
-        recurrent: vec![],
-        dictionary: Array2::zeros((192, 2)),
-        linear_path: None,
-        origin: Origin::untrained("n", Camera::resolve("ring-2018").unwrap()),
     }
 }
 

@@ -55,7 +55,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     drop(progress);
     let report = || Ok(bits::report(&all, &ui.signed(&ui.provenance().command)));
-    args.outputs.write(|| bits::to_markdown(&all, &ui.made_here()), report, || edof_study::csv::of(&all))?;
+    args.outputs.write(|| bits::to_markdown(&all, &ui.made_here()), report, || edof_report::csv::of(&all))?;
     for bits in &all {
         ui.say(bits.verdict())?;
     }

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use edof_golden::cycle::explore::front;
-use edof_study::csv;
+use edof_report::csv;
 use edof_study::design::{Folding, Foldings};
 
 /// Foldings of networks that fit the board: dB against cycles, multipliers and frames a second, and those that nothing beats

@@ -4,7 +4,7 @@ use super::options::Folder;
 use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::ui::Ui;
-use edof_study::dictionary::{self, Recipe};
+use edof_methods::dictionary::{self, Recipe};
 use std::path::PathBuf;
 
 /// Learn the dictionary of 8×8 colour patches that OMP and FISTA reconstruct with, by k-SVD
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example: the dictionary that comes with the program
-  edof study dictionary --out crates/edof-study/data/dictionary-192.safetensors")]
+  edof study dictionary --out crates/edof-methods/data/dictionary-192.safetensors")]
 pub struct Args {
     /// File to write (safetensors)
     #[arg(long, value_name = "FILE")]

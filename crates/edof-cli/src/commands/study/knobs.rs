@@ -7,7 +7,7 @@ use crate::files::Files;
 use crate::lens::Depth;
 use crate::ui::Ui;
 use edof_image::{Noise, Stride};
-use edof_study::dictionary::Dictionary;
+use edof_methods::dictionary::Dictionary;
 use edof_study::knobs::{self, Knob, Knobs, Plan};
 use std::path::PathBuf;
 use std::sync::Arc;

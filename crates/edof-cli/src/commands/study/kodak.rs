@@ -7,8 +7,8 @@ use crate::files::Files;
 use crate::lens::{self, Depth};
 use crate::ui::Ui;
 use edof_image::{Noise, Stride, Tone};
-use edof_study::kodak::{self, Conditions, Plan, Setup, usual_noise};
-use edof_study::nets::setups;
+use edof_study::kodak::{self, Conditions, Plan, usual_noise};
+use edof_study::setup::{Setup, setups};
 use edof_study::summary::Study;
 
 /// Photographs through each net's own camera, reconstructed in float, in the board's format and in fixed point

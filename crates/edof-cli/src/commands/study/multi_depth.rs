@@ -8,12 +8,12 @@ use crate::files::Files;
 use crate::ui::Ui;
 use edof_camera::Camera;
 use edof_image::{Noise, Stride, Tone};
+use edof_methods::dictionary::Dictionary;
+use edof_methods::spec::MethodSpec;
 use edof_optics::draw::{Builtin, four_depths};
-use edof_study::dictionary::Dictionary;
 use edof_study::multi_depth::{
     self, BEHIND, BLIND, CODED, DEMOSAICED, Drawn, Lens, MIDDLE, MultiDepth, OMP, Plan,
 };
-use edof_study::spec::MethodSpec;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -9,14 +9,14 @@ use edof_camera::Camera;
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_image::Stride;
+use edof_methods::nets::Net;
+use edof_methods::settings::FloatSettings;
+use edof_methods::spec::{MethodSpec, words_sha256};
 use edof_network::weight_file::WeightFileError;
 use edof_network::{FixedNetwork, Network};
 use edof_optics::draw::{Builtin, draw};
 use edof_quantize::{Calibration, QuantizeOptions, capture, quantize};
 use edof_storage::digest;
-use edof_study::nets::Net;
-use edof_study::settings::FloatSettings;
-use edof_study::spec::{MethodSpec, words_sha256};
 use std::sync::Arc;
 
 /// Adds the networks' files to what a command reads.

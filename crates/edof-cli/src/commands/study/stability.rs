@@ -70,7 +70,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let suite = suite.ok_or(Error::Interrupted)?;
     let rows: Vec<_> = suite.cases.iter().flat_map(|outcome| &outcome.seen).collect();
     let report = || Ok(suite.report(&ui.signed(&ui.provenance().command)));
-    args.outputs.write(|| suite.to_markdown(&ui.made_here()), report, || edof_study::csv::of(&rows))?;
+    args.outputs.write(|| suite.to_markdown(&ui.made_here()), report, || edof_report::csv::of(&rows))?;
     ui.say(suite.to_text())?;
     ui.json(&suite)?;
     if suite.broken == 0 { Ok(()) } else { Err(Error::message(suite.verdict())) }

@@ -40,6 +40,7 @@ module stage_m #(
     localparam [19:0] SKIP_BIT = 20'd1;
 
     wire [6:0] resets;
+    wire [10:0] marks;
     wire [33:0] finished_word;
     wire selected, reads;
     wire [52:0] weights_word, weights_marks;
@@ -61,7 +62,9 @@ module stage_m #(
     wire [63:0] macc_read_data;
     wire drain_may_start, drain_copy, drain_take;
     wire [7:0] drain_beat;
-    wire drain_last, drain_taken_set, results_read_valid;
+    wire drain_last, drain_taken_set;
+    wire [10:0] marks_to_groups_later;
+    wire results_read_valid;
     wire [31:0] results_read_thresholds, results_read_previous;
     wire results_push;
     wire [31:0] results_data;
@@ -217,13 +220,17 @@ module stage_m #(
         .taken_set_o(drain_taken_set)
     );
 
+    edof_delay #(.WIDTH(11), .CYCLES(1)) marks_to_groups (
+        .clock_i(clock_i), .now_i(marks), .later_o(marks_to_groups_later)
+    );
+
     results_m #(.INIT(RESULTS_INIT)) results (
         .clock_i(clock_i),
         .reset_i(reset_parts_later[4]),
-        .take_i(drain_take),
-        .beat_i(drain_beat),
-        .last_i(drain_last),
-        .set_i(drain_taken_set),
+        .take_i(marks_to_groups_later[0]),
+        .beat_i(marks_to_groups_later[10:3]),
+        .last_i(marks_to_groups_later[1]),
+        .set_i(marks_to_groups_later[2]),
         .sum_even_i(macc_sum_even),
         .sum_odd_i(macc_sum_odd),
         .shifts_0_i(registers_shifts_0),
@@ -318,6 +325,7 @@ module stage_m #(
 
     assign resets = (reset_i || flush_i) ? 7'h7f : 7'd0;
     assign window_ready_o = 1'b1;
+    assign marks = {drain_beat, drain_taken_set, drain_last, drain_take};
     assign finished_word = {results_data, results_done};
     assign out_data_o = fifo_front_data[33:2];
     assign out_last_o = fifo_front_data[0];

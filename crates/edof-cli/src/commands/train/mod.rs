@@ -1,0 +1,140 @@
+//! `edof train`: a float network from photographs.
+
+mod checkpoints;
+mod options;
+pub mod photographs;
+mod progress;
+mod recipe;
+mod seed;
+mod tell;
+
+pub use options::Args;
+
+use crate::error::Error;
+use crate::files::Files;
+use crate::lens::{self, Lens};
+use crate::ui::Ui;
+use crate::{interrupt, memory, weights};
+use edof_camera::Camera;
+use edof_image::ColourFrame;
+use edof_network::network::{Form, Network};
+use edof_network::weight_file;
+use edof_storage::provenance::{Input, Provenance};
+use edof_train::checkpoint::Run;
+use edof_train::dataset::Dataset;
+use edof_train::recipe::Recipe;
+use edof_train::train::check_threads;
+use photographs::Photograph;
+use seed::one_seed;
+use std::path::PathBuf;
+
+/// # Errors
+/// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
+pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
+    let from = args.from.as_deref().map(Beginning::load).transpose()?;
+    let recipes = recipe::recipes(args, from.as_ref().map(|from| &from.network))?;
+    let seeds: Vec<(Recipe, PathBuf)> =
+        recipes.into_iter().map(|recipe| (recipe.clone(), args.checkpoint_file(recipe.seed))).collect();
+    let Lens { mut camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
+    let files = Files::new(ui).reads_all(files).reads_all(args.from.as_deref().and_then(weights::float_file));
+    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &args.out);
+    checkpoints::check(args, &seeds)?;
+    let files = files.keeps(args.force);
+    seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
+    camera.psi_range = args.psi.map_or(Ok(camera.psi_range), |range| range.psi(&camera))?;
+    ui.used(camera.input());
+    from.iter().for_each(|from| ui.used(from.input.clone()));
+    let recipe = &seeds[0].0;
+    recipe.check()?;
+    check_threads(args.threads())?;
+    memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
+    let psis = spread(camera.psi_range, args.depths)?;
+    let mut photographs = photographs::photographs(&args.images, args.photos.as_ref(), ui)?;
+    photographs::leave_out(&mut photographs, &args.leave_out)?;
+    let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
+    photos.iter().for_each(|photo| ui.used(photo.clone()));
+    let dataset = dataset(&photographs, &camera, recipe, &psis, ui)?;
+    let mut results = Vec::new();
+    for (recipe, file) in &seeds {
+        let run = Run {
+            recipe: recipe.clone(),
+            camera: camera.to_json(),
+            photos: photos.clone(),
+            psis: psis.clone(),
+            from: from.as_ref().map(|from| from.input.clone()),
+        };
+        results.push(one_seed(&dataset, &run, from.as_ref().map(|from| &from.network), file, args, ui)?);
+    }
+    let [first, others @ ..] = &mut results[..] else { unreachable!("one seed at least") };
+    let chosen = others
+        .iter_mut()
+        .fold(first, |best, other| if other.best().score > best.best().score { other } else { best });
+    let recipe = chosen.trainer.recipe();
+    let command = recipe::command(args, recipe);
+    let made = Provenance { command, seed: Some(recipe.seed), ..ui.provenance().for_file() };
+    let network = chosen.trainer.best(&args.name(), &camera, made);
+    weight_file::save_network(&args.out, &network)?;
+    for (_, file) in &seeds {
+        let _ = std::fs::remove_file(file);
+    }
+    let seed = chosen.trainer.recipe().seed;
+    tell::tell(&network, &results, seed, &photographs, args, ui)
+}
+
+/// A trained network to go on from.
+struct Beginning {
+    network: Network,
+    input: Input,
+}
+
+impl Beginning {
+    fn load(name: &str) -> Result<Self, Error> {
+        Ok(Self { network: weights::float(name)?, input: weights::float_input(name)? })
+    }
+}
+
+/// Memory that a step takes for each of its windows: inputs, targets, and what the gradient needs of every layer.
+fn bytes_a_window(form: &Form) -> f64 {
+    let words = form.window.pixels() + 3 * 192 + 4 * form.codes * form.layers;
+    (words * size_of::<f32>()) as f64
+}
+
+/// What photographs are made into.
+fn dataset(
+    photographs: &[Photograph],
+    camera: &Camera,
+    recipe: &Recipe,
+    psis: &[f64],
+    ui: &Ui,
+) -> Result<Dataset, Error> {
+    let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
+    let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
+    let pictures = recipe.tones.len() as f64 * recipe.augmentation.variants as f64 * (psis.len() + 1) as f64;
+    memory::check("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
+    let bar = ui.progress(frames.len() as u64, "blur");
+    let tell = |done: usize, _| {
+        bar.set(done as u64);
+        interrupt::check().is_ok()
+    };
+    Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)
+}
+
+fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
+    match count {
+        0 | 1001.. => Err(Error::message(format!("--depths {count}: must be 1 to 1000"))),
+        1 => Ok(vec![0.5 * (low + high)]),
+        _ => Ok((0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depths_are_spread_over_the_whole_range() {
+        assert_eq!(spread([0.0, 8.0], 5).unwrap(), [0.0, 2.0, 4.0, 6.0, 8.0]);
+        assert_eq!(spread([0.0, 8.0], 1).unwrap(), [4.0]);
+        assert!(spread([0.0, 8.0], 0).is_err());
+    }
+}

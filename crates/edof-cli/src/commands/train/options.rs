@@ -1,0 +1,316 @@
+//! Options of `edof train`.
+
+use crate::files::Force;
+use crate::form;
+use crate::lens::{Depth, DepthRange};
+use clap::ValueEnum;
+use edof_image::Tone;
+use edof_io::photos::Selection;
+use edof_network::network::Form;
+use edof_train::{initial, weighting};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Train a float network on photographs seen through a camera
+///
+/// Without options this is the one recipe by which scripts/weights.sh makes the program's networks. A block of a quarter of
+/// each side of every photograph is kept for validation, and training stays as far away from it as the blur reaches. A
+/// checkpoint is written beside OUT every minute and when Ctrl-C stops the run; --resume goes on from it and ends with the
+/// same bytes as a run that was never stopped. The same seed and options give the same bytes, whatever --threads.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors
+  edof train --form two-sided,w8,t4 --camera ring-2018 --images photos/ --steps 8000 --out quick.safetensors
+  edof train --form edof-t4w12 --camera ring-outer --tone both --non-zeros 65,65,58 --seed 1,2,3 --out mine.safetensors
+  edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors --resume
+  edof train --from edof-t4w12-outer --camera my-lens.json --steps 10000 --out weights/mine.safetensors")]
+pub struct Args {
+    /// The network's form: paper-t4, edof-t4w12, or words as in one-sided,w12,t4,c192,r
+    #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "from")]
+    pub(super) form: Option<Form>,
+
+    /// Camera: a preset such as ring-outer, or a JSON file
+    #[arg(long)]
+    pub(super) camera: String,
+
+    /// PSFs of one's own in place of the camera's: an NPZ or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    #[arg(long, value_name = "FILE")]
+    pub(super) psf_bank: Option<PathBuf>,
+
+    /// Folder of photographs; may be given several times [default: $EDOF_KODAK and $EDOF_MORE, else the study's and those
+    /// in shared/data/more beside it]
+    #[arg(long, value_name = "DIR")]
+    pub(super) images: Vec<PathBuf>,
+
+    /// Which of them: train, all, or numbers as in 1,2 [default: all but the study's test photos]
+    #[arg(long)]
+    pub(super) photos: Option<Selection>,
+
+    /// Photographs to leave out of these, by file name without ending; networks can then be judged on them
+    #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
+    pub(super) leave_out: Vec<String>,
+
+    /// Weight file to write
+    #[arg(long, value_name = "FILE")]
+    pub(super) out: PathBuf,
+
+    /// Name of the network [default: OUT without its ending]
+    #[arg(long)]
+    pub(super) name: Option<String>,
+
+    /// Values of ψ, spread evenly over the camera's range
+    #[arg(long, default_value_t = 9)]
+    pub(super) depths: usize,
+
+    /// Range of ψ, where it is not the camera's, as in 0:8; or distances as in 0.7m:3m before a camera that knows its nominal_m
+    #[arg(long, value_name = "LOW:HIGH", value_parser = depths, allow_hyphen_values = true)]
+    pub(super) psi: Option<DepthRange>,
+
+    /// What a photograph's values are: linear (the paper's: light itself), srgb (codes of light, noise as a sensor has it,
+    /// errors measured on codes), or both, half of the windows each
+    #[arg(long)]
+    pub(super) tone: Option<Tones>,
+
+    /// Largest noise σ of linear windows, in units of full scale; what has seen none loses 6 to 11 dB to σ 0.01 (docs/stability.md)
+    #[arg(long)]
+    pub(super) noise: Option<f32>,
+
+    /// Largest gain of the sensor behind srgb windows; 1 is base sensitivity
+    #[arg(long)]
+    pub(super) gain: Option<f32>,
+
+    /// One window in so many has no noise at all
+    #[arg(long)]
+    pub(super) noiseless: Option<usize>,
+
+    /// Factor on the light of each window, least and most; 1:1 leaves it as it is
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    pub(super) exposure: Option<[f64; 2]>,
+
+    /// Pictures of each photograph: itself, and others of drawn saturation, hue and scale; 1 for itself alone
+    #[arg(long)]
+    pub(super) variants: Option<usize>,
+
+    /// Saturation of the drawn pictures, least and most; 1:1 leaves it as it is
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    pub(super) saturation: Option<[f64; 2]>,
+
+    /// Hue of the drawn pictures is turned by up to so many degrees; 0 leaves it as it is
+    #[arg(long, value_name = "DEGREES")]
+    pub(super) hue: Option<f32>,
+
+    /// Smallest of the drawn pictures, as a share of the photograph's sides; 1 leaves them as they are
+    #[arg(long)]
+    pub(super) scale: Option<f32>,
+
+    /// What easy and hard windows weigh: psnr trains the mean PSNR, mse the mean square error, root lies between
+    #[arg(long)]
+    pub(super) weighting: Option<Weighting>,
+
+    /// Steps of the whole schedule
+    #[arg(long)]
+    pub(super) steps: Option<u64>,
+
+    /// Stop after so many minutes, wherever the schedule is
+    #[arg(long, value_parser = minutes)]
+    pub(super) minutes: Option<Duration>,
+
+    /// Windows a step; a multiple of 8
+    #[arg(long)]
+    pub(super) batch: Option<usize>,
+
+    /// Adam's largest rate
+    #[arg(long)]
+    pub(super) rate: Option<f32>,
+
+    /// Rate of D and R, relative to --rate
+    #[arg(long)]
+    pub(super) output_rate: Option<f32>,
+
+    /// Rate of the thresholds, relative to --rate
+    #[arg(long)]
+    pub(super) threshold_rate: Option<f32>,
+
+    /// What a unit of |z| costs, one number or one for each shrinkage as in 3e-4,3e-4,1e-3: larger gives fewer non-zeros
+    #[arg(long, value_delimiter = ',')]
+    pub(super) lambda: Vec<f32>,
+
+    /// Mean non-zeros of each shrinkage on busy windows that λ, now only where it starts, is moved to reach, as in 65,65,58;
+    /// none: λ stays
+    #[arg(long, value_name = "N,N,…|none")]
+    pub(super) non_zeros: Option<String>,
+
+    /// How fast λ moves toward --non-zeros: at most this share of itself a step
+    #[arg(long)]
+    pub(super) budget_rate: Option<f32>,
+
+    /// Go on from a trained network's weights, by name or file, with a new schedule; its form is taken where --form is not given
+    #[arg(long, value_name = "NETWORK", conflicts_with = "start")]
+    pub(super) from: Option<String>,
+
+    /// Where to start: whitened inputs, or the paper's ISTA with a learned dictionary
+    #[arg(long)]
+    pub(super) start: Option<Start>,
+
+    /// Seed of everything random; of several, as in 1,2,3, the network that validates best is written
+    #[arg(long, value_delimiter = ',')]
+    pub(super) seed: Vec<u64>,
+
+    /// Threads [default: one for each core, 8 at most: more are of no use]
+    #[arg(long)]
+    pub(super) threads: Option<usize>,
+
+    /// Steps between validations
+    #[arg(long)]
+    pub(super) validate_every: Option<u64>,
+
+    /// Validations without a better one after which training stops
+    #[arg(long)]
+    pub(super) patience: Option<u32>,
+
+    /// Go on from the checkpoints beside OUT, of which there must be one
+    #[arg(long)]
+    pub(super) resume: bool,
+
+    #[command(flatten)]
+    pub(super) force: Force,
+}
+
+/// What photographs' values are, by the names that users give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Tones {
+    Linear,
+    Srgb,
+    Both,
+}
+
+impl Tones {
+    pub(super) fn all(self) -> Vec<Tone> {
+        match self {
+            Self::Linear => vec![Tone::Linear],
+            Self::Srgb => vec![Tone::Srgb],
+            Self::Both => Tone::ALL.to_vec(),
+        }
+    }
+
+    pub(super) fn of(tones: &[Tone]) -> Self {
+        match tones {
+            [Tone::Linear] => Self::Linear,
+            [Tone::Srgb] => Self::Srgb,
+            _ => Self::Both,
+        }
+    }
+}
+
+/// What windows weigh, by the names that users give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Weighting {
+    Psnr,
+    Root,
+    Mse,
+}
+
+impl From<Weighting> for weighting::Weighting {
+    fn from(by_name: Weighting) -> Self {
+        match by_name {
+            Weighting::Psnr => Self::Psnr,
+            Weighting::Root => Self::Root,
+            Weighting::Mse => Self::Mse,
+        }
+    }
+}
+
+impl From<weighting::Weighting> for Weighting {
+    fn from(weighting: weighting::Weighting) -> Self {
+        match weighting {
+            weighting::Weighting::Psnr => Self::Psnr,
+            weighting::Weighting::Root => Self::Root,
+            weighting::Weighting::Mse => Self::Mse,
+        }
+    }
+}
+
+/// Where training starts, by the names that users give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Start {
+    Whitened,
+    Dictionary,
+}
+
+impl From<Start> for initial::Start {
+    fn from(by_name: Start) -> Self {
+        match by_name {
+            Start::Whitened => Self::Whitened,
+            Start::Dictionary => Self::Dictionary,
+        }
+    }
+}
+
+impl From<initial::Start> for Start {
+    fn from(start: initial::Start) -> Self {
+        match start {
+            initial::Start::Whitened => Self::Whitened,
+            initial::Start::Dictionary => Self::Dictionary,
+        }
+    }
+}
+
+impl Args {
+    /// Threads that training runs on.
+    pub(super) fn threads(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get().min(MAX_THREADS));
+        self.threads.unwrap_or_else(cores)
+    }
+
+    /// Name of the network.
+    pub(super) fn name(&self) -> String {
+        let stem = || self.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        self.name.clone().unwrap_or_else(stem)
+    }
+
+    /// Where a seed's unfinished run is kept.
+    pub(super) fn checkpoint_file(&self, seed: u64) -> PathBuf {
+        let mut name = self.out.as_os_str().to_owned();
+        if self.seed.len() > 1 {
+            name.push(format!(".{seed}"));
+        }
+        name.push(".checkpoint");
+        name.into()
+    }
+}
+
+/// Threads that training is divided among at most.
+const MAX_THREADS: usize = 8;
+
+fn minutes(text: &str) -> Result<Duration, String> {
+    let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);
+    let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
+    time.ok_or_else(|| "expected a number of minutes above 0".to_owned())
+}
+
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let number = |word: &str| word.parse::<f64>().ok().filter(|v| v.is_finite());
+    let ends = text.split_once(':').and_then(|(low, high)| Some([number(low)?, number(high)?]));
+    ends.filter(|[low, high]| low <= high).ok_or_else(|| "expected LOW:HIGH, as in 0:8".to_owned())
+}
+
+/// A range of ψ from its lower end on, or of distances.
+fn depths(text: &str) -> Result<DepthRange, String> {
+    let depths: DepthRange = text.parse()?;
+    match (depths.near, depths.far) {
+        (Depth::Psi(_), Depth::Psi(_)) => range(text).map(|_| depths),
+        _ => Ok(depths),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_has_two_ends_in_order() {
+        assert_eq!(range("-4:4.5"), Ok([-4.0, 4.5]));
+        assert!(depths("0.7m:3m").is_ok() && depths("-4:4.5").is_ok() && depths("8:0").is_err());
+        assert!(range("4").is_err() && range("8:0").is_err() && range("a:b").is_err());
+    }
+}

@@ -1,0 +1,39 @@
+//! What `edof train` says while it runs.
+
+use edof_train::train::{Best, Progress, Trainer};
+use edof_train::validation::Validation;
+use serde_json::{Value, json};
+
+/// One validation in a line.
+pub(super) fn summary(validation: &Validation, best: Best) -> String {
+    let worst = validation.worst().map_or(f64::NAN, |w| w.1);
+    let non_zeros = |noisy| numbers(&validation.non_zeros(noisy), 0);
+    let kept = if best.within_budget { "" } else { ", over budget" };
+    format!(
+        "best {:.2} dB{kept}; now {:.2}, worst {worst:.2}, non-zeros {} busy, {} noisy, {} clean",
+        best.db,
+        validation.db(),
+        numbers(&validation.busy_non_zeros(), 0),
+        non_zeros(true),
+        non_zeros(false)
+    )
+}
+
+/// One validation as data.
+pub(super) fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &Progress) -> Value {
+    json!({
+        "step": progress.step,
+        "loss": progress.loss,
+        "validation_db": validation.db(),
+        "worst_db": validation.worst().map(|w| w.1),
+        "non_zeros_busy": validation.busy_non_zeros(),
+        "non_zeros_noisy": validation.non_zeros(true),
+        "non_zeros_clean": validation.non_zeros(false),
+        "lambda": trainer.state.steering.lambdas,
+    })
+}
+
+/// Numbers with so many digits, parted by blanks.
+pub(super) fn numbers(values: &[f64], digits: usize) -> String {
+    values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,131 @@
+//! Recipes of `edof train` from its options, and the command that states one in full.
+
+use super::options::{Args, Start, Tones, Weighting};
+use crate::error::Error;
+use crate::form;
+use crate::provenance::CommandLine;
+use clap::ValueEnum;
+use edof_network::network::Network;
+use edof_train::budget::Budget;
+use edof_train::recipe::Recipe;
+use std::path::Path;
+
+/// One recipe for each seed.
+pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>, Error> {
+    let form = match (args.form, from.map(|from| from.form)) {
+        (Some(form), Some(found)) if form != found => {
+            let name = args.from.as_deref().unwrap_or_default();
+            return Err(Error::message(format!(
+                "--from {name}: its form is {}, not --form",
+                form::words(&found)
+            )));
+        }
+        (form, found) => form.or(found).unwrap_or_else(|| unreachable!("the options ask for one of them")),
+    };
+    let mut recipe = Recipe::new(form);
+    set(&mut recipe.conditions.noise, args.noise);
+    set(&mut recipe.conditions.gain, args.gain);
+    set(&mut recipe.conditions.noiseless, args.noiseless);
+    set(&mut recipe.conditions.exposure, args.exposure.map(narrow));
+    set(&mut recipe.augmentation.variants, args.variants);
+    set(&mut recipe.augmentation.saturation, args.saturation.map(narrow));
+    set(&mut recipe.augmentation.hue, args.hue);
+    set(&mut recipe.augmentation.scale, args.scale);
+    set(&mut recipe.batch, args.batch);
+    set(&mut recipe.steps, args.steps);
+    set(&mut recipe.rate, args.rate);
+    set(&mut recipe.output_rate, args.output_rate);
+    set(&mut recipe.threshold_rate, args.threshold_rate);
+    set(&mut recipe.validate_every, args.validate_every);
+    set(&mut recipe.patience, args.patience);
+    set(&mut recipe.lambda, Some(args.lambda.clone()).filter(|l| !l.is_empty()));
+    set(&mut recipe.tones, args.tone.map(Tones::all));
+    set(&mut recipe.weighting, args.weighting.map(Into::into));
+    set(&mut recipe.start, args.start.map(Into::into));
+    recipe.budget = budget(args, recipe.budget.take())?;
+    let mut seeds: Vec<u64> = args.seed.clone();
+    if seeds.is_empty() {
+        seeds.push(recipe.seed);
+    }
+    if let Some(twice) = seeds.iter().enumerate().find(|(i, s)| seeds[..*i].contains(s)) {
+        return Err(Error::message(format!("--seed: {} is given twice", twice.1)));
+    }
+    Ok(seeds.into_iter().map(|seed| Recipe { seed, ..recipe.clone() }).collect())
+}
+
+fn budget(args: &Args, usual: Option<Budget>) -> Result<Option<Budget>, Error> {
+    let mut budget = match args.non_zeros.as_deref() {
+        None => usual,
+        Some("none") => None,
+        Some(text) => {
+            let numbers = text.split(',').map(|n| n.trim().parse()).collect::<Result<Vec<f32>, _>>();
+            let non_zeros = numbers.map_err(|_| {
+                Error::message(format!("--non-zeros {text}: expected numbers as in 65,65,58, or none"))
+            })?;
+            Some(Budget { non_zeros, rate: usual.map_or(Budget::RATE, |b| b.rate) })
+        }
+    };
+    match (&mut budget, args.budget_rate) {
+        (Some(budget), rate) => set(&mut budget.rate, rate),
+        (None, Some(_)) => {
+            return Err(Error::message("--budget-rate: there is no budget; give --non-zeros too"));
+        }
+        (None, None) => (),
+    }
+    Ok(budget)
+}
+
+fn set<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
+    }
+}
+
+fn narrow(range: [f64; 2]) -> [f32; 2] {
+    range.map(|v| v as f32)
+}
+
+/// The command that makes this network, with everything that its bytes depend on and nothing else, so that a resumed run
+/// writes the same bytes as an unbroken one.
+pub(super) fn command(args: &Args, r: &Recipe) -> String {
+    let (c, a) = (&r.conditions, &r.augmentation);
+    let pair = |[low, high]: [f32; 2]| format!("{low}:{high}");
+    let mut line = CommandLine::new("edof train");
+    line.option("form", form::words(&r.form)).option("camera", &args.camera);
+    line.option_if(
+        "psf-bank",
+        args.psf_bank.as_deref().and_then(Path::file_name).map(Path::new).map(Path::display),
+    );
+    line.option_if("psi", args.psi).option_if("photos", args.photos.as_ref());
+    line.option_if("leave-out", Some(args.leave_out.join(",")).filter(|names| !names.is_empty()));
+    line.option("depths", args.depths).option("tone", word(Tones::of(&r.tones)));
+    line.option("noise", c.noise).option("gain", c.gain);
+    line.option("noiseless", c.noiseless).option("exposure", pair(c.exposure));
+    line.option("variants", a.variants).option("saturation", pair(a.saturation));
+    line.option("hue", a.hue).option("scale", a.scale);
+    line.option("weighting", word(Weighting::from(r.weighting)));
+    line.option("steps", r.steps).option("batch", r.batch).option("rate", r.rate);
+    line.option("output-rate", r.output_rate).option("threshold-rate", r.threshold_rate);
+    line.option("lambda", joined(&r.lambda));
+    match &r.budget {
+        Some(b) => line.option("non-zeros", joined(&b.non_zeros)).option("budget-rate", b.rate),
+        None => line.option("non-zeros", "none"),
+    };
+    match &args.from {
+        Some(from) => line.option("from", Path::new(from).file_name().unwrap_or_default().display()),
+        None => line.option("start", word(Start::from(r.start))),
+    };
+    line.option("seed", if args.seed.is_empty() { r.seed.to_string() } else { joined(&args.seed) });
+    line.option("validate-every", r.validate_every).option("patience", r.patience);
+    line.option("out", format!("{}.safetensors", args.name()));
+    line.to_string()
+}
+
+/// What users call a value.
+fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |word| word.get_name().to_owned())
+}
+
+fn joined<T: ToString>(values: &[T]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+}

@@ -1,0 +1,104 @@
+//! One seed of `edof train`: begun or gone on with, with a checkpoint every minute.
+
+use super::options::Args;
+use super::progress::{moment, summary};
+use crate::error::Error;
+use crate::interrupt;
+use crate::ui::Ui;
+use edof_network::network::Network;
+use edof_train::checkpoint::{self, Run};
+use edof_train::dataset::Dataset;
+use edof_train::train::{Best, Continue, Progress, Trainer};
+use serde_json::Value;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// A checkpoint comes this often.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
+
+/// A trained network that has not been written yet.
+pub(super) struct Trained<'a> {
+    pub(super) trainer: Trainer<'a>,
+    pub(super) seconds: f64,
+    /// Steps of this run; a resumed one counts its own only.
+    pub(super) steps: u64,
+    pub(super) history: Vec<Value>,
+}
+
+impl Trained<'_> {
+    /// The best of its validations.
+    pub(super) fn best(&self) -> Best {
+        self.trainer.state.best
+    }
+}
+
+/// Trains one seed, from its checkpoint where there is one.
+///
+/// # Errors
+/// A checkpoint of something else, options that do not fit, a file that cannot be written, or Ctrl-C.
+pub(super) fn one_seed<'a>(
+    dataset: &'a Dataset,
+    run: &Run,
+    from: Option<&Network>,
+    file: &Path,
+    args: &Args,
+    ui: &Ui,
+) -> Result<Trained<'a>, Error> {
+    let threads = args.threads();
+    let recipe = run.recipe.clone();
+    let mut trainer = match from {
+        _ if file.exists() => Trainer::resume(recipe, dataset, threads, checkpoint::load(file, run)?)?,
+        Some(from) => Trainer::from_network(recipe, dataset, threads, from)?,
+        None => Trainer::new(recipe, dataset, threads)?,
+    };
+    checkpoint::save(file, run, &trainer.state)?;
+    let (begun, first, mut history) = (Instant::now(), trainer.state.step, vec![]);
+    if let Err(error) = train(&mut trainer, args, file, run, &mut history, ui) {
+        if matches!(error, Error::Interrupted) {
+            let step = trainer.state.step;
+            ui.note(format!("{}: checkpoint at step {step}; --resume goes on", file.display()));
+        }
+        return Err(error);
+    }
+    // A seed that is done waits for the others; --resume passes over it.
+    checkpoint::save(file, run, &trainer.state)?;
+    let steps = trainer.state.step - first;
+    Ok(Trained { trainer, seconds: begun.elapsed().as_secs_f64(), steps, history })
+}
+
+fn train(
+    trainer: &mut Trainer<'_>,
+    args: &Args,
+    file: &Path,
+    run: &Run,
+    history: &mut Vec<Value>,
+    ui: &Ui,
+) -> Result<(), Error> {
+    let bar = ui.progress(trainer.recipe().steps, format!("train, seed {}", trainer.recipe().seed));
+    let limit = args.minutes;
+    let (start, mut saved) = (Instant::now(), Instant::now());
+    let mut failed = None;
+    trainer.run(|trainer, progress: &Progress| {
+        bar.set(progress.step);
+        if let Some(validation) = &progress.validation {
+            bar.message(summary(validation, progress.best));
+            history.push(moment(trainer, validation, progress));
+        }
+        let stop = interrupt::flag().load(Ordering::SeqCst);
+        let out_of_time = limit.is_some_and(|limit| start.elapsed() >= limit);
+        if stop || out_of_time || saved.elapsed() >= CHECKPOINT_EVERY {
+            saved = Instant::now();
+            failed = checkpoint::save(file, run, &trainer.state).err();
+        }
+        if stop || out_of_time || failed.is_some() { Continue::No } else { Continue::Yes }
+    })?;
+    if let Some(error) = failed {
+        return Err(error.into());
+    }
+    interrupt::check()?;
+    if trainer.state.best == Best::NONE {
+        return Err(Error::message("train: stopped before the first validation; lower --validate-every"));
+    }
+    Ok(())
+}

@@ -1,0 +1,149 @@
+//! What `edof train` says at its end.
+
+use super::options::Args;
+use super::photographs::{Photograph, folders};
+use super::progress::numbers;
+use super::seed::Trained;
+use crate::error::Error;
+use crate::ui::Ui;
+use edof_image::Tone;
+use edof_network::network::Network;
+use edof_train::train::Trainer;
+use edof_train::validation::Validation;
+use serde_json::{Value, json};
+
+/// What training came to: tables for the terminal, and all of it for `--json`.
+///
+/// # Errors
+/// A terminal or file that cannot be written.
+pub(super) fn tell(
+    network: &Network,
+    results: &[Trained<'_>],
+    seed: u64,
+    photographs: &[Photograph],
+    args: &Args,
+    ui: &Ui,
+) -> Result<(), Error> {
+    let Some(chosen) = results.iter().find(|r| r.trainer.recipe().seed == seed) else { return Ok(()) };
+    let validation = chosen.trainer.validate_best();
+    let windows: u64 = results.iter().map(|r| r.steps * r.trainer.recipe().batch as u64).sum();
+    let seconds: f64 = results.iter().map(|r| r.seconds).sum();
+    tell_photographs(photographs, ui)?;
+    tell_validation(&validation, &chosen.trainer, photographs, ui)?;
+    for result in results.iter().filter(|_| results.len() > 1) {
+        let best = result.best();
+        let kept = if best.within_budget { "" } else { ", over budget" };
+        ui.say(format!("seed {}: {:.3} dB{kept}", result.trainer.recipe().seed, best.db))?;
+    }
+    ui.say(format!(
+        "{}: {:.2} dB on validation windows (mean over photographs, tones, ψ, without and with noise) after {} steps \
+         ({:.0} windows a second); written to {}",
+        network.origin.name,
+        network.origin.validation_db,
+        chosen.trainer.state.step,
+        windows as f64 / seconds,
+        args.out.display()
+    ))?;
+    let seeds: Vec<Value> = results
+        .iter()
+        .map(|r| {
+            let best = r.best();
+            let seed = r.trainer.recipe().seed;
+            json!({ "seed": seed, "validation_db": best.db, "within_budget": best.within_budget, "history": r.history })
+        })
+        .collect();
+    ui.json(&json!({
+        "name": network.origin.name,
+        "form": network.form,
+        "camera": network.origin.camera.name,
+        "photographs": photographs.iter().map(Photograph::name).collect::<Vec<_>>(),
+        "steps": chosen.trainer.state.step,
+        "windows": network.origin.patches,
+        "seed": seed,
+        "validation_db": network.origin.validation_db,
+        "validation": table(&validation, &chosen.trainer, photographs),
+        "lambda": chosen.trainer.state.steering.lambdas,
+        "seeds": seeds,
+        "seconds": seconds,
+        "windows_per_second": windows as f64 / seconds,
+        "weights": args.out.display().to_string(),
+    }))
+}
+
+/// Mean dB by folder and tone, without and with noise, then the worst ψ and noise and the non-zeros.
+fn tell_validation(
+    validation: &Validation,
+    trainer: &Trainer<'_>,
+    photographs: &[Photograph],
+    ui: &Ui,
+) -> Result<(), Error> {
+    ui.say("validation  tone    no noise   noisy  (dB)")?;
+    for row in rows(validation, trainer, photographs) {
+        let cell = |db: Option<f64>| db.map_or("-".to_owned(), |db| format!("{db:.2}"));
+        ui.say(format!(
+            "{:10}  {:6}  {:>8}  {:>6}",
+            row.folder,
+            row.tone,
+            cell(row.clean_db),
+            cell(row.noisy_db)
+        ))?;
+    }
+    if let Some((at, db)) = validation.worst() {
+        let noise = if at.noisy { "with noise" } else { "without noise" };
+        let (psi, tone) = (trainer.psi(at.place.psi), trainer.recipe().tones[at.place.tone]);
+        ui.say(format!("worst: {db:.2} dB at psi {psi}, {noise}, {tone} (mean over photographs)"))?;
+    }
+    let (clean, noisy) = (validation.non_zeros(false), validation.non_zeros(true));
+    ui.say(format!(
+        "non-zeros after each shrinkage: {} where scenes are busiest, {} without noise, {} with",
+        numbers(&validation.busy_non_zeros(), 1),
+        numbers(&clean, 1),
+        numbers(&noisy, 1)
+    ))
+}
+
+/// One line of the validation's table.
+struct Row<'a> {
+    folder: &'a str,
+    tone: Tone,
+    clean_db: Option<f64>,
+    noisy_db: Option<f64>,
+}
+
+fn rows<'a>(validation: &Validation, trainer: &Trainer<'_>, photographs: &'a [Photograph]) -> Vec<Row<'a>> {
+    let mut rows = vec![];
+    for folder in folders(photographs) {
+        for (index, &tone) in trainer.recipe().tones.iter().enumerate() {
+            let db = |noisy| {
+                validation.mean(|m| {
+                    photographs[m.place.photo].folder == folder && m.place.tone == index && m.noisy == noisy
+                })
+            };
+            rows.push(Row { folder, tone, clean_db: db(false), noisy_db: db(true) });
+        }
+    }
+    rows
+}
+
+fn table(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photograph]) -> Value {
+    let row = |r: Row<'_>| json!({ "folder": r.folder, "tone": r.tone, "clean_db": r.clean_db, "noisy_db": r.noisy_db });
+    let worst = validation.worst().map(|(at, db)| {
+        json!({ "psi": trainer.psi(at.place.psi), "tone": trainer.recipe().tones[at.place.tone], "noisy": at.noisy, "db": db })
+    });
+    json!({
+        "means": rows(validation, trainer, photographs).into_iter().map(row).collect::<Vec<_>>(),
+        "worst": worst,
+        "non_zeros_busy": validation.busy_non_zeros(),
+        "non_zeros_noisy": validation.non_zeros(true),
+        "non_zeros_clean": validation.non_zeros(false),
+    })
+}
+
+fn tell_photographs(photographs: &[Photograph], ui: &Ui) -> Result<(), Error> {
+    for folder in folders(photographs) {
+        let stems: Vec<&str> =
+            photographs.iter().filter(|p| p.folder == folder).map(|p| p.stem.as_str()).collect();
+        ui.say(format!("{} photographs of {folder}: {}", stems.len(), stems.join(" ")))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,173 @@
+use super::*;
+use proptest::prelude::*;
+
+fn frame(depth: u32, phase: CfaPhase) -> RawFrame {
+    let values = Array2::from_shape_fn((4, 6), |(r, c)| ((r * 6 + c) * ((1 << depth) - 1) / 23) as u16);
+    RawFrame::from_values(values, depth, phase).unwrap()
+}
+
+/// A file in a folder of its own, and what loading it gives.
+fn loaded(name: &str, content: &[u8], options: RawOptions) -> Result<RawFrame, String> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join(name);
+    std::fs::write(&path, content).unwrap();
+    load(&path, &options).map_err(|e| e.to_string().replace(&format!("{}/", dir.path().display()), ""))
+}
+
+const GREY: &[u8] = b"P2 2 2 65535 16 32 48 64";
+
+#[test]
+fn a_saved_frame_needs_no_option_but_its_phase() {
+    let dir = tempfile::tempdir().unwrap();
+    for (phase, depth) in CfaPhase::ALL.into_iter().zip([8, 10, 12, 16]) {
+        for ending in ["png", "tif", "tiff", "pgm"] {
+            let path = dir.path().join(format!("frame.{ending}"));
+            save(&path, &frame(depth, phase)).unwrap();
+            let back = load(&path, &RawOptions { phase, ..RawOptions::default() }).unwrap();
+            assert_eq!((back.pixels(), back.phase()), (frame(depth, phase).pixels(), phase), "{ending}");
+        }
+    }
+}
+
+#[test]
+fn a_headerless_file_is_read_in_both_byte_orders() {
+    let options =
+        RawOptions { depth: Some(12), size: Some(Size { width: 2, height: 2 }), ..RawOptions::default() };
+    let little = loaded("x.raw", &[1, 2, 3, 4, 5, 6, 7, 8], options).unwrap();
+    let big =
+        loaded("x.raw", &[2, 1, 4, 3, 6, 5, 8, 7], RawOptions { order: ByteOrder::Big, ..options }).unwrap();
+    assert_eq!(little.values()[(0, 1)], 0x0403);
+    assert_eq!(little, big);
+}
+
+#[test]
+fn packed_pixels_have_their_own_bits() {
+    let size = Some(Size { width: 2, height: 2 });
+    let options = |packing, depth| RawOptions { packing, depth, size, ..RawOptions::default() };
+    let packed = loaded("x.raw", &[0xab, 0x12, 0x3c, 0, 1, 0], options(Packing::Mipi12, None)).unwrap();
+    assert_eq!((packed.depth(), packed.values()[(0, 0)], packed.values()[(0, 1)]), (12, 0xabc, 0x123));
+    let bytes = loaded("x.raw", &[7, 8, 9, 255], options(Packing::Bytes, Some(8))).unwrap();
+    assert_eq!((bytes.depth(), bytes.values()[(1, 1)]), (8, 255));
+    assert_eq!(
+        loaded("x.raw", &[0; 4], options(Packing::Bytes, Some(10))).unwrap_err(),
+        "x.raw: holds 8-bit samples, expected 10 bits as stated"
+    );
+    assert_eq!(
+        loaded("x.raw", &[0; 6], options(Packing::Words, Some(12))).unwrap_err(),
+        "x.raw: 6 bytes, expected 8 for 2x2; as many as packed as mipi12 or 12p or 12packed"
+    );
+    // What begins as a picture does may be pixels.
+    assert!(loaded("x.raw", b"P5 0", options(Packing::Bytes, None)).is_ok());
+}
+
+#[test]
+fn values_at_the_bottom_of_a_png_are_read_where_stated() {
+    let options = RawOptions { depth: Some(12), ..RawOptions::default() };
+    let at_top = loaded("x", GREY, options).unwrap();
+    let at_bottom = loaded("x", GREY, RawOptions { alignment: Some(Alignment::Bottom), ..options }).unwrap();
+    assert_eq!((at_top.values()[(0, 1)], at_bottom.values()[(0, 1)]), (2, 32));
+}
+
+#[test]
+fn a_colour_picture_is_no_raw_frame() {
+    let error = loaded("x.ppm", b"P3 1 1 65535 1 2 3", RawOptions::default()).unwrap_err();
+    assert_eq!(error, "x.ppm: holds a colour picture, expected one raw value a pixel");
+}
+
+#[test]
+fn eight_bit_samples_are_refused_unless_stated() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("x.png");
+    let planes = ndarray::Array3::from_elem((1, 2, 2), 7);
+    picture::save(&path, &Samples { planes, full_scale: 255 }).unwrap();
+    let error = load(&path, &RawOptions::default()).unwrap_err().to_string();
+    assert!(
+        error.ends_with("x.png: holds 8-bit samples, expected 16-bit ones (or a stated depth of 8)"),
+        "{error}"
+    );
+    assert!(load(&path, &RawOptions { depth: Some(8), ..RawOptions::default() }).is_ok());
+}
+
+#[test]
+fn a_depth_that_the_file_contradicts_is_refused() {
+    let stated = |depth| RawOptions { depth: Some(depth), ..RawOptions::default() };
+    assert_eq!(
+        loaded("x.pgm", b"P2 2 2 4095 1 2 3 4", stated(10)).unwrap_err(),
+        "x.pgm: holds 12-bit samples, expected 10 bits as stated"
+    );
+    assert_eq!(
+        loaded("x.pgm", b"P2 2 2 65535 16 33 0 0", stated(12)).unwrap_err(),
+        "x.pgm: pixel at row 0, column 1 is 33, no 12-bit code aligned to the top of 16 bits"
+    );
+    assert_eq!(
+        loaded("x.pgm", GREY, RawOptions { alignment: Some(Alignment::Bottom), ..stated(8) })
+            .map(|f| f.depth()),
+        Ok(8)
+    );
+    assert_eq!(loaded("x.pgm", GREY, stated(7)).unwrap_err(), "x.pgm: bit depth 7: must be 8 to 16");
+}
+
+#[test]
+fn a_value_wider_than_the_depth_is_refused() {
+    let size = Some(Size { width: 2, height: 2 });
+    let options = RawOptions { depth: Some(10), size, ..RawOptions::default() };
+    assert_eq!(
+        loaded("x.raw", &[0, 0, 0, 4, 0, 0, 0, 0], options).unwrap_err(),
+        "x.raw: pixel at row 0, column 1 is 1024, more than 10 bits can hold"
+    );
+}
+
+#[test]
+fn odd_sides_are_refused() {
+    let error = loaded("x.pgm", b"P2 3 2 65535 1 2 3 4 5 6", RawOptions::default()).unwrap_err();
+    assert_eq!(error, "x.pgm: frame 3x2: both sides must be even, so that it holds whole 2x2 Bayer cells");
+}
+
+#[test]
+fn a_headerless_device_is_read_no_farther_than_its_size() {
+    let size = Some("4x2".parse().unwrap());
+    let error = load(Path::new("/dev/zero"), &RawOptions { size, ..RawOptions::default() }).unwrap_err();
+    assert_eq!(error.to_string(), "/dev/zero: more bytes, expected 16 for 4x2");
+    let error = load(Path::new("/dev/zero"), &RawOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("state its size"), "{error}");
+}
+
+#[test]
+fn sizes_are_checked_against_the_file() {
+    let size = Some("4x2".parse().unwrap());
+    let options = RawOptions { size, ..RawOptions::default() };
+    assert_eq!(loaded("x.raw", &[0; 15], options).unwrap_err(), "x.raw: 15 bytes, expected 16 for 4x2");
+    assert_eq!(
+        loaded("x.pgm", GREY, options).unwrap_err(),
+        "x.pgm: 2x2 pixels, expected as many as stated for 4x2"
+    );
+    assert!(loaded("x.raw", &[0; 16], RawOptions::default()).unwrap_err().contains("state its size"));
+}
+
+#[test]
+fn text_that_is_no_size_is_refused() {
+    for text in ["", "4", "4x", "0x4", "4x-1", "70000x2", "4 x 2"] {
+        assert_eq!(text.parse::<Size>(), Err(WrongSize(text.to_owned())));
+    }
+}
+
+#[test]
+fn an_unknown_ending_is_told_the_known_ones() {
+    let error = save(Path::new("x.dng"), &frame(12, CfaPhase::Rggb)).unwrap_err().to_string();
+    assert_eq!(error, "x.dng: unknown ending, expected .png, .tif, .tiff, .pgm, .raw or .bin");
+}
+
+proptest! {
+    #[test]
+    fn a_frame_of_any_depth_comes_back(
+        depth in 8u32..=16, ending in prop::sample::select(vec!["png", "tif", "pgm", "raw"])
+    ) {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(format!("frame.{ending}"));
+        let original = frame(depth, CfaPhase::Gbrg);
+        save(&path, &original).unwrap();
+        let size = Some(Size { width: 6, height: 4 });
+        let options = RawOptions { phase: CfaPhase::Gbrg, depth: Some(depth), size, ..RawOptions::default() };
+        prop_assert_eq!(load(&path, &options).unwrap(), original);
+    }
+}

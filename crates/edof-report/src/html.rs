@@ -1,0 +1,258 @@
+//! A report as one HTML file that needs nothing else: pictures, plots and a viewer for the pictures are inside it.
+
+use crate::plot::{Plot, escape};
+use base64::prelude::{BASE64_STANDARD, Engine};
+use edof_storage::atomic::{self, WriteError};
+use std::fmt::Write;
+use std::path::Path;
+
+/// A report, built from top to bottom.
+#[derive(Debug, Clone)]
+pub struct Report {
+    title: String,
+    body: String,
+    has_pictures: bool,
+    has_tables: bool,
+}
+
+/// A picture and what stands below it.
+#[derive(Debug, Clone)]
+pub struct Figure {
+    /// First line below the picture.
+    pub title: String,
+    /// Second line: a number, a setting.
+    pub note: String,
+    /// PNG or JPEG bytes.
+    pub picture: Vec<u8>,
+}
+
+/// How figures of one group are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// As large as there is room for.
+    Wide,
+    /// Small ones, each pixel two to three times as large.
+    Enlarged,
+}
+
+impl Report {
+    /// An empty report.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), body: String::new(), has_pictures: false, has_tables: false }
+    }
+
+    /// A heading for what follows.
+    pub fn heading(&mut self, text: &str) -> &mut Self {
+        self.add(&format!("<h2>{}</h2>", escape(text)))
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) -> &mut Self {
+        self.add(&format!("<p>{}</p>", escape(text)))
+    }
+
+    /// The command that made it, which breaks between its options alone where there is room for them.
+    pub fn made_by(&mut self, command: &str) -> &mut Self {
+        let mut parts: Vec<String> = vec![];
+        for word in command.split_whitespace() {
+            match parts.last_mut() {
+                Some(part) if !word.starts_with("--") && word != "#" => {
+                    *part += &format!(" {}", escape(word))
+                }
+                _ => parts.push(escape(word)),
+            }
+        }
+        let parts: Vec<String> = parts.into_iter().map(|part| format!("<span>{part}</span>")).collect();
+        self.add(&format!("<p class=\"made\">Made by <code>{}</code></p>", parts.join(" ")))
+    }
+
+    /// How numbers came to be, which who knows it need not read again: it opens where it is asked for.
+    pub fn method(&mut self, text: &str) -> &mut Self {
+        self.add(&format!(
+            "<details><summary>How this was measured</summary><p>{}</p></details>",
+            escape(text)
+        ))
+    }
+
+    /// What matters most, in a box.
+    pub fn verdict(&mut self, text: &str) -> &mut Self {
+        self.add(&format!("<p class=\"verdict\">{}</p>", escape(text)))
+    }
+
+    /// Words and what they mean.
+    pub fn terms(&mut self, terms: &[(String, String)]) -> &mut Self {
+        let item =
+            |(term, text): &(String, String)| format!("<dt>{}</dt><dd>{}</dd>", escape(term), escape(text));
+        self.add(&format!("<dl>{}</dl>", terms.iter().map(item).collect::<String>()))
+    }
+
+    /// Pictures side by side; where there is no room they wrap. Each opens in the viewer, which flips between those of one group and
+    /// shows how they differ from the first.
+    pub fn figures(&mut self, figures: &[Figure], layout: Layout) -> &mut Self {
+        self.has_pictures = true;
+        let class = match layout {
+            Layout::Wide => "row",
+            Layout::Enlarged => "row enlarged",
+        };
+        let mut row = format!("<div class=\"{class}\">");
+        for Figure { title, note, picture } in figures {
+            let (title, note) = (escape(title), escape(note));
+            let kind = if picture.starts_with(&[0xff, 0xd8]) { "jpeg" } else { "png" };
+            let data = BASE64_STANDARD.encode(picture);
+            let _ = write!(
+                row,
+                "<figure><button class=\"shown\"><img alt=\"{title}\" src=\"data:image/{kind};base64,{data}\"></button>\
+                 <figcaption><b>{title}</b><br>{note}</figcaption></figure>"
+            );
+        }
+        self.add(&(row + "</div>"))
+    }
+
+    /// A table; columns of numbers stand right, and a click on the name of a column sorts by it. `best` holds row and column of cells that are set off.
+    pub fn table(&mut self, header: &[&str], rows: &[Vec<String>], best: &[(usize, usize)]) -> &mut Self {
+        self.has_tables = true;
+        let mut table = String::from("<div class=\"wide\"><table><thead><tr>");
+        let numbers: Vec<bool> = (0..header.len()).map(|column| is_of_numbers(rows, column)).collect();
+        for (cell, &is_number) in header.iter().zip(&numbers) {
+            let class = if is_number { " class=\"n\"" } else { "" };
+            // An equation is one word.
+            let cell = escape(cell).replace(" = ", "&nbsp;=&nbsp;");
+            let _ = write!(table, "<th{class}><button class=\"sort\">{cell}</button></th>");
+        }
+        table.push_str("</tr></thead><tbody>");
+        for (r, row) in rows.iter().enumerate() {
+            table.push_str("<tr>");
+            for (c, cell) in row.iter().enumerate() {
+                let number = numbers.get(c) == Some(&true);
+                let class = match (number, best.contains(&(r, c))) {
+                    (true, true) => " class=\"n best\"",
+                    (true, false) => " class=\"n\"",
+                    (false, _) => "",
+                };
+                let _ = write!(table, "<td{class}>{}</td>", escape(cell));
+            }
+            table.push_str("</tr>\n");
+        }
+        self.add(&(table + "</tbody></table></div>"))
+    }
+
+    /// Plots side by side, or below each other where there is no room; none is shown so small that its text cannot be read.
+    pub fn plots(&mut self, plots: &[Plot]) -> &mut Self {
+        let each = |plot: &Plot| {
+            let [least, most] = [READABLE, LARGE].map(|share| share * plot.size[0]);
+            let style = format!("--least:{least:.0}px;--most:{most:.0}px");
+            format!("<div class=\"plot\" style=\"{style}\">{}</div>", plot.to_svg())
+        };
+        self.add(&format!("<div class=\"plots\">{}</div>", plots.iter().map(each).collect::<String>()))
+    }
+
+    /// The whole document.
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        let title = escape(&self.title);
+        let viewer = if self.has_pictures { VIEWER } else { "" };
+        let sorter = if self.has_tables { SORTER } else { "" };
+        format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style></head>\n\
+             <body><h1>{title}</h1>\n{}{viewer}{sorter}</body></html>\n",
+            self.body
+        )
+    }
+
+    /// Writes the document.
+    ///
+    /// # Errors
+    /// [`WriteError`]; whatever stood there before is then untouched.
+    pub fn save(&self, path: &Path) -> Result<(), WriteError> {
+        atomic::write(path, self.to_html().as_bytes())
+    }
+
+    fn add(&mut self, html: &str) -> &mut Self {
+        self.body.push_str(html);
+        self.body.push('\n');
+        self
+    }
+}
+
+/// The share of its size below which a plot's text is too small to be read.
+const READABLE: f64 = 0.9;
+/// The share above which it shouts.
+const LARGE: f64 = 1.4;
+
+const STYLE: &str = include_str!("html/style.css");
+const VIEWER: &str = include_str!("html/viewer.html");
+const SORTER: &str = include_str!("html/sorter.html");
+
+/// Whether a column holds numbers, and dashes where there are none.
+fn is_of_numbers(rows: &[Vec<String>], column: usize) -> bool {
+    // Several in one cell stand as in "31.2 / 30.1".
+    let is_number = |cell: &str| cell.replace('−', "-").split(" / ").all(|word| word.parse::<f64>().is_ok());
+    let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| *cell != "–").peekable();
+    cells.peek().is_some() && cells.all(|cell| is_number(cell))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_holds_its_parts_in_order_and_escapes_text() {
+        let mut report = Report::new("R & D");
+        report
+            .heading("First")
+            .paragraph("a < b")
+            .table(
+                &["net", "dB"],
+                &[vec!["x".into(), "31.2".into()], vec!["y".into(), "31.3".into()]],
+                &[(1, 1)],
+            )
+            .terms(&[("ψ".into(), "defocus".into())])
+            .figures(
+                &[Figure { title: "truth".into(), note: "n".into(), picture: vec![1, 2, 3] }],
+                Layout::Wide,
+            );
+        let html = report.to_html();
+        let parts = [
+            "R &amp; D",
+            "First",
+            "a &lt; b",
+            "<td class=\"n\">31.2</td>",
+            "<td class=\"n best\">31.3</td>",
+            "<dt>ψ</dt>",
+        ];
+        let places = parts.into_iter().chain(["base64,AQID", "id=\"viewer\""]).map(|s| html.find(s).unwrap());
+        assert!(places.is_sorted());
+        assert_eq!(html.matches("base64,AQID").count(), 1, "a picture is embedded once");
+    }
+
+    #[test]
+    fn a_command_breaks_between_its_options() {
+        let html = Report::new("t").made_by("edof study x --psi 4,8 --exact  # edof 1, 2026").to_html();
+        let parts = "<code><span>edof study x</span> <span>--psi 4,8</span> <span>--exact</span> <span># edof 1, 2026</span></code>";
+        assert!(html.contains(parts), "{html}");
+    }
+
+    #[test]
+    fn columns_of_numbers_stand_right_and_others_left() {
+        let row = |cells: [&str; 4]| cells.map(str::to_owned).to_vec();
+        let rows = [row(["a", "1.5", "–", "3 times"]), row(["2", "−2 / 1", "7", "4"])];
+        let html = Report::new("t").table(&["a", "b", "c", "d"], &rows, &[]).to_html();
+        assert!(html.contains("<td class=\"n\">–</td><td>3 times</td>"), "{html}");
+        assert!(
+            html.contains("<td>2</td><td class=\"n\">−2 / 1</td><td class=\"n\">7</td><td>4</td>"),
+            "{html}"
+        );
+    }
+
+    #[test]
+    fn a_report_without_pictures_has_no_viewer_and_asks_for_nothing_elsewhere() {
+        let html = Report::new("plain").paragraph("text").to_html();
+        assert!(!html.contains("<script"));
+        for part in [html.as_str(), VIEWER, SORTER, STYLE] {
+            assert!(!part.contains("http"), "a report needs nothing else");
+        }
+    }
+}

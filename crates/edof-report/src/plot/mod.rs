@@ -1,0 +1,467 @@
+//! Line and scatter plots as SVG text: axes with round numbers, a legend beside or below them, linear or logarithmic scales.
+//!
+//! ```
+//! use edof_report::plot::{Axis, Mark, Plot, Series};
+//! let plot = Plot {
+//!     title: "A parabola".into(),
+//!     x: Axis::linear("x"),
+//!     y: Axis::linear("x²").from(0.0),
+//!     size: edof_report::plot::USUAL,
+//!     series: vec![Series::new("x²", Mark::Line, (0..10).map(|i| [f64::from(i), f64::from(i * i)]))],
+//! };
+//! assert!(plot.to_svg().starts_with("<svg"));
+//! ```
+
+mod area;
+mod axis;
+mod palette;
+
+pub use axis::{Axis, Scale};
+pub use palette::{PALETTE, sequential};
+
+use area::{Area, along};
+use axis::Ruler;
+use std::fmt::Write;
+
+/// One diagram.
+#[derive(Debug, Clone)]
+pub struct Plot {
+    /// Heading.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Width and height in pixels; a legend that would take too much of the width stands below and adds to the height.
+    pub size: [f64; 2],
+    /// What is drawn, the first lowest.
+    pub series: Vec<Series>,
+}
+
+/// The size of most diagrams.
+pub const USUAL: [f64; 2] = [640.0, 400.0];
+
+/// Points that belong together.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// Name in the legend; none where empty.
+    pub label: String,
+    /// Whether its name stands beside one of its points, where there is room, and not in the legend.
+    pub is_named_at_points: bool,
+    /// How points are drawn.
+    pub mark: Mark,
+    /// CSS colour; from [`PALETTE`] in turn where missing.
+    pub colour: Option<String>,
+    /// Pairs of x and y; points that are not finite interrupt a line.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Series {
+    /// A series in the next colour of the palette.
+    #[must_use]
+    pub fn new(label: impl Into<String>, mark: Mark, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        let (label, points) = (label.into(), points.into_iter().collect());
+        Self { label, is_named_at_points: false, mark, colour: None, points }
+    }
+
+    /// The same series with its name beside one of its points.
+    #[must_use]
+    pub const fn named_at_points(mut self) -> Self {
+        self.is_named_at_points = true;
+        self
+    }
+
+    /// The same series in a colour of one's own.
+    #[must_use]
+    pub fn coloured(mut self, colour: impl Into<String>) -> Self {
+        self.colour = Some(colour.into());
+        self
+    }
+}
+
+/// How points are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// A continuous line.
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// A dotted line.
+    Dotted,
+    /// A dot at each point.
+    Points,
+    /// A continuous line with a dot at each point.
+    LineAndPoints,
+}
+
+const LEFT: f64 = 66.0;
+const TOP: f64 = 40.0;
+const BOTTOM: f64 = 52.0;
+const LINE_HEIGHT: f64 = 18.0;
+/// Mean width of a letter in the widest of the usual fonts, and height of a line of text, in pixels.
+const LETTER: [f64; 2] = [7.0, 13.0];
+/// The most of a diagram's width that a legend beside it may take.
+const LEGEND_SHARE: f64 = 0.3;
+impl Plot {
+    /// The diagram as a complete SVG document.
+    #[must_use]
+    pub fn to_svg(&self) -> String {
+        document(self.whole_size(), &self.group([0.0; 2]))
+    }
+
+    /// Width and height with the legend, in pixels.
+    fn whole_size(&self) -> [f64; 2] {
+        let [width, height] = self.size;
+        let lines = self.legend_below().map_or(0, |columns| self.in_legend().count().div_ceil(columns));
+        [width, LINE_HEIGHT.mul_add(lines as f64, height)]
+    }
+
+    /// The diagram as an SVG group whose upper left corner lies at `x0` and `y0`.
+    fn group(&self, [x0, y0]: [f64; 2]) -> String {
+        let [width, height] = self.size;
+        let right = if self.legend_below().is_some() { 16.0 } else { self.legend_width() };
+        let x = Ruler::new(&self.x, self.values(0), LEFT, width - right);
+        let y = Ruler::new(&self.y, self.values(1), height - BOTTOM, TOP);
+        let mut svg = format!("<g transform=\"translate({x0} {y0})\">\n");
+        self.draw_frame(&mut svg, &x, &y);
+        let (w, h) = (x.end - x.start, y.start - y.end);
+        // A page may hold many diagrams: those of one name are of one size.
+        let id = format!("area{w:.0}x{h:.0}");
+        let _ = writeln!(
+            svg,
+            "<clipPath id=\"{id}\"><rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{w:.1}\" height=\"{h:.1}\"/></clipPath>\
+             <g clip-path=\"url(#{id})\">"
+        );
+        for (index, series) in self.series.iter().enumerate() {
+            draw_series(&mut svg, series, index, &x, &y);
+        }
+        svg.push_str("</g>\n");
+        self.name_points(&mut svg, &x, &y);
+        self.draw_legend(&mut svg, width - right + 14.0);
+        svg.push_str("</g>\n");
+        svg
+    }
+
+    fn values(&self, axis: usize) -> impl Iterator<Item = f64> + '_ {
+        self.series.iter().flat_map(move |s| s.points.iter().map(move |p| p[axis]))
+    }
+
+    fn legend_width(&self) -> f64 {
+        let longest = self.in_legend().map(|(_, s)| s.label.chars().count()).max().unwrap_or(0);
+        if longest == 0 { 16.0 } else { (longest as f64).mul_add(LETTER[0], 58.0) }
+    }
+
+    /// Columns of a legend that stands below; none where it stands beside.
+    fn legend_below(&self) -> Option<usize> {
+        let (own, width) = (self.legend_width(), self.size[0]);
+        (own > LEGEND_SHARE * width).then(|| (((width - LEFT) / own) as usize).max(1))
+    }
+
+    fn draw_frame(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
+        for (value, text) in &x.ticks {
+            let at = x.place(*value);
+            let (top, bottom, below) = (y.end, y.start, y.start + 16.0);
+            let _ = writeln!(
+                svg,
+                "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
+                 <text x=\"{at:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">{text}</text>"
+            );
+        }
+        for (value, text) in &y.ticks {
+            let at = y.place(*value);
+            let (left, right, beside) = (x.start, x.end, x.start - 6.0);
+            let _ = writeln!(
+                svg,
+                "<path class=\"grid\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>\
+                 <text x=\"{beside:.1}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+                at + 4.0
+            );
+        }
+        let (middle_x, middle_y) = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
+        let _ = writeln!(
+            svg,
+            "<path class=\"axis\" d=\"M{:.1} {:.1}V{:.1}H{:.1}\"/>\
+             <text class=\"title\" x=\"{:.1}\" y=\"24\">{}</text>\
+             <text x=\"{middle_x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
+             <text transform=\"translate(16 {middle_y:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            x.start,
+            y.end,
+            y.start,
+            x.end,
+            x.start,
+            escape(&self.title),
+            self.size[1] - 12.0,
+            escape(&self.x.label),
+            escape(&self.y.label)
+        );
+    }
+
+    /// Writes names beside points: each where it covers no point and no other name, or as little as can be.
+    fn name_points(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
+        let frame = Area { x: [x.start, x.end], y: [y.end, y.start] };
+        let placed = |series: &Series| -> Vec<[f64; 2]> {
+            let all = series.points.iter().map(|&[a, b]| [x.place(a), y.place(b)]);
+            all.filter(|&[a, b]| Area::around([a, b], 1.0).shared(&frame) > 0.0).collect()
+        };
+        let dots = self.series.iter().flat_map(placed).map(|at| Area::around(at, 4.0));
+        let lines = self.series.iter().filter(|s| dashes(s.mark).is_some()).flat_map(|s| along(&placed(s)));
+        let mut taken: Vec<Area> = dots.chain(lines.map(|at| Area::around(at, 1.0))).collect();
+        for (index, series) in self.series.iter().enumerate().filter(|(_, s)| s.is_named_at_points) {
+            let size = [series.label.chars().count() as f64 * LETTER[0], LETTER[1]];
+            // The last point first: there a line ends.
+            let spots = placed(series).into_iter().rev().flat_map(|at| Area::beside(at, size));
+            let covered = |area: &Area| {
+                let outside = size[0] * size[1] - area.shared(&frame);
+                taken.iter().map(|other| area.shared(other)).sum::<f64>() + 10.0 * outside
+            };
+            let Some(best) = spots.min_by(|a, b| covered(a).total_cmp(&covered(b))) else { continue };
+            let _ = writeln!(
+                svg,
+                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" fill=\"{}\">{}</text>",
+                best.x[0],
+                best.y[1] - 3.0,
+                colour(series, index),
+                escape(&series.label)
+            );
+            taken.push(best);
+        }
+    }
+
+    fn in_legend(&self) -> impl Iterator<Item = (usize, &Series)> {
+        self.series.iter().enumerate().filter(|(_, s)| !s.label.is_empty() && !s.is_named_at_points)
+    }
+
+    fn draw_legend(&self, svg: &mut String, left: f64) {
+        let below = self.legend_below();
+        for (place, (index, series)) in self.in_legend().enumerate() {
+            let (left, y) = match below {
+                Some(columns) => (
+                    LEFT + self.legend_width() * (place % columns) as f64,
+                    self.size[1] + LINE_HEIGHT * (place / columns) as f64,
+                ),
+                None => (left, TOP + 10.0 + LINE_HEIGHT * place as f64),
+            };
+            let (colour, middle, end) = (colour(series, index), left + 12.0, left + 24.0);
+            if let Some(dashes) = dashes(series.mark) {
+                let _ = write!(
+                    svg,
+                    "<path class=\"line\" stroke=\"{colour}\"{dashes} d=\"M{left:.1} {y:.1}H{end:.1}\"/>"
+                );
+            }
+            if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
+                svg.push_str(&dot(index, [middle, y], colour, ""));
+            }
+            let _ = writeln!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                end + 6.0,
+                y + 4.0,
+                escape(&series.label)
+            );
+        }
+    }
+}
+
+/// Several diagrams in a row, as one SVG document.
+#[must_use]
+pub fn side_by_side(plots: &[Plot]) -> String {
+    together(plots, |[width, height], own| ([width, 0.0], [width + own[0], height.max(own[1])]))
+}
+
+/// Several diagrams, each below the one before, as one SVG document.
+#[must_use]
+pub fn stacked(plots: &[Plot]) -> String {
+    together(plots, |[width, height], own| ([0.0, height], [width.max(own[0]), height + own[1]]))
+}
+
+/// Diagrams in one document. `place` says from the size of those before and a diagram's own where its corner lies, and how large all are.
+fn together(plots: &[Plot], place: impl Fn([f64; 2], [f64; 2]) -> ([f64; 2], [f64; 2])) -> String {
+    let (mut size, mut groups) = ([0.0; 2], String::new());
+    for plot in plots {
+        let corner;
+        (corner, size) = place(size, plot.whole_size());
+        groups.push_str(&plot.group(corner));
+    }
+    document(size, &groups)
+}
+
+fn document([width, height]: [f64; 2], inside: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+         height=\"{height}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n\
+         <style>.grid{{stroke:#e4e4e4;fill:none}}.axis{{stroke:#444;fill:none}}\
+         .line{{fill:none;stroke-width:1.8;stroke-linejoin:round}}.title{{font-size:14px;font-weight:bold}}</style>\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n{inside}</svg>\n"
+    )
+}
+
+fn colour(series: &Series, index: usize) -> &str {
+    series.colour.as_deref().unwrap_or(PALETTE[index % PALETTE.len()])
+}
+
+/// A dot; series that the palette has no colour of their own for have another shape.
+fn dot(index: usize, [x, y]: [f64; 2], colour: &str, told: &str) -> String {
+    let (tag, place) = match index / PALETTE.len() {
+        0 => ("circle", format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"")),
+        1 => ("rect", format!("x=\"{:.1}\" y=\"{:.1}\" width=\"6\" height=\"6\"", x - 3.0, y - 3.0)),
+        _ => ("path", format!("d=\"M{:.1} {y:.1}l4 -4l4 4l-4 4z\"", x - 4.0)),
+    };
+    format!("<{tag} {place} fill=\"{colour}\">{told}</{tag}>")
+}
+
+/// The line's dash attribute; none where no line is drawn.
+const fn dashes(mark: Mark) -> Option<&'static str> {
+    match mark {
+        Mark::Line | Mark::LineAndPoints => Some(""),
+        Mark::Dashed => Some(" stroke-dasharray=\"7 4\""),
+        Mark::Dotted => Some(" stroke-dasharray=\"1.8 3.4\""),
+        Mark::Points => None,
+    }
+}
+
+fn draw_series(svg: &mut String, series: &Series, index: usize, x: &Ruler, y: &Ruler) {
+    let colour = colour(series, index);
+    let placed: Vec<Option<[f64; 2]>> = series
+        .points
+        .iter()
+        .map(|&[a, b]| Some([x.place(a), y.place(b)]).filter(|p| p.iter().all(|v| v.is_finite())))
+        .collect();
+    if let Some(dashes) = dashes(series.mark) {
+        let mut path = String::new();
+        let mut pen = 'M';
+        for point in &placed {
+            if let Some([a, b]) = point {
+                let _ = write!(path, "{pen}{a:.1} {b:.1}");
+                pen = 'L';
+            } else {
+                pen = 'M';
+            }
+        }
+        let _ = writeln!(svg, "<path class=\"line\" stroke=\"{colour}\"{dashes} d=\"{path}\"/>");
+    }
+    if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
+        for (place, [x, y]) in placed.into_iter().zip(&series.points) {
+            let Some(at) = place else { continue };
+            // Shown where the pointer rests on the dot.
+            let told = format!("<title>{}: {}, {}</title>", escape(&series.label), short(*x), short(*y));
+            let _ = writeln!(svg, "{}", dot(index, at, colour, &told));
+        }
+    }
+}
+
+/// A number in four digits or fewer.
+fn short(value: f64) -> String {
+    let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6);
+    let scale = 10f64.powi(digits);
+    format!("{}", (value * scale).round() / scale)
+}
+
+/// Text that may stand between tags.
+#[must_use]
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot(x: Axis, points: &[[f64; 2]]) -> Plot {
+        Plot {
+            title: "a < b".into(),
+            x,
+            y: Axis::linear("y"),
+            size: USUAL,
+            series: vec![Series::new("one", Mark::Line, points.iter().copied())],
+        }
+    }
+
+    #[test]
+    fn a_point_that_is_not_finite_interrupts_the_line() {
+        let svg = plot(Axis::linear("x"), &[[0.0, 0.0], [1.0, f64::NAN], [2.0, 1.0], [3.0, 2.0]]).to_svg();
+        let path = svg.lines().find(|l| l.contains("class=\"line\"") && l.contains('L')).unwrap();
+        assert_eq!(path.matches('M').count(), 2, "{path}");
+        assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn names_beside_points_cover_neither_points_nor_each_other() {
+        // Three crowded points and one apart.
+        let at = [[1.0, 1.0], [1.1, 1.0], [1.0, 1.05], [5.0, 3.0]];
+        let named = |(i, point): (usize, &[f64; 2])| {
+            Series::new(format!("method {i}"), Mark::Points, [*point]).named_at_points()
+        };
+        let plot = Plot {
+            series: at.iter().enumerate().map(named).collect(),
+            ..plot(Axis::linear("x").from(0.0).to(6.0), &[])
+        };
+        let svg = plot.to_svg();
+        let number = |line: &str, name: &str| -> f64 {
+            line.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+        };
+        let names: Vec<Area> = svg
+            .lines()
+            .filter(|line| line.contains("class=\"name\""))
+            .map(|line| {
+                let [x, y] = ["x", "y"].map(|name| number(line, &format!(" {name}")));
+                let width = "method 0".len() as f64 * LETTER[0];
+                Area { x: [x, x + width], y: [y + 3.0 - LETTER[1], y + 3.0] }
+            })
+            .collect();
+        assert_eq!(names.len(), 4);
+        let dots: Vec<Area> = svg
+            .lines()
+            .filter(|line| line.starts_with("<circle"))
+            .map(|line| Area::around(["cx", "cy"].map(|name| number(line, &format!(" {name}"))), 3.0))
+            .collect();
+        assert_eq!(dots.len(), 4);
+        for (i, name) in names.iter().enumerate() {
+            let others = names.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
+            assert!(others.chain(&dots).all(|other| name.shared(other) < 1.0), "{name:?} {svg}");
+        }
+        assert_eq!(
+            svg.matches("method 0").count(),
+            2,
+            "its name and what hovering tells: none in the legend"
+        );
+    }
+
+    #[test]
+    fn a_legend_that_would_take_much_of_the_width_stands_below() {
+        let named = |label: &str| {
+            let one = Series::new(label, Mark::Line, [[0.0, 1.0], [1.0, 2.0]]);
+            Plot { series: vec![one; 3], ..plot(Axis::linear("x"), &[]) }
+        };
+        assert_eq!(named("short").whole_size(), USUAL);
+        // Two beside each other, and one more.
+        let long = named(&"l".repeat(30));
+        assert_eq!(long.whole_size(), [640.0, 400.0 + 2.0 * LINE_HEIGHT]);
+        assert!(long.to_svg().contains("viewBox=\"0 0 640 436\""));
+        let texts = long.to_svg();
+        let heights =
+            texts.lines().filter(|line| line.contains("lll")).map(|line| line.split(" y=\"").nth(1).unwrap());
+        assert_eq!(
+            heights.map(|rest| rest.split('"').next().unwrap()).collect::<Vec<_>>(),
+            ["404.0", "404.0", "422.0"]
+        );
+    }
+
+    #[test]
+    fn diagrams_below_each_other_are_as_high_as_all() {
+        let one = plot(Axis::linear("x"), &[[0.0, 1.0]]);
+        let both = stacked(&[one.clone(), Plot { size: [700.0, 300.0], ..one }]);
+        assert!(both.contains("viewBox=\"0 0 700 700\"") && both.contains("translate(0 400)"), "{both}");
+    }
+
+    #[test]
+    fn zero_is_not_drawn_on_a_logarithmic_axis() {
+        let svg = plot(Axis::log("x"), &[[0.0, 1.0], [1.0, 1.0], [10.0, 2.0]]).to_svg();
+        assert!(!svg.contains("inf") && !svg.contains("NaN"));
+    }
+
+    #[test]
+    fn text_is_escaped_and_empty_plots_are_drawn() {
+        let svg = plot(Axis::linear("x"), &[]).to_svg();
+        assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
+    }
+}

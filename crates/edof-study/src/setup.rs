@@ -1,0 +1,83 @@
+//! Cameras and the methods that are measured behind each.
+
+use edof_camera::Camera;
+use edof_image::Stride;
+use edof_methods::nets::Net;
+use edof_methods::spec::MethodSpec;
+
+/// A camera and the methods that stand behind it.
+pub struct Setup {
+    /// The camera.
+    pub camera: Camera,
+    /// Methods.
+    pub methods: Vec<MethodSpec>,
+}
+
+/// Two nets would share their rows.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("net '{0}': given twice, every net needs a name of its own")]
+pub struct NetTwice(String);
+
+/// One setup for each camera, in the nets' order, with demosaicing as its first method.
+///
+/// # Errors
+/// A net given twice.
+pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetTwice> {
+    let mut names: Vec<String> = vec![];
+    let mut setups: Vec<Setup> = vec![];
+    for net in nets {
+        if names.contains(&net.name) {
+            return Err(NetTwice(net.name));
+        }
+        names.push(net.name.clone());
+        let camera = net.float.origin.camera.clone();
+        let index = setups.iter().position(|s| s.camera == camera).unwrap_or_else(|| {
+            setups.push(Setup { camera, methods: vec![MethodSpec::Malvar] });
+            setups.len() - 1
+        });
+        setups[index].methods.extend(net.methods(stride));
+    }
+    Ok(setups)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_network::{FixedNetwork, Network};
+
+    fn float(camera: &str) -> Network {
+        edof_random::silent(Camera::resolve(camera).unwrap())
+    }
+
+    /// Fixed weights made from the float weights of hash `h`.
+    fn fixed() -> (FixedNetwork, String) {
+        let network = edof_random::natural(8, 8, 7);
+        (FixedNetwork { float_hash: "h".into(), ..network }, "f".into())
+    }
+
+    #[test]
+    fn each_camera_has_one_setup_and_one_demosaicing() {
+        let net = |name: &str, camera, fixed| Net::new(name, float(camera), "h", fixed, Stride::PATCH).0;
+        let nets = vec![
+            net("a", "ring-2018", Some(fixed())),
+            net("b", "ring-2018", None),
+            net("c", "ring-outer", None),
+        ];
+        let setups = setups(nets, Stride::PATCH).unwrap();
+        // Reports use the name asked for, whatever the files say.
+        let names: Vec<Vec<String>> =
+            setups.iter().map(|s| s.methods.iter().map(|m| m.method().to_string()).collect()).collect();
+        assert_eq!(
+            names[0],
+            ["demosaic-malvar", "a.float", "a.float422", "a.fixed", "b.float", "b.float422"]
+        );
+        assert_eq!(names[1], ["demosaic-malvar", "c.float", "c.float422"]);
+    }
+
+    #[test]
+    fn a_net_given_twice_is_refused() {
+        let net = || Net::new("a", float("clear"), "h", None, Stride::PATCH).0;
+        let error = setups(vec![net(), net()], Stride::PATCH).err().unwrap().to_string();
+        assert_eq!(error, "net 'a': given twice, every net needs a name of its own");
+    }
+}

@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Proves blocks of the circuit: what is proven stands in proofs.json, the properties in BLOCK.sv beside it.
+
+Each task runs in SymbiYosys with several engines at once; the first that answers counts. A cover task shows that the assumptions leave
+room. Broken copies of a block must fail: a proof that cannot fail says nothing.
+"""
+
+import argparse
+import concurrent.futures
+import contextlib
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+HERE = pathlib.Path(__file__).parent
+
+
+def sby(task, mode):
+    """The text of SymbiYosys's task file."""
+    depth = task.get("cover_depth", task["depth"]) if mode == "cover" else task["depth"]
+    engines = task.get("engines", ["abc pdr", "smtbmc yices"]) if mode == "prove" else ["smtbmc yices"]
+    if mode == "bmc":
+        engines = ["smtbmc yices"]
+    parameters = "".join(f" -set {name} {value}" for name, value in task.get("parameters", {}).items())
+    defines = "".join(f" -D{name}" for name in task.get("defines", []) + (["COVER"] if mode == "cover" else []))
+    lines = ["[options]", f"mode {mode}", f"depth {depth}"]
+    lines += ["multiclock on"] if task.get("multiclock") else []
+    lines += ["[engines]", *engines, "[script]"]
+    lines += [f"read -formal{defines} {pathlib.Path(file).name}" for file in task["files"]]
+    lines += [f"read -formal{defines} {task['properties']}"]
+    lines += [f"chparam{parameters} prove"] if parameters else []
+    lines += ["prep -flatten -top prove", "[files]", *[pathlib.Path(file).name for file in task["files"]], task["properties"]]
+    return "\n".join(lines) + "\n"
+
+
+def run(task, mode, sources, out, broken=None):
+    """One run: what it is called, whether it went as it must, a line about it."""
+    name = task["name"] + {"prove": "", "bmc": "", "cover": ".cover"}[mode]
+    if broken is not None:
+        name += f".broken-{broken['name']}"
+    folder = out / name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for file in task["files"]:
+        places = [HERE / file, sources / file, HERE.parent / "rtl" / file]
+        text = next((place for place in places if place.exists()), places[1]).read_text()
+        if broken is not None and file == broken["file"]:
+            count = text.count(broken["old"])
+            if count != 1:
+                return name, False, f"'{broken['old']}' stands {count} times in {file}, not once"
+            text = text.replace(broken["old"], broken["new"])
+        (folder / pathlib.Path(file).name).write_text(text)
+    shutil.copy(HERE / task["properties"], folder)
+    (folder / "task.sby").write_text(sby(task, mode))
+    start = time.monotonic()
+    tools = [f"--{tool}={os.environ.get(tool.upper(), found)}" for tool, found in
+             [("yosys", "yosys"), ("abc", "yosys-abc"), ("smtbmc", "yosys-smtbmc")]]
+    with open(folder / "log", "w") as log:
+        # A session of its own: what it has started ends with it.
+        prover = subprocess.Popen(["yowasp-sby", "-f", *tools, "-d", "work", "task.sby"], cwd=folder, stdout=log,
+                                  stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            prover.wait(task.get("seconds", 300))
+        except subprocess.TimeoutExpired:
+            log.write("DONE (TIMEOUT)\n")
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(prover.pid, signal.SIGKILL)
+            prover.wait()
+    text = (folder / "log").read_text()
+    seconds = time.monotonic() - start
+    status = (re.findall(r"DONE \((\w+)", text) or ["ERROR"])[-1]
+    engine = re.findall(r"summary: engine_\d+ \(([^)]*)\) returned (?:pass|PASS|FAIL)(?! for)", text)
+    how = f"{status} by {engine[0] if engine else '-'} in {seconds:.1f} s"
+    good = status == ("FAIL" if broken is not None else "PASS")
+    if not good:
+        how += f"; its log: {folder / 'log'}"
+    return name, good, how
+
+
+def tasks_of(table, names, everything):
+    """What to run, the long ones first."""
+    chosen = [task for task in table if not names or task["block"] in names or task["name"] in names]
+    if not chosen:
+        known = ", ".join(sorted({task["block"] for task in table}))
+        sys.exit(f"prove.py: no block of the name '{' '.join(names)}'; there are {known}")
+    jobs = []
+    for task in chosen:
+        if task.get("long") and not everything and not names:
+            continue
+        mode = "bmc" if task.get("bounded") else "prove"
+        jobs.append((task, mode, None))
+        if task.get("cover", True):
+            jobs.append((task, "cover", None))
+        jobs += [(task, "bmc", broken) for broken in task.get("broken", [])]
+    return sorted(jobs, key=lambda job: -job[0].get("weight", 1))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sources", type=pathlib.Path, required=True, help="generated directory's rtl folder")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for logs and traces")
+    parser.add_argument("--all", action="store_true", help="the long proofs, too")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="proofs at one time")
+    parser.add_argument("--json", type=pathlib.Path, help="write the results to this file")
+    parser.add_argument("block", nargs="*", help="only these blocks or tasks")
+    options = parser.parse_args()
+    table = json.loads((HERE / "proofs.json").read_text())
+    jobs = tasks_of(table, options.block, options.all)
+    out, sources = options.out.resolve(), options.sources.resolve()
+    failed, results = 0, []
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        waiting = [pool.submit(run, task, mode, sources, out, broken) for task, mode, broken in jobs]
+        for job in concurrent.futures.as_completed(waiting):
+            name, good, how = job.result()
+            failed += not good
+            results.append({"name": name, "as_it_must": good, "result": how})
+            print(f"{'ok    ' if good else 'FAILED'} {name}: {how}", flush=True)
+    if options.json:
+        options.json.write_text(json.dumps(sorted(results, key=lambda row: row["name"]), indent=1) + "\n")
+    if failed:
+        sys.exit(f"{failed} of {len(jobs)} did not end as they must")
+    print(f"all {len(jobs)} ended as they must")
+
+
+if __name__ == "__main__":
+    main()
