@@ -124,7 +124,7 @@ const CRATES: &[Row] = &[
             "edof-hdl",
             "edof-board",
         ],
-        tests_use: &["edof-random", "edof-verilog"],
+        tests_use: &["edof-random", "edof-verilog", "edof-verilog-diff"],
         knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {

@@ -152,7 +152,9 @@ fn a_difference_names_what_drives_it_in_verilog_and_in_rust() {
         expected: 0,
         got: None,
     };
-    for (fault, port) in [(Fault::Word, "out_data_o"), (Fault::Set, "out_set_o"), (Fault::Late, "out_valid_o")] {
+    for (fault, port) in
+        [(Fault::Word, "out_data_o"), (Fault::Set, "out_set_o"), (Fault::Late, "out_valid_o")]
+    {
         let place = difference(fault).driver(&project, design.stages.len()).unwrap();
         let (file, line) = place.verilog.split_once(':').unwrap();
         let text = &project.verilog.iter().find(|(name, _)| name == file).unwrap().1;

@@ -37,14 +37,18 @@ impl Project {
     /// What drives an output of the block that these instances lead to from the top.
     #[must_use]
     pub fn driver(&self, instances: &[&str], port: &str) -> Option<Place> {
-        let module = instances.iter().try_fold(self.top.clone(), |module, instance| self.part(&module, instance))?;
+        let module =
+            instances.iter().try_fold(self.top.clone(), |module, instance| self.part(&module, instance))?;
         let file = format!("{module}.v");
         let text = self.text(&file)?;
         let drives = |line: &str| {
             let line = line.trim_start();
             line.starts_with(&format!("assign {port} =")) || line.starts_with(&format!("{port} ="))
         };
-        let at = text.lines().position(drives).or_else(|| text.lines().position(|line| line.contains(&format!("_o({port})"))))?;
+        let at = text
+            .lines()
+            .position(drives)
+            .or_else(|| text.lines().position(|line| line.contains(&format!("_o({port})"))))?;
         let map = self.sources.get(&file)?;
         let line = map.lines.get(at).copied().flatten();
         let rust = line.map_or_else(|| map.file.clone(), |line| format!("{}:{line}", map.file));

@@ -78,17 +78,19 @@ impl Text {
         let at = line(statement);
         let above = &self.lines[..at.saturating_sub(self.first).min(self.lines.len())];
         let indent = " ".repeat(statement.unwrap().start().column() - 1);
-        let said = |line: &&String| {
-            line.strip_prefix(&indent).and_then(|line| line.strip_prefix("//")).map(move |text| text.trim())
-        };
         let paragraph = above.iter().rev().take_while(|line| !line.trim().is_empty());
-        let mut comment: Vec<&str> =
-            paragraph.skip_while(|line| said(line).is_none()).map_while(|line| said(&line)).collect();
+        let paragraph = paragraph.skip_while(|line| comment_of(line, &indent).is_none());
+        let mut comment: Vec<&str> = paragraph.map_while(|line| comment_of(line, &indent)).collect();
         comment.reverse();
         // Quotes and braces mean something in a format string.
         let comment = comment.join(" ").replace(['"', '{', '}', '\\'], "'");
         format!("{MARK} {}:{at} {comment}", statement.unwrap().file()).trim_end().to_string()
     }
+}
+
+/// What a comment says that is indented so.
+fn comment_of<'l>(line: &'l str, indent: &str) -> Option<&'l str> {
+    Some(line.strip_prefix(indent)?.strip_prefix("//")?.trim())
 }
 
 fn line(span: Span) -> usize {

@@ -25,9 +25,8 @@ pub fn run<C: Block>(
         }
         settle(&mut circuit, cycle)?;
         let values = values(&circuit);
-        let value = |port: &&Port| {
-            values.get(&port.field).copied().ok_or_else(|| Failure::Port(port.field.clone()))
-        };
+        let value =
+            |port: &&Port| values.get(&port.field).copied().ok_or_else(|| Failure::Port(port.field.clone()));
         found.push(outputs.iter().map(value).collect::<Result<_, _>>()?);
         if let Some(clock) = harness.clock {
             for clk in [true, false] {

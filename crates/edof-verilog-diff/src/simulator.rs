@@ -49,12 +49,8 @@ impl Bench {
             let is_one = |port: &&Port| port.direction == direction && !port.is_clock;
             emitted.ports.iter().filter(is_one).cloned().collect()
         };
-        let bench = Self {
-            simulator,
-            inputs: named(Direction::Input),
-            outputs: named(Direction::Output),
-            folder,
-        };
+        let bench =
+            Self { simulator, inputs: named(Direction::Input), outputs: named(Direction::Output), folder };
         write(bench.folder.path(), "bench.v", &bench.text(emitted), simulator)?;
         let (program, arguments): (_, &[&str]) = match simulator {
             Simulator::Icarus => ("iverilog", &["-g2005", "-o", "bench", "-s", "bench", "bench.v"]),
@@ -102,9 +98,8 @@ impl Bench {
         for (word, ports) in [("reg", &self.inputs), ("wire", &self.outputs)] {
             ports.iter().for_each(|port| text += &format!("  {word} [{}:0] {};\n", port.bits - 1, port.name));
         }
-        let pin = |port: &Port| {
-            format!(".{}({})", port.name, if port.is_clock { "clock" } else { &port.name })
-        };
+        let pin =
+            |port: &Port| format!(".{}({})", port.name, if port.is_clock { "clock" } else { &port.name });
         let pins: Vec<String> = emitted.ports.iter().map(pin).collect();
         text += &format!("  {} dut (\n    {});\n  initial begin\n", emitted.top, pins.join(",\n    "));
         text += "    if (!$value$plusargs(\"rows=%d\", last)) last = 0;\n    $readmemh(\"rows.hex\", rows, 0, last - 1);\n";
@@ -123,8 +118,12 @@ impl Bench {
     }
 
     fn hexadecimal(&self, row: &[u128]) -> String {
-        let bits: String =
-            self.inputs.iter().zip(row).map(|(port, value)| format!("{value:0width$b}", width = port.bits)).collect();
+        let bits: String = self
+            .inputs
+            .iter()
+            .zip(row)
+            .map(|(port, value)| format!("{value:0width$b}", width = port.bits))
+            .collect();
         let padded = "0".repeat((4 - bits.len() % 4) % 4) + &bits;
         let digit = |four: &[u8]| {
             let value = four.iter().fold(0, |value, bit| value * 2 + u32::from(*bit == b'1'));
@@ -139,8 +138,28 @@ impl Bench {
 }
 
 const VERILATOR: [&str; 22] = [
-    "--binary", "--timing", "-Wno-lint", "-Wno-style", "-Wno-fatal", "-Wno-UNOPTFLAT", "-O1", "-CFLAGS", "-O0", "-j",
-    "2", "--x-initial", "unique", "--x-assign", "unique", "--Mdir", ".", "-o", "bench", "--top-module", "bench", "bench.v",
+    "--binary",
+    "--timing",
+    "-Wno-lint",
+    "-Wno-style",
+    "-Wno-fatal",
+    "-Wno-UNOPTFLAT",
+    "-O1",
+    "-CFLAGS",
+    "-O0",
+    "-j",
+    "2",
+    "--x-initial",
+    "unique",
+    "--x-assign",
+    "unique",
+    "--Mdir",
+    ".",
+    "-o",
+    "bench",
+    "--top-module",
+    "bench",
+    "bench.v",
 ];
 
 /// The modules of all leaves, each once: several leaves may stand on one.
@@ -148,7 +167,8 @@ fn leaves(emitted: &Emitted) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for text in emitted.leaf_texts.values().flat_map(|text| text.split_inclusive("endmodule")) {
         let head = text.lines().find_map(|line| line.trim_start().strip_prefix("module "));
-        let name = head.map(|head| head.split(|letter: char| !letter.is_alphanumeric() && letter != '_').next());
+        let name =
+            head.map(|head| head.split(|letter: char| !letter.is_alphanumeric() && letter != '_').next());
         if let Some(Some(name)) = name {
             found.entry(name.to_string()).or_insert_with(|| format!("{text}\n"));
         }

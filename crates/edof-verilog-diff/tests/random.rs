@@ -1,6 +1,5 @@
 //! The kit finds what it is made for, and random circuits agree.
 
-use edof_verilog::describe::Circuit as _;
 use edof_verilog::{Direction, Fault, emit};
 use edof_verilog_diff::random::{Circuit, Plan};
 use edof_verilog_diff::{Bench, Check, Failure, Random, Simulator, check, harness};
@@ -30,7 +29,8 @@ impl Logic for Counter {
             self.count_q.d.next = 0.into();
         }
         self.count.next = self.count_q.q.val();
-        self.full.next = self.count_q.q.val() >= 3 && self.count_q.q.val() < self._wrong_from;
+        let is_wrong = self._wrong_from < 256 && self.count_q.q.val() >= self._wrong_from;
+        self.full.next = self.count_q.q.val() >= 3 && !is_wrong;
     }
 
     fn connect(&mut self) {
@@ -54,7 +54,11 @@ struct Kernel {
 }
 
 impl Kernel {
-    fn connect_ports(count: &mut Signal<Out, Bits<8>>, full: &mut Signal<Out, Bit>, register: &mut DFF<Bits<8>>) {
+    fn connect_ports(
+        count: &mut Signal<Out, Bits<8>>,
+        full: &mut Signal<Out, Bit>,
+        register: &mut DFF<Bits<8>>,
+    ) {
         count.connect();
         full.connect();
         register.clock.connect();
@@ -120,8 +124,8 @@ struct Batch {
     pub reset: Signal<In, Bit>,
     pub a: Signal<In, Bits<8>>,
     pub b: Signal<In, Bits<8>>,
-    pub x: [Signal<Out, Bits<8>>; 40],
-    pub y: [Signal<Out, Bits<8>>; 40],
+    pub x: [Signal<Out, Bits<8>>; 24],
+    pub y: [Signal<Out, Bits<8>>; 24],
     circuits: Vec<Circuit>,
     _count: usize,
 }
@@ -129,7 +133,7 @@ struct Batch {
 impl Logic for Batch {
     #[hdl_gen]
     fn update(&mut self) {
-        for i in 0..40 {
+        for i in 0..24 {
             self.circuits[i].clock.next = self.clock.val();
             self.circuits[i].reset.next = self.reset.val();
             self.circuits[i].a.next = self.a.val();
@@ -140,10 +144,10 @@ impl Logic for Batch {
     }
 }
 
-/// Forty random circuits without a loop; those with one must be rejected.
+/// Random circuits without a loop; those with one must be rejected.
 fn plans(random: &mut Random) -> Vec<Plan> {
     let mut plans = vec![];
-    while plans.len() < 40 {
+    while plans.len() < 24 {
         let plan = Plan::drawn(random, 2, &format!("n{}", plans.len()));
         let mut circuit = Circuit::new(&plan);
         circuit.connect_all();
@@ -163,7 +167,7 @@ fn compare(seed: u64, cycles: usize) {
     let plans = plans(&mut Random::new(seed));
     let make = || {
         let circuits = plans.iter().map(Circuit::new).collect();
-        Batch::from_parts(BatchParts { circuits, _count: 40 })
+        Batch::from_parts(BatchParts { circuits, _count: 24 })
     };
     let harness = harness!(Batch, clock; reset, a, b);
     let how = Check { seed, ..with_reset(cycles) };
@@ -184,7 +188,7 @@ fn random_circuits_mean_what_rust_means() {
 #[test]
 #[ignore = "an hour: scripts/soak.sh"]
 fn ten_thousand_random_circuits_mean_what_rust_means() {
-    (2..252).for_each(|seed| compare(seed, 500));
+    (2..420).for_each(|seed| compare(seed, 500));
 }
 
 #[test]

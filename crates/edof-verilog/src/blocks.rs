@@ -13,7 +13,12 @@ use crate::scope::{Scope, SignalId};
 use crate::simplify::without_dead;
 
 /// The processes, joined. `blocks` are the whole blocks of the kernel, `edges` lead from every signal to those that follow it directly.
-pub(crate) fn join(scope: &Scope, processes: Vec<Process>, blocks: &[Process], edges: &[Path]) -> Vec<Process> {
+pub(crate) fn join(
+    scope: &Scope,
+    processes: Vec<Process>,
+    blocks: &[Process],
+    edges: &[Path],
+) -> Vec<Process> {
     let mut joining = Joining { scope, paths: sorted(paths(scope, edges)), edges: edges.to_vec() };
     let mut joined: Vec<Process> = vec![];
     for process in processes {

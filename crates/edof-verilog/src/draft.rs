@@ -10,6 +10,7 @@ use crate::cycles::{self, Path};
 use crate::describe::Description;
 use crate::error::{EmitError, Fault, rust_path};
 use crate::expression::Expression;
+use crate::instances::count_name;
 use crate::kernel::Statement;
 use crate::kind::{Kind, pins_of};
 use crate::names::Names;
@@ -20,7 +21,6 @@ use crate::sheet::Sheet;
 use crate::single::{plain, single_elements};
 use crate::value::Value;
 use crate::wiring::Wiring;
-use crate::instances::count_name;
 use crate::write::Writer;
 use crate::{Direction, Port};
 use crate::{blocks, edge, flow, kernel, live, order, simplify, tidy};
@@ -284,7 +284,9 @@ fn plain_names(scope: &Scope) -> HashMap<SignalId, String> {
         .collect();
     let is_telling = |port: &str| port.len() > 5 || port.contains('_');
     let is_plain = |(port, _): &&(String, SignalId)| {
-        is_telling(port) && !own.contains(port.as_str()) && outputs().filter(|(other, _)| other == port).count() == 1
+        is_telling(port)
+            && !own.contains(port.as_str())
+            && outputs().filter(|(other, _)| other == port).count() == 1
     };
     outputs().filter(is_plain).map(|(port, id)| (*id, port.clone())).collect()
 }

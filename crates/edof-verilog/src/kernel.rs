@@ -53,11 +53,8 @@ impl Note {
     /// One note of two that follow each other.
     fn and(self, next: Self) -> Self {
         let (file, line) = if next.line.is_some() { (next.file, next.line) } else { (self.file, self.line) };
-        let (text, is_own) = if self.is_own && !next.is_own {
-            (self.text, true)
-        } else {
-            (next.text, next.is_own)
-        };
+        let (text, is_own) =
+            if self.is_own && !next.is_own { (self.text, true) } else { (next.text, next.is_own) };
         Self { file, line, text, is_own }
     }
 }
@@ -90,7 +87,22 @@ pub(crate) enum Label {
 /// The statements of a kernel.
 pub(crate) fn lower(scope: &Scope, kernel: &VerilogBlock) -> Result<Vec<Statement>, EmitError> {
     let mut lowering = Lowering { scope, loops: vec![], macros: 0 };
-    lowering.block(kernel)
+    Ok(each_with_its_line(lowering.block(kernel)?))
+}
+
+/// The statements that one line of the kernel makes, for instance a loop, all with its note.
+fn each_with_its_line(statements: Vec<Statement>) -> Vec<Statement> {
+    let mut known: Option<Note> = None;
+    let mut all: Vec<Statement> = vec![];
+    for statement in statements {
+        match &statement {
+            Statement::Comment(note) => known = Some(note.clone()).filter(|note| note.line.is_some()),
+            _ if matches!(all.last(), Some(Statement::Comment(_))) => {}
+            _ => all.extend(known.clone().map(Statement::Comment)),
+        }
+        all.push(statement);
+    }
+    all
 }
 
 struct Lowering<'a> {

@@ -27,7 +27,8 @@ pub(crate) fn order(
 ) -> Vec<Process> {
     let declared = processes.iter().enumerate();
     let declared = declared.filter_map(|(n, process)| Some((declares(scope, process, reads)?, n))).collect();
-    let mut ordering = Ordering { processes: &processes, resolved, declared, seen: BTreeSet::new(), order: vec![] };
+    let mut ordering =
+        Ordering { processes: &processes, resolved, declared, seen: BTreeSet::new(), order: vec![] };
     (0..processes.len()).for_each(|n| ordering.add(n));
     let order = ordering.order;
     let mut processes: Vec<Option<Process>> = processes.into_iter().map(Some).collect();

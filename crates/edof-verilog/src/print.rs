@@ -124,7 +124,9 @@ impl<'a> Printer<'a> {
         let ty = expression.ty;
         match &expression.node {
             Node::Signal(id) => self.signal(*id),
-            Node::Literal(value) if *value < 0 => Text::operation(literal(ty, *value, self.number), ty.signed),
+            Node::Literal(value) if *value < 0 => {
+                Text::operation(literal(ty, *value, self.number), ty.signed)
+            }
             Node::Literal(value) => Text::atom(literal(ty, *value, self.number), ty.signed),
             Node::State(state) => Text::atom(self.state(state), false),
             Node::Not(x) => {
@@ -379,4 +381,3 @@ fn kind(x: &Expression) -> &'static str {
         _ => "value",
     }
 }
-

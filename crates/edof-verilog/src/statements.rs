@@ -181,14 +181,17 @@ fn enclosed(head: &str, body: &[String], end: &str) -> Vec<String> {
 fn arm(label: &str, body: Vec<String>) -> Vec<String> {
     match &body[..] {
         [] => vec![format!("{label}: ;")],
-        [one] if is_assignment(one) && label.len() + code(one).len() < SHORT => vec![format!("{label}: {one}")],
+        [one] if is_assignment(one) && label.len() + code(one).len() < SHORT => {
+            vec![format!("{label}: {one}")]
+        }
         _ => block(&format!("{label}: begin"), &body),
     }
 }
 
 /// One assignment: nothing to which an `else` could belong.
 fn is_assignment(line: &str) -> bool {
-    code(line).ends_with(';') && !["if (", "else", "case", "//", " "].iter().any(|word| line.starts_with(word))
+    code(line).ends_with(';')
+        && !["if (", "else", "case", "//", " "].iter().any(|word| line.starts_with(word))
 }
 
 fn choice_lines(branches: &[Branch]) -> Vec<String> {

@@ -113,7 +113,8 @@ fn comparisons(statement: &Statement) -> Option<(Expression, Vec<Arm>, Vec<State
 
 /// A `case` in which every arm does something: otherwise a chain of comparisons.
 fn case(subject: Expression, arms: Vec<Arm>, default: Option<Vec<Statement>>) -> Statement {
-    let is_full = arms.iter().all(|arm| !arm.body.is_empty()) && default.as_ref().is_some_and(|d| !d.is_empty());
+    let is_full =
+        arms.iter().all(|arm| !arm.body.is_empty()) && default.as_ref().is_some_and(|d| !d.is_empty());
     if is_full {
         return Statement::Case { subject, arms, default };
     }

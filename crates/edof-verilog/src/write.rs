@@ -8,13 +8,13 @@ use crate::cycles::keep;
 use crate::describe::Description;
 use crate::error::{EmitError, Fault};
 use crate::expression::{Expression, Node};
-use crate::kernel;
 use crate::instances::{array_name, count_name};
+use crate::kernel;
 use crate::kind::{Kind, pins_of};
-use crate::names::snake_case;
 use crate::layout::WIDTH;
-use crate::print::{Between, Printer};
+use crate::names::snake_case;
 use crate::order;
+use crate::print::{Between, Printer};
 use crate::process::Process;
 use crate::scope::{Role, Scope, SignalId};
 use crate::sheet::{Constant, Sheet};
@@ -108,7 +108,11 @@ impl Writer<'_> {
         let all_registered = groups.iter().all(|(from, _)| from.is_empty());
         if all_registered || groups.is_empty() {
             let has_registers = !groups.is_empty() && !self.scope.registers.is_empty();
-            return if has_registers { vec!["Every output comes from a register.".into()] } else { vec![] };
+            return if has_registers {
+                vec!["No output follows an input within the cycle.".into()]
+            } else {
+                vec![]
+            };
         }
         let line = |(from, outputs): &(BTreeSet<SignalId>, Vec<String>)| {
             let from: Vec<String> = from.iter().map(name).collect();
@@ -194,14 +198,14 @@ impl Writer<'_> {
         let start = |id: SignalId| {
             let register = self.scope.registers.iter().find(|register| register.value == id);
             let value = register.and_then(|register| register.start.as_ref());
-            value.map_or(String::new(), |value| format!(" = {}", pattern(self.scope.signals[id].ty, value, Use::Value)))
+            value.map_or(String::new(), |value| {
+                format!(" = {}", pattern(self.scope.signals[id].ty, value, Use::Value))
+            })
         };
         let combinational = self.processes.iter().filter(|process| process.is_combinational());
         let declared = |id: &SignalId| !self.is_declared_by_its_value(*id);
-        let driven: BTreeSet<SignalId> = combinational
-            .flat_map(|process| process.targets.iter().copied())
-            .filter(declared)
-            .collect();
+        let driven: BTreeSet<SignalId> =
+            combinational.flat_map(|process| process.targets.iter().copied()).filter(declared).collect();
         let has_pin = self.pins();
         let in_array: BTreeSet<SignalId> = self.array_outputs().into_iter().collect();
         let declare = |id: SignalId| {
@@ -328,14 +332,7 @@ impl Writer<'_> {
             [one] => format!("wire {name} = ^{one};"),
             _ => format!("wire {name} = ^{{{}}};", all.join(", ")),
         };
-        if line.len() <= 100 {
-            return vec![note, line];
-        }
-        let last = all.len() - 1;
-        let each =
-            all.iter().enumerate().map(|(n, one)| format!("    {one}{}", if n == last { "" } else { "," }));
-        let (first, end) = (format!("wire {name} = ^{{"), "};".to_string());
-        [note, first].into_iter().chain(each).chain([end]).collect()
+        vec![note, line]
     }
 
     /// Assignments and `always @*` blocks, one paragraph for each run of assignments and each block.

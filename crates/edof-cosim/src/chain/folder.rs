@@ -32,7 +32,9 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
     verilog.reverse();
     // A changed file's lines are not those that the map knows.
     let is_kept = |name: &String| {
-        let text = |files: &[(String, String)]| files.iter().find(|(file, _)| file == name).map(|(_, text)| text.clone());
+        let text = |files: &[(String, String)]| {
+            files.iter().find(|(file, _)| file == name).map(|(_, text)| text.clone())
+        };
         text(&verilog) == text(&project.verilog)
     };
     let sources = project.sources.iter().filter(|(name, _)| is_kept(name));

@@ -236,8 +236,8 @@ impl Logic for Sequencer {
 
         // What the step reads.
         self.valid_a.next = self.step_valid.val() && (self.linear_q.q.val() || !self.empty.q.val());
-        self.valid_b.next =
-            self.step_valid.val() && (self.linear_q.q.val() || !(self.at_end.q.val() && self.odd_count.q.val()));
+        self.valid_b.next = self.step_valid.val()
+            && (self.linear_q.q.val() || !(self.at_end.q.val() && self.odd_count.q.val()));
         self.first.next = self.step_valid.val() && self.first_q.q.val();
         self.linear.next = self.linear_q.q.val();
         self.set.next = self.set_q.q.val();

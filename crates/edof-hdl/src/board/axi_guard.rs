@@ -64,7 +64,8 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
     fn update(&mut self) {
         dff_setup!(
             self, clock, closed, aw_valid, aw_id, aw_addr, aw_len, aw_size, aw_burst, w_valid, w_data,
-            w_strb, w_last, ar_valid, ar_id, ar_addr, ar_len, ar_size, ar_burst, open, remaining, writes, reads
+            w_strb, w_last, ar_valid, ar_id, ar_addr, ar_len, ar_size, ar_burst, open, remaining, writes,
+            reads
         );
 
         // Addresses of writes.

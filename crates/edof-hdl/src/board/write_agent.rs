@@ -256,7 +256,8 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.sends.d.next = self.has_word.q.val();
             self.sent_word.d.next = self.ram.read_data.val();
             self.sent_last.d.next = ((self.sent.q.val() & self.last_word.val()) == self.last_word.val())
-                || ((self.phase.q.val() == Phase::Complete) && (self.sent_next.q.val() == self.write_ptr.q.val()));
+                || ((self.phase.q.val() == Phase::Complete)
+                    && (self.sent_next.q.val() == self.write_ptr.q.val()));
             if self.has_word.q.val() {
                 self.sent_then.next = self.sent_next.q.val();
                 self.sent_next.d.next = self.sent_next.q.val() + 1;

@@ -159,7 +159,9 @@ impl Circuit {
     fn run(&mut self, statements: &[Statement]) {
         for statement in statements {
             match statement {
-                Statement::Assign(Target::Register(n), value) => self.registers[*n].d.next = self.value(value),
+                Statement::Assign(Target::Register(n), value) => {
+                    self.registers[*n].d.next = self.value(value)
+                }
                 Statement::Assign(Target::Local(n), value) => self.locals[*n].next = self.value(value),
                 Statement::If(test, then, otherwise) => {
                     let body = if self.holds(test) { then } else { otherwise };
@@ -193,7 +195,8 @@ impl Logic for Circuit {
             let (at, data, enable) = (self.value(at), self.value(data), self.value(enable));
             let clock = self.clock.val();
             let memory = &mut self.memories[n];
-            (memory.clock.next, memory.at.next, memory.data.next, memory.enable.next) = (clock, at, data, enable);
+            (memory.clock.next, memory.at.next, memory.data.next, memory.enable.next) =
+                (clock, at, data, enable);
         }
         self.x.next = self.value(&plan.outputs[0]);
         self.y.next = self.value(&plan.outputs[1]);

@@ -36,20 +36,11 @@ impl Plan {
             statements.extend(guarded(random, &names, &targets, 2));
         }
         let feeds = parts.iter().map(|_| [expr(random, &names, 1), expr(random, &names, 1)]).collect();
-        let memories =
-            (0..memories).map(|_| [expr(random, &names, 1), expr(random, &names, 1), expr(random, &names, 1)]);
+        let memories = (0..memories)
+            .map(|_| [expr(random, &names, 1), expr(random, &names, 1), expr(random, &names, 1)]);
         let memories = memories.collect();
         let outputs = [expr(random, &names, 1), Expr::Register(random.below(registers))];
-        Self {
-            name: name.into(),
-            registers,
-            locals,
-            statements,
-            parts,
-            feeds,
-            memories,
-            outputs,
-        }
+        Self { name: name.into(), registers, locals, statements, parts, feeds, memories, outputs }
     }
 }
 
@@ -91,7 +82,7 @@ fn test(random: &mut Random, names: &Names, depth: usize) -> Test {
 
 /// Statements under conditions.
 fn guarded(random: &mut Random, names: &Names, targets: &[Target], depth: usize) -> Vec<Statement> {
-    let mut body = |random: &mut Random| -> Vec<Statement> {
+    let body = |random: &mut Random| -> Vec<Statement> {
         if depth > 0 && random.chance(90) {
             return guarded(random, names, targets, depth - 1);
         }

@@ -70,7 +70,9 @@ impl Plan {
             // From output o of part n back to an input of the part that o follows.
             let paths = self.parts[n].paths();
             (0..2).any(|o| {
-                (0..2).any(|i| paths[o][i] && self.reaches_part(&self.feeds[n][i], n * 2 + o, &sources, &mut vec![]))
+                (0..2).any(|i| {
+                    paths[o][i] && self.reaches_part(&self.feeds[n][i], n * 2 + o, &sources, &mut vec![])
+                })
             })
         };
         self.parts.iter().any(Self::loops) || (0..self.parts.len()).any(through)

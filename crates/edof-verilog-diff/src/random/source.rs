@@ -2,8 +2,8 @@
 
 use super::plan::{Expr, Statement, Target, Test};
 use rust_hdl::prelude::ast::{
-    VerilogBlockOrConditional as Otherwise, VerilogCase, VerilogConditional, VerilogExpression as Source, VerilogMatch,
-    VerilogOp as Op, VerilogOpUnary as Unary, VerilogStatement,
+    VerilogBlockOrConditional as Otherwise, VerilogCase, VerilogConditional, VerilogExpression as Source,
+    VerilogMatch, VerilogOp as Op, VerilogOpUnary as Unary, VerilogStatement,
 };
 
 pub(super) fn name(key: &str) -> Source {
