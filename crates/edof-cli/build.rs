@@ -1,7 +1,5 @@
-//! Embeds every network under `weights/`, so that the program finds them wherever it is started, and tells it the git revision that
-//! it is built from.
+//! States the git revision and the compiler that the program is built from.
 
-use std::fmt::Write;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -17,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("cargo::rustc-env=EDOF_REVISION={revision}");
     }
     println!("cargo::rustc-env=EDOF_COMPILER={}", compiler()?);
-    embed()
+    Ok(())
 }
 
 /// Version of the compiler, as it states it itself.
@@ -62,25 +60,4 @@ fn difference(root: &Path, sources: &[&str]) -> Option<u64> {
 fn git(root: &Path, words: &[&str]) -> Option<String> {
     let output = Command::new("git").arg("-C").arg(root).args(words).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
-}
-
-fn embed() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR")?).join("../../weights");
-    println!("cargo::rerun-if-changed={}", folder.display());
-    let mut files: Vec<PathBuf> = match std::fs::read_dir(&folder) {
-        Ok(entries) => entries.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>()?,
-        Err(_) => vec![],
-    };
-    files.retain(|f| f.extension().is_some_and(|e| e == "safetensors"));
-    files.sort();
-    let mut table = String::from("&[\n");
-    for file in files {
-        let file = file.canonicalize()?;
-        println!("cargo::rerun-if-changed={}", file.display());
-        let name = file.file_name().and_then(|n| n.to_str()).ok_or("weights/: a name that is no text")?;
-        writeln!(table, "    ({name:?}, include_bytes!({:?})),", file.display().to_string())?;
-    }
-    table.push_str("]\n");
-    std::fs::write(Path::new(&std::env::var("OUT_DIR")?).join("embedded.rs"), table)?;
-    Ok(())
 }

@@ -34,6 +34,11 @@
 //! assert_eq!((loaded.bank, loaded.in_use), ('b', 'b'));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Stability
+//!
+//! Stable: register names, addresses and frames on the line of register map 2.x (docs/host.md). Signatures may change between minor versions until 1.0;
+//! `examples/load_a_network.rs` is kept compiling.
 
 pub mod align;
 pub mod board;

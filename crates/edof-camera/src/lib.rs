@@ -12,6 +12,10 @@
 //! assert_eq!(camera.name, "ring-2018");
 //! # Ok::<(), edof_camera::camera::CameraError>(())
 //! ```
+//!
+//! # Stability
+//!
+//! Stable: the fields of camera files and PSF banks; new ones are optional. Signatures may change between minor versions until 1.0.
 
 pub mod camera;
 pub mod height_map;

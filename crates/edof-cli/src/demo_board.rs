@@ -1,9 +1,10 @@
 //! The board in `edof demo`: the sources of its bitstream, and a crop of the coded lens's frame through its Verilog, from pins to pins.
 
 use crate::cosim_system::{self, BESIDES};
+use crate::designs;
 use crate::error::Error;
-use crate::sources::Sources;
 use crate::ui::Ui;
+use edof_cosim::bitstream::Sources;
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_golden::{Display, Golden};
@@ -55,6 +56,7 @@ impl Board {
     /// # Errors
     /// Design and network do not fit each other.
     pub fn of(design: Design, network: FixedNetwork) -> Result<Self, Error> {
+        designs::fits(&design, &network)?;
         let sources = Sources::of(&design, &network)?;
         Ok(Self { design, network, sources })
     }
@@ -70,7 +72,7 @@ impl Board {
     /// A folder that cannot be written, no picture, or one that is not golden. A simulator that is missing is none.
     pub fn tell(&self, raw: &RawFrame, out: &Path, ui: &Ui) -> Result<Told, Error> {
         let folder = out.join(FOLDER);
-        self.sources.write(&folder, false)?;
+        self.sources.write(&folder, false).map_err(Error::of_folder)?;
         let (summary, design) = (self.sources.summary(&folder), self.design.name.clone());
         ui.note(&summary);
         let tried = self.tried(raw, ui)?;

@@ -1,5 +1,6 @@
 //! The one line that a failure prints.
 
+use edof_storage::folder::FolderError;
 use std::fmt;
 
 /// Why a sub-command stopped: any error of ours, a message, or Ctrl-C. Always shown as one line.
@@ -17,6 +18,14 @@ impl Error {
     /// A failure told in our own words: what, where, and what would have been right.
     pub fn message(text: impl Into<String>) -> Self {
         Self::Failed(text.into().into())
+    }
+
+    /// A folder that `--out` names and that is not written.
+    pub fn of_folder(error: FolderError) -> Self {
+        match error {
+            FolderError::Write(line) => Self::message(line),
+            refused => Self::message(format!("--out {refused}")),
+        }
     }
 
     /// Whether the reader of our output went away, as in `edof … | head`: no failure of ours.

@@ -6,19 +6,13 @@
 //! | results on standard output, progress on standard error | [`ui`] |
 //! | the one line that a failure prints | [`error`] |
 //! | no output replaces an input or another output | [`files`] |
-//! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | Ctrl-C | [`interrupt`] |
 //! | whether a job fits the machine | [`memory`] |
 //! | photographs, of even sides | [`pictures`] |
-//! | a network's form in words | [`form`] |
 //! | what is written about a run into its results | [`provenance`] |
-//! | networks by name, wherever the program is started | [`weights`] |
-//! | designs likewise | [`designs`] |
 //! | what a network runs on | [`device`] |
-//! | the sources of a bitstream | [`sources`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | windows to feed the hardware with | [`windows`] |
-//! | a camera, with PSFs of its own | [`lens`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
 //! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
@@ -26,15 +20,11 @@
 mod commands;
 mod cosim_system;
 mod demo_board;
-mod designs;
 mod device;
 mod error;
 mod error_bounds;
 mod files;
-mod folder;
-mod form;
 mod interrupt;
-mod lens;
 mod memory;
 mod npz;
 #[cfg(test)]
@@ -42,13 +32,13 @@ mod pages;
 mod pictures;
 mod provenance;
 mod scene_file;
-mod sources;
 mod ui;
-mod weights;
 mod windows;
 mod words;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use edof_network::form;
+use edof_presets::{designs, lens, weights};
 use error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;

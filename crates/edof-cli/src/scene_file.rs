@@ -161,7 +161,7 @@ impl SceneFile {
         };
         depth
             .map_err(Error::message)
-            .and_then(|depth| depth.psi(camera))
+            .and_then(|depth| Ok(depth.psi(camera)?))
             .map_err(|e| Error::message(format!("{}: layer {index}: {e}", self.path.display())))
     }
 }

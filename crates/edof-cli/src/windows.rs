@@ -4,8 +4,7 @@ use crate::error::Error;
 use crate::lens::Depth;
 use crate::pictures;
 use crate::ui::Ui;
-use edof_golden::windows;
-use edof_image::{Geometry, Noise, RawFrame, Tone};
+use edof_image::{Noise, RawFrame, Tone};
 use edof_network::FixedNetwork;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
@@ -57,7 +56,7 @@ impl Shot {
 
     fn depth(&self, network: &FixedNetwork) -> Result<f64, Error> {
         let camera = &network.origin.camera;
-        self.psi.map_or(Ok(camera.psi_range[1]), |depth| depth.psi(camera))
+        self.psi.map_or(Ok(camera.psi_range[1]), |depth| Ok(depth.psi(camera)?))
     }
 
     /// The raw frame.
@@ -92,20 +91,4 @@ impl Shot {
 /// The tone of the first condition that a network was trained for.
 pub fn tone(network: &FixedNetwork) -> Tone {
     network.origin.conditions.first().map_or(Tone::Linear, |condition| condition.tone)
-}
-
-/// All windows of a frame, in the order in which the hardware takes them.
-///
-/// # Errors
-/// A frame that is too small for the network's windows.
-pub fn of<'a>(
-    network: &FixedNetwork,
-    raw: &'a RawFrame,
-) -> Result<impl Iterator<Item = Vec<i16>> + 'a, Error> {
-    let geometry = Geometry::new(network.form.window, network.stride);
-    let (height, width) = raw.size();
-    geometry.check_frame((height, width))?;
-    let (rows, columns) = geometry.patches(height, width);
-    Ok((0..rows)
-        .flat_map(move |row| (0..columns).map(move |column| windows::window(raw, geometry, row, column))))
 }

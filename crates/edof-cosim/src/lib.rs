@@ -11,6 +11,9 @@
 //! | compare | [`chain`] | the calculator against the cycle model, at every boundary |
 //! | surround | [`bench`](mod@bench) | any block with streams and AXI ports, in several clock domains |
 //! | everything | [`system`] | the whole core, from the receiver's pins to the transmitter's |
+//! | foresee | [`estimate`] | cycles, frames a second and cells of a design |
+//! | | [`explore`] | the foldings of a network that fit a device |
+//! | build | [`bitstream`] | every file that a board's bitstream is made from |
 //! | tell | [`junit`], [`error`] | a report for CI, and what can go wrong |
 //!
 //! A counter, driven by hand:
@@ -34,10 +37,13 @@
 //! ```
 
 pub mod bench;
+pub mod bitstream;
 mod cache;
 pub mod chain;
 mod emitted;
 pub mod error;
+pub mod estimate;
+pub mod explore;
 pub mod finding;
 pub mod icarus;
 pub mod junit;

@@ -1,5 +1,6 @@
 //! Light to codes by look-up tables that the host can load: one for luma, one for each colour.
 
+use edof_image::ColourFrame;
 use edof_image::colour::srgb_encode;
 use edof_image::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
 use edof_image::number::OUTPUT_FRACTION;
@@ -31,6 +32,15 @@ impl Curve {
             Self::Bt709 if light < 0.018 => 4.5 * light,
             Self::Bt709 => 1.099 * light.powf(0.45) - 0.099,
         }
+    }
+
+    /// A frame of light as the numbers of a picture; all but the linear curve hold them to 0…1.
+    #[must_use]
+    pub fn encoded(self, mut light: ColourFrame) -> ColourFrame {
+        if self != Self::Linear {
+            light.planes.mapv_inplace(|v| self.encode(f64::from(v.clamp(0.0, 1.0))) as f32);
+        }
+        light
     }
 
     /// The curve at a word with [`OUTPUT_FRACTION`] fraction bits, times `scale`, plus `zero`; rounded, ties up. Words of 1 and above

@@ -30,6 +30,11 @@
 //! assert_eq!(counts.out_of_gamut, 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Stability
+//!
+//! Stable: every word and code (docs/contract.md) and the names of boundaries. Signatures may change between minor versions until 1.0; [`Golden`], [`Display`] and
+//! `examples/raw_to_codes.rs` last, modules of the fast kernels do not.
 
 pub mod cycle;
 pub mod display;

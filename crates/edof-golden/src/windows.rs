@@ -1,8 +1,9 @@
 //! Windows: the input words that a network sees around a patch.
 
-use edof_image::geometry::mirror;
+use edof_image::geometry::{GeometryError, mirror};
 use edof_image::number::input_word;
 use edof_image::{Geometry, RawFrame};
+use edof_network::FixedNetwork;
 use std::ops::Range;
 
 /// Input words of the window around patch (`row`, `column`) of a red-first frame, row by row, mirrored at the borders.
@@ -16,6 +17,21 @@ pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> 
         .flat_map(|r| (left..left + side).map(move |c| (r, c)))
         .map(|(r, c)| input_word(raw.pixels()[(mirror(r, height), mirror(c, width))]))
         .collect()
+}
+
+/// All windows of a red-first frame, in the order in which the hardware takes them.
+///
+/// # Errors
+/// [`GeometryError`] for a frame that is too small for the network's windows.
+pub fn all<'a>(
+    network: &FixedNetwork,
+    raw: &'a RawFrame,
+) -> Result<impl Iterator<Item = Vec<i16>> + use<'a>, GeometryError> {
+    let geometry = Geometry::new(network.form.window, network.stride);
+    let (height, width) = raw.size();
+    geometry.check_frame((height, width))?;
+    let (rows, columns) = geometry.patches(height, width);
+    Ok((0..rows).flat_map(move |row| (0..columns).map(move |column| window(raw, geometry, row, column))))
 }
 
 /// The lines that some rows of patches see, as input words with the mirrored border around them, so that every window is a plain block.

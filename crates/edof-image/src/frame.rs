@@ -2,7 +2,7 @@
 
 use crate::cfa::CfaPhase;
 use crate::geometry::{GeometryError, mirror};
-use ndarray::{Array2, Array3};
+use ndarray::{Array2, Array3, ArrayView2};
 
 /// A raw Bayer frame. Words of 16 bits hold `depth` bits aligned to the top; full scale (1.0 in linear light) is 65536.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,6 +33,22 @@ impl RawFrame {
     /// # Errors
     /// [`FrameError`] for odd sides, a depth outside 8…16 or a value that does not fit the depth.
     pub fn from_values(values: Array2<u16>, depth: u32, phase: CfaPhase) -> Result<Self, FrameError> {
+        Self::check(values.view(), depth)?;
+        Ok(Self { pixels: values.mapv_into(|v| v << (16 - depth)), depth, phase })
+    }
+
+    /// As [`RawFrame::from_values`], of somebody else's memory in any layout: words are aligned in the one pass that reads it.
+    ///
+    /// # Errors
+    /// As [`RawFrame::from_values`].
+    pub fn from_view(values: ArrayView2<'_, u16>, depth: u32, phase: CfaPhase) -> Result<Self, FrameError> {
+        Self::check(values, depth)?;
+        let mut pixels = Array2::zeros(values.raw_dim());
+        ndarray::Zip::from(&mut pixels).and(values).for_each(|word, value| *word = value << (16 - depth));
+        Ok(Self { pixels, depth, phase })
+    }
+
+    fn check(values: ArrayView2<'_, u16>, depth: u32) -> Result<(), FrameError> {
         if !(8..=16).contains(&depth) {
             return Err(FrameError::Depth(depth));
         }
@@ -45,7 +61,7 @@ impl RawFrame {
         {
             return Err(FrameError::Value { row, column, value, depth });
         }
-        Ok(Self { pixels: values.mapv_into(|v| v << (16 - depth)), depth, phase })
+        Ok(())
     }
 
     /// Words aligned to the top of 16 bits, rows × columns.
@@ -148,6 +164,15 @@ mod tests {
         let frame = RawFrame::from_values(ramp(4, 6), 12, CfaPhase::Rggb).unwrap();
         assert_eq!(frame.pixels()[(0, 1)], 16);
         assert_eq!(frame.values(), ramp(4, 6));
+    }
+
+    #[test]
+    fn a_view_of_any_strides_is_the_frame_of_its_values() {
+        let values = ramp(8, 12);
+        let view = values.slice(ndarray::s![..;-2, 1..;2]);
+        let owned = RawFrame::from_values(view.to_owned(), 12, CfaPhase::Gbrg).unwrap();
+        assert_eq!(RawFrame::from_view(view, 12, CfaPhase::Gbrg).unwrap(), owned);
+        assert!(RawFrame::from_view(values.slice(ndarray::s![1.., ..]), 12, CfaPhase::Rggb).is_err());
     }
 
     #[test]

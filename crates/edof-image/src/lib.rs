@@ -23,6 +23,10 @@
 //! assert_eq!(g.patches(1080, 1920), (135, 240));
 //! # Ok::<(), edof_image::geometry::GeometryError>(())
 //! ```
+//!
+//! # Stability
+//!
+//! Stable: number formats, phases, window and patch positions (docs/contract.md). Signatures may change between minor versions until 1.0.
 
 pub mod cable;
 pub mod cfa;

@@ -3,10 +3,16 @@
 //! | what | module |
 //! |---|---|
 //! | architecture and float weights | [`network`] |
+//! | an architecture in words, as `--form` takes it | [`form`] |
 //! | integer weights, shifts, thresholds (docs/contract.md) | [`fixed_network`] |
 //! | weight files (safetensors) | [`weight_file`] |
+//!
+//! # Stability
+//!
+//! Stable: weight files of this and earlier versions are read, and their words mean the same (docs/contract.md). Signatures may change between minor versions until 1.0.
 
 pub mod fixed_network;
+pub mod form;
 pub mod network;
 pub mod weight_file;
 

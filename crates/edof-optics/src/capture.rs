@@ -1,6 +1,6 @@
 //! From a scene to a raw frame, modelling only what the scene needs, and what that saved and cost.
 
-use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs};
+use crate::psf::{self, NoPsf, Psf, Settings, SettingsError, channel_psfs};
 use crate::scene::{Scene, SceneError};
 use crate::sensor::{Sensor, SensorError, expose};
 use edof_camera::Camera;
@@ -18,6 +18,14 @@ pub struct Approximation {
 }
 
 impl Approximation {
+    /// # Errors
+    /// [`SettingsError`] for shares or tolerances out of range.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        self.psf.check()?;
+        let depths = self.depth_tolerance;
+        if depths.is_finite() && depths >= 0.0 { Ok(()) } else { Err(SettingsError::Depths(depths)) }
+    }
+
     /// None at all.
     #[must_use]
     pub fn exact() -> Self {

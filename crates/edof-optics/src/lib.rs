@@ -23,6 +23,10 @@
 //! | world | [`statistics`] | how photographs vary, measured or as a model |
 //! | judge | [`estimator`] | what a linear estimator reaches behind a camera, in closed form |
 //! | search | [`design`] | mask and focus by differential evolution |
+//!
+//! # Stability
+//!
+//! Stable: what a camera file means, and the words that a seed gives. Signatures may change between minor versions until 1.0; `examples/lens_to_raw.rs` is kept compiling.
 
 pub mod bank;
 pub mod blur;

@@ -37,7 +37,37 @@ impl Default for Settings {
     }
 }
 
+/// Settings that no PSF is computed by.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// No share.
+    #[error("energy {0}: must be more than 0 and at most 1")]
+    Energy(f64),
+    /// Negative, or more than all.
+    #[error("wavelength-tolerance {0}: must be 0 or more")]
+    Wavelengths(f64),
+    /// More than all of the energy.
+    #[error("wavelength-tolerance {0}: a share, must be 0 to 1")]
+    Share(f64),
+    /// Of a capture: negative, or no number.
+    #[error("depth-tolerance {0}: must be 0 or more")]
+    Depths(f64),
+}
+
 impl Settings {
+    /// # Errors
+    /// [`SettingsError`] for shares outside of 0…1.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        if !(self.energy > 0.0 && self.energy <= 1.0) {
+            return Err(SettingsError::Energy(self.energy));
+        }
+        match self.wavelength_tolerance {
+            share if !(share.is_finite() && share >= 0.0) => Err(SettingsError::Wavelengths(share)),
+            share if share > 1.0 => Err(SettingsError::Share(share)),
+            _ => Ok(()),
+        }
+    }
+
     /// Nothing left out.
     #[must_use]
     pub fn exact() -> Self {

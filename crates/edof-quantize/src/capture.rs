@@ -1,10 +1,12 @@
 //! Scenes to calibrate and judge on: sharp pictures behind the network's own camera, over its whole range of ψ and noise.
 
 use crate::Scene;
-use edof_image::{ColourFrame, Noise};
+use edof_image::{ColourFrame, Noise, Stride};
+use edof_network::fixed_network::CalibratedOn;
 use edof_network::network::{Condition, Origin};
 use edof_optics::blur::blur_frame;
 use edof_optics::capture::CaptureError;
+use edof_optics::draw::{Builtin, DrawError, draw};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::sensor::{Sensor, SensorError, expose};
 use rayon::prelude::*;
@@ -13,6 +15,35 @@ use rayon::prelude::*;
 const DEPTHS: usize = 9;
 /// Bits of the sensor.
 pub const DEPTH: u32 = 12;
+
+/// Built-in scenes to calibrate on where there are no photographs, and their size.
+const DRAWN: u64 = 3;
+const DRAWN_SIZE: (usize, usize) = (384, 512);
+
+/// Pictures to calibrate on where nobody gives photographs: dead leaves.
+///
+/// # Errors
+/// [`DrawError`], if there is no such scene.
+pub fn drawn() -> Result<Vec<(String, ColourFrame)>, DrawError> {
+    let (height, width) = DRAWN_SIZE;
+    let picture = |seed| {
+        let scene = draw(Builtin::Leaves, height, width, &[0.0], seed)?;
+        Ok((format!("leaves-{seed}"), scene.sharp()))
+    };
+    (0..DRAWN).map(picture).collect()
+}
+
+/// How a network was calibrated: on so many windows of what [`capture`] gives.
+#[must_use]
+pub fn calibrated_on(origin: &Origin, windows: u64) -> CalibratedOn {
+    CalibratedOn {
+        stride: Stride::FINEST,
+        windows,
+        psis: depths(origin.camera.psi_range),
+        conditions: origin.conditions.clone(),
+        depth: DEPTH,
+    }
+}
 
 /// Captures every picture at nine depths of the range that the network's camera is meant for and under every condition that it was
 /// trained for: each tone, without noise and with the most. `tell` hears how many pictures are done. The same pictures give the

@@ -25,6 +25,10 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Stability
+//!
+//! Stable: files of fixed networks. Signatures may change between minor versions until 1.0; `examples/lens_to_picture.rs` goes from a lens to a picture in thirty lines.
 
 pub mod bounds;
 pub mod calibration;

@@ -3,6 +3,7 @@
 //! | what | module |
 //! |---|---|
 //! | files that appear whole or not at all | [`atomic`] |
+//! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | SHA-256 of contents | [`digest`] |
 //! | arrays in files of other programs (`.npz`, safetensors) | [`arrays`] |
 //! | command, version, inputs and machine behind a result | [`provenance`] |
@@ -12,4 +13,5 @@
 pub mod arrays;
 pub mod atomic;
 pub mod digest;
+pub mod folder;
 pub mod provenance;

@@ -8,10 +8,10 @@ use edof_image::RawFrame;
 use edof_image::cable::carried;
 use edof_image::display::{COLOUR_ADDRESS_BITS, DisplayMode, LUMA_ENTRIES};
 use edof_network::FixedNetwork;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// A picture as the screen shows it: a word a pixel, Y′ low, Cb′ or Cr′ high.
-pub type Pixels = Rc<Vec<u16>>;
+pub type Pixels = Arc<Vec<u16>>;
 
 /// What a raw frame became.
 #[derive(Debug, Clone)]
@@ -79,5 +79,5 @@ pub fn made(network: FixedNetwork, display: &Display, raw: &RawFrame) -> Option<
     let (picture, shown) = frame.picture(display);
     let word = |bytes: &[u8]| u16::from_le_bytes([bytes[0], bytes[1]]);
     let pixels = picture.yuyv().chunks_exact(2).map(word).collect();
-    Some(Made { pixels: Rc::new(pixels), counts: frame.counts, shown })
+    Some(Made { pixels: Arc::new(pixels), counts: frame.counts, shown })
 }

@@ -382,25 +382,11 @@ impl Args {
         if self.exact {
             return Ok(Approximation::exact());
         }
-        if !(self.energy > 0.0 && self.energy <= 1.0) {
-            return Err(Error::message(format!(
-                "--energy {}: must be more than 0 and at most 1",
-                self.energy
-            )));
-        }
-        let shares = [("wavelength", self.wavelength_tolerance), ("depth", self.depth_tolerance)];
-        if let Some((name, value)) = shares.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0)) {
-            return Err(Error::message(format!("--{name}-tolerance {value}: must be 0 or more")));
-        }
-        if self.wavelength_tolerance > 1.0 {
-            return Err(Error::message(format!(
-                "--wavelength-tolerance {}: a share, must be 0 to 1",
-                self.wavelength_tolerance
-            )));
-        }
         let wavelength_tolerance = self.wavelength_tolerance;
         let psf = Settings { energy: self.energy, wavelength_tolerance, exact: false };
-        Ok(Approximation { psf, depth_tolerance: self.depth_tolerance })
+        let approximation = Approximation { psf, depth_tolerance: self.depth_tolerance };
+        approximation.check().map_err(|e| Error::message(format!("--{e}")))?;
+        Ok(approximation)
     }
 }
 

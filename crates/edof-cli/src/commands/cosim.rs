@@ -9,7 +9,7 @@ use crate::lens::Depth;
 use crate::memory;
 use crate::ui::Ui;
 use crate::weights;
-use crate::windows::{self, Shot};
+use crate::windows::Shot;
 use edof_cosim::chain::device::Inputs;
 use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::chain::second::{Recorded, icarus};
@@ -202,7 +202,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
         return hard(args, network);
     }
     let raw = args.shot().frame(network, ui)?;
-    let windows = windows::of(network, &raw)?.take(args.patches);
+    let windows = edof_golden::windows::all(network, &raw)?.take(args.patches);
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }
 

@@ -8,15 +8,13 @@ use crate::lens::Depth;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
+use edof_cosim::explore::{self, Folding, Pairs, any_folding};
 use edof_device::Design;
-use edof_device::design::memory::Set;
-use edof_device::design::{FrameSize, StageSize};
 use edof_golden::Golden;
-use edof_golden::cycle::explore::{cycles_per_patch, foldings, front};
-use edof_golden::cycle::{Cycle, Patch};
-use edof_hdl::resources::{self, Resources, XC7K325T};
-use edof_image::colour::OUTPUTS_422;
-use edof_image::{Geometry, Noise};
+use edof_golden::cycle::Cycle;
+use edof_golden::cycle::explore::front;
+use edof_hdl::resources::Resources;
+use edof_image::Noise;
 use edof_metrics::{BORDER, psnr, shown};
 use edof_network::FixedNetwork;
 use serde_json::json;
@@ -62,9 +60,6 @@ pub struct Args {
     #[command(flatten)]
     pub force: Force,
 }
-
-/// Of each patch of a picture, the pairs that every stage multiplies.
-type Picture = Vec<Vec<usize>>;
 
 /// A folding of a network.
 pub struct Found {
@@ -189,54 +184,19 @@ fn of_network(
     ui: &Ui,
 ) -> Result<Vec<Found>, Error> {
     let (db, pictures) = measure(args, network, &any_folding(base, network)?, ui)?;
-    let patches: usize = pictures.iter().map(Vec::len).sum();
-    let mean = |stage: usize| {
-        pictures.iter().flatten().map(|pairs| pairs[stage]).sum::<usize>() as f64 / patches.max(1) as f64
-    };
-    let pairs: Vec<f64> = (0..network.form.layers).map(mean).collect();
-    let mut found = vec![];
-    for design in foldings(&any_folding(base, network)?, &pairs) {
-        interrupt::check()?;
-        let used = resources::whole(&design);
-        if used.fullest(&XC7K325T).1 > 1.0 {
-            continue;
-        }
-        let each: Vec<f64> = pictures.iter().map(|patches| cycles_per_patch(&design, patches)).collect();
-        let weighted = each.iter().zip(&pictures).map(|(cycles, patches)| cycles * patches.len() as f64);
-        let cycles = weighted.sum::<f64>() / patches.max(1) as f64;
-        let geometry = Geometry::new(design.form.window, design.frame.stride);
-        let (rows, columns) = geometry.patches(design.frame.height, design.frame.width);
-        let sizes = design.stages.iter().map(|size| format!("{}x{}", size.lanes, size.rows));
-        found.push(Found {
-            network: name.into(),
-            camera: network.origin.camera.name.clone(),
-            db,
-            folding: sizes.collect::<Vec<_>>().join(" "),
-            cycles,
-            worst_cycles: each.iter().copied().fold(0.0, f64::max),
-            frames: design.clock_mhz * 1e6 / (cycles * (rows * columns) as f64),
-            used,
-        });
-    }
-    Ok(found)
-}
-
-/// A design for the network, of any folding.
-fn any_folding(base: &Design, network: &FixedNetwork) -> Result<Design, Error> {
-    let last = network.form.layers - 1;
-    let lanes = |stage: usize| if stage == last { OUTPUTS_422 } else { network.form.codes };
-    let stages = (0..=last).map(|stage| StageSize { lanes: lanes(stage), rows: 1 });
-    let design = Design {
-        name: network.origin.name.clone(),
-        form: network.form,
-        code_bits: network.code_bits,
-        skip_zeros: true,
-        stages: stages.collect(),
-        frame: FrameSize { stride: network.stride, ..base.frame },
-        ..base.clone()
-    };
-    design.check()?;
-    Ok(design)
+    let found = explore::found(base, network, &pictures, || interrupt::check().is_ok())?;
+    interrupt::check()?;
+    let found = found.into_iter().map(|Folding { words, cycles, worst_cycles, frames, used, .. }| Found {
+        network: name.into(),
+        camera: network.origin.camera.name.clone(),
+        db,
+        folding: words,
+        cycles,
+        worst_cycles,
+        frames,
+        used,
+    });
+    Ok(found.collect())
 }
 
 /// Mean PSNR over the pictures, and of each patch of each picture the pairs that every stage multiplies.
@@ -245,7 +205,7 @@ fn measure(
     network: &FixedNetwork,
     design: &Design,
     ui: &Ui,
-) -> Result<(f64, Vec<Picture>), Error> {
+) -> Result<(f64, Vec<Pairs>), Error> {
     let golden = Golden::new(network.clone())?;
     let model = Cycle::new(design, [network, network])?;
     let shots = Shot::all(&args.photo, &args.psi, args.noise);
@@ -256,13 +216,9 @@ fn measure(
         let (scene, raw) = shot.taken(network, ui)?;
         let frame = golden.frame(&raw)?.colour();
         db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
-        let patches = windows::of(network, &raw)?.map(|window| Patch { window, set: Set::First });
-        let mut pairs = vec![];
-        for patch in model.run(patches) {
-            pairs.push(patch.times.stages.iter().map(|used| used.pairs as usize).collect());
-            interrupt::check()?;
-        }
-        pictures.push(pairs);
+        let pairs = explore::pairs(&model, network, &raw, || interrupt::check().is_ok());
+        interrupt::check()?;
+        pictures.push(pairs?);
         bar.set(pictures.len() as u64);
     }
     Ok((db, pictures))

@@ -3,9 +3,9 @@
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
-use crate::sources::Sources;
 use crate::ui::Ui;
 use crate::weights;
+use edof_cosim::bitstream::Sources;
 use std::path::PathBuf;
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories
@@ -42,10 +42,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
+    designs::fits(&design, &network)?;
     let sources = Sources::of(&design, &network)?;
     let files = Files::new(ui).reads(&args.design).reads_all(weights::fixed_file(&args.weights));
     files.writes_into("--out", &args.out, sources.names()).check()?;
-    let manifest = sources.write(&args.out, args.force)?;
+    let manifest = sources.write(&args.out, args.force).map_err(Error::of_folder)?;
     ui.say(sources.summary(&args.out))?;
     ui.json(&manifest)
 }

@@ -233,13 +233,9 @@ impl Args {
     }
 
     fn settings(&self) -> Result<Settings, Error> {
-        if !(self.energy > 0.0 && self.energy <= 1.0) {
-            return Err(Error::message(format!(
-                "--energy {}: must be more than 0 and at most 1",
-                self.energy
-            )));
-        }
-        Ok(Settings { energy: self.energy, exact: self.exact, ..Settings::default() })
+        let settings = Settings { energy: self.energy, exact: self.exact, ..Settings::default() };
+        settings.check().map_err(|e| Error::message(format!("--{e}")))?;
+        Ok(settings)
     }
 }
 

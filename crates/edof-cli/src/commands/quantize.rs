@@ -12,10 +12,9 @@ use edof_golden::Golden;
 use edof_image::overlap::Overlap;
 use edof_image::{ColourFrame, Stride};
 use edof_io::photos::Selection;
-use edof_network::fixed_network::{CalibratedOn, Quantized};
+use edof_network::fixed_network::Quantized;
 use edof_network::network::Origin;
 use edof_network::{FixedNetwork, Network, weight_file};
-use edof_optics::draw::{Builtin, draw};
 use edof_quantize::bounds::{self, StageError};
 use edof_quantize::capture::{self, depths};
 use edof_quantize::{
@@ -29,9 +28,6 @@ use std::path::{Path, PathBuf};
 
 /// Pixels at the border that do not count for the dB lost.
 const BORDER: usize = 8;
-/// Built-in scenes that stand in for photographs, and their size.
-const SCENES: u64 = 3;
-const SCENE_SIZE: (usize, usize) = (384, 512);
 
 /// Turn a float network into the integers that the board computes with
 ///
@@ -148,13 +144,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 fn quantized(args: &Args, origin: &Origin, windows: u64, ui: &Ui) -> Quantized {
     Quantized {
         headroom: args.headroom,
-        calibration: CalibratedOn {
-            stride: Stride::FINEST,
-            windows,
-            psis: depths(origin.camera.psi_range),
-            conditions: origin.conditions.clone(),
-            depth: capture::DEPTH,
-        },
+        calibration: capture::calibrated_on(origin, windows),
         finetune_steps: args.finetune,
         provenance: ui.provenance().for_file(),
     }
@@ -165,13 +155,7 @@ fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
         let photographs = photographs(std::slice::from_ref(folder), args.photos.as_ref(), ui)?;
         return Ok(photographs.into_iter().map(|p| (p.stem, p.frame)).collect());
     }
-    let (height, width) = SCENE_SIZE;
-    (0..SCENES)
-        .map(|seed| {
-            let scene = draw(Builtin::Leaves, height, width, &[0.0], seed)?;
-            Ok((format!("leaves-{seed}"), scene.sharp()))
-        })
-        .collect()
+    Ok(capture::drawn()?)
 }
 
 /// Trains on with the words that the board will hold; the best validated ones come out.

@@ -28,7 +28,7 @@ use edof_network::FixedNetwork;
 use edof_network::fixed_network::layer_names;
 use edof_network::network::Origin;
 use edof_storage::provenance::Input;
-use options::{curve, encoded, raw_options};
+use options::{curve, raw_options};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -228,7 +228,7 @@ impl Job<'_> {
     fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(), Error> {
         taken.rendering.apply(&mut light);
         let curve = curve(self.args, self.tone(taken));
-        Ok(photo::save(&self.out, &encoded(light, curve), self.args.bits)?)
+        Ok(photo::save(&self.out, &curve.encoded(light), self.args.bits)?)
     }
 
     /// Where the board's codes go, if they are asked for.

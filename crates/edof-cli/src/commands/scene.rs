@@ -133,7 +133,7 @@ impl Drawing {
     /// # Errors
     /// A distance before a camera that does not know where ψ is zero.
     pub fn psis(&self, camera: &Camera) -> Result<Vec<f64>, Error> {
-        lens::psis(&self.psi, camera)
+        Ok(lens::psis(&self.psi, camera)?)
     }
 
     /// The built-in scene of that name, its depths spread over the camera's range where none were given.

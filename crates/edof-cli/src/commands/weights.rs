@@ -11,6 +11,7 @@ use edof_network::fixed_network::{FixedMatrix, layer_names};
 use edof_network::network::Origin;
 use edof_network::weight_file::WeightFileError;
 use edof_network::{FixedNetwork, Network};
+use edof_presets::PresetError;
 use edof_quantize::bounds::{self, StageError};
 use edof_storage::provenance::Provenance;
 use serde::Serialize;
@@ -37,7 +38,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         (Some(float), _) => float.origin.clone(),
         (None, Some(fixed)) => fixed.origin.clone(),
         // Neither: say why it is not the first.
-        (None, None) => return weights::float(&args.weights).map(|_| ()),
+        (None, None) => return Ok(weights::float(&args.weights).map(|_| ())?),
     };
     tell_origin(&origin, ui)?;
     if let Some(float) = &found.float {
@@ -136,14 +137,13 @@ fn fixed(name: &str) -> Result<Option<Fixed>, Error> {
 }
 
 /// None where nothing of that name is there, or it is of the other kind; what is there and broken is an error.
-fn of_kind<T>(found: Result<T, Error>) -> Result<Option<T>, Error> {
+fn of_kind<T>(found: Result<T, PresetError>) -> Result<Option<T>, Error> {
     match found {
         Ok(network) => Ok(Some(network)),
-        Err(Error::Failed(error)) => match error.downcast_ref::<WeightFileError>() {
-            Some(WeightFileError::Kind { .. }) | None => Ok(None),
-            Some(_) => Err(Error::Failed(error)),
-        },
-        Err(error) => Err(error),
+        Err(PresetError::WeightFile(error)) if !matches!(error, WeightFileError::Kind { .. }) => {
+            Err(error.into())
+        }
+        Err(_) => Ok(None),
     }
 }
 

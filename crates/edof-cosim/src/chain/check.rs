@@ -101,6 +101,18 @@ pub fn stage_names(stages: usize) -> Vec<String> {
         .collect()
 }
 
+/// Names of a chain's boundaries, from the window to the patch, each with the stage that sends it; the first with the one that takes it.
+#[must_use]
+pub fn boundary_names(stages: usize) -> Vec<(String, String)> {
+    let names = stage_names(stages);
+    let ends = |boundary: usize| match boundary {
+        0 => (format!("window to {}", names[0]), names[0].clone()),
+        last if last == stages => (format!("{} to patch", names[last - 1]), names[last - 1].clone()),
+        b => (format!("{} to {}", names[b - 1], names[b]), names[b - 1].clone()),
+    };
+    (0..=stages).map(ends).collect()
+}
+
 /// The beats that are still to come at one boundary.
 #[derive(Debug)]
 pub struct Boundary {
@@ -120,25 +132,16 @@ impl Boundary {
     /// Those of a chain, from the window to the patch.
     #[must_use]
     pub fn all(stages: usize) -> Vec<Self> {
-        let names = stage_names(stages);
-        let ends = |boundary: usize| match boundary {
-            0 => (format!("window to {}", names[0]), names[0].clone()),
-            last if last == stages => (format!("{} to patch", names[last - 1]), names[last - 1].clone()),
-            b => (format!("{} to {}", names[b - 1], names[b]), names[b - 1].clone()),
+        let boundary = |(boundary, (name, stage)): (usize, (String, String))| Self {
+            name,
+            stage,
+            expected: VecDeque::new(),
+            passed: 0,
+            standing: Standing::default(),
+            stood: None,
+            has_base: (1..stages - 1).contains(&boundary),
         };
-        let boundary = |boundary: usize| {
-            let (name, stage) = ends(boundary);
-            Self {
-                name,
-                stage,
-                expected: VecDeque::new(),
-                passed: 0,
-                standing: Standing::default(),
-                stood: None,
-                has_base: (1..stages - 1).contains(&boundary),
-            }
-        };
-        (0..=stages).map(boundary).collect()
+        boundary_names(stages).into_iter().enumerate().map(boundary).collect()
     }
 
     /// Expects the beats of a patch more.

@@ -233,7 +233,7 @@ impl Args {
 
     /// The design that was named, if one was.
     fn named_design(&self) -> Result<Option<Design>, Error> {
-        self.design.as_deref().map(designs::load).transpose()
+        Ok(self.design.as_deref().map(designs::load).transpose()?)
     }
 
     /// Designs that the board may have.

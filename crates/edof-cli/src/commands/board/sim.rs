@@ -142,7 +142,7 @@ fn sized(mut design: Design, size: Option<(usize, usize)>) -> Result<Design, Err
 
 fn network(design: &Design, named: Option<&str>) -> Result<FixedNetwork, Error> {
     if let Some(name) = named {
-        return weights::fixed(name);
+        return Ok(weights::fixed(name)?);
     }
     let own = super::known(design, None).into_iter().next();
     Ok(own.unwrap_or_else(|| edof_random::for_design(design, 1)))

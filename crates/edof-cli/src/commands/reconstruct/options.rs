@@ -7,7 +7,7 @@ use crate::weights;
 use clap::ValueEnum;
 use edof_camera::Camera;
 use edof_golden::Curve;
-use edof_image::{CfaPhase, ColourFrame, DisplayMode, Tone};
+use edof_image::{CfaPhase, DisplayMode, Tone};
 use edof_io::levels::Black;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
@@ -166,7 +166,7 @@ pub(super) enum Gamma {
 impl Args {
     /// The camera that the user states, if any.
     pub(super) fn stated_lens(&self) -> Result<Option<Lens>, Error> {
-        self.camera.as_deref().map(|name| lens::resolve(name, self.psf_bank.as_deref())).transpose()
+        Ok(self.camera.as_deref().map(|name| lens::resolve(name, self.psf_bank.as_deref())).transpose()?)
     }
 
     /// All that the user states of a frame.
@@ -188,14 +188,6 @@ pub(super) fn curve(args: &Args, tone: Tone) -> Curve {
         (Some(Gamma::Srgb), _) | (None, Tone::Srgb) => Curve::Srgb,
         (Some(Gamma::Bt709), _) => Curve::Bt709,
     }
-}
-
-/// Light as the numbers of a picture file.
-pub(super) fn encoded(mut light: ColourFrame, curve: Curve) -> ColourFrame {
-    if curve != Curve::Linear {
-        light.planes.mapv_inplace(|v| curve.encode(f64::from(v.clamp(0.0, 1.0))) as f32);
-    }
-    light
 }
 
 pub(super) fn raw_options(args: &Args) -> RawOptions {

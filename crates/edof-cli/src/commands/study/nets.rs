@@ -12,9 +12,9 @@ use edof_image::Stride;
 use edof_methods::nets::Net;
 use edof_methods::settings::FloatSettings;
 use edof_methods::spec::{MethodSpec, words_sha256};
-use edof_network::weight_file::WeightFileError;
 use edof_network::{FixedNetwork, Network};
 use edof_optics::draw::{Builtin, draw};
+use edof_presets::PresetError;
 use edof_quantize::{Calibration, QuantizeOptions, capture, quantize};
 use edof_storage::digest;
 use std::sync::Arc;
@@ -229,7 +229,7 @@ fn fixed_name(name: &str) -> String {
 fn fixed_if_any(name: &str) -> Result<Option<FixedNetwork>, Error> {
     match weights::fixed(name) {
         Ok(fixed) => Ok(Some(fixed)),
-        Err(Error::Failed(error)) if !error.is::<WeightFileError>() => Ok(None),
-        Err(error) => Err(error),
+        Err(PresetError::WeightFile(error)) => Err(error.into()),
+        Err(_) => Ok(None),
     }
 }

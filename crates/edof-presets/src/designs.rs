@@ -1,7 +1,6 @@
 //! Designs by name or by file: `kc705` stands for `designs/kc705.json`, which travels inside the program.
 
-use crate::error::Error;
-use crate::weights;
+use crate::{PresetError, weights};
 use edof_device::Design;
 use edof_network::FixedNetwork;
 use edof_storage::provenance::{Input, InputKind};
@@ -18,25 +17,28 @@ const EMBEDDED: [(&str, &str); 3] = [
 ///
 /// # Errors
 /// Nothing of that name, or a file that holds no usable design.
-pub fn load(name_or_path: &str) -> Result<Design, Error> {
+pub fn load(name_or_path: &str) -> Result<Design, PresetError> {
     let path = Path::new(name_or_path);
     if path.is_file() {
         return Ok(Design::load(path)?);
     }
     match EMBEDDED.iter().find(|(name, _)| *name == name_or_path) {
         Some((_, text)) => Ok(Design::from_json(text)?),
-        None => Err(Error::message(format!(
-            "design '{name_or_path}': no such file, and not one of the designs that come with the program ({})",
-            EMBEDDED.map(|(name, _)| name).join(", ")
-        ))),
+        None => Err(PresetError::NoDesign { name: name_or_path.into(), own: names().join(", ") }),
     }
+}
+
+/// Names of the designs inside the program.
+#[must_use]
+pub fn names() -> Vec<&'static str> {
+    EMBEDDED.map(|(name, _)| name).to_vec()
 }
 
 /// The designs inside the program.
 ///
 /// # Errors
 /// None, unless the program was built from broken ones.
-pub fn all() -> Result<Vec<Design>, Error> {
+pub fn all() -> Result<Vec<Design>, PresetError> {
     EMBEDDED.iter().map(|(_, text)| Ok(Design::from_json(text)?)).collect()
 }
 
@@ -44,7 +46,7 @@ pub fn all() -> Result<Vec<Design>, Error> {
 ///
 /// # Errors
 /// They do not fit each other: in what, and what would.
-pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), Error> {
+pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), PresetError> {
     let Err(misfit) = design.check_network(network) else { return Ok(()) };
     let fitting = |name: &&str| weights::fixed(name).is_ok_and(|own| design.check_network(&own).is_ok());
     let own: Vec<&str> = weights::names().into_iter().filter(fitting).collect();
@@ -52,7 +54,7 @@ pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), Error> {
         [] => format!("draw one that does by 'edof random-network --design {}'", design.name),
         _ => format!("use --weights {}", own.join(" or ")),
     };
-    Err(Error::message(format!("{misfit}; {instead}")))
+    Err(PresetError::Misfit { misfit, instead })
 }
 
 /// A design as the input of a result, by its JSON.

@@ -1,6 +1,7 @@
-//! The camera that a command is told of, with PSFs of its own in place of its lens's where it is told of any, and depths before it.
+//! A camera by name or file, with every file that it names, an optional PSF bank in place of its computed PSFs, and object depths as ψ or
+//! metres.
 
-use crate::error::Error;
+use crate::PresetError;
 use edof_camera::Camera;
 use edof_camera::psf_bank::PsfBank;
 use edof_io::photo;
@@ -10,8 +11,11 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// A camera and the files that it was read from.
+#[derive(Debug, Clone)]
 pub struct Lens {
+    /// The camera, its bank and its mask's picture read.
     pub camera: Camera,
+    /// Its own file, and the files of mask and PSFs.
     pub files: Vec<PathBuf>,
 }
 
@@ -19,7 +23,7 @@ pub struct Lens {
 ///
 /// # Errors
 /// No such camera, or PSFs that cannot be used.
-pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, Error> {
+pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, PresetError> {
     let mut files = vec![PathBuf::from(name)];
     let mut camera = self::camera(name)?;
     if let Some(map) = &camera.height_map {
@@ -35,18 +39,28 @@ pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, Error> {
         own.read(folder(path), &camera.name, camera.pixel_pitch_um)?;
         camera.psf_bank = Some(own);
     }
-    if let Some(kernels) = camera.psf_bank.as_ref().and_then(|own| own.kernels.as_ref()) {
+    if let Some(own) = camera.psf_bank.take() {
+        camera = with_bank(camera, own);
+    }
+    Ok(Lens { camera, files })
+}
+
+/// A camera with a bank in place of its PSFs. Its range of ψ ends where the bank does.
+#[must_use]
+pub fn with_bank(mut camera: Camera, own: PsfBank) -> Camera {
+    if let Some(kernels) = &own.kernels {
         let [low, high] = bank::ends(kernels);
         camera.psi_range = camera.psi_range.map(|psi| psi.clamp(low, high));
     }
-    Ok(Lens { camera, files })
+    camera.psf_bank = Some(own);
+    camera
 }
 
 /// A camera by name or file, with its PSF bank and the picture of its mask.
 ///
 /// # Errors
 /// No such camera, or a file that it names and that cannot be used.
-pub fn camera(name: &str) -> Result<Camera, Error> {
+pub fn camera(name: &str) -> Result<Camera, PresetError> {
     let mut camera = Camera::resolve(name)?;
     read_mask(&mut camera, folder(Path::new(name)))?;
     Ok(camera)
@@ -56,13 +70,14 @@ pub fn camera(name: &str) -> Result<Camera, Error> {
 ///
 /// # Errors
 /// No picture, or none that the camera means.
-pub fn read_mask(camera: &mut Camera, folder: &Path) -> Result<(), Error> {
+pub fn read_mask(camera: &mut Camera, folder: &Path) -> Result<(), PresetError> {
     let Some(map) = &mut camera.height_map else { return Ok(()) };
     let path = folder.join(&map.file);
     Ok(map.take(photo::load_grey(&path)?, path, &camera.name)?)
 }
 
 /// How to come by a network for a camera.
+#[must_use]
 pub fn how_to_train(camera: &Camera) -> String {
     let bank = camera.psf_bank.as_ref().map(|bank| format!(" --psf-bank {}", bank.file)).unwrap_or_default();
     let plain = Camera { psf_bank: None, ..camera.clone() };
@@ -115,14 +130,13 @@ impl Depth {
     ///
     /// # Errors
     /// A distance before a camera that does not know where ψ is zero.
-    pub fn psi(self, camera: &Camera) -> Result<f64, Error> {
+    pub fn psi(self, camera: &Camera) -> Result<f64, PresetError> {
         match (self, camera.nominal_m) {
             (Self::Psi(psi), _) => Ok(psi),
             (Self::Metres(metres), Some(nominal)) => Ok(psi_at(camera, metres, nominal)),
-            (Self::Metres(metres), None) => Err(Error::message(format!(
-                "depth {metres}m: camera {} does not know the distance at which psi is 0; give it as nominal_m in its file, or where a command has it by --nominal",
-                camera.name
-            ))),
+            (Self::Metres(metres), None) => {
+                Err(PresetError::NoNominal { metres, camera: camera.name.clone() })
+            }
         }
     }
 }
@@ -131,14 +145,16 @@ impl Depth {
 ///
 /// # Errors
 /// As [`Depth::psi`].
-pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
+pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, PresetError> {
     depths.iter().map(|depth| depth.psi(camera)).collect()
 }
 
 /// Two depths, as in `8:0` or `0.7m:3m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {
+    /// As the first is given.
     pub near: Depth,
+    /// As the second is given.
     pub far: Depth,
 }
 
@@ -164,7 +180,7 @@ impl DepthRange {
     ///
     /// # Errors
     /// As [`Depth::psi`].
-    pub fn psi(self, camera: &Camera) -> Result<[f64; 2], Error> {
+    pub fn psi(self, camera: &Camera) -> Result<[f64; 2], PresetError> {
         let (near, far) = (self.near.psi(camera)?, self.far.psi(camera)?);
         Ok([near.min(far), near.max(far)])
     }

@@ -1,7 +1,7 @@
 //! A network's form in words, as `--form` takes it: `one-sided,w12,t4,r`.
 
+use crate::network::{Form, Recurrence, Shrinkage};
 use edof_image::Window;
-use edof_network::network::{Form, Recurrence, Shrinkage};
 
 /// Words of `--form`, for its help.
 pub const HELP: &str = "paper-t4 or edof-t4w12, or words from the left: one-sided | two-sided, w8 | w12 | w16 (window), \
@@ -49,6 +49,7 @@ fn apply(form: &mut Form, word: &str) -> Result<(), String> {
 }
 
 /// The form in words that [`parse`] reads.
+#[must_use]
 pub fn words(form: &Form) -> String {
     let mut words = vec![
         if form.shrinkage == Shrinkage::OneSided { "one-sided" } else { "two-sided" }.to_owned(),

@@ -1,18 +1,18 @@
-//! The sources of a bitstream: everything that `edof generate` and `edof demo` write for a board.
+//! The sources of a bitstream: everything that is written for a board, as one folder.
 
-use crate::designs;
-use crate::error::Error;
-use crate::folder::{self, Contents};
-use edof_cosim::system::{self, TableWords};
+use crate::system::{self, PictureError, TableWords};
 use edof_device::Design;
+use edof_device::design::DesignError;
 use edof_device::registers::identity;
 use edof_golden::display::Display;
 use edof_golden::scalar;
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705};
+use edof_hdl::project::ProjectError;
 use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
+use edof_storage::folder::{self, Contents, FolderError};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,25 @@ const LIST_HEADER: &str = "\
 Files of the design, for tools that are started in this folder.
 From elsewhere, tell where the memory images are: define EDOF_DIR as \"/path/to/this/folder/\".";
 
+/// Sources that cannot be made or written.
+#[derive(Debug, thiserror::Error)]
+pub enum BitstreamError {
+    /// Design and network do not fit each other.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// The recorded pictures cannot be computed.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The circuits cannot be printed.
+    #[error(transparent)]
+    Project(#[from] ProjectError),
+    /// The folder is not written.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+}
+
 /// The files of a folder, in memory.
+#[derive(Debug, Clone)]
 pub struct Sources {
     contents: Contents,
     about: Value,
@@ -39,7 +57,7 @@ impl Sources {
     ///
     /// # Errors
     /// They do not fit each other.
-    pub fn of(design: &Design, network: &FixedNetwork) -> Result<Self, Error> {
+    pub fn of(design: &Design, network: &FixedNetwork) -> Result<Self, BitstreamError> {
         let project = project(design, network)?;
         let about = json!({
             "design": design,
@@ -60,14 +78,15 @@ impl Sources {
     /// Writes them; gives the manifest.
     ///
     /// # Errors
-    /// As [`folder::write`].
-    pub fn write(&self, out: &Path, force: bool) -> Result<Value, Error> {
+    /// [`BitstreamError::Folder`].
+    pub fn write(&self, out: &Path, force: bool) -> Result<Value, FolderError> {
         let manifest = folder::manifest(self.about.clone(), &self.contents);
         folder::write(out, self.contents.clone(), &manifest, force)?;
         Ok(manifest)
     }
 
-    /// What was written where.
+    /// What was written where, in words.
+    #[must_use]
     pub fn summary(&self, out: &Path) -> String {
         let [modules, bytes, images] = self.counts;
         format!(
@@ -80,8 +99,8 @@ impl Sources {
 }
 
 /// The sources, with the display tables that a board starts with and words that its benches try it with.
-fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, Error> {
-    designs::fits(design, network)?;
+fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, BitstreamError> {
+    design.check_network(network)?;
     let display = Display::default();
     let words = TableWords::of(&display);
     let identity = Identity {

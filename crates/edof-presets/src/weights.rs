@@ -5,13 +5,10 @@
 //! under `weights/` when the program was built and travel inside it. So the networks that come with the program are found
 //! from every directory, and a newly trained one takes precedence where it lies.
 
-use crate::error::Error;
-use crate::{form, lens};
+use crate::{PresetError, lens};
 use edof_camera::Camera;
 use edof_image::Tone;
-use edof_network::fixed_network::FixedNetwork;
-use edof_network::network::Network;
-use edof_network::weight_file;
+use edof_network::{FixedNetwork, Network, form, weight_file};
 use edof_storage::provenance::{Input, InputKind};
 use std::path::{Path, PathBuf};
 
@@ -22,7 +19,7 @@ const EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded.
 ///
 /// # Errors
 /// Nothing of that name, or a file that holds no usable float network.
-pub fn float(name_or_path: &str) -> Result<Network, Error> {
+pub fn float(name_or_path: &str) -> Result<Network, PresetError> {
     let (origin, bytes) = find(name_or_path, ".safetensors")?;
     let mut network = weight_file::parse_network(bytes, &origin)?;
     find_bank(&mut network.origin.camera, &origin);
@@ -33,7 +30,7 @@ pub fn float(name_or_path: &str) -> Result<Network, Error> {
 ///
 /// # Errors
 /// Nothing of that name, or a file that holds no usable fixed network.
-pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, Error> {
+pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, PresetError> {
     let (origin, bytes) = find(name_or_path, ".fixed.safetensors")?;
     let mut network = weight_file::parse_fixed(bytes, &origin)?;
     find_bank(&mut network.origin.camera, &origin);
@@ -52,7 +49,7 @@ fn find_bank(camera: &mut Camera, network: &Path) {
 ///
 /// # Errors
 /// As [`float`].
-pub fn float_input(name_or_path: &str) -> Result<Input, Error> {
+pub fn float_input(name_or_path: &str) -> Result<Input, PresetError> {
     input(name_or_path, ".safetensors")
 }
 
@@ -60,11 +57,11 @@ pub fn float_input(name_or_path: &str) -> Result<Input, Error> {
 ///
 /// # Errors
 /// As [`fixed`].
-pub fn fixed_input(name_or_path: &str) -> Result<Input, Error> {
+pub fn fixed_input(name_or_path: &str) -> Result<Input, PresetError> {
     input(name_or_path, ".fixed.safetensors")
 }
 
-fn input(name_or_path: &str, suffix: &str) -> Result<Input, Error> {
+fn input(name_or_path: &str, suffix: &str) -> Result<Input, PresetError> {
     let (origin, bytes) = find(name_or_path, suffix)?;
     let sha256 = weight_file::parse_hash(bytes, &origin)?;
     let name = origin.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -73,6 +70,7 @@ fn input(name_or_path: &str, suffix: &str) -> Result<Input, Error> {
 
 /// The default network, behind the coded lens: one serves photographs taken for light, one light that is looked at encoded
 /// (docs/decisions/0005-training.md: no network serves both).
+#[must_use]
 pub const fn default_for(tone: Tone) -> &'static str {
     match tone {
         Tone::Linear => "edof-t4w12-outer",
@@ -81,6 +79,7 @@ pub const fn default_for(tone: Tone) -> &'static str {
 }
 
 /// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one.
+#[must_use]
 pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
     let fits = |name: &str, tones: &[Tone]| {
         float(name).is_ok_and(|n| {
@@ -91,16 +90,19 @@ pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
 }
 
 /// The file that [`float`] reads, where the network is not inside the program.
+#[must_use]
 pub fn float_file(name_or_path: &str) -> Option<PathBuf> {
     places(name_or_path, ".safetensors").into_iter().find(|path| path.is_file())
 }
 
 /// The file that [`fixed`] reads, where the network is not inside the program.
+#[must_use]
 pub fn fixed_file(name_or_path: &str) -> Option<PathBuf> {
     places(name_or_path, ".fixed.safetensors").into_iter().find(|path| path.is_file())
 }
 
 /// What network a file holds, for whoever must not lose it.
+#[must_use]
 pub fn in_words(file: &Path) -> Option<String> {
     let bytes = std::fs::read(file).ok()?;
     let float = weight_file::parse_network(bytes.clone(), file).map(|network| (network.form, network.origin));
@@ -118,7 +120,7 @@ fn places(name_or_path: &str, suffix: &str) -> [PathBuf; 2] {
     [name_or_path.into(), Path::new("weights").join(format!("{name_or_path}{suffix}"))]
 }
 
-fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), Error> {
+fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), PresetError> {
     let places = places(name_or_path, suffix);
     if let Some(path) = places.iter().find(|path| path.is_file()) {
         let bytes = std::fs::read(path)
@@ -129,14 +131,12 @@ fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), Error> {
     if let Some((name, bytes)) = EMBEDDED.iter().find(|(name, _)| *name == file) {
         return Ok((PathBuf::from(name), bytes.to_vec()));
     }
-    Err(Error::message(format!(
-        "weights '{name_or_path}': no such file, no {}, and not one of the networks that come with the program ({})",
-        places[1].display(),
-        names().join(", ")
-    )))
+    let [_, under] = places;
+    Err(PresetError::NoWeights { name: name_or_path.into(), under, own: names().join(", ") })
 }
 
 /// Names of the networks inside the program.
+#[must_use]
 pub fn names() -> Vec<&'static str> {
     let mut names: Vec<&str> = EMBEDDED.iter().filter_map(|(file, _)| file.split('.').next()).collect();
     names.dedup();

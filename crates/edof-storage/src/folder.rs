@@ -1,10 +1,8 @@
 //! A folder of generated files that may be generated again. A manifest lists every file with its SHA-256, and is sealed by
 //! one of its own; so what the program wrote is told from what a user put there or changed, and only the former is replaced.
 
-use crate::error::Error;
-use edof_storage::atomic;
+use crate::{atomic, digest};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -16,15 +14,39 @@ const SEAL: &str = "manifest_sha256";
 /// At most so many files are named in a refusal.
 const NAMED: usize = 6;
 
+/// A folder that is not written, or not to its end.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum FolderError {
+    /// A file of that name.
+    #[error("{folder}: is a file, expected a folder", folder = .0.display())]
+    IsFile(PathBuf),
+    /// Two programs write there.
+    #[error("{folder}: another edof is writing into it; wait until it ends, or name another folder", folder = .0.display())]
+    Busy(PathBuf),
+    /// Somebody's own files.
+    #[error(
+        "{folder}: holds what no earlier run wrote, or what was changed since: {files}; --force replaces what is in the way and leaves the rest", folder = folder.display()
+    )]
+    Foreign { folder: PathBuf, files: String },
+    /// A folder where a file should be, or the other way round.
+    #[error("{folder}: {file} cannot be written, since a folder, file or link is in its way", folder = folder.display(), file = file.display())]
+    InTheWay { folder: PathBuf, file: PathBuf },
+    /// The system refused.
+    #[error("{0}")]
+    Write(String),
+}
+
 /// Files to write, by their path in the folder.
 pub type Contents = BTreeMap<PathBuf, String>;
 
 /// The manifest: `about`, the list of files, and the seal.
+#[must_use]
 pub fn manifest(about: Value, files: &Contents) -> Value {
     let mut manifest = about;
     manifest["files"] = files
         .iter()
-        .map(|(path, text)| json!({ "path": path, "bytes": text.len(), "sha256": hash(text.as_bytes()) }))
+        .map(|(path, text)| json!({ "path": path, "bytes": text.len(), "sha256": digest::sha256(text.as_bytes()) }))
         .collect();
     manifest[SEAL] = seal(&manifest).into();
     manifest
@@ -36,21 +58,18 @@ pub fn manifest(about: Value, files: &Contents) -> Value {
 ///
 /// # Errors
 /// What was refused, or a folder that cannot be written.
-pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Result<(), Error> {
+pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Result<(), FolderError> {
     let mut files = files;
-    files.insert(MANIFEST.into(), serde_json::to_string_pretty(manifest)? + "\n");
+    files.insert(MANIFEST.into(), format!("{manifest:#}\n"));
     if out.is_file() {
-        return Err(Error::message(format!("--out {}: is a file, expected a folder", out.display())));
+        return Err(FolderError::IsFile(out.to_owned()));
     }
     let is_new = !out.exists();
     fs::create_dir_all(out).map_err(|e| failed(out, &e))?;
     // Whoever writes here at the same time would take our unfinished files for a stranger's. Ends with the process.
     let folder = fs::File::open(out).map_err(|e| failed(out, &e))?;
     if let Err(fs::TryLockError::WouldBlock) = folder.try_lock() {
-        return Err(Error::message(format!(
-            "--out {}: another edof is writing into it; wait until it ends, or name another folder",
-            out.display()
-        )));
+        return Err(FolderError::Busy(out.to_owned()));
     }
     let written = replace(out, &files, force);
     if written.is_err() && is_new {
@@ -60,19 +79,15 @@ pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Resu
     written
 }
 
-fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), Error> {
+fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), FolderError> {
     let standing = standing(out).map_err(|e| failed(out, &e))?;
     let ours: BTreeSet<PathBuf> = untouched(out).intersection(&standing).cloned().collect();
-    let same =
-        |path: &Path| files.get(path).is_some_and(|text| holds(&out.join(path), &hash(text.as_bytes())));
+    let same = |path: &Path| {
+        files.get(path).is_some_and(|text| holds(&out.join(path), &digest::sha256(text.as_bytes())))
+    };
     let foreign: Vec<&PathBuf> = standing.iter().filter(|p| !ours.contains(*p) && !same(p)).collect();
     if !foreign.is_empty() && !force {
-        return Err(Error::message(format!(
-            "--out {}: holds what no earlier run wrote, or what was changed since: {}; --force replaces what is in the way \
-             and leaves the rest",
-            out.display(),
-            named(&foreign)
-        )));
+        return Err(FolderError::Foreign { folder: out.to_owned(), files: named(&foreign) });
     }
     let in_the_way = |path: &PathBuf| {
         let place = out.join(path);
@@ -80,11 +95,7 @@ fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), Error> {
         is_folder || path.ancestors().skip(1).any(|above| standing.contains(above))
     };
     if let Some(path) = files.keys().find(|path| in_the_way(path)) {
-        return Err(Error::message(format!(
-            "--out {}: {} cannot be written, since a folder, file or link is in its way",
-            out.display(),
-            path.display()
-        )));
+        return Err(FolderError::InTheWay { folder: out.to_owned(), file: path.clone() });
     }
     let work = atomic::work_folder(out).map_err(|e| failed(out, &e))?;
     for (path, text) in files {
@@ -111,8 +122,8 @@ fn put(place: &Path, make: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<(
     make(place)
 }
 
-fn failed(path: &Path, error: &io::Error) -> Error {
-    Error::message(format!("{}: cannot write: {error}", path.display()))
+fn failed(path: &Path, error: &io::Error) -> FolderError {
+    FolderError::Write(format!("{}: cannot write: {error}", path.display()))
 }
 
 fn named(paths: &[&PathBuf]) -> String {
@@ -157,7 +168,7 @@ fn untouched(out: &Path) -> BTreeSet<PathBuf> {
 /// Whether a file, and no link to one, has that SHA-256.
 fn holds(file: &Path, sha256: &str) -> bool {
     fs::symlink_metadata(file).is_ok_and(|what| what.is_file())
-        && fs::read(file).is_ok_and(|bytes| hash(&bytes) == sha256)
+        && fs::read(file).is_ok_and(|bytes| digest::sha256(&bytes) == sha256)
 }
 
 /// Hash of a manifest without its seal.
@@ -166,9 +177,5 @@ fn seal(manifest: &Value) -> String {
     if let Some(fields) = open.as_object_mut() {
         fields.remove(SEAL);
     }
-    hash(open.to_string().as_bytes())
-}
-
-fn hash(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    digest::sha256(open.to_string().as_bytes())
 }

@@ -1,0 +1,78 @@
+//! Pictures in files, and how far one is from another.
+
+use crate::arguments::{picture, size};
+use crate::error::{OrRaise, failed};
+use crate::reconstruct::curve;
+use crate::{job, json};
+use edof_io::photo;
+use edof_metrics::{BORDER, Quality};
+use numpy::{IntoPyArray, PyArray3};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// Largest border that is cropped.
+const MOST_BORDER: usize = 1 << 16;
+
+/// Reads a photograph.
+#[pyfunction]
+pub fn load_picture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyArray3<f32>>> {
+    let picture = job::run(py, move |_| photo::load(&path))?.or_raise()?;
+    Ok(picture.planes.into_pyarray(py))
+}
+
+/// Writes light as a picture.
+#[pyfunction]
+#[pyo3(signature = (path, light, *, curve = "srgb", bits = None))]
+pub fn save_picture(
+    py: Python<'_>,
+    path: PathBuf,
+    light: &Bound<'_, PyAny>,
+    curve: &str,
+    bits: Option<&Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    let bits = bits.map_or(Ok(8), |value| size(value, "bits", 8, 16))? as u32;
+    let (light, curve) = (picture(light, "light")?, self::curve(curve)?);
+    job::run(py, move |_| photo::save(&path, &curve.encoded(light), bits))?.or_raise()
+}
+
+/// PSNR and SSIM in every way that edof states.
+#[pyfunction]
+#[pyo3(signature = (truth, estimate, *, border = None))]
+pub fn quality<'py>(
+    py: Python<'py>,
+    truth: &Bound<'py, PyAny>,
+    estimate: &Bound<'py, PyAny>,
+    border: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let border = border.map_or(Ok(BORDER), |value| size(value, "border", 0, MOST_BORDER))?;
+    let (truth, estimate) = (picture(truth, "truth")?, picture(estimate, "estimate")?);
+    let quality = job::run(py, move |_| Quality::of(&truth, &estimate, border))?.or_raise()?;
+    let out = json::plain(py, &quality)?;
+    // JSON has no infinities: equal pictures have one.
+    out.set_item("psnr_db", quality.psnr_db)?;
+    out.set_item("psnr_clipped_db", quality.psnr_clipped_db)?;
+    out.set_item("channel_psnr_db", quality.channel_psnr_db)?;
+    out.set_item("luma_psnr_db", quality.luma_psnr_db)?;
+    Ok(out)
+}
+
+/// PSNR in dB over all colours, peak 1.
+#[pyfunction]
+#[pyo3(signature = (truth, estimate, *, border = None))]
+pub fn psnr<'py>(
+    py: Python<'py>,
+    truth: &Bound<'py, PyAny>,
+    estimate: &Bound<'py, PyAny>,
+    border: Option<&Bound<'py, PyAny>>,
+) -> PyResult<f64> {
+    let border = border.map_or(Ok(BORDER), |value| size(value, "border", 0, MOST_BORDER))?;
+    let (truth, estimate) = (picture(truth, "truth")?, picture(estimate, "estimate")?);
+    let (sizes, (height, width)) = ((truth.size(), estimate.size()), truth.size());
+    if sizes.0 != sizes.1 {
+        return Err(failed(format!("estimate: {:?} pixels, expected {:?} as truth", sizes.1, sizes.0)));
+    }
+    if height <= 2 * border || width <= 2 * border {
+        return Err(failed(format!("border {border}: leaves nothing of {height} rows x {width} columns")));
+    }
+    Ok(py.detach(|| edof_metrics::psnr(&truth, &estimate, border)))
+}

@@ -1,0 +1,246 @@
+//! From raw frames to pictures: float, fixed, the board's codes, every boundary.
+
+use crate::arguments::{array, word};
+use crate::error::{OrRaise, failed, wrong_type};
+use crate::network::{NETWORK, PyFixedNetwork, PyNetwork, stride};
+use crate::{job, json};
+use edof_float::reconstruct::{FloatReconstructor, Output};
+use edof_golden::{Curve, Display, Golden, GoldenFrame, Picture};
+use edof_image::overlap::Overlap;
+use edof_image::{DisplayMode, RawFrame, Reconstructor, Stride, cable};
+use edof_io::levels::{Black, Levels};
+use edof_network::FixedNetwork;
+use edof_presets::weights;
+use ndarray::Ix2;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+
+/// A network argument.
+enum Net {
+    Float(Arc<edof_network::Network>),
+    Fixed(Arc<Golden>),
+}
+
+fn net(value: &Bound<'_, PyAny>) -> PyResult<Net> {
+    if let Ok(network) = value.cast::<PyNetwork>() {
+        return Ok(Net::Float(Arc::clone(&network.get().network)));
+    }
+    fixed(value).map(Net::Fixed)
+}
+
+/// A network in integers.
+pub fn fixed(value: &Bound<'_, PyAny>) -> PyResult<Arc<Golden>> {
+    if let Ok(network) = value.cast::<PyFixedNetwork>() {
+        return Ok(Arc::clone(&network.get().0));
+    }
+    if value.cast::<PyNetwork>().is_ok() {
+        return Err(wrong_type("network", value, "a FixedNetwork; make one by quantize()"));
+    }
+    let name = crate::arguments::name(value, "network", NETWORK)?;
+    let network: FixedNetwork = weights::fixed(&name).or_raise()?;
+    Ok(Arc::new(Golden::new(network).or_raise()?))
+}
+
+/// A raw frame as light: its sensor values, and what darkness and full light are in it.
+pub fn frame(
+    raw: &Bound<'_, PyAny>,
+    depth: Option<&Bound<'_, PyAny>>,
+    phase: &str,
+    black_level: Option<&Bound<'_, PyAny>>,
+    white_level: Option<f64>,
+) -> PyResult<RawFrame> {
+    let depth = depth.map_or(Ok(16), |value| crate::arguments::whole(value, "depth", 8, 16))? as u32;
+    let raw = array::<u16, Ix2>(raw, "raw", "rows x columns of sensor values")?;
+    let frame = RawFrame::from_view(raw.as_array(), depth, word(phase)?).or_raise()?;
+    let black = match black_level {
+        None => Black::default(),
+        Some(value) => match (value.extract::<f64>(), value.extract::<[f64; 4]>()) {
+            (Ok(level), _) => Black::new([level; 4]).or_raise()?,
+            (_, Ok(levels)) => Black::new(levels).or_raise()?,
+            _ => {
+                return Err(wrong_type(
+                    "black_level",
+                    value,
+                    "a number, or four for the 2x2 pixels from the first on",
+                ));
+            }
+        },
+    };
+    let levels = Levels { black, white: white_level };
+    if levels == Levels::default() {
+        return Ok(frame);
+    }
+    levels.light(&frame).or_raise()
+}
+
+/// A curve from light to a picture's numbers.
+pub fn curve(name: &str) -> PyResult<Curve> {
+    match name {
+        "linear" => Ok(Curve::Linear),
+        "srgb" => Ok(Curve::Srgb),
+        "bt709" => Ok(Curve::Bt709),
+        _ => Err(failed(format!("curve '{name}': must be linear, srgb or bt709"))),
+    }
+}
+
+/// Linear light of a frame.
+#[pyfunction]
+#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, stride = None))]
+#[allow(clippy::too_many_arguments, reason = "what a frame is")]
+pub fn reconstruct<'py>(
+    py: Python<'py>,
+    raw: &Bound<'py, PyAny>,
+    network: &Bound<'py, PyAny>,
+    depth: Option<&Bound<'py, PyAny>>,
+    phase: &str,
+    black_level: Option<&Bound<'py, PyAny>>,
+    white_level: Option<f64>,
+    stride: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (net, asked) = (net(network)?, stride.map(self::stride).transpose()?);
+    let raw = frame(raw, depth, phase, black_level, white_level)?;
+    let light = match net {
+        Net::Float(network) => {
+            let stride = asked.unwrap_or(Stride::PATCH);
+            let method =
+                FloatReconstructor::new((*network).clone(), stride, Overlap::Hann, Output::Rgb).or_raise()?;
+            job::run(py, move |_| method.reconstruct(&raw))?.or_raise()?.frame
+        }
+        Net::Fixed(golden) => {
+            let own = golden.network().stride;
+            if let Some(asked) = asked.filter(|asked| *asked != own) {
+                let (asked, own) = (asked.pixels(), own.pixels());
+                return Err(failed(format!(
+                    "stride {asked}: the network is quantized for a stride of {own}"
+                )));
+            }
+            job::run(py, move |_| golden.frame(&raw).map(|frame| frame.colour()))?.or_raise()?
+        }
+    };
+    Ok(light.planes.into_pyarray(py))
+}
+
+/// What the board makes of a frame.
+#[pyclass(frozen, name = "BoardPicture", module = "edof")]
+pub struct PyBoardPicture {
+    #[pyo3(get)]
+    y_code: Py<PyArray2<u8>>,
+    #[pyo3(get)]
+    cb_code: Py<PyArray2<u8>>,
+    #[pyo3(get)]
+    cr_code: Py<PyArray2<u8>>,
+    picture: Picture,
+    counters: serde_json::Value,
+}
+
+#[pymethods]
+impl PyBoardPicture {
+    fn yuyv<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        self.picture.yuyv().into_pyarray(py)
+    }
+
+    fn shown<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
+        self.picture.shown_frame().planes.into_pyarray(py)
+    }
+
+    #[getter]
+    fn counters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        json::plain(py, &self.counters)
+    }
+}
+
+/// The codes that leave the board's HDMI port.
+#[pyfunction]
+#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[allow(clippy::too_many_arguments, reason = "what a frame is")]
+pub fn board_picture(
+    py: Python<'_>,
+    raw: &Bound<'_, PyAny>,
+    network: &Bound<'_, PyAny>,
+    depth: Option<&Bound<'_, PyAny>>,
+    phase: &str,
+    black_level: Option<&Bound<'_, PyAny>>,
+    white_level: Option<f64>,
+    display: &str,
+    curve: &str,
+) -> PyResult<PyBoardPicture> {
+    let display = Display::new(word::<DisplayMode>(display)?, self::curve(curve)?);
+    let golden = fixed(network)?;
+    // To the board leads a cable.
+    let raw = cable::carried(&frame(raw, depth, phase, black_level, white_level)?);
+    let (out, (picture, shown)) = job::run(py, move |_| {
+        let out = golden.frame(&raw)?;
+        let picture = out.picture(&display);
+        Ok::<_, edof_image::geometry::GeometryError>((out, picture))
+    })?
+    .or_raise()?;
+    let counters = serde_json::json!({
+        "patches": out.counts.patches,
+        "saturations": out.counts.saturations(),
+        "nonzeros": out.counts.counters().nonzeros,
+        "clamped_chroma": shown.clamped_chroma,
+        "out_of_gamut": shown.out_of_gamut,
+    });
+    let [cb, cr] = picture.chroma.clone().map(|plane| plane.into_pyarray(py).unbind());
+    Ok(PyBoardPicture {
+        y_code: picture.luma.clone().into_pyarray(py).unbind(),
+        cb_code: cb,
+        cr_code: cr,
+        picture,
+        counters,
+    })
+}
+
+/// A frame as pixels on the video cable: the luma code low, the chroma code high.
+#[pyfunction]
+#[pyo3(signature = (raw, *, depth = None, phase = "rggb"))]
+pub fn cable_pixels<'py>(
+    py: Python<'py>,
+    raw: &Bound<'py, PyAny>,
+    depth: Option<&Bound<'py, PyAny>>,
+    phase: &str,
+) -> PyResult<Bound<'py, PyArray2<u16>>> {
+    let raw = frame(raw, depth, phase, None, None)?;
+    Ok(raw.pixels().mapv(|word| u16::from_le_bytes(cable::codes(word))).into_pyarray(py))
+}
+
+/// Every word at every boundary, under the names of docs/contract.md, section 8.
+#[pyfunction]
+#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[allow(clippy::too_many_arguments, reason = "what a frame is")]
+pub fn words<'py>(
+    py: Python<'py>,
+    raw: &Bound<'py, PyAny>,
+    network: &Bound<'py, PyAny>,
+    depth: Option<&Bound<'py, PyAny>>,
+    phase: &str,
+    black_level: Option<&Bound<'py, PyAny>>,
+    white_level: Option<f64>,
+    display: &str,
+    curve: &str,
+) -> PyResult<Bound<'py, PyDict>> {
+    let display = Display::new(word::<DisplayMode>(display)?, self::curve(curve)?);
+    let golden = fixed(network)?;
+    let raw = frame(raw, depth, phase, black_level, white_level)?;
+    let (boundaries, out, picture) = job::run(py, move |_| {
+        let out: GoldenFrame = golden.frame(&raw)?;
+        let (picture, _) = out.picture(&display);
+        Ok::<_, edof_image::geometry::GeometryError>((golden.words(&raw)?, out, picture))
+    })?
+    .or_raise()?;
+    let all = PyDict::new(py);
+    for boundary in boundaries {
+        all.set_item(boundary.name, boundary.words.into_pyarray(py))?;
+    }
+    let [cb, cr] = out.frame.chroma;
+    for (name, plane) in [("luma", out.frame.luma), ("cb", cb), ("cr", cr)] {
+        all.set_item(name, plane.into_pyarray(py))?;
+    }
+    let [cb, cr] = picture.chroma;
+    for (name, plane) in [("y_code", picture.luma), ("cb_code", cb), ("cr_code", cr)] {
+        all.set_item(name, plane.into_pyarray(py))?;
+    }
+    Ok(all)
+}

@@ -1,0 +1,179 @@
+"""Layout, memory, threads and signals."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import edof
+
+
+def test_strides_of_any_sign_give_the_result_of_a_copy(network: edof.FixedNetwork) -> None:
+    large = np.random.default_rng(0).integers(0, 4096, (64, 96)).astype(np.uint16)
+    views = [large[::-1], large[:, ::-1], large[::-2, ::-2], large[4:36, 8:56], large.T[::2], np.asfortranarray(large)]
+    for view in views:
+        found = edof.reconstruct(view, network, depth=12)
+        expected = edof.reconstruct(np.ascontiguousarray(view), network, depth=12)
+        assert found.tobytes() == expected.tobytes()
+    colours = np.random.default_rng(1).random((32, 48, 3), np.float32)
+    planes = colours.transpose(2, 0, 1)
+    assert edof.encode(planes).tobytes() == edof.encode(planes.copy()).tobytes()
+    kernel = edof.psf("ring-outer", 4.0)[1]
+    assert edof.blur(planes[0, ::-1], kernel).tobytes() == edof.blur(planes[0, ::-1].copy(), kernel).tobytes()
+
+
+def test_read_only_arrays_are_read_and_results_are_writable(network: edof.FixedNetwork) -> None:
+    raw = np.full((32, 48), 700, np.uint16)
+    raw.flags.writeable = False
+    sharp = edof.reconstruct(raw, network, depth=12)
+    assert sharp.flags.writeable and sharp.flags.c_contiguous
+    before = edof.reconstruct(raw, network, depth=12)
+    sharp[...] = 0.0
+    assert edof.reconstruct(raw, network, depth=12).tobytes() == before.tobytes()
+
+
+def test_results_have_the_memory_that_rust_made(light: NDArray[np.float32]) -> None:
+    # Moved, not copied: the array has an owner behind it that is no array.
+    kernel = edof.psf("ring-outer", 4.0)[1]
+    for array in [edof.blur(light[0], kernel), edof.encode(light), kernel]:
+        assert not array.flags.owndata
+        assert array.base is not None and not isinstance(array.base, np.ndarray)
+
+
+def test_the_adjoint_is_one(light: NDArray[np.float32]) -> None:
+    rng = np.random.default_rng(4)
+    other = rng.random(light.shape, np.float32)
+    aberrated = edof.Camera("ring-outer").with_aberrations({7: 120.0, 5: -80.0})
+    for camera in [edof.Camera("ring-2018"), aberrated]:
+        kernels = edof.psf(camera, 5.0)
+        forward = np.vdot(edof.blur(light, kernels).astype(np.float64), other)
+        back = np.vdot(light.astype(np.float64), edof.blur_adjoint(other, kernels))
+        assert forward == pytest.approx(back, rel=1e-5)
+        plane = edof.blur(light[1], kernels[1])
+        assert plane.tobytes() == edof.blur(light, kernels)[1].tobytes()
+
+
+def test_cameras_can_be_changed(light: NDArray[np.float32]) -> None:
+    camera = edof.Camera("ring-outer")
+    bank = np.stack([np.stack([np.pad(k, (31 - k.shape[0]) // 2) if k.shape[0] < 31 else k[:31, :31] for k in edof.psf(camera, psi)]) for psi in (0.0, 1.0)])
+    banked = camera.with_psfs(np.array([0.0, 1.0]), bank.astype(np.float32))
+    assert banked.psi_range == (0.0, 1.0) and banked != camera
+    assert edof.Camera.from_json(camera.json()) == camera and hash(edof.Camera.from_json(camera.json())) == hash(camera)
+    flat = camera.with_height_map(np.zeros((16, 16), np.float32), white_um=1.0, cauchy=(1.5, 0.004))
+    assert not flat.same_lens(camera)
+    wedge = np.tile(np.linspace(0, 1, 16, dtype=np.float32), (16, 1))
+    moved = camera.with_height_map(wedge, white_um=4.0, cauchy=(1.5, 0.0))
+    kernel = edof.psf(moved, 0.0)[1]
+    columns = np.arange(kernel.shape[1]) - kernel.shape[1] // 2
+    # A wedge that is higher on the right moves the picture to the right.
+    assert (kernel.sum(axis=0) * columns).sum() > 0.5
+    metres = camera.metres_at(4.0, nominal_m=10.0)
+    assert metres is not None and camera.psi_at(metres, nominal_m=10.0) == pytest.approx(4.0)
+
+
+def test_scenes_of_layers_and_drawn_ones_are_captured() -> None:
+    scene = edof.Scene.draw("chart-4", 64, 96, camera="ring-outer")
+    assert scene.psi == [0.0, pytest.approx(8 / 3), pytest.approx(16 / 3), 8.0] and scene.shape == (64, 96)
+    shot = edof.capture(scene, "ring-outer")
+    assert (shot.raw.shape, shot.raw.dtype, shot.depth, shot.phase) == ((64, 96), np.uint16, 12, "rggb")
+    assert len(shot.kernels) == 4 and shot.kernels[0]["psi"] == 0.0
+    sharp, matte = scene.sharp(), (scene.psi_map() > 4.0).astype(np.float32)
+    layered = edof.Scene.from_layers([(sharp, None, 0.0), (sharp, matte, 6.0)])
+    assert edof.capture(layered, "ring-outer").raw.shape == (64, 96)
+
+
+def test_deconvolution_and_pursuits_do_what_they_are_for(light: NDArray[np.float32]) -> None:
+    kernel = edof.psf("clear-mid", 6.0)[1]
+    blurred = edof.blur(light[1], kernel)
+    wrong = float(np.mean((blurred - light[1])[16:-16, 16:-16] ** 2))
+    for sharp in [
+        edof.wiener(blurred, kernel, noise_to_contrast=1e-4),
+        edof.richardson_lucy(blurred, kernel, steps=40),
+        edof.hyper_laplacian(blurred, kernel),
+    ]:
+        assert np.mean((sharp - light[1])[16:-16, 16:-16] ** 2) < 0.7 * wrong
+    picture, found = edof.blind_deconvolution(blurred, side=9)
+    assert picture.shape == blurred.shape and found.sum() == pytest.approx(1.0, abs=1e-4)
+    rng = np.random.default_rng(0)
+    atoms = rng.normal(size=(12, 20)).astype(np.float32)
+    atoms /= np.linalg.norm(atoms, axis=0)
+    signals = (atoms[:, [3, 7]] @ np.array([[2.0], [-1.0]], np.float32)).T.astype(np.float32)
+    codes = edof.omp(signals, atoms, atoms=2)
+    assert np.flatnonzero(codes[0]).tolist() == [3, 7]
+    assert np.allclose(codes @ atoms.T, signals, atol=1e-4)
+    for method in ["fista", "ista"]:
+        minimum = edof.lasso(signals, atoms, 0.01, method=method, steps=5000, tolerance=1e-7)
+        assert np.abs(minimum @ atoms.T - signals).max() < 0.1
+    assert edof.ksvd(np.repeat(signals, 8, axis=0), atoms, atoms=2, rounds=2).shape == atoms.shape
+    raw = edof.capture(light, "clear", 0.0, depth=16).raw
+    for method in ["malvar", "directional"]:
+        assert edof.psnr(light, edof.demosaic(raw, method=method)) > 20.0
+
+
+def test_a_simulated_board_is_loaded_and_shows_the_golden_picture() -> None:
+    design = edof.Design("tiny")
+    old, new = design.random_network(1), design.random_network(2)
+    raw = np.random.default_rng(5).integers(0, 4096, design.shape).astype(np.uint16)
+    with edof.Board.simulated(design, old, raw, depth=12) as board:
+        assert board.get("id") == 0x45444F46 and board.bank == "a" and board.shape == design.shape
+        loaded = board.load(new)
+        assert (loaded["bank"], loaded["in_use"], board.bank) == ("b", "b", "b")
+        assert board.verify(new) == [] and board.verify(old, bank="b") != []
+        board.set("scratch", 0x1234)
+        assert board.get("scratch") == 0x1234 == board.registers()["scratch"]
+        board.run(0.2)
+        shown = board.screen()
+        assert shown is not None
+        golden = edof.board_picture(raw, new, depth=12)
+        assert shown[0].tobytes() == golden.y_code.tobytes()
+        assert shown[1][:, 0::2].tobytes() == golden.cb_code.tobytes()
+        assert shown[1][:, 1::2].tobytes() == golden.cr_code.tobytes()
+        board.reset()
+        assert board.design.name == "tiny" and not board.closed
+    assert board.closed
+
+
+def test_designs_are_measured_and_explored_on_frames() -> None:
+    design = edof.Design("tiny")
+    network = design.random_network(1)
+    raw = np.random.default_rng(5).integers(0, 65536, design.shape).astype(np.uint16)
+    measured = design.estimate(network, [raw, raw[::-1, ::-1]], phase="bggr")
+    assert [picture["picture"] for picture in measured["pictures"]] == ["raw[0]", "raw[1]"]
+    front = design.explore(network, raw, fps=1e-3)
+    assert front and all(row["design"].name == network.name for row in front)
+    cycles = [row["cycles_per_patch"] for row in front]
+    assert min(cycles) <= measured["cycles_per_patch"]
+
+
+def test_the_gil_is_released(light: NDArray[np.float32]) -> None:
+    counted = 0
+    stop = threading.Event()
+
+    def count() -> None:
+        nonlocal counted
+        while not stop.is_set():
+            counted += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.monotonic()
+    edof.blind_deconvolution(light[1], side=15)
+    seconds = time.monotonic() - start
+    stop.set()
+    thread.join()
+    assert counted > 20 * seconds
+
+
+def test_ctrl_c_ends_a_call() -> None:
+    network = edof.Network.load("edof-t4w12-outer-light")
+    threading.Timer(0.7, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        # Minutes, if nobody ends it.
+        network.quantize(stride=8)
+    assert time.monotonic() - start < 3.0
