@@ -163,14 +163,14 @@ fn plans(random: &mut Random) -> Vec<Plan> {
     plans
 }
 
-fn compare(seed: u64, cycles: usize) {
+fn compare(seed: u64, cycles: usize, simulators: &[Simulator]) {
     let plans = plans(&mut Random::new(seed));
     let make = || {
         let circuits = plans.iter().map(Circuit::new).collect();
         Batch::from_parts(BatchParts { circuits, _count: 24 })
     };
     let harness = harness!(Batch, clock; reset, a, b);
-    let how = Check { seed, ..with_reset(cycles) };
+    let how = Check { seed, simulators: simulators.to_vec(), ..with_reset(cycles) };
     if let Err(failure) = check(&make, &harness, &how) {
         if let Failure::Difference(difference) = &failure {
             let number: usize = difference.port[2..difference.port.len() - 1].parse().unwrap();
@@ -182,13 +182,18 @@ fn compare(seed: u64, cycles: usize) {
 
 #[test]
 fn random_circuits_mean_what_rust_means() {
-    compare(1, 300);
+    compare(1, 300, &[Simulator::Icarus, Simulator::Verilator]);
 }
 
 #[test]
 #[ignore = "an hour: scripts/soak.sh"]
 fn ten_thousand_random_circuits_mean_what_rust_means() {
-    (2..420).for_each(|seed| compare(seed, 500));
+    // Verilator's compiler takes most of the time: every tenth batch of 24 circuits.
+    for seed in 2..420 {
+        let verilator = Some(Simulator::Verilator).filter(|_| seed % 10 == 0);
+        let simulators: Vec<Simulator> = [Simulator::Icarus].into_iter().chain(verilator).collect();
+        compare(seed, 500, &simulators);
+    }
 }
 
 #[test]

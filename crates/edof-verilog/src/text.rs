@@ -66,7 +66,7 @@ pub(crate) fn range(at: usize, bits: usize) -> String {
 /// What a number is for: lengths and counts are decimal, masks hexadecimal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Use {
-    /// Assigned or chosen: hexadecimal only where all of at least four bits are ones.
+    /// Assigned or chosen: hexadecimal only where all of at least four bits are ones, and for extremes.
     Value,
     /// Compared, added, taken away.
     Count,
@@ -81,8 +81,10 @@ const LONG: i128 = 1_000_000;
 pub(crate) fn literal(ty: Type, value: i128, of: Use) -> String {
     let bits = ty.bits;
     let is_full = bits >= 4 && bits < 100 && value == (1 << bits) - 1;
+    // The largest and the smallest number of two's complement.
+    let is_extreme = (16..100).contains(&bits) && [0, 1].contains(&((1 << (bits - 1)) - value));
     let is_decimal = match of {
-        Use::Value => value < LONG && !is_full,
+        Use::Value => value < LONG && !is_full && !is_extreme,
         Use::Count => value < LONG,
         Use::Mask => value < 10,
     };

@@ -27,8 +27,8 @@ module requantize #(
   localparam [47:0] ONES = 48'hffffffffffff;
   localparam [47:0] SIGN_BITS = 48'hffffffff0000;
   localparam [47:0] BEYOND = 48'hffffffff8000;
-  localparam [15:0] MOST = 16'd32767;
-  localparam [15:0] LEAST = 16'd32768;
+  localparam [15:0] MOST = 16'h7fff;
+  localparam [15:0] LEAST = 16'h8000;
 
   wire [47:0] sum_to_4_later, with_half_sum, total_sum;
   wire [5:0] shift_to_6_later, coarse_to_1_later;
