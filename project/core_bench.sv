@@ -17,20 +17,25 @@ module edof_core_bench;
     localparam VS_ON = HEIGHT + @frame_front@;
     localparam VS_OFF = VS_ON + @frame_sync@;
     localparam ROWS = VS_OFF + @frame_back@;
-    // Cycles of the core in a frame of the camera.
+    // Cycles of the slower of memory and calculator in a frame of the camera.
     localparam CYCLES = @cycles@;
     localparam [15:0] BLACK = 16'h@black@;
     localparam [31:0] CONTROL_ADDRESS = 32'h@control_address@;
     localparam [31:0] CONTROL = 32'h@control@;
     localparam WORDS = 1 << $clog2(PIXELS / 32);
 
-    // The core's clock; the camera's is so slow that the core keeps up, the screen's a little faster than the camera's.
-    // A cycle of the core is 100 units of time, whatever a simulator takes a unit for.
-    localparam integer CAMERA = 100 * CYCLES / (COLUMNS * ROWS);
+    // The clocks of memory and calculator; the camera's is so slow that both keep up, the screen's a little faster than the camera's.
+    // A cycle of the slower of the first two is SLOWER units of time, whatever a simulator takes a unit for.
+    localparam integer CORE = @core_units@;
+    localparam integer CALCULATOR = @calculator_units@;
+    localparam integer SLOWER = CORE > CALCULATOR ? CORE : CALCULATOR;
+    localparam integer CAMERA = SLOWER * CYCLES / (COLUMNS * ROWS);
     reg clock = 1'b0;
+    reg calculator_clock = 1'b0;
     reg input_clock = 1'b0;
     reg screen_clock = 1'b0;
-    always #50 clock = !clock;
+    always #(CORE / 2) clock = !clock;
+    always #(CALCULATOR / 2) calculator_clock = !calculator_clock;
     always #(CAMERA / 2) input_clock = !input_clock;
     always #(CAMERA * 49 / 100) screen_clock = !screen_clock;
 
@@ -50,7 +55,7 @@ module edof_core_bench;
         cycle <= cycle + 1;
         lot <= {lot[30:0], lot[31] ^ lot[21] ^ lot[1] ^ lot[0]};
         reset <= cycle >= 4 && cycle < 200;
-        if (cycle == (FRAMES + 6) * CYCLES) begin
+        if (cycle == (FRAMES + 6) * CYCLES * SLOWER / CORE) begin
             $display("FAIL: %0d of %0d pictures after %0d cycles", shown, FRAMES, cycle);
             $fatal(1, "FAIL");
         end

@@ -1,14 +1,15 @@
 // The KC705: pins, clocks, the DRAM controller, and kc705_core between them.
 //
 // sysclk (200 MHz) feeds the DRAM controller (MIG, made by build.tcl from mig.prj) and nothing else. The controller's user clock of
-// @core_mhz@ MHz is that of memory and host, and feeds the MMCM that makes the screen's clock of @screen_mhz@ MHz. The HDMI receiver brings
-// its own clock. The figures of the MMCM follow from the design.
+// @core_mhz@ MHz is that of memory and host, and feeds two MMCMs: one makes the calculator's clock of @calculator_mhz@ MHz, one the screen's of
+// @screen_mhz@ MHz. The HDMI receiver brings its own clock. The figures of the MMCMs follow from the design.
 //
-// Resets: the controller's ui_clk_sync_rst resets the MMCM and the core; an MMCM that is not locked resets the core alone, and so does
-// cpu_reset, debounced. Nothing resets the controller but the configuration of the FPGA.
+// Resets: the controller's ui_clk_sync_rst resets both MMCMs and the core; an MMCM that is not locked resets the domain of its clock alone.
+// cpu_reset, debounced, resets the core. Nothing resets the controller but the configuration of the FPGA.
 //
 // LEDs: 0 the DRAM is calibrated; 1 video comes in, blinking where a cable is in and nothing comes; 2 it has the design's size; 3 pictures
-// leave; 4 all video chips are set up; 5 a set-up failed; 6 a screen is plugged in; 7 the screen's clock is locked.
+// leave; 4 all video chips are set up; 5 a set-up failed; 6 a screen is plugged in; 7 the clocks of calculator and
+// screen are locked.
 `default_nettype none
 
 module kc705_top (
@@ -57,6 +58,24 @@ module kc705_top (
 
     wire core_clock, core_clock_reset, dram_locked, dram_ready;
 
+    // @core_mhz@ MHz / @calculator_divide@ * @calculator_multiply@ / @calculator_output@ = @calculator_mhz@ MHz.
+    wire calculator_feedback, calculator_unbuffered, calculator_clock, calculator_locked;
+    MMCME2_BASE #(
+        .CLKIN1_PERIOD(@core_period@),
+        .DIVCLK_DIVIDE(@calculator_divide@),
+        .CLKFBOUT_MULT_F(@calculator_multiply@),
+        .CLKOUT0_DIVIDE_F(@calculator_output@)
+    ) calculator_mmcm (
+        .CLKIN1(core_clock),
+        .CLKFBIN(calculator_feedback),
+        .CLKFBOUT(calculator_feedback),
+        .CLKOUT0(calculator_unbuffered),
+        .LOCKED(calculator_locked),
+        .PWRDWN(1'b0),
+        .RST(core_clock_reset)
+    );
+    BUFG calculator_clock_buffer (.I(calculator_unbuffered), .O(calculator_clock));
+
     // @core_mhz@ MHz / @screen_divide@ * @screen_multiply@ / @screen_output@ = @screen_mhz@ MHz.
     wire screen_feedback, screen_unbuffered, screen_clock, screen_locked;
     MMCME2_BASE #(
@@ -75,13 +94,23 @@ module kc705_top (
     );
     BUFG screen_clock_buffer (.I(screen_unbuffered), .O(screen_clock));
 
-    // Resets. That of the MMCM is not made of its lock. That of the core is registered: no logic stands before an asynchronous set.
+    // Resets. Those of the MMCMs are not made of their locks. Those of the core are registered: no logic stands before an asynchronous set.
     wire button;
     edof_debounce cpu_reset_button (.clock_i(core_clock), .line_i(cpu_reset), .level_o(button));
-    wire [1:0] locks_seen;
-    edof_sync #(.WIDTH(2)) locks (.clock_i(core_clock), .from_i({dram_locked, screen_locked}), .to_o(locks_seen));
+    wire dram_locked_seen, calculator_locked_seen, screen_locked_seen;
+    edof_sync #(.WIDTH(3)) locks (
+        .clock_i(core_clock),
+        .from_i({dram_locked, calculator_locked, screen_locked}),
+        .to_o({dram_locked_seen, calculator_locked_seen, screen_locked_seen})
+    );
     reg reset_q = 1'b1;
-    always @(posedge core_clock) reset_q <= core_clock_reset | button | (locks_seen != 2'b11);
+    reg calculator_reset_q = 1'b1;
+    reg screen_reset_q = 1'b1;
+    always @(posedge core_clock) begin
+        reset_q <= core_clock_reset | button | !dram_locked_seen;
+        calculator_reset_q <= !calculator_locked_seen;
+        screen_reset_q <= !screen_locked_seen;
+    end
 
     // Pixels: registered in the pads, the transmitter's clock half a period later.
     (* IOB = "TRUE" *) reg [15:0] input_data_q;
@@ -115,7 +144,7 @@ module kc705_top (
     assign fmc_iic_reset_n = !button;
 
     wire [6:0] states;
-    assign leds = {screen_locked, states};
+    assign leds = {calculator_locked_seen & screen_locked_seen, states};
     assign fan_pwm = 1'b1;
 
     // Memory.
@@ -203,9 +232,12 @@ module kc705_top (
 
     kc705_core core (
         .clock_i(core_clock),
+        .calculator_clock_i(calculator_clock),
         .input_clock_i(input_clock),
         .screen_clock_i(screen_clock),
         .reset_i(reset_q),
+        .calculator_reset_i(calculator_reset_q),
+        .screen_reset_i(screen_reset_q),
         .input_data_i(input_data_q),
         .screen_hs_o(screen_hs),
         .screen_vs_o(screen_vs),

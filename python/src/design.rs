@@ -8,7 +8,7 @@ use edof_cosim::bitstream::Sources;
 use edof_cosim::estimate::{Estimated, MeasureError, Measured, Picture};
 use edof_cosim::explore::{self, any_folding};
 use edof_device::Design;
-use edof_device::board::screen_clock;
+use edof_device::board::clocks;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
 use edof_image::RawFrame;
@@ -88,7 +88,7 @@ impl PyDesign {
         depth: Option<&Bound<'py, PyAny>>,
         phase: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        screen_clock(&self.0).or_raise()?;
+        clocks(&self.0).or_raise()?;
         let design = Arc::clone(&self.0);
         let (golden, frames) = match (network, raw) {
             (None, None) => return json::plain(py, &Estimated::new(&design, None).json(None)),

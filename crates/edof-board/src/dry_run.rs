@@ -8,7 +8,6 @@ use crate::link::PATIENCE;
 use crate::load::Job;
 use crate::protocol::{self, MOST_WORDS};
 use crate::simulated::Simulated;
-use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::memory::Set;
 use edof_device::design::timing::READ_PERIOD;
 use edof_device::registers::map::CONTROL;
@@ -128,14 +127,15 @@ fn stand_in(
     Ok(board)
 }
 
-/// Seconds that all of the display's tables take besides, with the circuit's CRCs of them before and after, and their words.
+/// Seconds that all of the display's tables take besides, with the circuit's CRCs of them before and after at the calculator's clock, and their
+/// words.
 #[must_use]
-pub fn tables(display: &Display, baud: u32) -> (u64, f64) {
+pub fn tables(display: &Display, clock_mhz: f64, baud: u32) -> (u64, f64) {
     let parts = table_parts(display);
     let words: Vec<(u32, u32)> = parts.iter().flat_map(Part::words).collect();
     let frames = frames(&words, MOST_WORDS).len();
     let bytes = 4 * words.len() + frames * (2 * protocol::HEADER + 8);
     let rows: usize = parts.iter().map(|part| part.rows.len()).sum();
-    let reading = 2.0 * (rows as u64 * READ_PERIOD) as f64 / (1e3 * f64::from(CORE_KILOHERTZ));
+    let reading = 2.0 * (rows as u64 * READ_PERIOD) as f64 / (1e6 * clock_mhz);
     (words.len() as u64, line_time(bytes, baud).as_secs_f64() + reading)
 }

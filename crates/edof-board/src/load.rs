@@ -285,6 +285,18 @@ impl<L: Line> Board<L> {
         Ok(wanted.iter().zip(&crcs).enumerate().filter_map(difference).collect())
     }
 
+    /// Writes the hash of the network in the bank in use, which was seen to be there: what a lost clock put in doubt is checked. Nothing is
+    /// written for the other bank.
+    ///
+    /// # Errors
+    /// A line that fails.
+    pub fn confirm(&mut self, design: &Design, network: &FixedNetwork, bank: Set) -> Result<(), Error> {
+        if bank == self.bank()? {
+            self.link.set(WEIGHTS_HASH, weights_hash(design, network))?;
+        }
+        Ok(())
+    }
+
     /// Reads every row of some parts: those parts with a row that differs, and the first such row.
     fn rows_unlike(&mut self, parts: &[&Part], progress: Progress<'_>) -> Result<Vec<(usize, usize)>, Error> {
         let total = parts.iter().map(|part| part.rows.len() as u64).sum();

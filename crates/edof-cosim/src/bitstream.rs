@@ -50,6 +50,8 @@ pub struct Sources {
     about: Value,
     /// Modules, their bytes, memory images.
     counts: [usize; 3],
+    /// The calculator's clock.
+    clock_mhz: f64,
 }
 
 impl Sources {
@@ -67,7 +69,7 @@ impl Sources {
         let core = &project.core;
         let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
         let counts = [core.verilog.len(), verilog, core.memory.len()];
-        Ok(Self { contents: contents(&project), about, counts })
+        Ok(Self { contents: contents(&project), about, counts, clock_mhz: design.clock_mhz })
     }
 
     /// Paths of all files in the folder.
@@ -90,10 +92,10 @@ impl Sources {
     pub fn summary(&self, out: &Path) -> String {
         let [modules, bytes, images] = self.counts;
         format!(
-            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator on the memory's {} MHz",
+            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator at {} MHz",
             out.display(),
             bytes / 1000,
-            edof_device::board::CORE_KILOHERTZ / 1000
+            self.clock_mhz
         )
     }
 }

@@ -140,8 +140,7 @@ impl<'a> Estimated<'a> {
         let ahead = estimate(design, pairs.as_deref());
         let cycles = measured.map_or(ahead.cycles_per_patch, Measured::cycles_per_patch);
         let latency = measured.map_or(ahead.latency as f64, Measured::mean_latency);
-        let core = (1e6 / design.clock_mhz) as u64;
-        let periods = Periods { core, ..Periods::of_board(design.frame) };
+        let periods = Periods::of_board(design);
         Self {
             limiting: measured.map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage),
             stages: resources::stages(design),

@@ -5,6 +5,7 @@ mod blocks;
 mod board;
 mod both_simulators;
 mod cables;
+mod calculator_clock;
 mod chain;
 mod chain_in_rust;
 mod common;

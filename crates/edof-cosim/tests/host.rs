@@ -173,6 +173,8 @@ fn stage_counter(index: u32) -> u32 {
 struct Stages {
     clock: ClockId,
     ports: [usize; 2],
+    /// Cycles until the answer has come, drawn for each; the port that says so.
+    ready: (usize, bool, Draw),
 }
 
 impl Actor for Stages {
@@ -186,7 +188,12 @@ impl Actor for Stages {
 
     fn after(&mut self, model: &mut Model) -> Result<(), Error> {
         let index = model.peek(self.ports[0])? as u32;
-        model.poke(self.ports[1], stage_counter(index).into())
+        let (port, is_ready, draw) = &mut self.ready;
+        // Before its answer has come a stage shows anything.
+        *is_ready = draw.whole(0, 3) == 0;
+        let shown = if *is_ready { stage_counter(index) } else { draw.bits() as u32 };
+        model.poke(*port, u64::from(*is_ready))?;
+        model.poke(self.ports[1], shown.into())
     }
 }
 
@@ -229,7 +236,8 @@ fn registers_answer_as_their_map_says() {
         let mut tables = Words::new(&source, "table", clock, seed);
         let mut weights = Words::new(&source, "weight", clock, seed + 1);
         let ports = ["stage_address_o", "stage_counter_i"].map(|port| source.port(port).unwrap());
-        let mut stages = Stages { clock, ports };
+        let ready = (source.port("stage_ready_i").unwrap(), false, Draw::new(seed + 2));
+        let mut stages = Stages { clock, ports, ready };
         bench.set("reset_i", 1).unwrap();
         bench.steps(5, &mut [&mut host, &mut tables, &mut weights, &mut stages]).unwrap();
         bench.set("reset_i", 0).unwrap();
@@ -318,6 +326,9 @@ impl Logic for Line {
         self.registers.keeps.next = false;
         self.registers.table_ready.next = true;
         self.registers.stage_counter.next = 0.into();
+        self.registers.stage_ready.next = true;
+        self.registers.unreached.next = false;
+        self.registers.calculator_lost.next = false;
         self.registers.status.next = 0.into();
         self.registers.i2c_board.next = 0.into();
         self.registers.i2c_card.next = 0.into();

@@ -9,14 +9,12 @@ use edof_device::design::StagePlan;
 use edof_golden::Display;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::board::blocks::{self, Domain};
-use edof_hdl::board::{BoardRegisters, ChipSetup, EmbeddedSyncs, Identity, Pace};
+use edof_hdl::board::{BoardRegisters, CalculatorPort, ChipSetup, EmbeddedSyncs, Identity, Pace};
 use edof_hdl::project;
 use edof_hdl::resources::{self, Resources};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Worst path of logic that a stage may have: half of the period at 200 MHz, the other half is for wires.
-const DELAY_PS: u64 = 2500;
 /// Registers whose paths are not among the longest: the start of a sum on its way to the DSPs, and weights on their way to the host.
 const SHORT: [&str; 5] = ["lanes.first_q", "starts_q", "multiplier.first_q", "lanes.back_", "back_q"];
 /// Loads that a net of control may lead to.
@@ -39,9 +37,11 @@ pub fn of_stages(design: &Design) -> Vec<(StagePlan, PartTiming)> {
 }
 
 fn keeps_its_limits(name: &str) {
-    for (plan, stage) in of_stages(&committed(name)) {
+    let design = committed(name);
+    let limit = blocks::calculator(&design).limit_ps();
+    for (plan, stage) in of_stages(&design) {
         let told = format!("{name} stage {}: {stage:#?}", plan.index);
-        assert!(stage.delay_ps <= DELAY_PS, "{told}");
+        assert!(stage.delay_ps <= limit, "{limit} ps: {told}");
         assert!(stage.control_loads <= CONTROL_LOADS, "{told}");
         let dsps = [stage.dsps, stage.registered_dsps, stage.free_operations];
         assert_eq!(dsps, [plan.dsps(); 3], "{told}");
@@ -70,7 +70,8 @@ fn what_makes_windows_whole_is_short_of_path_and_load_and_as_estimated() {
     let design = committed("kc705");
     let project = project::of_circuit(&mut WindowGuard::new(&design.stage(0)), vec![]).unwrap();
     let found = timing::whole(&project, None).unwrap();
-    assert!(found.delay_ps <= DELAY_PS && found.control_loads <= CONTROL_LOADS, "{found:#?}");
+    let limit = blocks::calculator(&design).limit_ps();
+    assert!(found.delay_ps <= limit && found.control_loads <= CONTROL_LOADS, "{found:#?}");
     let of_stages: Resources = resources::stages(&design).into_iter().sum();
     let whole = resources::whole(&design);
     for (estimated, measured) in
@@ -94,7 +95,11 @@ fn what_speaks_to_the_video_chips_and_the_host_is_short_of_path() {
     let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
     let mut registers = BoardRegisters::new(&committed("tiny"), &identity);
     let registers = project::of_circuit(&mut registers, vec![]).unwrap();
-    for (project, domain) in [(setup, Domain::Core), (syncs, Domain::Pixel), (registers, Domain::Core)] {
+    let port = project::of_circuit(&mut CalculatorPort::default(), vec![]).unwrap();
+    let calculator = blocks::calculator(&committed("kc705"));
+    for (project, domain) in
+        [(setup, Domain::Core), (syncs, Domain::Pixel), (registers, Domain::Core), (port, calculator)]
+    {
         let found = timing::whole(&project, None).unwrap();
         assert!(found.delay_ps <= domain.limit_ps(), "{found:#?}");
         println!("{}: {} ps", found.module, found.delay_ps);

@@ -64,19 +64,53 @@ impl MadeClock {
     }
 }
 
-/// The pixel clock of a design's screen, from the video mode of its frames. Its calculator runs on the memory's clock.
+/// The clocks that are made of the memory's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Clocks {
+    /// The calculator's: the design's `clock_mhz`.
+    pub calculator: MadeClock,
+    /// The screen's pixels.
+    pub screen: MadeClock,
+}
+
+/// The clocks of a design's board.
 ///
 /// # Errors
-/// [`DesignError::Field`] for a calculator that would need a faster clock than the memory's, or frames that no video mode has.
+/// As [`calculator_clock`] and [`screen_clock`].
+pub fn clocks(design: &Design) -> Result<Clocks, DesignError> {
+    Ok(Clocks { calculator: calculator_clock(design)?, screen: screen_clock(design)? })
+}
+
+/// The clock of a design's calculator.
+///
+/// # Errors
+/// [`DesignError::Field`] for a clock that no MMCM makes of the memory's; it names the next ones that can be made.
+pub fn calculator_clock(design: &Design) -> Result<MadeClock, DesignError> {
+    let khz = design.clock_mhz * 1e3;
+    let nearest = khz.round() as u64;
+    let exact = if (khz - nearest as f64).abs() < 1e-6 { MadeClock::of(nearest) } else { None };
+    exact.ok_or_else(|| {
+        let around =
+            (0..SEARCH_KHZ).map(|i| nearest.saturating_sub(i)).find(|khz| MadeClock::of(*khz).is_some());
+        let above = (1..SEARCH_KHZ).map(|i| nearest + i).find(|khz| MadeClock::of(*khz).is_some());
+        let named: Vec<String> =
+            around.into_iter().chain(above).map(|khz| (khz as f64 / 1e3).to_string()).collect();
+        let memory = f64::from(CORE_KILOHERTZ) / 1e3;
+        let expected = format!("a clock that an MMCM makes of {memory} MHz, such as {}", named.join(" or "));
+        DesignError::Field { field: "clock_mhz".into(), value: design.clock_mhz.to_string(), expected }
+    })
+}
+
+/// How far around a clock that cannot be made one is looked for that can, in kilohertz.
+const SEARCH_KHZ: u64 = 5_000;
+
+/// The pixel clock of a design's screen, from the video mode of its frames.
+///
+/// # Errors
+/// [`DesignError::Field`] for frames that no video mode has.
 pub fn screen_clock(design: &Design) -> Result<MadeClock, DesignError> {
     let field =
         |field: &str, value: String, expected| DesignError::Field { field: field.into(), value, expected };
-    let memory_mhz = f64::from(CORE_KILOHERTZ) / 1e3;
-    if design.clock_mhz > memory_mhz {
-        let expected =
-            format!("at most {memory_mhz}, the clock of the board's memory, on which the calculator runs");
-        return Err(field("clock_mhz", design.clock_mhz.to_string(), expected));
-    }
     let (width, height) = (design.frame.width, design.frame.height);
     let simulated = (width < SIMULATED_SIDES.0 && height < SIMULATED_SIDES.1).then_some(SIMULATED_KHZ);
     let mode = VideoTiming::mode(design.frame).map(|mode| mode.pixel_khz as u64);
@@ -144,10 +178,23 @@ mod tests {
                 design(200.0, 1366, 768),
                 "frame 1366x768: must be the size of a video mode (1280x720, 1920x1080), or below",
             ),
-            (design(215.0, 1280, 720), "clock_mhz 215: must be at most 200, the clock of the board's memory"),
+            (
+                design(199.999, 1280, 720),
+                "clock_mhz 199.999: must be a clock that an MMCM makes of 200 MHz, such as 199.6 or 200",
+            ),
+            (design(2.0, 1280, 720), "clock_mhz 2: must be a clock that an MMCM makes of 200 MHz, such as "),
         ] {
-            let error = screen_clock(&design).unwrap_err().to_string();
+            let error = clocks(&design).unwrap_err().to_string();
             assert!(error.starts_with(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn calculators_run_at_their_designs_clock() {
+        for mhz in [5.0, 100.0, 125.0, 150.0, 200.0, 212.5, 215.0, 220.0, 333.0] {
+            let made = clocks(&design(mhz, 1920, 1080)).unwrap().calculator;
+            assert_eq!(made.khz as f64, mhz * 1e3);
+            assert!(made.mmcm.is_legal(CORE_KILOHERTZ.into()), "{made:?}");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::project::Project;
 use crate::verilog::{Direction, Port};
+use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::FrameSize;
 use edof_device::registers::map;
 use edof_device::video::VideoTiming;
@@ -12,6 +13,9 @@ use edof_image::display::{BLACK, CHROMA_ZERO};
 /// The benches without their numbers: the calculator's, the core's.
 const BENCH: &str = include_str!("../../../project/bench.sv");
 const CORE_BENCH: &str = include_str!("../../../project/core_bench.sv");
+
+/// Units of time in a cycle of the memory's clock.
+const CORE_UNITS: u64 = 1000;
 
 /// What the benches try a design with, and what it must become.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,8 +39,10 @@ pub struct RecordedVideo {
     pub pictures: Vec<Vec<u16>>,
     /// How the display makes codes of words.
     pub mode: DisplayMode,
-    /// Cycles in which the core has done with one.
+    /// Cycles of the slower of memory and calculator in which the core has done with one.
     pub cycles: usize,
+    /// The calculator's clock in kilohertz.
+    pub calculator_khz: u64,
 }
 
 /// The benches of a generated directory.
@@ -111,6 +117,7 @@ fn calculator_bench(calculator: &Project, recorded: &Recorded) -> Vec<(String, S
 pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, String)> {
     let value = |port: &str| match port {
         "clock_i" => "clock",
+        "calculator_clock_i" => "calculator_clock",
         "input_clock_i" => "input_clock",
         "screen_clock_i" => "screen_clock",
         "reset_i" => "reset",
@@ -166,6 +173,8 @@ pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, Stri
         ("@frame_sync@", timing.frame.sync),
         ("@frame_back@", timing.frame.back),
         ("@cycles@", recorded.cycles),
+        ("@core_units@", CORE_UNITS as usize),
+        ("@calculator_units@", (CORE_UNITS * u64::from(CORE_KILOHERTZ) / recorded.calculator_khz) as usize),
     ];
     let hexadecimal = |word: u32| format!("{word:08x}");
     let text = CORE_BENCH

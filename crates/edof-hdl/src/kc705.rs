@@ -7,7 +7,7 @@ use crate::floorplan;
 use crate::project::{self, Project, ProjectError};
 use crate::verilog::{Crossing, emit};
 use crate::video::display::TABLE_IMAGES;
-use edof_device::board::{self, CORE_KILOHERTZ, I2C_IMAGES, MadeClock};
+use edof_device::board::{self, CORE_KILOHERTZ, Clocks, I2C_IMAGES, MadeClock};
 use edof_device::design::Design;
 use edof_device::i2c;
 use edof_device::registers::{c_header, markdown, systemrdl};
@@ -71,7 +71,7 @@ fn whole(
     tables: &Tables,
     recorded: &Recorded,
 ) -> Result<Kc705, ProjectError> {
-    let screen = board::screen_clock(design)?;
+    let clocks = board::clocks(design)?;
     let calculator = project::calculator(design, sets)?;
     let small = Design { frame: recorded.video.size, ..design.clone() };
     let tried = bare_core(&small, sets, identity, tables)?;
@@ -82,7 +82,7 @@ fn whole(
     let images = project::images(design, sets).into_iter().chain(table_images(tables)).collect();
     let core = project::of_circuit(&mut top, images)?;
     let benches = benches::files(&core, &calculator, &tried, recorded);
-    let mut files = files(design, screen, &core, &crossings, &benches);
+    let mut files = files(design, clocks, &core, &crossings, &benches);
     files.extend(benches.files);
     Ok(Kc705 { core, files })
 }
@@ -118,21 +118,22 @@ pub fn table_images(tables: &Tables) -> Vec<(String, String)> {
 
 fn files(
     design: &Design,
-    screen: MadeClock,
+    clocks: Clocks,
     core: &Project,
     crossings: &[Crossing],
     benches: &Benches,
 ) -> Vec<(String, String)> {
-    let pixel = screen.period_ns();
+    let pixel = clocks.screen.period_ns();
     let periods = [
         Period { clock: "clock", nanoseconds: CORE_PERIOD_NS },
+        Period { clock: "calculator_clock", nanoseconds: clocks.calculator.period_ns() },
         Period { clock: "input_clock", nanoseconds: pixel },
         Period { clock: "screen_clock", nanoseconds: pixel },
     ];
     let fixed = BOARD_FILES
         .iter()
         .chain(&BUILD_FILES)
-        .map(|(path, text)| (path.to_string(), with_clocks(text, design, screen)));
+        .map(|(path, text)| (path.to_string(), with_clocks(text, clocks)));
     let made = [
         ("constraints/crossings.xdc", constraints::lines(crossings, "core", &periods)),
         ("constraints/floorplan.xdc", floorplan::lines(design, "core/core")),
@@ -152,19 +153,19 @@ const CORE_PERIOD_NS: f64 = 1e6 / CORE_KILOHERTZ as f64;
 const INPUT_CHANGES_NS: [f64; 2] = [1.367, 1.133];
 
 /// A text with a design's clocks in place of their names.
-fn with_clocks(text: &str, design: &Design, screen: MadeClock) -> String {
+fn with_clocks(text: &str, Clocks { calculator, screen }: Clocks) -> String {
     let mhz = |khz: u64| (khz as f64 / 1e3).to_string();
     let falls = screen.period_ns() / 2.0;
     let [before, after] = INPUT_CHANGES_NS;
     let numbers = [
         ("core_mhz", mhz(CORE_KILOHERTZ.into())),
-        ("design_mhz", design.clock_mhz.to_string()),
         ("core_period", format!("{CORE_PERIOD_NS:.3}")),
         ("input_delay_max", format!("{:.3}", falls + after)),
         ("input_delay_min", format!("{:.3}", falls - before)),
     ];
-    let all =
-        numbers.map(|(name, number)| (name.to_owned(), number)).into_iter().chain(figures("screen", screen));
+    let made = [figures("calculator", calculator), figures("screen", screen)];
+    let numbers = numbers.map(|(name, number)| (name.to_owned(), number));
+    let all = numbers.into_iter().chain(made.into_iter().flatten());
     all.fold(text.to_owned(), |text, (name, number)| text.replace(&format!("@{name}@"), &number))
 }
 

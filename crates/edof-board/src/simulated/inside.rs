@@ -5,7 +5,6 @@ use super::memory::{self, Stage};
 use super::uart::Bus;
 use super::video::{self, Made, Pixels, Tables};
 use edof_device::Design;
-use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::StagePlan;
 use edof_device::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
 use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
@@ -54,6 +53,8 @@ pub(super) struct Inside {
     /// A picture was made that was not shown.
     pub(super) picture_waits: bool,
     pub(super) last_set: usize,
+    /// The calculator's clock was lost since `weights_hash` was written.
+    pub(super) weights_unchecked: bool,
     pub(super) uart_broken: u32,
     pub(super) shown: Vec<Shown>,
     pub(super) mixed: u64,
@@ -268,7 +269,15 @@ impl Inside {
         let pictures = u32::from(self.counts.get("picture_frames").is_some_and(|count| *count > 0));
         let source = 0b110 * u32::from(self.chips.has_source());
         let [done, failed] = self.chips.state().map(u32::from);
-        1 | source | pictures << 3 | done << 4 | failed << 5 | (self.last_set as u32) << 6
+        // The calculator's clock runs.
+        let unchecked = u32::from(self.weights_unchecked);
+        1 | source
+            | pictures << 3
+            | done << 4
+            | failed << 5
+            | (self.last_set as u32) << 6
+            | 1 << 8
+            | unchecked << 9
     }
 
     /// The chips as they are by now, where one of their registers is looked at.
@@ -343,8 +352,8 @@ impl Inside {
         };
         if rows > 0 {
             let cycles = READ_LATENCY + rows as u64 * READ_PERIOD;
-            // Reading goes at the memory's clock, which the calculator shares (docs/decisions/0032).
-            self.reads_until[place] = self.now + cycles as Time * 1_000_000 / Time::from(CORE_KILOHERTZ);
+            let nanoseconds = cycles as f64 * 1e3 / self.design.clock_mhz;
+            self.reads_until[place] = self.now + nanoseconds as Time;
         }
     }
 }
@@ -361,6 +370,7 @@ impl Bus for Inside {
         } else if self.controls.contains_key(&address) {
             self.follow_chips();
             let before = self.control();
+            self.weights_unchecked &= address != map::WEIGHTS_HASH;
             self.set_control(address, word);
             if self.control() & !before & map::I2C_RESTART != 0 {
                 self.chips.restart(self.now);

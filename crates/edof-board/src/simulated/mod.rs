@@ -98,6 +98,7 @@ impl Simulated {
             frame_waits: false,
             picture_waits: false,
             last_set: 0,
+            weights_unchecked: false,
             uart_broken: 0,
             shown: vec![],
             mixed: 0,
@@ -121,6 +122,12 @@ impl Simulated {
     #[must_use]
     pub const fn now(&self) -> u64 {
         self.now
+    }
+
+    /// The calculator's clock is lost and comes back: the frame under way is dropped, and its memories are in doubt.
+    pub fn lose_calculator_clock(&mut self) {
+        self.inside.begun = None;
+        self.inside.weights_unchecked = true;
     }
 
     fn byte_time(&self) -> Time {

@@ -5,6 +5,7 @@ use edof_board::line::Line;
 use edof_board::link::PATIENCE;
 use edof_board::names::Place;
 use edof_board::{Board, Error, Simulated, status};
+use edof_device::design::memory::Set;
 use edof_device::registers::map::{self, REGISTERS};
 use std::io;
 use std::time::Duration;
@@ -81,6 +82,28 @@ fn counters_tell_of_frames_and_stages() {
     let after = open(&mut simulated).look(4).unwrap();
     let report = status::report(&before, &after, 0.17, design.clock_mhz);
     assert!(report.late_frames >= 8 && report.cycles_per_patch.is_none(), "{report:?}");
+}
+
+#[test]
+fn a_lost_clock_puts_weights_in_doubt_until_they_are_confirmed() {
+    let design = tiny();
+    let net = network(&design, 1);
+    let mut simulated = board(&design, &net);
+    let doubt = |simulated: &mut Simulated| {
+        let look = open(simulated).look(4).unwrap();
+        [look.value("status.calculator_runs"), look.value("status.weights_unchecked")]
+    };
+    assert_eq!(doubt(&mut simulated), [1, 0]);
+    simulated.lose_calculator_clock();
+    assert_eq!(doubt(&mut simulated), [1, 1]);
+    // That the bank which is not in use is right tells nothing of the one that is.
+    open(&mut simulated).confirm(&design, &net, Set::Second).unwrap();
+    assert_eq!(doubt(&mut simulated), [1, 1]);
+    let mut host = open(&mut simulated);
+    assert_eq!(host.verify(&design, &net, Set::First, false, &mut |_, _| true).unwrap(), []);
+    host.confirm(&design, &net, Set::First).unwrap();
+    assert_eq!(doubt(&mut simulated), [1, 0]);
+    frames(&mut simulated, 3);
 }
 
 /// Says the same whatever is asked.

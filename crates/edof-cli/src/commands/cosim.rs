@@ -41,7 +41,7 @@ const WAVEFORM_CYCLES: u64 = 300;
 /// memories start with random contents. Every stage boundary is compared in every cycle, and the counters at the end; the first
 /// difference ends the run with exit status 1, and is shown in a waveform.
 ///
-/// With --system it is the whole core that runs, from the receiver's pins to the transmitter's: three clocks that drift, a memory that is
+/// With --system it is the whole core that runs, from the receiver's pins to the transmitter's: four clocks that drift, a memory that is
 /// late, and every picture on the screen bit for bit that of edof reconstruct --board.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:

@@ -63,7 +63,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    board::screen_clock(&design)?;
+    board::clocks(&design)?;
     ui.used(designs::input(&design));
     let measured = match &args.weights {
         Some(name) => {

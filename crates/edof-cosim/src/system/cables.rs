@@ -207,6 +207,7 @@ impl Cables {
         let model = compiled.library.start(&Start { seed, memory_dir })?;
         let mut bench = Bench::new(model, seed);
         let core = bench.clock("clock_i", periods.core)?;
+        bench.clock("calculator_clock_i", periods.calculator)?;
         let input = bench.clock("input_clock_i", periods.input)?;
         let screen = bench.clock("screen_clock_i", periods.output)?;
         let (board, card) = (Rc::new(RefCell::new(board)), Rc::new(RefCell::new(card)));

@@ -20,7 +20,7 @@ pub struct Fifo {
     pub depth: usize,
 }
 
-const CROSSINGS: [&str; 2] = ["input_fifo", "output_fifo"];
+const CROSSINGS: [&str; 4] = ["input_fifo", "raw_fifo", "picture_fifo", "output_fifo"];
 const WRITERS: [&str; 2] = ["raw_writer", "picture_writer"];
 const READERS: [&str; 2] = ["raw_reader", "picture_reader"];
 /// Queues at the ends of pipelines; not all designs have the third.
@@ -34,7 +34,7 @@ const QUEUES: [(&str, &str); 5] = [
 
 /// What to watch in a core.
 pub(super) fn marks(core: &Project) -> Vec<Mark> {
-    let clock = "clock_i";
+    let (clock, calculator) = ("clock_i", "calculator_clock_i");
     let crossing = |name: &&str| {
         let [put, taken] = ["write", "read"].map(|side| format!("{name}.fifo.{side}"));
         let mark = Mark::between(name, clock, [&put, &taken], CROSSING_PIXELS.ilog2() as usize + 1);
@@ -51,7 +51,7 @@ pub(super) fn marks(core: &Project) -> Vec<Mark> {
     let there = |(name, _): &&(&str, &str)| *name != "overlap" || overlaps;
     let queue = |(name, path): &(&str, &str)| {
         let [put, taken] = ["pushed", "popped"].map(|count| format!("{path}.{count}_q"));
-        Mark::between(name, clock, [&put, &taken], queue::DEPTH.ilog2() as usize + 1)
+        Mark::between(name, calculator, [&put, &taken], queue::DEPTH.ilog2() as usize + 1)
     };
     let crossings = CROSSINGS.iter().map(crossing);
     let agents = WRITERS.iter().map(agent("sent")).chain(READERS.iter().map(agent("got")));
@@ -65,8 +65,8 @@ pub(super) fn limit(name: &str, periods: Periods, late: u64) -> (usize, usize) {
     let writer = |cycles: u64| agent_words(BURST_WORDS, late, word(cycles)).min(AGENT_WORDS);
     match name {
         "input_fifo" => (crossing_words(periods.input, periods.core), CROSSING_PIXELS),
-        // Full whenever the screen is slower.
-        "output_fifo" => (CROSSING_PIXELS, CROSSING_PIXELS),
+        // Full whenever the reader is slower.
+        "output_fifo" | "raw_fifo" | "picture_fifo" => (CROSSING_PIXELS, CROSSING_PIXELS),
         "raw_writer" => (writer(pixel_cycles(periods.input)), AGENT_WORDS),
         "picture_writer" => (writer(1), AGENT_WORDS),
         // They ask for as much as they have room for.

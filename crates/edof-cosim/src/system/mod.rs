@@ -1,4 +1,4 @@
-//! A whole core in simulation: a camera at the receiver's pins, a screen at the transmitter's, a memory behind AXI, three clocks that have
+//! A whole core in simulation: a camera at the receiver's pins, a screen at the transmitter's, a memory behind AXI, four clocks that have
 //! nothing to do with each other; and what the screen shows against the golden picture.
 //!
 //! | step | module | gives |

@@ -39,7 +39,14 @@ pub fn video(
     mode: DisplayMode,
 ) -> RecordedVideo {
     let frames = frames.iter().map(sent).collect();
-    RecordedVideo { size: design.frame, frames, pictures, mode, cycles: brisk(design) }
+    RecordedVideo {
+        size: design.frame,
+        frames,
+        pictures,
+        mode,
+        cycles: brisk(design),
+        calculator_khz: (1e3 * design.clock_mhz).round() as u64,
+    }
 }
 
 /// Cycles in which the core has done with a frame in the bench, whose memory is a little late.

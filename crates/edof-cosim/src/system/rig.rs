@@ -44,15 +44,15 @@ pub fn project(
     })
 }
 
-/// The core's clock as on the board; pixels so slow that it keeps up with every frame, and the screen a little faster than the camera, so that
-/// it shows every picture.
+/// The clocks of memory and calculator as on the board; pixels so slow that both keep up with every frame, and the screen a little faster than
+/// the camera, so that it shows every picture.
 #[must_use]
 pub fn leisurely(design: &Design) -> Periods {
     let timing = VideoTiming::of_frame(design.frame);
     let pixels = (timing.line.total() * timing.frame.total()) as u64;
-    let Periods { core, .. } = Periods::of_board(design.frame);
-    let input = core * cycles(design) as u64 / pixels;
-    Periods { core, input, output: input * 97 / 100 }
+    let periods = Periods::of_board(design);
+    let input = periods.core.max(periods.calculator) * cycles(design) as u64 / pixels;
+    Periods { input, output: input * 97 / 100, ..periods }
 }
 
 /// A core, compiled, its memory images on disk.
@@ -103,8 +103,14 @@ impl Begin {
 pub struct Rig<H = Host> {
     /// The clocks.
     pub bench: Bench,
+    /// That of memory and host.
+    pub core: ClockId,
     /// The receiver's.
     pub input: ClockId,
+    /// The calculator's.
+    pub calculator: ClockId,
+    /// The screen's.
+    pub output: ClockId,
     /// What sends frames.
     pub camera: Camera,
     /// What shows them.
@@ -156,6 +162,7 @@ impl<H: Actor> Rig<H> {
         let model = compiled.library.start(&Start { seed: begin.seed, memory_dir })?;
         let mut bench = Bench::new(model, begin.seed);
         let core = bench.clock("clock_i", begin.periods.core)?;
+        let calculator = bench.clock("calculator_clock_i", begin.periods.calculator)?;
         let input = bench.clock("input_clock_i", begin.periods.input)?;
         let output = bench.clock("screen_clock_i", begin.periods.output)?;
         let size = (begin.timing.frame.active, begin.timing.line.active);
@@ -173,7 +180,10 @@ impl<H: Actor> Rig<H> {
             )?,
             host: host(source, core)?,
             bench,
+            core,
             input,
+            calculator,
+            output,
             sent_at: vec![],
             shown_at: vec![],
             marks: compiled.marks.clone(),

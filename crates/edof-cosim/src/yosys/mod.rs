@@ -2,6 +2,7 @@
 
 pub mod fan_out;
 mod netlist;
+mod output_registers;
 pub mod route;
 pub mod timing;
 

@@ -7,7 +7,7 @@ use edof_image::display::{DisplayMode, LUMA_ENTRIES};
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0002_0000;
+pub const VERSION: u32 = 0x0002_0001;
 
 /// Address of `weights_hash`.
 pub const WEIGHTS_HASH: u32 = 0x10;
@@ -214,6 +214,16 @@ pub const REGISTERS: &[Register] = &[
                 7,
                 "A window was too short or too long since the counters of the stages were last asked for.",
             ),
+            bit(
+                "calculator_runs",
+                8,
+                "The calculator's clock runs. Without it words of `stage_counters`, `stage_reads`, `display_tables` and `weights` are answered with an error.",
+            ),
+            bit(
+                "weights_unchecked",
+                9,
+                "The calculator's clock was lost since `weights_hash` was last written: CRCs must show whether the weights are still there.",
+            ),
         ],
         "How the board is.",
     ),
@@ -311,7 +321,7 @@ pub const REGISTERS: &[Register] = &[
     count("raw_frames", 0x54, "Raw frames that were begun to be read."),
     count("raw_late", 0x58, "Of these, how many were read again for want of a newer one."),
     count("raw_read_errors", 0x5c, "Words of raw frames that came with an error."),
-    count("busy_cycles", 0x60, "Cycles in which a window or a patch stood at the calculator."),
+    count("busy_cycles", 0x60, "Cycles of the calculator's clock in which a window or a patch stood at it."),
     count("patches", 0x64, "Patches that left the calculator."),
     count("saturated_sums", 0x68, "Sums of overlapping patches that did not fit 16 bits."),
     count("clamped_chroma", 0x6c, "Chroma codes that were clamped (luma only)."),

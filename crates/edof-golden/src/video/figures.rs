@@ -12,8 +12,10 @@ use edof_image::geometry::{Geometry, PATCH};
 /// The clocks around a core, in picoseconds a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Periods {
-    /// Core, memory, host.
+    /// Memory, host.
     pub core: u64,
+    /// Calculator.
+    pub calculator: u64,
     /// The receiver's pixels.
     pub input: u64,
     /// The transmitter's pixels.
@@ -21,11 +23,12 @@ pub struct Periods {
 }
 
 impl Periods {
-    /// The board's for frames of a size.
+    /// A design's board's.
     #[must_use]
-    pub fn of_board(size: FrameSize) -> Self {
-        let pixel = 1_000_000_000 / VideoTiming::of_frame(size).pixel_khz as u64;
-        Self { core: 1_000_000_000 / u64::from(CORE_KILOHERTZ), input: pixel, output: pixel }
+    pub fn of_board(design: &Design) -> Self {
+        let pixel = 1_000_000_000 / VideoTiming::of_frame(design.frame).pixel_khz as u64;
+        let core = 1_000_000_000 / u64::from(CORE_KILOHERTZ);
+        Self { core, calculator: (1e6 / design.clock_mhz).round() as u64, input: pixel, output: pixel }
     }
 }
 
@@ -42,7 +45,7 @@ pub struct Figures {
     pub latency: [f64; 2],
 }
 
-/// What a core takes for a frame.
+/// What a core takes for a frame, in cycles of the calculator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoreCycles {
     /// From frame to frame where they come one after the other.
@@ -71,13 +74,13 @@ pub fn figures(size: FrameSize, cycles: CoreCycles, periods: Periods) -> Figures
     let pixels = (timing.line.total() * timing.frame.total()) as f64;
     let seconds = |period: u64, cycles: f64| period as f64 * 1e-12 * cycles;
     let (camera, screen) = (seconds(periods.input, pixels), seconds(periods.output, pixels));
-    let core = seconds(periods.core, cycles.frame);
+    let core = seconds(periods.calculator, cycles.frame);
     let made = 1.0 / camera.max(core);
     let bytes = (2 * size.width * size.height) as f64;
     let received = seconds(periods.input, (timing.line.total() * timing.frame.active) as f64);
     // A frame may wait for the one before it, and a picture for the screen.
     let waits = if core > camera { core } else { 0.0 } + screen;
-    let least = received + seconds(periods.core, cycles.latency);
+    let least = received + seconds(periods.calculator, cycles.latency);
     Figures {
         frames_per_second: made,
         written: bytes * (1.0 / camera + made),
@@ -93,9 +96,15 @@ mod tests {
 
     const SIZE: FrameSize = FrameSize { width: 1920, height: 1080, stride: Stride::PATCH };
 
+    /// The board's, its calculator at 200 MHz.
+    fn periods() -> Periods {
+        let design = include_str!("../../../../designs/kc705.json");
+        Periods::of_board(&Design { clock_mhz: 200.0, ..Design::from_json(design).unwrap() })
+    }
+
     #[test]
     fn a_calculator_that_is_fast_enough_makes_a_picture_of_every_frame() {
-        let found = figures(SIZE, CoreCycles { frame: 3e6, latency: 3.1e6 }, Periods::of_board(SIZE));
+        let found = figures(SIZE, CoreCycles { frame: 3e6, latency: 3.1e6 }, periods());
         assert!((found.frames_per_second - 60.0).abs() < 0.1, "{found:?}");
         // Two frames of 4 MB each way.
         assert!(
@@ -106,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_slow_calculator_sets_the_rate_and_a_frame_waits_for_it() {
-        let found = figures(SIZE, CoreCycles { frame: 4e6, latency: 4.1e6 }, Periods::of_board(SIZE));
+        let found = figures(SIZE, CoreCycles { frame: 4e6, latency: 4.1e6 }, periods());
         assert!((found.frames_per_second - 50.0).abs() < 1e-9);
         assert!((found.latency[1] - found.latency[0] - 0.020 - 1.0 / 60.0).abs() < 1e-4);
     }

@@ -6,18 +6,22 @@ use edof_image::Stride;
 /// A clock of the core.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Domain {
-    /// Memory, calculator, host.
+    /// Memory, host.
     Core,
+    /// The calculator, at so many picoseconds a cycle.
+    Calculator(u64),
     /// Incoming pixels, or the screen's.
     Pixel,
 }
 
 impl Domain {
-    /// Picoseconds of logic alone that a path may have: half of the period, the other half is for wires; at 200 MHz, and at 148.5 MHz.
+    /// Picoseconds of logic alone that a path may have: half of the period, the other half is for wires; at 200 MHz, or what the calculator
+    /// needs if that is faster, and at 148.5 MHz.
     #[must_use]
     pub const fn limit_ps(self) -> u64 {
         match self {
-            Self::Core => 2500,
+            Self::Calculator(period) if period < 5000 => period / 2,
+            Self::Core | Self::Calculator(_) => 2500,
             Self::Pixel => 3300,
         }
     }
@@ -28,22 +32,31 @@ impl Domain {
 pub struct Block {
     /// The names of instances from [`super::EdofCore`] down to it, with `/` between them.
     pub path: String,
-    /// Its clock; of one that has two, the faster one.
+    /// Its clock; of one that has two, the faster one, and the calculator's where that is one of them.
     pub domain: Domain,
 }
 
-const BLOCKS: [(&str, Domain); 18] = [
+/// Stands for the calculator's clock of any design.
+const CALCULATOR: Domain = Domain::Calculator(0);
+
+const BLOCKS: [(&str, Domain); 24] = [
     ("video_in", Domain::Pixel),
     ("input_fifo", Domain::Core),
     ("input_status", Domain::Core),
     ("watch", Domain::Core),
+    ("calculator_watch", CALCULATOR),
     ("raw_writer", Domain::Core),
     ("raw_reader", Domain::Core),
-    ("core/windows", Domain::Core),
-    ("core/lines/pairs", Domain::Core),
-    ("core/lines/raster", Domain::Core),
-    ("core/display", Domain::Core),
-    ("core/tables", Domain::Core),
+    ("raw_fifo", CALCULATOR),
+    ("choices", CALCULATOR),
+    ("access", CALCULATOR),
+    ("core/windows", CALCULATOR),
+    ("core/lines/pairs", CALCULATOR),
+    ("core/lines/raster", CALCULATOR),
+    ("core/display", CALCULATOR),
+    ("core/tables", CALCULATOR),
+    ("calculator_status", CALCULATOR),
+    ("picture_fifo", CALCULATOR),
     ("picture_writer", Domain::Core),
     ("picture_reader", Domain::Core),
     ("memory", Domain::Core),
@@ -53,19 +66,29 @@ const BLOCKS: [(&str, Domain); 18] = [
     ("screen_status", Domain::Core),
 ];
 /// Only where patches overlap.
-const OVERLAP: (&str, Domain) = ("core/lines/overlap", Domain::Core);
+const OVERLAP: (&str, Domain) = ("core/lines/overlap", CALCULATOR);
+
+/// The clock of a design's calculator.
+#[must_use]
+pub fn calculator(design: &Design) -> Domain {
+    Domain::Calculator((1e6 / design.clock_mhz) as u64)
+}
 
 /// The blocks of a design's core around the calculator's stages; its reset synchronisers have no logic.
 #[must_use]
 pub fn around_the_calculator(design: &Design) -> Vec<Block> {
     let overlap = (design.frame.stride != Stride::PATCH).then_some(OVERLAP);
-    let block = |(path, domain): (&str, Domain)| Block { path: path.into(), domain };
+    let block = |(path, domain): (&str, Domain)| {
+        let domain = if domain == CALCULATOR { calculator(design) } else { domain };
+        Block { path: path.into(), domain }
+    };
     BLOCKS.into_iter().chain(overlap).map(block).collect()
 }
 
 /// The stages of its calculator.
 #[must_use]
 pub fn stages(design: &Design) -> Vec<Block> {
-    let stage = |i: usize| Block { path: format!("core/calculator/stages_{i}"), domain: Domain::Core };
+    let domain = calculator(design);
+    let stage = |i: usize| Block { path: format!("core/calculator/stages_{i}"), domain };
     (0..design.stages.len()).map(stage).collect()
 }

@@ -5,13 +5,13 @@ use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Whether another clock stands still: it is divided by sixteen and looked at. 4096 cycles without a change, and it does; so the other
-/// clock must be faster than a five-hundredth of this one. Until the first change it stands still.
+/// clock must be faster than a five-hundredth of this one.
 #[derive(Circuit)]
 #[circuit(default(Sync))]
 pub struct ClockWatch {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// As if the other clock stood still.
+    /// What it is taken for at first.
     pub reset: Signal<In, Bit>,
     /// The other clock.
     pub watched: Signal<In, Clock>,
@@ -24,6 +24,20 @@ pub struct ClockWatch {
     before: DFF<Bits<1>>,
     waited: DFF<Bits<12>>,
     stopped_q: DFF<Bit>,
+    at_first: Constant<Bit>,
+    waited_at_first: Constant<Bits<12>>,
+}
+
+impl ClockWatch {
+    /// Of a clock that is taken to stand still, or to run, until it was looked at.
+    #[must_use]
+    pub fn new(stands_at_first: bool) -> Self {
+        let waited: u64 = if stands_at_first { 0xfff } else { 0 };
+        Self::from_parts(ClockWatchParts {
+            at_first: Constant::new(stands_at_first),
+            waited_at_first: Constant::new(waited.into()),
+        })
+    }
 }
 
 impl Logic for ClockWatch {
@@ -47,8 +61,8 @@ impl Logic for ClockWatch {
         self.stopped_q.d.next = self.waited.q.val().all();
         self.stopped.next = self.stopped_q.q.val();
         if self.reset.val() {
-            self.waited.d.next = 0xfff.into();
-            self.stopped_q.d.next = true;
+            self.waited.d.next = self.waited_at_first.val();
+            self.stopped_q.d.next = self.at_first.val();
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Everything between the pins' clocks and the memory, for any board.
 
 use super::axi_pair::AxiPair;
+use super::calculator_port::CalculatorPort;
 use super::clock_watch::ClockWatch;
 use super::frames::Frames;
 use super::power_on::PowerOn;
 use super::read_agent::ReadAgent;
 use super::registers::{BoardRegisters, Identity};
 use super::write_agent::WriteAgent;
-use crate::crossing::{BusSync, PixelFifo, ResetSync};
+use crate::crossing::{BusSync, PixelFifo, ResetSync, Sync};
 use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
 use crate::video::stream_core::StreamCore;
@@ -21,20 +22,29 @@ use rust_hdl::prelude::*;
 
 /// Everything between the pins' clocks and the memory: frames in, into DRAM, through the calculator, into DRAM again, and out to a screen.
 ///
-/// Three clocks: that of the incoming pixels, that of the memory and the calculator, that of the screen. `reset` may come at any time; each
-/// domain has its own that follows it. But for the first one it leaves what the host wrote into the calculator, and which bank is in use. The memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the
-/// memory's clock. Nothing here knows of a vendor or a board.
+/// Four clocks: that of the incoming pixels, that of memory and host, that of the calculator and all that stands with it between raw and
+/// picture ([`StreamCore`]), that of the screen. `reset` may come at any time; each domain has its own that follows it. A clock that was lost
+/// resets its own domain alone: the screen's (`screen_reset`), the calculator's (`calculator_reset`, or when it is seen to stand still), whose
+/// frame is dropped on both sides. But for the first one a reset leaves what the host wrote into the calculator, and which bank is in use. The
+/// memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor
+/// or a board.
 #[derive(Circuit)]
-#[circuit(default(ResetSync, ClockWatch, BusSync, AxiPair, PowerOn))]
+#[circuit(default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort))]
 pub struct EdofCore {
-    /// Clock of memory, calculator and host.
+    /// Clock of memory and host.
     pub clock: Signal<In, Clock>,
+    /// Clock of the calculator.
+    pub calculator_clock: Signal<In, Clock>,
     /// Clock of the incoming pixels.
     pub input_clock: Signal<In, Clock>,
     /// Clock of the screen.
     pub screen_clock: Signal<In, Clock>,
     /// Begins anew, of no clock.
     pub reset: Signal<In, Bit>,
+    /// Begins the calculator's domain anew, in `clock`: its clock does not run, or is not yet what it should be.
+    pub calculator_reset: Signal<In, Bit>,
+    /// Begins the screen's domain anew, in `clock`, likewise.
+    pub screen_reset: Signal<In, Bit>,
     /// Horizontal sync of the incoming video.
     pub input_hs: Signal<In, Bit>,
     /// Vertical sync.
@@ -83,15 +93,25 @@ pub struct EdofCore {
     pub uart_broken: Signal<In, Bits<32>>,
     /// The register `status`, for lamps.
     pub status: Signal<Out, Bits<8>>,
-    resets: [ResetSync; 3],
+    resets: [ResetSync; 4],
+    calculator_flush: ResetSync,
+    first_reset: ResetSync,
     power_on: PowerOn,
+    calculator_first: PowerOn,
+    calculator_power_on: PowerOn,
     watch: ClockWatch,
+    calculator_watch: ClockWatch,
     video_in: VideoIn,
     input_fifo: PixelFifo,
     input_status: BusSync<192>,
     raw_writer: WriteAgent<512, 64>,
     raw_reader: ReadAgent<512>,
+    raw_fifo: PixelFifo,
+    choices: Sync<2>,
+    access: CalculatorPort,
     core: StreamCore,
+    calculator_status: BusSync<192>,
+    picture_fifo: PixelFifo,
     picture_writer: WriteAgent<512, 64>,
     picture_reader: ReadAgent<512>,
     output_fifo: PixelFifo,
@@ -101,11 +121,20 @@ pub struct EdofCore {
     registers: BoardRegisters,
     seen: Signal<Local, Bits<192>>,
     shown: Signal<Local, Bits<64>>,
+    made: Signal<Local, Bits<192>>,
     state: Signal<Local, Bits<32>>,
     runs: Signal<Local, Bit>,
     flushes: Signal<Local, Bit>,
     skips: Signal<Local, Bit>,
     realigns: DFF<Bit>,
+    // What leads to asynchronous sets, and to nothing else: why a domain begins anew.
+    restarts_screen: DFF<Bit>,
+    restarts_calculator: DFF<Bit>,
+    asks_for_flush: DFF<Bit>,
+    begins: DFF<Bit>,
+    drops: DFF<Bit>,
+    is_down: DFF<Bit>,
+    clears_calculator: Signal<Local, Bit>,
 }
 
 impl EdofCore {
@@ -134,10 +163,14 @@ impl EdofCore {
         let (raw, picture) = (frames(board::RAW_BUFFERS), frames(board::PICTURE_BUFFERS));
         Ok(Self::from_parts(EdofCoreParts {
             video_in: VideoIn::new(design.frame, board::patience(timing)),
+            watch: ClockWatch::new(true),
+            calculator_watch: ClockWatch::new(false),
             input_fifo: PixelFifo::new(crossing),
             raw_writer: WriteAgent::new(&raw),
             raw_reader: ReadAgent::new(&raw, false),
+            raw_fifo: PixelFifo::new(crossing),
             core: StreamCore::new(design, sets, luma, colours)?,
+            picture_fifo: PixelFifo::new(crossing),
             picture_writer: WriteAgent::new(&picture),
             picture_reader: ReadAgent::new(&picture, true),
             output_fifo: PixelFifo::new(crossing),
@@ -150,14 +183,45 @@ impl EdofCore {
 impl Logic for EdofCore {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, realigns);
+        dff_setup!(
+            self,
+            clock,
+            realigns,
+            restarts_screen,
+            restarts_calculator,
+            asks_for_flush,
+            begins,
+            drops,
+            is_down
+        );
         // Clocks and resets.
-        for i in 0..3 {
-            self.resets[i].reset.next = self.reset.val();
-        }
         self.resets[0].clock.next = self.input_clock.val();
+        self.resets[0].reset.next = self.reset.val();
         self.resets[1].clock.next = self.clock.val();
+        self.resets[1].reset.next = self.reset.val();
+        self.restarts_screen.d.next = self.resets[1].domain_reset.val() || self.screen_reset.val();
         self.resets[2].clock.next = self.screen_clock.val();
+        self.resets[2].reset.next = self.restarts_screen.q.val();
+        self.is_down.d.next = self.calculator_reset.val() || self.calculator_watch.stopped.val();
+        self.drops.d.next = self.resets[1].domain_reset.val()
+            || self.calculator_reset.val()
+            || self.calculator_watch.stopped.val();
+        self.restarts_calculator.d.next = self.resets[1].domain_reset.val()
+            || self.calculator_reset.val()
+            || self.calculator_watch.stopped.val();
+        self.resets[3].clock.next = self.calculator_clock.val();
+        self.resets[3].reset.next = self.restarts_calculator.q.val();
+        self.calculator_flush.clock.next = self.calculator_clock.val();
+        self.asks_for_flush.d.next = self.registers.control.val().get_bit(4);
+        self.calculator_flush.reset.next = self.asks_for_flush.q.val();
+        // What looks at a clock is reset by the first reset alone: a longer one is no clock that stands still.
+        self.first_reset.clock.next = self.calculator_clock.val();
+        self.begins.d.next = self.power_on.first.val();
+        self.first_reset.reset.next = self.begins.q.val();
+        self.calculator_watch.clock.next = self.clock.val();
+        self.calculator_watch.reset.next = self.power_on.first.val();
+        self.calculator_watch.watched.next = self.calculator_clock.val();
+        self.calculator_watch.watched_reset.next = self.first_reset.domain_reset.val();
         self.watch.clock.next = self.clock.val();
         self.watch.reset.next = self.resets[1].domain_reset.val();
         self.watch.watched.next = self.input_clock.val();
@@ -176,12 +240,17 @@ impl Logic for EdofCore {
         self.raw_writer.reset.next = self.resets[1].domain_reset.val();
         self.raw_reader.clock.next = self.clock.val();
         self.raw_reader.reset.next = self.resets[1].domain_reset.val();
-        self.core.clock.next = self.clock.val();
-        self.core.reset.next = self.resets[1].domain_reset.val();
+        self.core.clock.next = self.calculator_clock.val();
+        self.core.reset.next = self.resets[3].domain_reset.val();
+        self.calculator_power_on.clock.next = self.calculator_clock.val();
+        self.calculator_power_on.reset.next = self.resets[3].domain_reset.val();
+        self.core.keeps.next = !self.calculator_power_on.first.val();
+        self.calculator_first.clock.next = self.clock.val();
+        self.calculator_first.reset.next = self.drops.q.val();
+        self.registers.calculator_lost.next = self.is_down.q.val() && !self.calculator_first.first.val();
         // What the host wrote, and which bank is in use, outlive a reset: a bank that is half written comes into use by none.
         self.power_on.clock.next = self.clock.val();
         self.power_on.reset.next = self.resets[1].domain_reset.val();
-        self.core.keeps.next = !self.power_on.first.val();
         self.registers.keeps.next = !self.power_on.first.val();
         self.picture_writer.clock.next = self.clock.val();
         self.picture_writer.reset.next = self.resets[1].domain_reset.val();
@@ -215,13 +284,24 @@ impl Logic for EdofCore {
         self.video_in.pixels_ready.next = self.input_fifo.from.ready.val();
         StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.raw_writer.pixels);
 
-        // Through the memory to the calculator, as long as the host lets it run.
+        self.flushes.next = self.registers.control.val().get_bit(4) || self.drops.q.val();
+        // Through the memory to the calculator, as long as the host lets it run. What is in flight between the two domains goes with a flush, or
+        // with a reset of either.
+        self.clears_calculator.next =
+            self.resets[3].domain_reset.val() || self.calculator_flush.domain_reset.val();
+        self.raw_fifo.from_clock.next = self.clock.val();
+        self.raw_fifo.from_reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+        self.raw_fifo.to_clock.next = self.calculator_clock.val();
+        self.raw_fifo.to_reset.next = self.clears_calculator.val();
+        self.picture_fifo.from_clock.next = self.calculator_clock.val();
+        self.picture_fifo.from_reset.next = self.clears_calculator.val();
+        self.picture_fifo.to_clock.next = self.clock.val();
+        self.picture_fifo.to_reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
         self.raw_writer.corrupted.next = false;
         self.raw_writer.reading.next = self.raw_reader.reading.val();
         self.raw_reader.newest.next = self.raw_writer.newest.val();
         self.runs.next = self.registers.control.val().get_bit(0);
         // After a flush what is left of the frame is thrown away.
-        self.flushes.next = self.registers.control.val().get_bit(4);
         self.skips.next = self.flushes.val() || (self.realigns.q.val() && !self.raw_reader.pixels.user.val());
         if self.flushes.val() {
             self.realigns.d.next = true;
@@ -231,22 +311,30 @@ impl Logic for EdofCore {
         if self.resets[1].domain_reset.val() {
             self.realigns.d.next = false;
         }
-        self.core.flush.next = self.flushes.val();
-        self.core.pixels_valid.next =
+        self.raw_fifo.from.valid.next =
             self.raw_reader.pixels.valid.val() && self.runs.val() && !self.skips.val();
-        self.core.pixels_data.next = self.raw_reader.pixels.data.val();
+        self.raw_fifo.from.data.next = self.raw_reader.pixels.data.val();
+        self.raw_fifo.from.user.next = false;
+        self.raw_fifo.from.last.next = false;
         self.raw_reader.pixels.ready.next =
-            self.skips.val() || (self.core.pixels_ready.val() && self.runs.val());
-        self.core.set.next = self.registers.control.val().get_bit(2);
-        self.core.colour.next = self.registers.control.val().get_bit(1);
+            self.skips.val() || (self.raw_fifo.from.ready.val() && self.runs.val());
+        self.core.flush.next = self.calculator_flush.domain_reset.val();
+        self.core.pixels_valid.next = self.raw_fifo.to.valid.val();
+        self.core.pixels_data.next = self.raw_fifo.to.data.val();
+        self.raw_fifo.to.ready.next = self.core.pixels_ready.val();
+        self.choices.clock.next = self.calculator_clock.val();
+        self.choices.from.next = self.registers.control.val().get_bits::<2>(1);
+        self.core.colour.next = self.choices.to.val().get_bit(0);
+        self.core.set.next = self.choices.to.val().get_bit(1);
         self.core.clear.next = false;
 
         // Through the memory to the screen.
-        self.picture_writer.pixels.valid.next = self.core.picture_valid.val();
-        self.picture_writer.pixels.data.next = self.core.picture_data.val();
-        self.picture_writer.pixels.user.next = self.core.picture_user.val();
-        self.picture_writer.pixels.last.next = self.core.picture_last.val();
-        self.core.picture_ready.next = self.picture_writer.pixels.ready.val();
+        self.picture_fifo.from.valid.next = self.core.picture_valid.val();
+        self.picture_fifo.from.data.next = self.core.picture_data.val();
+        self.picture_fifo.from.user.next = self.core.picture_user.val();
+        self.picture_fifo.from.last.next = self.core.picture_last.val();
+        self.core.picture_ready.next = self.picture_fifo.from.ready.val();
+        StreamOut::<16>::join(&mut self.picture_fifo.to, &mut self.picture_writer.pixels);
         self.picture_writer.corrupted.next = self.raw_reader.corrupted.val();
         self.picture_writer.reading.next = self.picture_reader.reading.val();
         self.picture_reader.newest.next = self.picture_writer.newest.val();
@@ -289,20 +377,53 @@ impl Logic for EdofCore {
             | (bit_cast::<64, 32>(self.video_out.shown_frames.val()) << 32);
         self.screen_status.word.next = self.shown.val();
         self.screen_status.valid.next = true;
+        self.calculator_status.from_clock.next = self.calculator_clock.val();
+        self.calculator_status.from_reset.next = self.resets[3].domain_reset.val();
+        self.calculator_status.to_clock.next = self.clock.val();
+        self.calculator_status.to_reset.next = self.resets[1].domain_reset.val();
+        self.made.next = bit_cast::<192, 32>(self.core.saturated_sums.val())
+            | (bit_cast::<192, 32>(self.core.clamped_chroma.val()) << 32)
+            | (bit_cast::<192, 32>(self.core.out_of_gamut.val()) << 64)
+            | (bit_cast::<192, 32>(self.core.patches.val()) << 96)
+            | (bit_cast::<192, 32>(self.core.busy_cycles.val()) << 128);
+        if self.core.set_used.val() {
+            self.made.next = self.made.val() | (bit_cast::<192, 2>(1.into()) << 160);
+        }
+        if self.core.window_fault.val() {
+            self.made.next = self.made.val() | (bit_cast::<192, 2>(2.into()) << 160);
+        }
+        self.calculator_status.word.next = self.made.val();
+        self.calculator_status.valid.next = true;
 
         // The host.
         AxiLiteSlave::link(&mut self.host, &mut self.registers.bus);
-        self.core.write_valid.next = self.registers.weight_valid.val();
-        self.registers.weight_ready.next = true;
-        self.core.write_address.next = self.registers.weight_address.val();
-        self.core.write_data.next = self.registers.weight_data.val();
-        self.core.status_address.next = self.registers.stage_address.val();
-        self.registers.stage_counter.next = self.core.status.val();
-        self.core.table_write.next = self.registers.table_valid.val();
-        self.registers.table_ready.next = true;
-        self.core.table_select.next = self.registers.table_address.val().get_bits::<2>(15);
-        self.core.table_address.next = self.registers.table_address.val().get_bits::<15>(0);
-        self.core.table_data.next = self.registers.table_data.val();
+        self.access.clock.next = self.clock.val();
+        self.access.reset.next = self.drops.q.val();
+        self.access.is_down.next = self.is_down.q.val();
+        self.access.weight_valid.next = self.registers.weight_valid.val();
+        self.access.table_valid.next = self.registers.table_valid.val();
+        self.access.stage_valid.next = self.registers.stage_valid.val();
+        self.access.address.next = self.registers.weight_address.val();
+        if self.registers.stage_valid.val() {
+            self.access.address.next = bit_cast::<25, 7>(self.registers.stage_address.val());
+        }
+        self.access.data.next = self.registers.weight_data.val();
+        self.registers.weight_ready.next = self.access.ready.val();
+        self.registers.table_ready.next = self.access.ready.val();
+        self.registers.stage_ready.next = self.access.ready.val();
+        self.registers.unreached.next = self.access.fails.val();
+        self.registers.stage_counter.next = self.access.shown.val();
+        self.access.to_clock.next = self.calculator_clock.val();
+        self.access.to_reset.next = self.resets[3].domain_reset.val();
+        self.access.status.next = self.core.status.val();
+        self.core.write_valid.next = self.access.write_weight.val();
+        self.core.write_address.next = self.access.to_address.val();
+        self.core.write_data.next = self.access.to_data.val();
+        self.core.status_address.next = self.access.to_address.val().get_bits::<7>(0);
+        self.core.table_write.next = self.access.write_table.val();
+        self.core.table_select.next = self.access.to_address.val().get_bits::<2>(15);
+        self.core.table_address.next = self.access.to_address.val().get_bits::<15>(0);
+        self.core.table_data.next = self.access.to_data.val().get_bits::<12>(0);
         self.i2c_restart.next = self.registers.control.val().get_bit(3);
         self.state.next = 0.into();
         if self.dram_ready.val() {
@@ -324,11 +445,14 @@ impl Logic for EdofCore {
         if self.i2c_failed.val() {
             self.state.next = self.state.val() | 32;
         }
-        if self.core.set_used.val() {
+        if self.calculator_status.arrived.val().get_bit(160) {
             self.state.next = self.state.val() | 64;
         }
-        if self.core.window_fault.val() {
+        if self.calculator_status.arrived.val().get_bit(161) {
             self.state.next = self.state.val() | 128;
+        }
+        if !self.is_down.q.val() {
+            self.state.next = self.state.val() | 256;
         }
         self.status.next = self.state.val().get_bits::<8>(0);
         self.registers.status.next = self.state.val();
@@ -352,11 +476,11 @@ impl Logic for EdofCore {
         self.registers.raw_frames.next = self.raw_reader.frames.val();
         self.registers.raw_late.next = self.raw_reader.late.val();
         self.registers.raw_read_errors.next = self.raw_reader.errors.val();
-        self.registers.busy_cycles.next = self.core.busy_cycles.val();
-        self.registers.patches.next = self.core.patches.val();
-        self.registers.saturated_sums.next = self.core.saturated_sums.val();
-        self.registers.clamped_chroma.next = self.core.clamped_chroma.val();
-        self.registers.out_of_gamut.next = self.core.out_of_gamut.val();
+        self.registers.busy_cycles.next = self.calculator_status.arrived.val().get_bits::<32>(128);
+        self.registers.patches.next = self.calculator_status.arrived.val().get_bits::<32>(96);
+        self.registers.saturated_sums.next = self.calculator_status.arrived.val().get_bits::<32>(0);
+        self.registers.clamped_chroma.next = self.calculator_status.arrived.val().get_bits::<32>(32);
+        self.registers.out_of_gamut.next = self.calculator_status.arrived.val().get_bits::<32>(64);
         self.registers.picture_frames.next = self.picture_writer.frames.val();
         self.registers.picture_broken.next = self.picture_writer.broken.val();
         self.registers.picture_write_errors.next = self.picture_writer.errors.val();

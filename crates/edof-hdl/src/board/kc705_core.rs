@@ -17,14 +17,20 @@ use rust_hdl::prelude::*;
 #[derive(Circuit)]
 #[circuit(default(EmbeddedSyncs, ResetSync))]
 pub struct Kc705Core {
-    /// Clock of memory, calculator and host: 200 MHz.
+    /// Clock of memory and host: 200 MHz.
     pub clock: Signal<In, Clock>,
+    /// Clock of the calculator: the design's.
+    pub calculator_clock: Signal<In, Clock>,
     /// Clock of the incoming pixels.
     pub input_clock: Signal<In, Clock>,
     /// Clock of the screen: 148.5 MHz.
     pub screen_clock: Signal<In, Clock>,
     /// Begins anew, of no clock.
     pub reset: Signal<In, Bit>,
+    /// The calculator's clock is lost, in `clock`.
+    pub calculator_reset: Signal<In, Bit>,
+    /// The screen's clock is lost, in `clock`.
+    pub screen_reset: Signal<In, Bit>,
     /// From the receiver: Y high, C low, syncs inside.
     pub input_data: Signal<In, Bits<16>>,
     /// To the transmitter: horizontal sync.
@@ -91,6 +97,9 @@ impl Logic for Kc705Core {
         self.core.input_clock.next = self.input_clock.val();
         self.core.screen_clock.next = self.screen_clock.val();
         self.core.reset.next = self.reset.val();
+        self.core.calculator_clock.next = self.calculator_clock.val();
+        self.core.calculator_reset.next = self.calculator_reset.val();
+        self.core.screen_reset.next = self.screen_reset.val();
         self.reset_of_input.clock.next = self.input_clock.val();
         self.reset_of_input.reset.next = self.reset.val();
         self.reset_of_core.clock.next = self.clock.val();

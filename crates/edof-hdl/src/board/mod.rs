@@ -8,6 +8,7 @@
 //! | [`axi_guard`] | completes what is in flight when they are reset |
 //! | [`clock_watch`] | whether a clock runs |
 //! | [`registers`] | what the host sees and sets |
+//! | [`calculator_port`] | the host's words into the calculator's clock, and back |
 //! | [`bank_guard`] | which words belong to the bank in use |
 //! | [`power_on`] | the reset after configuration |
 //! | [`i2c_master`] | one read or write on an I2C bus |
@@ -26,6 +27,7 @@ pub mod axi_guard;
 pub mod axi_pair;
 pub mod bank_guard;
 pub mod blocks;
+pub mod calculator_port;
 pub mod chip_setup;
 pub mod clock_watch;
 pub mod edof_core;
@@ -45,6 +47,7 @@ pub mod write_agent;
 pub use axi_guard::AxiGuard;
 pub use axi_pair::AxiPair;
 pub use bank_guard::BankGuard;
+pub use calculator_port::CalculatorPort;
 pub use chip_setup::ChipSetup;
 pub use clock_watch::ClockWatch;
 pub use edof_core::EdofCore;

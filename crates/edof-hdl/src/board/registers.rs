@@ -32,7 +32,7 @@ enum Phase {
 
 /// The registers of the board behind AXI4-Lite: one access at a time, whole words.
 ///
-/// A register is written four cycles after its word was taken, and read in three cycles. A window's word waits until it is taken. Bits
+/// A register is written four cycles after its word was taken, and read in three cycles. A window's word waits until it was taken, or found. Bits
 /// that mean nothing read 0 and cannot be written. An address where nothing is, a part of a word, a read of what can only be written, and a
 /// word that `protection` keeps out are answered with an error (2); the last are counted.
 #[derive(Circuit)]
@@ -123,8 +123,16 @@ pub struct BoardRegisters {
     pub scratch: Signal<Out, Bits<32>>,
     /// What of the calculator's stages to show: bit 6 what was read back, or a counter; stage (4 bits); which (2).
     pub stage_address: Signal<Out, Bits<7>>,
-    /// It, in the next cycle.
+    /// It is wanted.
+    pub stage_valid: Signal<Out, Bit>,
+    /// It has come.
+    pub stage_ready: Signal<In, Bit>,
+    /// It.
     pub stage_counter: Signal<In, Bits<32>>,
+    /// With `stage_ready`, `table_ready` or `weight_ready`: nothing was read or written, for the calculator's clock stands still.
+    pub unreached: Signal<In, Bit>,
+    /// The calculator's clock was lost: what its memories hold is in doubt until `weights_hash` is written.
+    pub calculator_lost: Signal<In, Bit>,
     /// A word for a display table is offered.
     pub table_valid: Signal<Out, Bit>,
     /// It is taken.
@@ -159,6 +167,7 @@ pub struct BoardRegisters {
     is_checked: DFF<Bit>,
     refuses: DFF<Bit>,
     refused: DFF<Bits<32>>,
+    unchecked: DFF<Bit>,
     // A quarter of the registers each: one multiplexer for all is too long a path.
     found: [DFF<Bits<32>>; 4],
     found_any: DFF<Bit>,
@@ -226,7 +235,7 @@ impl Logic for BoardRegisters {
     fn update(&mut self) {
         dff_setup!(
             self, clock, phase, address, word, is_bad, found_any, is_stage, result, is_checked, refuses,
-            refused, at_tables, at_weights
+            refused, unchecked, at_tables, at_weights
         );
         for i in 0..6 {
             self.controls[i].clock.next = self.clock.val();
@@ -267,6 +276,9 @@ impl Logic for BoardRegisters {
             self.values[i].next = self.controls[i - 4].q.val();
         }
         self.values[8].next = self.status.val();
+        if self.unchecked.q.val() {
+            self.values[8].next = self.status.val() | 0x200;
+        }
         self.values[9].next = self.i2c_board.val();
         self.values[10].next = self.input_size.val();
         self.values[11].next = self.i2c_card.val();
@@ -368,6 +380,7 @@ impl Logic for BoardRegisters {
         self.written.next = false;
         self.table_valid.next = false;
         self.weight_valid.next = false;
+        self.stage_valid.next = false;
         match self.phase.q.val() {
             Phase::Idle => {
                 if self.grant_write.val() {
@@ -391,11 +404,13 @@ impl Logic for BoardRegisters {
                 } else if self.at_tables.q.val() {
                     self.table_valid.next = true;
                     if self.table_ready.val() {
+                        self.is_bad.d.next = self.unreached.val();
                         self.phase.d.next = Phase::WriteAnswer;
                     }
                 } else if self.at_weights.q.val() {
                     self.weight_valid.next = true;
                     if self.weight_ready.val() {
+                        self.is_bad.d.next = self.unreached.val();
                         self.phase.d.next = Phase::WriteAnswer;
                     }
                 } else {
@@ -405,6 +420,9 @@ impl Logic for BoardRegisters {
                             if self.may_write[i].val() {
                                 self.controls[i].d.next = self.control_words[i].val();
                                 self.written.next = true;
+                                if self.at_control[0].q.val() {
+                                    self.unchecked.d.next = false;
+                                }
                             } else {
                                 self.kept_out.next = true;
                             }
@@ -427,7 +445,12 @@ impl Logic for BoardRegisters {
                 if self.is_bad.q.val() || !(self.found_any.q.val() || self.is_stage.q.val()) {
                     self.is_bad.d.next = true;
                 } else if self.is_stage.q.val() {
+                    self.stage_valid.next = true;
                     self.result.d.next = self.stage_counter.val();
+                    self.is_bad.d.next = self.stage_ready.val() && self.unreached.val();
+                    if !self.stage_ready.val() {
+                        self.phase.d.next = Phase::ReadJoin;
+                    }
                 } else {
                     self.result.d.next = self.found[0].q.val()
                         | self.found[1].q.val()
@@ -449,6 +472,7 @@ impl Logic for BoardRegisters {
             self.phase.d.next = Phase::Idle;
             self.refuses.d.next = false;
             self.refused.d.next = 0.into();
+            self.unchecked.d.next = self.keeps.val() && self.unchecked.q.val();
             for i in 4..8 {
                 self.controls[i - 4].d.next = self.start[i].val();
             }
@@ -460,6 +484,10 @@ impl Logic for BoardRegisters {
                 self.controls[1].d.next =
                     self.start[5].val() | (self.controls[1].q.val() & self.bank_only.val());
             }
+        }
+
+        if self.calculator_lost.val() {
+            self.unchecked.d.next = true;
         }
 
         self.bus.aw_ready.next = self.grant_write.val();

@@ -193,7 +193,7 @@ fn plan(
         ui.say(format!("{seconds:.2} s at {baud}"))?;
         rates.push(json!({ "baud": baud, "seconds": seconds }));
     }
-    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), args.baud));
+    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), job.design.clock_mhz, args.baud));
     if let Some((words, seconds)) = tables {
         ui.say(format!("display tables: {words} words, {seconds:.2} s"))?;
     }
@@ -227,6 +227,7 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
         }));
     }
     let curve = tables(&mut board, verify.curve)?;
+    board.confirm(&design, &network, bank).map_err(of)?;
     ui.say(format!("bank {} holds {}: {pieces} parts, every CRC right", letter(bank), network.origin.name))?;
     ui.say(format!("the display's tables are those of {curve}: every CRC right"))?;
     ui.json(&json!({ "bank": letter(bank), "parts": pieces, "differences": differences, "curve": curve }))

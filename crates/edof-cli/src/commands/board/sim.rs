@@ -79,7 +79,7 @@ fn is_codes(file: &Path) -> bool {
 /// What does not fit, or no pseudo-terminal.
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let design = sized(designs::load(args.design.as_deref().unwrap_or("tiny"))?, sim.size)?;
-    edof_device::board::screen_clock(&design)?;
+    edof_device::board::clocks(&design)?;
     let network = network(&design, sim.weights.as_deref())?;
     let raw = frame(&design, sim)?;
     let mut device: Box<dyn Device> = if sim.rtl {

@@ -49,7 +49,10 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
             ui.say("\x1b[2J\x1b[H")?;
         }
         let chips = findings(&after);
-        lines(&after, &told).iter().chain(&chip_lines(&chips)).try_for_each(|line| ui.say(line))?;
+        lines(&after, &told, design.clock_mhz)
+            .iter()
+            .chain(&chip_lines(&chips))
+            .try_for_each(|line| ui.say(line))?;
         if !status.watch {
             return ui.json(&serde_json::json!({ "now": after, "report": told, "chips": chips }));
         }
@@ -57,8 +60,9 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
     }
 }
 
-const FLAGS: [(&str, &str); 6] = [
+const FLAGS: [(&str, &str); 7] = [
     ("status.dram_ready", "memory ready"),
+    ("status.calculator_runs", "calculator's clock there"),
     ("status.input_present", "signal"),
     ("status.input_fits", "of the right size"),
     ("status.output_runs", "pictures leave"),
@@ -73,7 +77,7 @@ fn chip_lines(chips: &[Finding]) -> Vec<String> {
     chips.iter().map(line).collect()
 }
 
-fn lines(now: &Look, report: &Report) -> Vec<String> {
+fn lines(now: &Look, report: &Report, clock_mhz: f64) -> Vec<String> {
     let flag = |(name, what): &(&str, &str)| {
         if now.value(name) == 1 { (*what).to_owned() } else { format!("NOT {what}") }
     };
@@ -82,7 +86,7 @@ fn lines(now: &Look, report: &Report) -> Vec<String> {
     let mut lines = vec![
         format!("{}; bank {bank}", FLAGS.iter().map(flag).collect::<Vec<_>>().join(", ")),
         format!(
-            "{:.1} pictures a second of {:.1} frames on the screen, {} late; calculator busy {:.0} %, {cycles} cycles a patch",
+            "{:.1} pictures a second of {:.1} frames on the screen, {} late; calculator at {clock_mhz} MHz busy {:.0} %, {cycles} cycles a patch",
             report.frames_per_second,
             report.screen_frames_per_second,
             report.late_frames,
@@ -100,6 +104,12 @@ fn lines(now: &Look, report: &Report) -> Vec<String> {
             stage.saturated_differences
         )
     }));
+    if now.value("status.weights_unchecked") == 1 {
+        lines.push(
+            "the calculator's clock was lost: whether the weights are still there, `edof board verify` tells"
+                .to_owned(),
+        );
+    }
     lines.extend(report.grown.iter().map(|(name, count)| format!("{name}: {count} more")));
     lines
 }
