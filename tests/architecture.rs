@@ -47,7 +47,7 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-device",
-        uses: &["edof-image", "edof-network"],
+        uses: &["edof-image", "edof-storage", "edof-network"],
         tests_use: &["edof-chips"],
         knows_nothing_of: &["edof-optics", "edof-train", "edof-numerics"],
     },
@@ -230,6 +230,7 @@ const CRATES: &[Row] = &[
         name: "edof-stability",
         uses: &[
             "edof-image",
+            "edof-storage",
             "edof-camera",
             "edof-network",
             "edof-float",

@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 const SIGINT: i32 = 2;
 
 /// A simulated board in a place, at the link `board`.
-struct Sim {
-    child: Child,
+pub struct Sim {
+    pub child: Child,
 }
 
 /// Of the circuit: small frames, and 16 cycles a bit.
@@ -29,7 +29,7 @@ impl Sim {
         Self { child: place.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap() }
     }
 
-    fn start(place: &Place, more: &str) -> Self {
+    pub fn start(place: &Place, more: &str) -> Self {
         let patience = Duration::from_secs(if more.contains("--rtl") { 600 } else { 60 });
         let mut sim = Self::start_at_once(place, more);
         let start = Instant::now();
@@ -53,6 +53,14 @@ impl Sim {
     }
 }
 
+impl Sim {
+    /// Ends it as Ctrl-C does, and takes its link away.
+    pub fn end_quietly(mut self) {
+        signal(&self.child, "-INT");
+        self.child.wait().unwrap();
+    }
+}
+
 impl Drop for Sim {
     fn drop(&mut self) {
         let _ = self.child.kill();
@@ -64,7 +72,7 @@ fn board(place: &Place, line: &str) -> String {
     place.edof(&format!("board {line} --port board")).done().out
 }
 
-fn drawn(place: &Place, name: &str, seed: u64) {
+pub fn drawn(place: &Place, name: &str, seed: u64) {
     let line =
         format!("random-network --form one-sided,w8,t4,c16,r --seed {seed} --out {name}.fixed.safetensors");
     place.edof(&line).done();
@@ -185,7 +193,7 @@ fn a_simulated_board_says_how_its_chips_are_and_is_aligned() {
     sim.end(&place);
 }
 
-fn wait(what: &str, is_so: impl Fn() -> bool) {
+pub fn wait(what: &str, is_so: impl Fn() -> bool) {
     let start = Instant::now();
     while !is_so() {
         assert!(start.elapsed() < Duration::from_secs(120), "{what} does not come");
