@@ -98,10 +98,10 @@ const DEPTH: usize = 64;
 fn source() -> Source {
     let mark = |i: usize| {
         let agent = |kind: &str, taken: &str| {
-            let counts = ["put", taken].map(|count| format!("{kind}s_{i}.{count}_q"));
+            let counts = ["write_ptr", taken].map(|count| format!("{kind}s_{i}.{count}_q"));
             Mark::between(&format!("{kind}_{i}"), "clock_i", [&counts[0], &counts[1]], 12)
         };
-        [agent("writer", "sent"), agent("reader", "got")]
+        [agent("writer", "sent"), agent("reader", "read_ptr")]
     };
     plain().watched("reset_i", &[mark(0), mark(1)].concat())
 }

@@ -67,7 +67,7 @@ impl Writer<'_> {
         let sheet = Sheet {
             name: self.name(),
             header: self.header(),
-            source: self.source.into(),
+            source: in_workspace(self.source),
             ports: self.ports(),
             constants,
             states: self.states(),
@@ -88,7 +88,7 @@ impl Writer<'_> {
         let line = |line: &str| format!("// {}", line.trim()).trim_end().to_string() + "\n";
         let text: String = self.description.header.trim().lines().map(line).collect();
         let follows: String = self.follows().iter().map(|text| line(text)).collect();
-        let source = format!("// From {} ({}).\n", self.source, self.description.name);
+        let source = format!("// From {} ({}).\n", in_workspace(self.source), self.description.name);
         let gap = if follows.is_empty() { "" } else { "//\n" };
         format!("{text}{gap}{follows}//\n{source}")
     }
@@ -457,4 +457,9 @@ fn is_started(scope: &Scope, resolved: &[Expression], process: &Process) -> bool
         _ => false,
     };
     process.reads.iter().any(changes)
+}
+
+/// A source as its own workspace names it. For a crate of another workspace, as Python's extension is, the compiler states where it lies on this machine.
+fn in_workspace(source: &str) -> String {
+    source.rsplit_once("/crates/").map_or_else(|| source.to_owned(), |(_, rest)| format!("crates/{rest}"))
 }
