@@ -8,6 +8,7 @@ mod cables;
 mod calculator_clock;
 mod chain;
 mod chain_in_rust;
+mod checking;
 mod common;
 mod crossing;
 mod crossing_resets;

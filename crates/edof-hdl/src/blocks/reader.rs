@@ -40,7 +40,7 @@ pub struct Reader {
     /// Those of the stage before.
     pub previous: Signal<In, Bits<32>>,
     /// The register of that row.
-    pub register: Signal<In, Bits<20>>,
+    pub register: Signal<In, Bits<32>>,
     /// What to show: 0 CRC-32 of all rows, 1 and 2 the halves of the row that was read last, 3 whether it still reads.
     pub select: Signal<In, Bits<2>>,
     /// It.
@@ -160,7 +160,7 @@ impl Logic for Reader {
         } else if self.advance.val() && (self.space.q.val() == 2) {
             self.came.d.next = self.previous.val();
         } else if self.advance.val() && (self.space.q.val() == 3) {
-            self.came.d.next = bit_cast::<32, 20>(self.register.val());
+            self.came.d.next = self.register.val();
         }
         self.turned.next = self.word.q.val() >> 1;
         if self.word.q.val().get_bit(0) {
