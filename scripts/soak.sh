@@ -7,6 +7,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_simulators
 cargo test --workspace --locked --no-fail-fast --test circuits --test program --test all_photos --test it -- --ignored --test-threads 2
+cargo test -p edof-verilog-diff --locked --release --test random -- --ignored
+./scripts/test-package.sh
 ./scripts/test-axiram.sh
 ./scripts/test-fusesoc.sh
 ./scripts/test-parse.sh

@@ -29,6 +29,7 @@ mod mid_stream;
 mod miscompiles;
 mod pins;
 mod planted_faults;
+mod printed;
 mod read_back;
 mod resources;
 mod simulated_board;

@@ -1,7 +1,7 @@
 //! The CRC of every frame that passes a boundary.
 
 use super::crc::Crc;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// The CRC (`edof_device::crc`) of every frame of beats that passes a boundary, and how many frames there were. It only looks: nothing waits for it.
@@ -45,7 +45,7 @@ impl<const W: usize> FrameCheck<W> {
 }
 
 impl<const W: usize> Logic for FrameCheck<W> {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, valid_q, fresh, left, at_end, ends, whole, frames_q, shown, shown_frames);
         self.made.clock.next = self.clock.val();

@@ -16,7 +16,7 @@ use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::verilog::Optional;
 use edof_device::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN, shift_image};
 use edof_device::design::reading::READ_REGISTER;
@@ -170,7 +170,7 @@ impl Stage {
 }
 
 impl Logic for Stage {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -1,6 +1,6 @@
 //! Cycles of a clock.
 
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Cycles of a clock since its reset, modulo 2^32.
@@ -16,7 +16,7 @@ pub struct CycleCount {
 }
 
 impl Logic for CycleCount {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, count_q);
         self.count_q.d.next = self.count_q.q.val() + 1;

@@ -13,7 +13,7 @@ use super::registers::{BoardRegisters, Identity};
 use super::write_agent::WriteAgent;
 use crate::blocks::frame_check::FrameCheck;
 use crate::crossing::{BusSync, PixelFifo, ResetSync, Sync};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
@@ -198,7 +198,7 @@ impl EdofCore {
 }
 
 impl Logic for EdofCore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

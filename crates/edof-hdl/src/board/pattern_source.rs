@@ -1,7 +1,7 @@
 //! Raw frames that the board makes itself.
 
 use crate::blocks::Row;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{StreamIn, StreamOut};
 use edof_device::design::FrameSize;
 use edof_device::pattern::{NOISE_SEED, RAMP_COLUMN, RAMP_ROW, WORD_MASK};
@@ -69,7 +69,7 @@ impl PatternSource {
 }
 
 impl Logic for PatternSource {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, kind, pause, column, row, line_ramp, ramp, noise, valid, word, first, last);
         self.kind.d.next = self.select.val();

@@ -2,7 +2,7 @@
 
 use crate::blocks::Row;
 use crate::blocks::ram::{Ram, Shape};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::pattern::TILE_PIXELS;
 use rust_hdl::prelude::*;
 
@@ -67,7 +67,7 @@ impl Default for PictureWindow {
 }
 
 impl Logic for PictureWindow {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, valid_1, data_1, column, row, valid_2, data_2, right, down, ends);
         self.tile.clock.next = self.clock.val();

@@ -1,7 +1,7 @@
 //! What the host sees of the board: the registers and windows of `edof_device::registers`.
 
 use super::bank_guard::BankGuard;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::AxiLiteSlave;
 use edof_device::design::Design;
 use edof_device::registers::map::{
@@ -214,8 +214,8 @@ pub struct BoardRegisters {
     in_area: Signal<Local, Bit>,
     in_window: [Signal<Local, Bit>; 6],
     stage_word: Signal<Local, Bits<7>>,
-    takes_write: Signal<Local, Bit>,
-    takes_read: Signal<Local, Bit>,
+    grant_write: Signal<Local, Bit>,
+    grant_read: Signal<Local, Bit>,
     _count: usize,
 }
 
@@ -260,7 +260,7 @@ impl BoardRegisters {
 }
 
 impl Logic for BoardRegisters {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, phase, address, word, is_bad, found_any, is_stage, result, is_checked, refuses,
@@ -278,16 +278,16 @@ impl Logic for BoardRegisters {
         }
 
         // An access is taken: writes first.
-        self.takes_write.next =
+        self.grant_write.next =
             (self.phase.q.val() == Phase::Idle) && self.bus.aw_valid.val() && self.bus.w_valid.val();
-        self.takes_read.next =
-            (self.phase.q.val() == Phase::Idle) && self.bus.ar_valid.val() && !self.takes_write.val();
-        if self.takes_write.val() {
+        self.grant_read.next =
+            (self.phase.q.val() == Phase::Idle) && self.bus.ar_valid.val() && !self.grant_write.val();
+        if self.grant_write.val() {
             self.address.d.next = self.bus.aw_addr.val();
             self.word.d.next = self.bus.w_data.val();
             self.is_bad.d.next =
                 (self.bus.w_strb.val() != 15) || self.bus.aw_addr.val().get_bits::<2>(0).any();
-        } else if self.takes_read.val() {
+        } else if self.grant_read.val() {
             self.address.d.next = self.bus.ar_addr.val();
             self.is_bad.d.next = self.bus.ar_addr.val().get_bits::<2>(0).any();
         }
@@ -433,9 +433,9 @@ impl Logic for BoardRegisters {
         self.stage_valid.next = false;
         match self.phase.q.val() {
             Phase::Idle => {
-                if self.takes_write.val() {
+                if self.grant_write.val() {
                     self.phase.d.next = Phase::Look;
-                } else if self.takes_read.val() {
+                } else if self.grant_read.val() {
                     self.phase.d.next = Phase::Read;
                 }
             }
@@ -555,11 +555,11 @@ impl Logic for BoardRegisters {
             self.unchecked.d.next = true;
         }
 
-        self.bus.aw_ready.next = self.takes_write.val();
-        self.bus.w_ready.next = self.takes_write.val();
+        self.bus.aw_ready.next = self.grant_write.val();
+        self.bus.w_ready.next = self.grant_write.val();
         self.bus.b_valid.next = self.phase.q.val() == Phase::WriteAnswer;
         self.bus.b_resp.next = 0.into();
-        self.bus.ar_ready.next = self.takes_read.val();
+        self.bus.ar_ready.next = self.grant_read.val();
         self.bus.r_valid.next = self.phase.q.val() == Phase::ReadAnswer;
         self.bus.r_data.next = self.result.q.val();
         self.bus.r_resp.next = 0.into();

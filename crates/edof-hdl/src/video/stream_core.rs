@@ -7,7 +7,7 @@ use super::window_reorder::WindowReorder;
 use crate::blocks::Word;
 use crate::blocks::chain::Chain;
 use crate::blocks::frame_check::FrameCheck;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::memory::SNAPSHOT_REGISTERS;
 use edof_device::design::{Design, DesignError};
 use edof_network::FixedNetwork;
@@ -123,7 +123,7 @@ impl StreamCore {
 }
 
 impl Logic for StreamCore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, set_q, patch_done, busy, patches_q, busy_cycles_q);
         self.windows.clock.next = self.clock.val();
