@@ -84,6 +84,11 @@ fn display(curve: Curve) -> Display {
     Display::new(DisplayMode::default(), curve)
 }
 
+/// The display of a curve of [`curve_of`].
+pub fn display_of(name: &str) -> Display {
+    display(of_curve(name).unwrap_or_default())
+}
+
 /// The name of the curve that a board's tables are for, none where the program knows none that has such tables.
 ///
 /// # Errors
