@@ -8,7 +8,7 @@ mod wavefront;
 
 use crate::bank;
 use crate::cosine::{EvenTransform, fold_rows, period};
-use crate::depth::{distance_m, geometric_blur_um};
+use crate::depth::{geometric_blur_um, in_metres};
 use crate::pupil::Pupil;
 use edof_camera::camera::{Camera, Spectrum};
 use edof_image::Channel;
@@ -235,17 +235,6 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
         return Ok(());
     }
     Err(NoPsf::Bank { psi, camera: name, file, low, high, near: in_metres(camera, [low, high]) })
-}
-
-/// A range of ψ in metres behind a comma, before a camera that knows where ψ is zero.
-fn in_metres(camera: &Camera, [low, high]: [f64; 2]) -> String {
-    let Some(nominal) = camera.nominal_m else { return String::new() };
-    let metres = |psi| distance_m(camera, psi, nominal).filter(|metres| *metres > 0.0);
-    match (metres(high), metres(low).filter(|metres| metres.is_finite())) {
-        (Some(near), Some(far)) => format!(", {near:.3} to {far:.3} m"),
-        (Some(near), None) => format!(", {near:.3} m and farther"),
-        _ => String::new(),
-    }
 }
 
 /// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength): those of the camera's bank,

@@ -136,7 +136,7 @@ fn a_self_test_names_the_cell_that_is_stuck() {
 #[test]
 fn a_self_test_names_multipliers_and_memory_of_pictures() {
     let off = |mut network: FixedNetwork| {
-        network.analysis.weights.row_mut(0).fill(1);
+        network.analysis.weights.row_mut(5).fill(1);
         network
     };
     let (parts, first) = failing(Faults { calculator: Some(off), ..Faults::default() });
