@@ -10,12 +10,12 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-# Name, form, camera, what differs from the recipe otherwise: for pictures that are looked at encoded, light with a sensor's noise.
+# Name, form, camera, what differs from the recipe otherwise: the tone of the paper's convention, or of pictures that are looked at encoded.
 networks=(
-    "paper-t4 paper-t4 ring-2018"
-    "edof-t4w12 edof-t4w12 ring-2018"
-    "edof-t4w12-outer edof-t4w12 ring-outer"
-    "edof-t4w12-clear edof-t4w12 clear-mid"
+    "paper-t4 paper-t4 ring-2018 --tone linear"
+    "edof-t4w12 edof-t4w12 ring-2018 --tone linear"
+    "edof-t4w12-outer edof-t4w12 ring-outer --tone linear"
+    "edof-t4w12-clear edof-t4w12 clear-mid --tone linear"
     "edof-t4w12-outer-light edof-t4w12 ring-outer --tone srgb"
 )
 seeds=1,2,3

@@ -47,7 +47,7 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-device",
-        uses: &["edof-image", "edof-network"],
+        uses: &["edof-image", "edof-storage", "edof-network"],
         tests_use: &["edof-chips"],
         knows_nothing_of: &["edof-optics", "edof-train", "edof-numerics"],
     },
@@ -109,6 +109,12 @@ const CRATES: &[Row] = &[
         knows_nothing_of: &["edof-image", "edof-device"],
     },
     Row {
+        name: "edof-verilog-diff",
+        uses: &["edof-verilog"],
+        tests_use: &[],
+        knows_nothing_of: &["edof-image", "edof-device"],
+    },
+    Row {
         name: "edof-hdl",
         uses: &["edof-image", "edof-network", "edof-device", "edof-verilog"],
         tests_use: &[],
@@ -133,7 +139,7 @@ const CRATES: &[Row] = &[
             "edof-board",
             "edof-random",
         ],
-        tests_use: &["edof-verilog"],
+        tests_use: &["edof-verilog", "edof-verilog-diff"],
         knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {
@@ -224,6 +230,7 @@ const CRATES: &[Row] = &[
         name: "edof-stability",
         uses: &[
             "edof-image",
+            "edof-storage",
             "edof-camera",
             "edof-network",
             "edof-float",
@@ -287,7 +294,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("image", &["edof-io", "edof-report", "edof-study", "edof-golden"]),
     ("libloading", &["edof-cosim"]),
     ("opencl3", &["edof-gpu"]),
-    ("rust-hdl", &["edof-verilog", "edof-hdl", "edof-cosim"]),
+    ("rust-hdl", &["edof-verilog", "edof-verilog-diff", "edof-hdl", "edof-cosim"]),
     ("serialport", &["edof-board"]),
     ("syn", &["edof-verilog-derive"]),
 ];

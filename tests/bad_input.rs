@@ -310,7 +310,11 @@ fn a_training_folder_without_a_readable_photograph() {
     let place = Place::new();
     std::fs::create_dir(place.path("photos")).unwrap();
     place.write("photos/a.png", "no picture");
-    refused_without_a_trace(&place, TRAIN, &["none of its 1 photographs can be read", "a.png: not a PNG"]);
+    refused_without_a_trace(
+        &place,
+        TRAIN,
+        &["photos: 1 photograph, none of which can be read", "a.png: not a PNG"],
+    );
 }
 
 #[test]
@@ -351,7 +355,7 @@ fn a_pipe_among_photographs_or_beside_a_frame_is_waited_for_by_nobody() {
     place.pipe("photos/p03.png");
     place
         .edof_within_bounds(&TRAIN.replace("--out net", "--out new"))
-        .refused(&["none of its 1 photographs", "photos/p03.png: cannot read: is no file"]);
+        .refused(&["1 photograph, none of which can be read", "photos/p03.png: cannot read: is no file"]);
     place
         .edof_within_bounds("study kodak --nets edof-t4w12 --images photos --psi 0")
         .refused(&["photos", "p03.png: cannot read: is no file"]);

@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 const SIGINT: i32 = 2;
 
 /// A simulated board in a place, at the link `board`.
-struct Sim {
-    child: Child,
+pub struct Sim {
+    pub child: Child,
 }
 
 /// Of the circuit: small frames, and 16 cycles a bit.
@@ -29,7 +29,7 @@ impl Sim {
         Self { child: place.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap() }
     }
 
-    fn start(place: &Place, more: &str) -> Self {
+    pub fn start(place: &Place, more: &str) -> Self {
         let patience = Duration::from_secs(if more.contains("--rtl") { 600 } else { 60 });
         let mut sim = Self::start_at_once(place, more);
         let start = Instant::now();
@@ -53,6 +53,14 @@ impl Sim {
     }
 }
 
+impl Sim {
+    /// Ends it as Ctrl-C does, and takes its link away.
+    pub fn end_quietly(mut self) {
+        signal(&self.child, "-INT");
+        self.child.wait().unwrap();
+    }
+}
+
 impl Drop for Sim {
     fn drop(&mut self) {
         let _ = self.child.kill();
@@ -64,7 +72,7 @@ fn board(place: &Place, line: &str) -> String {
     place.edof(&format!("board {line} --port board")).done().out
 }
 
-fn drawn(place: &Place, name: &str, seed: u64) {
+pub fn drawn(place: &Place, name: &str, seed: u64) {
     let line =
         format!("random-network --form one-sided,w8,t4,c16,r --seed {seed} --out {name}.fixed.safetensors");
     place.edof(&line).done();
@@ -185,7 +193,34 @@ fn a_simulated_board_says_how_its_chips_are_and_is_aligned() {
     sim.end(&place);
 }
 
-fn wait(what: &str, is_so: impl Fn() -> bool) {
+/// A network in both banks, frames that the board makes itself, each part, and a tile over the line.
+#[test]
+fn a_simulated_board_is_exact_and_says_so() {
+    let place = Place::new();
+    drawn(&place, "own", 5);
+    let _sim = Sim::start(&place, "--weights own.fixed.safetensors --size 96x80");
+    let said = board(&place, "check own.fixed.safetensors --frames 2 --json check.json");
+    assert!(said.ends_with("bit-exact on this board, at speed\n"), "{said}");
+    let told: Value = serde_json::from_slice(&std::fs::read(place.path("check.json")).unwrap()).unwrap();
+    assert_eq!((&told["is_exact"], told["patterns"].as_array().unwrap().len()), (&Value::Bool(true), 6));
+    wait("the chips", || board(&place, "get status.i2c_done").contains(" 1"));
+    let said = board(&place, "selftest own.fixed.safetensors --json self.json");
+    assert!(said.ends_with("every part that was tried works\n"), "{said}");
+    let pixels = (0..96 * 80_u32).flat_map(|i| ((i.wrapping_mul(2_654_435_761) >> 16) as u16).to_be_bytes());
+    let file: Vec<u8> = b"P5 96 80 65535\n".iter().copied().chain(pixels).collect();
+    std::fs::write(place.path("raw.pgm"), file).unwrap();
+    board(&place, "picture put raw.pgm");
+    board(&place, "picture compare raw.pgm --weights own.fixed.safetensors --at 32,16");
+    board(&place, "picture get out.png --at 32,16");
+    assert!(place.path("out.png").exists());
+    board(&place, "picture off");
+    // Another network's pictures are refused by name.
+    drawn(&place, "other", 6);
+    let other = place.edof("board check other.fixed.safetensors --port board");
+    other.refused(&["bank", "holds none of the networks that fit"]);
+}
+
+pub fn wait(what: &str, is_so: impl Fn() -> bool) {
     let start = Instant::now();
     while !is_so() {
         assert!(start.elapsed() < Duration::from_secs(120), "{what} does not come");

@@ -422,7 +422,7 @@ fn studies_take_distances_before_cameras_that_know_their_focus() {
         let psi: f64 = row.split(',').nth(column).unwrap().parse().unwrap();
         assert!((psi - 8.0).abs() < 1e-3, "{rows}: {psi}");
     }
-    study("kodak --nets net.safetensors").refused(&["depth 3.1109m: camera clear does not know"]);
+    study("kodak --nets net.safetensors").refused(&["--psi 3.1109m: camera clear does not know"]);
     study("kodak --nets from-10m.safetensors,from-5m.safetensors")
         .refused(&["--psi 3.1109m: is psi 8.001 before camera clear, ", "study their nets one by one"]);
 }

@@ -34,7 +34,7 @@ fn a_camera_is_shown_in_figures_and_numbers() {
     assert!(photo::load(&place.path("figures/psf.png")).unwrap().size().1 > 200);
     assert!((shown["depths"][1]["psi"].as_f64().unwrap() - 5.0).abs() < 1e-3, "{shown}");
     assert!(std::fs::read_to_string(place.path("figures/mtf.svg")).unwrap().contains("ψ = 5, 4.19 m"));
-    place.edof("optics ring-2018 --psi 3m --out no").refused(&["depth 3m", "--nominal"]);
+    place.edof("optics ring-2018 --psi 3m --out no").refused(&["--psi 3m: camera", "--nominal"]);
 }
 
 #[test]
@@ -53,7 +53,12 @@ fn a_capture_of_a_drawn_scene_tells_what_its_approximations_cost() {
     let line = "--size 64x64 --noise 0.01 --seed 3 --depth 10 --phase bggr --energy 0.99 --out raw.pgm --sharp sharp.png --json";
     let capture = |scene: &str| json(&place.edof(&format!("capture {scene} {line}")).done().out);
     assert_eq!(capture("leaves-4 --no-measure")["depths"].as_array().unwrap().len(), 4);
-    let report = capture("leaves");
+    assert_eq!(
+        capture("leaves")["approximations"],
+        serde_json::json!([]),
+        "measured only where it is asked for"
+    );
+    let report = capture("leaves --measure");
     assert_eq!(report["depths"].as_array().unwrap().len(), 1);
     let costs = report["approximations"].as_array().unwrap();
     assert_eq!(
@@ -267,7 +272,7 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
     let before = place.files();
     for (line, words) in [
         ("capture photo.png --out r.png", ["--psi: one value", "one depth"]),
-        ("capture photo.png --psi 2m --out r.png", ["depth 2m", "--nominal"]),
+        ("capture photo.png --psi 2m --out r.png", ["--psi 2m: camera", "--nominal"]),
         ("capture photo.png --depth-map odd.png --range 8:0 --out r.png", ["odd.png", "expected a grey one"]),
         (
             "capture photo.png --depth-map small.pgm --range 8:0 --out r.png",
@@ -280,7 +285,7 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
         ("capture photo.png --psi 1 --psf-bank photo.png --out r.png", ["photo.png", "not a whole NPZ"]),
         ("optics --psf-bank none.npz", ["none.npz", "cannot read"]),
         ("capture photo.png --psi 900 --out r.png", ["psi 900", "within 200"]),
-        ("capture photo.png --psi 1 --depth 7 --out r.png", ["bit depth 7", "8 to 16"]),
+        ("capture photo.png --psi 1 --depth 7 --out r.png", ["--depth 7: must be 8 to 16", "8 to 16"]),
         ("capture photo.png --psi 1 --energy 0 --out r.png", ["--energy 0", "at most 1"]),
         ("capture photo.png --psi 1 --camera none --out r.png", ["camera 'none'", "ring-outer"]),
         ("capture none.png --psi 1 --out r.png", ["none.png", "cannot read"]),

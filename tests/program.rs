@@ -3,9 +3,11 @@
 mod architecture;
 mod bad_input;
 mod board;
+mod board_data;
 mod contradictions;
 mod developing;
 mod documents;
+mod first_steps;
 mod happy;
 mod hardware;
 mod kept;
@@ -19,5 +21,6 @@ mod support;
 mod tone;
 mod too_big;
 mod tools;
+mod words_of_failure;
 mod workspace;
 mod wrong_files;

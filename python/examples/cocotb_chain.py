@@ -27,7 +27,7 @@ async def chain_with_stalls(dut: Any, seed: int, stalled: int) -> None:
     source_goes, sink_goes = edof.stall_pattern(2 * last, seed=seed, stalled=stalled)
 
     clock = dut.clock_i
-    cocotb.start_soon(Clock(clock, 10, "ns").start())
+    cocotb.start_soon(Clock(clock, 10, "step").start())
     source = StreamSource(dut, clock, "window", source_goes)
     sink = StreamSink(dut, clock, "patch", sink_goes)
     board = ChainScoreboard(dut, clock, expected)

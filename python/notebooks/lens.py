@@ -25,7 +25,7 @@ print(mine, clear)
 
 # %%
 depths = [0.0, 2.0, 4.0, 6.0, 8.0]
-figure, axes = plt.subplots(2, len(depths), figsize=(10, 4.4), layout="constrained")
+figure, axes = plt.subplots(2, len(depths), figsize=(10, 5), layout="constrained")
 for row, camera in enumerate([mine, clear]):
     for column, psi in enumerate(depths):
         side = 21
@@ -43,17 +43,17 @@ figure.savefig("lens-psf.png", dpi=80)
 
 # %% [markdown]
 # ## Contrast
-# A coded lens has contrast in one colour where another has none.
+# At a quarter of the lens's limit. A coded lens keeps contrast in one colour where another has none.
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(10, 3.6), layout="constrained", sharey=True)
-frequency = np.array([40.0])
+frequency = np.array([140.0])
 psis = np.linspace(0.0, 8.0, 17)
 for axis, camera in zip(axes, [mine, clear]):
     for channel in ("red", "green", "blue"):
         contrast = [edof.mtf(camera, psi, channel, cycles_per_mm=frequency)[1][0] for psi in psis]
         axis.plot(psis, contrast, color=f"tab:{channel}", label=channel)
-    axis.set(title=f"{camera.name}: contrast at 40 cycles per mm", xlabel="ψ (rad)", ylabel="MTF (1)")
+    axis.set(title=f"{camera.name}: contrast at 140 cycles per mm", xlabel="ψ (rad)", ylabel="MTF (1)")
     axis.legend()
 figure.savefig("lens-contrast.png", dpi=80)
 

@@ -1,7 +1,7 @@
 //! Arguments, checked: arrays of one type and shape, words for what has few values, whole numbers.
 
 use crate::error::{OrRaise, failed, wrong_type};
-use ndarray::{ArrayBase, Data, Dimension};
+use ndarray::{Array, ArrayBase, ArrayView, Data, Dimension};
 use numpy::{Element, PyArrayDescrMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods, dtype};
 use numpy::{PyArray, PyArrayMethods};
 use pyo3::exceptions::PyTypeError;
@@ -43,6 +43,11 @@ pub fn finite<'py, D: Dimension>(
     let array = array::<f32, D>(value, name, shape)?;
     check_finite(&array.as_array(), name)?;
     Ok(array)
+}
+
+/// A copy of its own. (ndarray would keep the strides of an empty part of an array, which its own check then rejects.)
+pub fn owned<T: Clone + Default, D: Dimension>(view: ArrayView<'_, T, D>) -> Array<T, D> {
+    if view.is_empty() { Array::default(view.raw_dim()) } else { view.to_owned() }
 }
 
 /// Rejects NaN and infinities.

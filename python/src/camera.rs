@@ -1,6 +1,6 @@
 //! Cameras.
 
-use crate::arguments::{array, finite, name, number};
+use crate::arguments::{array, finite, name, number, owned};
 use crate::error::{OrRaise, failed};
 use edof_camera::Camera;
 use edof_camera::camera::{Aberration, PRESETS};
@@ -86,7 +86,8 @@ impl PyCamera {
         let psi = array::<f64, Ix1>(psi, "psi", "one depth per kernel")?;
         let psf = array::<f32, Ix4>(psf, "psf", "depths x 3 channels x rows x columns")?;
         let kernels =
-            Kernels::new(psi.as_array().to_vec(), psf.as_array().mapv(f64::from).view(), None).or_raise()?;
+            Kernels::new(psi.as_array().to_vec(), owned(psf.as_array()).mapv(f64::from).view(), None)
+                .or_raise()?;
         let bank =
             PsfBank { file: name.to_owned(), sha256: kernels.sha256(), kernels: Some(Arc::new(kernels)) };
         Ok(Self(Arc::new(lens::with_bank((*self.0).clone(), bank))))
@@ -101,7 +102,7 @@ impl PyCamera {
         name: &str,
     ) -> PyResult<Self> {
         let heights = finite::<Ix2>(heights, "heights", "rows x columns, square")?;
-        let heights = heights.as_array().to_owned();
+        let heights = owned(heights.as_array());
         if let Some(value) = heights.iter().find(|v| !(0.0..=1.0).contains(*v)) {
             return Err(failed(format!("heights: holds {value}, expected 0 to 1, in units of white_um")));
         }

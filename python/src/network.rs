@@ -1,6 +1,6 @@
 //! Networks, float and fixed.
 
-use crate::arguments::{array, name, size};
+use crate::arguments::{array, name, owned, size};
 use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::job;
@@ -106,7 +106,7 @@ impl PyNetwork {
         let given = |name: &str| arrays.get_item(name).ok().flatten().filter(|value| !value.is_none());
         let needed = |name: &str| given(name).ok_or_else(|| failed(format!("arrays: '{name}' is missing")));
         let matrix = |value: &Bound<'_, PyAny>, name: &str| {
-            PyResult::Ok(array::<f32, Ix2>(value, name, "rows x columns")?.as_array().to_owned())
+            PyResult::Ok(owned(array::<f32, Ix2>(value, name, "rows x columns")?.as_array()))
         };
         let thresholds = matrix(&needed("thresholds")?, "thresholds")?;
         let recurrent = match given("recurrent") {

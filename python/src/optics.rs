@@ -1,6 +1,6 @@
 //! Point spread functions, their transforms, blur and its adjoint.
 
-use crate::arguments::{PICTURE, PLANE, array, finite, word};
+use crate::arguments::{PICTURE, PLANE, array, finite, owned, word};
 use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::job;
@@ -12,6 +12,9 @@ use ndarray::{Array1, Array2, Array3, Axis, Ix1, Ix2};
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+
+/// Frequencies and values.
+type Curve<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// Where kernels end and how many wavelengths are summed.
 pub fn settings(energy: f64, wavelength_tolerance: f64, exact: bool) -> PyResult<Settings> {
@@ -58,7 +61,7 @@ pub fn otf<'py>(
     channel: &str,
     cycles_per_mm: Option<&Bound<'py, PyAny>>,
     pixel: bool,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<Curve<'py>> {
     let (frequencies, values) = response(py, camera, psi, channel, cycles_per_mm, pixel)?;
     Ok((frequencies.into_pyarray(py), values.into_pyarray(py)))
 }
@@ -73,7 +76,7 @@ pub fn mtf<'py>(
     channel: &str,
     cycles_per_mm: Option<&Bound<'py, PyAny>>,
     pixel: bool,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<Curve<'py>> {
     let (frequencies, values) = response(py, camera, psi, channel, cycles_per_mm, pixel)?;
     Ok((frequencies.into_pyarray(py), values.mapv_into(f64::abs).into_pyarray(py)))
 }
@@ -103,7 +106,7 @@ fn response<'py>(
 }
 
 fn frequencies(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Array1<f64>> {
-    let frequencies = array::<f64, Ix1>(value, name, "one number per frequency")?.as_array().to_owned();
+    let frequencies = owned(array::<f64, Ix1>(value, name, "one number per frequency")?.as_array());
     match frequencies.iter().find(|f| !(f.is_finite() && **f >= 0.0)) {
         Some(f) => Err(failed(format!("{name}: holds {f}, expected finite numbers of 0 or more"))),
         None => Ok(frequencies),
@@ -128,7 +131,7 @@ pub fn sampled_otf<'py>(
 
 fn one_kernel(value: &Bound<'_, PyAny>) -> PyResult<Psf> {
     let kernel = finite::<Ix2>(value, "kernel", "rows x columns, square, of an odd side")?;
-    Psf::new(kernel.as_array().to_owned()).or_raise()
+    Psf::new(owned(kernel.as_array())).or_raise()
 }
 
 fn three_kernels(value: &Bound<'_, PyAny>) -> PyResult<[Psf; 3]> {

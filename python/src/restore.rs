@@ -1,6 +1,6 @@
 //! What people use instead of the network: demosaicing, deconvolution, pursuits.
 
-use crate::arguments::{array, finite, number, positive, size};
+use crate::arguments::{array, finite, number, owned, positive, size};
 use crate::error::{OrRaise, failed};
 use crate::job;
 use crate::reconstruct::frame;
@@ -41,7 +41,7 @@ pub fn demosaic<'py>(
 }
 
 fn plane(value: &Bound<'_, PyAny>) -> PyResult<Array2<f32>> {
-    let plane = finite::<Ix2>(value, "plane", "rows x columns of light, 0 to 1")?.as_array().to_owned();
+    let plane = owned(finite::<Ix2>(value, "plane", "rows x columns of light, 0 to 1")?.as_array());
     if plane.is_empty() {
         return Err(failed(format!("plane: shape {:?}, expected one pixel at least", plane.shape())));
     }
@@ -50,7 +50,7 @@ fn plane(value: &Bound<'_, PyAny>) -> PyResult<Array2<f32>> {
 
 /// A kernel of odd sides, nowhere negative, with some light.
 fn kernel(value: &Bound<'_, PyAny>) -> PyResult<Array2<f32>> {
-    let kernel = finite::<Ix2>(value, "kernel", "rows x columns, of odd sides, sum 1")?.as_array().to_owned();
+    let kernel = owned(finite::<Ix2>(value, "kernel", "rows x columns, of odd sides, sum 1")?.as_array());
     let (height, width) = kernel.dim();
     if height % 2 == 0 || width % 2 == 0 {
         return Err(failed(format!("kernel {height}x{width}: must have odd sides")));
@@ -136,8 +136,8 @@ pub fn blind_deconvolution<'py>(
 
 /// Signals (rows) and a dictionary (columns) that fit each other.
 fn pair(signals: &Bound<'_, PyAny>, dictionary: &Bound<'_, PyAny>) -> PyResult<(Array2<f32>, Array2<f32>)> {
-    let signals = finite::<Ix2>(signals, "signals", "signals x length")?.as_array().to_owned();
-    let dictionary = finite::<Ix2>(dictionary, "dictionary", "length x atoms")?.as_array().to_owned();
+    let signals = owned(finite::<Ix2>(signals, "signals", "signals x length")?.as_array());
+    let dictionary = owned(finite::<Ix2>(dictionary, "dictionary", "length x atoms")?.as_array());
     let ((_, length), (rows, atoms)) = (signals.dim(), dictionary.dim());
     if length != rows || rows == 0 || atoms == 0 {
         return Err(failed(format!(
@@ -185,7 +185,7 @@ pub fn lasso<'py>(
     let (signals, dictionary) = pair(signals, dictionary)?;
     let penalties = match penalty.extract::<f64>() {
         Ok(all) => ndarray::Array1::from_elem(dictionary.ncols(), all as f32),
-        Err(_) => array::<f32, Ix1>(penalty, "penalty", "one number per atom")?.as_array().to_owned(),
+        Err(_) => owned(array::<f32, Ix1>(penalty, "penalty", "one number per atom")?.as_array()),
     };
     let (found, expected) = (penalties.len(), dictionary.ncols());
     if found != expected {

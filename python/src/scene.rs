@@ -1,6 +1,6 @@
 //! Scenes, and what a camera makes of them.
 
-use crate::arguments::{PLANE, finite, noise, number, picture, size, whole, word};
+use crate::arguments::{PLANE, finite, noise, number, owned, picture, size, whole, word};
 use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::{job, json, optics};
@@ -46,7 +46,7 @@ impl PyScene {
     ) -> PyResult<Self> {
         let layers = layers.map_or(Ok(16), |value| size(value, "layers", 1, MOST_LAYERS))?;
         let light = picture(light, "light")?;
-        let psi = finite::<Ix2>(psi, "psi", PLANE)?.as_array().to_owned();
+        let psi = owned(finite::<Ix2>(psi, "psi", PLANE)?.as_array());
         let scene = job::run(py, move |_| from_depths("array", &light, &psi, layers))?.or_raise()?;
         Ok(Self(Arc::new(scene)))
     }
@@ -131,7 +131,7 @@ impl PyScene {
 }
 
 fn matte(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Array2<f32>> {
-    let matte = finite::<Ix2>(value, name, PLANE)?.as_array().to_owned();
+    let matte = owned(finite::<Ix2>(value, name, PLANE)?.as_array());
     match matte.iter().find(|v| !(0.0..=1.0).contains(*v)) {
         Some(value) => Err(failed(format!("{name}: holds {value}, expected 0 to 1"))),
         None => Ok(matte),

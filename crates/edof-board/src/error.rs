@@ -5,12 +5,40 @@ use edof_device::i2c::Cause;
 use edof_device::registers::map::{ID, VERSION};
 use edof_network::fixed_network::FixedNetworkError;
 
+/// What became of a line, where the system's own words do not say what to do.
+fn of_line(source: &std::io::Error) -> String {
+    use std::io::ErrorKind::{
+        BrokenPipe, ConnectionReset, NotConnected, PermissionDenied, ResourceBusy, UnexpectedEof,
+    };
+    // Input/output error, no such device or address, no such device: a port that was unplugged, a terminal that nobody serves any more.
+    const GONE: [i32; 3] = [5, 6, 19];
+    let gone = source.raw_os_error().is_some_and(|code| GONE.contains(&code));
+    let text = source.to_string();
+    match source.kind() {
+        _ if text.contains("exclusive lock") || text.contains("busy") => has_the_port(&text),
+        ResourceBusy => has_the_port(&text),
+        PermissionDenied => format!("{text}: the user must be in the group of the port, on Debian dialout"),
+        _ if ["I/O error", "No such device"].iter().any(|told| text.contains(told)) => went_away(&text),
+        BrokenPipe | ConnectionReset | NotConnected | UnexpectedEof => went_away(&text),
+        _ if gone => went_away(&text),
+        _ => text,
+    }
+}
+
+fn has_the_port(text: &str) -> String {
+    format!("another program has the port ({text}); end that program, or name another port by --port")
+}
+
+fn went_away(text: &str) -> String {
+    format!("the board went away ({text}); the weights in use still are, once it is back; load again")
+}
+
 /// Why nothing, or not all, came of what was asked.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum Error {
     /// The line cannot be opened or used.
-    #[error("{port}: {source}")]
+    #[error("{port}: {}", of_line(source))]
     Port { port: String, source: std::io::Error },
     /// Nothing comes back.
     #[error(
@@ -124,6 +152,9 @@ pub enum Error {
          settings are as before: look at the input's timing"
     )]
     NoWindow { port: String, least: u32, of: u32 },
+    /// No frame passes the calculator.
+    #[error("{port}: no whole frame passes the calculator; 'edof board status' says what comes and goes")]
+    NoFrame { port: String },
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,

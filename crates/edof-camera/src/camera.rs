@@ -3,10 +3,11 @@
 use crate::height_map::{HeightMap, etched_rad};
 use crate::psf_bank::{BankError, PsfBank};
 use edof_image::cfa::Channel;
+use edof_image::words::{number, numbers};
+use edof_storage::json;
 use edof_storage::provenance::{Input, InputKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Most rings of a mask.
@@ -15,6 +16,8 @@ const MOST_RINGS: usize = 64;
 const FASTEST: f64 = 0.5;
 /// Least and most pixels that a wavelength times the F-number may be.
 const CUT_OFF_PIXELS: [f64; 2] = [0.125, 64.0];
+/// Largest ψ either way: far beyond any blur that is computed.
+const MOST_PSI: f64 = 10_000.0;
 /// Most bytes of a camera file.
 const MOST_BYTES: u64 = 1 << 20;
 
@@ -63,7 +66,7 @@ pub struct Camera {
 
 /// One wavelength in nanometres, or several with relative weights.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a spectrum is a wavelength in nm, or a list of [nm, weight] pairs")]
 pub enum Spectrum {
     /// A single wavelength.
     Line(f64),
@@ -83,11 +86,19 @@ impl Spectrum {
     }
 }
 
-/// The text of a file that is no camera if it is long, such as a device that never ends.
-fn read(path: &Path) -> std::io::Result<String> {
-    let mut text = String::new();
-    std::fs::File::open(path)?.take(MOST_BYTES).read_to_string(&mut text)?;
-    Ok(text)
+impl Spectrum {
+    /// As a camera file has it.
+    fn in_words(&self) -> String {
+        match self {
+            Self::Line(nm) => number(*nm),
+            Self::Sampled(pairs) if pairs.is_empty() => "an empty list".to_owned(),
+            Self::Sampled(pairs) => {
+                let shown: Vec<String> =
+                    pairs.iter().take(4).map(|pair| format!("[{}]", numbers(pair))).collect();
+                format!("[{}{}]", shown.join(", "), if pairs.len() > 4 { ", …" } else { "" })
+            }
+        }
+    }
 }
 
 /// Sign of the defocus phase in the pupil.
@@ -162,6 +173,16 @@ pub enum Delay {
 }
 
 impl Delay {
+    /// As a message has it.
+    fn in_words(self) -> String {
+        match self {
+            Self::Phase { rad, at_nm } => format!("a phase of {} rad at {} nm", number(rad), number(at_nm)),
+            Self::Etched { height_um, cauchy } => {
+                format!("etched {} um deep in glass of {}", number(height_um), numbers(&cauchy))
+            }
+        }
+    }
+
     /// Phase in radians at `wavelength_nm`.
     #[must_use]
     pub fn phase_rad(self, wavelength_nm: f64) -> f64 {
@@ -222,8 +243,11 @@ pub enum CameraError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// The text is no camera.
-    #[error("{origin}: not a camera: {source}")]
+    #[error("{origin}: not a camera: {}", json::words(source))]
     Parse { origin: String, source: serde_json::Error },
+    /// What is wrong with the camera of a file.
+    #[error("{origin}: {source}")]
+    File { origin: String, source: Box<CameraError> },
     /// A number is out of range.
     #[error("camera {camera}: {field} is {value}, expected {expected}")]
     Value { camera: String, field: &'static str, value: String, expected: &'static str },
@@ -267,9 +291,12 @@ impl Camera {
                 presets: PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
             });
         }
-        let text = read(path).map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
+        let text = json::text(path, MOST_BYTES)
+            .map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
         let mut camera = Self::from_json(&text, name_or_path)?;
-        camera.read_bank(path.parent().unwrap_or(Path::new("")))?;
+        let of_file =
+            |e: BankError| CameraError::File { origin: name_or_path.to_owned(), source: Box::new(e.into()) };
+        camera.read_bank(path.parent().unwrap_or(Path::new(""))).map_err(of_file)?;
         Ok(camera)
     }
 
@@ -287,11 +314,12 @@ impl Camera {
     /// A camera from JSON text, without reading what other files it may name; `origin` names it in errors.
     ///
     /// # Errors
-    /// [`CameraError::Parse`] or [`CameraError::Value`].
+    /// [`CameraError::Parse`] or [`CameraError::File`].
     pub fn from_json(text: &str, origin: &str) -> Result<Self, CameraError> {
-        let camera: Self = serde_json::from_str(text)
-            .map_err(|source| CameraError::Parse { origin: origin.to_owned(), source })?;
-        camera.check()?;
+        let camera: Self =
+            json::parse(text).map_err(|source| CameraError::Parse { origin: origin.to_owned(), source })?;
+        let of_file = |source| CameraError::File { origin: origin.to_owned(), source: Box::new(source) };
+        camera.check().map_err(of_file)?;
         Ok(camera)
     }
 
@@ -374,18 +402,22 @@ impl Camera {
         ];
         for (field, value) in positive {
             if !(value.is_finite() && value > 0.0) {
-                return refuse(field, value.to_string(), "a positive number");
+                return refuse(field, number(value), "a positive number");
             }
         }
         if let Some(metres) = self.nominal_m.filter(|metres| metres.is_nan() || *metres <= 0.0) {
-            return refuse("nominal_m", metres.to_string(), "a distance of more than 0 m");
+            return refuse("nominal_m", number(metres), "a distance of more than 0 m");
         }
         let [low, high] = self.psi_range;
-        if !(low.is_finite() && high.is_finite() && low <= high) {
-            return refuse("psi_range", format!("[{low}, {high}]"), "two numbers, the smaller first");
+        if !(low.abs() <= MOST_PSI && high.abs() <= MOST_PSI && low <= high) {
+            return refuse(
+                "psi_range",
+                format!("[{}, {}]", number(low), number(high)),
+                "two numbers of at most 10000 either way, the smaller first",
+            );
         }
-        if !self.focus_psi.is_finite() {
-            return refuse("focus_psi", self.focus_psi.to_string(), "a finite number");
+        if !(self.focus_psi.abs() <= MOST_PSI) {
+            return refuse("focus_psi", number(self.focus_psi), "at most 10000 either way");
         }
         for spectrum in &self.spectra {
             let good = match spectrum {
@@ -398,7 +430,7 @@ impl Camera {
             };
             if !good {
                 let expected = "a wavelength in nm, or ascending [nm, weight] pairs of some positive weight";
-                return refuse("spectra", format!("{spectrum:?}"), expected);
+                return refuse("spectra", spectrum.in_words(), expected);
             }
         }
         self.check_sampling()?;
@@ -415,7 +447,8 @@ impl Camera {
         }
         for ring in &self.rings {
             if !(0.0 <= ring.inner && ring.inner < ring.outer && ring.outer <= 1.0) {
-                return refuse("rings", format!("{}..{}", ring.inner, ring.outer), "0 <= inner < outer <= 1");
+                let found = format!("{} to {}", number(ring.inner), number(ring.outer));
+                return refuse("rings", found, "0 <= inner < outer <= 1");
             }
             let finite = match ring.delay {
                 Delay::Phase { rad, at_nm } => rad.is_finite() && at_nm.is_finite() && at_nm > 0.0,
@@ -424,7 +457,7 @@ impl Camera {
                 }
             };
             if !finite {
-                return refuse("rings", format!("{:?}", ring.delay), "finite numbers, a positive wavelength");
+                return refuse("rings", ring.delay.in_words(), "finite numbers, a positive wavelength");
             }
         }
         if let Some(Profile { at_nm, points }) = &self.profile {
@@ -433,7 +466,7 @@ impl Camera {
             let ascending = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
             let sized = (1..=MOST_POINTS).contains(&points.len()) && *at_nm > 0.0 && at_nm.is_finite();
             if !(finite && inside && ascending && sized) {
-                let found = format!("{} points at {at_nm} nm", points.len());
+                let found = format!("{} points at {} nm", points.len(), number(*at_nm));
                 return refuse(
                     "profile",
                     found,
@@ -444,7 +477,7 @@ impl Camera {
         if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map {
             let glass = cauchy.iter().all(|v| v.is_finite());
             if !(*white_um > 0.0 && *white_um <= MOST_HEIGHT_UM && glass) {
-                let found = format!("{white_um} um of {cauchy:?}");
+                let found = format!("{} um of {}", number(*white_um), numbers(cauchy));
                 return refuse("height_map", found, "more than 0 and at most 100 um, of two finite numbers");
             }
         }
@@ -452,7 +485,7 @@ impl Camera {
             !((2..=MOST_NOLL).contains(&a.noll) && a.rms_nm.is_finite() && a.rms_nm.abs() <= MOST_RMS_NM)
         };
         if let Some(Aberration { noll, rms_nm }) = self.aberrations.iter().find(wrong) {
-            let found = format!("noll {noll} of {rms_nm} nm");
+            let found = format!("noll {noll} of {} nm", number(*rms_nm));
             return refuse("aberrations", found, "Noll's indices 2 to 66, and at most 10000 nm either way");
         }
         Ok(())
@@ -462,7 +495,7 @@ impl Camera {
     /// the pupil.
     fn check_sampling(&self) -> Result<(), CameraError> {
         let refuse = |field, value: f64, expected| {
-            let value = value.to_string();
+            let value = number(value);
             Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
         };
         if self.f_number() < FASTEST {

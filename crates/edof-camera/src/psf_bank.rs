@@ -1,6 +1,7 @@
 //! PSFs of one's own, measured or from another program, in place of those that follow from a camera's lens and mask.
 //!
-//! A camera file names a bank by `"psf_bank": { "file": "lens.npz" }`. The bank is an NPZ or safetensors file with these arrays:
+//! A camera file names a bank by `"psf_bank": { "file": "lens.npz" }`. The bank is an NPZ (compressed or not) or safetensors file with these
+//! arrays, or an NPY file `…psf.npy` with `…psi.npy` beside it; numbers may be floats of 16, 32 or 64 bits, or integers:
 //!
 //! | array | shape | holds |
 //! |---|---|---|
@@ -11,10 +12,12 @@
 //! A kernel is the picture of a point that would fall on the pixel (rows/2, columns/2), counted from 0, if nothing blurred it. It may
 //! have any shape; only its own shape counts: each is scaled to sum 1. Zeros around it cost nothing.
 
+use edof_image::words::{numbers, sides};
 use edof_storage::arrays::{self, ArraysError};
 use edof_storage::digest::sha256;
 use ndarray::{Array2, ArrayD, ArrayView2, ArrayView4, Axis, Ix4};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -58,10 +61,10 @@ pub enum KernelsError {
     #[error("holds no array of numbers '{array}', only {found}")]
     Missing { array: &'static str, found: String },
     /// Another shape.
-    #[error("array '{array}' is {found:?}, expected {expected}")]
+    #[error("array '{array}' is {}, expected {expected}", sides(found))]
     Shape { array: &'static str, found: Vec<usize>, expected: String },
     /// No ascending numbers.
-    #[error("psi: must be finite and ascending, is {0:?}")]
+    #[error("psi: must be finite and ascending, is {}", numbers(.0))]
     Psi(Vec<f64>),
     /// Light that cannot be.
     #[error(
@@ -128,7 +131,7 @@ impl Kernels {
     /// # Errors
     /// [`BankError::Arrays`] or [`BankError::Kernels`].
     pub fn load(path: &Path) -> Result<Self, BankError> {
-        let mut arrays = arrays::read(path)?;
+        let mut arrays = of_file_or_files(path)?;
         let found = arrays.keys().cloned().collect::<Vec<_>>().join(", ");
         let mut take = |array: &'static str| {
             arrays.remove(array).ok_or_else(|| KernelsError::Missing { array, found: found.clone() })
@@ -196,6 +199,30 @@ fn kernel(plane: ArrayView2<f64>, psi: f64, channel: &'static str) -> Result<Arr
         let at = source(r, middle_row).zip(source(c, middle_column));
         at.and_then(|at| plane.get(at)).map_or(0.0, |v| (v * scale) as f32)
     }))
+}
+
+/// The arrays of a file; of an NPY file, which holds one, the others from beside it: `lens-psi.npy` of `lens-psf.npy`.
+fn of_file_or_files(path: &Path) -> Result<BTreeMap<String, ArrayD<f64>>, ArraysError> {
+    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npy")) {
+        return arrays::read(path);
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let Some((before, after)) = stem.rsplit_once("psf") else {
+        return Err(ArraysError::Container {
+            path: path.to_owned(),
+            reason: "it holds one array: name it …psf.npy and put …psi.npy beside it, or write both by numpy.savez"
+                .to_owned(),
+        });
+    };
+    let mut all = BTreeMap::new();
+    for array in ["psf", "psi", "pixel_pitch_um"] {
+        let file = path.with_file_name(format!("{before}{array}{after}.npy"));
+        if array == "pixel_pitch_um" && !file.exists() {
+            continue;
+        }
+        all.extend(arrays::read(&file)?.into_values().map(|values| (array.to_owned(), values)));
+    }
+    Ok(all)
 }
 
 impl PsfBank {
@@ -269,11 +296,11 @@ mod tests {
     #[test]
     fn what_is_no_bank_is_refused() {
         let refused = |psis: &[f64], psf: &Array4<f64>| kernels(psis, psf).unwrap_err();
-        assert_eq!(refused(&[4.0, 0.0], &arrays(3, 3)), "psi: must be finite and ascending, is [4.0, 0.0]");
+        assert_eq!(refused(&[4.0, 0.0], &arrays(3, 3)), "psi: must be finite and ascending, is 4, 0");
         assert!(refused(&[0.0, f64::NAN], &arrays(3, 3)).starts_with("psi: must be finite"));
         assert!(
             refused(&[0.0], &arrays(3, 3))
-                .contains("array 'psf' is [2, 3, 3, 3], expected 1 depths x 3 channels")
+                .contains("array 'psf' is 2 x 3 x 3 x 3, expected 1 depths x 3 channels")
         );
         let with = |value| {
             let mut psf = arrays(3, 3);

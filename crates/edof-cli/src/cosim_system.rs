@@ -2,14 +2,15 @@
 
 use crate::error::Error;
 use crate::interrupt;
+use crate::said;
 use crate::ui::Ui;
 use edof_cosim::system::{self, Begin, Compiled, Rig, recorded, second};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
-use edof_device::design::FrameSize;
+use edof_device::design::{DesignError, FrameSize};
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::Project;
-use edof_image::{DisplayMode, RawFrame, Stride, Window};
+use edof_image::{DisplayMode, RawFrame};
 use edof_network::FixedNetwork;
 use ndarray::s;
 use serde_json::json;
@@ -60,16 +61,29 @@ pub fn size(text: &str) -> Result<(usize, usize), String> {
 }
 
 impl Args {
+    /// Whether the frames that are asked for can be cut out of a picture.
+    ///
+    /// # Errors
+    /// A picture that is too small.
+    pub fn has_room(&self, design: &Design, raw: &RawFrame) -> Result<(), Error> {
+        check_room(raw, design.frame, self.frames.max(1) + BESIDES)
+    }
+
     /// The design with what was asked for in place of its own.
     ///
     /// # Errors
     /// One that cannot be built.
     pub fn design(&self, mut design: Design) -> Result<Design, Error> {
-        let stride = self.stride.map_or(Ok(design.frame.stride), Stride::new)?;
+        let stride = self.stride.map_or(Ok(design.frame.stride), said::stride)?;
         let (width, height) = self.size.unwrap_or((design.frame.width, design.frame.height));
-        design.form.window = self.window.map_or(Ok(design.form.window), Window::new)?;
+        design.form.window = self.window.map_or(Ok(design.form.window), said::window)?;
         design.frame = FrameSize { width, height, stride };
-        design.check()?;
+        design.check().map_err(|e| match (self.size, e) {
+            (Some((width, height)), e @ (DesignError::Frame(_) | DesignError::Field { .. })) => {
+                Error::message(format!("--size {width}x{height}: {e}"))
+            }
+            (_, e) => e.into(),
+        })?;
         Ok(design)
     }
 }
@@ -96,7 +110,7 @@ pub fn run(
     let (run, shown) = (passed.in_a_row(), &passed.shown);
     if run < args.frames {
         let problem = format!("{run} pictures were shown one after the other, expected {}", args.frames);
-        return Err(Error::message(format!("{problem}: those of frames {shown:?}")));
+        return Err(Error::message(format!("{problem}: those of frames {}", list(shown))));
     }
     let [written, read] = passed.traffic.map(|bytes| bytes as f64 / passed.seconds / 1e6);
     ui.say(format!(
@@ -123,6 +137,12 @@ pub fn run(
         "seed": seed,
         "seconds": start.elapsed().as_secs_f64(),
     }))
+}
+
+/// Frames by their numbers; those that were black have none.
+fn list(shown: &[Option<usize>]) -> String {
+    let name = |frame: &Option<usize>| frame.map_or("black".to_owned(), |frame| frame.to_string());
+    shown.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
 /// What came of frames that passed through a core.
@@ -186,17 +206,23 @@ pub fn through(
     Ok(Passed { project, pictures, shown, traffic, seconds: rig.bench.time_ps() as f64 * 1e-12 })
 }
 
-/// Frames of the design's size out of a larger one, each a bit beside the one before.
-fn crops(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<Vec<RawFrame>, Error> {
+/// Whether so many frames can be cut out of a larger one.
+fn check_room(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<(), Error> {
     let (height, width) = raw.size();
     let reach = SHIFT * (count - 1);
     let needed = (frame.width + reach, frame.height + reach);
-    if width < needed.0 || height < needed.1 {
-        return Err(Error::message(format!(
-            "picture {width}x{height}: must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size",
-            needed.0, needed.1, frame.width, frame.height
-        )));
+    if width >= needed.0 && height >= needed.1 {
+        return Ok(());
     }
+    Err(Error::message(format!(
+        "{width}x{height}, must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size",
+        needed.0, needed.1, frame.width, frame.height
+    )))
+}
+
+/// Frames of the design's size out of a larger one, each a bit beside the one before.
+fn crops(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<Vec<RawFrame>, Error> {
+    check_room(raw, frame, count)?;
     (0..count).map(|i| crop(raw, (SHIFT * i, SHIFT * i), frame)).collect()
 }
 

@@ -37,7 +37,7 @@ pub fn install() -> Result<(), Error> {
 fn end() {
     tool::stop_all();
     atomic::abandon();
-    ui::last_line(&format!("edof: {}", Error::Interrupted));
+    ui::failure(&Error::Interrupted);
     std::process::exit(Error::Interrupted.exit_code().into());
 }
 

@@ -12,10 +12,11 @@
 //! | what is written about a run into its results | [`provenance`] |
 //! | what a network runs on | [`device`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
+//! | errors that name the option and the file | [`said`] |
 //! | windows to feed the hardware with | [`windows`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
-//! Exit status: 0 done, 1 refused or failed (one line, `edof: …`), 2 wrong usage, 130 stopped by Ctrl-C.
+//! Exit status: 0 done, 1 refused or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod cosim_system;
@@ -31,6 +32,7 @@ mod npz;
 mod pages;
 mod pictures;
 mod provenance;
+mod said;
 mod scene_file;
 mod ui;
 mod windows;
@@ -62,6 +64,17 @@ struct Cli {
     /// Say nothing about progress
     #[arg(long, short, global = true)]
     quiet: bool,
+
+    /// How progress is told on standard error: text, or json, a line each second for programs, with remarks and a failure as such lines
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        default_value = "text",
+        value_name = "HOW",
+        hide_possible_values = true
+    )]
+    progress: ui::ProgressAs,
 }
 
 const EXAMPLES: &str = "\
@@ -74,6 +87,7 @@ Examples:
   edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
   edof estimate --design kc705 --weights edof-t4w12-outer
+  edof design new --form edof-t4w12 --size 1280x720 --out mine.json
   edof cosim --design tiny                             the generated Verilog against the cycle model
   edof generate --design paper --weights paper-t4 --out build/paper
   edof timing --design tiny                            the longest path of logic of every stage
@@ -98,6 +112,7 @@ enum Command {
     Compare(commands::compare::Args),
     Doctor(commands::doctor::Args),
     Cosim(commands::cosim::Args),
+    Design(commands::design::Args),
     Estimate(commands::estimate::Args),
     Explore(commands::explore::Args),
     Generate(commands::generate::Args),
@@ -111,7 +126,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
-            ui::last_line(&format!("edof: {error}"));
+            ui::failure(&error);
             ExitCode::from(error.exit_code())
         }
     }
@@ -123,7 +138,7 @@ fn run() -> Result<(), Error> {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     interrupt::install()?;
     let made = (provenance::of_run(&matches, &command), provenance::whole_command(&matches, &command));
-    let ui = Ui::new(cli.json, cli.quiet, made.0, made.1);
+    let ui = Ui::new(cli.json, cli.quiet, cli.progress, made.0, made.1);
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),
@@ -137,6 +152,7 @@ fn run() -> Result<(), Error> {
         Command::Compare(args) => commands::compare::run(args, &ui),
         Command::Doctor(args) => commands::doctor::run(args, &ui),
         Command::Cosim(args) => commands::cosim::run(args, &ui),
+        Command::Design(args) => commands::design::run(&args, &ui),
         Command::Estimate(args) => commands::estimate::run(args, &ui),
         Command::Explore(args) => commands::explore::run(args, &ui),
         Command::Generate(args) => commands::generate::run(args, &ui),

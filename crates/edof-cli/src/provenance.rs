@@ -7,9 +7,9 @@ use edof_storage::provenance::{Host, Provenance};
 use edof_study::journal::{Program, UNKNOWN};
 
 /// Options that no byte of a result depends on: where files lie, how much is told, on how many threads.
-const NOT_IN_RESULTS: [&str; 18] = [
-    "json", "quiet", "out", "images", "report", "sharp", "light", "resume", "threads", "waveform", "junit",
-    "words", "rows", "markdown", "csv", "shard", "plot", "force",
+const NOT_IN_RESULTS: [&str; 20] = [
+    "progress", "no_cache", "json", "quiet", "out", "images", "report", "sharp", "light", "resume",
+    "threads", "waveform", "junit", "words", "rows", "markdown", "csv", "shard", "plot", "force",
 ];
 
 /// The record of this run, as far as it is known before the work begins.

@@ -5,10 +5,12 @@ use crate::lens::Depth;
 use crate::ui::Ui;
 use crate::{memory, pictures};
 use edof_camera::Camera;
+use edof_image::words::count;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_optics::layers::MOST_LAYERS;
 use edof_optics::scene::{Layer, Scene};
+use edof_storage::json;
 use edof_storage::provenance::Input;
 use ndarray::{Axis, s};
 use rayon::prelude::*;
@@ -19,6 +21,9 @@ use std::path::{Path, PathBuf};
 pub const fn bytes_a_pixel(layers: usize) -> f64 {
     24.0 * (layers + 6) as f64
 }
+
+/// Most bytes of a scene file.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// What the file holds.
 #[derive(Debug, Deserialize)]
@@ -41,7 +46,7 @@ struct LayerFile {
 
 /// As `--psi` takes it, or ψ as a number.
 #[derive(Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a depth is a psi as a number, or a text such as \"1.5m\"")]
 enum WrittenDepth {
     Psi(f64),
     Text(String),
@@ -64,11 +69,11 @@ impl SceneFile {
     /// A file that cannot be read or lists no scene.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let refused = |reason: String| Error::message(format!("{}: {reason}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|e| refused(format!("cannot read: {e}")))?;
+        let text = json::text(path, MOST_BYTES).map_err(|e| refused(format!("cannot read: {e}")))?;
         let Content { layers } =
-            serde_json::from_str(&text).map_err(|e| refused(format!("no scene of layers: {e}")))?;
+            json::parse(&text).map_err(|e| refused(format!("no scene of layers: {}", json::words(&e))))?;
         if !(1..=MOST_LAYERS).contains(&layers.len()) {
-            return Err(refused(format!("{} layers, expected 1 to {MOST_LAYERS}", layers.len())));
+            return Err(refused(format!("{}, expected 1 to {MOST_LAYERS}", count(layers.len(), "layer"))));
         }
         if layers[0].matte.is_some() {
             return Err(refused(

@@ -9,11 +9,26 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 /// In a pipe, a plain line of progress comes this often.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
+/// Lines of JSON come this often, besides the first and the last of a piece of work.
+const DATA_EVERY: Duration = Duration::from_secs(1);
+
+/// How a program is told how far the work is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum ProgressAs {
+    /// A bar on a terminal, a line now and then in a pipe
+    Text,
+    /// A line of JSON at each second, and remarks and a failure as such lines, too
+    Json,
+}
+
+/// Whether standard error has lines of JSON alone.
+static DATA: AtomicBool = AtomicBool::new(false);
 
 /// A result and how it came to be, side by side.
 #[derive(Serialize)]
@@ -30,12 +45,25 @@ pub struct Ui {
     provenance: Mutex<Provenance>,
     /// The command in full.
     command: String,
+    /// Whether results went out as data.
+    told: AtomicBool,
+    /// The file that lines of data go to, if they go to one.
+    lines: Mutex<Option<std::fs::File>>,
+    begun: Instant,
 }
 
 impl Ui {
     /// `json` is the value of `--json`: a file, or `-` for standard output.
-    pub const fn new(json: Option<PathBuf>, quiet: bool, provenance: Provenance, command: String) -> Self {
-        Self { json, quiet, provenance: Mutex::new(provenance), command }
+    pub fn new(
+        json: Option<PathBuf>,
+        quiet: bool,
+        progress: ProgressAs,
+        provenance: Provenance,
+        command: String,
+    ) -> Self {
+        DATA.store(progress == ProgressAs::Json, Ordering::Relaxed);
+        let (told, lines) = (AtomicBool::new(false), Mutex::new(None));
+        Self { json, quiet, provenance: Mutex::new(provenance), command, told, lines, begun: Instant::now() }
     }
 
     /// The file that results go to as data, if they go to one.
@@ -93,7 +121,10 @@ impl Ui {
 
     /// A remark that is no result, such as a photograph skipped; on standard error.
     pub fn note(&self, line: impl Display) {
-        last_line(&line.to_string());
+        match in_data() {
+            true => data_line(&serde_json::json!({ "note": line.to_string() })),
+            false => last_line(&line.to_string()),
+        }
     }
 
     /// The result as data, with its provenance: printed or written if `--json` was given, else nothing. Call it once a command.
@@ -102,6 +133,7 @@ impl Ui {
     /// When the file or standard output cannot be written.
     pub fn json(&self, result: &impl Serialize) -> Result<(), Error> {
         let Some(path) = &self.json else { return Ok(()) };
+        self.told.store(true, Ordering::Relaxed);
         let text = serde_json::to_string_pretty(&Recorded { result, provenance: self.provenance() })? + "\n";
         if self.json_on_stdout() {
             let mut out = std::io::stdout().lock();
@@ -113,10 +145,44 @@ impl Ui {
         Ok(())
     }
 
+    /// Whether results went out as data already.
+    pub fn has_told(&self) -> bool {
+        self.told.load(Ordering::Relaxed)
+    }
+
+    /// One of many results as a line of data with the time, if `--json` was given: the file of `--json` grows by it.
+    ///
+    /// # Errors
+    /// When the file or standard output cannot be written.
+    pub fn json_line(&self, result: &impl Serialize) -> Result<(), Error> {
+        let Some(path) = &self.json else { return Ok(()) };
+        let text = serde_json::to_string(&Timed {
+            time: now(),
+            seconds: self.begun.elapsed().as_secs_f64(),
+            result,
+        })? + "\n";
+        let first = !self.told.swap(true, Ordering::Relaxed);
+        if self.json_on_stdout() {
+            let mut out = std::io::stdout().lock();
+            out.write_all(text.as_bytes())?;
+            out.flush()?;
+            return Ok(());
+        }
+        let failed = |source| edof_storage::atomic::WriteError { path: path.clone(), source };
+        let mut file = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
+        if first || file.is_none() {
+            *file = Some(std::fs::File::create(path).map_err(failed)?);
+        }
+        match file.as_mut() {
+            Some(file) => Ok(file.write_all(text.as_bytes()).map_err(failed)?),
+            None => Ok(()),
+        }
+    }
+
     /// Progress of `total` steps: a bar on a terminal, a plain line now and then in a pipe.
     pub fn progress(&self, total: u64, what: impl Into<String>) -> Progress {
         let what = what.into();
-        let terminal = std::io::stderr().is_terminal();
+        let terminal = std::io::stderr().is_terminal() && !in_data();
         let bar = if terminal && !self.quiet {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
             let template = "{prefix} {wide_bar} {pos}/{len} {eta} {msg}";
@@ -128,8 +194,11 @@ impl Ui {
         } else {
             ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden())
         };
-        let plain =
-            (!terminal && !self.quiet).then(|| Mutex::new(Plain { last: Instant::now(), first: None }));
+        let plain = (!terminal && !self.quiet)
+            .then(|| Mutex::new(Plain { last: Instant::now(), told: None, first: None }));
+        if plain.is_some() && in_data() {
+            data_line(&serde_json::json!({ "progress": what, "done": 0, "total": total }));
+        }
         Progress { bar, what, plain }
     }
 }
@@ -145,6 +214,8 @@ pub struct Progress {
 struct Plain {
     /// When the last one was written.
     last: Instant,
+    /// Where the work was then, as far as a program was told.
+    told: Option<u64>,
     /// When the first step was told of, and which it was: a job that goes on did those before it another time.
     first: Option<(Instant, u64)>,
 }
@@ -156,6 +227,9 @@ impl Progress {
         let Some(plain) = &self.plain else { return };
         let Ok(mut plain) = plain.lock() else { return };
         let (begun, first) = *plain.first.get_or_insert_with(|| (Instant::now(), position));
+        if in_data() {
+            return self.tell(&mut plain, position, (begun, first));
+        }
         if plain.last.elapsed() >= PLAIN_EVERY {
             plain.last = Instant::now();
             let message = self.bar.message();
@@ -164,6 +238,25 @@ impl Progress {
             let left = left(begun.elapsed(), position.saturating_sub(first), total.saturating_sub(position));
             crate::ui::last_line(&format!("{}: {position}/{total}{left}{gap}{message}", self.what));
         }
+    }
+
+    /// A line for programs: the first step, the last, and one in each second between them.
+    fn tell(&self, plain: &mut Plain, position: u64, (begun, first): (Instant, u64)) {
+        let total = self.bar.length().unwrap_or(0);
+        let due = plain.told.is_none() || position >= total || plain.last.elapsed() >= DATA_EVERY;
+        if !due || plain.told == Some(position) {
+            return;
+        }
+        (plain.last, plain.told) = (Instant::now(), Some(position));
+        let (done, to_do) = (position.saturating_sub(first), total.saturating_sub(position));
+        data_line(&serde_json::json!({
+            "progress": self.what,
+            "done": position,
+            "total": total,
+            "seconds": begun.elapsed().as_secs_f64(),
+            "seconds_left": seconds_left(begun.elapsed(), done, to_do),
+            "message": self.bar.message(),
+        }));
     }
 
     /// Steps done of all, where nobody knew before how many there are.
@@ -186,15 +279,25 @@ impl Drop for Progress {
 
 /// What is left of a job of equal steps, in words.
 fn left(elapsed: Duration, done: u64, to_do: u64) -> String {
-    if done == 0 || to_do == 0 {
-        return String::new();
-    }
-    let seconds = elapsed.as_secs_f64() * to_do as f64 / done as f64;
+    let Some(seconds) = seconds_left(elapsed, done, to_do) else { return String::new() };
     match seconds {
         0.0..90.0 => format!(", {seconds:.0} s left"),
         90.0..5400.0 => format!(", {:.0} min left", seconds / 60.0),
         _ => format!(", {:.1} h left", seconds / 3600.0),
     }
+}
+
+/// Seconds that a job of equal steps still takes, where that can be told.
+fn seconds_left(elapsed: Duration, done: u64, to_do: u64) -> Option<f64> {
+    (done > 0 && to_do > 0).then(|| elapsed.as_secs_f64() * to_do as f64 / done as f64)
+}
+
+/// The time in UTC, as 2026-11-22T07:05:09.250Z.
+fn now() -> String {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let (second, millis) = (since.as_secs() % 86_400, since.subsec_millis());
+    let [hour, minute, second] = [second / 3600, second / 60 % 60, second % 60];
+    format!("{}T{hour:02}:{minute:02}:{second:02}.{millis:03}Z", today())
 }
 
 /// The day in UTC, as 2026-11-22.
@@ -217,6 +320,37 @@ const fn civil(days: u64) -> [u64; 3] {
     [400 * era + year + next, month, of_year - (153 * march + 2) / 5 + 1]
 }
 
+/// One of many results, with the time at which it was so and the seconds since the program began.
+#[derive(Serialize)]
+struct Timed<'a, T> {
+    time: String,
+    seconds: f64,
+    #[serde(flatten)]
+    result: &'a T,
+}
+
+/// Whether standard error has lines of JSON alone.
+fn in_data() -> bool {
+    DATA.load(Ordering::Relaxed)
+}
+
+/// A line of JSON with the time on standard error.
+fn data_line(what: &serde_json::Value) {
+    let mut line = serde_json::json!({ "time": now() });
+    if let (serde_json::Value::Object(line), serde_json::Value::Object(what)) = (&mut line, what) {
+        line.extend(what.clone());
+    }
+    last_line(&line.to_string());
+}
+
+/// The line of a failure.
+pub fn failure(error: &Error) {
+    match in_data() {
+        true => data_line(&serde_json::json!({ "error": error.to_string() })),
+        false => last_line(&format!("edof: {error}")),
+    }
+}
+
 /// A line on standard error; if nobody reads it, nothing is lost.
 pub fn last_line(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
@@ -233,6 +367,12 @@ mod tests {
         assert_eq!(left(60, 1, 9), ", 9 min left");
         assert_eq!(left(600, 1, 12), ", 2.0 h left");
         assert_eq!((left(10, 0, 5), left(10, 5, 0)), (String::new(), String::new()));
+    }
+
+    #[test]
+    fn a_time_is_of_today() {
+        let time = now();
+        assert!(time.starts_with(&today()) && time.ends_with('Z') && time.len() == 24, "{time}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::lens::Depth;
 use crate::pictures;
+use crate::said;
 use crate::ui::Ui;
 use edof_image::{Noise, RawFrame, Tone};
 use edof_network::FixedNetwork;
@@ -56,7 +57,15 @@ impl Shot {
 
     fn depth(&self, network: &FixedNetwork) -> Result<f64, Error> {
         let camera = &network.origin.camera;
-        self.psi.map_or(Ok(camera.psi_range[1]), |depth| Ok(depth.psi(camera)?))
+        self.psi.map_or(Ok(camera.psi_range[1]), |depth| Ok(said::psis(&[depth], camera)?[0]))
+    }
+
+    /// A failure of the picture, by its file's name where it has one.
+    pub fn failed(&self, error: impl std::fmt::Display) -> Error {
+        match &self.photo {
+            Some(photo) => said::of_file(photo, error),
+            None => Error::message(error.to_string()),
+        }
     }
 
     /// The raw frame.
@@ -83,7 +92,8 @@ impl Shot {
         };
         let noise = self.noise.unwrap_or_else(|| network.origin.most_noise());
         let sensor = Sensor { noise, seed: self.seed, ..Sensor::default() };
-        let raw = capture(&scene, camera, &sensor, &Approximation::default())?.raw;
+        let taken = capture(&scene, camera, &sensor, &Approximation::default());
+        let raw = taken.map_err(|e| self.failed(e))?.raw;
         Ok((scene, raw))
     }
 }

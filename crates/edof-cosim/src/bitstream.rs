@@ -1,5 +1,6 @@
 //! The sources of a bitstream: everything that is written for a board, as one folder.
 
+use crate::promise;
 use crate::system::{self, PictureError, TableWords};
 use edof_device::Design;
 use edof_device::design::DesignError;
@@ -69,7 +70,11 @@ impl Sources {
         let core = &project.core;
         let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
         let counts = [core.verilog.len(), verilog, core.memory.len()];
-        Ok(Self { contents: contents(&project), about, counts, clock_mhz: design.clock_mhz })
+        let mut contents = contents(&project);
+        if let Some(page) = contents.get_mut(Path::new("README.md")) {
+            page.push_str(&promise::section(design)?);
+        }
+        Ok(Self { contents, about, counts, clock_mhz: design.clock_mhz })
     }
 
     /// Paths of all files in the folder.

@@ -17,7 +17,8 @@ pub fn key<'a>(parts: impl IntoIterator<Item = &'a str>) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// `edof/KIND` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
+/// `edof/KIND` in `$XDG_CACHE_HOME`, or else in `~/.cache`; none where the system says neither.
+#[must_use]
 pub fn of_user(kind: &str) -> Option<PathBuf> {
     let set = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let base = set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")));

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 pub enum Error {
     /// A program that we need is not installed.
     #[error(
-        "{tool} not found: install it by `source scripts/prepare.sh; need_simulators` (a Debian package)"
+        "{tool} not found: install it by 'apt-get install {}', or all tools by `source scripts/prepare.sh; need_simulators`",
+        package(tool)
     )]
     ToolMissing { tool: String },
     /// A program refused its input; the lines are its own, with file and line where it gave them.
@@ -41,6 +42,15 @@ pub enum Error {
     /// A simulator or a synthesizer gave something that we cannot read.
     #[error("{tool} gave something unexpected: {problem}")]
     Output { tool: String, problem: String },
+}
+
+/// The Debian package that a program is in.
+fn package(tool: &str) -> &str {
+    match tool {
+        "iverilog" | "vvp" => "iverilog",
+        "c++" => "g++",
+        tool => tool,
+    }
 }
 
 /// For `map_err` on operations on one file.

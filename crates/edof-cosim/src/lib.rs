@@ -13,6 +13,7 @@
 //! | everything | [`system`] | the whole core, from the receiver's pins to the transmitter's |
 //! | foresee | [`estimate`] | cycles, frames a second and cells of a design |
 //! | | [`explore`] | the foldings of a network that fit a device |
+//! | | [`promise`] | the same before any network or picture |
 //! | build | [`bitstream`] | every file that a board's bitstream is made from |
 //! | tell | [`junit`], [`error`] | a report for CI, and what can go wrong |
 //!
@@ -48,6 +49,7 @@ pub mod finding;
 pub mod icarus;
 pub mod junit;
 pub mod lint;
+pub mod promise;
 pub mod rows;
 pub mod source;
 pub mod system;
@@ -56,6 +58,7 @@ pub mod verilator;
 mod work;
 pub mod yosys;
 
+pub use cache::of_user as user_cache;
 pub use error::Error;
 pub use rows::{Layout, Rows};
 pub use source::{Direction, Port, Source};

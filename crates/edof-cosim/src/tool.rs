@@ -102,8 +102,8 @@ mod tests {
     #[test]
     fn a_missing_program_is_named_with_what_installs_it() {
         let error = run(&mut command("edof-no-such-program", Path::new("."))).unwrap_err();
-        let text = "edof-no-such-program not found: install it by `source scripts/prepare.sh; \
-                    need_simulators` (a Debian package)";
+        let text = "edof-no-such-program not found: install it by 'apt-get install edof-no-such-program', or all tools by \
+                    `source scripts/prepare.sh; need_simulators`";
         assert_eq!(error.to_string(), text);
         assert_eq!(require("edof-no-such-program").unwrap_err().to_string(), text);
         require("sh").unwrap();

@@ -93,12 +93,12 @@ impl Kind for VerilogBoard {
 }
 
 /// A design with networks, and a frame that goes round.
-struct Setup {
-    design: Design,
+pub struct Setup {
+    pub design: Design,
     /// Those that the banks start with.
-    sets: [FixedNetwork; 2],
-    display: Display,
-    raw: RawFrame,
+    pub sets: [FixedNetwork; 2],
+    pub display: Display,
+    pub raw: RawFrame,
     speed: Speed,
 }
 
@@ -107,7 +107,7 @@ const FAST: u32 = 25_000_000;
 
 impl Setup {
     /// The core that other tests of the whole core compile, too.
-    fn tiny(baud: u32) -> Self {
+    pub fn tiny(baud: u32) -> Self {
         let mut design = committed("tiny");
         design.form.window = Window::new(8).unwrap();
         design.frame = FrameSize { width: 32, height: 24, stride: Stride::PATCH };
@@ -121,13 +121,13 @@ impl Setup {
         Self { design, sets, display, raw, speed: Speed::of(baud).unwrap() }
     }
 
-    fn in_verilog(&self, seed: u64) -> VerilogBoard {
+    pub fn in_verilog(&self, seed: u64) -> VerilogBoard {
         let sets = [&self.sets[0], &self.sets[1]];
         let (with, options) = ((self.speed, seed), support::options());
         VerilogBoard::new(&self.design, sets, &self.display, &self.raw, with, &options).unwrap()
     }
 
-    fn in_rust(&self) -> Simulated {
+    pub fn in_rust(&self) -> Simulated {
         let sets = [&self.sets[0], &self.sets[1]];
         Simulated::new(&self.design, sets, &self.display, self.raw.clone(), self.speed.baud()).unwrap()
     }

@@ -202,7 +202,15 @@ impl Device {
 fn ids() -> Result<Vec<cl_device_id>, GpuError> {
     static ASKING: Mutex<()> = Mutex::new(());
     let _asking = ASKING.lock();
-    let none = |error: ClError| GpuError::NoDevice(error.to_string());
+    let none = |error: ClError| {
+        let text = error.to_string();
+        let no_library = text.contains("DLOPEN");
+        GpuError::NoDevice(if no_library {
+            "there is no OpenCL library (libOpenCL.so)".to_owned()
+        } else {
+            text
+        })
+    };
     let mut ids = get_all_devices(CL_DEVICE_TYPE_ALL).map_err(none)?;
     if ids.is_empty() {
         return Err(GpuError::NoDevice("the system's OpenCL library knows none".to_owned()));

@@ -15,6 +15,7 @@
 //! | conversion of the board's words to 8-bit Y′CbCr codes | [`display`] |
 //! | interface of every reconstruction method | [`reconstructor`] |
 //! | random numbers for trials | [`draw`] |
+//! | numbers and counts in errors | [`words`] |
 //! | letters of 5×7 dots, for charts and captions | [`font`] |
 //!
 //! ```
@@ -41,6 +42,7 @@ pub mod number;
 pub mod overlap;
 pub mod reconstructor;
 pub mod tone;
+pub mod words;
 
 pub use cfa::{CfaPhase, Channel};
 pub use display::DisplayMode;

@@ -8,6 +8,7 @@
 //! | `sensor:gain=8` | the same at eight times the gain |
 //! | `sensor:full-well=6000:read-noise=1.8:gain=2` | another sensor |
 
+use crate::words::number;
 use serde::{Deserialize, Serialize};
 
 /// Noise that a sensor adds to the light before it saturates; full scale is 1.
@@ -55,7 +56,7 @@ pub enum NoiseError {
     )]
     Text(String),
     /// A number out of range.
-    #[error("noise: {field} is {value}, expected {expected}")]
+    #[error("noise: {field} is {}, expected {expected}", number(*value))]
     Value { field: &'static str, value: f64, expected: &'static str },
 }
 
@@ -197,7 +198,7 @@ impl From<Noise> for String {
 
 /// What a file may hold: the text, or a plain number for Gaussian noise.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "noise is a text as --noise takes it, or what edof capture writes")]
 enum TextOrNumber {
     Number(f64),
     Text(String),

@@ -2,6 +2,7 @@
 
 use edof_image::RawFrame;
 use edof_image::frame::FrameError;
+use edof_image::words::number;
 use serde::{Deserialize, Serialize};
 
 /// Sensor values of no light, for the 2×2 pixels from the first on, row by row; written as one number where they are alike.
@@ -28,10 +29,10 @@ pub enum LevelsError {
     )]
     Text(String),
     /// Full light that is none.
-    #[error("white level {white}: must be more than 0 and at most {most}, for a sensor of {depth} bits")]
+    #[error("white level {}: must be more than 0 and at most {most}, for a sensor of {depth} bits", number(*white))]
     White { white: f64, most: u32, depth: u32 },
     /// Darkness brighter than light.
-    #[error("black level {black}: must be less than the white level, {white}")]
+    #[error("black level {}: must be less than the white level, {}", number(*black), number(*white))]
     Black { black: f64, white: f64 },
     /// What came out is no frame.
     #[error(transparent)]
@@ -83,7 +84,7 @@ impl std::fmt::Display for Black {
 
 /// As files hold it.
 #[derive(Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a black level is one number, or four")]
 enum OneOrFour {
     One(f64),
     Four([f64; 4]),

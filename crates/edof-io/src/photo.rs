@@ -32,7 +32,7 @@ pub enum FolderError {
     #[error("{folder}: holds no photographs, expected .png, .jpg, .webp, .tif, .bmp, .ppm or .pgm files", folder = folder.display())]
     Empty { folder: PathBuf },
     /// Photographs, none of which can be read.
-    #[error("{folder}: none of its {count} photographs can be read; the first: {first}", folder = folder.display())]
+    #[error("{folder}: {}, none of which can be read; the first: {first}", edof_image::words::count(*count, "photograph"), folder = folder.display())]
     NoneReadable { folder: PathBuf, count: usize, first: PhotoError },
 }
 
@@ -198,7 +198,7 @@ mod tests {
         assert!(load_folder(dir.path()).unwrap_err().to_string().contains("holds no photographs"));
         std::fs::write(dir.path().join("a.png"), "not a picture").unwrap();
         let error = load_folder(dir.path()).unwrap_err().to_string();
-        assert!(error.contains("none of its 1 photographs can be read; the first: "), "{error}");
+        assert!(error.contains("1 photograph, none of which can be read; the first: "), "{error}");
         assert!(
             load_folder(Path::new("/nowhere")).unwrap_err().to_string().starts_with("/nowhere: cannot list")
         );

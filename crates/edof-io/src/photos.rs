@@ -47,7 +47,7 @@ pub enum PhotosError {
     #[error("no folder of photographs: looked for {0}; name one with --images or in EDOF_KODAK")]
     Nowhere(String),
     /// Nothing to work on.
-    #[error("{folder}: holds no readable photograph of '{selection}'{first}", folder = folder.display())]
+    #[error("{folder}: holds no readable photograph of '{selection}'{first}; choose by --photos, as in --photos all", folder = folder.display())]
     None { folder: PathBuf, selection: Selection, first: String },
 }
 
@@ -149,6 +149,13 @@ fn candidates(folder: &str) -> Vec<PathBuf> {
     working.ancestors().skip(1).chain([built.join("..").as_path()]).map(|f| f.join(folder)).collect()
 }
 
+/// Whether a folder has photographs and none of them a number.
+#[must_use]
+pub fn has_no_numbers(folder: &Path) -> bool {
+    let files = picture::of_folder(folder).unwrap_or_default();
+    !files.is_empty() && files.iter().all(|file| number(&stem(file)).is_none())
+}
+
 /// The chosen photographs of a folder in the order of their names, and one line for each that could not be read.
 ///
 /// # Errors
@@ -239,7 +246,7 @@ mod tests {
     fn a_folder_without_photos_is_refused() {
         let dir = tempfile::tempdir().unwrap();
         let error = load(dir.path(), &Selection::Test).unwrap_err().to_string();
-        assert!(error.ends_with("holds no readable photograph of 'test'"), "{error}");
+        assert!(error.contains("holds no readable photograph of 'test'; choose by --photos"), "{error}");
         assert!(matches!(load(Path::new("/nonexistent"), &Selection::All), Err(PhotosError::Folder { .. })));
     }
 }

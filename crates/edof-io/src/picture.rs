@@ -6,7 +6,9 @@ use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngEncoder;
 use image::codecs::tiff::TiffEncoder;
 use image::codecs::webp::WebPDecoder;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageResult, Limits};
+use image::{
+    ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits,
+};
 use ndarray::{Array3, ShapeError};
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -178,7 +180,7 @@ pub fn decode_as<T>(
         Some(Format::Bmp) => ImageFormat::Bmp,
         None => return Err(PictureError::Format { path: path.to_owned() }),
     };
-    let image = image(bytes, format).map_err(|e| damaged(e.to_string()))?;
+    let image = image(bytes, format).map_err(|e| damaged(reason(bytes, format, &e)))?;
     let size = (image.height() as usize, image.width() as usize);
     let (narrow, wide) = (|sample| of(sample, 255), |sample| of(sample, u16::MAX));
     let (planes, full_scale) = match &image {
@@ -191,11 +193,19 @@ pub fn decode_as<T>(
         DynamicImage::ImageRgb16(i) => (planes(i, size, 3, wide), u16::MAX),
         DynamicImage::ImageRgba16(i) => (planes(i, size, 4, wide), u16::MAX),
         other => {
-            let found = format!("{:?}", other.color());
+            let found = kind(other.color());
             return Err(PictureError::Kind { path: path.to_owned(), found });
         }
     };
     Ok((planes.map_err(|e| damaged(e.to_string()))?, full_scale))
+}
+
+/// What samples of other kinds are.
+fn kind(colour: ColorType) -> String {
+    match colour {
+        ColorType::Rgb32F | ColorType::Rgba32F => "32-bit floating-point".to_owned(),
+        other => format!("{}-bit", other.bits_per_pixel() / u16::from(other.channel_count().max(1))),
+    }
 }
 
 /// Grey, or red, green and blue, of pixels of so many channels, each sample as `of` has it.
@@ -211,6 +221,19 @@ fn planes<S: Copy + Into<u16>, T>(
         samples.extend(pixels.chunks_exact(channels).map(|pixel| of(pixel[colour].into())));
     }
     Array3::from_shape_vec((colours, height, width), samples)
+}
+
+/// Why a picture could not be decoded; of one that is too large its size.
+fn reason(bytes: &[u8], format: ImageFormat, error: &ImageError) -> String {
+    let size = ImageReader::with_format(Cursor::new(bytes), format).into_dimensions();
+    match (error, size) {
+        (ImageError::Limits(_), Ok((width, height))) => {
+            format!(
+                "{width}x{height} pixels, more than the 512 MiB of samples that are read; cut or shrink it"
+            )
+        }
+        (error, _) => error.to_string(),
+    }
 }
 
 /// By the decoders that are compiled in their own crate, where there are any: generic ones would all be compiled here again.

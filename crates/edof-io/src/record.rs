@@ -10,6 +10,7 @@ use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
 use edof_camera::Camera;
 use edof_image::{CfaPhase, Noise, RawFrame, Tone};
 use edof_storage::atomic::{self, WriteError};
+use edof_storage::json;
 use edof_storage::provenance::{Input, Provenance};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -60,7 +61,7 @@ pub enum RecordError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Not a record.
-    #[error("{path}: no record of a raw frame: {source}; mend or delete it", path = path.display())]
+    #[error("{path}: no record of a raw frame: {}; mend or delete it", json::words(source), path = path.display())]
     Foreign { path: PathBuf, source: serde_json::Error },
     /// Cannot be written.
     #[error(transparent)]
@@ -87,6 +88,9 @@ pub fn path_of(raw: &Path) -> PathBuf {
     name.into()
 }
 
+/// Most bytes of a record.
+const MOST_BYTES: u64 = 1 << 20;
+
 /// Where values lie in a file of that name, as [`crate::raw::save`] writes it.
 #[must_use]
 pub fn alignment_of(raw: &Path) -> Alignment {
@@ -110,7 +114,7 @@ pub fn save(raw: &Path, record: &RawRecord) -> Result<(), RecordError> {
 pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
     let path = path_of(raw);
     let file = || match std::fs::metadata(&path)?.is_file() {
-        true => std::fs::read_to_string(&path),
+        true => json::text(&path, MOST_BYTES),
         // Nobody named it, and whoever opens a pipe may wait for ever.
         false => Err(std::io::Error::other("is no file")),
     };
@@ -119,7 +123,7 @@ pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
         Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(RecordError::Read { path, source }),
     };
-    serde_json::from_str(&text).map(Some).map_err(|source| RecordError::Foreign { path, source })
+    json::parse(&text).map(Some).map_err(|source| RecordError::Foreign { path, source })
 }
 
 /// What a user states of a frame, each of which may be left out.

@@ -9,8 +9,10 @@ use crate::network::{Form, Network, NetworkError, Origin};
 use edof_image::geometry::Stride;
 use edof_image::number::{CHROMA_GAIN, OUTPUT_FRACTION};
 use edof_image::overlap::Overlap;
+use edof_storage::arrays::safetensors_reason;
 use edof_storage::atomic::{self, WriteError};
 use edof_storage::digest::hexadecimal;
+use edof_storage::json;
 use ndarray::{Array1, Array2};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
@@ -352,7 +354,7 @@ impl Loaded {
     fn parse(bytes: Vec<u8>, path: &Path) -> Result<Self, WeightFileError> {
         let container = |e: safetensors::SafeTensorError| WeightFileError::Container {
             path: path.to_owned(),
-            reason: e.to_string(),
+            reason: safetensors_reason(&e),
         };
         let foreign = |reason: String| WeightFileError::Foreign { path: path.to_owned(), reason };
         let (_, header) = SafeTensors::read_metadata(&bytes).map_err(container)?;
@@ -361,8 +363,8 @@ impl Loaded {
             .as_ref()
             .and_then(|m| m.get(METADATA_KEY))
             .ok_or_else(|| foreign(format!("its metadata has no entry '{METADATA_KEY}'")))?;
-        let metadata: Metadata =
-            serde_json::from_str(text).map_err(|e| foreign(format!("its metadata is wrong: {e}")))?;
+        let metadata: Metadata = serde_json::from_str(text)
+            .map_err(|e| foreign(format!("its metadata is wrong: {}", json::words(&e))))?;
         if metadata.layout != LAYOUT {
             return Err(foreign(format!("layout {}, this program reads {LAYOUT}", metadata.layout)));
         }
@@ -388,7 +390,7 @@ impl Loaded {
         let view = tensors.tensor(name).map_err(|_| foreign(format!("tensor '{name}' is missing")))?;
         if view.dtype() != T::DTYPE || view.shape().len() != dimensions {
             return Err(foreign(format!(
-                "tensor '{name}' is {:?} with {} dimensions, expected {:?} with {dimensions}",
+                "tensor '{name}' is {} with {} dimensions, expected {} with {dimensions}",
                 view.dtype(),
                 view.shape().len(),
                 T::DTYPE

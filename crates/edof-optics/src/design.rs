@@ -8,6 +8,7 @@ use crate::statistics::Statistics;
 use edof_camera::Camera;
 use edof_camera::camera::{Delay, Ring, Sign};
 use edof_image::geometry::Window;
+use edof_image::words::{number, numbers};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
@@ -135,20 +136,22 @@ fn check(base: &Camera, task: &Task, search: &Search) -> Result<(), DesignError>
     }
     let mut foci = base.psi_range.into_iter().chain(search.focus);
     if foci.any(|focus| !task.psis.iter().all(|psi| (psi - focus).abs() <= MOST_DEFOCUS)) {
-        let found = format!("{:?} to {:?}, focus {:?}", base.psi_range[0], base.psi_range[1], search.focus);
+        let [low, high] = base.psi_range.map(number);
+        let focus = search.focus.map_or(String::new(), |focus| format!(", focus {}", number(focus)));
+        let found = format!("{low} to {high}{focus}");
         return refuse("psi", found, "depths within 200 of each other and of the focus");
     }
     if !(search.most_phase.is_finite() && search.most_phase > 0.0) {
-        return refuse("largest phase", search.most_phase.to_string(), "a positive number of radians");
+        return refuse("largest phase", number(search.most_phase), "a positive number of radians");
     }
     if task.psis.is_empty() || task.psis.iter().any(|p| !p.is_finite()) {
-        return refuse("psi", format!("{:?}", task.psis), "one finite number at least");
+        return refuse("psi", numbers(&task.psis), "one finite number at least");
     }
     if task.noises.is_empty() || task.noises.iter().any(|n| !(n.is_finite() && *n >= 0.0)) {
-        return refuse("noise", format!("{:?}", task.noises), "one number of 0 or more at least");
+        return refuse("noise", numbers(&task.noises), "one number of 0 or more at least");
     }
     if !(0.0..=1.0).contains(&task.worst_weight) {
-        return refuse("weight of the worst depth", task.worst_weight.to_string(), "0 to 1");
+        return refuse("weight of the worst depth", number(task.worst_weight), "0 to 1");
     }
     Ok(())
 }

@@ -24,6 +24,18 @@
 //! | judge | [`estimator`] | what a linear estimator reaches behind a camera, in closed form |
 //! | search | [`design`] | mask and focus by differential evolution |
 //!
+//! ```
+//! use edof_optics::capture::{Approximation, capture};
+//! use edof_optics::draw::{Builtin, draw};
+//! use edof_optics::sensor::Sensor;
+//!
+//! let camera = edof_camera::Camera::resolve("ring-outer")?;
+//! let scene = draw(Builtin::Chart, 64, 96, &[4.0], 1)?;
+//! let shot = capture(&scene, &camera, &Sensor::default(), &Approximation::default())?;
+//! assert_eq!((shot.raw.size(), shot.raw.depth()), ((64, 96), 12));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Stability
 //!
 //! Stable: what a camera file means, and the words that a seed gives. Signatures may change between minor versions until 1.0; `examples/lens_to_raw.rs` is kept compiling.

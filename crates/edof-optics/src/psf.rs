@@ -8,10 +8,11 @@ mod wavefront;
 
 use crate::bank;
 use crate::cosine::{EvenTransform, fold_rows, period};
-use crate::depth::geometric_blur_um;
+use crate::depth::{distance_m, geometric_blur_um};
 use crate::pupil::Pupil;
 use edof_camera::camera::{Camera, Spectrum};
 use edof_image::Channel;
+use edof_image::words::number;
 use ndarray::{Array1, Array2, Axis, s};
 use rayon::prelude::*;
 
@@ -41,16 +42,16 @@ impl Default for Settings {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SettingsError {
     /// No share.
-    #[error("energy {0}: must be more than 0 and at most 1")]
+    #[error("energy {}: must be more than 0 and at most 1", number(*.0))]
     Energy(f64),
     /// Negative, or more than all.
-    #[error("wavelength-tolerance {0}: must be 0 or more")]
+    #[error("wavelength-tolerance {}: must be 0 or more", number(*.0))]
     Wavelengths(f64),
     /// More than all of the energy.
-    #[error("wavelength-tolerance {0}: a share, must be 0 to 1")]
+    #[error("wavelength-tolerance {}: a share, must be 0 to 1", number(*.0))]
     Share(f64),
     /// Of a capture: negative, or no number.
-    #[error("depth-tolerance {0}: must be 0 or more")]
+    #[error("depth-tolerance {}: must be 0 or more", number(*.0))]
     Depths(f64),
 }
 
@@ -177,11 +178,14 @@ impl Psf {
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NoPsf {
     /// Blur larger than any support, or no number.
-    #[error("psi {psi}: must lie within {MOST_DEFOCUS} of the focus of camera {camera}, at {focus}")]
-    Focus { psi: f64, camera: String, focus: f64 },
+    #[error("psi {}: must lie within {MOST_DEFOCUS} of the focus of camera {camera}, at {}{near}", number(*psi), number(*focus))]
+    Focus { psi: f64, camera: String, focus: f64, near: String },
     /// Beyond the ends of its PSF bank.
-    #[error("psi {psi}: the PSF bank of camera {camera}, {file}, reaches from {low} to {high}")]
-    Bank { psi: f64, camera: String, file: String, low: f64, high: f64 },
+    #[error(
+        "psi {}: the PSF bank of camera {camera}, {file}, reaches from {} to {}{near}",
+        number(*psi), number(*low), number(*high)
+    )]
+    Bank { psi: f64, camera: String, file: String, low: f64, high: f64, near: String },
     /// A bank that was not read: it lies elsewhere.
     #[error(
         "camera {camera}: its PSFs are those of {file} (SHA-256 {sha256}), found neither beside the network nor here"
@@ -205,7 +209,8 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
             return Err(NoPsf::NoMask { camera: name, file: map.file.clone(), sha256: map.sha256.clone() });
         }
         let near = (psi - focus).abs() <= MOST_DEFOCUS;
-        return if near { Ok(()) } else { Err(NoPsf::Focus { psi, camera: name, focus }) };
+        let reach = || in_metres(camera, [focus - MOST_DEFOCUS, focus + MOST_DEFOCUS]);
+        return if near { Ok(()) } else { Err(NoPsf::Focus { psi, camera: name, focus, near: reach() }) };
     };
     let file = bank.file.clone();
     let Some(kernels) = &bank.kernels else {
@@ -213,7 +218,21 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
     };
     let [low, high] = bank::ends(kernels);
     let inside = (low..=high).contains(&psi);
-    if inside { Ok(()) } else { Err(NoPsf::Bank { psi, camera: name, file, low, high }) }
+    if inside {
+        return Ok(());
+    }
+    Err(NoPsf::Bank { psi, camera: name, file, low, high, near: in_metres(camera, [low, high]) })
+}
+
+/// A range of ψ in metres behind a comma, before a camera that knows where ψ is zero.
+fn in_metres(camera: &Camera, [low, high]: [f64; 2]) -> String {
+    let Some(nominal) = camera.nominal_m else { return String::new() };
+    let metres = |psi| distance_m(camera, psi, nominal).filter(|metres| *metres > 0.0);
+    match (metres(high), metres(low).filter(|metres| metres.is_finite())) {
+        (Some(near), Some(far)) => format!(", {near:.3} to {far:.3} m"),
+        (Some(near), None) => format!(", {near:.3} m and farther"),
+        _ => String::new(),
+    }
 }
 
 /// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength): those of the camera's bank,

@@ -42,19 +42,28 @@ pub fn all() -> Result<Vec<Design>, PresetError> {
     EMBEDDED.iter().map(|(_, text)| Ok(Design::from_json(text)?)).collect()
 }
 
-/// Holds a network against a design, for who chose both by name.
+/// Whether a network fits a design, for who chose both by name.
 ///
 /// # Errors
 /// They do not fit each other: in what, and what would.
 pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), PresetError> {
+    fits_given(design, &design.name, network)
+}
+
+/// The same of a design that the user `given` named so: by its name, or by its file.
+///
+/// # Errors
+/// As [`fits`].
+pub fn fits_given(design: &Design, given: &str, network: &FixedNetwork) -> Result<(), PresetError> {
+    let file = if Path::new(given).is_file() { format!("--design {given}: ") } else { String::new() };
     let Err(misfit) = design.check_network(network) else { return Ok(()) };
     let fitting = |name: &&str| weights::fixed(name).is_ok_and(|own| design.check_network(&own).is_ok());
     let own: Vec<&str> = weights::names().into_iter().filter(fitting).collect();
     let instead = match own[..] {
-        [] => format!("draw one that does by 'edof random-network --design {}'", design.name),
+        [] => format!("draw one that does by 'edof random-network --design {given}'"),
         _ => format!("use --weights {}", own.join(" or ")),
     };
-    Err(PresetError::Misfit { misfit, instead })
+    Err(PresetError::Misfit { file, misfit, instead })
 }
 
 /// A design as the input of a result, by its JSON.

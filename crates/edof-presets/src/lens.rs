@@ -4,9 +4,11 @@
 use crate::PresetError;
 use edof_camera::Camera;
 use edof_camera::psf_bank::PsfBank;
+use edof_image::words::number;
 use edof_io::photo;
 use edof_optics::bank;
 use edof_optics::depth::psi_at;
+use edof_optics::psf::{self, NoPsf};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -62,7 +64,8 @@ pub fn with_bank(mut camera: Camera, own: PsfBank) -> Camera {
 /// No such camera, or a file that it names and that cannot be used.
 pub fn camera(name: &str) -> Result<Camera, PresetError> {
     let mut camera = Camera::resolve(name)?;
-    read_mask(&mut camera, folder(Path::new(name)))?;
+    let of_file = |e| PresetError::File { file: name.to_owned(), source: Box::new(e) };
+    read_mask(&mut camera, folder(Path::new(name))).map_err(of_file)?;
     Ok(camera)
 }
 
@@ -126,6 +129,14 @@ impl fmt::Display for Depth {
 }
 
 impl Depth {
+    /// As it was given, in few digits.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Psi(psi) => number(psi),
+            Self::Metres(metres) => format!("{}m", number(metres)),
+        }
+    }
+
     /// ψ before a camera.
     ///
     /// # Errors
@@ -181,8 +192,23 @@ impl DepthRange {
     /// # Errors
     /// As [`Depth::psi`].
     pub fn psi(self, camera: &Camera) -> Result<[f64; 2], PresetError> {
-        let (near, far) = (self.near.psi(camera)?, self.far.psi(camera)?);
+        let [near, far] = self.ends(camera)?;
         Ok([near.min(far), near.max(far)])
+    }
+
+    /// ψ of its nearer and its farther end before a camera that has PSFs there.
+    ///
+    /// # Errors
+    /// As [`Depth::psi`], or an end where the camera has no PSFs.
+    pub fn ends(self, camera: &Camera) -> Result<[f64; 2], PresetError> {
+        let given = || format!("{}:{}", self.near.in_words(), self.far.in_words());
+        let ends = [self.near.psi(camera)?, self.far.psi(camera)?];
+        let check = |psi: f64| psf::check(camera, psi);
+        ends.into_iter().try_for_each(check).map_err(|e| match e {
+            NoPsf::Missing { .. } | NoPsf::NoMask { .. } => e.into(),
+            source => PresetError::Range { range: given(), source },
+        })?;
+        Ok(ends)
     }
 }
 

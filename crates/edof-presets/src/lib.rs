@@ -25,8 +25,10 @@ use edof_camera::camera::CameraError;
 use edof_camera::height_map::HeightMapError;
 use edof_camera::psf_bank::BankError;
 use edof_device::design::DesignError;
+use edof_image::words::number;
 use edof_io::photo::PhotoError;
 use edof_network::weight_file::WeightFileError;
+use edof_optics::psf::NoPsf;
 use std::path::PathBuf;
 
 /// A word that names nothing, or a file that cannot be used.
@@ -59,10 +61,20 @@ pub enum PresetError {
     NoDesign { name: String, own: String },
     /// A distance before a camera that does not know where ψ is zero.
     #[error(
-        "depth {metres}m: camera {camera} does not know the distance at which psi is 0; give it as nominal_m in its file, or where a command has it by --nominal"
+        "{}m: camera {camera} does not know the distance at which psi is 0; give it as nominal_m in its file, or where a command has it by --nominal",
+        number(*metres)
     )]
     NoNominal { metres: f64, camera: String },
     /// Network and design do not fit each other.
-    #[error("{misfit}; {instead}")]
-    Misfit { misfit: DesignError, instead: String },
+    #[error("{file}{misfit}; {instead}")]
+    Misfit { file: String, misfit: DesignError, instead: String },
+    /// What is wrong with a file that another one names.
+    #[error("{file}: {source}")]
+    File { file: String, source: Box<PresetError> },
+    /// No PSFs at a depth.
+    #[error(transparent)]
+    NoPsf(#[from] NoPsf),
+    /// No PSFs at an end of a range.
+    #[error("{range}: {source}")]
+    Range { range: String, source: NoPsf },
 }

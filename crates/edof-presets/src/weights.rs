@@ -89,6 +89,14 @@ pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
     [[tone].as_slice(), &Tone::ALL].into_iter().find_map(|tones| names().into_iter().find(|n| fits(n, tones)))
 }
 
+/// A network that comes with the program and was trained for a camera's lens on pictures of a tone.
+pub fn trained_on(camera: &Camera, tone: Tone) -> Option<&'static str> {
+    trained_for(camera, tone).filter(|name| {
+        float(name)
+            .is_ok_and(|network| network.origin.conditions.iter().any(|condition| condition.tone == tone))
+    })
+}
+
 /// The file that [`float`] reads, where the network is not inside the program.
 #[must_use]
 pub fn float_file(name_or_path: &str) -> Option<PathBuf> {

@@ -8,7 +8,7 @@ use edof_golden::{Golden, GoldenReconstructor, scalar};
 use edof_image::draw::Draw;
 use edof_image::number::INPUT_FRACTION;
 use edof_image::overlap::Overlap;
-use edof_image::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Stride, Window};
+use edof_image::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Stride, Tone, Window};
 use edof_network::Network;
 use edof_network::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_optics::sensor::{Sensor, expose};
@@ -272,6 +272,7 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
         validate_every: 100,
         conditions: Conditions::plain(0.01),
         budget: None,
+        tones: vec![Tone::Linear],
         ..Recipe::new(form)
     };
     let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();

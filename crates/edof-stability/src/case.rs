@@ -4,9 +4,9 @@ mod trial;
 
 pub use trial::*;
 
+use edof_storage::json;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// One case of the suite, as its file holds it.
@@ -137,7 +137,7 @@ pub enum CasesError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Text that holds no cases.
-    #[error("{file}: not a list of cases: {source}")]
+    #[error("{file}: not a list of cases: {}", json::words(source))]
     Parse { file: String, source: serde_json::Error },
     /// Two of one name, or a name that is none.
     #[error("{file}: case id '{id}': {why}")]
@@ -153,7 +153,7 @@ macro_rules! files {
     };
 }
 
-/// Most bytes of a file of cases; what is longer is cut, and then no list.
+/// Most bytes of a file of cases.
 const MOST_BYTES: u64 = 1 << 24;
 
 /// The files that come with the program.
@@ -196,13 +196,9 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Case>, CasesError> {
     if paths.is_empty() {
         return Err(CasesError::None(folder.display().to_string()));
     }
-    let text = |path: PathBuf| {
-        let mut text = String::new();
-        let file = std::fs::File::open(&path);
-        match file.and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text)) {
-            Ok(_) => Ok((path.display().to_string(), text)),
-            Err(source) => Err(CasesError::Read { path, source }),
-        }
+    let text = |path: PathBuf| match json::text(&path, MOST_BYTES) {
+        Ok(text) => Ok((path.display().to_string(), text)),
+        Err(source) => Err(CasesError::Read { path, source }),
     };
     read(paths.into_iter().map(text).collect::<Result<Vec<_>, _>>()?)
 }
@@ -212,7 +208,7 @@ fn read(files: impl IntoIterator<Item = (String, String)>) -> Result<Vec<Case>, 
     let mut ids = BTreeSet::new();
     for (file, text) in files {
         let cases: Vec<Case> =
-            serde_json::from_str(&text).map_err(|source| CasesError::Parse { file: file.clone(), source })?;
+            json::parse(&text).map_err(|source| CasesError::Parse { file: file.clone(), source })?;
         for case in cases {
             let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
             let why = if case.id.is_empty() || !case.id.chars().all(plain) {

@@ -6,6 +6,7 @@
 //! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | SHA-256 of contents | [`digest`] |
 //! | arrays in files of other programs (`.npz`, safetensors) | [`arrays`] |
+//! | JSON that a person wrote | [`json`] |
 //! | command, version, inputs and machine behind a result | [`provenance`] |
 //!
 //! Formats of photographs and raw frames are in `edof-io`.
@@ -14,4 +15,5 @@ pub mod arrays;
 pub mod atomic;
 pub mod digest;
 pub mod folder;
+pub mod json;
 pub mod provenance;

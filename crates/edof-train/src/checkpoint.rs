@@ -5,6 +5,7 @@ use crate::budget::Steering;
 use crate::recipe::Recipe;
 use crate::train::{Best, State};
 use edof_storage::atomic::{self, WriteError};
+use edof_storage::json;
 use edof_storage::provenance::Input;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
@@ -99,13 +100,13 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         .as_ref()
         .and_then(|m| m.get(METADATA_KEY))
         .ok_or_else(|| foreign(format!("its metadata has no entry '{METADATA_KEY}'")))?;
-    let metadata: Metadata = serde_json::from_str(text).map_err(|e| foreign(e.to_string()))?;
+    let metadata: Metadata = serde_json::from_str(text).map_err(|e| foreign(json::words(&e)))?;
     same_run(path, &metadata.run, run)?;
     let tensors = SafeTensors::deserialize(&file).map_err(|e| foreign(e.to_string()))?;
     let tensor = |name: &str| -> Result<Vec<f32>, CheckpointError> {
         let view = tensors.tensor(name).map_err(|_| foreign(format!("tensor '{name}' is missing")))?;
         if view.dtype() != Dtype::F32 {
-            return Err(foreign(format!("tensor '{name}' is {:?}, expected F32", view.dtype())));
+            return Err(foreign(format!("tensor '{name}' is {}, expected F32", view.dtype())));
         }
         Ok(view.data().chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
     };

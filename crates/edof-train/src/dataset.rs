@@ -5,6 +5,8 @@
 //! photograph is kept for validation ([`crate::holdout`]). Where asked for, a photograph comes in several looks
 //! ([`crate::augment`]) and both as light and as codes taken for light ([`edof_image::Tone`]).
 
+mod kept;
+
 use crate::augment::Augmentation;
 use crate::holdout::Holdout;
 use crate::noise::{Conditions, NOISE_CLASSES, expose};

@@ -7,6 +7,7 @@ use crate::initial::Start;
 use crate::noise::Conditions;
 use crate::weighting::Weighting;
 use edof_image::Tone;
+use edof_image::words;
 use edof_network::network::{Form, Shrinkage};
 use edof_optics::psf::Settings;
 use serde::{Deserialize, Serialize};
@@ -58,7 +59,8 @@ impl Recipe {
     pub fn new(form: Form) -> Self {
         Self {
             form,
-            tones: vec![Tone::Linear],
+            // What photographs are, and what `edof capture` takes them for (docs/decisions/0041-one-tone.md).
+            tones: vec![Tone::Srgb],
             conditions: Conditions::plain(0.015),
             // No looks but the photograph's own; these are what --variants draws.
             augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
@@ -126,8 +128,10 @@ impl Recipe {
         if self.batch == 0 || !self.batch.is_multiple_of(SHARES) {
             return Err(value("batch", self.batch, "a positive multiple of 8"));
         }
-        if self.steps == 0 || self.validate_every == 0 {
-            return Err(value("steps", self.steps.min(self.validate_every), "1 or more"));
+        for (field, number) in [("steps", self.steps), ("validate every", self.validate_every)] {
+            if number == 0 {
+                return Err(value(field, number, "1 or more"));
+            }
         }
         let rates =
             [("rate", self.rate), ("output rate", self.output_rate), ("threshold rate", self.threshold_rate)];
@@ -152,7 +156,7 @@ impl Recipe {
         if !(least > 0.0 && least <= most && most <= 16.0) {
             return Err(value(
                 "exposure",
-                format!("{least}:{most}"),
+                format!("{}:{}", words::number(least.into()), words::number(most.into())),
                 "two factors in order, above 0 and up to 16",
             ));
         }
@@ -164,8 +168,8 @@ impl Recipe {
         let count = |field, found: usize| {
             Err(value(
                 field,
-                format!("with {found} values"),
-                format!("one for each of the {layers} shrinkages"),
+                format!("with {}", words::count(found, "value")),
+                format!("one for each of {}", words::count(layers, "shrinkage")),
             ))
         };
         if self.lambda.len() != 1 && self.lambda.len() != layers {

@@ -62,7 +62,16 @@ fn recipe(shrinkage: Shrinkage) -> Recipe {
     };
     let augmentation = Augmentation { variants: 2, saturation: [0.8, 1.2], hue: 20.0, scale: 0.9 };
     let (lambda, budget) = (vec![3e-5], None);
-    Recipe { batch: 256, steps: 600, validate_every: 200, augmentation, lambda, budget, ..Recipe::new(form) }
+    Recipe {
+        batch: 256,
+        steps: 600,
+        validate_every: 200,
+        augmentation,
+        lambda,
+        budget,
+        tones: vec![Tone::Linear],
+        ..Recipe::new(form)
+    }
 }
 
 fn run_to(trainer: &mut Trainer<'_>, step: u64) -> State {

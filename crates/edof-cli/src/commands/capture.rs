@@ -6,22 +6,24 @@ use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::scene_file::{self, SceneFile};
 use crate::ui::Ui;
-use crate::{memory, pictures};
+use crate::{memory, pictures, said};
 use edof_camera::Camera;
+use edof_image::frame::FrameError;
+use edof_image::words::count;
 use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame, Tone, cable};
 use edof_io::levels::{Black, Levels};
 use edof_io::raw::{Alignment, Size};
 use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_optics::capture::{
-    Approximation, ApproximationCost, Capture, Kernel, capture, measure_approximation,
+    Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture, measure_approximation,
 };
 use edof_optics::depth::{distance_m, psi_at};
 use edof_optics::draw::parse_name;
-use edof_optics::layers;
+use edof_optics::layers::{self, LayersError};
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
+use edof_optics::sensor::{Sensor, SensorError};
 use edof_storage::provenance::Input;
 use ndarray::{Array2, ArrayView2, Axis, s};
 use serde::Serialize;
@@ -35,7 +37,7 @@ use std::path::{Path, PathBuf};
 ///
 /// Only what the scene needs is computed: the depths it has, kernels up to an asked share of the energy, as many wavelengths
 /// as a tolerance asks for. What each of these approximations changes of the light on the sensor, and the time it saves, is
-/// measured against an exact computation and printed (--no-measure leaves that out; --exact approximates nothing).
+/// measured against an exact computation and printed by --measure (which takes several times as long; --exact approximates nothing).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -116,8 +118,12 @@ pub struct Args {
     #[arg(long)]
     exact: bool,
 
-    /// Do not measure what the approximations change and save
+    /// Measure what each approximation changes of the light, and the time it saves, against an exact computation
     #[arg(long)]
+    measure: bool,
+
+    /// As it is without: scripts of before say so
+    #[arg(long, hide = true, conflicts_with = "measure")]
     no_measure: bool,
 
     /// Also write the frame as video that a playout card sends to the board: bytes Cb Y Cr Y without a header (2vuy), the upper 14 bits of
@@ -199,13 +205,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         seed: args.drawing.seed,
         black_level: args.black_level,
     };
-    sensor.check()?;
+    sensor.check().map_err(of_sensor)?;
     let scene = match listed {
         Some(file) => file.scene(args.tone, &camera, ui)?,
         None => open(&args, &camera, ui)?,
     };
     let approximation = args.approximation()?;
-    let shot = capture(&scene, &camera, &sensor, &approximation)?;
+    let shot = capture(&scene, &camera, &sensor, &approximation).map_err(|e| args.of_scene(&e))?;
     raw::save(&args.out, &shot.raw)?;
     let record = record_of(&args, &camera, &scene, &shot.raw, ui);
     record::save(&args.out, &record)?;
@@ -219,7 +225,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         photo::save(path, &args.tone.encoded(&shot.light), 16)?;
     }
     // A bank's kernels are used as they are: nothing is approximated.
-    let costs = if args.exact || args.no_measure || camera.psf_bank.is_some() {
+    let costs = if !args.measure || args.exact || args.no_measure || camera.psf_bank.is_some() {
         vec![]
     } else {
         measure_approximation(&scene, &camera, &approximation)?
@@ -243,6 +249,19 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         approximations: costs,
         out,
     })
+}
+
+/// A failure of the sensor's options, by their names.
+fn of_sensor(error: SensorError) -> Error {
+    match error {
+        SensorError::Frame(FrameError::Depth(bits)) => {
+            Error::message(format!("--depth {bits}: must be 8 to 16"))
+        }
+        SensorError::Black { black, full, depth } => Error::message(format!(
+            "--black-level {black}: must be less than {full}, for a sensor of --depth {depth} bits"
+        )),
+        error => error.into(),
+    }
 }
 
 /// Writes a frame for a playout card: as light, for the board takes no black level off; and its record.
@@ -341,13 +360,16 @@ fn layered(
     ui.used(Input::photograph(&name, &photograph));
     ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
     let psi = args.map_of.psis(&depths.slice(s![..height, ..width]), range, camera)?;
-    Ok(layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers)?)
+    layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers).map_err(|e| match e {
+        LayersError::Count(_) => Error::message(format!("--{e}")),
+        e => said::of_file(map, e),
+    })
 }
 
 impl MapOf {
     /// ψ of each pixel from a map of 0…1.
     fn psis(self, map: &ArrayView2<f32>, range: DepthRange, camera: &Camera) -> Result<Array2<f32>, Error> {
-        let (near, far) = (range.near.psi(camera)?, range.far.psi(camera)?);
+        let [near, far] = range.ends(camera).map_err(|e| Error::message(format!("--range {e}")))?;
         match (self, range.near, range.far) {
             (Self::Nearness, ..) => Ok(map.mapv(|v| (far + f64::from(v) * (near - far)) as f32)),
             (Self::Distance, Depth::Metres(first), Depth::Metres(last)) if last.is_finite() => {
@@ -362,6 +384,14 @@ impl MapOf {
 }
 
 impl Args {
+    /// A failure of a scene that is in a file, by the file's name.
+    fn of_scene(&self, error: &CaptureError) -> Error {
+        if Path::new(&self.scene).exists() {
+            return said::of_file(&self.scene, error);
+        }
+        Error::message(error.to_string())
+    }
+
     /// The layers of a scene that a file lists; what only photographs and drawn scenes have is refused.
     fn listed(&self) -> Result<Option<SceneFile>, Error> {
         if !scene_file::is_scene_file(&self.scene) {
@@ -398,7 +428,8 @@ fn tell(
     ui: &Ui,
 ) -> Result<(), Error> {
     let (height, width) = scene.size();
-    ui.say(format!("{}: {width}x{height}, {} depths, {:.2} s", scene.name, shot.depths.len(), shot.seconds))?;
+    let depths = count(shot.depths.len(), "depth");
+    ui.say(format!("{}: {width}x{height}, {depths}, {:.2} s", scene.name, shot.seconds))?;
     for depth in &shot.depths {
         let metres = camera.nominal_m.and_then(|nominal| distance_m(camera, depth.psi, nominal));
         let metres = metres.map_or(String::new(), |metres| format!(", {metres:.2} m"));

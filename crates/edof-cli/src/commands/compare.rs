@@ -2,11 +2,13 @@
 
 use crate::error::Error;
 use crate::files::Files;
+use crate::pictures;
 use crate::ui::Ui;
+use edof_image::words::number;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_metrics::mtf50::EdgeResponse;
-use edof_metrics::{BORDER, Quality, luma};
+use edof_metrics::{BORDER, MetricError, Quality, luma};
 use edof_storage::provenance::Input;
 use ndarray::{Axis, s};
 use serde::Serialize;
@@ -112,11 +114,23 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     files.check()?;
     if !(args.map_gain.is_finite() && args.map_gain > 0.0) {
-        return Err(Error::message(format!("--map-gain {}: must be a positive number", args.map_gain)));
+        return Err(Error::message(format!(
+            "--map-gain {}: must be a positive number",
+            number(args.map_gain.into())
+        )));
     }
     let [a, b] = [part(&args.a, &args, ui)?, part(&args.b, &args, ui)?];
+    let (a, b) = whole_cells(a, b, &args, ui);
     let border = args.border.unwrap_or(if args.region.is_some() { 0 } else { BORDER });
-    let quality = Quality::of(&a, &b, border)?;
+    let of_files = |e| {
+        let hint = match (&e, args.region) {
+            (MetricError::Small { .. }, None) if border > 0 => "; or a smaller --border",
+            (MetricError::Small { .. }, Some(_)) => "; give a larger --region",
+            _ => "",
+        };
+        Error::message(format!("{}, {}: {e}{hint}", args.a.display(), args.b.display()))
+    };
+    let quality = Quality::of(&a, &b, border).map_err(of_files)?;
     let compared = Compared {
         a: args.a.display().to_string(),
         b: args.b.display().to_string(),
@@ -153,6 +167,28 @@ fn part(file: &Path, args: &Args, ui: &Ui) -> Result<ColourFrame, Error> {
         )));
     }
     Ok(picture.crop(top, left, height, width))
+}
+
+/// A photograph of odd sides beside the picture of its frame, which has whole Bayer cells: without the last row or column, which is said.
+fn whole_cells(a: ColourFrame, b: ColourFrame, args: &Args, ui: &Ui) -> (ColourFrame, ColourFrame) {
+    let cropped = |larger: ColourFrame, size: (usize, usize), file: &Path| {
+        let (height, width) = larger.size();
+        ui.note(format!(
+            "{}: {width}x{height} cropped to {}x{}, as the other",
+            file.display(),
+            size.1,
+            size.0
+        ));
+        larger.crop(0, 0, size.0, size.1)
+    };
+    let (of_a, of_b) = (a.size(), b.size());
+    if of_a != of_b && pictures::whole_cells(of_a) == of_b {
+        return (cropped(a, of_b, &args.a), b);
+    }
+    if of_a != of_b && pictures::whole_cells(of_b) == of_a {
+        return (a, cropped(b, of_a, &args.b));
+    }
+    (a, b)
 }
 
 fn mean_difference(a: &ColourFrame, b: &ColourFrame) -> [f64; 3] {

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
 use crate::lens::Depth;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::Shot;
@@ -63,7 +64,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    board::clocks(&design)?;
+    board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
     ui.used(designs::input(&design));
     let measured = match &args.weights {
         Some(name) => {
@@ -124,7 +125,7 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
 
 /// Every picture through the cycle model.
 fn measured(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Result<Measured, Error> {
-    designs::fits(design, network)?;
+    designs::fits_given(design, &args.design, network)?;
     let shots = Shot::all(&args.photo, &args.psi, args.noise);
     let bar = ui.progress(shots.len() as u64, "pictures measured");
     let mut pictures = vec![];
@@ -133,7 +134,7 @@ fn measured(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Re
         let picture =
             Picture::measure(shot.name(network)?, design, network, &raw, || interrupt::check().is_ok());
         interrupt::check()?;
-        pictures.push(picture?);
+        pictures.push(picture.map_err(|e| shot.failed(e))?);
         bar.set(pictures.len() as u64);
     }
     Ok(Measured(pictures))

@@ -15,6 +15,7 @@ use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
 use edof_hdl::resources::Resources;
 use edof_image::Noise;
+use edof_image::words::{count, number};
 use edof_metrics::{BORDER, psnr, shown};
 use edof_network::FixedNetwork;
 use serde_json::json;
@@ -89,7 +90,7 @@ impl Found {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.files(Files::new(ui)).keeps(args.force).check()?;
     if !(args.fps > 0.0 && args.fps.is_finite()) {
-        return Err(Error::message(format!("--fps {}: must be more than 0", args.fps)));
+        return Err(Error::message(format!("--fps {}: must be more than 0", number(args.fps))));
     }
     let (base, mut found) = args.found(ui)?;
     let fast = found.iter().any(|one| one.frames >= args.fps);
@@ -111,7 +112,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if !fast {
         ui.say(format!(
             "none of them reaches {} frames a second at {} MHz (planned)",
-            args.fps, base.clock_mhz
+            number(args.fps),
+            base.clock_mhz
         ))?;
     }
     let told = |one: &Found| {
@@ -170,7 +172,7 @@ impl Args {
         match self.photo.len() {
             0 => "a drawn scene of dead leaves".into(),
             1 => "a photograph".into(),
-            several => format!("{several} photographs"),
+            several => count(several, "photograph"),
         }
     }
 }
@@ -214,11 +216,11 @@ fn measure(
     let (mut db, mut pictures) = (0.0, vec![]);
     for shot in &shots {
         let (scene, raw) = shot.taken(network, ui)?;
-        let frame = golden.frame(&raw)?.colour();
+        let frame = golden.frame(&raw).map_err(|e| shot.failed(e))?.colour();
         db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
         let pairs = explore::pairs(&model, network, &raw, || interrupt::check().is_ok());
         interrupt::check()?;
-        pictures.push(pairs?);
+        pictures.push(pairs.map_err(|e| shot.failed(e))?);
         bar.set(pictures.len() as u64);
     }
     Ok((db, pictures))

@@ -3,9 +3,11 @@
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use edof_cosim::bitstream::Sources;
+use edof_device::board;
 use std::path::PathBuf;
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories
@@ -38,11 +40,15 @@ pub struct Args {
 /// # Errors
 /// A design or network that cannot be used or do not fit each other, or a folder that cannot be written or holds other things.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    if args.out.is_file() {
+        return Err(Error::message(format!("--out {}: is a file, expected a folder", args.out.display())));
+    }
     let design = designs::load(&args.design)?;
     ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
-    designs::fits(&design, &network)?;
+    designs::fits_given(&design, &args.design, &network)?;
+    board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
     let sources = Sources::of(&design, &network)?;
     let files = Files::new(ui).reads(&args.design).reads_all(weights::fixed_file(&args.weights));
     files.writes_into("--out", &args.out, sources.names()).check()?;

@@ -5,6 +5,7 @@ pub mod capture;
 pub mod compare;
 pub mod cosim;
 pub mod demo;
+pub mod design;
 pub mod doctor;
 pub mod estimate;
 pub mod explore;

@@ -3,17 +3,19 @@
 use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
-use crate::lens::{self, Depth, Lens};
+use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::npz::Npz;
+use crate::said;
 use crate::ui::Ui;
 use edof_camera::Camera;
-use edof_image::{Channel, Tone, Window};
+use edof_image::words::number;
+use edof_image::{Channel, Tone};
 use edof_optics::bank;
 use edof_optics::depth::distance_m;
 use edof_optics::design::{self, Found, Search};
 use edof_optics::estimator::{Task, Verdict, judge};
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
-use edof_optics::psf::{self, NoPsf, Psf, Settings, channel_psfs};
+use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::statistics::Statistics;
 use edof_report::picture::png;
 use edof_report::plot::side_by_side;
@@ -102,9 +104,9 @@ struct Design {
     #[arg(long, allow_hyphen_values = true, value_name = "PSI")]
     focus: Option<f64>,
 
-    /// Range of psi to serve [default: the camera's]
+    /// Range of psi to serve, or of distances as in 0.7m,3m before a camera that knows its nominal_m [default: the camera's]
     #[arg(long, value_delimiter = ',', num_args = 1, allow_hyphen_values = true, value_name = "LOW,HIGH")]
-    psi_range: Vec<f64>,
+    psi_range: Vec<Depth>,
 
     /// Standard deviations of the noise, in units of full scale; the scores are averaged
     #[arg(long, value_delimiter = ',', default_value = "0,0.01", value_name = "SIGMA,…")]
@@ -211,7 +213,10 @@ impl Args {
     /// The camera, with the distance that is ψ = 0 where one is given.
     fn before(&self, camera: Camera) -> Result<Camera, Error> {
         if let Some(metres) = self.nominal.filter(|m| m.is_nan() || *m <= 0.0) {
-            return Err(Error::message(format!("--nominal {metres}: must be a distance of more than 0 m")));
+            return Err(Error::message(format!(
+                "--nominal {}: must be a distance of more than 0 m",
+                number(metres)
+            )));
         }
         Ok(Camera { nominal_m: self.nominal.or(camera.nominal_m), ..camera })
     }
@@ -224,12 +229,7 @@ impl Args {
             None if self.psi.is_empty() => return Ok((0..=8).map(f64::from).collect()),
             _ => {}
         }
-        let asked = |depth: &Depth| {
-            let psi = depth.psi(camera)?;
-            psf::check(camera, psi).map_err(|e| Error::message(format!("--{e}")))?;
-            Ok(psi)
-        };
-        self.psi.iter().map(asked).collect()
+        said::psis(&self.psi, camera)
     }
 
     fn settings(&self) -> Result<Settings, Error> {
@@ -321,7 +321,7 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
     let statistics = args.statistics(ui)?;
     let task =
         Task { noises: args.noise.clone(), worst_weight: args.worst_weight, ..design::default_task(&base) };
-    let task = Task { window: Window::new(args.window)?, ..task };
+    let task = Task { window: said::window(args.window)?, ..task };
     let (rings, focus, most_phase, seed) = (args.rings, args.focus, args.most_phase, args.seed);
     let search =
         Search { rings, focus, most_phase, population: args.population, generations: args.generations, seed };
@@ -332,7 +332,8 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
             progress.message(format!("{db:.2} dB"));
             progress.set(done as u64);
             interrupt::check().is_ok()
-        })?;
+        })
+        .map_err(said::lens_design)?;
     drop(progress);
     interrupt::check()?;
     camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -370,10 +371,23 @@ impl Design {
         (base.psf_bank, base.height_map) = (None, None);
         base.psi_range = match self.psi_range[..] {
             [] => base.psi_range,
-            [low, high] => [low, high],
-            _ => return Err(Error::message("--psi-range: two numbers, as in 0,8")),
+            [low @ Depth::Psi(_), high] | [low, high @ Depth::Psi(_)] => {
+                let psi =
+                    |depth: Depth| depth.psi(&base).map_err(|e| Error::message(format!("--psi-range {e}")));
+                [psi(low)?, psi(high)?]
+            }
+            [near, far] => {
+                DepthRange { near, far }.psi(&base).map_err(|e| Error::message(format!("--psi-range {e}")))?
+            }
+            _ => {
+                return Err(Error::message(
+                    "--psi-range: two values of psi as in 0,8, or two distances as in 0.7m,3m",
+                ));
+            }
         };
-        base.check()?;
+        let given = || self.psi_range.iter().map(|depth| depth.in_words()).collect::<Vec<_>>().join(",");
+        let wrong = |e| Error::message(format!("--psi-range {}: {e}", given()));
+        base.check().map_err(|e| if self.psi_range.is_empty() { e.into() } else { wrong(e) })?;
         Ok(base)
     }
 
@@ -381,14 +395,15 @@ impl Design {
         let Some(folder) = &self.images else { return Ok(Statistics::natural()) };
         let (photos, skipped) = edof_io::photo::load_folder(folder)?;
         skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
-        Ok(Statistics::of_photos(photos.iter().map(|(_, photo)| photo))?)
+        Statistics::of_photos(photos.iter().map(|(_, photo)| photo)).map_err(|e| said::of_file(folder, e))
     }
 
     fn source(&self, verdict: &Verdict, judged: usize) -> String {
+        let noise = self.noise.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
         format!(
-            "edof optics design --camera {} --rings {} --window {} --worst-weight {} --noise {:?} --seed {}: the best of {judged} \
+            "edof optics design --camera {} --rings {} --window {} --worst-weight {} --noise {} --seed {}: the best of {judged} \
              cameras by the linear estimator, score {:.2} dB",
-            self.camera, self.rings, self.window, self.worst_weight, self.noise, self.seed, verdict.score_db
+            self.camera, self.rings, self.window, self.worst_weight, noise, self.seed, verdict.score_db
         )
     }
 }

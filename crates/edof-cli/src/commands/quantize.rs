@@ -5,12 +5,14 @@ use crate::error::Error;
 use crate::error_bounds;
 use crate::files::{Files, Force};
 use crate::interrupt;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::Golden;
+use edof_image::ColourFrame;
 use edof_image::overlap::Overlap;
-use edof_image::{ColourFrame, Stride};
+use edof_image::words::number;
 use edof_io::photos::Selection;
 use edof_network::fixed_network::Quantized;
 use edof_network::network::Origin;
@@ -18,8 +20,8 @@ use edof_network::{FixedNetwork, Network, weight_file};
 use edof_quantize::bounds::{self, StageError};
 use edof_quantize::capture::{self, depths};
 use edof_quantize::{
-    Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeOptions, Scene, evaluate, finetune,
-    quantize,
+    Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeError, QuantizeOptions, Scene, evaluate,
+    finetune, quantize,
 };
 use edof_storage::provenance::Input;
 use edof_train::dataset::{Dataset, DatasetOptions};
@@ -96,15 +98,15 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.used(weights);
     let options = QuantizeOptions {
         bits: args.bits,
-        stride: Stride::new(args.stride)?,
+        stride: said::stride(args.stride)?,
         overlap: if args.overlap == "flat" { Overlap::Flat } else { Overlap::Hann },
         headroom: args.headroom,
     };
-    options.check()?;
+    options.check().map_err(|e| of_options(&e))?;
     if !(args.finetune_rate.is_finite() && args.finetune_rate > 0.0) {
         return Err(Error::message(format!(
             "--finetune-rate {}: must be a positive number",
-            args.finetune_rate
+            number(args.finetune_rate.into())
         )));
     }
     let pictures = pictures(&args, ui)?;
@@ -138,6 +140,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     error_bounds::tell(&errors, ui)?;
     ui.say(format!("{}: written", out.display()))?;
     ui.json(&report(&args, &out, &layers, &errors, &evaluation, calibration.windows))
+}
+
+/// A failure of the options, by their names.
+fn of_options(error: &QuantizeError) -> Error {
+    match error {
+        QuantizeError::Headroom(headroom) => {
+            Error::message(format!("--headroom {}: must be 1 or more", number(*headroom)))
+        }
+        QuantizeError::Fixed { bits, source } => Error::message(format!("--bits {bits}: {source}")),
+        error => Error::message(error.to_string()),
+    }
 }
 
 /// How the integers came to be.

@@ -4,6 +4,7 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::form;
+use crate::said;
 use crate::ui::Ui;
 use clap::ValueEnum;
 use edof_image::Stride;
@@ -87,7 +88,7 @@ fn for_design(name: &str, seed: u64, ui: &Ui) -> Result<FixedNetwork, Error> {
 }
 
 fn network(args: &Args) -> Result<FixedNetwork, Error> {
-    let stride = Stride::new(args.stride)?;
+    let stride = said::stride(args.stride)?;
     match args.kind {
         Kind::Extreme if !(8..=16).contains(&args.bits) => {
             Err(Error::message(format!("--bits {}: must be 8 to 16", args.bits)))

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
 use crate::lens;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::words;
@@ -15,12 +16,14 @@ use edof_camera::Camera;
 use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::{Counts, Display, Golden};
 use edof_gpu::{GpuFloat, GpuGolden};
+use edof_image::frame::FrameError;
 use edof_image::overlap::Overlap;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_io::doubt::{self, Doubt};
-use edof_io::levels::Levels;
+use edof_io::levels::{Levels, LevelsError};
 use edof_io::picture::Format;
+use edof_io::raw::RawError;
 use edof_io::record::{self, RawRecord, RecordError, Stated};
 use edof_io::rendering::Rendering;
 use edof_io::{photo, raw};
@@ -43,10 +46,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         jobs.iter().try_for_each(|job| job.open(ui).map(drop))?;
     }
     let mut reports = vec![];
+    let bar = (jobs.len() > 1).then(|| ui.progress(jobs.len() as u64, "frames"));
     for job in &jobs {
         interrupt::check()?;
         reports.push(job.run(ui)?);
+        bar.iter().for_each(|bar| bar.set(reports.len() as u64));
     }
+    drop(bar);
     match &reports[..] {
         [one] => ui.json(one),
         all => ui.json(&json!({ "frames": all })),
@@ -166,12 +172,13 @@ impl Job<'_> {
 
     fn float(&self, taken: &Taken, ui: &Ui) -> Result<Made, Error> {
         let args = self.args;
-        let stride = args.stride.map_or(Ok(Stride::PATCH), Stride::new)?;
+        let stride = args.stride.map_or(Ok(Stride::PATCH), said::stride)?;
         let tone = self.tone(taken);
         let name = args.network(tone);
         let network = weights::float(name)?;
         ui.used(weights::float_input(name)?);
         self.fits_camera(&network.origin, taken, ui)?;
+        self.suits_tone(&network.origin, taken, ui);
         let method: Box<dyn Reconstructor> = match args.device.open()? {
             None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
             Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
@@ -241,6 +248,31 @@ impl Job<'_> {
         Error::message(format!("{}: {error}", self.raw.display()))
     }
 
+    /// A frame that cannot be read, with the option that says how.
+    fn unread(&self, error: RawError) -> Error {
+        match (&error, self.args.depth) {
+            (RawError::Frame { source: FrameError::Depth(_), .. }, Some(depth)) => {
+                Error::message(format!("--depth {depth}: {error}"))
+            }
+            (RawError::NoSize { .. }, _) => Error::message(format!("{error}: --size 1920x1080, say")),
+            _ => error.into(),
+        }
+    }
+
+    /// Levels that cannot be, with the option that says so, if one does.
+    fn level(&self, error: &LevelsError) -> Error {
+        let of = |option: &str, given: bool, what: &str| {
+            let text = error.to_string();
+            if given { text.replacen(what, option, 1) } else { text }
+        };
+        let text = match error {
+            LevelsError::White { .. } => of("--white-level", self.args.white_level.is_some(), "white level"),
+            LevelsError::Black { .. } => of("--black-level", self.args.black_level.is_some(), "black level"),
+            error => error.to_string(),
+        };
+        self.failed(text)
+    }
+
     /// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.
     fn tone(&self, taken: &Taken) -> Tone {
         self.args.tone.or(taken.record.as_ref().map(|r| r.tone)).unwrap_or(Tone::Srgb)
@@ -256,7 +288,8 @@ impl Job<'_> {
         let camera = record.as_ref().map(|record| record.camera.clone()).or(stated.camera);
         let given = raw_options(args);
         let options = record.as_ref().map_or(given, |record| record.options(given));
-        let raw::Opened { frame, levels: of_file, rendering: own } = raw::open(raw, &options)?;
+        let raw::Opened { frame, levels: of_file, rendering: own } =
+            raw::open(raw, &options).map_err(|e| self.unread(e))?;
         if let Some(given) = args.phase.filter(|phase| *phase != frame.phase()) {
             return Err(self.failed(format!("says {}; leave --phase {given} out", frame.phase())));
         }
@@ -277,7 +310,7 @@ impl Job<'_> {
         };
         let name = raw.file_name().unwrap_or_default().to_string_lossy();
         ui.used(Input::raw_frame(&name, &frame));
-        let light = levels.light(&frame).map_err(|e| self.failed(e))?;
+        let light = levels.light(&frame).map_err(|e| self.level(&e))?;
         // To the board leads a cable.
         let frame = if args.board { cable::carried(&light) } else { light };
         Ok(Taken { frame, record, camera, rendering })
@@ -304,7 +337,8 @@ impl Job<'_> {
         let network = weights::fixed(name)?;
         ui.used(weights::fixed_input(name)?);
         self.fits_camera(&network.origin, taken, ui)?;
-        match args.stride.map(Stride::new).transpose()? {
+        self.suits_tone(&network.origin, taken, ui);
+        match args.stride.map(said::stride).transpose()? {
             Some(stride) if stride != network.stride => Err(Error::message(format!(
                 "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
                 stride.pixels(),
@@ -344,6 +378,26 @@ impl Job<'_> {
         Err(Error::message(format!("{problem}; {instead}")))
     }
 
+    /// Tells what a network loses on a frame of a tone that it was not trained on, as the frame's record or the user says.
+    fn suits_tone(&self, origin: &Origin, taken: &Taken, ui: &Ui) {
+        let tone = self.tone(taken);
+        let is_known = taken.record.is_some() || self.args.tone.is_some();
+        let Some(trained) = origin.conditions.first().map(|condition| condition.tone) else { return };
+        if !is_known || origin.conditions.iter().any(|condition| condition.tone == tone) {
+            return;
+        }
+        let instead = match weights::trained_on(&origin.camera, tone) {
+            Some(name) => format!("use --weights {name}"),
+            None => format!("train one by 'edof train --tone {tone}'"),
+        };
+        ui.note(format!(
+            "--weights {}: trained on pictures of tone {trained}, {} is of {tone}: expect {} (docs/decisions/0041-one-tone.md); {instead}",
+            self.args.network(tone),
+            self.raw.display(),
+            loss_of(tone),
+        ));
+    }
+
     /// Of a frame without a record: what of it says that it was read otherwise than it was taken.
     fn remark(&self, frame: &RawFrame, ui: &Ui) {
         let args = self.args;
@@ -374,6 +428,14 @@ impl Job<'_> {
                 }
             }
         }
+    }
+}
+
+/// What a network loses on frames of a tone where it was trained on the other one, as measured with the program's own.
+const fn loss_of(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Srgb => "about 1.3 dB less than of one that was, at any noise",
+        Tone::Linear => "about 4 dB less than of one that was, 1.5 dB where noise is 0.01",
     }
 }
 

@@ -4,11 +4,13 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, Lens};
 use crate::memory;
+use crate::said;
 use crate::ui::Ui;
 use edof_camera::Camera;
 use edof_image::Tone;
+use edof_image::words::{count, number};
 use edof_io::raw::Size;
-use edof_optics::draw::{self, four_depths};
+use edof_optics::draw::{self, DrawError, four_depths};
 use edof_optics::scene::Scene;
 use edof_report::picture::png;
 use ndarray::Array2;
@@ -123,7 +125,10 @@ impl Drawing {
     /// No distance.
     pub fn before(&self, camera: Camera) -> Result<Camera, Error> {
         if let Some(metres) = self.nominal.filter(|m| m.is_nan() || *m <= 0.0) {
-            return Err(Error::message(format!("--nominal {metres}: must be a distance of more than 0 m")));
+            return Err(Error::message(format!(
+                "--nominal {}: must be a distance of more than 0 m",
+                number(metres)
+            )));
         }
         Ok(Camera { nominal_m: self.nominal.or(camera.nominal_m), ..camera })
     }
@@ -133,7 +138,7 @@ impl Drawing {
     /// # Errors
     /// A distance before a camera that does not know where ψ is zero.
     pub fn psis(&self, camera: &Camera) -> Result<Vec<f64>, Error> {
-        Ok(lens::psis(&self.psi, camera)?)
+        said::psis(&self.psi, camera)
     }
 
     /// The built-in scene of that name, its depths spread over the camera's range where none were given.
@@ -149,14 +154,17 @@ impl Drawing {
             (given, _) if given.len() == depths => given.to_vec(),
             (given, _) => {
                 return Err(Error::message(format!(
-                    "--psi: {} values for {name}, expected {depths}",
-                    given.len()
+                    "--psi: {} for {name}, expected {depths}",
+                    count(given.len(), "value")
                 )));
             }
         };
         let Size { width, height } = self.size.unwrap_or(SIZE);
         fits(width, height)?;
-        Ok(draw::draw(kind, height, width, &psis, self.seed)?)
+        draw::draw(kind, height, width, &psis, self.seed).map_err(|e| match (e, self.size) {
+            (e @ DrawError::Size { .. }, Some(size)) => Error::message(format!("--size {size}: {e}")),
+            (e, _) => e.into(),
+        })
     }
 }
 

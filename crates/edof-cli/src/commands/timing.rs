@@ -56,7 +56,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Some(name) => {
             ui.used(weights::fixed_input(name)?);
             let network = weights::fixed(name)?;
-            designs::fits(&design, &network)?;
+            designs::fits_given(&design, &args.design, &network)?;
             network
         }
         None => edof_random::for_design(&design, 1),

@@ -10,6 +10,7 @@ use std::path::Path;
 /// # Errors
 /// The folder has no file of the top module, that module has not the ports of the project's, or a file cannot be read.
 pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error> {
+    check(&project.top, folder)?;
     let mut verilog: Vec<(String, String)> = vec![];
     let mut wanted = vec![project.top.clone()];
     while let Some(module) = wanted.pop() {
@@ -30,7 +31,33 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
         return Err(Error::Port(format!("{}: has no port {}", path.display(), port.name)));
     }
     verilog.reverse();
-    Ok(Project { verilog, ..project })
+    // A changed file's lines are not those that the map knows.
+    let is_kept = |name: &String| {
+        let text = |files: &[(String, String)]| {
+            files.iter().find(|(file, _)| file == name).map(|(_, text)| text.clone())
+        };
+        text(&verilog) == text(&project.verilog)
+    };
+    let sources = project.sources.iter().filter(|(name, _)| is_kept(name));
+    let sources = sources.map(|(name, map)| (name.clone(), map.clone())).collect();
+    Ok(Project { verilog, sources, ..project })
+}
+
+/// Refuses a folder without the top module: most likely that one was meant which `edof generate` puts Verilog into.
+fn check(top: &str, folder: &Path) -> Result<(), Error> {
+    let file = format!("{top}.v");
+    if folder.join(&file).is_file() {
+        return Ok(());
+    }
+    let shown = folder.display();
+    let problem = if !folder.is_dir() {
+        "is no folder; expected the folder rtl of what 'edof generate' wrote".to_owned()
+    } else if folder.join("rtl").join(&file).is_file() {
+        format!("has no {file}; expected the folder rtl in it: give {shown}/rtl")
+    } else {
+        format!("has no {file}; expected the folder rtl of what 'edof generate' wrote for this design")
+    };
+    Err(Error::Port(format!("{shown}: {problem}")))
 }
 
 fn is_module(folder: &Path, word: &str) -> bool {

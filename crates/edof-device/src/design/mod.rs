@@ -15,8 +15,10 @@ pub use stage::{Kind, StagePlan};
 
 use edof_image::geometry::{Geometry, GeometryError, Stride};
 use edof_image::number::ACCUMULATOR_BITS;
+use edof_image::words::number;
 use edof_network::fixed_network::FixedNetwork;
 use edof_network::network::{Form, NetworkError, Recurrence, Shrinkage};
+use edof_storage::json;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -26,6 +28,9 @@ pub const BANK_LANES: usize = 4;
 pub const BEAT: usize = 2;
 /// Largest left shift of a value before it is multiplied: the multiplier of a DSP48E1 takes 25 bits, a value has 16.
 pub const MOST_VALUE_SHIFT: u32 = 9;
+
+/// Most bytes of a design file.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// Fastest clock of a calculator in megahertz: its longest path of logic alone takes 2.45 ns (docs/calculator.md, Clock).
 pub const MOST_CLOCK_MHZ: f64 = 400.0;
@@ -86,11 +91,14 @@ pub struct FrameSize {
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DesignError {
     /// The file cannot be read.
-    #[error("{path}: {source}")]
+    #[error("{path}: cannot read: {source}")]
     Read { path: String, source: std::io::Error },
     /// No design in the file.
-    #[error("{path}: {source}")]
+    #[error("{path}: not a design: {}", json::words(source))]
     Parse { path: String, source: serde_json::Error },
+    /// What is wrong with the design of a file.
+    #[error("{path}: {source}")]
+    File { path: String, source: Box<DesignError> },
     /// A form that no network has.
     #[error(transparent)]
     Form(#[from] NetworkError),
@@ -120,15 +128,15 @@ impl Design {
     /// [`DesignError::Read`], [`DesignError::Parse`], or the first field that is wrong.
     pub fn load(path: &Path) -> Result<Self, DesignError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path)
+        let text = json::text(path, MOST_BYTES)
             .map_err(|source| DesignError::Read { path: name.clone(), source })?;
         Self::parse(&text, &name)
     }
 
     fn parse(text: &str, path: &str) -> Result<Self, DesignError> {
         let design: Self =
-            serde_json::from_str(text).map_err(|source| DesignError::Parse { path: path.into(), source })?;
-        design.check()?;
+            json::parse(text).map_err(|source| DesignError::Parse { path: path.into(), source })?;
+        design.check().map_err(|source| DesignError::File { path: path.into(), source: Box::new(source) })?;
         Ok(design)
     }
 
@@ -143,13 +151,21 @@ impl Design {
         StagePlan::new(self, index)
     }
 
+    /// Patches of a frame.
+    #[must_use]
+    pub fn patches_per_frame(&self) -> usize {
+        let geometry = Geometry::new(self.form.window, self.frame.stride);
+        let (rows, columns) = geometry.patches(self.frame.height, self.frame.width);
+        rows * columns
+    }
+
     /// # Errors
     /// [`DesignError::Field`] and its like for the first field that no design can have.
     pub fn check(&self) -> Result<(), DesignError> {
         self.form.check()?;
         require(
             "clock_mhz",
-            self.clock_mhz,
+            number(self.clock_mhz),
             self.clock_mhz > 0.0 && self.clock_mhz <= MOST_CLOCK_MHZ,
             &format!("above 0, at most {MOST_CLOCK_MHZ}"),
         )?;

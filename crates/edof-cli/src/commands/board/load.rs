@@ -84,6 +84,11 @@ fn display(curve: Curve) -> Display {
     Display::new(DisplayMode::default(), curve)
 }
 
+/// The display of a curve of [`curve_of`].
+pub fn display_of(name: &str) -> Display {
+    display(of_curve(name).unwrap_or_default())
+}
+
 /// The name of the curve that a board's tables are for, none where the program knows none that has such tables.
 ///
 /// # Errors
@@ -114,7 +119,7 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     let mut board = args.open()?;
     let design: Design = args.design_of(&board)?;
     design.check_network(&network)?;
-    let known = known(&design, None);
+    let known = known(&design, &[]);
     let job = job(&design, &known);
     if load.dry_run {
         let bank = load.bank.unwrap_or(other(board.bank()?));
@@ -123,13 +128,15 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         return plan(args, load, &job, bank, Some(&held), ui);
     }
     let start = Instant::now();
-    let bar = ui.progress(0, "words");
+    let (bar, mut words) = (ui.progress(0, "words"), 0);
     let loaded = board
         .load(&job, &mut |done, total| {
+            words = total;
             bar.of(done, total);
             goes_on()
         })
         .map_err(of)?;
+    bar.of(words, words);
     if let Some(curve) = load.curve {
         let mut step = |done, total| {
             bar.of(done, total);
@@ -217,16 +224,22 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
     drop(bar);
     let pieces = parts(&design, &network, bank).len();
     if let Some(first) = differences.first() {
-        return Err(of(edof_board::Error::Differs {
+        let told: Vec<String> = differences.iter().map(ToString::to_string).collect();
+        let error = of(edof_board::Error::Differs {
             port: board.port(),
             bank: letter(bank),
             weights: network.origin.name,
             wrong: differences.len(),
             pieces,
             first: first.to_string(),
-        }));
+        });
+        ui.json(&json!({
+            "bank": letter(bank), "weights": verify.weights, "parts": pieces, "differences": differences, "differ": told,
+            "error": error.to_string(),
+        }))?;
+        return Err(error);
     }
-    let curve = tables(&mut board, verify.curve)?;
+    let curve = tables(&mut board, verify.curve, ui)?;
     board.confirm(&design, &network, bank).map_err(of)?;
     ui.say(format!("bank {} holds {}: {pieces} parts, every CRC right", letter(bank), network.origin.name))?;
     ui.say(format!("the display's tables are those of {curve}: every CRC right"))?;
@@ -234,7 +247,7 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
 }
 
 /// The name of the curve that a board's tables are for, which is the wanted one if one is.
-fn tables(board: &mut Board<Serial>, wanted: Option<Curve>) -> Result<&'static str, Error> {
+fn tables(board: &mut Board<Serial>, wanted: Option<Curve>, ui: &Ui) -> Result<&'static str, Error> {
     let Some(curve) = wanted else {
         let found = curve_of(board)?;
         return found.ok_or_else(|| of(edof_board::Error::UnknownTables { port: board.port() }));
@@ -242,10 +255,13 @@ fn tables(board: &mut Board<Serial>, wanted: Option<Curve>) -> Result<&'static s
     let name = CURVES.iter().find(|(_, known)| *known == curve).map_or("", |(name, _)| name);
     let differences = board.verify_tables(&display(curve)).map_err(of)?;
     let Some(first) = differences.first() else { return Ok(name) };
-    Err(of(edof_board::Error::TablesDiffer {
+    let error = of(edof_board::Error::TablesDiffer {
         port: board.port(),
         curve: name.into(),
         wrong: differences.len(),
         first: first.to_string(),
-    }))
+    });
+    let told: Vec<String> = differences.iter().map(ToString::to_string).collect();
+    ui.json(&json!({ "curve": name, "tables_differ": told, "error": error.to_string() }))?;
+    Err(error)
 }

@@ -1,7 +1,10 @@
 //! `edof board`: weights onto a board, and what the board says.
 
 mod align;
+mod check;
 mod load;
+mod picture;
+mod selftest;
 mod sim;
 mod status;
 
@@ -19,8 +22,9 @@ use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::registers::identity::weights_hash;
 use edof_device::registers::map;
-use edof_device::registers::{c_header, markdown, systemrdl};
+use edof_device::registers::{c_header, csr_csv, markdown, systemrdl};
 use edof_image::DisplayMode;
+use edof_image::words::number as short;
 use edof_network::FixedNetwork;
 use serde_json::json;
 use std::time::Duration;
@@ -49,7 +53,7 @@ pub struct Args {
     port: Option<String>,
 
     /// Bits a second on the line
-    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_name = "BITS")]
+    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_name = "BITS", value_parser = clap::value_parser!(u32).range(1..))]
     baud: u32,
 
     /// Seconds that the board may take to answer, beyond the time on the line
@@ -66,11 +70,17 @@ enum Command {
     /// Ports of this machine, and at which of them a board answers
     Find,
     /// Who the board is: design, picture, clock, and which network each bank holds
-    Info,
+    Info {
+        #[command(flatten)]
+        own: Own,
+    },
     Load(load::Load),
     Verify(load::Verify),
     Status(status::Args),
     Align(align::Args),
+    Check(check::Args),
+    Selftest(selftest::Args),
+    Picture(picture::Args),
     /// The value of a register: scratch, control.run, `stage_counters[4]`
     Get {
         /// Its name
@@ -101,6 +111,9 @@ enum Command {
         /// a or b
         #[arg(value_parser = bank)]
         bank: Set,
+
+        #[command(flatten)]
+        own: Own,
     },
     /// Drop the frame that is under way; everything that was written stays
     Flush,
@@ -109,10 +122,28 @@ enum Command {
     /// Print the register map
     Map {
         /// Of which kind
-        #[arg(long, value_parser = ["markdown", "c", "systemrdl"], default_value = "markdown")]
+        #[arg(long, value_parser = ["markdown", "c", "systemrdl", "csr-csv"], default_value = "markdown")]
         format: String,
     },
     Sim(sim::Args),
+}
+
+/// Networks by which a bank's words are known, besides those of the program.
+#[derive(clap::Args)]
+struct Own {
+    /// Networks of one's own, by name or file, that a bank may hold; the answer then has their names
+    #[arg(long, value_name = "NAME|FILE,…", value_delimiter = ',')]
+    weights: Vec<String>,
+}
+
+impl Own {
+    fn networks(&self, ui: &Ui) -> Result<Vec<FixedNetwork>, Error> {
+        let one = |name: &String| {
+            ui.used(weights::fixed_input(name)?);
+            Ok(weights::fixed(name)?)
+        };
+        self.weights.iter().map(one).collect()
+    }
 }
 
 fn bank(text: &str) -> Result<Set, String> {
@@ -126,22 +157,32 @@ fn bank(text: &str) -> Result<Set, String> {
 /// # Errors
 /// A line that fails, something that does not fit, a register that is not there, or Ctrl-C.
 pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
-    if !(args.patience > 0.0 && args.patience <= 3600.0) {
-        return Err(Error::message(format!("--patience {}: must be above 0, at most 3600", args.patience)));
+    let checked = args.check(ui);
+    // The file of --json may be what was refused.
+    let may_tell = checked.is_ok() || ui.json_file().is_none();
+    let done = checked.and_then(|()| carry_out(args, ui));
+    match &done {
+        // A program that reads results reads why there are none, too.
+        Err(error @ Error::Failed(_)) if may_tell && !ui.has_told() => {
+            ui.json(&json!({ "error": error.to_string() }))?;
+        }
+        Ok(()) if !ui.has_told() => ui.json(&json!({ "done": true }))?,
+        _ => {}
     }
-    let files = args.files(ui);
-    match &args.command {
-        Command::Sim(sim) => sim.writes(files)?,
-        _ => files,
-    }
-    .check()?;
+    done
+}
+
+fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
     match &args.command {
         Command::Find => find(args, ui),
-        Command::Info => info(args, ui),
+        Command::Info { own } => info(args, own, ui),
         Command::Load(load) => load::load(args, load, ui),
         Command::Verify(verify) => load::verify(args, verify, ui),
         Command::Status(status) => status::run(args, status, ui),
         Command::Align(align) => align::run(args, align, ui),
+        Command::Check(check) => check::run(args, check, ui),
+        Command::Selftest(test) => selftest::run(args, test, ui),
+        Command::Picture(picture) => picture::run(args, picture, ui),
         Command::Get { register } => {
             let place: Place = register.parse()?;
             let value = args.open()?.get(place)?;
@@ -153,30 +194,38 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
             let number = number(value).ok_or_else(|| {
                 Error::message(format!("value '{value}': must be a number of 32 bits, as in 12 or 0x1f"))
             })?;
-            args.open()?.set(place, number).map_err(of)
+            args.open()?.set(place, number).map_err(of)?;
+            ui.json(&json!({ "register": register, "value": number }))
         }
         Command::Dump => dump(args, ui),
         Command::Skip { what } => {
             let mut board = args.open()?;
             let design = args.design_of(&board)?;
-            board.skip(&design, what == "on").map_err(of)
+            board.skip(&design, what == "on").map_err(of)?;
+            ui.json(&json!({ "skip": what == "on" }))
         }
         Command::Display { mode } => {
             let bits = if *mode == DisplayMode::Colour { map::COLOUR } else { 0 };
-            args.open()?.change_control(map::COLOUR, bits).map_err(of)
+            args.open()?.change_control(map::COLOUR, bits).map_err(of)?;
+            ui.json(&json!({ "display": mode }))
         }
-        Command::Bank { bank } => switch(args, *bank, ui),
+        Command::Bank { bank, own } => switch(args, *bank, own, ui),
         Command::Flush => args.open()?.flush().map_err(of),
         Command::Reset => {
             let mut board = args.open()?;
             let design = args.design_of(&board)?;
             board.reset(&design).map_err(of)
         }
-        Command::Map { format } => ui.say(match format.as_str() {
-            "c" => c_header::header(),
-            "systemrdl" => systemrdl::address_map(),
-            _ => markdown::page(),
-        }),
+        Command::Map { format } => {
+            let text = match format.as_str() {
+                "c" => c_header::header(),
+                "systemrdl" => systemrdl::address_map(),
+                "csr-csv" => csr_csv::csr_csv(),
+                _ => markdown::page(),
+            };
+            ui.say(&text)?;
+            ui.json(&json!({ "format": format, "map": text }))
+        }
         Command::Sim(sim) => sim::run(args, sim, ui),
     }
 }
@@ -195,6 +244,21 @@ fn goes_on() -> bool {
 }
 
 impl Args {
+    /// What can be refused before a board is asked.
+    fn check(&self, ui: &Ui) -> Result<(), Error> {
+        if !(self.patience > 0.0 && self.patience <= 3600.0) {
+            let given = short(self.patience);
+            return Err(Error::message(format!("--patience {given}: must be above 0, at most 3600")));
+        }
+        let files = self.files(ui);
+        match &self.command {
+            Command::Sim(sim) => sim.writes(files)?,
+            Command::Picture(picture) => picture.files(files)?,
+            _ => files,
+        }
+        .check()
+    }
+
     fn patience(&self) -> Duration {
         Duration::from_secs_f64(self.patience)
     }
@@ -206,11 +270,14 @@ impl Args {
     /// What is read, whatever the command, and what is written by `--json`.
     fn files(&self, ui: &Ui) -> Files {
         let weights = match &self.command {
-            Command::Load(load) => Some(&load.weights),
-            Command::Verify(verify) => Some(&verify.weights),
-            _ => None,
+            Command::Load(load) => std::slice::from_ref(&load.weights),
+            Command::Verify(verify) => std::slice::from_ref(&verify.weights),
+            Command::Info { own } | Command::Bank { own, .. } => &own.weights[..],
+            Command::Check(check) => check.weights.as_slice(),
+            Command::Selftest(test) => test.weights.as_slice(),
+            _ => &[],
         };
-        let weights = weights.and_then(|name| weights::fixed_file(name));
+        let weights = weights.iter().filter_map(|name| weights::fixed_file(name));
         Files::new(ui).reads_all(&self.design).reads_all(weights)
     }
 
@@ -226,9 +293,7 @@ impl Args {
                 return Ok(board);
             }
         }
-        let names: Vec<&str> = ports.iter().map(|port| port.name.as_str()).collect();
-        let tried = if names.is_empty() { "this machine has none".into() } else { names.join(", ") };
-        Err(Error::message(format!("no board answers at any serial port ({tried}); name one by --port")))
+        Err(no_board(&ports))
     }
 
     /// The design that was named, if one was.
@@ -246,14 +311,22 @@ impl Args {
     }
 }
 
-/// Networks that come with the program and fit a design, the named one first if it does.
-fn known(design: &Design, named: Option<&FixedNetwork>) -> Vec<FixedNetwork> {
+/// No board at any of the ports.
+fn no_board(ports: &[line::Port]) -> Error {
+    let names: Vec<&str> = ports.iter().map(|port| port.name.as_str()).collect();
+    let tried = if names.is_empty() { "this machine has none".into() } else { names.join(", ") };
+    Error::message(format!("no board answers at any serial port ({tried}); name one by --port"))
+}
+
+/// Networks that come with the program and fit a design, after those of one's own that do.
+fn known(design: &Design, named: &[FixedNetwork]) -> Vec<FixedNetwork> {
     let own = weights::names().into_iter().filter_map(|name| weights::fixed(name).ok());
-    named.cloned().into_iter().chain(own).filter(|network| design.check_network(network).is_ok()).collect()
+    named.iter().cloned().chain(own).filter(|network| design.check_network(network).is_ok()).collect()
 }
 
 fn find(args: &Args, ui: &Ui) -> Result<(), Error> {
-    let mut found = vec![];
+    let (mut found, mut boards) = (vec![], 0);
+    let mut why = None;
     let named = args.port.iter().map(|name| line::Port { name: name.clone(), about: String::new() });
     let ports: Vec<line::Port> = if args.port.is_some() { named.collect() } else { line::ports() };
     for port in &ports {
@@ -266,24 +339,32 @@ fn find(args: &Args, ui: &Ui) -> Result<(), Error> {
             },
             Err(_) => "no board answers".to_owned(),
         };
+        boards += usize::from(board.is_ok());
         ui.say(format!("{}: {said} {}", port.name, port.about).trim_end())?;
-        found
-            .push(json!({ "port": port.name, "about": port.about, "board": board.ok().map(|b| b.identity) }));
+        let error = board.as_ref().err().map(ToString::to_string);
+        let identity = board.as_ref().ok().map(|board| board.identity);
+        found.push(json!({ "port": port.name, "about": port.about, "board": identity, "error": error }));
+        why = why.or(board.err());
     }
     if ports.is_empty() {
         ui.say("this machine has no serial ports")?;
     }
-    ui.json(&found_ports(&found))
+    ui.json(&json!({ "ports": found, "boards": boards }))?;
+    match (boards, why) {
+        (0, Some(why)) if args.port.is_some() => Err(why),
+        (0, _) => Err(no_board(&ports)),
+        _ => Ok(()),
+    }
 }
 
-fn found_ports(found: &[serde_json::Value]) -> serde_json::Value {
-    json!({ "ports": found })
-}
-
-fn info(args: &Args, ui: &Ui) -> Result<(), Error> {
+fn info(args: &Args, own: &Own, ui: &Ui) -> Result<(), Error> {
+    let own = own.networks(ui)?;
     let mut board = args.open()?;
     let identity = board.identity;
     let design = identity.design(args.designs()?);
+    if let Some(design) = &design {
+        own.iter().try_for_each(|network| design.check_network(network))?;
+    }
     let (major, minor) = (identity.version >> 16, identity.version & 0xffff);
     let name = design.as_ref().map_or("unknown", |design| design.name.as_str());
     ui.say(format!("{}: edof board, register map {major}.{minor}", board.port()))?;
@@ -294,22 +375,14 @@ fn info(args: &Args, ui: &Ui) -> Result<(), Error> {
     let in_use = board.bank()?;
     let mut banks = vec![];
     for bank in [Set::First, Set::Second] {
-        let held = match &design {
-            Some(design) => {
-                let known = known(design, None);
-                let found = board.identify(design, &known, bank).map_err(of)?;
-                found.map(|index| known[index].origin.name.clone())
-            }
-            None => None,
-        };
-        let used = if bank == in_use {
-            format!(", in use, hash {:08x}", identity.weights_hash)
-        } else {
-            String::new()
-        };
-        let told = held.as_deref().unwrap_or("none of the program's networks");
-        ui.say(format!("bank {}: {told}{used}", letter(bank)))?;
-        banks.push(json!({ "bank": letter(bank), "weights": held, "in_use": bank == in_use }));
+        let (held, hash) = held(args, &mut board, bank, in_use, &own)?;
+        let used = if bank == in_use { ", in use" } else { "" };
+        let told =
+            held.as_deref().unwrap_or("a network that the program does not have; name its file by --weights");
+        let hash = (hash != 0).then(|| format!("{hash:08x}"));
+        let shown = hash.as_deref().unwrap_or("unknown");
+        ui.say(format!("bank {}: hash {shown}{used}, {told}", letter(bank)))?;
+        banks.push(json!({ "bank": letter(bank), "weights": held, "hash": hash, "in_use": bank == in_use }));
     }
     let curve = load::curve_of(&mut board)?;
     ui.say(format!("display tables: {}", curve.unwrap_or("of none of the program's curves")))?;
@@ -332,15 +405,19 @@ fn dump(args: &Args, ui: &Ui) -> Result<(), Error> {
     ui.json(&json!({ "registers": named }))
 }
 
-fn switch(args: &Args, bank: Set, ui: &Ui) -> Result<(), Error> {
+fn switch(args: &Args, bank: Set, own: &Own, ui: &Ui) -> Result<(), Error> {
+    let own = own.networks(ui)?;
     let mut board = args.open()?;
     let before = board.bank()?;
     // The switch first: the scene does not wait for names.
     board.change_control(map::WEIGHT_SET, if bank == Set::First { 0 } else { map::WEIGHT_SET })?;
-    let (name, hash) = held(args, &mut board, bank, before)?;
+    let (name, hash) = held(args, &mut board, bank, before, &own)?;
     board.switch(bank, hash).map_err(of)?;
-    let name = name.unwrap_or_else(|| format!("a network that the program does not have, hash {hash:08x}"));
-    ui.say(format!("bank {} is in use: {name}", letter(bank)))
+    let told = name.clone();
+    let told = told.unwrap_or_else(|| format!("a network that the program does not have, hash {hash:08x}"));
+    ui.say(format!("bank {} is in use: {told}", letter(bank)))?;
+    let hash = (hash != 0).then(|| format!("{hash:08x}"));
+    ui.json(&json!({ "bank": letter(bank), "weights": name, "hash": hash }))
 }
 
 /// Name and hash of the network in a bank; 0 where nobody can tell. The hash that the board has is of the bank that was in use
@@ -350,12 +427,13 @@ fn held(
     board: &mut Board<Serial>,
     bank: Set,
     before: Set,
+    named: &[FixedNetwork],
 ) -> Result<(Option<String>, u32), Error> {
     let own = board.identity.weights_hash;
     let Some(design) = board.identity.design(args.designs()?) else {
         return Ok((None, if bank == before { own } else { 0 }));
     };
-    let known = known(&design, None);
+    let known = known(&design, named);
     if let Some(index) = board.identify(&design, &known, bank).map_err(of)? {
         return Ok((Some(known[index].origin.name.clone()), weights_hash(&design, &known[index])));
     }

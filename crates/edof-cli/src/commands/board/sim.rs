@@ -6,6 +6,7 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use edof_board::Simulated;
@@ -78,8 +79,9 @@ fn is_codes(file: &Path) -> bool {
 /// # Errors
 /// What does not fit, or no pseudo-terminal.
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
-    let design = sized(designs::load(args.design.as_deref().unwrap_or("tiny"))?, sim.size)?;
-    edof_device::board::clocks(&design)?;
+    let given = args.design.as_deref().unwrap_or("tiny");
+    let design = sized(designs::load(given)?, sim.size)?;
+    edof_device::board::clocks(&design).map_err(|e| said::of_file(given, e))?;
     let network = network(&design, sim.weights.as_deref())?;
     let raw = frame(&design, sim)?;
     let mut device: Box<dyn Device> = if sim.rtl {
@@ -136,7 +138,10 @@ fn sized(mut design: Design, size: Option<(usize, usize)>) -> Result<Design, Err
     if let Some((width, height)) = size {
         design.frame = FrameSize { width, height, ..design.frame };
     }
-    design.check()?;
+    design.check().map_err(|e| match size {
+        Some((width, height)) => Error::message(format!("--size {width}x{height}: {e}")),
+        None => e.into(),
+    })?;
     Ok(design)
 }
 
@@ -144,7 +149,7 @@ fn network(design: &Design, named: Option<&str>) -> Result<FixedNetwork, Error> 
     if let Some(name) = named {
         return Ok(weights::fixed(name)?);
     }
-    let own = super::known(design, None).into_iter().next();
+    let own = super::known(design, &[]).into_iter().next();
     Ok(own.unwrap_or_else(|| edof_random::for_design(design, 1)))
 }
 
@@ -157,8 +162,12 @@ fn frame(design: &Design, sim: &Args) -> Result<RawFrame, Error> {
     let large = raw::load(file, &raw::RawOptions::default())?;
     let (height, width) = large.size();
     if height < size.height || width < size.width {
-        let problem =
-            format!("{}: {width}x{height}, must be at least {}x{}", file.display(), size.width, size.height);
+        let problem = format!(
+            "--frame {}: {width}x{height}, must be at least {}x{}, the design's frame; or give --size",
+            file.display(),
+            size.width,
+            size.height
+        );
         return Err(Error::message(problem));
     }
     crop(&large, (0, 0), size)

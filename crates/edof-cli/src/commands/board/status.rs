@@ -6,13 +6,14 @@ use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::diagnosis::{Finding, findings};
 use edof_board::status::{Look, Report, report};
+use edof_image::words::number;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 /// Frames a second, late frames, share of busy cycles; non-zeros and saturations of every stage; what the video chips miss
 #[derive(clap::Args)]
 pub struct Args {
-    /// Look again and again, until Ctrl-C
+    /// Look again and again, until Ctrl-C; with --json each look is a line of JSON with its time
     #[arg(long)]
     watch: bool,
 
@@ -28,7 +29,10 @@ const BLINK: Duration = Duration::from_millis(20);
 /// A line that fails.
 pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
     if !(status.seconds > 0.0 && status.seconds <= 3600.0) {
-        return Err(Error::message(format!("--seconds {}: must be above 0, at most 3600", status.seconds)));
+        return Err(Error::message(format!(
+            "--seconds {}: must be above 0, at most 3600",
+            number(status.seconds)
+        )));
     }
     let mut board = args.open()?;
     let design = args.design_of(&board)?;
@@ -56,6 +60,7 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
         if !status.watch {
             return ui.json(&serde_json::json!({ "now": after, "report": told, "chips": chips }));
         }
+        ui.json_line(&serde_json::json!({ "now": after, "report": told, "chips": chips }))?;
         before = after;
     }
 }

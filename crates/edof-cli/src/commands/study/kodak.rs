@@ -4,9 +4,10 @@ use super::nets;
 use super::options::{Kernels, MayKeepRows, Outputs, Photographs, measured, open, tell};
 use crate::error::Error;
 use crate::files::Files;
-use crate::lens::{self, Depth};
+use crate::lens::Depth;
+use crate::said;
 use crate::ui::Ui;
-use edof_image::{Noise, Stride, Tone};
+use edof_image::{Noise, Tone};
 use edof_study::kodak::{self, Conditions, Plan, usual_noise};
 use edof_study::setup::{Setup, setups};
 use edof_study::summary::Study;
@@ -72,7 +73,7 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui), &args.nets).reads_pictures_of(args.photographs.folder.path()?);
     args.rows.of(args.outputs.of(files)).check()?;
-    let stride = Stride::new(args.stride)?;
+    let stride = said::stride(args.stride)?;
     let (mut notes, mut loaded) = (vec![], vec![]);
     for name in &args.nets {
         let (net, note) = nets::of_kodak(name, stride, ui)?;
@@ -103,9 +104,9 @@ impl Args {
     /// ψ of the depths, which must be the same before all cameras: tables stand them side by side.
     fn depths(&self, setups: &[Setup]) -> Result<Vec<f64>, Error> {
         let [first, others @ ..] = setups else { return Ok(vec![]) };
-        let psi = lens::psis(&self.psi, &first.camera)?;
+        let psi = said::psis(&self.psi, &first.camera)?;
         for Setup { camera, .. } in others {
-            let own = lens::psis(&self.psi, camera)?;
+            let own = said::psis(&self.psi, camera)?;
             if let Some(((depth, a), b)) = self.psi.iter().zip(&psi).zip(own).find(|((_, a), b)| **a != *b) {
                 return Err(Error::message(format!(
                     "--psi {depth}: is psi {a:.3} before camera {}, {b:.3} before {}: study their nets one by one",

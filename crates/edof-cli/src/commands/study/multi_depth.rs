@@ -5,9 +5,10 @@ use super::options::{Kernels, MayKeepRows, Outputs, measured, open, tell};
 use crate::commands::scene;
 use crate::error::Error;
 use crate::files::Files;
+use crate::said;
 use crate::ui::Ui;
 use edof_camera::Camera;
-use edof_image::{Noise, Stride, Tone};
+use edof_image::{Noise, Tone};
 use edof_methods::dictionary::Dictionary;
 use edof_methods::spec::MethodSpec;
 use edof_optics::draw::{Builtin, four_depths};
@@ -115,7 +116,7 @@ impl Args {
 
     /// The three lenses, the coded one last, and its best network last of all.
     fn lenses(&self, ui: &Ui) -> Result<Vec<Lens>, Error> {
-        let stride = [Stride::new(self.stride)?];
+        let stride = [said::stride(self.stride)?];
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
         let named = |name: &str| -> Result<MethodSpec, Error> {
             let mut methods = MethodSpec::named(name, &stride, &dictionary)?;

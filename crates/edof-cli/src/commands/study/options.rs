@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::ui::Ui;
+use edof_image::words::count;
 use edof_io::photos::{self, Photo, Selection};
 use edof_optics::psf::Settings;
 use edof_report::Report;
@@ -36,12 +37,24 @@ impl Folder {
     /// # Errors
     /// A text that selects nothing, a folder that cannot be read, nothing in it.
     pub fn load(&self, selection: &str, ui: &Ui) -> Result<(Vec<Photo>, Vec<String>), Error> {
-        let selection: Selection = selection.parse()?;
-        let (photos, skipped) = photos::load(&self.path()?, &selection)?;
+        let (mut selection, folder): (Selection, _) = (selection.parse()?, self.path()?);
+        let mut notes = vec![];
+        if selection == Selection::Test && photos::has_no_numbers(&folder) {
+            notes.push(format!(
+                "{}: no file has a number, by which photographs for tests are chosen; all are taken, as by --photos all",
+                folder.display()
+            ));
+            selection = Selection::All;
+        }
+        let (photos, skipped) = photos::load(&folder, &selection)?;
         photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
-        let mut notes: Vec<String> = skipped.iter().map(|why| format!("photo skipped: {why}")).collect();
+        notes.extend(skipped.iter().map(|why| format!("photo skipped: {why}")));
         if !skipped.is_empty() {
-            notes.push(format!("{} of {} photos skipped", skipped.len(), skipped.len() + photos.len()));
+            notes.push(format!(
+                "{} of {} skipped",
+                skipped.len(),
+                count(skipped.len() + photos.len(), "photo")
+            ));
         }
         Ok((photos, notes))
     }
@@ -53,7 +66,7 @@ pub struct Photographs {
     #[command(flatten)]
     pub folder: Folder,
 
-    /// test (every third number), train (the others), all, or numbers such as 3,6
+    /// test (every third number; where no file has a number, all), train (the others), all, or numbers such as 3,6
     #[arg(long, default_value = "test")]
     pub photos: String,
 }

@@ -6,8 +6,9 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth};
+use crate::said;
 use crate::ui::Ui;
-use edof_image::{Noise, Stride, Tone};
+use edof_image::{Noise, Tone};
 use edof_methods::dictionary::Dictionary;
 use edof_methods::spec::MethodSpec;
 use edof_study::kodak::usual_noise;
@@ -124,7 +125,7 @@ impl Args {
     fn plan(&self, ui: &Ui) -> Result<(Plan, Vec<String>), Error> {
         let camera = lens::resolve(&self.camera, None)?.camera;
         ui.used(camera.input());
-        let strides = self.stride.iter().map(|&step| Stride::new(step)).collect::<Result<Vec<_>, _>>()?;
+        let strides = self.stride.iter().map(|&step| said::stride(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
         // What is quick to refuse comes before what takes its time.
         let mut others = vec![];
@@ -143,7 +144,7 @@ impl Args {
         methods.extend(others);
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
-        let (psi, optics) = (lens::psis(&self.psi, &camera)?, self.kernels.settings());
+        let (psi, optics) = (said::psis(&self.psi, &camera)?, self.kernels.settings());
         Ok((
             Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.rows.part.shard },
             notes,

@@ -1,5 +1,6 @@
 //! `edof train`: a float network from photographs.
 
+mod blurs;
 mod checkpoints;
 mod options;
 pub mod photographs;
@@ -14,17 +15,13 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Lens};
 use crate::ui::Ui;
-use crate::{interrupt, memory, weights};
-use edof_camera::Camera;
-use edof_image::ColourFrame;
+use crate::{memory, said, weights};
 use edof_network::network::{Form, Network};
 use edof_network::weight_file;
 use edof_storage::provenance::{Input, Provenance};
 use edof_train::checkpoint::Run;
-use edof_train::dataset::Dataset;
 use edof_train::recipe::Recipe;
 use edof_train::train::check_threads;
-use photographs::Photograph;
 use seed::one_seed;
 use std::path::PathBuf;
 
@@ -41,19 +38,22 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     checkpoints::check(args, &seeds)?;
     let files = files.keeps(args.force);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
-    camera.psi_range = args.psi.map_or(Ok(camera.psi_range), |range| range.psi(&camera))?;
+    camera.psi_range = args
+        .psi
+        .map_or(Ok(camera.psi_range), |range| range.psi(&camera))
+        .map_err(|e| Error::message(format!("--psi {e}")))?;
     ui.used(camera.input());
     from.iter().for_each(|from| ui.used(from.input.clone()));
     let recipe = &seeds[0].0;
-    recipe.check()?;
-    check_threads(args.threads())?;
+    recipe.check().map_err(said::recipe)?;
+    check_threads(args.threads()).map_err(said::recipe)?;
     memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let mut photographs = photographs::photographs(&args.images, args.photos.as_ref(), ui)?;
     photographs::leave_out(&mut photographs, &args.leave_out)?;
     let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
     photos.iter().for_each(|photo| ui.used(photo.clone()));
-    let dataset = dataset(&photographs, &camera, recipe, &psis, ui)?;
+    let dataset = blurs::dataset(&photographs, &camera, recipe.dataset(&psis), &photos, !args.no_cache, ui)?;
     let mut results = Vec::new();
     for (recipe, file) in &seeds {
         let run = Run {
@@ -97,26 +97,6 @@ impl Beginning {
 fn bytes_a_window(form: &Form) -> f64 {
     let words = form.window.pixels() + 3 * 192 + 4 * form.codes * form.layers;
     (words * size_of::<f32>()) as f64
-}
-
-/// What photographs are made into.
-fn dataset(
-    photographs: &[Photograph],
-    camera: &Camera,
-    recipe: &Recipe,
-    psis: &[f64],
-    ui: &Ui,
-) -> Result<Dataset, Error> {
-    let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
-    let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
-    let pictures = recipe.tones.len() as f64 * recipe.augmentation.variants as f64 * (psis.len() + 1) as f64;
-    memory::check("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
-    let bar = ui.progress(frames.len() as u64, "blur");
-    let tell = |done: usize, _| {
-        bar.set(done as u64);
-        interrupt::check().is_ok()
-    };
-    Dataset::new(&frames, camera, recipe.dataset(psis), tell)?.ok_or(Error::Interrupted)
 }
 
 fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {

@@ -66,8 +66,9 @@ pub struct Args {
     #[arg(long, value_name = "LOW:HIGH", value_parser = depths, allow_hyphen_values = true)]
     pub(super) psi: Option<DepthRange>,
 
-    /// What a photograph's values are: linear (the paper's: light itself), srgb (codes of light, noise as a sensor has it,
-    /// errors measured on codes), or both, half of the windows each
+    /// What a photograph's values are: srgb (codes of light, noise as a sensor has it, errors measured on codes; as edof capture
+    /// takes them), linear (the paper's: light itself), or both, half of the windows each [default: srgb, or with --from what that
+    /// network was trained on]
     #[arg(long)]
     pub(super) tone: Option<Tones>,
 
@@ -155,6 +156,11 @@ pub struct Args {
     /// Seed of everything random; of several, as in 1,2,3, the network that validates best is written
     #[arg(long, value_delimiter = ',')]
     pub(super) seed: Vec<u64>,
+
+    /// Blur the photographs anew, and do not keep them blurred: else the next training on the same ones, behind the same camera, takes them
+    /// from the cache (~/.cache/edof/blurs, the last three data sets of at most 4 GiB each)
+    #[arg(long)]
+    pub(super) no_cache: bool,
 
     /// Threads [default: one for each core, 8 at most: more are of no use]
     #[arg(long)]

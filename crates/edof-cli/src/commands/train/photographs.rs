@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::ui::Ui;
 use edof_image::ColourFrame;
+use edof_image::words::count;
 use edof_io::photo;
 use edof_io::photos::{self, Selection};
 use std::collections::BTreeSet;
@@ -17,6 +18,8 @@ pub struct Photograph {
     pub folder: String,
     /// Name of its file, without the ending.
     pub stem: String,
+    /// Its file.
+    pub file: PathBuf,
     /// Its values, 0…1; sides even.
     pub frame: ColourFrame,
 }
@@ -70,9 +73,14 @@ pub fn photographs(
             ui.note(format!("skipped {error}"));
         }
         if !skipped.is_empty() {
-            ui.note(format!("{} of {} photographs skipped", skipped.len(), skipped.len() + named.len()));
+            ui.note(format!(
+                "{} of {} skipped",
+                skipped.len(),
+                count(skipped.len() + named.len(), "photograph")
+            ));
         }
         found += named.len();
+        let files = edof_io::picture::of_folder(folder).unwrap_or_default();
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let wanted = named.into_iter().filter(|(stem, _)| match choice {
             Some(selection) => selection.holds(stem),
@@ -81,14 +89,18 @@ pub fn photographs(
         photographs.extend(wanted.map(|(stem, frame)| {
             // Whole Bayer cells.
             let (height, width) = frame.size();
-            Photograph { folder: name.clone(), stem, frame: frame.crop(0, 0, height & !1, width & !1) }
+            let frame = frame.crop(0, 0, height & !1, width & !1);
+            let file = files.iter().find(|file| file.file_stem().is_some_and(|own| *own == *stem));
+            let file = file.cloned().unwrap_or_else(|| folder.join(&stem));
+            Photograph { folder: name.clone(), stem, file, frame }
         }));
     }
     if photographs.is_empty() {
         let folders: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
         return Err(Error::message(format!(
-            "{}: none of its {found} photographs is to be trained on; choose with --photos",
-            folders.join(", ")
+            "{}: {}, none to be trained on; choose with --photos, as in --photos all",
+            folders.join(", "),
+            count(found, "photograph")
         )));
     }
     Ok(photographs)

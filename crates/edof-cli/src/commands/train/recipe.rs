@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::form;
 use crate::provenance::CommandLine;
 use clap::ValueEnum;
+use edof_image::Tone;
 use edof_network::network::Network;
 use edof_train::budget::Budget;
 use edof_train::recipe::Recipe;
@@ -16,8 +17,9 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
         (Some(form), Some(found)) if form != found => {
             let name = args.from.as_deref().unwrap_or_default();
             return Err(Error::message(format!(
-                "--from {name}: its form is {}, not --form",
-                form::words(&found)
+                "--from {name}: its form is {}, that of --form {}; leave --form out, or train without --from",
+                form::words(&found),
+                form::words(&form)
             )));
         }
         (form, found) => form.or(found).unwrap_or_else(|| unreachable!("the options ask for one of them")),
@@ -39,6 +41,7 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
     set(&mut recipe.validate_every, args.validate_every);
     set(&mut recipe.patience, args.patience);
     set(&mut recipe.lambda, Some(args.lambda.clone()).filter(|l| !l.is_empty()));
+    set(&mut recipe.tones, from.map(tones_of).filter(|tones| !tones.is_empty()));
     set(&mut recipe.tones, args.tone.map(Tones::all));
     set(&mut recipe.weighting, args.weighting.map(Into::into));
     set(&mut recipe.start, args.start.map(Into::into));
@@ -51,6 +54,12 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
         return Err(Error::message(format!("--seed: {} is given twice", twice.1)));
     }
     Ok(seeds.into_iter().map(|seed| Recipe { seed, ..recipe.clone() }).collect())
+}
+
+/// The tones that a network was trained on, each once.
+fn tones_of(network: &Network) -> Vec<Tone> {
+    let on = |tone: &Tone| network.origin.conditions.iter().any(|condition| condition.tone == *tone);
+    Tone::ALL.into_iter().filter(on).collect()
 }
 
 fn budget(args: &Args, usual: Option<Budget>) -> Result<Option<Budget>, Error> {

@@ -7,6 +7,7 @@ use super::seed::Trained;
 use crate::error::Error;
 use crate::ui::Ui;
 use edof_image::Tone;
+use edof_image::words::count;
 use edof_network::network::Network;
 use edof_train::train::Trainer;
 use edof_train::validation::Validation;
@@ -143,7 +144,7 @@ fn tell_photographs(photographs: &[Photograph], ui: &Ui) -> Result<(), Error> {
     for folder in folders(photographs) {
         let stems: Vec<&str> =
             photographs.iter().filter(|p| p.folder == folder).map(|p| p.stem.as_str()).collect();
-        ui.say(format!("{} photographs of {folder}: {}", stems.len(), stems.join(" ")))?;
+        ui.say(format!("{} of {folder}: {}", count(stems.len(), "photograph"), stems.join(" ")))?;
     }
     Ok(())
 }

@@ -1,0 +1,188 @@
+//! `edof design`: design files made and checked.
+
+use crate::designs;
+use crate::error::Error;
+use crate::files::Files;
+use crate::form;
+use crate::said;
+use crate::ui::Ui;
+use crate::weights;
+use edof_cosim::promise::Promise;
+use edof_device::Design;
+use edof_device::design::{FrameSize, StageSize};
+use edof_golden::cycle::estimate::estimate;
+use edof_golden::cycle::explore::foldings;
+use edof_hdl::resources::{self, XC7K325T};
+use edof_image::Stride;
+use edof_image::colour::OUTPUTS_422;
+use edof_io::raw::Size;
+use edof_network::network::Form;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Make a design file, or check one: what it promises, and whether a network fits it
+///
+/// A design says what hardware is generated: the form of network, how each stage is folded, the clock, the picture. docs/design.md lists every
+/// field with its units and legal values.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
+  edof design new --weights mine.fixed.safetensors --multipliers 400 --out small.json
+  edof design check mine.json --weights mine.fixed.safetensors
+  edof design check kc705 --json")]
+pub struct Args {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(clap::Subcommand)]
+enum Task {
+    New(New),
+    Check(Check),
+}
+
+/// Write a design file: of all foldings within the multipliers and an XC7K325T the fastest where no value is zero
+#[derive(clap::Args)]
+struct New {
+    /// Form of the networks that it runs
+    #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "weights", conflicts_with = "weights")]
+    form: Option<Form>,
+
+    /// Network that it is to run, by name or file: its form, bits, sums and stride are taken
+    #[arg(long, value_name = "NAME|FILE")]
+    weights: Option<String>,
+
+    /// Design file to write, JSON
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+
+    /// Name of the design [default: OUT without its ending]
+    #[arg(long)]
+    name: Option<String>,
+
+    /// Clock of the calculator in megahertz, above 0, at most 400; on the KC705 one that an MMCM makes of 200 MHz
+    #[arg(long, default_value_t = 200.0, value_name = "MHZ")]
+    clock_mhz: f64,
+
+    /// Size of a picture
+    #[arg(long, default_value = "1920x1080", value_name = "WIDTHxHEIGHT")]
+    size: Size,
+
+    /// Pixels from one patch to the next: 2, 4 or 8 [default: the network's, else 8]
+    #[arg(long, value_name = "PIXELS")]
+    stride: Option<usize>,
+
+    /// Multipliers (DSP48E1) that it may take at most
+    #[arg(long, default_value_t = 840, value_name = "N")]
+    multipliers: usize,
+}
+
+/// Check a design: its fields, its frames and clock on a board, and whether a network fits it
+#[derive(clap::Args)]
+struct Check {
+    /// Design: tiny, paper, kc705, or a JSON file
+    #[arg(value_name = "NAME|FILE")]
+    design: String,
+
+    /// Quantized network that is to run on it, by name or file
+    #[arg(long, value_name = "NAME|FILE")]
+    weights: Option<String>,
+}
+
+/// # Errors
+/// A design that cannot be built or that no board takes, a network that does not fit, a file that cannot be written.
+pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
+    match &args.task {
+        Task::New(new) => new.run(ui),
+        Task::Check(check) => check.run(ui),
+    }
+}
+
+impl New {
+    fn run(&self, ui: &Ui) -> Result<(), Error> {
+        let files = Files::new(ui).reads_all(self.weights.as_deref().and_then(weights::fixed_file));
+        files.writes("--out", &self.out).check()?;
+        let base = self.base()?;
+        let pairs: Vec<f64> = base.stages().map(|stage| stage.inputs as f64).collect();
+        let fits = |design: &Design| {
+            let used = resources::whole(design);
+            used.dsp48e1 <= self.multipliers && used.fullest(&XC7K325T).1 <= 1.0
+        };
+        let cycles = |design: &Design| estimate(design, None).cycles_per_patch;
+        let best =
+            foldings(&base, &pairs).into_iter().filter(fits).min_by(|a, b| cycles(a).total_cmp(&cycles(b)));
+        let design = best.ok_or_else(|| {
+            Error::message(format!(
+                "--multipliers {}: no folding of this form has as few and fits an XC7K325T; allow more",
+                self.multipliers
+            ))
+        })?;
+        let promise = Promise::of(&design).map_err(|e| self.of_options(&e))?;
+        edof_storage::atomic::write(&self.out, (serde_json::to_string_pretty(&design)? + "\n").as_bytes())?;
+        tell(&design, &promise, ui)?;
+        ui.json(&json!({ "design": design, "out": self.out.display().to_string(), "promise": promise }))
+    }
+
+    /// The design with one lane for as many outputs as may be, before it is folded.
+    fn base(&self) -> Result<Design, Error> {
+        let network = self.weights.as_deref().map(weights::fixed).transpose()?;
+        let form = self.form.or(network.as_ref().map(|network| network.form));
+        let form = form.unwrap_or_else(|| unreachable!("the options ask for one of them"));
+        let own = network.as_ref().map_or(Stride::PATCH, |network| network.stride);
+        let stride = self.stride.map_or(Ok(own), said::stride)?;
+        let last = form.layers - 1;
+        let lanes = |stage: usize| if stage == last { OUTPUTS_422 } else { form.codes };
+        let stem = self.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let design = Design {
+            name: self.name.clone().unwrap_or(stem),
+            clock_mhz: self.clock_mhz,
+            form,
+            code_bits: network.as_ref().map_or(16, |network| network.code_bits),
+            accumulator_bits: network
+                .map_or(40, |n| n.accumulator_bits().into_iter().max().unwrap_or(0).max(32)),
+            skip_zeros: true,
+            stages: (0..=last).map(|stage| StageSize { lanes: lanes(stage), rows: 1 }).collect(),
+            frame: FrameSize { width: self.size.width, height: self.size.height, stride },
+        };
+        design.check().map_err(|e| self.of_options(&e))?;
+        Ok(design)
+    }
+
+    /// What is wrong, by the option that says so.
+    fn of_options(&self, error: &edof_device::design::DesignError) -> Error {
+        let text = error.to_string();
+        let option = match text.split([' ', ':']).next().unwrap_or_default() {
+            "clock_mhz" => format!("--clock-mhz {}: ", edof_image::words::number(self.clock_mhz)),
+            "frame" => format!("--size {}: ", self.size),
+            "form.codes" | "stages" | "layers" => "--form: ".to_owned(),
+            _ => String::new(),
+        };
+        Error::message(format!("{option}{text}"))
+    }
+}
+
+impl Check {
+    fn run(&self, ui: &Ui) -> Result<(), Error> {
+        let files = Files::new(ui).reads(&self.design);
+        files.reads_all(self.weights.as_deref().and_then(weights::fixed_file)).check()?;
+        let design = designs::load(&self.design)?;
+        ui.used(designs::input(&design));
+        if let Some(name) = &self.weights {
+            ui.used(weights::fixed_input(name)?);
+            designs::fits_given(&design, &self.design, &weights::fixed(name)?)?;
+        }
+        let promise = Promise::of(&design).map_err(|e| said::of_file(&self.design, e))?;
+        tell(&design, &promise, ui)?;
+        if let Some(name) = &self.weights {
+            ui.say(format!("{name} fits it"))?;
+        }
+        ui.json(&json!({ "design": design, "weights": self.weights, "promise": promise }))
+    }
+}
+
+fn tell(design: &Design, promise: &Promise, ui: &Ui) -> Result<(), Error> {
+    let stages = design.stages.iter().map(|stage| format!("{}x{}", stage.lanes, stage.rows));
+    let stages = stages.collect::<Vec<_>>().join(" ");
+    ui.say(format!("{}: {}, lanes x rows {stages}", design.name, form::words(&design.form)))?;
+    promise.rows(design).iter().try_for_each(|(what, text)| ui.say(format!("  {what}: {text}")))
+}

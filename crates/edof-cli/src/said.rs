@@ -1,0 +1,103 @@
+//! What the user said, in errors of parts that do not know of files and options: a failure names the option or the file that it is about.
+
+use crate::error::Error;
+use crate::lens::Depth;
+use edof_camera::Camera;
+use edof_image::words::number;
+use edof_image::{Stride, Window};
+use edof_optics::design::DesignError as LensDesignError;
+use edof_optics::psf::{self, NoPsf};
+use edof_train::dataset::DatasetError;
+use edof_train::recipe::RecipeError;
+use std::fmt::Display;
+use std::path::Path;
+
+/// A failure of a file that was named.
+pub fn of_file(file: impl AsRef<Path>, error: impl Display) -> Error {
+    Error::message(format!("{}: {error}", file.as_ref().display()))
+}
+
+/// A failure of an option's value that begins with the name of what the option sets, as in `stride 3: must be …`.
+fn of_option(error: impl Display) -> Error {
+    Error::message(format!("--{error}"))
+}
+
+/// The stride of `--stride`.
+///
+/// # Errors
+/// One that there is none of.
+pub fn stride(pixels: usize) -> Result<Stride, Error> {
+    Stride::new(pixels).map_err(of_option)
+}
+
+/// The window of `--window`.
+///
+/// # Errors
+/// One that there is none of.
+pub fn window(side: usize) -> Result<Window, Error> {
+    Window::new(side).map_err(of_option)
+}
+
+/// ψ of the depths of `--psi` before a camera that has PSFs there.
+///
+/// # Errors
+/// A distance before a camera that does not know where ψ is zero, or a depth where it has no PSFs: the depth as it was given.
+pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
+    let one = |depth: &Depth| {
+        let psi = depth.psi(camera).map_err(|e| Error::message(format!("--psi {e}")))?;
+        psf::check(camera, psi).map_err(|e| match (&e, depth) {
+            (NoPsf::Missing { .. } | NoPsf::NoMask { .. }, _) => e.into(),
+            (_, Depth::Psi(_)) => Error::message(format!("--{e}")),
+            (_, Depth::Metres(_)) => Error::message(format!("--psi {}: {e}", depth.in_words())),
+        })?;
+        Ok(psi)
+    };
+    depths.iter().map(one).collect()
+}
+
+/// A field as `edof train` and `edof optics design` name its option.
+fn option(field: &str) -> String {
+    match field {
+        "largest phase" => "most-phase".to_owned(),
+        "weight of the worst depth" => "worst-weight".to_owned(),
+        "psi" => "psi-range".to_owned(),
+        field => field.replace(' ', "-"),
+    }
+}
+
+/// A recipe of `edof train` that cannot be followed.
+pub fn recipe(error: RecipeError) -> Error {
+    match error {
+        RecipeError::Value { field, value, expected } => {
+            let value = value.parse().map_or(value, number);
+            Error::message(format!("--{} {value}: must be {expected}", option(field)))
+        }
+        error => error.into(),
+    }
+}
+
+/// Photographs that nothing can be learned from; `photo` names the one at a position of the list.
+pub fn dataset(error: DatasetError, photo: impl Fn(usize) -> String) -> Error {
+    match error {
+        DatasetError::Value { field, value, expected } => {
+            Error::message(format!("--{field} {value}: must be {expected}"))
+        }
+        DatasetError::SmallPhoto { index, width, height, least, reach } => Error::message(format!(
+            "{}: {width}x{height}, both sides should be at least {least} pixels: a quarter of each is for validation, and \
+             training keeps {reach} pixels away from it, as far as the blur reaches; leave it out, or narrow --psi",
+            photo(index)
+        )),
+        error => error.into(),
+    }
+}
+
+/// A search of `edof optics design` that cannot be made.
+pub fn lens_design(error: LensDesignError) -> Error {
+    match error {
+        LensDesignError::Value { field, value, expected } => {
+            let focus = if field == "psi" && value.contains("focus") { " and --focus" } else { "" };
+            Error::message(format!("--{}{focus}: {field} is {value}, expected {expected}", option(field)))
+        }
+        error => error.into(),
+    }
+}

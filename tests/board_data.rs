@@ -1,0 +1,187 @@
+//! What programs are told of a board: one object a command, failures too, a line a look, and how far a load is.
+
+#![cfg(target_os = "linux")]
+
+use crate::board::{Sim, drawn, wait};
+use crate::support::{Place, Run};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+
+fn board(place: &Place, line: &str) -> Run {
+    place.edof(&format!("board {line} --port board --json"))
+}
+
+/// The one object on standard output.
+#[track_caller]
+fn object(run: &Run) -> Value {
+    let value: Value =
+        serde_json::from_str(&run.out).unwrap_or_else(|e| panic!("{e}: {} {}", run.out, run.err));
+    assert!(value.is_object(), "{value}");
+    value
+}
+
+#[test]
+fn every_command_of_a_board_prints_one_object() {
+    let place = Place::new();
+    drawn(&place, "own", 5);
+    drawn(&place, "other", 6);
+    let sim = Sim::start(&place, "--weights own.fixed.safetensors");
+    wait("chips are set up", || object(&board(&place, "get status.i2c_done"))["value"] == 1);
+    for line in [
+        "find",
+        "info",
+        "load other.fixed.safetensors",
+        "verify other.fixed.safetensors",
+        "status --seconds 0.1",
+        "align --codes 100",
+        "get scratch",
+        "set scratch 3",
+        "dump",
+        "skip on",
+        "display luma",
+        "bank a",
+        "flush",
+        "reset",
+        "map",
+    ] {
+        let run = board(&place, line).done();
+        let found = object(&run);
+        assert!(found.get("error").is_none() && found.get("provenance").is_some(), "{line}: {found}");
+    }
+    assert_eq!(object(&board(&place, "set scratch 7"))["value"], 7);
+    sim.end_quietly();
+}
+
+#[test]
+fn a_failure_is_an_object_too_and_tells_what_differed() {
+    let place = Place::new();
+    drawn(&place, "own", 5);
+    drawn(&place, "other", 6);
+    let sim = Sim::start(&place, "--weights own.fixed.safetensors");
+    let run = board(&place, "verify other.fixed.safetensors");
+    assert_eq!(run.code, Some(1));
+    let told = object(&run);
+    assert_eq!(
+        (&told["bank"], &told["weights"]),
+        (&Value::from("a"), &Value::from("other.fixed.safetensors"))
+    );
+    let differ = told["differ"].as_array().unwrap();
+    assert!(!differ.is_empty() && differ.len() <= told["parts"].as_u64().unwrap() as usize, "{told}");
+    assert!(told["error"].as_str().unwrap().contains("bank a does not hold"), "{told}");
+    let run = board(&place, "verify own.fixed.safetensors --curve bt709");
+    let told = object(&run);
+    assert_eq!((run.code, told["tables_differ"].as_array().unwrap().len()), (Some(1), 4), "{told}");
+    for line in ["get contrl", "set scratch many", "load paper-t4", "set id 3", "get weights[99999999]"] {
+        let run = board(&place, line);
+        let told = object(&run);
+        let error = told["error"].as_str().unwrap_or_else(|| panic!("{line}: {told}"));
+        assert!(run.code == Some(1) && run.err.contains(error), "{line}: {} {told}", run.err);
+    }
+    sim.end_quietly();
+    let run = place.edof("board find --port board --json");
+    let told = object(&run);
+    assert_eq!((run.code, &told["boards"]), (Some(1), &Value::from(0)), "{told}");
+    assert!(run.err.contains("board: there is no such path"), "{}", run.err);
+}
+
+#[test]
+fn a_watch_is_one_object_a_line_with_a_time() {
+    let place = Place::new();
+    let sim = Sim::start(&place, "");
+    let line = "board status --watch --seconds 0.1 --port board --json";
+    let mut child = place.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let mut looks = vec![];
+    for _ in 0..3 {
+        looks.push(serde_json::from_str::<Value>(&lines.next().unwrap().unwrap()).unwrap());
+    }
+    for pair in looks.windows(2) {
+        let [before, after] = [&pair[0], &pair[1]].map(|look| look["time"].as_str().unwrap());
+        assert!(before < after && before.len() == "2026-11-22T07:05:09.250Z".len(), "{before}, {after}");
+        assert!(pair[0]["report"]["frames_per_second"].is_number(), "{}", pair[0]);
+    }
+    // Meanwhile nobody else talks on the line.
+    place.edof("board info --port board").refused(&["board: another program has the port", "--port"]);
+    // And where the board ends, that is told in words.
+    drop(sim);
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("board: the board went away") && told.contains("load again"), "{told}");
+}
+
+#[test]
+fn networks_of_ones_own_have_names_and_both_banks_have_hashes() {
+    let place = Place::new();
+    drawn(&place, "own", 5);
+    drawn(&place, "other", 6);
+    let sim = Sim::start(&place, "--weights own.fixed.safetensors");
+    board(&place, "load other.fixed.safetensors").done();
+    let banks = |line: &str| object(&board(&place, line).done())["banks"].clone();
+    let unknown = banks("info");
+    assert!(unknown[0]["weights"].is_null() && unknown[0]["hash"].is_null(), "{unknown}");
+    assert!(unknown[1]["weights"].is_null() && unknown[1]["hash"].is_string(), "{unknown}");
+    let named = banks("info --weights own.fixed.safetensors,other.fixed.safetensors");
+    let name = |bank: usize| named[bank]["weights"].as_str().unwrap_or_else(|| panic!("{named}")).to_owned();
+    assert_ne!(name(0), "");
+    assert_eq!(named[1]["hash"], unknown[1]["hash"], "the register holds the hash of the bank in use");
+    assert!(named[0]["hash"].is_string() && named[0]["hash"] != named[1]["hash"], "{named}");
+    let said = place.edof("board info --port board").done().out;
+    assert!(
+        said.contains(
+            "bank a: hash unknown, a network that the program does not have; name its file by --weights"
+        ),
+        "{said}"
+    );
+    // Switched to by name, the bank has its hash again.
+    let told = object(&board(&place, "bank a --weights own.fixed.safetensors").done());
+    assert_eq!((&told["weights"], &told["hash"]), (&named[0]["weights"], &named[0]["hash"]));
+    sim.end_quietly();
+}
+
+#[test]
+fn how_far_a_load_is_can_be_read_by_a_program() {
+    let place = Place::new();
+    drawn(&place, "new", 9);
+    let sim = Sim::start(&place, "");
+    let run = place.edof("board load new.fixed.safetensors --full --port board --progress json").done();
+    let lines = progress(&run.err);
+    assert!(lines.len() >= 2, "{}", run.err);
+    assert!(lines.iter().all(|line| line["progress"] == "words" && line["time"].is_string()), "{}", run.err);
+    let last = lines.last().unwrap();
+    assert_eq!(last["done"], last["total"]);
+    sim.end_quietly();
+}
+
+/// Lines of JSON on standard error.
+fn progress(err: &str) -> Vec<Value> {
+    err.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {line}"))).collect()
+}
+
+#[test]
+fn long_work_writes_its_progress_remarks_and_failure_as_lines_of_data() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 288, 256);
+    place.write("photos/b.png", "no picture");
+    let train = "train --form two-sided,w8,t2,c8 --camera clear --images photos --depths 1 --batch 64 --steps 4 \
+                 --validate-every 2 --no-cache --out net.safetensors --progress json";
+    let lines = progress(&place.edof(train).done().err);
+    let of = |key: &str, value: &str| {
+        lines.iter().filter(|line| line[key].as_str().is_some_and(|v| v.contains(value))).count()
+    };
+    assert!(of("progress", "blur") >= 1 && of("progress", "train, seed") >= 1, "{lines:?}");
+    assert_eq!(of("note", "skipped photos/b.png"), 1, "{lines:?}");
+    let last =
+        lines.iter().rfind(|line| line["progress"].as_str().is_some_and(|v| v.starts_with("train"))).unwrap();
+    assert_eq!((&last["done"], &last["total"]), (&Value::from(4), &Value::from(4)));
+    let run = place.edof(train);
+    assert_eq!(run.code, Some(1));
+    let lines = progress(&run.err);
+    assert!(lines.last().unwrap()["error"].as_str().unwrap().contains("is there already"), "{lines:?}");
+    let quantize =
+        "quantize net.safetensors --images photos --photos all --out net.fixed.safetensors --progress json";
+    let lines = progress(&place.edof(quantize).done().err);
+    assert!(lines.iter().any(|line| line["progress"] == "pictures captured"), "{lines:?}");
+}

@@ -1,0 +1,263 @@
+//! What somebody meets who follows the documents with files of his own: one tone from the photograph to the picture, sides that are odd,
+//! photographs without numbers, arrays of other programs.
+
+use crate::support::Place;
+use serde_json::Value;
+
+fn json(place: &Place, name: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(place.path(name)).unwrap()).unwrap()
+}
+
+const TRAIN: &str = "train --form one-sided,w8,t2,c16,r --camera clear --images photos --photos all --depths 2 --psi 0:2 --steps 200 --batch 128 \
+                     --validate-every 100 --threads 2";
+
+#[test]
+fn a_photograph_is_taken_and_learned_from_under_one_tone() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 288, 256);
+    let capture = "capture photos/a.png --camera clear --psi 1 --out raw.png --sharp sharp.png";
+    place.edof(capture).done();
+    assert_eq!(json(&place, "raw.png.json")["tone"], "srgb");
+    place.edof(&format!("{TRAIN} --out net.safetensors --json net.json")).done();
+    place.edof("weights net.safetensors --json about.json").done();
+    let about = std::fs::read_to_string(place.path("about.json")).unwrap();
+    assert!(about.contains("\"tone\": \"srgb\"") && !about.contains("\"tone\": \"linear\""), "{about}");
+    // The path to its end: nothing is said of tones, and the picture is about what validation promised.
+    place.edof("quantize net.safetensors --images photos --photos all --out net.fixed.safetensors").done();
+    let run = place.edof("reconstruct raw.png --weights net.fixed.safetensors --out picture.png").done();
+    assert!(!run.err.contains("tone"), "{}", run.err);
+    place.edof("compare sharp.png picture.png --json compared.json").done();
+    let (promised, found) = (json(&place, "net.json"), json(&place, "compared.json"));
+    let [promised, found] = [&promised["validation_db"], &found["psnr_db"]].map(|db| db.as_f64().unwrap());
+    assert!(found > promised - 2.0, "validation promised {promised:.2} dB, the picture has {found:.2}");
+    // The other tone is told with its loss, on either side.
+    place.edof(&format!("{capture} --tone linear")).done();
+    let run = place.edof("reconstruct raw.png --weights net.fixed.safetensors --out picture.png").done();
+    for told in [
+        "trained on pictures of tone srgb, raw.png is of linear",
+        "expect about 4 dB less",
+        "edof train --tone linear",
+    ] {
+        assert!(run.err.contains(told), "{}", run.err);
+    }
+    // What goes on from a network stays with its tone.
+    place.edof(&format!("{TRAIN} --tone linear --out other.safetensors")).done();
+    let on = TRAIN
+        .replace("--form one-sided,w8,t2,c16,r", "--from other.safetensors")
+        .replace("--steps 200", "--steps 100");
+    place.edof(&format!("{on} --out third.safetensors")).done();
+    let about = place.edof("weights third.safetensors --json").done().out;
+    assert!(about.contains("\"tone\": \"linear\"") && !about.contains("\"tone\": \"srgb\""), "{about}");
+}
+
+#[test]
+fn a_network_for_light_is_named_where_one_for_codes_was_taken() {
+    let place = Place::new();
+    place.edof("capture chart --size 96x64 --camera ring-outer --psi 4 --out raw.png").done();
+    let run = place.edof("reconstruct raw.png --weights edof-t4w12-outer --out picture.png").done();
+    for told in [
+        "--weights edof-t4w12-outer: trained on pictures of tone linear, raw.png is of srgb",
+        "expect about 1.3 dB less",
+        "docs/decisions/0041-one-tone.md",
+        "use --weights edof-t4w12-outer-light",
+    ] {
+        assert!(run.err.contains(told), "{}", run.err);
+    }
+    let run = place.edof("reconstruct raw.png --out picture.png").done();
+    assert!(!run.err.contains("tone"), "{}", run.err);
+}
+
+#[test]
+fn an_odd_photograph_is_compared_with_the_picture_of_its_whole_cells() {
+    let place = Place::new();
+    place.photo("odd.png", 65, 49);
+    place.edof("capture odd.png --psi 0 --out raw.png --sharp sharp.png").done();
+    for line in ["odd.png sharp.png", "sharp.png odd.png"] {
+        let run = place.edof(&format!("compare {line}")).done();
+        assert!(run.err.contains("odd.png: 65x49 cropped to 64x48, as the other"), "{}", run.err);
+        assert!(run.out.contains("64x48"), "{}", run.out);
+    }
+    place.photo("other.png", 80, 48);
+    place
+        .edof("compare odd.png other.png")
+        .refused(&["odd.png, other.png: frames of 65x49 and 80x48 pixels"]);
+}
+
+#[test]
+fn a_study_of_photographs_without_numbers_takes_all_and_says_so() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    for name in ["beach", "forest"] {
+        place.photo(&format!("photos/{name}.png"), 64, 48);
+    }
+    let study =
+        "study kodak --nets net.safetensors --images photos --psi 0 --noise none --json s.json --force";
+    let run = place.edof(study).done();
+    let told = [run.out.as_str(), run.err.as_str()].concat();
+    assert!(told.contains("photos: no file has a number") && told.contains("--photos all"), "{told}");
+    let rows = json(&place, "s.json").to_string();
+    assert!(rows.contains("beach") && rows.contains("forest"), "{rows}");
+    // One number is a choice.
+    place.photo("photos/p04.png", 64, 48);
+    place.edof(study).refused(&["photos: holds no readable photograph of 'test'"]);
+}
+
+/// NumPy's own files: stored, compressed, of halves, and one array a file.
+#[test]
+fn a_bank_of_any_of_numpys_kinds_gives_the_same_frame() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let script = "import numpy as np\n\
+                  psi = np.arange(3.0); y, x = np.mgrid[-2:3, -2:3]\n\
+                  psf = np.array([[np.exp2(-abs(x) - abs(y) - p) for c in range(3)] for p in psi])\n\
+                  np.savez('stored.npz', psi=psi, psf=psf)\n\
+                  np.savez_compressed('compressed.npz', psi=psi, psf=psf)\n\
+                  np.savez_compressed('halves.npz', psi=psi.astype('f2'), psf=psf.astype('f2'))\n\
+                  np.save('lens-psf.npy', psf.astype('>f4')); np.save('lens-psi.npy', psi)\n";
+    let python = ["python3", "/usr/bin/python3"].into_iter().find(|python| {
+        let run =
+            std::process::Command::new(python).args(["-c", script]).current_dir(place.path("")).output();
+        run.is_ok_and(|run| run.status.success())
+    });
+    if python.is_none() {
+        println!("skipped: no NumPy here");
+        return;
+    }
+    let frame = |bank: &str| {
+        place.edof(&format!("capture photo.png --psi 1 --psf-bank {bank} --out {bank}.png")).done();
+        std::fs::read(place.path(&format!("{bank}.png"))).unwrap()
+    };
+    let stored = frame("stored.npz");
+    for bank in ["compressed.npz", "halves.npz", "lens-psf.npy"] {
+        assert!(frame(bank) == stored, "{bank}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_before_json_is_passed_over() {
+    let place = Place::new();
+    let marked = |text: &str| format!("\u{feff}{text}");
+    place.write("camera.json", marked(include_str!("../cameras/clear.json")));
+    place.write("design.json", marked(include_str!("../designs/tiny.json")));
+    place.photo("photo.png", 64, 48);
+    place.write("scene.json", marked(r#"{"layers": [{"picture": "photo.png", "depth": 1}]}"#));
+    place.edof("capture scene.json --camera camera.json --out raw.png").done();
+    place.edof("estimate --design design.json").done();
+    let record = std::fs::read_to_string(place.path("raw.png.json")).unwrap();
+    place.write("raw.png.json", marked(&record));
+    place
+        .edof("reconstruct raw.png --camera camera.json --weights edof-t4w12-clear --force --out o.png")
+        .done();
+}
+
+#[test]
+fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
+    let place = Place::new();
+    let made = place
+        .edof("design new --form two-sided,w8,t3,c64 --size 64x48 --clock-mhz 150 --multipliers 200 --out mine.json --json made.json")
+        .done();
+    assert!(
+        made.out.contains("calculator, nothing skipped") && made.out.contains("memory: "),
+        "{}",
+        made.out
+    );
+    let (design, promise) = (json(&place, "mine.json"), &json(&place, "made.json")["promise"]);
+    assert_eq!((&design["clock_mhz"], &design["name"]), (&Value::from(150.0), &Value::from("mine")));
+    assert!(promise["resources"]["dsp48e1"].as_u64().unwrap() <= 200, "{promise}");
+    let said = place.edof("design check mine.json").done().out;
+    assert_eq!(said, made.out);
+    place.edof("random-network --design mine.json --out drawn.fixed.safetensors").done();
+    assert!(
+        place.edof("design check mine.json --weights drawn.fixed.safetensors").done().out.contains("fits it")
+    );
+    place.edof("estimate --design mine.json").done();
+    // The README of a generated directory promises the same.
+    place.edof("generate --design mine.json --weights drawn.fixed.safetensors --out board").done();
+    let page = std::fs::read_to_string(place.path("board/README.md")).unwrap();
+    let cycles = promise["cycles_per_patch"].as_f64().unwrap();
+    assert!(
+        page.contains("## What this design promises")
+            && page.contains(&format!("{cycles:.1} cycles per patch")),
+        "{page}"
+    );
+    // What cannot be is told by the option.
+    for (options, told) in [
+        ("--form w8,t3,c63", "--form: form.codes 63: must be even"),
+        ("--form w8,t3 --clock-mhz 1e99", "--clock-mhz 1e99: clock_mhz 1e99: must be above 0"),
+        (
+            "--form w8,t3 --clock-mhz 150.001",
+            "--clock-mhz 150.001: clock_mhz 150.001: must be a clock that an MMCM makes of 200 MHz",
+        ),
+        ("--form w8,t3 --size 1366x768", "--size 1366x768: frame 1366x768: must be the size of a video mode"),
+        ("--form w8,t3 --size 63x48", "--size 63x48: frame: frame 63x48: both sides must be even"),
+        ("--form w8,t3 --stride 3", "--stride 3: must be 2, 4 or 8"),
+        ("--form w8,t3 --multipliers 1", "--multipliers 1: no folding of this form has as few"),
+        ("--weights none", "weights 'none': no such file"),
+    ] {
+        place.edof(&format!("design new --out other.json {options}")).refused(&[told]);
+        assert!(!place.path("other.json").exists(), "{options}");
+    }
+    place
+        .edof("design check mine.json --weights paper-t4")
+        .refused(&["paper-t4 does not fit design mine", "edof random-network"]);
+}
+
+/// The example of docs/design.md is none of ours, and is a design.
+#[test]
+fn the_example_of_the_page_on_designs_is_one() {
+    let page = include_str!("../docs/design.md");
+    let text = page.split_once("```json\n").unwrap().1.split_once("```").unwrap().0;
+    let place = Place::new();
+    place.write("mine.json", text);
+    let said = place.edof("design check mine.json").done().out;
+    assert!(said.contains("60 frames per second at a pixel clock of 74.25 MHz"), "{said}");
+    let design: Value = serde_json::from_str(text).unwrap();
+    // Every field of a design stands in the table.
+    for (field, of) in [("", &design), ("form.", &design["form"]), ("stages[].", &design["stages"][0])] {
+        for name in of.as_object().unwrap().keys().filter(|name| !["form", "frame"].contains(&name.as_str()))
+        {
+            assert!(page.contains(&format!("| `{field}{name}`")), "{field}{name}");
+        }
+    }
+}
+
+#[test]
+fn photographs_are_blurred_once_for_trainings_on_the_same_ones() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 288, 256);
+    let cache = place.path("cache");
+    let train = |options: &str, out: &str| {
+        let (psi, options) =
+            options.split_once(' ').filter(|_| options.starts_with("0")).unwrap_or(("0:2", options));
+        let line = format!("{TRAIN} {options} --out {out} --name net").replace("--steps 200", "--steps 100");
+        let line = line.replace("--psi 0:2", &format!("--psi {psi}"));
+        let output = place.command(&line).env("XDG_CACHE_HOME", &cache).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{told}");
+        (told.contains("blurred photographs: as kept"), std::fs::read(place.path(out)).unwrap())
+    };
+    let kept = || std::fs::read_dir(cache.join("edof/blurs")).map_or(0, Iterator::count);
+    let (first, fresh) = train("--no-cache", "fresh.safetensors");
+    assert!(!first && kept() == 0);
+    let (second, made) = train("", "made.safetensors");
+    assert!(!second && kept() == 1);
+    let (third, taken) = train("", "taken.safetensors");
+    assert!(third && fresh == made && made == taken, "the same bytes, wherever the blurs come from");
+    // Another seed learns from the same blurs, another range from others.
+    assert!(train("--seed 9", "seed.safetensors").0);
+    assert!(!train("0:1 ", "range.safetensors").0);
+    // What is damaged is made again.
+    for entry in std::fs::read_dir(cache.join("edof/blurs")).unwrap() {
+        let path = entry.unwrap().path();
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+    }
+    assert_eq!(train("", "again.safetensors"), (false, fresh));
+    for low in [0.1, 0.2, 0.3, 0.4] {
+        train(&format!("{low}:1 "), &format!("{low}.safetensors"));
+    }
+    assert_eq!(kept(), 3, "the last used ones");
+}
