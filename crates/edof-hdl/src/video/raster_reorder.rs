@@ -63,6 +63,9 @@ pub struct RasterReorder {
     pair: DFF<Coordinate>,
     row: DFF<Coordinate>,
     row_in_slot: DFF<Bits<3>>,
+    // Of the row, which stands for a whole line: known before the line ends.
+    row_is_last: DFF<Bit>,
+    slot_ends: DFF<Bit>,
     read_slot: DFF<Bit>,
     read_place_1: DFF<Place>,
     marks_1: DFF<Bits<3>>,
@@ -125,6 +128,8 @@ impl Logic for RasterReorder {
             pair,
             row,
             row_in_slot,
+            row_is_last,
+            slot_ends,
             read_slot,
             read_place_1,
             marks_1
@@ -177,9 +182,10 @@ impl Logic for RasterReorder {
         // Out: line by line, up to the frame's last.
         self.steps.next = self.full.q.val().any() && self.queue.room.val();
         self.line_ends.next = self.steps.val() && (self.pair.q.val() == self.last_pair.val());
-        self.frame_ends.next = self.line_ends.val() && (self.row.q.val() == self.last_row.val());
-        self.finished.next = self.frame_ends.val()
-            || (self.line_ends.val() && (self.row_in_slot.q.val() == self.last_row_of_block.val()));
+        self.row_is_last.d.next = self.row.q.val() == self.last_row.val();
+        self.slot_ends.d.next = self.row_in_slot.q.val() == self.last_row_of_block.val();
+        self.frame_ends.next = self.line_ends.val() && self.row_is_last.q.val();
+        self.finished.next = self.frame_ends.val() || (self.line_ends.val() && self.slot_ends.q.val());
         if self.steps.val() {
             self.pair.d.next = self.pair.q.val() + 1;
         }
