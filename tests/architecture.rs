@@ -179,9 +179,9 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-metrics",
-        uses: &["edof-image"],
+        uses: &["edof-image", "edof-numerics"],
         tests_use: &[],
-        knows_nothing_of: &["edof-storage", "edof-numerics"],
+        knows_nothing_of: &["edof-storage", "edof-optics"],
     },
     Row {
         name: "edof-report",
@@ -213,6 +213,7 @@ const CRATES: &[Row] = &[
         name: "edof-study",
         uses: &[
             "edof-image",
+            "edof-numerics",
             "edof-storage",
             "edof-camera",
             "edof-network",
@@ -292,7 +293,9 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["edof-cli"]),
     // Pictures. The golden pipeline's tests read photographs.
     ("image", &["edof-io", "edof-report", "edof-study", "edof-golden"]),
+    ("csv", &["edof-report"]),
     ("libloading", &["edof-cosim"]),
+    ("maud", &["edof-report"]),
     ("opencl3", &["edof-gpu"]),
     ("rust-hdl", &["edof-verilog", "edof-verilog-diff", "edof-hdl", "edof-cosim"]),
     ("serialport", &["edof-board"]),

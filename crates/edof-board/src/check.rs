@@ -11,6 +11,7 @@ use edof_golden::FrameChecks;
 use edof_network::fixed_network::layer_names;
 use serde::Serialize;
 use std::fmt;
+use std::ops::ControlFlow;
 
 /// Where words pass that are checked, in the order in which data pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,7 +147,7 @@ impl<L: Line> Board<L> {
         &mut self,
         golden: &FrameChecks,
         frames: u32,
-        step: &mut dyn FnMut(u32, u32) -> bool,
+        step: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
     ) -> Result<Checked, Error> {
         let expected = expected(golden);
         let stages = golden.stages.len();
@@ -163,7 +164,7 @@ impl<L: Line> Board<L> {
         self.flush()?;
         let (mut last, mut settled, mut compared) = (None::<Shown>, 0, 0);
         while compared < frames {
-            if !step(compared, frames) {
+            if step(compared, frames).is_break() {
                 return Err(Error::Interrupted);
             }
             let shown = self.next_frames(stages, last.as_ref())?;

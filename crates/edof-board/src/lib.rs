@@ -33,7 +33,7 @@
 //! // On a bench: edof_board::line::Serial::open("/dev/ttyUSB0", 921_600)?
 //! let mut board = Board::open(line, link::PATIENCE)?;
 //! let job = Job { design: &design, network: &new, bank: None, full: false, read_back: false, known: &[] };
-//! let loaded = board.load(&job, &mut |_, _| true)?;
+//! let loaded = board.load(&job, &mut |_, _| std::ops::ControlFlow::Continue(()))?;
 //! assert_eq!((loaded.bank, loaded.in_use), ('b', 'b'));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -6,6 +6,7 @@ use crate::line::Line;
 use edof_device::pattern::{TILE, TILE_PIXELS, TILE_SIDE};
 use edof_device::registers::map;
 use ndarray::Array2;
+use std::ops::ControlFlow;
 
 /// Words of one exchange on the line.
 const AT_ONCE: usize = 128;
@@ -18,11 +19,11 @@ impl<L: Line> Board<L> {
     pub fn put_tile(
         &mut self,
         tile: &Array2<u16>,
-        step: &mut dyn FnMut(usize, usize) -> bool,
+        step: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         let words: Vec<u32> = tile.iter().map(|word| u32::from(*word)).collect();
         for (index, some) in words.chunks(AT_ONCE).enumerate() {
-            if !step(index * AT_ONCE, words.len()) {
+            if step(index * AT_ONCE, words.len()).is_break() {
                 return Err(Error::Interrupted);
             }
             self.link.write(map::TILE_PIXELS.word((index * AT_ONCE) as u32), some)?;
@@ -37,7 +38,7 @@ impl<L: Line> Board<L> {
     pub fn get_codes(
         &mut self,
         (row, column): (usize, usize),
-        step: &mut dyn FnMut(usize, usize) -> bool,
+        step: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Array2<u16>, Error> {
         self.link.set(map::PICTURE_CORNER, (row << 16 | column) as u32)?;
         // A whole picture passes after the corner was set.
@@ -51,7 +52,7 @@ impl<L: Line> Board<L> {
         }
         let mut words = vec![];
         while words.len() < TILE_PIXELS {
-            if !step(words.len(), TILE_PIXELS) {
+            if step(words.len(), TILE_PIXELS).is_break() {
                 return Err(Error::Interrupted);
             }
             let some = self.link.read(map::PICTURE_PIXELS.word(words.len() as u32), AT_ONCE)?;

@@ -14,6 +14,7 @@ use edof_device::video::VideoTiming;
 use edof_golden::video::pattern;
 use edof_golden::{Display, Golden};
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// A part of the board, and whether it does what it should.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -62,11 +63,12 @@ impl<L: Line> Board<L> {
     pub fn self_test(
         &mut self,
         test: &SelfTest<'_>,
-        step: &mut dyn FnMut(u32, u32) -> bool,
+        step: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
     ) -> Result<Vec<Item>, Error> {
         let mut items = vec![Item::of("bus", self.try_bus()?)];
         let bank = self.bank()?;
-        let differences = self.verify(test.design, test.golden.network(), bank, false, &mut |_, _| true)?;
+        let differences = self
+            .verify(test.design, test.golden.network(), bank, false, &mut |_, _| ControlFlow::Continue(()))?;
         items.push(Item::of(
             "weights",
             match differences.first() {
@@ -103,7 +105,7 @@ impl<L: Line> Board<L> {
     fn try_patterns(
         &mut self,
         test: &SelfTest<'_>,
-        step: &mut dyn FnMut(u32, u32) -> bool,
+        step: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
     ) -> Result<Vec<Item>, Error> {
         let mut found: Vec<(Pattern, Difference)> = vec![];
         for (index, pattern) in Pattern::ALL.into_iter().enumerate() {

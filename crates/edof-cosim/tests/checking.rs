@@ -10,6 +10,7 @@ use edof_golden::video::pattern;
 use edof_image::cable::carried;
 use edof_image::draw::Draw;
 use ndarray::Array2;
+use std::ops::ControlFlow;
 
 /// A line so fast that the circuit's cycles between two looks are few.
 const FAST: u32 = 25_000_000;
@@ -23,12 +24,12 @@ fn frames_are_exact<L: Line>(setup: &Setup, line: L, frames: u32) {
     for (pattern, raw) in patterns.into_iter().chain([(None, carried(&setup.raw))]) {
         let expected = golden.checks(&setup.display, &raw).unwrap();
         board.set_pattern(pattern).unwrap();
-        let checked = board.check_frames(&expected, frames, &mut |_, _| true).unwrap();
+        let checked = board.check_frames(&expected, frames, &mut |_, _| ControlFlow::Continue(())).unwrap();
         assert_eq!((checked.frames, checked.difference), (frames, None), "{pattern:?}");
     }
     // What is another picture is seen, so that the circuit's CRCs are of what passes.
     let other = golden.checks(&setup.display, &pattern::frame(Pattern::Chart, setup.design.frame).unwrap());
-    let checked = board.check_frames(&other.unwrap(), 1, &mut |_, _| true).unwrap();
+    let checked = board.check_frames(&other.unwrap(), 1, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert_eq!(checked.difference.unwrap().boundary.to_string(), "raw frames that come out of the memory");
 }
 
@@ -55,7 +56,8 @@ fn frames_are_exact_in_rust() {
 fn parts_pass<L: Line>(setup: &Setup, line: L) {
     let golden = Golden::new(setup.sets[0].clone()).unwrap();
     let test = SelfTest { design: &setup.design, golden: &golden, display: &setup.display, clocks: false };
-    let items = Board::open(line, PATIENCE).unwrap().self_test(&test, &mut |_, _| true).unwrap();
+    let items =
+        Board::open(line, PATIENCE).unwrap().self_test(&test, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let parts: Vec<&str> = items.iter().map(|item| item.part).collect();
     let expected = [
         "bus",
@@ -91,15 +93,18 @@ fn a_tile_comes_back<L: Line>(setup: &Setup, line: L) {
     let mut board = Board::open(line, PATIENCE).unwrap();
     let draw = &mut Draw::new(9);
     let tile = Array2::from_shape_simple_fn((TILE_SIDE, TILE_SIDE), || draw.bits() as u16);
-    board.put_tile(&tile, &mut |_, _| true).unwrap();
+    board.put_tile(&tile, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let frame = pattern::tiled(&tile, setup.design.frame).unwrap();
     let golden = Golden::new(setup.sets[0].clone()).unwrap();
     let expected = golden.checks(&setup.display, &frame).unwrap();
-    assert_eq!(board.check_frames(&expected, 1, &mut |_, _| true).unwrap().difference, None);
+    assert_eq!(
+        board.check_frames(&expected, 1, &mut |_, _| ControlFlow::Continue(())).unwrap().difference,
+        None
+    );
     let bytes = golden.frame(&frame).unwrap().picture(&setup.display).0.yuyv();
     let (height, width) = (setup.design.frame.height, setup.design.frame.width);
     for (row, column) in [(0, 0), (height - 5, width - 6)] {
-        let codes = board.get_codes((row, column), &mut |_, _| true).unwrap();
+        let codes = board.get_codes((row, column), &mut |_, _| ControlFlow::Continue(())).unwrap();
         for ((r, c), code) in
             codes.indexed_iter().filter(|((r, c), _)| row + r < height && column + c < width)
         {

@@ -1,7 +1,8 @@
 //! `edof board check`.
 
-use super::{goes_on, known, load, of};
+use super::{known, load, of};
 use crate::error::Error;
+use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_board::check::{Checked, Difference};
@@ -51,7 +52,7 @@ pub fn run(args: &super::Args, check: &Args, ui: &Ui) -> Result<(), Error> {
         let bar = ui.progress(u64::from(check.frames), "frames compared");
         let mut step = |done, _| {
             bar.set(u64::from(done));
-            goes_on()
+            interrupt::flow()
         };
         board.set_pattern(Some(pattern)).map_err(of)?;
         let checked = board.check_frames(&expected, check.frames, &mut step);

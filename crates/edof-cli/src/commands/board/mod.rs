@@ -238,11 +238,6 @@ fn of(error: edof_board::Error) -> Error {
     }
 }
 
-/// Whether to go on.
-fn goes_on() -> bool {
-    interrupt::check().is_ok()
-}
-
 impl Args {
     /// What can be refused before a board is asked.
     fn check(&self, ui: &Ui) -> Result<(), Error> {

@@ -1,9 +1,10 @@
 //! `edof board picture`.
 
 use super::check::{display_in_use, network_in_use};
-use super::{goes_on, of};
+use super::of;
 use crate::error::Error;
 use crate::files::Files;
+use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::{Board, Serial};
 use edof_device::design::FrameSize;
@@ -13,6 +14,7 @@ use edof_golden::{Golden, Picture};
 use edof_io::{photo, raw};
 use ndarray::{Array2, s};
 use serde_json::json;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// Send a part of a raw frame to the board over the line, and see what the board makes of it, without a source or a screen
@@ -94,7 +96,7 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
     let bar = ui.progress(0, "words");
     let mut step = |done: usize, total: usize| {
         bar.of(done as u64, total as u64);
-        goes_on()
+        interrupt::flow()
     };
     match &picture.what {
         What::Put { raw, at } => {
@@ -150,7 +152,7 @@ fn compare(
     board: &mut Board<Serial>,
     expected: &Picture,
     (frame, (column, row)): (FrameSize, (usize, usize)),
-    step: &mut dyn FnMut(usize, usize) -> bool,
+    step: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
     ui: &Ui,
 ) -> Result<(), Error> {
     let bytes = expected.yuyv();

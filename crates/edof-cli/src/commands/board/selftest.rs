@@ -1,8 +1,9 @@
 //! `edof board selftest`.
 
 use super::check::{display_in_use, network_in_use};
-use super::{goes_on, of};
+use super::of;
 use crate::error::Error;
+use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::self_test::SelfTest;
 use edof_golden::Golden;
@@ -33,7 +34,7 @@ pub fn run(args: &super::Args, test: &Args, ui: &Ui) -> Result<(), Error> {
     let bar = ui.progress(0, "patterns");
     let mut step = |done, total| {
         bar.of(u64::from(done), u64::from(total));
-        goes_on()
+        interrupt::flow()
     };
     let test = SelfTest { design: &design, golden: &golden, display: &display, clocks: !test.any_clocks };
     let items = board.self_test(&test, &mut step).map_err(of)?;
