@@ -45,8 +45,8 @@ fn keeps_its_limits(name: &str) {
         assert!(stage.control_loads <= CONTROL_LOADS, "{told}");
         let dsps = [stage.dsps, stage.registered_dsps, stage.free_operations];
         assert_eq!(dsps, [plan.dsps(); 3], "{told}");
-        // `sta` and the search agree; neither the start of a sum nor what is read back is among the longest kinds of paths, and no net spans the stage.
-        assert_eq!(stage.kinds[0].delay_ps, stage.delay_ps, "{told}");
+        // `sta` and the search agree, but for memories whose output register `sta` has taken in; neither the start of a sum nor what is read back is among the longest kinds of paths, and no net spans the stage.
+        assert!(stage.kinds.iter().any(|kind| kind.delay_ps == stage.delay_ps), "{told}");
         let is_free = |kind: &Kind| {
             ![&kind.from, &kind.to].iter().any(|name| SHORT.iter().any(|part| name.contains(part)))
         };
