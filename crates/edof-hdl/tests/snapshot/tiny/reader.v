@@ -26,7 +26,7 @@ module reader (
   input wire thresholds_valid_i,  // They are here.
   input wire [31:0] thresholds_i, // They.
   input wire [31:0] previous_i,   // Those of the stage before.
-  input wire [19:0] register_i,   // The register of that row.
+  input wire [31:0] register_i,   // The register of that row.
   // What to show: 0 CRC-32 of all rows, 1 and 2 the halves of the row that was read last, 3 whether it still
   // reads.
   input wire [1:0] select_i,
@@ -109,7 +109,7 @@ module reader (
     came_q <= 32'd0;
     if (advance && (space_q == 2'd1)) came_q <= thresholds_i;
     else if (advance && (space_q == 2'd2)) came_q <= previous_i;
-    else if (advance && (space_q == 2'd3)) came_q <= {12'd0, register_i};
+    else if (advance && (space_q == 2'd3)) came_q <= register_i;
     word_q <= word_q | weights_i | {32'd0, came_q};
     if (shifts_later[0]) word_q <= turned;
     if (clears_word_q) word_q <= 64'd0;

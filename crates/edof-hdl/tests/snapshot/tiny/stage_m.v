@@ -44,9 +44,9 @@ module stage_m #(
   localparam [3:0] WHOLE_CHAIN = 4'd15;
   localparam BOTH_PORTS = 1'b0;
   localparam [11:0] READ_REGISTER = 12'd3;
-  localparam [19:0] SKIP_BIT = 20'd1;
+  localparam [31:0] SKIP_BIT = 32'd1;
 
-  wire [6:0] reset_parts_later, sequencer_read_pixels_unused;
+  wire [7:0] reset_parts_later, drain_beat, frames;
   wire reset_registers_later, pairs_arrived, step_first, begins, valid_a, valid_b, sequencer_first, linear;
   wire sequencer_odd, sequencer_set, pass_issued, finished, may_start, drain_copy, drain_take, drain_last;
   wire taken_set, read_valid, results_push, base_push, base_fifo_front_valid_unused, skip_zeros, wants_weights;
@@ -55,70 +55,73 @@ module stage_m #(
   wire [11:0] reader_row;
   wire [24:0] even_pair, odd_pair, pair_operands_value_a, pair_operands_value_b;
   wire [8:0] read_row;
+  wire [6:0] sequencer_read_pixels_unused;
   wire [47:0] sum_even, sum_odd;
   wire [63:0] read_data;
-  wire [7:0] drain_beat;
   wire [10:0] marks_to_groups_later;
-  wire [31:0] read_thresholds, read_previous, results_data, results_base, counters_value, reader_value;
+  wire [31:0] read_thresholds, read_previous, results_data, results_base, counters_value, check_crc;
+  wire [31:0] reader_value;
   wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   wire [33:0] fifo_front_data;
   wire [19:0] shifts_0, shifts_1;
   wire [5:0] reader_bank;
-  reg [19:0] reader_register;
-  reg [31:0] status_q, data_1_q, data_2_q;
+  reg [31:0] reader_register, status_q, data_1_q, data_2_q;
   reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, snapshot_2_q, read_2_q, steal_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_later;
 
-  // stage.rs:200: Each part has a register for its reset.
-  wire [6:0] resets = (reset_i || flush_i) ? 7'h7f : 7'd0;
+  // stage.rs:205: Each part has a register for its reset.
+  wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
 
-  // stage.rs:252: In: vectors, bases, windows.
+  // stage.rs:257: In: vectors, bases, windows.
   assign window_ready_o = 1'b1;
 
-  // stage.rs:330: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
+  // stage.rs:335: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
   // set, then which.
   wire [10:0] marks = {drain_beat, taken_set, drain_last, drain_take};
 
-  // stage.rs:346: Out.
+  // stage.rs:351: Out.
   wire [33:0] finished_word = {results_data, results_done};
   assign out_data_o = fifo_front_data[33:2];
   assign out_last_o = fifo_front_data[0];
   assign out_set_o = fifo_front_data[1];
   wire base_fifo_front_ready = out_valid_o && out_ready_i;
 
-  // stage.rs:375: The host. A weight that both ports read, or a row that is read back, takes the place of a
+  // stage.rs:382: The host. A weight that both ports read, or a row that is read back, takes the place of a
   // step, four cycles after that was due.
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
-  // stage.rs:384: A row is read back in a cycle without a write, whatever that would write.
+  // stage.rs:391: A row is read back in a cycle without a write, whatever that would write.
   wire reads = wants_weights && !write_1_q;
 
-  // stage.rs:398: Bit 0 writes, bit 1 reads.
+  // stage.rs:405: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
   wire [52:0] weights_to_5_now = weights_word | weights_marks;
 
-  // stage.rs:424: Reads back.
+  // stage.rs:432: Reads back.
   wire reader_starts = registers_2_q && (address_2_q[12:1] == READ_REGISTER);
 
-  // stage.rs:434: Reads back.
+  // stage.rs:443: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   always @* begin
-    reader_register = shifts_0;
-    if (reader_row[1]) begin
-      reader_register = 20'd0;
+    reader_register = {12'd0, shifts_0};
+    if (reader_row[2]) begin
+      reader_register = check_crc;
+      if (reader_row[0]) reader_register = {24'd0, frames};
+    end else if (reader_row[1]) begin
+      reader_register = 32'd0;
       if (skip_zeros) reader_register = SKIP_BIT;
     end else if (reader_row[0]) begin
-      reader_register = shifts_1;
+      reader_register = {12'd0, shifts_1};
     end
   end
 
-  // stage.rs:445: Reads back.
+  // stage.rs:459: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   wire [31:0] asked = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
 
-  edof_delay #(.WIDTH(7), .CYCLES(1)) reset_parts (
+  edof_delay #(.WIDTH(8), .CYCLES(1)) reset_parts (
     .clock_i(clock_i), .now_i(resets), .later_o(reset_parts_later)
   );
 
@@ -211,6 +214,11 @@ module stage_m #(
     .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
   );
 
+  frame_check_w32 #(.LAST_BEAT(28'd383)) check (
+    .clock_i(clock_i), .reset_i(reset_parts_later[7]), .valid_i(out_valid_o && out_ready_i),
+    .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
+  );
+
   reader reader (
     .clock_i(clock_i), .reset_i(reset_parts_later[6]), .starts_i(reader_starts), .command_i(data_2_q),
     .wants_weights_o(wants_weights), .taken_i(reads), .bank_o(reader_bank), .row_o(reader_row),
@@ -224,7 +232,7 @@ module stage_m #(
   );
 
   always @(posedge clock_i) begin
-    // stage.rs:372: The host. A weight that both ports read, or a row that is read back, takes the place of a
+    // stage.rs:379: The host. A weight that both ports read, or a row that is read back, takes the place of a
     // step, four cycles after that was due.
     write_1_q <= write_valid_i;
     address_1_q <= write_address_i;
@@ -235,12 +243,12 @@ module stage_m #(
     registers_2_q <= selected && (address_1_q[20:19] == 2'd3);
     address_2_q <= address_1_q[18:0];
     data_2_q <= data_1_q;
-    // stage.rs:385: A row is read back in a cycle without a write, whatever that would write.
+    // stage.rs:392: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
     steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
-    // stage.rs:449: Reads back.
+    // stage.rs:463: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
     if (status_address_i[5:2] == ID) status_q <= asked;
   end
