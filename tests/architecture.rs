@@ -109,6 +109,12 @@ const CRATES: &[Row] = &[
         knows_nothing_of: &["edof-image", "edof-device"],
     },
     Row {
+        name: "edof-verilog-diff",
+        uses: &["edof-verilog"],
+        tests_use: &[],
+        knows_nothing_of: &["edof-image", "edof-device"],
+    },
+    Row {
         name: "edof-hdl",
         uses: &["edof-image", "edof-network", "edof-device", "edof-verilog"],
         tests_use: &[],
@@ -133,7 +139,7 @@ const CRATES: &[Row] = &[
             "edof-board",
             "edof-random",
         ],
-        tests_use: &["edof-verilog"],
+        tests_use: &["edof-verilog", "edof-verilog-diff"],
         knows_nothing_of: &["edof-train", "edof-optics"],
     },
     Row {
@@ -173,9 +179,9 @@ const CRATES: &[Row] = &[
     },
     Row {
         name: "edof-metrics",
-        uses: &["edof-image"],
+        uses: &["edof-image", "edof-numerics"],
         tests_use: &[],
-        knows_nothing_of: &["edof-storage", "edof-numerics"],
+        knows_nothing_of: &["edof-storage", "edof-optics"],
     },
     Row {
         name: "edof-report",
@@ -207,6 +213,7 @@ const CRATES: &[Row] = &[
         name: "edof-study",
         uses: &[
             "edof-image",
+            "edof-numerics",
             "edof-storage",
             "edof-camera",
             "edof-network",
@@ -286,9 +293,11 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["edof-cli"]),
     // Pictures. The golden pipeline's tests read photographs.
     ("image", &["edof-io", "edof-report", "edof-study", "edof-golden"]),
+    ("csv", &["edof-report"]),
     ("libloading", &["edof-cosim"]),
+    ("maud", &["edof-report"]),
     ("opencl3", &["edof-gpu"]),
-    ("rust-hdl", &["edof-verilog", "edof-hdl", "edof-cosim"]),
+    ("rust-hdl", &["edof-verilog", "edof-verilog-diff", "edof-hdl", "edof-cosim"]),
     ("serialport", &["edof-board"]),
     ("syn", &["edof-verilog-derive"]),
 ];

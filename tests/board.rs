@@ -193,6 +193,33 @@ fn a_simulated_board_says_how_its_chips_are_and_is_aligned() {
     sim.end(&place);
 }
 
+/// A network in both banks, frames that the board makes itself, each part, and a tile over the line.
+#[test]
+fn a_simulated_board_is_exact_and_says_so() {
+    let place = Place::new();
+    drawn(&place, "own", 5);
+    let _sim = Sim::start(&place, "--weights own.fixed.safetensors --size 96x80");
+    let said = board(&place, "check own.fixed.safetensors --frames 2 --json check.json");
+    assert!(said.ends_with("bit-exact on this board, at speed\n"), "{said}");
+    let told: Value = serde_json::from_slice(&std::fs::read(place.path("check.json")).unwrap()).unwrap();
+    assert_eq!((&told["is_exact"], told["patterns"].as_array().unwrap().len()), (&Value::Bool(true), 6));
+    wait("the chips", || board(&place, "get status.i2c_done").contains(" 1"));
+    let said = board(&place, "selftest own.fixed.safetensors --json self.json");
+    assert!(said.ends_with("every part that was tried works\n"), "{said}");
+    let pixels = (0..96 * 80_u32).flat_map(|i| ((i.wrapping_mul(2_654_435_761) >> 16) as u16).to_be_bytes());
+    let file: Vec<u8> = b"P5 96 80 65535\n".iter().copied().chain(pixels).collect();
+    std::fs::write(place.path("raw.pgm"), file).unwrap();
+    board(&place, "picture put raw.pgm");
+    board(&place, "picture compare raw.pgm --weights own.fixed.safetensors --at 32,16");
+    board(&place, "picture get out.png --at 32,16");
+    assert!(place.path("out.png").exists());
+    board(&place, "picture off");
+    // Another network's pictures are refused by name.
+    drawn(&place, "other", 6);
+    let other = place.edof("board check other.fixed.safetensors --port board");
+    other.refused(&["bank", "holds none of the networks that fit"]);
+}
+
 pub fn wait(what: &str, is_so: impl Fn() -> bool) {
     let start = Instant::now();
     while !is_so() {

@@ -19,6 +19,7 @@ use ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -146,8 +147,12 @@ pub fn uartbone_words(answer: &[u8]) -> Vec<u32> {
 }
 
 /// Whether a signal, Ctrl-C above all, wants the work to end.
-fn goes_on() -> bool {
-    Python::attach(|py| py.check_signals()).is_ok()
+fn flow() -> ControlFlow<()> {
+    if Python::attach(|py| py.check_signals()).is_ok() {
+        ControlFlow::Continue(())
+    } else {
+        ControlFlow::Break(())
+    }
 }
 
 #[pymethods]
@@ -235,7 +240,7 @@ impl PyBoard {
         let loaded = self.with(py, |board| {
             let (network, known) = (golden.network(), known(&design, golden.network()));
             let job = Job { design: &design, network, bank, full, read_back, known: &known };
-            board.load(&job, &mut |_, _| goes_on())
+            board.load(&job, &mut |_, _| flow())
         })?;
         json::plain(py, &loaded)
     }
@@ -253,7 +258,7 @@ impl PyBoard {
         let design = self.design_of(py, design)?;
         let differences = self.with(py, |board| {
             let bank = bank.map_or_else(|| board.bank(), Ok)?;
-            board.verify(&design, golden.network(), bank, read_back, &mut |_, _| goes_on())
+            board.verify(&design, golden.network(), bank, read_back, &mut |_, _| flow())
         })?;
         json::plain(py, &differences)
     }

@@ -2,6 +2,7 @@
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,6 +11,11 @@ use std::time::Duration;
 
 /// How long Ctrl-C waits at most.
 const TICK: Duration = Duration::from_millis(50);
+
+/// What work that tells how far it is is told: to end where its flag is set.
+pub fn flow(stop: &AtomicBool) -> ControlFlow<()> {
+    if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}
 
 /// Runs `work` and returns its result. Ctrl-C raises `KeyboardInterrupt` at once; work that looks at its flag then stops, other work ends
 /// unseen. It owns what it reads, so nobody's array is used after that.

@@ -22,7 +22,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// What a network argument may be.
 pub const NETWORK: &str = "a Network or FixedNetwork, the name of a network, or the path of a weight file";
@@ -244,8 +244,7 @@ fn quantized(
 ) -> PyResult<FixedNetwork> {
     let scenes = capture::capture(pictures, &network.origin, |_| ()).or_raise()?;
     let frames = scenes.iter().map(|scene| &scene.raw);
-    let calibration =
-        Calibration::measure_while(network, frames, || !stop.load(Ordering::Relaxed)).or_raise()?;
+    let calibration = Calibration::measure_while(network, frames, || job::flow(stop)).or_raise()?;
     let (mut fixed, _) = edof_quantize::quantize(network, options, &calibration, hash).or_raise()?;
     fixed.quantized = Some(Quantized {
         headroom: options.headroom,

@@ -48,7 +48,7 @@ pub fn psf<'py>(
 ) -> PyResult<Bound<'py, PyTuple>> {
     let (camera, settings) = (self::camera(camera)?, settings(energy, wavelength_tolerance, exact)?);
     let psfs = job::run(py, move |_| channel_psfs(&camera, psi, &settings))?.or_raise()?;
-    PyTuple::new(py, psfs.map(|psf| psf.kernel.into_pyarray(py)))
+    PyTuple::new(py, psfs.map(|psf| psf.into_kernel().into_pyarray(py)))
 }
 
 /// Contrast along a row at frequencies in cycles per millimetre.

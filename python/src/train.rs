@@ -11,12 +11,12 @@ use edof_quantize::capture::depths;
 use edof_storage::provenance::Provenance;
 use edof_train::dataset::Dataset;
 use edof_train::recipe::Recipe;
-use edof_train::train::{Best, Continue, Trainer, check_threads};
+use edof_train::train::{Best, Trainer, check_threads};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyModule};
 use serde_json::Value;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// A report of every hundred steps and every validation.
 #[derive(Clone, Copy)]
@@ -39,10 +39,10 @@ struct Task {
 
 impl Task {
     fn run(&self, stop: &AtomicBool) -> PyResult<(Network, Vec<Report>)> {
-        let going = || !stop.load(Ordering::Relaxed);
         let interrupted = || failed("train: interrupted");
-        let dataset =
-            Dataset::new(&self.pictures, &self.camera, self.recipe.dataset(&self.psis), |_, _| going());
+        let dataset = Dataset::new(&self.pictures, &self.camera, self.recipe.dataset(&self.psis), |_, _| {
+            job::flow(stop)
+        });
         let dataset = dataset.or_raise()?.ok_or_else(interrupted)?;
         let recipe = self.recipe.clone();
         let mut trainer = match &self.start {
@@ -54,7 +54,7 @@ impl Task {
         let told = trainer.run(|_, progress| {
             let (step, loss, best_db) = (progress.step, progress.loss, progress.best.db);
             reports.push(Report { step, loss, best_db });
-            if going() { Continue::Yes } else { Continue::No }
+            job::flow(stop)
         });
         told.or_raise()?;
         if trainer.state.best == Best::NONE {

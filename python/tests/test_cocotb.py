@@ -76,7 +76,7 @@ def test_the_chain_of_tiny_is_the_model_in_every_word_and_cycle(generated: Path,
 def test_an_edited_stage_is_found_by_stage_and_element(generated: Path, tmp_path: Path) -> None:
     # One bit of every second code of the M stages is wrong; what comes before them is right.
     text = (generated / "tiny" / "rtl" / "results_m.v").read_text()
-    wrong = text.replace("assign code = {shrink_odd_result,", "assign code = {shrink_odd_result ^ 16'd1,")
+    wrong = text.replace("wire [31:0] code = {shrink_odd_result,", "wire [31:0] code = {shrink_odd_result ^ 16'd1,")
     assert wrong != text
     broken = tmp_path / "results_m.v"
     broken.write_text(wrong)

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let line = Simulated::new(&design, [&old, &old], &Display::default(), raw.clone(), 921_600)?;
     let mut board = Board::open(line, link::PATIENCE)?;
     let job = Job { design: &design, network: &new, bank: None, full: false, read_back: false, known: &[] };
-    let loaded = board.load(&job, &mut |_, _| true)?;
+    let loaded = board.load(&job, &mut |_, _| std::ops::ControlFlow::Continue(()))?;
     println!("{} words into bank {}, which is in use", loaded.words, loaded.bank);
 
     // Two tenths of a second later its screen shows the golden picture.

@@ -8,6 +8,7 @@ use crate::line::Line;
 use edof_device::i2c::receiver::{CLOCK_POLARITY, CLOCK_TAP, IO, TAPS, clock_polarity, clock_tap};
 use edof_device::registers::map::{INPUT_CODES, VIDEO_SETUP, register};
 use serde::Serialize;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// A setting of the clock, and what came with it.
@@ -87,7 +88,11 @@ impl<L: Line> Board<L> {
     ///
     /// # Errors
     /// The receiver is not set up, nothing comes, or nothing works, when the settings are as before; or the line fails.
-    pub fn align(&mut self, codes: u32, told: &mut dyn FnMut(&Trial) -> bool) -> Result<Alignment, Error> {
+    pub fn align(
+        &mut self,
+        codes: u32,
+        told: &mut dyn FnMut(&Trial) -> ControlFlow<()>,
+    ) -> Result<Alignment, Error> {
         let done = "i2c_card.done".parse().and_then(|place| self.get(place))?;
         if done == 0 {
             return Err(Error::NoReceiver { port: self.port() });
@@ -112,7 +117,11 @@ impl<L: Line> Board<L> {
         }
     }
 
-    fn try_all(&mut self, codes: u32, told: &mut dyn FnMut(&Trial) -> bool) -> Result<Vec<Trial>, Error> {
+    fn try_all(
+        &mut self,
+        codes: u32,
+        told: &mut dyn FnMut(&Trial) -> ControlFlow<()>,
+    ) -> Result<Vec<Trial>, Error> {
         let mut trials = vec![];
         for is_inverted in [false, true] {
             for tap in 0..TAPS {
@@ -120,7 +129,7 @@ impl<L: Line> Board<L> {
                 let [codes, malformed] = self.count_codes(codes)?;
                 let trial = Trial { is_inverted, tap, codes, malformed };
                 trials.push(trial);
-                if !told(&trial) {
+                if told(&trial).is_break() {
                     return Err(Error::Interrupted);
                 }
             }

@@ -15,6 +15,7 @@ use edof_golden::Display;
 use edof_image::{CfaPhase, RawFrame};
 use edof_network::FixedNetwork;
 use serde::Serialize;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// What a load would do.
@@ -82,7 +83,7 @@ pub fn plan(job: &Job<'_>, bank: Set, held: Option<&[u32]>, baud: u32) -> Result
     let (bytes, before) = (opened.board.bytes, opened.board.now());
     opened.turns = 0;
     let full = job.full || held.is_none();
-    let loaded = board.load(&Job { full, ..*job }, &mut |_, _| true)?;
+    let loaded = board.load(&Job { full, ..*job }, &mut |_, _| ControlFlow::Continue(()))?;
     let now = line.board.bytes;
     Ok(Plan {
         bank: letter(bank),

@@ -152,6 +152,9 @@ pub enum Error {
          settings are as before: look at the input's timing"
     )]
     NoWindow { port: String, least: u32, of: u32 },
+    /// No frame passes the calculator.
+    #[error("{port}: no whole frame passes the calculator; 'edof board status' says what comes and goes")]
+    NoFrame { port: String },
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -11,6 +11,9 @@
 //! | load, verify | [`load`] | a network in the idle bank, all of it right, then in use |
 //! | how long that takes | [`dry_run`] | the same load, to a board that is none |
 //! | counters | [`status`] | frames a second, late ones, saturations |
+//! | is every picture right | [`check`] | CRCs of frames at each boundary, beside those of the golden pipeline |
+//! | does every part work | [`self_test`] | bus, memories, multipliers, chips, clocks, each with what was found |
+//! | pictures over the line | [`picture`] | a tile of raw pixels in, codes out |
 //! | video chips | [`chips`], [`diagnosis`], [`align`] | their registers, what they miss in words, the receiver's clock where it works |
 //! | a board in Rust | [`simulated`] | the same registers and memories, pictures of the golden pipeline ([`Simulated`]) |
 //! | what may go wrong | [`faulty`] | a line that loses, doubles or changes a byte, a host that ends, a board that is reset |
@@ -30,7 +33,7 @@
 //! // On a bench: edof_board::line::Serial::open("/dev/ttyUSB0", 921_600)?
 //! let mut board = Board::open(line, link::PATIENCE)?;
 //! let job = Job { design: &design, network: &new, bank: None, full: false, read_back: false, known: &[] };
-//! let loaded = board.load(&job, &mut |_, _| true)?;
+//! let loaded = board.load(&job, &mut |_, _| std::ops::ControlFlow::Continue(()))?;
 //! assert_eq!((loaded.bank, loaded.in_use), ('b', 'b'));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -42,6 +45,7 @@
 
 pub mod align;
 pub mod board;
+pub mod check;
 pub mod chips;
 pub mod contents;
 pub mod diagnosis;
@@ -52,7 +56,9 @@ pub mod line;
 pub mod link;
 pub mod load;
 pub mod names;
+pub mod picture;
 pub mod protocol;
+pub mod self_test;
 pub mod simulated;
 pub mod status;
 #[cfg(unix)]

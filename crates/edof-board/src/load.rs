@@ -18,6 +18,7 @@ use edof_device::registers::map::{
 use edof_golden::Display;
 use edof_network::FixedNetwork;
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// Times that a bank is written and looked at before the load is given up.
 const ROUNDS: u32 = 6;
@@ -39,8 +40,8 @@ pub struct Job<'a> {
     pub known: &'a [FixedNetwork],
 }
 
-/// Told how many words of how many are there; whether to go on.
-pub type Progress<'a> = &'a mut dyn FnMut(u64, u64) -> bool;
+/// Told how many words of how many are there; may end the work.
+pub type Progress<'a> = &'a mut dyn FnMut(u64, u64) -> ControlFlow<()>;
 
 /// What a load did.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -198,7 +199,7 @@ impl<L: Line> Board<L> {
             let mut done = 0;
             for words in missing.iter().filter(|words| !words.is_empty()) {
                 for (address, some) in frames(words, MOST_WORDS) {
-                    if !progress(done, total) {
+                    if progress(done, total).is_break() {
                         return Err(Error::Interrupted);
                     }
                     self.link.write(address, &some)?;
@@ -304,7 +305,7 @@ impl<L: Line> Board<L> {
         for (index, part) in parts.iter().enumerate() {
             let mut first = None;
             for (number, row) in part.rows.iter().enumerate() {
-                if !progress(done, total) {
+                if progress(done, total).is_break() {
                     return Err(Error::Interrupted);
                 }
                 let answer = self.read_back(&[(part.stage, part.row_command(number))])?;
@@ -372,7 +373,7 @@ impl<L: Line> Board<L> {
             let total = missing.len() as u64;
             let mut done = 0;
             for (address, some) in frames(&missing, MOST_WORDS) {
-                if !progress(done, total) {
+                if progress(done, total).is_break() {
                     return Err(Error::Interrupted);
                 }
                 self.link.write(address, &some)?;

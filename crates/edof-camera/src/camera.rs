@@ -1,5 +1,7 @@
 //! A camera: lens, phase mask, focus and sensor, and the JSON files that describe one.
 
+mod words;
+
 use crate::height_map::{HeightMap, etched_rad};
 use crate::psf_bank::{BankError, PsfBank};
 use edof_image::cfa::Channel;
@@ -86,21 +88,6 @@ impl Spectrum {
     }
 }
 
-impl Spectrum {
-    /// As a camera file has it.
-    fn in_words(&self) -> String {
-        match self {
-            Self::Line(nm) => number(*nm),
-            Self::Sampled(pairs) if pairs.is_empty() => "an empty list".to_owned(),
-            Self::Sampled(pairs) => {
-                let shown: Vec<String> =
-                    pairs.iter().take(4).map(|pair| format!("[{}]", numbers(pair))).collect();
-                format!("[{}{}]", shown.join(", "), if pairs.len() > 4 { ", …" } else { "" })
-            }
-        }
-    }
-}
-
 /// Sign of the defocus phase in the pupil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "i8", into = "i8")]
@@ -173,16 +160,6 @@ pub enum Delay {
 }
 
 impl Delay {
-    /// As a message has it.
-    fn in_words(self) -> String {
-        match self {
-            Self::Phase { rad, at_nm } => format!("a phase of {} rad at {} nm", number(rad), number(at_nm)),
-            Self::Etched { height_um, cauchy } => {
-                format!("etched {} um deep in glass of {}", number(height_um), numbers(&cauchy))
-            }
-        }
-    }
-
     /// Phase in radians at `wavelength_nm`.
     #[must_use]
     pub fn phase_rad(self, wavelength_nm: f64) -> f64 {
@@ -416,7 +393,7 @@ impl Camera {
                 "two numbers of at most 10000 either way, the smaller first",
             );
         }
-        if !(self.focus_psi.abs() <= MOST_PSI) {
+        if !self.focus_psi.is_finite() || self.focus_psi.abs() > MOST_PSI {
             return refuse("focus_psi", number(self.focus_psi), "at most 10000 either way");
         }
         for spectrum in &self.spectra {

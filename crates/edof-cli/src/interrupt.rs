@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::ui;
 use edof_cosim::tool;
 use edof_storage::atomic;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -44,6 +45,11 @@ fn end() {
 /// The flag itself, for work in other crates that polls an `AtomicBool`.
 pub fn flag() -> &'static AtomicBool {
     &STOP
+}
+
+/// What work in other crates is told after each step: to end where the user asked to stop.
+pub fn flow() -> ControlFlow<()> {
+    if STOP.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }
 
 /// To be called between the steps of long work.

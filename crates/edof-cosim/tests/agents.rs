@@ -98,10 +98,10 @@ const DEPTH: usize = 64;
 fn source() -> Source {
     let mark = |i: usize| {
         let agent = |kind: &str, taken: &str| {
-            let counts = ["put", taken].map(|count| format!("{kind}s_{i}.{count}_q"));
+            let counts = ["write_ptr", taken].map(|count| format!("{kind}s_{i}.{count}_q"));
             Mark::between(&format!("{kind}_{i}"), "clock_i", [&counts[0], &counts[1]], 12)
         };
-        [agent("writer", "sent"), agent("reader", "got")]
+        [agent("writer", "sent"), agent("reader", "read_ptr")]
     };
     plain().watched("reset_i", &[mark(0), mark(1)].concat())
 }
@@ -455,9 +455,10 @@ fn broken_agents(kind: &str, port: &str, change: impl Fn(&str) -> String) -> Sou
     let is_one = |name: &str| name == format!("{kind}.v") || name.starts_with(&format!("{kind}_"));
     for (_, text) in source.files.iter_mut().filter(|(name, _)| is_one(name)) {
         let start = format!("assign {port} = ");
-        let line = text.lines().find(|line| line.trim_start().starts_with(&start)).unwrap().to_string();
-        let value = line.trim().trim_start_matches(&start).trim_end_matches(';');
-        *text = text.replace(&line, &format!("    {start}{};", change(value)));
+        let at = text.find(&start).unwrap() + start.len();
+        let end = at + text[at..].find(';').unwrap();
+        let changed = change(&text[at..end]);
+        text.replace_range(at..end, &changed);
         found += 1;
     }
     assert!(found > 0, "no {kind}");

@@ -14,6 +14,7 @@ use edof_hdl::blocks::dense_store::DenseStore;
 use edof_hdl::blocks::difference::Difference;
 use edof_hdl::blocks::drain::Drain;
 use edof_hdl::blocks::fifo::Fifo;
+use edof_hdl::blocks::frame_check::FrameCheck;
 use edof_hdl::blocks::macc_array::MaccArray;
 use edof_hdl::blocks::pair_operands::PairOperands;
 use edof_hdl::blocks::pair_store::PairStore;
@@ -35,7 +36,7 @@ use rust_hdl::prelude::*;
 
 ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);
 ported!(Reader, Requantize, Results, Sequencer, Shrink, Stage, WindowGuard, WindowRing);
-ported!(LeavesTop, RamTop, FifoTop, MaccTop);
+ported!(LeavesTop, RamTop, FifoTop, MaccTop, CheckTop);
 
 /// Cycles of reset at the start of every stimulus.
 const RESET: u64 = 48;
@@ -70,6 +71,53 @@ impl Logic for LeavesTop {
         self.add.b.next = self.b.val();
         self.sum.next = self.add.sum.val();
     }
+}
+
+/// Checks of frames of two widths, each in a module of its own.
+#[derive(Circuit)]
+struct CheckTop {
+    pub clock: Signal<In, Clock>,
+    pub reset: Signal<In, Bit>,
+    pub valid: Signal<In, Bit>,
+    pub data: Signal<In, Bits<32>>,
+    pub snapshot: Signal<In, Bit>,
+    pub narrow_crc: Signal<Out, Bits<32>>,
+    pub narrow_frames: Signal<Out, Bits<8>>,
+    pub wide_crc: Signal<Out, Bits<32>>,
+    pub wide_frames: Signal<Out, Bits<8>>,
+    narrow: FrameCheck<16>,
+    wide: FrameCheck<32>,
+}
+
+impl Logic for CheckTop {
+    #[hdl_gen]
+    fn update(&mut self) {
+        self.narrow.clock.next = self.clock.val();
+        self.narrow.reset.next = self.reset.val();
+        self.narrow.valid.next = self.valid.val();
+        self.narrow.data.next = self.data.val().get_bits::<16>(0);
+        self.narrow.snapshot.next = self.snapshot.val();
+        self.narrow_crc.next = self.narrow.crc.val();
+        self.narrow_frames.next = self.narrow.frames.val();
+        self.wide.clock.next = self.clock.val();
+        self.wide.reset.next = self.reset.val();
+        self.wide.valid.next = self.valid.val();
+        self.wide.data.next = self.data.val();
+        self.wide.snapshot.next = self.snapshot.val();
+        self.wide_crc.next = self.wide.crc.val();
+        self.wide_frames.next = self.wide.frames.val();
+    }
+}
+
+#[test]
+fn frame_check() {
+    let top = CheckTop::from_parts(CheckTopParts { narrow: FrameCheck::new(2), wide: FrameCheck::new(7) });
+    agree(top, RESET as usize, &[], |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 400) == 0;
+        b.valid.next = bit(draw);
+        b.data.next = word(draw);
+        b.snapshot.next = draw.whole(0, 9) == 0;
+    });
 }
 
 #[test]
@@ -523,10 +571,21 @@ impl Logic for MaccTop {
 
 #[test]
 fn macc_array() {
-    // Dense rows of four, two and one words, of which one more bit of the row says which; both ports; one port. Two widths of sums.
-    for (index, rows, sum_bits) in [(0, 4, 48), (0, 2, 40), (0, 1, 48), (1, 2, 40), (2, 1, 48)] {
+    // Dense rows of four, two and one words, of which one more bit of the row says which; both ports; one port; three groups of banks, one of
+    // which is not full. Two widths of sums.
+    let forms = [
+        (0, 16, 4, 48),
+        (0, 16, 2, 40),
+        (0, 16, 1, 48),
+        (1, 8, 2, 40),
+        (2, 8, 1, 48),
+        (3, 80, 2, 40),
+        (3, 80, 1, 48),
+    ];
+    for (index, lanes, rows, sum_bits) in forms {
         let mut design = committed("tiny");
         design.stages[index].rows = rows;
+        design.stages[index].lanes = lanes;
         let (stage, sets) = (design.stage(index), networks(&design, 1));
         let (depth, parts) = (stage.weight_depth() as i64, stage.row_words() as i64);
         let top = MaccTop::from_parts(MaccTopParts {

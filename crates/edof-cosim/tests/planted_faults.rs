@@ -4,7 +4,7 @@ use crate::common::{Setup, committed, moderate, patches};
 use edof_cosim::chain::{Difference, Drive, Fault};
 use edof_device::design::memory::{self, Shifts};
 use edof_golden::cycle::Stalls;
-use edof_hdl::project::Project;
+use edof_hdl::project::{self, Project};
 
 /// `tiny` after `plant`: the first difference in 60 patches, if there is one.
 fn first_difference(plant: impl FnOnce(Project) -> Project) -> Option<Difference> {
@@ -36,7 +36,7 @@ fn replaced(mut project: Project, part: &str, from: &str, to: &str) -> Project {
 fn own_module(project: &mut Project, parent: &str, instance: &str) -> String {
     let copy = format!("{parent}_{instance}");
     let text_of_parent = text(project, parent);
-    let end = text_of_parent.find(&format!(" {instance} (\n")).unwrap();
+    let end = text_of_parent.find(&format!(" {instance} (")).unwrap();
     let line = |end: usize| text_of_parent[..end].rfind('\n').unwrap() + 1;
     let mut start = line(end);
     if text_of_parent[start..].trim_start().starts_with(')') {
@@ -116,7 +116,7 @@ fn two_banks_that_changed_places() {
 #[test]
 #[ignore = "others have wrong words: scripts/soak.sh"]
 fn two_sets_that_changed_places() {
-    let (of_set, other) = ("job_row_q <= next[0] ?", "job_row_q <= !next[0] ?");
+    let (of_set, other) = ("if (next[0]) job_row_q", "if (!next[0]) job_row_q");
     let difference = found(|p| replaced(p, "stages_1.sequencer", of_set, other));
     assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Word, "M1 to M2"));
     assert_eq!(difference.patch, 0);
@@ -135,4 +135,37 @@ fn a_receiver_that_never_says_wait() {
     let difference =
         found(|p| replaced(p, "stages_3.pairs", "assign ready_o = ready_q;", "assign ready_o = 1'b1;"));
     assert_eq!((difference.fault, difference.boundary.as_str()), (Fault::Early, "M2 to F"));
+}
+
+#[test]
+fn a_difference_names_what_drives_it_in_verilog_and_in_rust() {
+    let design = committed("tiny");
+    let networks = [5, 6].map(|seed| moderate(&design, seed));
+    let project = project::calculator(&design, [&networks[0], &networks[1]]).unwrap();
+    let difference = |fault| Difference {
+        fault,
+        boundary: "M1 to M2".into(),
+        stage: "M1".into(),
+        patch: 0,
+        element: 0,
+        cycle: 0,
+        expected: 0,
+        got: None,
+    };
+    for (fault, port) in
+        [(Fault::Word, "out_data_o"), (Fault::Set, "out_set_o"), (Fault::Late, "out_valid_o")]
+    {
+        let place = difference(fault).driver(&project, design.stages.len()).unwrap();
+        let (file, line) = place.verilog.split_once(':').unwrap();
+        let text = &project.verilog.iter().find(|(name, _)| name == file).unwrap().1;
+        let line = text.lines().nth(line.parse::<usize>().unwrap() - 1).unwrap();
+        assert!(file == "stage_m.v" && line.contains(port), "{place}: {line}");
+        assert!(place.rust.starts_with("crates/edof-hdl/src/blocks/stage.rs"), "{place}");
+        if fault != Fault::Late {
+            let (_, line) = place.rust.split_once(':').unwrap();
+            let rust = include_str!("../../edof-hdl/src/blocks/stage.rs");
+            let rust = rust.lines().nth(line.parse::<usize>().unwrap() - 1).unwrap();
+            assert!(rust.contains("self.out"), "{place}: {rust}");
+        }
+    }
 }

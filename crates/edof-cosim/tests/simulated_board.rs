@@ -20,6 +20,7 @@ use edof_golden::{Curve, Display, Golden};
 use edof_image::draw::Draw;
 use edof_image::{DisplayMode, RawFrame, Stride, Window};
 use edof_network::{FixedNetwork, weight_file};
+use std::ops::ControlFlow;
 
 /// A simulated board of either kind.
 trait Kind: Resettable {
@@ -93,12 +94,12 @@ impl Kind for VerilogBoard {
 }
 
 /// A design with networks, and a frame that goes round.
-struct Setup {
-    design: Design,
+pub struct Setup {
+    pub design: Design,
     /// Those that the banks start with.
-    sets: [FixedNetwork; 2],
-    display: Display,
-    raw: RawFrame,
+    pub sets: [FixedNetwork; 2],
+    pub display: Display,
+    pub raw: RawFrame,
     speed: Speed,
 }
 
@@ -107,7 +108,7 @@ const FAST: u32 = 25_000_000;
 
 impl Setup {
     /// The core that other tests of the whole core compile, too.
-    fn tiny(baud: u32) -> Self {
+    pub fn tiny(baud: u32) -> Self {
         let mut design = committed("tiny");
         design.form.window = Window::new(8).unwrap();
         design.frame = FrameSize { width: 32, height: 24, stride: Stride::PATCH };
@@ -121,13 +122,13 @@ impl Setup {
         Self { design, sets, display, raw, speed: Speed::of(baud).unwrap() }
     }
 
-    fn in_verilog(&self, seed: u64) -> VerilogBoard {
+    pub fn in_verilog(&self, seed: u64) -> VerilogBoard {
         let sets = [&self.sets[0], &self.sets[1]];
         let (with, options) = ((self.speed, seed), support::options());
         VerilogBoard::new(&self.design, sets, &self.display, &self.raw, with, &options).unwrap()
     }
 
-    fn in_rust(&self) -> Simulated {
+    pub fn in_rust(&self) -> Simulated {
         let sets = [&self.sets[0], &self.sets[1]];
         Simulated::new(&self.design, sets, &self.display, self.raw.clone(), self.speed.baud()).unwrap()
     }
@@ -159,7 +160,7 @@ fn a_load_is_seen_whole<K: Kind>(setup: &Setup, mut board: K, new: &FixedNetwork
     let ahead = plan(&job, Set::Second, None, setup.speed.baud()).unwrap();
     let mut host = open(&mut board);
     let start = host.line().seconds();
-    let loaded = host.load(&job, &mut |_, _| true).unwrap();
+    let loaded = host.load(&job, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let took = host.line().seconds() - start;
     assert_eq!((loaded.rounds, loaded.recovered, loaded.words), (1, false, ahead.words));
     println!("{} words: {:.4} s were told, {took:.4} s it took", loaded.words, ahead.seconds);
@@ -211,13 +212,13 @@ fn a_fault_does_no_harm<K: Kind>(setup: &Setup, mut board: K, fault: Fault) {
     board.show(3);
     board.forget_shown();
     let faulty = Faulty::new(&mut board, fault);
-    let outcome =
-        Board::open(faulty, PATIENCE).and_then(|mut host| host.load(&setup.job(first), &mut |_, _| true));
+    let outcome = Board::open(faulty, PATIENCE)
+        .and_then(|mut host| host.load(&setup.job(first), &mut |_, _| ControlFlow::Continue(())));
     assert!(outcome.is_ok() || fault.may_end_the_host(), "{fault:?}: {outcome:?}");
     board.show(3);
     let last = if outcome.is_ok() { &pictures[1..2] } else { &pictures[..2] };
     assert!(board.shown().last().is_some_and(|shown| last.contains(shown)), "{fault:?}: {outcome:?}");
-    let again = open(&mut board).load(&setup.job(second), &mut |_, _| true);
+    let again = open(&mut board).load(&setup.job(second), &mut |_, _| ControlFlow::Continue(()));
     assert!(again.is_ok(), "{fault:?}: {again:?}");
     board.show(3);
     assert_eq!(board.shown().last(), Some(&pictures[2]), "{fault:?}");
@@ -228,7 +229,7 @@ fn faults_do_no_harm<K: Kind>(setup: &Setup, start: impl Fn(u64) -> K, seeds: st
     let mut board = start(seeds.start);
     let mut host = open(&mut board);
     let before = host.line().bytes();
-    host.load(&setup.job(&setup.other(9)), &mut |_, _| true).unwrap();
+    host.load(&setup.job(&setup.other(9)), &mut |_, _| ControlFlow::Continue(())).unwrap();
     let after = board.bytes();
     let bytes = [0, 1].map(|way| after[way] - before[way]);
     for seed in seeds.clone() {
@@ -254,7 +255,7 @@ fn the_receiver_is_set_up_and_aligned<K: Kind>(mut board: K, seeds: std::ops::Ra
     for seed in seeds {
         let eye = Eye::drawn(seed);
         board.card().set_eye(eye.clone());
-        let alignment = open(&mut board).align(30, &mut |_| true).unwrap();
+        let alignment = open(&mut board).align(30, &mut |_| ControlFlow::Continue(())).unwrap();
         let chosen = (alignment.window.is_inverted, usize::from(alignment.window.middle()));
         assert!(eye.is_open(chosen.0, chosen.1), "{eye:?}: {chosen:?}");
         assert_eq!(board.card().receiver().clock_phase(), chosen);

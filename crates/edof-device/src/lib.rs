@@ -9,12 +9,16 @@
 //! | set-up of the video chips | [`i2c`] |
 //! | depths of FIFOs | [`fifos`] |
 //! | clocks that an MMCM makes | [`mmcm`] |
+//! | raw frames that the board makes itself | [`pattern`] |
+//! | CRC of frames | [`crc`] |
 
 pub mod board;
+pub mod crc;
 pub mod design;
 pub mod fifos;
 pub mod i2c;
 pub mod mmcm;
+pub mod pattern;
 pub mod registers;
 pub mod video;
 

@@ -12,6 +12,7 @@
 //! | frames | [`stream`] | one after the other, in memory that is kept ([`Stream`]) |
 //! | words | [`words`] | every boundary of a whole frame, for whoever wants to check |
 //! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
+//! | checks | [`checks`] | the CRCs that a board makes of every frame at its boundaries ([`FrameChecks`]) |
 //! | tables | [`gamma`] | light to codes: loadable tables for luma and for each colour |
 //! | display | [`display`] | the 8-bit Y′CbCr 4:2:2 codes on the wire, and what a sink shows of them |
 //! | pins | [`video`] | the buses of the board's receiver and transmitter, cycle by cycle |
@@ -36,6 +37,7 @@
 //! Stable: every word and code (docs/contract.md) and the names of boundaries. Signatures may change between minor versions until 1.0; [`Golden`], [`Display`] and
 //! `examples/raw_to_codes.rs` last, modules of the fast kernels do not.
 
+pub mod checks;
 pub mod cycle;
 pub mod display;
 pub mod fast;
@@ -50,6 +52,7 @@ pub mod video;
 pub mod windows;
 pub mod words;
 
+pub use checks::FrameChecks;
 pub use display::{Display, DisplayCounts, Picture};
 pub use frame::{Golden, GoldenFrame};
 pub use gamma::{ColourTable, Curve, LumaTable};

@@ -1,6 +1,6 @@
 //! The fast pipeline equals the specification at every stage boundary, word for word and count for count.
 
-use edof_golden::fast::{Fast, isa::Isa};
+use edof_golden::fast::{Fast, Isa};
 use edof_golden::frame::scalar_frame;
 use edof_golden::{Golden, scalar};
 use edof_image::draw::Draw;

@@ -138,6 +138,7 @@ fn files(
         ("constraints/crossings.xdc", constraints::lines(crossings, "core", &periods)),
         ("constraints/floorplan.xdc", floorplan::lines(design, "core/core")),
         ("edof.core", fusesoc(core, benches)),
+        ("source_map.json", core.source_map()),
         ("registers.md", markdown::page()),
         ("registers.h", c_header::header()),
         ("registers.rdl", systemrdl::address_map()),

@@ -11,6 +11,7 @@ pub const LEAVES: &[(&str, &str)] = &[
     ("edof_async_fifo", include_str!("../../../rtl/edof_async_fifo.v")),
     ("edof_bus_sync", include_str!("../../../rtl/edof_bus_sync.v")),
     ("edof_clear", include_str!("../../../rtl/edof_clear.v")),
+    ("edof_crc", include_str!("../../../rtl/edof_crc.v")),
     ("edof_delay", include_str!("../../../rtl/edof_delay.v")),
     ("edof_fifo", include_str!("../../../rtl/edof_fifo.v")),
     ("edof_macc", include_str!("../../../rtl/edof_macc.v")),

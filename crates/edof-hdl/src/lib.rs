@@ -11,6 +11,7 @@
 //! | block | [`board`] | memory, host, and all of it together |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`], [`kc705`] | the files of a generated design, and of a board's |
+//! | find | [`places`] | the Rust behind a line of the Verilog |
 //! | try | [`benches`] | what a generated design tries itself with, in Verilog alone |
 //! | place | [`floorplan`] | where the stages may be on the KC705's part |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
@@ -22,6 +23,7 @@ pub mod crossing;
 pub mod floorplan;
 pub mod kc705;
 pub mod leaves;
+pub mod places;
 pub mod ports;
 pub mod project;
 pub mod resources;

@@ -3,10 +3,11 @@
 use crate::blocks::chain::Chain;
 use crate::describe::Circuit;
 use crate::leaves;
-use crate::verilog::{EmitError, Port, emit};
+use crate::verilog::{EmitError, Port, SourceMap, emit};
 use edof_device::design::memory::{self, Shifts};
 use edof_device::design::{Design, DesignError};
 use edof_network::{FixedNetwork, fixed_network::FixedNetworkError};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// A generated design.
@@ -18,6 +19,8 @@ pub struct Project {
     pub ports: Vec<Port>,
     /// File name and text of each module, parts before what they are parts of.
     pub verilog: Vec<(String, String)>,
+    /// For each file that is not written by hand, the Rust lines behind its lines.
+    pub sources: BTreeMap<String, SourceMap>,
     /// Path, relative to the design, and text of each memory image.
     pub memory: Vec<(String, String)>,
 }
@@ -82,9 +85,11 @@ pub fn of_circuit(circuit: &mut dyn Circuit, memory: Vec<(String, String)>) -> R
     let leaves = leaves::with_parts(&emitted.leaves)
         .into_iter()
         .map(|(name, text)| (format!("{name}.v"), text.into()));
-    let modules = emitted.modules.into_iter().map(|module| (format!("{}.v", module.name), module.text));
+    let file = |name: &str| format!("{name}.v");
+    let sources = emitted.modules.iter().map(|module| (file(&module.name), module.source.clone())).collect();
+    let modules = emitted.modules.into_iter().map(|module| (file(&module.name), module.text));
     let verilog = leaves.chain(modules).collect();
-    Ok(Project { top: emitted.top, ports: emitted.ports, verilog, memory })
+    Ok(Project { top: emitted.top, ports: emitted.ports, verilog, sources, memory })
 }
 
 /// The memory images of all stages: set 0, then set 1.

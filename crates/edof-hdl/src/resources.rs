@@ -132,6 +132,8 @@ fn blocks(plan: &StagePlan, sum_bits: usize) -> Resources {
         registers_and_counters(),
         // What is read back, and its CRC.
         Resources::logic(279, 188),
+        // The CRC of frames.
+        Resources::logic(230, 184),
     ];
     if plan.feeds_m {
         parts.push(Resources::logic(130, 49));

@@ -74,65 +74,46 @@ const SEQUENCER: &str = "\
 //
 // Starts when it is told to.
 //
+// No output follows an input within the cycle.
+//
 // From crates/edof-hdl/tests/printing.rs (Sequencer).
 `default_nettype none
 
 module sequencer (
-    input  wire clock_i,
-    input  wire start_i,
-    output wire busy_o
+  input wire clock_i,
+
+  input wire start_i,
+  output wire busy_o
 );
 
-    localparam [1:0] PHASE_IDLE = 2'd0;
-    localparam [1:0] PHASE_FILL = 2'd1;
-    localparam [1:0] PHASE_DRAIN = 2'd2;
+  localparam [1:0] PHASE_IDLE = 2'd0;
+  localparam [1:0] PHASE_FILL = 2'd1;
+  localparam [1:0] PHASE_DRAIN = 2'd2;
 
-    wire last;
-    reg  [1:0] phase_q, phase_d;
-    reg  [3:0] count_q, count_d;
+  reg [1:0] phase_q;
+  reg [3:0] count_q;
 
-    assign last = (count_q + 4'd1) == 4'd0;
-    assign busy_o = phase_q != PHASE_IDLE;
+  wire last = count_q == 4'd15;
+  assign busy_o = phase_q != PHASE_IDLE;
 
-    always @* begin
-        phase_d = phase_q;
-        case (phase_q)
-            PHASE_IDLE: begin
-                if (start_i) begin
-                    phase_d = PHASE_FILL;
-                end
-            end
-            PHASE_FILL: begin
-                if (last) begin
-                    phase_d = PHASE_DRAIN;
-                end
-            end
-            default: begin
-                // Phase::Drain
-                phase_d = PHASE_IDLE;
-            end
-        endcase
-    end
-
-    always @* begin
-        count_d = count_q;
-        case (phase_q)
-            PHASE_IDLE: begin
-                if (start_i) begin
-                    count_d = 4'd0;
-                end
-            end
-            PHASE_FILL: begin
-                count_d = count_q + 4'd1;
-            end
-            default: ;
-        endcase
-    end
-
-    always @(posedge clock_i) begin
-        phase_q <= phase_d;
-        count_q <= count_d;
-    end
+  always @(posedge clock_i) begin
+    case (phase_q)
+      PHASE_IDLE: begin
+        if (start_i) begin
+          phase_q <= PHASE_FILL;
+          count_q <= 4'd0;
+        end
+      end
+      PHASE_FILL: begin
+        count_q <= count_q + 4'd1;
+        if (last) phase_q <= PHASE_DRAIN;
+      end
+      default: begin
+        // Phase::Drain
+        phase_q <= PHASE_IDLE;
+      end
+    endcase
+  end
 endmodule
 
 `default_nettype wire
@@ -202,9 +183,7 @@ fn equal_parts_share_a_module() {
 fn parts_are_connected_without_wires() {
     let lane = |n: usize, b: usize| {
         format!(
-            "    accumulator lanes_{n} (
-        .clock_i(clock_i), .clear_i(1'b0), .a_i(a_i), .b_i(b_{b}_i), .sum_o(sum_{n}_o)
-    );"
+            "  accumulator lanes_{n} (.clock_i(clock_i), .clear_i(1'b0), .a_i(a_i), .b_i(b_{b}_i), .sum_o(sum_{n}_o));"
         )
     };
     assert_eq!(body(&mut Pair::default()), format!("{}\n{}", lane(0, 1), lane(1, 0)));
@@ -213,8 +192,8 @@ fn parts_are_connected_without_wires() {
 #[test]
 fn products_are_signed_and_their_extension_is_spelled_out() {
     let text = body(&mut Accumulator::default());
-    assert!(text.contains("wire signed [31:0] acc_d_product = a_i * b_i;"), "{text}");
-    assert!(text.contains("acc_d = acc_q + {{16{acc_d_product[31]}}, acc_d_product};"), "{text}");
+    assert!(text.contains("wire signed [31:0] acc_q_product = a_i * b_i;"), "{text}");
+    assert!(text.contains("else acc_q <= acc_q + {{16{acc_q_product[31]}}, acc_q_product};"), "{text}");
 }
 
 /// A leaf.
@@ -267,21 +246,19 @@ fn leaves_are_instances() {
     let mut top = Reader::default();
     assert_eq!(
         body(&mut top),
-        "    wire [15:0] memory_data;
-    reg  [3:0] at_q;
+        "  wire [15:0] memory_data;
+  reg [3:0] at_q;
 
-    a_memory #(.DEPTH(16), .INIT(\"mem/a.mem\")) memory (
-        .clock_i(clock_i), .at_i(at_q), .data_o(memory_data)
-    );
+  assign data_o = memory_data[11:4];
 
-    assign data_o = memory_data[11:4];
+  a_memory #(.DEPTH(16), .INIT(\"mem/a.mem\")) memory (.clock_i(clock_i), .at_i(at_q), .data_o(memory_data));
 
-    always @(posedge clock_i) begin
-        at_q <= at_q + 4'd1;
-    end
+  always @(posedge clock_i) begin
+    at_q <= at_q + 4'd1;
+  end
 
-    // Not every bit of these is read.
-    wire unused = ^memory_data;"
+  // Not every bit of these is read.
+  wire unused = ^memory_data;"
     );
     assert!(verilog::emit(&top).unwrap().leaves.contains("a_memory"));
 }
@@ -322,28 +299,25 @@ impl Logic for Names {
 fn names_are_verilog_and_say_what_is_not_used() {
     assert_eq!(
         body(&mut Names::default()),
-        "    localparam [7:0] FIRST = 8'd42;
+        "  localparam [7:0] FIRST = 8'd42;
 
-    wire [7:0] logic_;
-    reg  [7:0] value_q = 8'd42;
-    wire part_start, part_busy_unused;
+  reg [7:0] value_q = 8'd42;
+  wire part_busy_unused;
 
-    wire [7:0] always_o_shifted = value_q >> logic_;
+  wire part_start = value_q == FIRST;
+  wire [7:0] logic_ = ~value_q;
 
-    sequencer part (
-        .clock_i(clock_i), .start_i(part_start), .busy_o(part_busy_unused)
-    );
+  wire [7:0] always_o_shifted = value_q >> logic_;
+  assign always_o = {4'd0, always_o_shifted[3:0]};
 
-    assign part_start = value_q == FIRST;
-    assign logic_ = ~value_q;
-    assign always_o = {4'd0, always_o_shifted[3:0]};
+  sequencer part (.clock_i(clock_i), .start_i(part_start), .busy_o(part_busy_unused));
 
-    always @(posedge clock_i) begin
-        value_q <= logic_;
-    end
+  always @(posedge clock_i) begin
+    value_q <= logic_;
+  end
 
-    // Not every bit of these is read.
-    wire unused = ^always_o_shifted;"
+  // Not every bit of these is read.
+  wire unused = ^always_o_shifted;"
     );
 }
 
@@ -370,8 +344,8 @@ impl Logic for Places {
 fn values_that_do_not_overlap_are_joined_side_by_side() {
     assert_eq!(
         body(&mut Places::default()),
-        "    assign joined_o = {1'b0, narrow_i, 1'b0, narrow_i, 3'd0, bit_i};
-    assign mixed_o = ({9'd0, narrow_i} << 2) | {9'd0, narrow_i};"
+        "  assign joined_o = {1'b0, narrow_i, 1'b0, narrow_i, 3'd0, bit_i};
+  assign mixed_o = ({9'd0, narrow_i} << 2) | {9'd0, narrow_i};"
     );
 }
 
@@ -435,26 +409,18 @@ impl Logic for Chain {
 fn interfaces_are_linked_and_joined() {
     assert_eq!(
         body(&mut Chain::default()),
-        "    wire [7:0] parts_0_to_data;
-    wire parts_0_to_valid, parts_1_from_ready;
+        "  wire [7:0] parts_0_to_data;
+  wire parts_0_to_valid, parts_1_from_ready;
 
-    pass parts_0 (
-        .from_data_i(from_data_i),
-        .from_valid_i(from_valid_i),
-        .from_ready_o(from_ready_o),
-        .to_data_o(parts_0_to_data),
-        .to_valid_o(parts_0_to_valid),
-        .to_ready_i(parts_1_from_ready)
-    );
+  pass parts_0 (
+    .from_data_i(from_data_i), .from_valid_i(from_valid_i), .from_ready_o(from_ready_o),
+    .to_data_o(parts_0_to_data), .to_valid_o(parts_0_to_valid), .to_ready_i(parts_1_from_ready)
+  );
 
-    pass parts_1 (
-        .from_data_i(parts_0_to_data),
-        .from_valid_i(parts_0_to_valid),
-        .from_ready_o(parts_1_from_ready),
-        .to_data_o(to_data_o),
-        .to_valid_o(to_valid_o),
-        .to_ready_i(to_ready_i)
-    );"
+  pass parts_1 (
+    .from_data_i(parts_0_to_data), .from_valid_i(parts_0_to_valid), .from_ready_o(parts_1_from_ready),
+    .to_data_o(to_data_o), .to_valid_o(to_valid_o), .to_ready_i(to_ready_i)
+  );"
     );
 }
 
@@ -556,41 +522,41 @@ fn a_constant_that_never_differs_is_no_parameter() {
 
 const LINK: &str = "\
 module link #(
-    parameter [7:0] STEP = 8'd1 // What is added.
+  parameter [7:0] STEP = 8'd1 // What is added.
 ) (
-    input  wire       clock_i,
-    input  wire [2:0] number_i, // Which link it is.
-    input  wire [7:0] from_i,
-    output wire [7:0] to_o      // What came in a cycle ago.
+  input wire clock_i,
+
+  input wire [2:0] number_i, // Which link it is.
+  input wire [7:0] from_i,
+  output wire [7:0] to_o     // What came in a cycle ago.
 );
 
-    reg  [7:0] value_q;
+  reg [7:0] value_q;
 
-    assign to_o = value_q;
+  assign to_o = value_q;
 
-    always @(posedge clock_i) begin
-        value_q <= (number_i == 3'd5) ? from_i : (from_i + STEP);
-    end
+  always @(posedge clock_i) begin
+    value_q <= from_i + STEP;
+    if (number_i == 3'd5) value_q <= from_i;
+  end
 ";
 
-const LINKS: &str = "    localparam LINKS = 4;
+const LINKS: &str = "  localparam LINKS = 4;
 
-    wire [7:0] links_to [0:LINKS];
+  wire [7:0] links_to [0:LINKS];
 
-    genvar link;
-    generate
-        for (link = 0; link < LINKS; link = link + 1) begin : links
-            localparam [2:0] NUMBER = link;
-            link #(.STEP(8'd1)) element (
-                .clock_i(clock_i), .number_i(NUMBER), .from_i(links_to[link + 1]), .to_o(links_to[link])
-            );
-        end
-    endgenerate
+  assign to_o = links_to[0];
 
-    link #(.STEP(8'd2)) alone (
-        .clock_i(clock_i), .number_i(3'd5), .from_i(from_i), .to_o(of_one_o)
-    );
+  genvar link;
+  generate
+    for (link = 0; link < LINKS; link = link + 1) begin : links
+      localparam [2:0] NUMBER = link;
+      link #(.STEP(8'd1)) element (
+        .clock_i(clock_i), .number_i(NUMBER), .from_i(links_to[link + 1]), .to_o(links_to[link])
+      );
+    end
+  endgenerate
 
-    assign to_o = links_to[0];
+  link #(.STEP(8'd2)) alone (.clock_i(clock_i), .number_i(3'd5), .from_i(from_i), .to_o(of_one_o));
 
-    assign links_to[LINKS] = from_i;";
+  assign links_to[LINKS] = from_i;";

@@ -32,7 +32,7 @@ impl Deconvolution {
     /// With the kernels of a camera's PSFs.
     #[must_use]
     pub fn known(psfs: [Psf; 3], how: Known) -> Self {
-        Self::Known(Box::new(psfs.map(|psf| psf.kernel)), how)
+        Self::Known(Box::new(psfs.map(Psf::into_kernel)), how)
     }
 
     /// A plane deconvolved, and the steps that took where the method goes in steps.

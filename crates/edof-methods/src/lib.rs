@@ -10,6 +10,7 @@
 //! | | [`pursuit`] | OMP and FISTA in the dictionary as the camera shows it |
 //! | | [`untrained`] | the paper's network before training, ISTA cut off |
 //! | | [`board`] | a network on a design: its golden picture, and its cycles as time |
+//! | | [`external`] | anybody's program, run on every frame |
 //! | parts | [`dictionary`] | sharp atoms for pursuits, learned from photographs |
 //! | | [`patchwork`] | frames as windows and patches |
 //!
@@ -29,6 +30,7 @@
 pub mod board;
 pub mod deconvolution;
 pub mod dictionary;
+pub mod external;
 pub mod method;
 pub mod nets;
 pub mod patchwork;

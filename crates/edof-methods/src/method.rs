@@ -47,6 +47,8 @@ pub enum Family {
     Untrained,
     /// The same with each colour's mean taken out.
     UntrainedDcRemoved,
+    /// Anybody's program; its network is its name.
+    External,
 }
 
 impl Family {
@@ -66,6 +68,7 @@ impl Family {
             Self::Network => "network",
             Self::Untrained => "untrained",
             Self::UntrainedDcRemoved => "untrained-dc-removed",
+            Self::External => "external",
         }
     }
 }
@@ -99,6 +102,12 @@ impl Method {
     #[must_use]
     pub const fn of_frames(family: Family) -> Self {
         Self { family, network: None, format: None, stride: None, layers: None }
+    }
+
+    /// A program by its name.
+    #[must_use]
+    pub fn external(name: impl Into<String>) -> Self {
+        Self { network: Some(name.into()), ..Self::of_frames(Family::External) }
     }
 
     /// A pursuit, which works in patches.

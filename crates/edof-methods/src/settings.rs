@@ -35,6 +35,15 @@ impl Pursuit {
     /// The usual FISTA.
     pub const FISTA: Self = Self::Fista { steps: 100, penalty: PENALTY, tolerance: 1e-4 };
 
+    /// Atoms or steps at most.
+    #[must_use]
+    pub const fn count(self) -> usize {
+        match self {
+            Self::Omp { atoms } => atoms,
+            Self::Fista { steps, .. } => steps,
+        }
+    }
+
     /// The same in at most so many steps, where it goes in steps.
     #[must_use]
     pub const fn in_steps(self, steps: usize) -> Self {

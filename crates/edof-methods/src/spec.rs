@@ -3,6 +3,7 @@
 use crate::board::BoardReconstructor;
 use crate::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::dictionary::Dictionary;
+use crate::external::{ExternalError, ExternalReconstructor, ExternalSettings};
 use crate::method::{Family, Format, Method};
 use crate::pursuit::PursuitReconstructor;
 use crate::settings::{
@@ -106,6 +107,13 @@ pub enum MethodSpec {
         /// SHA-256 of the weights' and the device's names.
         sha256: String,
     },
+    /// Anybody's program.
+    External {
+        /// The command.
+        settings: ExternalSettings,
+        /// SHA-256 of the command and of the files that it names.
+        sha256: String,
+    },
     /// A network in the board's integers.
     Fixed {
         /// Its weights, made for one stride.
@@ -207,8 +215,17 @@ impl MethodSpec {
                 let usual = DeconvolutionSettings::usual().into_iter();
                 usual.filter(|settings| settings.family() == *family).map(Self::Deconvolution).collect()
             }
-            Family::Network => unreachable!("no network has a name here"),
+            Family::Network | Family::External => unreachable!("neither has a name here"),
         })
+    }
+
+    /// Anybody's program, as `CMD {raw} {out}`, which may take so many seconds.
+    ///
+    /// # Errors
+    /// [`ExternalError`].
+    pub fn external(command: &str, seconds: u64) -> Result<Self, ExternalError> {
+        let settings = ExternalSettings::new(command, seconds)?;
+        Ok(Self::External { sha256: settings.sha256(), settings })
     }
 
     /// All names that [`MethodSpec::named`] knows.
@@ -236,6 +253,7 @@ impl MethodSpec {
                 of_float(network, format, settings)
             }
             Self::FloatGpu { network, settings, .. } => of_float(network, Format::FloatGpu, settings),
+            Self::External { settings, .. } => Method::external(settings.name()),
             Self::Fixed { network, name, .. } => of_fixed(network, Format::Fixed, name),
             Self::Board { network, name, .. } => of_fixed(network, Format::Board, name),
             Self::FixedGpu { network, name, .. } => of_fixed(network, Format::FixedGpu, name),
@@ -251,6 +269,8 @@ impl MethodSpec {
             Self::Pursuit { settings, .. } => format!("{settings:?}"),
             Self::Untrained { settings, .. } => format!("{settings:?}"),
             Self::Float { settings, .. } | Self::FloatGpu { settings, .. } => format!("{settings:?}"),
+            // How long it may take makes no other picture.
+            Self::External { settings, .. } => settings.command.clone(),
             Self::Fixed { .. } | Self::Board { .. } | Self::FixedGpu { .. } => String::new(),
         }
     }
@@ -264,6 +284,7 @@ impl MethodSpec {
             | Self::Fixed { sha256, .. }
             | Self::Board { sha256, .. }
             | Self::FloatGpu { sha256, .. }
+            | Self::External { sha256, .. }
             | Self::FixedGpu { sha256, .. } => Some(sha256),
             Self::Malvar | Self::Directional | Self::Deconvolution(_) => None,
         }
@@ -303,6 +324,7 @@ impl MethodSpec {
                 let board = BoardReconstructor::new(network, design, name.clone());
                 Box::new(board.map_err(|source| PrepareError::Board { net: name, source })?)
             }
+            Self::External { settings, .. } => Box::new(ExternalReconstructor::new(settings.clone())),
             Self::Fixed { network, .. } => {
                 let golden = GoldenReconstructor::new((**network).clone(), name.clone());
                 Box::new(golden.map_err(|source| PrepareError::Fixed { net: name, source })?)

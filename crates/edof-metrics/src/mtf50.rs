@@ -4,6 +4,7 @@
 //! along the line into bins a quarter of a pixel wide (ESF), the derivative of that (LSF) is windowed and transformed. What
 //! the derivative and the bins themselves take away is divided out. The pixel's own footprint is part of what is measured.
 
+use edof_numerics::sinc;
 use ndarray::{Array1, ArrayView2};
 use std::f64::consts::PI;
 
@@ -167,10 +168,6 @@ fn transfer(line: &Array1<f64>) -> Vec<[f64; 2]> {
             [frequency, re.hypot(im) / total.abs() / (bin * difference)]
         })
         .collect()
-}
-
-fn sinc(x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
 #[cfg(test)]

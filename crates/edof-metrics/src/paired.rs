@@ -1,5 +1,6 @@
 //! Differences of two methods on the same photographs: how far apart they are on average, and how sure that is.
 
+use edof_numerics::mean;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -18,11 +19,11 @@ impl Paired {
     /// Of differences; nothing of none.
     #[must_use]
     pub fn of(differences: &[f64]) -> Option<Self> {
+        let mean = mean(differences.iter().copied())?;
         let count = differences.len() as f64;
-        let mean = differences.iter().sum::<f64>() / count;
         let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
         let standard_error = (differences.len() > 1).then(|| (squares / (count - 1.0) / count).sqrt());
-        (!differences.is_empty()).then_some(Self { mean, standard_error, photos: differences.len() })
+        Some(Self { mean, standard_error, photos: differences.len() })
     }
 
     /// Of numbers by photograph, the first less the second, where both have one.

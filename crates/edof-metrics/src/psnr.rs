@@ -1,6 +1,5 @@
 //! Peak signal-to-noise ratio.
 
-use crate::quality::cropped;
 use edof_image::ColourFrame;
 use ndarray::{ArrayView2, Axis};
 
@@ -35,4 +34,10 @@ pub fn decibel(mean_square: f64) -> f64 {
 pub fn mean_square(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
     sum / a.len() as f64
+}
+
+/// Without a border.
+pub(crate) fn cropped(frame: &ColourFrame, border: usize) -> ColourFrame {
+    let (height, width) = frame.size();
+    frame.crop(border, border, height - 2 * border, width - 2 * border)
 }

@@ -4,7 +4,7 @@
 //! Peak 1. A border of [`BORDER`] pixels is cropped first. Estimates are *not* clipped to 0…1 unless a name says so. Sums
 //! run in f64 in a fixed order. What is compared is the picture ([`shown`]), under sRGB the light beside it.
 
-use crate::psnr::{decibel, mean_square};
+use crate::psnr::{cropped, decibel, mean_square};
 use crate::ssim::{self, ssim};
 use edof_image::colour::LUMA;
 use edof_image::{ColourFrame, Tone};
@@ -100,11 +100,6 @@ pub fn luma(frame: &ColourFrame) -> Array2<f32> {
         let sum: f64 = LUMA.iter().zip([r, g, b]).map(|(w, v)| w * f64::from(v)).sum();
         sum as f32
     })
-}
-
-pub(crate) fn cropped(frame: &ColourFrame, border: usize) -> ColourFrame {
-    let (height, width) = frame.size();
-    frame.crop(border, border, height - 2 * border, width - 2 * border)
 }
 
 #[cfg(test)]

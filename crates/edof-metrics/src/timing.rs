@@ -47,6 +47,12 @@ pub struct Timed {
 }
 
 impl Timed {
+    /// The same of a method that ran in another process, whose CPU time and memory nobody counted here.
+    #[must_use]
+    pub fn elsewhere(self) -> Self {
+        Self { cpu_seconds: None, cpu_range: None, peak_memory_bytes: None, ..self }
+    }
+
     /// A reconstruction whose time is computed, not measured.
     pub const fn not(result: Reconstruction) -> Self {
         let range = Range { least: result.seconds, most: result.seconds };

@@ -21,6 +21,8 @@ use edof_storage::provenance::Provenance;
 use ndarray::{Array1, Array2};
 use serde::{Deserialize, Serialize};
 
+/// Bits of a word of weights or codes.
+pub const WORD_BITS: u32 = i16::BITS;
 /// Most fraction bits of a weight or code: more than any accumulator could shift away.
 pub const MOST_FRACTION: u32 = 48;
 

@@ -14,10 +14,12 @@
 
 mod cholesky;
 pub mod fft;
+mod functions;
 mod least_squares;
 pub mod random;
 
 pub use cholesky::{Cholesky, NotPositive};
+pub use functions::{mean, sinc};
 pub use least_squares::least_squares;
 
 use ndarray::{Array1, ArrayView2};

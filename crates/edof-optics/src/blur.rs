@@ -72,7 +72,7 @@ impl Blur {
             let wrapped = fold_rows_as(wide.t(), height, down);
             Part { down, across, values: self.transform(wrapped.t(), down, across) * scale }
         };
-        Transfer(parts(&psf.kernel).into_iter().map(part).collect())
+        Transfer(parts(psf.kernel()).into_iter().map(part).collect())
     }
 
     /// The plane of `spectrum` blurred by the PSF of `transfer`.
@@ -178,7 +178,7 @@ mod tests {
         // A coma that points up is even from left to right.
         let coma = Array2::from_shape_fn((3, 3), |(r, _)| [0.1f32, 0.2, 0.0][r]);
         let count = |kernel: &Array2<f32>| parts(kernel).len();
-        assert_eq!((count(&ghost), count(&coma), count(&kernel(3, true).kernel)), (4, 2, 1));
+        assert_eq!((count(&ghost), count(&coma), count(kernel(3, true).kernel())), (4, 2, 1));
     }
 
     proptest! {

@@ -41,6 +41,17 @@ pub fn geometric_blur_um(camera: &Camera, psi: f64) -> f64 {
     4.0 / std::f64::consts::PI * (psi - camera.focus_psi).abs() * wave_um
 }
 
+/// A range of ψ in metres behind a comma, before a camera that knows where ψ is zero.
+pub(crate) fn in_metres(camera: &Camera, [low, high]: [f64; 2]) -> String {
+    let Some(nominal) = camera.nominal_m else { return String::new() };
+    let metres = |psi| distance_m(camera, psi, nominal).filter(|metres| *metres > 0.0);
+    match (metres(high), metres(low).filter(|metres| metres.is_finite())) {
+        (Some(near), Some(far)) => format!(", {near:.3} to {far:.3} m"),
+        (Some(near), None) => format!(", {near:.3} m and farther"),
+        _ => String::new(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

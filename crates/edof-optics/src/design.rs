@@ -12,6 +12,7 @@ use edof_image::words::{number, numbers};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// What to search for, and how long.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +78,7 @@ pub enum DesignError {
 const NARROWEST: f64 = 0.02;
 
 /// Searches for the mask and focus that serve `task` best with the lens and sensor of `base`; its own rings and focus are not
-/// looked at. `tell(generation, best score in dB)` is called after each generation and returns whether to go on.
+/// looked at. `tell(generation, best score in dB)` is called after each generation and may end the search, whose best is then returned.
 ///
 /// # Errors
 /// [`DesignError`].
@@ -86,7 +87,7 @@ pub fn search(
     statistics: &Statistics,
     task: &Task,
     search: &Search,
-    mut tell: impl FnMut(usize, f64) -> bool,
+    mut tell: impl FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<Found, DesignError> {
     check(base, task, search)?;
     let score = |genes: &Vec<f64>| judge(&camera(base, search, genes), statistics, task).map(|v| v.score_db);
@@ -99,7 +100,7 @@ pub fn search(
     let mut judged = population.len();
     for generation in 0..search.generations {
         let best = best_of(&scores);
-        if !tell(generation, scores[best]) || bounds.is_empty() {
+        if tell(generation, scores[best]).is_break() || bounds.is_empty() {
             break;
         }
         let trials: Vec<Vec<f64>> =
@@ -113,7 +114,7 @@ pub fn search(
         }
     }
     let best = best_of(&scores);
-    tell(search.generations, scores[best]);
+    let _ = tell(search.generations, scores[best]);
     let camera = camera(base, search, &population[best]);
     Ok(Found { verdict: judge(&camera, statistics, task)?, camera, judged })
 }
@@ -236,7 +237,9 @@ mod tests {
     fn a_clear_lens_is_best_focused_inside_its_range() {
         let base = Camera::resolve("clear").unwrap();
         let wanted = Search { rings: 0, population: 6, generations: 6, ..Search::default() };
-        let found = search(&base, &Statistics::natural(), &small_task(), &wanted, |_, _| true).unwrap();
+        let found =
+            search(&base, &Statistics::natural(), &small_task(), &wanted, |_, _| ControlFlow::Continue(()))
+                .unwrap();
         assert!((3.0..5.5).contains(&found.camera.focus_psi), "{}", found.camera.focus_psi);
     }
 
@@ -248,7 +251,7 @@ mod tests {
         let mut best = vec![];
         let found = search(&base, &statistics, &small_task(), &wanted, |_, db| {
             best.push(db);
-            true
+            ControlFlow::Continue(())
         })
         .unwrap();
         assert!(best.is_sorted(), "the best never gets worse: {best:?}");
@@ -256,8 +259,11 @@ mod tests {
         assert!(found.verdict.score_db > clear.score_db, "{} {}", found.verdict.score_db, clear.score_db);
         found.camera.check().unwrap();
         let short = Search { population: 6, generations: 2, ..Search::default() };
-        let [one, again] =
-            [(); 2].map(|()| search(&base, &statistics, &small_task(), &short, |_, _| true).unwrap().camera);
+        let [one, again] = [(); 2].map(|()| {
+            search(&base, &statistics, &small_task(), &short, |_, _| ControlFlow::Continue(()))
+                .unwrap()
+                .camera
+        });
         assert_eq!(one, again);
     }
 
@@ -265,7 +271,9 @@ mod tests {
     fn impossible_searches_are_refused() {
         let base = Camera::resolve("clear").unwrap();
         let wanted = Search { rings: 3, ..Search::default() };
-        let error = search(&base, &Statistics::natural(), &small_task(), &wanted, |_, _| true).unwrap_err();
+        let error =
+            search(&base, &Statistics::natural(), &small_task(), &wanted, |_, _| ControlFlow::Continue(()))
+                .unwrap_err();
         assert_eq!(error.to_string(), "design: rings is 3, expected 0, 1 or 2");
     }
 }

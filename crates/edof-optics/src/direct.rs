@@ -25,10 +25,10 @@ pub fn picture(height: usize, width: usize, seed: u32) -> Array2<f32> {
 
 /// The sum over all of the kernel, borders mirrored.
 pub fn direct(plane: &Array2<f32>, psf: &Psf) -> Array2<f32> {
-    let half = (psf.kernel.nrows() / 2) as isize;
+    let half = (psf.kernel().nrows() / 2) as isize;
     let (height, width) = plane.dim();
     Array2::from_shape_fn((height, width), |(r, c)| {
-        let terms = psf.kernel.indexed_iter().map(|((i, j), &k)| {
+        let terms = psf.kernel().indexed_iter().map(|((i, j), &k)| {
             let row = mirror_index(r as isize - (i as isize - half), height);
             k * plane[(row, mirror_index(c as isize - (j as isize - half), width))]
         });

@@ -163,7 +163,7 @@ fn crossed(psfs: &[Psf; 3], statistics: &Statistics, sites: &Sites) -> Array2<f6
     let reach = sites.reach as isize;
     let maps: Vec<Array2<f64>> = (0..9)
         .map(|channels| {
-            let (kernel, sharp) = (&psfs[channels / 3].kernel, &sharp[channels]);
+            let (kernel, sharp) = (psfs[channels / 3].kernel(), &sharp[channels]);
             let middle = (kernel.nrows() / 2) as isize;
             let far = |lag: isize| lag.unsigned_abs().min(most - 1);
             let side = (2 * reach + 1) as usize;
@@ -303,7 +303,7 @@ mod tests {
         // Light that arrives a row lower: a pixel knows of one row of the patch what it knew of the next.
         let moved = psfs.map(|psf| {
             let mut kernel = Array2::zeros((psf.side() + 2, psf.side() + 2));
-            kernel.slice_mut(ndarray::s![2.., 1..=psf.side()]).assign(&psf.kernel);
+            kernel.slice_mut(ndarray::s![2.., 1..=psf.side()]).assign(psf.kernel());
             Psf::new(kernel).unwrap()
         });
         let moved = crossed(&moved, &statistics, &sites);

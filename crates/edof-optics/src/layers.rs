@@ -11,6 +11,9 @@ use rayon::prelude::*;
 /// Most layers that a photograph is cut into.
 pub const MOST_LAYERS: usize = 64;
 
+/// Layers that a photograph is cut into unless another number is asked for.
+pub const USUAL: usize = 16;
+
 /// Depths that make no layers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]

@@ -1,9 +1,10 @@
 //! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
 
-use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, sinc, wave_um, wavelengths};
+use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, wave_um, wavelengths};
 use edof_camera::camera::{Camera, Spectrum};
 use edof_image::Channel;
 use edof_numerics::fft::Complex64;
+use edof_numerics::sinc;
 use ndarray::{Array1, Axis};
 use rayon::prelude::*;
 
@@ -92,7 +93,7 @@ pub fn sampled_otf(psf: &Psf, cycles_per_pixel: f64) -> [Complex64; 2] {
     let half = (psf.side() / 2) as f64;
     // Sums over columns of pixels are the spread along a row.
     [Axis(0), Axis(1)].map(|axis| {
-        let spread = psf.kernel.mapv(f64::from).sum_axis(axis);
+        let spread = psf.kernel().mapv(f64::from).sum_axis(axis);
         let angle = |i: usize| -std::f64::consts::TAU * cycles_per_pixel * (i as f64 - half);
         spread.iter().enumerate().map(|(i, v)| Complex64::from_polar(*v, angle(i))).sum()
     })
@@ -195,7 +196,7 @@ mod tests {
         let lens = Camera::resolve("ring-2018").unwrap();
         let camera_pitch_um = lens.pixel_pitch_um;
         let psfs = channel_psfs(&lens, 3.0, &Settings::default()).unwrap();
-        let stack = bank::stacked(&[psfs.each_ref().map(|psf| &psf.kernel)]).mapv(f64::from);
+        let stack = bank::stacked(&[psfs.each_ref().map(|psf| psf.kernel())]).mapv(f64::from);
         let kernels = Kernels::new(vec![3.0], stack.view(), None).unwrap();
         let own = PsfBank { file: "x".into(), sha256: String::new(), kernels: Some(kernels.into()) };
         let banked = Camera { psf_bank: Some(own), rings: vec![], ..lens.clone() };

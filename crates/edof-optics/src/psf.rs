@@ -8,11 +8,12 @@ mod wavefront;
 
 use crate::bank;
 use crate::cosine::{EvenTransform, fold_rows, period};
-use crate::depth::{distance_m, geometric_blur_um};
+use crate::depth::{geometric_blur_um, in_metres};
 use crate::pupil::Pupil;
 use edof_camera::camera::{Camera, Spectrum};
 use edof_image::Channel;
 use edof_image::words::number;
+use edof_numerics::sinc;
 use ndarray::{Array1, Array2, Axis, s};
 use rayon::prelude::*;
 
@@ -89,8 +90,8 @@ impl Settings {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Psf {
-    /// Odd side, sum 1, the point on the centre of the middle pixel.
-    pub kernel: Array2<f32>,
+    /// Odd side, sum 1: no other is given out, and nobody can change it.
+    kernel: Array2<f32>,
     /// Share of the computed energy that the kernel held before it was scaled to sum 1.
     pub energy_kept: f64,
     /// Side of the computed support in pixels.
@@ -131,6 +132,18 @@ impl Psf {
             return Err(PsfError::Sum(sum));
         }
         Ok(Self::given(kernel))
+    }
+
+    /// The kernel: of odd side, summing to 1, the point on the centre of the middle pixel.
+    #[must_use]
+    pub const fn kernel(&self) -> &Array2<f32> {
+        &self.kernel
+    }
+
+    /// The same to keep.
+    #[must_use]
+    pub fn into_kernel(self) -> Array2<f32> {
+        self.kernel
     }
 
     /// Pixels along one side of the kernel.
@@ -224,24 +237,13 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
     Err(NoPsf::Bank { psi, camera: name, file, low, high, near: in_metres(camera, [low, high]) })
 }
 
-/// A range of ψ in metres behind a comma, before a camera that knows where ψ is zero.
-fn in_metres(camera: &Camera, [low, high]: [f64; 2]) -> String {
-    let Some(nominal) = camera.nominal_m else { return String::new() };
-    let metres = |psi| distance_m(camera, psi, nominal).filter(|metres| *metres > 0.0);
-    match (metres(high), metres(low).filter(|metres| metres.is_finite())) {
-        (Some(near), Some(far)) => format!(", {near:.3} to {far:.3} m"),
-        (Some(near), None) => format!(", {near:.3} m and farther"),
-        _ => String::new(),
-    }
-}
-
 /// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength): those of the camera's bank,
 /// whole whatever the settings, if it has one; else those that follow from its lens and mask.
 ///
 /// ```
 /// use edof_optics::psf::{Settings, channel_psfs};
 /// let [red, _, blue] = channel_psfs(&edof_camera::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
-/// let middle = |psf: &edof_optics::psf::Psf| psf.kernel[(psf.side() / 2, psf.side() / 2)];
+/// let middle = |psf: &edof_optics::psf::Psf| psf.kernel()[(psf.side() / 2, psf.side() / 2)];
 /// assert!(middle(&red) > middle(&blue), "red is in focus at psi 1");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -480,12 +482,6 @@ impl FineIntensity {
         let intensity = squared_field(sampled.mapv(|p| p.re)) + squared_field(sampled.mapv(|p| p.im));
         Self { intensity, transform, band: (2 * samples).min(n) }
     }
-}
-
-/// sin(πx)/(πx).
-pub(crate) fn sinc(x: f64) -> f64 {
-    let angle = std::f64::consts::PI * x;
-    if angle.abs() < 1e-9 { 1.0 } else { angle.sin() / angle }
 }
 
 /// Sum over all four quarters of an even plane of which one, with the axes, is given.

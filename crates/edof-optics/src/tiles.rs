@@ -91,7 +91,7 @@ impl Tiles {
 
     /// The transfer function of a PSF.
     pub fn transfer(&self, psf: &Psf) -> Transfer {
-        let (kernel, half) = (&psf.kernel, psf.side() / 2);
+        let (kernel, half) = (psf.kernel(), psf.side() / 2);
         assert!(half <= self.reach, "a kernel that reaches {half} pixels in tiles for {}", self.reach);
         let (rows, columns) = (self.down.period, self.across.period);
         let mut wrapped = Array2::zeros((rows, columns));

@@ -12,6 +12,7 @@ use edof_network::Network;
 use edof_network::network::{Form, Recurrence};
 use ndarray::Array2;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Windows that go through the float network at once.
 const BATCH: usize = 256;
@@ -60,17 +61,17 @@ impl Calibration {
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
     ) -> Result<Self, GeometryError> {
-        Self::measure_while(network, frames, || true)
+        Self::measure_while(network, frames, || ControlFlow::Continue(()))
     }
 
-    /// [`Calibration::measure`], cut short where `go_on` says no; it is asked every few hundred windows.
+    /// [`Calibration::measure`], cut short where `flow` breaks; it is asked every few hundred windows.
     ///
     /// # Errors
     /// As [`Calibration::measure`].
     pub fn measure_while<'a>(
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
-        go_on: impl Fn() -> bool + Sync,
+        flow: impl Fn() -> ControlFlow<()> + Sync,
     ) -> Result<Self, GeometryError> {
         let weights = flatten(network);
         let geometry = Geometry::new(network.form.window, Stride::FINEST);
@@ -79,7 +80,7 @@ impl Calibration {
         let mut all = Self::new(&network.form);
         for some in frames.chunks(FRAMES_AT_ONCE) {
             let seen: Result<Vec<Self>, GeometryError> =
-                some.par_iter().map(|raw| Self::of_frame(network, &weights, geometry, raw, &go_on)).collect();
+                some.par_iter().map(|raw| Self::of_frame(network, &weights, geometry, raw, &flow)).collect();
             all = seen?.iter().fold(all, Self::merged);
         }
         Ok(all)
@@ -90,7 +91,7 @@ impl Calibration {
         weights: &[f32],
         geometry: Geometry,
         raw: &RawFrame,
-        go_on: &(impl Fn() -> bool + Sync),
+        flow: &(impl Fn() -> ControlFlow<()> + Sync),
     ) -> Result<Self, GeometryError> {
         geometry.check_frame(raw.size())?;
         let (raw, _) = raw.to_rggb();
@@ -102,7 +103,7 @@ impl Calibration {
         let mut pass = Pass::new(network.form, BATCH);
         let pixels = network.form.window.pixels();
         let mut words = vec![0; pixels];
-        for (index, some) in patches.chunks(BATCH).enumerate().take_while(|_| go_on()) {
+        for (index, some) in patches.chunks(BATCH).enumerate().take_while(|_| flow().is_continue()) {
             let mut inputs = Vec::with_capacity(some.len() * pixels);
             for &(row, column) in some {
                 mirrored.copy_window(row, column, &mut words);

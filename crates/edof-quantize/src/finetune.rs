@@ -25,6 +25,7 @@ use edof_train::precondition::Precondition;
 use edof_train::validation::psnr_db;
 use edof_train::weighting::remember;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Parts of a batch that are computed side by side and added in order: the result does not depend on the threads.
 const PARTS: usize = 4;
@@ -66,20 +67,20 @@ pub struct FinetuneProgress {
 }
 
 /// Fine-tunes the weights and thresholds of `fixed` on the dataset's windows. `tell`
-/// hears every validation, the first before any step, and stops the work by returning false. The best validated words come
+/// hears every validation, the first before any step, and may end the work. The best validated words come
 /// out, so the result is never worse than the start on the validation windows.
 #[must_use]
 pub fn finetune(
     fixed: &FixedNetwork,
     dataset: &Dataset,
     tuning: &FinetuneOptions,
-    mut tell: impl FnMut(&FinetuneProgress) -> bool,
+    mut tell: impl FnMut(&FinetuneProgress) -> ControlFlow<()>,
 ) -> FixedNetwork {
     let mut tuner = Tuner::new(fixed, dataset, tuning);
     let mut best = (tuner.validate(), fixed.clone());
-    let mut go_on = tell(&FinetuneProgress { step: 0, validation_db: best.0, best_db: best.0 });
+    let mut flow = tell(&FinetuneProgress { step: 0, validation_db: best.0, best_db: best.0 });
     for step in 1..=tuning.steps {
-        if !go_on {
+        if flow.is_break() {
             break;
         }
         tuner.step(step);
@@ -89,7 +90,7 @@ pub fn finetune(
             if db > best.0 && tuner.words.check().is_ok() {
                 best = (db, tuner.words.clone());
             }
-            go_on = tell(&FinetuneProgress { step, validation_db: db, best_db: best.0 });
+            flow = tell(&FinetuneProgress { step, validation_db: db, best_db: best.0 });
         }
     }
     best.1

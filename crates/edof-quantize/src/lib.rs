@@ -49,7 +49,7 @@ pub use finetune::{FinetuneOptions, FinetuneProgress, finetune};
 
 use edof_image::Stride;
 use edof_image::overlap::Overlap;
-use edof_network::fixed_network::{FixedNetworkError, layer_names};
+use edof_network::fixed_network::{FixedNetworkError, WORD_BITS, layer_names};
 use edof_network::network::NetworkError;
 use edof_network::{FixedNetwork, Network};
 
@@ -68,7 +68,7 @@ pub struct QuantizeOptions {
 
 impl Default for QuantizeOptions {
     fn default() -> Self {
-        Self { bits: 16, stride: Stride::PATCH, overlap: Overlap::Hann, headroom: 2.0 }
+        Self { bits: WORD_BITS, stride: Stride::PATCH, overlap: Overlap::Hann, headroom: 2.0 }
     }
 }
 

@@ -19,9 +19,10 @@ use edof_storage::provenance::Provenance;
 use edof_train::dataset::{Dataset, DatasetOptions};
 use edof_train::noise::Conditions;
 use edof_train::recipe::Recipe;
-use edof_train::train::{Continue, Trainer};
+use edof_train::train::Trainer;
 use ndarray::{Array1, Array2, Array3};
 use proptest::prelude::*;
+use std::ops::ControlFlow;
 
 fn forms() -> impl Strategy<Value = Form> {
     let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
@@ -264,7 +265,8 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
     let camera = Camera::resolve("clear").unwrap();
     let window = Window::new(8).unwrap();
     let plain = DatasetOptions::plain(&[0.0, 2.0], window);
-    let dataset = Dataset::new(&pictures(), &camera, plain, |_, _| true).unwrap().unwrap();
+    let dataset =
+        Dataset::new(&pictures(), &camera, plain, |_, _| ControlFlow::Continue(())).unwrap().unwrap();
     let form = Form { codes: 32, ..form(4, Shrinkage::OneSided, true) };
     let recipe = Recipe {
         steps: 300,
@@ -276,7 +278,7 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
         ..Recipe::new(form)
     };
     let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();
-    trainer.run(|_, _| Continue::Yes).unwrap();
+    trainer.run(|_, _| ControlFlow::Continue(())).unwrap();
     let network = trainer.best("small", &camera, Provenance::default());
     let scenes: Vec<RawFrame> = pictures().iter().map(|p| expose(p, &Sensor::default()).unwrap()).collect();
     let calibration = Calibration::measure(&network, &scenes).unwrap();
@@ -286,7 +288,7 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
         let mut seen = vec![];
         let tell = |p: &FinetuneProgress| {
             seen.push(p.validation_db);
-            true
+            ControlFlow::Continue(())
         };
         (finetune(&fixed, &dataset, &tuning, tell), seen)
     };

@@ -6,7 +6,7 @@
 //! | [`extreme`] | a form: weights and thresholds anywhere in their range, mostly at its ends |
 //! | [`for_design`] | a design: an extreme network that fits it |
 //! | [`natural`] | a window and a stride: a network of the size and sparsity of a trained one |
-//! | [`silent`] | a camera: the smallest float network, all of its weights 0 |
+//! | [`silent`] | a camera: a float network of the paper's size, all of its weights 0 |
 //! | [`extreme_window`] | input words, often at the ends of their range |
 //!
 //! ```
@@ -195,13 +195,13 @@ fn origin(name: &str) -> Origin {
     Origin::untrained(name, camera)
 }
 
-/// The smallest float network behind a camera, named `silent`: two layers, two codes, a window of 8 pixels, and all weights 0.
+/// A float network of the paper's size behind a camera, named `silent`: four layers, 192 codes, a window of 8 pixels, and all weights 0.
 #[must_use]
 pub fn silent(camera: Camera) -> Network {
     let form = Form {
         window: Window::PATCH,
-        codes: 2,
-        layers: 2,
+        codes: 192,
+        layers: 4,
         shrinkage: Shrinkage::OneSided,
         recurrence: Recurrence::Direct,
         linear_path: false,
@@ -210,8 +210,8 @@ pub fn silent(camera: Camera) -> Network {
     Network {
         form,
         analysis: Array2::zeros((form.codes, form.window.pixels())),
-        thresholds: vec![Array1::zeros(form.codes)],
-        recurrent: vec![],
+        thresholds: vec![Array1::zeros(form.codes); form.shrinkages()],
+        recurrent: vec![Array2::zeros((form.codes, form.codes)); form.recurrent_matrices()],
         dictionary: Array2::zeros((RGB_OUTPUTS, form.codes)),
         linear_path: None,
         origin: Origin::untrained("silent", camera),

@@ -1,9 +1,9 @@
 //! A report as one HTML file that needs nothing else: pictures, plots and a viewer for the pictures are inside it.
 
-use crate::plot::{Plot, escape};
+use crate::plot::Plot;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use edof_storage::atomic::{self, WriteError};
-use std::fmt::Write;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::path::Path;
 
 /// A report, built from top to bottom.
@@ -13,6 +13,8 @@ pub struct Report {
     body: String,
     has_pictures: bool,
     has_tables: bool,
+    /// Plots or tables, which may be wider than a phone.
+    is_wide: bool,
 }
 
 /// A picture and what stands below it.
@@ -39,17 +41,23 @@ impl Report {
     /// An empty report.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), body: String::new(), has_pictures: false, has_tables: false }
+        let (title, body) = (title.into(), String::new());
+        Self { title, body, has_pictures: false, has_tables: false, is_wide: false }
     }
 
     /// A heading for what follows.
     pub fn heading(&mut self, text: &str) -> &mut Self {
-        self.add(&format!("<h2>{}</h2>", escape(text)))
+        self.add(&html! { h2 { (text) } })
+    }
+
+    /// A heading within what follows a heading.
+    pub fn subheading(&mut self, text: &str) -> &mut Self {
+        self.add(&html! { h3 { (text) } })
     }
 
     /// A paragraph.
     pub fn paragraph(&mut self, text: &str) -> &mut Self {
-        self.add(&format!("<p>{}</p>", escape(text)))
+        self.add(&html! { p { (text) } })
     }
 
     /// The command that made it, which breaks between its options alone where there is room for them.
@@ -57,34 +65,31 @@ impl Report {
         let mut parts: Vec<String> = vec![];
         for word in command.split_whitespace() {
             match parts.last_mut() {
-                Some(part) if !word.starts_with("--") && word != "#" => {
-                    *part += &format!(" {}", escape(word))
-                }
-                _ => parts.push(escape(word)),
+                Some(part) if !word.starts_with("--") && word != "#" => *part += &format!(" {word}"),
+                _ => parts.push(word.to_owned()),
             }
         }
-        let parts: Vec<String> = parts.into_iter().map(|part| format!("<span>{part}</span>")).collect();
-        self.add(&format!("<p class=\"made\">Made by <code>{}</code></p>", parts.join(" ")))
+        self.add(&html! {
+            p.made {
+                "Made by "
+                code { @for (place, part) in parts.iter().enumerate() { @if place > 0 { " " } span { (part) } } }
+            }
+        })
     }
 
     /// How numbers came to be, which who knows it need not read again: it opens where it is asked for.
     pub fn method(&mut self, text: &str) -> &mut Self {
-        self.add(&format!(
-            "<details><summary>How this was measured</summary><p>{}</p></details>",
-            escape(text)
-        ))
+        self.add(&html! { details { summary { "How this was measured" } p { (text) } } })
     }
 
     /// What matters most, in a box.
     pub fn verdict(&mut self, text: &str) -> &mut Self {
-        self.add(&format!("<p class=\"verdict\">{}</p>", escape(text)))
+        self.add(&html! { p.verdict { (text) } })
     }
 
     /// Words and what they mean.
     pub fn terms(&mut self, terms: &[(String, String)]) -> &mut Self {
-        let item =
-            |(term, text): &(String, String)| format!("<dt>{}</dt><dd>{}</dd>", escape(term), escape(text));
-        self.add(&format!("<dl>{}</dl>", terms.iter().map(item).collect::<String>()))
+        self.add(&html! { dl { @for (term, text) in terms { dt { (term) } dd { (text) } } } })
     }
 
     /// Pictures side by side; where there is no room they wrap. Each opens in the viewer, which flips between those of one group and
@@ -95,71 +100,97 @@ impl Report {
             Layout::Wide => "row",
             Layout::Enlarged => "row enlarged",
         };
-        let mut row = format!("<div class=\"{class}\">");
-        for Figure { title, note, picture } in figures {
-            let (title, note) = (escape(title), escape(note));
+        let data = |picture: &[u8]| {
             let kind = if picture.starts_with(&[0xff, 0xd8]) { "jpeg" } else { "png" };
-            let data = BASE64_STANDARD.encode(picture);
-            let _ = write!(
-                row,
-                "<figure><button class=\"shown\"><img alt=\"{title}\" src=\"data:image/{kind};base64,{data}\"></button>\
-                 <figcaption><b>{title}</b><br>{note}</figcaption></figure>"
-            );
-        }
-        self.add(&(row + "</div>"))
+            format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(picture))
+        };
+        self.add(&html! {
+            div class=(class) {
+                @for Figure { title, note, picture } in figures {
+                    figure {
+                        button.shown { img alt=(title) src=(data(picture)); }
+                        figcaption { b { (title) } br; (note) }
+                    }
+                }
+            }
+        })
     }
 
     /// A table; columns of numbers stand right, and a click on the name of a column sorts by it. `best` holds row and column of cells that are set off.
     pub fn table(&mut self, header: &[&str], rows: &[Vec<String>], best: &[(usize, usize)]) -> &mut Self {
-        self.has_tables = true;
-        let mut table = String::from("<div class=\"wide\"><table><thead><tr>");
+        (self.has_tables, self.is_wide) = (true, true);
         let numbers: Vec<bool> = (0..header.len()).map(|column| is_of_numbers(rows, column)).collect();
-        for (cell, &is_number) in header.iter().zip(&numbers) {
-            let class = if is_number { " class=\"n\"" } else { "" };
-            // An equation is one word.
-            let cell = escape(cell).replace(" = ", "&nbsp;=&nbsp;");
-            let _ = write!(table, "<th{class}><button class=\"sort\">{cell}</button></th>");
-        }
-        table.push_str("</tr></thead><tbody>");
-        for (r, row) in rows.iter().enumerate() {
-            table.push_str("<tr>");
-            for (c, cell) in row.iter().enumerate() {
-                let number = numbers.get(c) == Some(&true);
-                let class = match (number, best.contains(&(r, c))) {
-                    (true, true) => " class=\"n best\"",
-                    (true, false) => " class=\"n\"",
-                    (false, _) => "",
-                };
-                let _ = write!(table, "<td{class}>{}</td>", escape(cell));
+        let class = |row: usize, column: usize| match numbers.get(column) {
+            Some(true) if best.contains(&(row, column)) => Some("n best"),
+            Some(true) => Some("n"),
+            _ => None,
+        };
+        self.add(&html! {
+            div.wide {
+                table {
+                    thead {
+                        tr {
+                            @for (cell, is_number) in header.iter().zip(&numbers) {
+                                // An equation is one word.
+                                th class=[is_number.then_some("n")] {
+                                    button.sort { (cell.replace(" = ", "\u{a0}=\u{a0}")) }
+                                }
+                            }
+                        }
+                    }
+                    tbody {
+                        @for (r, row) in rows.iter().enumerate() {
+                            tr { @for (c, cell) in row.iter().enumerate() { td class=[class(r, c)] { (cell) } } }
+                        }
+                    }
+                }
             }
-            table.push_str("</tr>\n");
-        }
-        self.add(&(table + "</tbody></table></div>"))
+        })
     }
 
-    /// Plots side by side, or below each other where there is no room; none is shown so small that its text cannot be read.
+    /// Plots side by side, or below each other where there is no room; none is shown so small that its text cannot be read. A legend stands
+    /// below its plot as text, so that it is seen whole where the plot is not.
     pub fn plots(&mut self, plots: &[Plot]) -> &mut Self {
-        let each = |plot: &Plot| {
+        self.is_wide = true;
+        let style = |plot: &Plot| {
             let [least, most] = [READABLE, LARGE].map(|share| share * plot.size[0]);
-            let style = format!("--least:{least:.0}px;--most:{most:.0}px");
-            format!("<div class=\"plot\" style=\"{style}\">{}</div>", plot.to_svg())
+            format!("--least:{least:.0}px;--most:{most:.0}px")
         };
-        self.add(&format!("<div class=\"plots\">{}</div>", plots.iter().map(each).collect::<String>()))
+        self.add(&html! {
+            div.plots {
+                @for plot in plots {
+                    div.diagram style=(style(plot)) {
+                        div.plot { (PreEscaped(plot.to_svg_for_page())) }
+                        (legend(plot))
+                    }
+                }
+            }
+        })
     }
 
     /// The whole document.
     #[must_use]
     pub fn to_html(&self) -> String {
-        let title = escape(&self.title);
-        let viewer = if self.has_pictures { VIEWER } else { "" };
-        let sorter = if self.has_tables { SORTER } else { "" };
-        format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style></head>\n\
-             <body><h1>{title}</h1>\n{}{viewer}{sorter}</body></html>\n",
-            self.body
-        )
+        let parts = [(self.has_pictures, VIEWER), (self.has_tables, SORTER), (self.is_wide, CUT)];
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="color-scheme" content="light dark";
+                    title { (self.title) }
+                    link rel="icon" href="data:,";
+                    style { (PreEscaped(STYLE)) }
+                }
+                body {
+                    h1 { (self.title) }
+                    (PreEscaped(&self.body))
+                    @for (_, part) in parts.iter().filter(|(is_needed, _)| *is_needed) { (PreEscaped(part)) }
+                }
+            }
+        };
+        page.into_string() + "\n"
     }
 
     /// Writes the document.
@@ -170,10 +201,20 @@ impl Report {
         atomic::write(path, self.to_html().as_bytes())
     }
 
-    fn add(&mut self, html: &str) -> &mut Self {
-        self.body.push_str(html);
+    fn add(&mut self, markup: &Markup) -> &mut Self {
+        self.body.push_str(&markup.0);
         self.body.push('\n');
         self
+    }
+}
+
+/// What the lines and dots of a plot stand for.
+fn legend(plot: &Plot) -> Markup {
+    let entries: Vec<(String, &str)> = plot.legend();
+    html! {
+        @if !entries.is_empty() {
+            ul.legend { @for (mark, label) in entries { li { (PreEscaped(mark)) (label) } } }
+        }
     }
 }
 
@@ -185,15 +226,18 @@ const LARGE: f64 = 1.4;
 const STYLE: &str = include_str!("html/style.css");
 const VIEWER: &str = include_str!("html/viewer.html");
 const SORTER: &str = include_str!("html/sorter.html");
+const CUT: &str = include_str!("html/cut.html");
 
 /// Whether a column holds numbers, and dashes where there are none.
 fn is_of_numbers(rows: &[Vec<String>], column: usize) -> bool {
-    // Several in one cell stand as in "31.2 / 30.1".
-    let is_number = |cell: &str| cell.replace('−', "-").split(" / ").all(|word| word.parse::<f64>().is_ok());
+    // Several in one cell stand as in "31.2 / 30.1" or "+1.15 ± 0.17".
+    let is_number = |cell: &str| {
+        let cell = cell.replace('−', "-").replace(" ± ", " / ");
+        cell.split(" / ").all(|word| word.parse::<f64>().is_ok())
+    };
     let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| *cell != "–").peekable();
     cells.peek().is_some() && cells.all(|cell| is_number(cell))
 }
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ use edof_optics::draw::{Builtin, DrawError, draw};
 use edof_quantize::stage_bits::{LEAST, StageBitsError, fewest, mean_db, with_stage_bits};
 use edof_quantize::{Scene, capture};
 use edof_report::Report;
-use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
+use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
 use edof_study::made::Made;
 use serde::Serialize;
 use std::fmt::Write;
@@ -155,9 +155,24 @@ impl Bits {
             x: Axis::linear("bits of weights and results"),
             // Below a ten-thousandth of a dB rounding goes either way.
             y: Axis::log("dB lost").from(1e-4),
-            size: USUAL,
+            size: SMALL,
             series,
         }
+    }
+
+    /// Where fewer bits gain: a logarithmic scale of losses has no place for it.
+    fn gains(&self) -> Option<String> {
+        let own = self.points.iter().filter(|point| point.lost_db < 0.0);
+        let most = own.clone().min_by(|a, b| a.lost_db.total_cmp(&b.lost_db))?;
+        let who = most.stage.as_deref().unwrap_or("all");
+        Some(format!(
+            "{}: {} of {} points gain, and are not in the diagram; the most is {:.4} dB, {who} at {} bits.",
+            self.network,
+            own.count(),
+            self.points.len(),
+            -most.lost_db,
+            most.bits
+        ))
     }
 }
 
@@ -194,6 +209,9 @@ pub fn report(all: &[Bits], command: &str) -> Report {
          results keep their 16. Drawn scenes behind each network's own camera.",
     );
     report.plots(&all.iter().map(Bits::plot).collect::<Vec<_>>());
+    all.iter().filter_map(Bits::gains).for_each(|gains| {
+        report.paragraph(&gains);
+    });
     for bits in all {
         let header = bits.header();
         let header: Vec<&str> = header.iter().map(String::as_str).collect();

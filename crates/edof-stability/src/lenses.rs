@@ -27,7 +27,7 @@ pub(crate) fn lens(lens: &Lens, promise: &Promise) -> Result<Tried, Stopped> {
     let mut seen = vec![];
     for (channel, psf) in Channel::ALL.into_iter().zip(&psfs) {
         let name = format!("{channel:?}").to_lowercase();
-        let kernel = &psf.kernel;
+        let kernel = psf.kernel();
         let finite = kernel.iter().all(|v| v.is_finite()) && (0.0..=1.0).contains(&psf.energy_beyond);
         seen.push(Seen::fact(&name, "every number is finite", finite).noted(format!(
             "{} pixels wide, {:.2} % of the light beyond the support",
@@ -44,7 +44,7 @@ pub(crate) fn lens(lens: &Lens, promise: &Promise) -> Result<Tried, Stopped> {
         let worst = off.iter().fold(0.0, |worst: f64, v| if *v <= worst { worst } else { *v });
         seen.push(Seen::new(&name, "blur in f32 off sums in f64", worst, limit));
     }
-    let [red, green, blue] = psfs.each_ref().map(|psf| &psf.kernel);
+    let [red, green, blue] = psfs.each_ref().map(|psf| psf.kernel());
     let shown = png(&psf_picture([red, green, blue], SHOWN), Tone::Linear).ok();
     Ok(Tried::of(seen).shown(shown))
 }
@@ -62,7 +62,7 @@ fn direct(plane: &Array2<f32>, psf: &Psf) -> Array2<f64> {
                 let row = plane.row(mirror_index(r - (i as isize - half), height));
                 weights.iter().zip(&columns).map(|(k, c)| f64::from(*k) * f64::from(row[*c])).sum::<f64>()
             };
-            psf.kernel.outer_iter().enumerate().map(line).sum()
+            psf.kernel().outer_iter().enumerate().map(line).sum()
         })
         .collect();
     Array2::from_shape_fn((height, width), |(r, c)| pixels[r * width + c])

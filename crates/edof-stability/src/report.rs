@@ -1,6 +1,6 @@
 //! The suite as a page of cards, as Markdown and as lines for a terminal.
 
-use crate::case::Trial;
+use crate::case::{Promise, Trial};
 use crate::outcome::{Outcome, Seen};
 use crate::suite::Suite;
 use edof_report::{Figure, Layout, Report};
@@ -42,6 +42,9 @@ const fn kind(trial: &Trial) -> &'static str {
     }
 }
 
+/// Losses that the page's head names.
+const MOST_TOLD: usize = 3;
+
 impl Suite {
     /// What matters, in a sentence.
     #[must_use]
@@ -51,6 +54,30 @@ impl Suite {
             [] => format!("All {all} promises hold ({seconds:.0} s)."),
             broken => format!("{} of {all} promises are broken: {}.", broken.len(), broken.join(", ")),
         }
+    }
+
+    /// What came nearest to its limit, and what a network may lose at worst: what somebody who uses one wants to know.
+    fn matters(&self) -> String {
+        let degrades = |outcome: &&Outcome| matches!(outcome.case.promise, Promise::Graceful { .. });
+        let losses: Vec<String> = self
+            .cases
+            .iter()
+            .filter(degrades)
+            .filter_map(|outcome| Some((outcome.worst()?, outcome)))
+            .take(MOST_TOLD)
+            .map(|(worst, outcome)| {
+                format!("{} ({})", outcome.case.intent.trim_end_matches('.'), worst.words())
+            })
+            .collect();
+        let refused = self.cases.iter().filter(|o| matches!(o.case.promise, Promise::Refused { .. })).count();
+        let same = self.cases.len() - refused - self.cases.iter().filter(degrades).count();
+        let losses = match losses[..] {
+            [] => String::new(),
+            _ => format!(" What costs most, of what may: {}.", losses.join("; ")),
+        };
+        format!(
+            "{same} give what the reference gives, to a stated error; {refused} are rejected with a message.{losses}"
+        )
     }
 
     /// For a terminal: a line a case, those nearest to their limits first.
@@ -115,7 +142,7 @@ impl Suite {
     #[must_use]
     pub fn report(&self, command: &str) -> Report {
         let mut report = Report::new("Hard cases");
-        report.verdict(&self.verdict()).made_by(command).paragraph(
+        report.verdict(&self.verdict()).verdict(&self.matters()).made_by(command).paragraph(
             "Cases that use most of their limits come first. Every case says what could go wrong, what is promised, why the limit is \
              what it is, and the worst that was seen of every method, solver or network.",
         );
@@ -188,9 +215,11 @@ fn told(outcome: &Outcome) -> String {
 fn card(report: &mut Report, outcome: &Outcome) {
     let Outcome { case, seen, .. } = outcome;
     let verdict = if outcome.held { "held" } else { "BROKEN" };
-    report
-        .heading(&format!("{}: {verdict}, {} of its limit", case.id, used(outcome)))
-        .paragraph(&case.intent);
+    report.heading(&case.intent).paragraph(&format!(
+        "{}: {verdict}, {} of its limit",
+        case.id,
+        used(outcome)
+    ));
     let mut terms = vec![
         ("Danger".to_owned(), case.danger.clone()),
         ("Promised".to_owned(), format!("{}; {}", case.promise.words(), case.promise.because())),
@@ -244,7 +273,7 @@ mod tests {
         let suite = Suite::run(&Bench::new(vec![], 200), &cases, |_, _| ControlFlow::Continue(())).unwrap();
         let page = suite.report("edof study stability").to_html();
         let place =
-            |id: &str| page.find(&format!("<h2>{id}: held")).unwrap_or_else(|| panic!("{id} in {page}"));
+            |id: &str| page.find(&format!("<p>{id}: held")).unwrap_or_else(|| panic!("{id} in {page}"));
         assert!(place("bounds-drawn-8-8") < place("deblur-flat-black"));
         assert!(place("deblur-flat-black") < place("gamma-index"));
         // A picture where there is one, and a row for each stage in words and in f32.

@@ -193,7 +193,7 @@ mod tests {
         assert!(page.contains("| a | c | 30.00 | 200.0 | 201.0 | 30.0 | 100 | 10.5 | 8x1 8x1 |"), "{page}");
         assert!(!page.contains("| b |"), "{page}");
         let html = study.report("edof study design").to_html();
-        assert_eq!(html.matches("<svg").count(), 4);
+        assert_eq!(html.matches("class=\"plot\"").count(), 4);
         assert!(html.contains("b: 500, 40"), "{html}");
     }
 }

@@ -108,14 +108,14 @@ fn depths(camera: &Camera) -> [f64; 2] {
 pub fn psf_sheet(cameras: &[&Camera], psis: &[f64], settings: &Settings) -> Result<ColourFrame, NoPsf> {
     let of = |camera: &Camera| psis.iter().map(|&psi| channel_psfs(camera, psi, settings)).collect();
     let rows: Vec<Vec<[Psf; 3]>> = cameras.iter().map(|&camera| of(camera)).collect::<Result<_, NoPsf>>()?;
-    let reach = rows.iter().flatten().flatten().map(|psf| reach(&psf.kernel)).max().unwrap_or(0);
+    let reach = rows.iter().flatten().flatten().map(|psf| reach(psf.kernel())).max().unwrap_or(0);
     let side = (2 * reach + 1).clamp(SHOWN[0], SHOWN[1]);
     let factor = (CELL / side).max(2);
     let width = GAP + psis.len() * (side * factor + GAP);
     let mut parts = vec![];
     for (camera, row) in cameras.iter().zip(&rows) {
         let named = |(psfs, psi): (&[Psf; 3], &f64)| {
-            let picture = enlarged(&psf_picture(psfs.each_ref().map(|p| &p.kernel), side), factor);
+            let picture = enlarged(&psf_picture(psfs.each_ref().map(|p| p.kernel()), side), factor);
             stacked(&[picture, caption(&depth(camera, *psi), side * factor, Tone::Linear)], Tone::Linear)
         };
         parts.push(caption(&camera.name, width, Tone::Linear));
@@ -186,7 +186,7 @@ mod tests {
         let settings = Settings::default();
         let size = |cameras: &[&Camera], psis: &[f64]| psf_sheet(cameras, psis, &settings).unwrap().size();
         let reach_at =
-            |psi| channel_psfs(&camera, psi, &settings).unwrap().map(|p| reach(&p.kernel)).into_iter().max();
+            |psi| channel_psfs(&camera, psi, &settings).unwrap().map(|p| reach(p.kernel())).into_iter().max();
         let cell = |psi| {
             let side = (2 * reach_at(psi).unwrap() + 1).clamp(SHOWN[0], SHOWN[1]);
             side * (CELL / side)

@@ -4,10 +4,12 @@
 //!
 //! | what | module | gives |
 //! |---|---|---|
-//! | rows | [`journal`] | rows in a file, shared out among machines, put together again |
+//! | shared | [`experiment`] | what all experiments share: missing rows, shards, progress, an end before the end |
+//! | | [`journal`] | rows in a file, shared out among machines, put together again |
 //! | | [`told`] | what a file of rows says, whatever study it is of |
 //! | | [`made`] | what a page states of its making |
 //! | input | [`setup`] | cameras and the methods behind each |
+//! | | [`trial`] | a photograph at a depth behind a camera, and what a reconstruction of it is worth |
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
 //! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
@@ -25,6 +27,7 @@
 pub mod demo;
 pub mod demo_report;
 pub mod design;
+pub mod experiment;
 pub mod journal;
 pub mod knobs;
 pub mod known_blurs;
@@ -39,3 +42,4 @@ pub mod speed;
 pub mod summary;
 pub mod tables;
 pub mod told;
+pub mod trial;

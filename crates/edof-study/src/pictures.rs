@@ -50,6 +50,12 @@ impl Picture {
         format!("{}, {}", self.lens, self.treatment)
     }
 
+    /// Whether both are of one network behind one lens, in different formats.
+    fn is_of_the_network_of(&self, other: &Self) -> bool {
+        let network = |p: &'_ Self| p.method.split_once('.').map(|(network, _)| network.to_owned());
+        self.lens == other.lens && network(self).is_some() && network(self) == network(other)
+    }
+
     /// PSNR in dB where a depth is seen.
     #[must_use]
     pub fn db_at(&self, psi: f64) -> Option<f64> {
@@ -162,11 +168,22 @@ fn psnr_by_depth(truth: &ColourFrame, estimate: &ColourFrame, depths: &Array2<f3
 
 /// Row and column of the square of that side, all at `psi`, in which neighbours differ most.
 fn busiest(light: &Array2<f32>, depths: &Array2<f32>, psi: f32, side: usize) -> Option<(usize, usize)> {
+    busiest_where(light, side, |row, column| {
+        depths.slice(s![row..row + side, column..column + side]).iter().all(|depth| *depth == psi)
+    })
+}
+
+/// Row and column of the square of that side in which neighbours differ most, among those that may be.
+pub(crate) fn busiest_where(
+    light: &Array2<f32>,
+    side: usize,
+    may_be: impl Fn(usize, usize) -> bool,
+) -> Option<(usize, usize)> {
     let (height, width) = light.dim();
     let starts = |length: usize| (BORDER..(length + 1).saturating_sub(side + BORDER)).step_by(STEP);
     let places = starts(height).flat_map(|row| starts(width).map(move |column| (row, column)));
     let square = |(row, column): (usize, usize)| s![row..row + side, column..column + side];
-    let inside = places.filter(|&at| depths.slice(square(at)).iter().all(|depth| *depth == psi));
+    let inside = places.filter(|&(row, column)| may_be(row, column));
     let busy = |at: &(usize, usize)| change(light.slice(square(*at)));
     inside.max_by(|a, b| busy(a).total_cmp(&busy(b)))
 }
@@ -217,11 +234,13 @@ const TIE_DB: f64 = 0.05;
 pub fn verdict(pictures: &[Picture]) -> String {
     let Some((ours, others)) = pictures.split_last() else { return String::new() };
     let better = |a: &&Picture, b: &&Picture| a.picture.psnr_db.total_cmp(&b.picture.psnr_db);
-    let Some(rival) = others.iter().max_by(better) else { return String::new() };
+    // Another format of the same network is no rival.
+    let others: Vec<&Picture> = others.iter().filter(|other| !ours.is_of_the_network_of(other)).collect();
+    let Some(&rival) = others.iter().max_by(|a, b| better(a, b)) else { return String::new() };
     let worst =
         |p: &Picture| p.psi_db.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or_default();
     let ([our_psi, our_worst], [its_psi, its_worst]) = (worst(ours), worst(rival));
-    let losses: Vec<Loss> = (0..ours.psi_db.len()).filter_map(|depth| loss(ours, others, depth)).collect();
+    let losses: Vec<Loss> = (0..ours.psi_db.len()).filter_map(|depth| loss(ours, &others, depth)).collect();
     // Who is ahead at several depths is named once.
     let to_one = |all: &[Loss]| {
         let each = all.iter().map(|one| format!("at ψ = {:.1} by {:.1} dB", one.psi, one.by));
@@ -250,10 +269,10 @@ struct Loss {
 }
 
 /// How far the best of the others is ahead at one depth, if it is.
-fn loss(ours: &Picture, others: &[Picture], depth: usize) -> Option<Loss> {
+fn loss(ours: &Picture, others: &[&Picture], depth: usize) -> Option<Loss> {
     let [psi, db] = *ours.psi_db.get(depth)?;
     let ahead = |p: &Picture| Some((p.psi_db.get(depth)?[1] - db, p.name()));
-    let (by, who) = others.iter().filter_map(ahead).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (by, who) = others.iter().copied().filter_map(ahead).max_by(|a, b| a.0.total_cmp(&b.0))?;
     (by > TIE_DB).then_some(Loss { psi, by, who })
 }
 

@@ -1,17 +1,21 @@
 //! What a study of one depth says: error and time of each method, and what the paper says of both.
 
-use crate::kodak::Measured;
+mod claims;
+
+pub use claims::Claim;
+
 use crate::made::Made;
 use crate::single_depth::Row;
+use crate::summary;
 use crate::tables::noise_words;
 use crate::told::{Told, ToldError};
+use crate::trial::Measured;
+use claims::all_claims;
 use edof_image::{Noise, Tone};
 use edof_io::photos::choices;
 use edof_methods::method::{Family, Format, Method};
-use edof_metrics::paired::Paired;
-use edof_report::Report;
-use edof_report::Table;
-use edof_report::plot::{Axis, Mark, PALETTE, Plot, Series, stacked};
+use edof_report::plot::{Axis, Mark, PALETTE, Plot, Series, Shape, stacked};
+use edof_report::{Report, Table};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -50,17 +54,6 @@ pub struct Point {
     pub prepare_seconds: f64,
     /// Mean non-zeros of a patch, after each shrinkage or of its code.
     pub nonzeros_a_patch: Option<Vec<f64>>,
-}
-
-/// A sentence of the paper, and what it is here.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Claim {
-    /// What is compared.
-    pub of: String,
-    /// What the paper reports.
-    pub paper: &'static str,
-    /// What was measured.
-    pub here: String,
 }
 
 /// The points of a study, and how they were made.
@@ -134,6 +127,9 @@ impl Told for Speed {
         for ((title, tables), claims) in self.tables().into_iter().zip(&self.claims) {
             report.heading(&title);
             report.plots(&[self.plot(claims)]);
+            if let Some(note) = self.left_out(claims) {
+                report.paragraph(&note);
+            }
             tables.iter().for_each(|table| table.add_to(&mut report, &[]));
         }
         report
@@ -187,15 +183,14 @@ impl Speed {
                 Some(series) => series.points.push(at),
                 None => {
                     let new = Series::new(label, Mark::LineAndPoints, [at]).named_at_points();
-                    series.push(new.coloured(self.colour(&point.identity)));
+                    let new = new.coloured(self.colour(&point.identity));
+                    series.push(new.shaped(shape(&point.identity)));
                 }
             }
         }
         // From cheap to dear: strides come in the order of their keys.
         series.iter_mut().for_each(|s| s.points.sort_by(|a, b| a[0].total_cmp(&b[0])));
-        // What nobody trained may lie so deep that nothing else could be told apart.
-        let least = own.iter().filter(|p| !p.identity.is_untrained()).map(|p| p.psnr_db).reduce(f64::min);
-        let axis = Axis::linear("PSNR (dB)");
+        let (least, axis) = (self.floor(of), Axis::linear("PSNR (dB)"));
         Plot {
             title: format!("Error against speed: {}", of.title()),
             x: Axis::log(if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
@@ -203,10 +198,25 @@ impl Speed {
             } else {
                 "seconds a megapixel"
             }),
-            y: least.map_or_else(|| axis.clone(), |least| axis.clone().from((least - 2.0).floor())),
+            y: least.map_or_else(|| axis.clone(), |least| axis.clone().from(least)),
             size: [900.0, 540.0],
             series,
         }
+    }
+
+    /// PSNR at which a diagram begins. What nobody trained may lie so deep that nothing else could be told apart.
+    fn floor(&self, of: &Claims) -> Option<f64> {
+        let own = self.points.iter().filter(|p| of.hold(p) && !p.identity.is_untrained());
+        own.map(|p| p.psnr_db).reduce(f64::min).map(|least| (least - 2.0).floor())
+    }
+
+    /// What a diagram does not show, in a sentence.
+    fn left_out(&self, of: &Claims) -> Option<String> {
+        let floor = self.floor(of)?;
+        let own = self.points.iter().filter(|p| of.hold(p) && p.psnr_db < floor);
+        let each: Vec<String> = own.map(|p| format!("{} ({:.1} dB)", p.method, p.psnr_db)).collect();
+        (!each.is_empty())
+            .then(|| format!("Not in the diagram, which begins at {floor} dB: {}.", each.join(", ")))
     }
 
     /// One for each network, and one for each kind of other methods.
@@ -217,6 +227,7 @@ impl Speed {
             Family::BlindDeconvolution => 1,
             Family::Omp | Family::OmpKnownDepth | Family::Fista | Family::FistaKnownDepth => 2,
             Family::Untrained | Family::UntrainedDcRemoved => 7,
+            Family::External => 5,
             Family::Network => {
                 let networks = self.points.iter().filter_map(|p| p.identity.network.as_ref());
                 let first = networks.take_while(|name| of.network.as_ref() != Some(name));
@@ -263,7 +274,7 @@ impl Point {
             r.measured.identity == like.measured.identity && of(&r.measured) == of(&like.measured)
         };
         let own: Vec<&Row> = rows.iter().filter(same).collect();
-        let mean = |value: &dyn Fn(&Row) -> f64| own.iter().map(|r| value(r)).sum::<f64>() / own.len() as f64;
+        let mean = |value: &dyn Fn(&Row) -> f64| summary::mean(own.iter().map(|r| value(r)));
         let identity = like.measured.identity.clone();
         let nonzeros = like.measured.work.nonzeros_a_patch.as_ref().map(|layers| {
             let layer = |t: usize| {
@@ -300,6 +311,15 @@ impl Point {
             nonzeros_a_patch: nonzeros,
             identity,
         }
+    }
+}
+
+/// Formats of one network differ by their points.
+const fn shape(method: &Method) -> Shape {
+    match method.format {
+        Some(Format::Fixed | Format::FixedGpu) => Shape::Square,
+        Some(Format::Board) => Shape::Diamond,
+        _ => Shape::Disc,
     }
 }
 
@@ -351,175 +371,5 @@ fn claims_table(claims: &[Claim]) -> Table {
     Table { header, rows }
 }
 
-/// The paper's comparisons of all networks and strides that there are.
-fn all_claims(points: &[&Point]) -> Vec<Claim> {
-    let of = |family| points.iter().copied().find(move |p| p.identity.family == family);
-    let blind = of(Family::BlindDeconvolution);
-    let omp = |stride| {
-        points.iter().copied().find(|p| p.identity.family == Family::Omp && p.identity.stride == stride)
-    };
-    let mut claims = vec![];
-    let mut add = |of: String, paper: &'static str, here: String| claims.push(Claim { of, paper, here });
-    // Of the photographs that both were measured on.
-    let db = |a: &Point, b: &Point| {
-        let paired = Paired::between(&a.photo_psnr_db, &b.photo_psnr_db);
-        paired.map_or_else(|| "no photograph of both".to_owned(), |paired| format!("{paired} dB"))
-    };
-    let times = |slow: &Point, fast: &Point| {
-        let wall = format!("{:.1} times", slow.seconds_per_megapixel / fast.seconds_per_megapixel);
-        match slow.cpu_seconds_per_megapixel.zip(fast.cpu_seconds_per_megapixel) {
-            Some((slow, fast)) => format!("{wall}, {:.1} times in CPU time", slow / fast),
-            None => wall,
-        }
-    };
-    let trained = |p: &&Point| p.identity.format == Some(Format::Float) && !p.identity.is_untrained();
-    for net in points.iter().copied().filter(trained) {
-        if let Some(omp) = omp(net.identity.stride) {
-            add(format!("{} less {}", net.method, omp.method), "at least 0 dB", db(net, omp));
-            add(
-                format!("{} is faster than {}", net.method, omp.method),
-                "more than 15 times",
-                times(omp, net),
-            );
-        }
-        if let Some(blind) = blind {
-            add(format!("{} less {}", net.method, blind.method), "more than 1 dB", db(net, blind));
-            add(
-                format!("{} is faster than {}", net.method, blind.method),
-                "more than 500 times",
-                times(blind, net),
-            );
-        }
-        let board = net.identity.in_format(Format::Board);
-        if let Some(board) = points.iter().copied().find(|p| p.identity == board) {
-            // Of one real frame of 1920×1080: 0.5 s against 140 s and 450 to 460 s.
-            let mut faster = |slow: &Point, paper| {
-                add(
-                    format!("{} (by its cycles) is faster than {}", board.method, slow.method),
-                    paper,
-                    times(slow, board),
-                );
-            };
-            omp(net.identity.stride).into_iter().for_each(|omp| faster(omp, "280 times"));
-            blind.into_iter().for_each(|blind| faster(blind, "900 times"));
-        }
-        let twin = net.identity.in_format(Format::Fixed);
-        if let Some(fixed) = points.iter().find(|p| p.identity == twin) {
-            add(format!("{} less {}", fixed.method, net.method), "the same", db(fixed, net));
-        }
-    }
-    for omp in points.iter().copied().filter(|p| p.identity.family == Family::Omp) {
-        if let Some(blind) = blind {
-            add(format!("{} less {}", omp.method, blind.method), "more than 1 dB", db(omp, blind));
-            add(
-                format!("{} is faster than {}", omp.method, blind.method),
-                "about 30 times",
-                times(blind, omp),
-            );
-        }
-    }
-    let layers = |t| points.iter().copied().filter(trained).find(move |p| p.identity.layers == Some(t));
-    match (layers(8), layers(10)) {
-        (Some(eight), Some(ten)) => {
-            add(format!("{} less {}", eight.method, ten.method), "about 0 dB", db(eight, ten))
-        }
-        _ => add(
-            "T = 8 less T = 10".into(),
-            "about 0 dB",
-            "not in these rows: docs/results/layers.md has trained networks of 8 and 10 layers".into(),
-        ),
-    }
-    for eight in points.iter().copied().filter(|p| p.identity.is_untrained() && p.identity.layers == Some(8))
-    {
-        let twin = Method { layers: Some(10), ..eight.identity.clone() };
-        if let Some(ten) = points.iter().find(|p| p.identity == twin) {
-            let of = format!("{} less {}", eight.method, ten.method);
-            add(of, "about 0 dB, of trained ones", db(eight, ten));
-        }
-    }
-    claims
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::journal::Proof;
-    use crate::summary::tests::row;
-
-    fn timed(method: &Method, image: &str, db: f64, seconds: f64) -> Row {
-        let mut measured = row(method, image, 8.0, Noise::None, db);
-        measured.seconds_per_megapixel = seconds;
-        Row {
-            measured,
-            prepare_seconds: 0.5,
-            repetitions: 3,
-            iterations: (method.family == Family::Omp).then_some(16.0),
-            peak_memory_bytes: Some(300 << 20),
-            cpu_seconds_per_megapixel: (method.family == Family::Omp).then_some(1.5 * seconds),
-            seconds_range: None,
-            cpu_seconds_range: None,
-            proof: Proof::default(),
-        }
-    }
-
-    fn speed() -> Speed {
-        let float = Method::network("n", Format::Float, 8, 4);
-        let rows = [
-            timed(&float, "a", 31.0, 0.1),
-            timed(&float, "b", 33.0, 0.3),
-            timed(&float.in_format(Format::Fixed), "a", 31.99, 0.2),
-            timed(&float.in_format(Format::Board), "a", 31.99, 0.01),
-            timed(&Method::of_patches(Family::Omp, 8), "a", 30.0, 6.0),
-            timed(&Method::of_patches(Family::Omp, 8), "b", 31.0, 6.0),
-            timed(&Method::of_patches(Family::Omp, 2), "a", 31.0, 60.0),
-            timed(&Method::of_frames(Family::BlindDeconvolution), "a", 29.0, 120.0),
-            timed(&Method::untrained(Family::Untrained, 8, 8), "a", 27.0, 0.2),
-            timed(&Method::untrained(Family::Untrained, 8, 10), "a", 27.5, 0.3),
-        ];
-        Speed::new(&rows, "a machine".into()).unwrap()
-    }
-
-    #[test]
-    fn points_are_means_over_photographs() {
-        let points = speed().points;
-        let first = &points[0];
-        assert_eq!((first.method.as_str(), first.photos, first.psnr_db), ("n.float/s8", 2, 32.0));
-        assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 8);
-    }
-
-    #[test]
-    fn each_claim_of_the_paper_stands_beside_what_was_measured() {
-        let page = speed().to_markdown(&Made::by("edof study single-depth"));
-        for line in [
-            "| n.float/s8 less omp/s8 | at least 0 dB | +1.50 ± 0.50 dB |",
-            "| n.float/s8 is faster than omp/s8 | more than 15 times | 30.0 times |",
-            "| n.float/s8 less blind-deconvolution | more than 1 dB | +2.00 dB |",
-            "| n.float/s8 is faster than blind-deconvolution | more than 500 times | 600.0 times |",
-            "| n.fixed/s8 less n.float/s8 | the same | +0.99 dB |",
-            "| n.board/s8 (by its cycles) is faster than omp/s8 | 280 times | 600.0 times |",
-            "| n.board/s8 (by its cycles) is faster than blind-deconvolution | 900 times | 12000.0 times |",
-            "| omp/s2 less blind-deconvolution | more than 1 dB | +2.00 dB |",
-            "| omp/s2 is faster than blind-deconvolution | about 30 times | 2.0 times |",
-            "| T = 8 less T = 10 | about 0 dB | not in these rows: docs/results/layers.md has trained networks of 8 and 10 layers |",
-            "| untrained-t8.float/s8 less untrained-t10.float/s8 | about 0 dB, of trained ones | -0.50 dB |",
-        ] {
-            assert!(page.contains(line), "{line}\n{page}");
-        }
-        assert!(!page.contains("untrained-t8.float/s8 less omp"), "{page}");
-    }
-
-    #[test]
-    fn the_diagram_joins_the_strides_of_a_method_and_tells_its_numbers() {
-        let speed = speed();
-        assert_eq!(
-            speed.plot(&speed.claims[0]).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
-            [1, 1, 1, 2, 1, 2]
-        );
-        let html = speed.report("edof study single-depth").to_html();
-        assert!(html.contains("<title>omp: 90, 31</title>"), "{html}");
-        assert!(
-            !html.contains("http://")
-                || html.matches("http://").count() == html.matches("http://www.w3.org/2000/svg").count()
-        );
-    }
-}
+mod tests;

@@ -1,15 +1,17 @@
 //! A study's tables, for a terminal, as Markdown and as a report with plots.
 
-use crate::kodak::{Measured, Row, Work};
+use crate::kodak::Row;
 use crate::made::Made;
-use crate::summary::{Course, MethodSummary, Study, Summary};
+use crate::summary::{self, Course, Crop, MethodSummary, Study, Summary};
 use crate::told::{Told, ToldError};
+use crate::trial::{Measured, Work};
 use edof_image::noise::SensorNoise;
 use edof_image::{Noise, Tone};
 use edof_io::photos::choices;
-use edof_methods::method::Format;
-use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
-use edof_report::{Report, Table};
+use edof_methods::method::{Format, Method};
+use edof_report::picture::Encoded;
+use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
+use edof_report::{Figure, Layout, Report, Table, csv};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -20,8 +22,15 @@ impl Told for Study {
         let mut rows: Vec<&Row> = rows.iter().collect();
         // Cameras and methods in the order of the command, the rest as in the file.
         rows.sort_by_key(|row| row.place);
+        let crops = rows.iter().flat_map(|row| crops(row)).collect();
         let measured: Vec<Measured> = rows.into_iter().map(|row| row.measured.clone()).collect();
-        Ok(Self::of(measured))
+        Ok(Self { crops, ..Self::of(measured) })
+    }
+
+    /// Without pictures.
+    fn csv(rows: &[Row]) -> String {
+        let plain = |row: &Row| Row { crop: None, photograph_crop: None, ..row.clone() };
+        csv::of(&rows.iter().map(plain).collect::<Vec<_>>())
     }
 
     fn to_text(&self) -> String {
@@ -58,8 +67,30 @@ impl Told for Study {
             report.heading(&title);
             table.add_to(&mut report, &[]);
         }
+        report.heading("Photograph by photograph");
+        for (title, table) in self.photographs() {
+            report.subheading(&title);
+            table.add_to(&mut report, &[]);
+        }
+        self.add_crops(&mut report);
         report
     }
+}
+
+/// The photograph's part, and the method's.
+fn crops(row: &Row) -> Vec<Crop> {
+    let Measured { image, noise, method, camera, picture, identity, .. } = &row.measured;
+    let crop = |noise, title: String, psnr_db, picture: &Encoded| Crop {
+        image: image.clone(),
+        noise,
+        title,
+        psnr_db,
+        picture: picture.0.clone(),
+    };
+    let photograph = row.photograph_crop.as_ref().map(|part| crop(None, "photograph".into(), None, part));
+    let own = row.crop.as_ref().filter(|_| identity.format != Some(Format::Float422));
+    let own = own.map(|part| crop(Some(*noise), format!("{method}, {camera}"), Some(picture.psnr_db), part));
+    photograph.into_iter().chain(own).collect()
 }
 
 impl Study {
@@ -137,6 +168,64 @@ impl Study {
         }
     }
 
+    /// PSNR of every photograph, one table for each noise level: at the farthest depth / average over depths.
+    fn photographs(&self) -> Vec<(String, Table)> {
+        let far = self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]);
+        let subjects: Vec<_> = self.summary.subjects();
+        let shown = || subjects.iter().filter(|s| s.0.format != Some(Format::Float422));
+        let images: BTreeSet<&String> = self.rows.iter().map(|row| &row.image).collect();
+        let table = |noise: Noise| {
+            let header = std::iter::once("photograph".to_owned());
+            let header =
+                header.chain(shown().map(|(method, camera)| format!("{method}, {camera}"))).collect();
+            let cell = |image: &str, (method, camera): &(&Method, &str)| {
+                let own = self.rows.iter().filter(|row| {
+                    row.image == image
+                        && row.noise == noise
+                        && row.identity == **method
+                        && row.camera == *camera
+                });
+                let db: Vec<f64> = own.clone().map(|row| row.picture.psnr_db).collect();
+                let at_far = own.filter(|row| row.psi == far).map(|row| row.picture.psnr_db);
+                if db.is_empty() {
+                    return "–".to_owned();
+                }
+                format!("{:.2} / {:.2}", summary::mean(at_far), summary::mean(db.into_iter()))
+            };
+            let row = |image: &&String| {
+                std::iter::once((*image).clone()).chain(shown().map(|subject| cell(image, subject))).collect()
+            };
+            let title = format!("{}: PSNR in dB at ψ = {far} / average over ψ", noise_words(noise));
+            (title, Table { header, rows: images.iter().map(row).collect() })
+        };
+        self.summary.noises().into_iter().map(table).collect()
+    }
+
+    /// Parts of every photograph at the farthest depth, under the first noise level.
+    fn add_crops(&self, report: &mut Report) {
+        let Some(&noise) = self.summary.noises().first() else { return };
+        let far = self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]);
+        let images: BTreeSet<&String> = self.crops.iter().map(|crop| &crop.image).collect();
+        for image in images {
+            let mut has_photograph = false;
+            let own = self.crops.iter().filter(|crop| crop.image == *image);
+            let shown = own.filter(|crop| match crop.noise {
+                None => !std::mem::replace(&mut has_photograph, true),
+                Some(own) => own == noise,
+            });
+            let figure = |crop: &Crop| Figure {
+                title: crop.title.clone(),
+                note: crop
+                    .psnr_db
+                    .map_or_else(|| "as it is".to_owned(), |db| format!("{db:.2} dB, whole picture")),
+                picture: crop.picture.clone(),
+            };
+            let figures: Vec<Figure> = shown.map(figure).collect();
+            report.subheading(&format!("{image} at ψ = {far}, {}: its busiest part", noise_words(noise)));
+            report.figures(&figures, Layout::Enlarged);
+        }
+    }
+
     fn costs(&self) -> Table {
         let header = [
             "network",
@@ -173,7 +262,7 @@ impl Study {
         let rows = self.summary.subjects().into_iter().map(|subject| {
             let own = self.summary.noises().into_iter().filter_map(|noise| self.summary.find(subject, noise));
             let seconds: Vec<f64> = own.map(|m| m.seconds_per_megapixel).collect();
-            let mean = seconds.iter().sum::<f64>() / seconds.len() as f64;
+            let mean = summary::mean(seconds.into_iter());
             vec![subject.0.to_string(), subject.1.to_owned(), format!("{mean:.4}")]
         });
         let header = ["method", "camera", "seconds a megapixel"].map(str::to_owned).to_vec();
@@ -221,7 +310,7 @@ impl Summary {
             title: noise_words(noise),
             x: Axis::linear("ψ (rad)"),
             y: Axis::linear("PSNR (dB)"),
-            size: USUAL,
+            size: SMALL,
             series: self.methods.iter().filter(|m| m.noise == noise).filter_map(line).collect(),
         };
         self.noises().into_iter().map(plot).collect()
@@ -259,7 +348,6 @@ pub(crate) fn noise_words(noise: Noise) -> String {
 mod tests {
     use super::*;
     use crate::summary::tests::{net, row};
-    use edof_methods::method::Method;
 
     fn study(tone: Tone) -> Study {
         let noisy = Noise::sensor(8.0);

@@ -13,6 +13,7 @@ use edof_train::recipe::Recipe;
 use edof_train::train::Trainer;
 use safetensors::tensor::{Dtype, TensorView};
 use std::error::Error;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -36,7 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = Camera::resolve("ring-2018")?;
     let photo = leaves::layers(512, 768, 1)[0].light.clone();
     let options = recipe.dataset(&[0.0, 4.0, 8.0]);
-    let dataset = Dataset::new(&[photo], &camera, options, |_, _| true)?.ok_or("interrupted")?;
+    let dataset =
+        Dataset::new(&[photo], &camera, options, |_, _| ControlFlow::Continue(()))?.ok_or("interrupted")?;
     export(Path::new(&path), &form, &dataset, &recipe, threads)?;
     let mut trainer = Trainer::new(recipe, &dataset, threads)?;
     for _ in 0..50 {

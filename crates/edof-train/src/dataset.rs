@@ -20,6 +20,7 @@ use edof_numerics::random::Random;
 use edof_optics::blur::Blur;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// What a dataset is made of, besides photographs and camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -149,7 +150,7 @@ pub struct Place {
 
 impl Dataset {
     /// Blurs every look of every photograph (sRGB values of 0…1, sides even) for every ψ. `tell` hears how many photographs are
-    /// done and stops the work by returning false; what is then returned is `None`.
+    /// done and may end the work; what is then returned is `None`.
     ///
     /// # Errors
     /// [`DatasetError`].
@@ -157,7 +158,7 @@ impl Dataset {
         photos: &[ColourFrame],
         camera: &Camera,
         options: DatasetOptions,
-        mut tell: impl FnMut(usize, usize) -> bool,
+        mut tell: impl FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Option<Self>, DatasetError> {
         check(photos, &options)?;
         let psfs: Vec<[Psf; 3]> = options
@@ -168,7 +169,7 @@ impl Dataset {
         let reach = psfs.iter().flatten().map(|psf| psf.side() / 2).max().unwrap_or(0);
         let mut pictures = Vec::new();
         for (index, photo) in photos.iter().enumerate() {
-            if !tell(index, photos.len()) {
+            if tell(index, photos.len()).is_break() {
                 return Ok(None);
             }
             let (height, width) = photo.size();
@@ -192,7 +193,7 @@ impl Dataset {
             }
             pictures.extend(looks);
         }
-        tell(photos.len(), photos.len());
+        let _ = tell(photos.len(), photos.len());
         Ok(Some(Self { pictures, photos: photos.len(), options, reach, turns: turns(&psfs) }))
     }
 

@@ -17,6 +17,7 @@ use edof_network::network::{Condition, Form, Network, Origin, Shrinkage};
 use edof_numerics::random::Random;
 use edof_storage::provenance::Provenance;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Everything that changes while training runs; what a checkpoint holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,15 +69,6 @@ pub struct Progress {
     pub validation: Option<Validation>,
     /// Best validation so far.
     pub best: Best,
-}
-
-/// Whether to go on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Continue {
-    /// Go on.
-    Yes,
-    /// Stop here; the state can be resumed.
-    No,
 }
 
 /// A training run: recipe, photographs, state.
@@ -220,12 +212,15 @@ impl<'a> Trainer<'a> {
         self.dataset.psis()[position]
     }
 
-    /// Trains until the schedule ends, patience is spent, or `tell` says no. `tell` is called after every step of a hundred and
+    /// Trains until the schedule ends, patience is spent, or `tell` ends it: the state can then be resumed. `tell` is called after every step of a hundred and
     /// every validation.
     ///
     /// # Errors
     /// [`RecipeError::Diverged`].
-    pub fn run(&mut self, mut tell: impl FnMut(&Self, &Progress) -> Continue) -> Result<(), RecipeError> {
+    pub fn run(
+        &mut self,
+        mut tell: impl FnMut(&Self, &Progress) -> ControlFlow<()>,
+    ) -> Result<(), RecipeError> {
         let (mut sum, mut count) = (0.0, 0u32);
         while self.state.step < self.recipe.steps && self.state.stale < self.recipe.patience {
             let loss = self.step();
@@ -242,7 +237,7 @@ impl<'a> Trainer<'a> {
                 let loss = sum / f64::from(count);
                 let (steps, best) = (self.recipe.steps, self.state.best);
                 (sum, count) = (0.0, 0);
-                if tell(self, &Progress { step, steps, loss, validation, best }) == Continue::No {
+                if tell(self, &Progress { step, steps, loss, validation, best }).is_break() {
                     break;
                 }
             }

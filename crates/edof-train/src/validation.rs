@@ -10,6 +10,7 @@ use edof_float::pass::Pass;
 use edof_image::colour::RGB_OUTPUTS;
 use edof_image::{Noise, Tone};
 use edof_network::network::Form;
+use edof_numerics::mean;
 use edof_numerics::random::Random;
 use rayon::prelude::*;
 
@@ -149,15 +150,10 @@ impl Validation {
             let mut counts: Vec<f64> = self.0.iter().filter(|m| m.noisy).map(|m| m.non_zeros[t]).collect();
             counts.sort_by(|a, b| b.total_cmp(a));
             counts.truncate(counts.len().div_ceil(4));
-            mean(counts.into_iter())
+            mean(counts)
         };
         (0..layers).filter_map(busy).collect()
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), v| (sum + v, count + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// Positions of the ψ that are validated.

@@ -12,8 +12,9 @@ use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
 use edof_train::noise::Conditions;
 use edof_train::recipe::{Recipe, RecipeError};
-use edof_train::train::{Continue, State, Trainer};
+use edof_train::train::{State, Trainer};
 use ndarray::s;
+use std::ops::ControlFlow;
 
 const PSIS: [f64; 2] = [0.0, 4.0];
 
@@ -47,7 +48,7 @@ fn dataset(recipe: &Recipe) -> Dataset {
 
 fn of(photos: &[ColourFrame], recipe: &Recipe) -> Dataset {
     let camera = Camera::resolve("clear").unwrap();
-    Dataset::new(photos, &camera, recipe.dataset(&PSIS), |_, _| true).unwrap().unwrap()
+    Dataset::new(photos, &camera, recipe.dataset(&PSIS), |_, _| ControlFlow::Continue(())).unwrap().unwrap()
 }
 
 fn recipe(shrinkage: Shrinkage) -> Recipe {
@@ -75,7 +76,9 @@ fn recipe(shrinkage: Shrinkage) -> Recipe {
 }
 
 fn run_to(trainer: &mut Trainer<'_>, step: u64) -> State {
-    trainer.run(|t, _| if t.state.step >= step { Continue::No } else { Continue::Yes }).unwrap();
+    trainer
+        .run(|t, _| if t.state.step >= step { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        .unwrap();
     trainer.state.clone()
 }
 
@@ -251,6 +254,6 @@ fn recipes_that_cannot_be_followed_are_refused() {
 fn a_rate_far_too_high_is_reported_as_divergence() {
     let recipe = Recipe { rate: 1e30, ..recipe(Shrinkage::OneSided) };
     let dataset = dataset(&recipe);
-    let error = Trainer::new(recipe, &dataset, 1).unwrap().run(|_, _| Continue::Yes).unwrap_err();
+    let error = Trainer::new(recipe, &dataset, 1).unwrap().run(|_, _| ControlFlow::Continue(())).unwrap_err();
     assert!(matches!(error, RecipeError::Diverged { .. }), "{error}");
 }

@@ -6,10 +6,12 @@
 //! | walk | `block` | rust-hdl's `Block` |
 //! | say | `description` | `edof_verilog::describe::Circuit`: name, source, header, comments |
 //! | make | `make` | `from_parts`, or `Default` |
+//! | mark | `kernel` | rust-hdl's `hdl_gen`, each statement with its line |
 
 mod block;
 mod description;
 mod fields;
+mod kernel;
 mod make;
 
 use proc_macro::TokenStream;
@@ -36,4 +38,14 @@ pub fn derive_circuit(input: TokenStream) -> TokenStream {
         })
         .unwrap_or_else(syn::Error::into_compile_error)
         .into()
+}
+
+/// `#[hdl_gen]` whose statements know the line where they stand and the comment above them: both are in the Verilog and its source map.
+///
+/// It stands on `fn update` of `impl Logic`, where rust-hdl's prelude is in scope.
+#[proc_macro_attribute]
+pub fn kernel(_arguments: TokenStream, item: TokenStream) -> TokenStream {
+    let item = proc_macro2::TokenStream::from(item);
+    let refuse = || syn::Error::new_spanned(&item, "a kernel is a function with a body").into_compile_error();
+    kernel::tokens(item.clone()).unwrap_or_else(refuse).into()
 }

@@ -8,8 +8,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::error::{EmitError, Fault, rust_path};
 use crate::expression::{Expression, Node};
 use crate::kernel::{Arm, Statement};
-use crate::process::Process;
+use crate::process::{Process, in_order};
 use crate::scope::{Role, Scope, SignalId};
+use crate::settle::unsettled;
 
 /// From an input of a part to an output of it that follows it within the cycle.
 pub(crate) type Path = (SignalId, SignalId);
@@ -28,11 +29,10 @@ pub(crate) fn cut(scope: &Scope, processes: Vec<Process>, paths: &[Path]) -> Res
     Err(EmitError::field(&scope.path, &scope.signals[*first].key, Fault::Cycle(around)))
 }
 
-/// Which outputs of the block follow which of its inputs within a cycle.
-pub(crate) fn paths(scope: &Scope, processes: &[Process], parts: &[Path]) -> Vec<Path> {
+/// Which outputs of the block follow which of its inputs within a cycle; `edges` are those of its signals and parts.
+pub(crate) fn paths(scope: &Scope, edges: &[Path]) -> Vec<Path> {
     let mut follows: Vec<Vec<SignalId>> = vec![vec![]; scope.signals.len()];
-    let edges = signal_edges(scope, processes);
-    edges.iter().chain(parts).for_each(|(from, to)| follows[*from].push(*to));
+    edges.iter().for_each(|(from, to)| follows[*from].push(*to));
     let mut paths = vec![];
     for input in (0..scope.signals.len()).filter(|id| scope.signals[*id].role == Role::Input) {
         let (mut seen, mut open) = (BTreeSet::new(), vec![input]);
@@ -48,7 +48,7 @@ pub(crate) fn paths(scope: &Scope, processes: &[Process], parts: &[Path]) -> Vec
 }
 
 /// From every signal to those that follow it directly.
-fn signal_edges(scope: &Scope, processes: &[Process]) -> Vec<Path> {
+pub(crate) fn signal_edges(scope: &Scope, processes: &[Process]) -> Vec<Path> {
     let of_process = |process: &Process| {
         let sources = sources(scope, process);
         let edges =
@@ -75,10 +75,6 @@ fn sources(scope: &Scope, process: &Process) -> Sources {
         seen.into_iter().filter(|id| !inner(id)).collect()
     };
     process.targets.iter().map(|target| (*target, through(*target))).collect()
-}
-
-fn in_order(scope: &Scope, id: SignalId) -> bool {
-    matches!(scope.signals[id].role, Role::Local | Role::Output)
 }
 
 pub(crate) fn collect(statements: &[Statement], above: &BTreeSet<SignalId>, sources: &mut Sources) {
@@ -111,7 +107,7 @@ pub(crate) fn collect(statements: &[Statement], above: &BTreeSet<SignalId>, sour
 }
 
 /// The nodes that are on a loop or between two.
-fn loops(count: usize, edges: &[Path]) -> BTreeSet<usize> {
+pub(crate) fn loops(count: usize, edges: &[Path]) -> BTreeSet<usize> {
     let backward: Vec<Path> = edges.iter().map(|(from, to)| (*to, *from)).collect();
     let ahead = peel(count, edges, &vec![true; count]);
     let both = peel(count, &backward, &ahead);
@@ -140,15 +136,12 @@ fn peel(count: usize, edges: &[Path], present: &[bool]) -> Vec<bool> {
     left
 }
 
-/// One process for each target, except that a local signal stays with what reads it.
+/// One process for each target, except that a signal that is read before its last assignment stays with what reads it.
 fn by_target(scope: &Scope, process: Process) -> Vec<Process> {
-    let mut direct = Sources::new();
-    collect(&process.statements, &BTreeSet::new(), &mut direct);
+    let together = unsettled(scope, &process.statements);
     let mut sets: Vec<BTreeSet<SignalId>> = vec![];
     for target in &process.targets {
-        let inner = |id: &&SignalId| process.targets.contains(*id) && in_order(scope, **id);
-        let mut set: BTreeSet<SignalId> =
-            direct.get(target).into_iter().flatten().filter(inner).copied().collect();
+        let mut set = together.get(target).cloned().unwrap_or_default();
         set.insert(*target);
         let (touching, apart): (Vec<_>, Vec<_>) =
             sets.into_iter().partition(|other| !other.is_disjoint(&set));
@@ -159,7 +152,7 @@ fn by_target(scope: &Scope, process: Process) -> Vec<Process> {
         return vec![process];
     }
     sets.sort();
-    sets.iter().map(|set| Process::of(keep(&process.statements, set))).collect()
+    sets.iter().map(|set| Process::of(keep(&process.statements, set), process.origin)).collect()
 }
 
 /// The statements that drive these targets.

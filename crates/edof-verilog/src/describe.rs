@@ -39,7 +39,7 @@ use rust_hdl::prelude::{Block, Constant, DFF, DFFWithInit, Direction, Signal, Sy
 use std::collections::HashMap;
 use std::ops::BitXor;
 
-pub use edof_verilog_derive::Circuit;
+pub use edof_verilog_derive::{Circuit, kernel};
 
 /// Name, source file, header and comments of a block.
 #[derive(Debug, Clone, PartialEq, Eq)]

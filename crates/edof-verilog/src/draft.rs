@@ -10,6 +10,8 @@ use crate::cycles::{self, Path};
 use crate::describe::Description;
 use crate::error::{EmitError, Fault, rust_path};
 use crate::expression::Expression;
+use crate::instances::count_name;
+use crate::kernel::Statement;
 use crate::kind::{Kind, pins_of};
 use crate::names::Names;
 use crate::print::Printer;
@@ -19,9 +21,9 @@ use crate::sheet::Sheet;
 use crate::single::{plain, single_elements};
 use crate::value::Value;
 use crate::wiring::Wiring;
-use crate::write::{Writer, count_name};
+use crate::write::Writer;
 use crate::{Direction, Port};
-use crate::{flow, kernel, live, simplify};
+use crate::{blocks, edge, flow, kernel, live, order, simplify, tidy};
 
 /// A block as a module.
 pub(crate) struct Draft {
@@ -43,6 +45,7 @@ pub(crate) fn draft(
     description: &Description,
     kinds: &[Option<Kind>],
     is_top: bool,
+    style: Style,
 ) -> Result<Draft, EmitError> {
     let kernel = match &tree.hdl {
         Verilog::Combinatorial(kernel) => kernel,
@@ -51,16 +54,20 @@ pub(crate) fn draft(
     let scope = Scope::of(tree)?;
     let statements = kernel::lower(&scope, kernel)?;
     flow::check(&scope, &statements)?;
+    let source = source_of(&statements).unwrap_or_else(|| description.source.into());
     let paths = paths_of_parts(&scope, kinds);
-    let processes = cycles::cut(&scope, process::split(&scope, statements)?, &paths)?;
-    let processes: Vec<Process> =
-        processes.into_iter().map(|process| simplify::simplify(&scope, process)).collect();
+    let Logic { blocks, processes } = Logic::of(&scope, statements, &paths, style)?;
     let (processes, live) = live::prune(&scope, processes, &dropped(&scope, kinds));
-    let paths = cycles::paths(&scope, &processes, &paths);
+    let edges: Vec<Path> = cycles::signal_edges(&scope, &processes).into_iter().chain(paths).collect();
+    let paths = cycles::paths(&scope, &edges);
     let reads: BTreeSet<SignalId> =
         processes.iter().flat_map(|process| process.reads.iter().copied()).collect();
 
-    let wired = Wired::of(&scope, tree, kinds, processes, &reads)?;
+    let mut wired = Wired::of(&scope, tree, kinds, processes, &reads)?;
+    if style == Style::Readable {
+        wired.processes = blocks::join(&scope, wired.processes, &blocks, &edges);
+    }
+    wired.processes = order::order(&scope, wired.processes, &wired.resolved, &reads);
     let mut names = Names::default();
     let has_port = |id: SignalId| is_top || scope.signals[id].role != Role::Input || live.contains(&id);
     let ports_of: Vec<SignalId> = (0..scope.signals.len())
@@ -68,22 +75,68 @@ pub(crate) fn draft(
         .collect();
     let single = single_elements(tree, &scope);
     let signal_names = name_signals(&scope, kinds, &single, &ports_of, &reads, &wired.arrays, &mut names);
+    let file = source.rsplit('/').next().unwrap_or_default();
     let writer = Writer {
         tree,
         scope: &scope,
         description,
+        source: &source,
         wiring: &wired.wiring,
         processes: &wired.processes,
         arrays: &wired.arrays,
         ports: &ports_of,
+        reads: &reads,
+        paths: &paths,
         single: &single,
         kinds,
-        printer: Printer::new(&scope, &wired.resolved, &signal_names, &mut names),
+        printer: Printer::new(&scope, &wired.resolved, &signal_names, &mut names, file),
+        declared: 0,
     };
     let (sheet, values, instances) = writer.sheet()?;
     let number = |id: SignalId| ports_of.iter().position(|port| *port == id);
     let paths = paths.into_iter().filter_map(|(from, to)| Some((number(from)?, number(to)?))).collect();
     Ok(Draft { sheet, values, ports: ports(&scope, &ports_of, &signal_names), paths, names, instances })
+}
+
+/// How the text says what the kernel says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Style {
+    /// As people write it.
+    #[default]
+    Readable,
+    /// Expressions as they are in Rust, a process for each target.
+    Literal,
+}
+
+/// What a kernel computes.
+struct Logic {
+    /// The combinational blocks of the kernel, whole.
+    blocks: Vec<Process>,
+    /// A process for each target, and the clocked one last.
+    processes: Vec<Process>,
+}
+
+impl Logic {
+    fn of(
+        scope: &Scope,
+        statements: Vec<Statement>,
+        paths: &[Path],
+        style: Style,
+    ) -> Result<Self, EmitError> {
+        let tidy = |process: Process| match style {
+            Style::Readable => Process::of(tidy::statements(process.statements), process.origin),
+            Style::Literal => process,
+        };
+        let (statements, edge) = match style {
+            Style::Readable => edge::split(scope, &tidy::statements(statements)),
+            Style::Literal => (statements, None),
+        };
+        let blocks: Vec<Process> = process::split(scope, statements)?.into_iter().map(tidy).collect();
+        let cut = cycles::cut(scope, blocks.clone(), paths)?.into_iter().map(tidy);
+        let simple = cut.map(|process| tidy(simplify::simplify(scope, process)));
+        let processes = simple.chain(edge.map(tidy)).collect();
+        Ok(Self { blocks, processes })
+    }
 }
 
 /// The processes that are left when parts are connected, and what stands for what.
@@ -119,6 +172,14 @@ impl Wired {
             candidates.retain(|(key, _)| arrays.iter().any(|array| array.key == *key));
         }
     }
+}
+
+/// The Rust file of a kernel that says it.
+fn source_of(statements: &[Statement]) -> Option<String> {
+    statements.iter().find_map(|statement| match statement {
+        Statement::Comment(note) if note.line.is_some() => Some(note.file.clone()),
+        _ => None,
+    })
 }
 
 /// Inputs of parts whose module does not read them.
@@ -201,14 +262,33 @@ fn name_signals(
         Role::Local => Some(key.into()),
         _ => None,
     });
+    let plain_names = plain_names(scope);
     name(&|id, key, role| match role {
         Role::PartOutput if in_array.contains_key(&id) => None,
         Role::PartOutput if !reads.contains(&id) => Some(format!("{key}_unused")),
+        Role::PartOutput if plain_names.contains_key(&id) => Some(plain_names[&id].clone()),
         Role::PartInput | Role::PartOutput => Some(key.into()),
         _ => None,
     });
     in_array.into_iter().for_each(|(id, name)| given[id] = name);
     given
+}
+
+/// Outputs of parts that are called as their port is, because no other signal is: a name of several words, or a long one.
+fn plain_names(scope: &Scope) -> HashMap<SignalId, String> {
+    let is_output = |id: &SignalId| scope.signals[*id].role == Role::PartOutput;
+    let outputs = || scope.parts.iter().flat_map(|part| part.ports.iter()).filter(|(_, id)| is_output(id));
+    let own: BTreeSet<&str> = (scope.signals.iter())
+        .filter(|signal| !matches!(signal.role, Role::PartInput | Role::PartOutput | Role::Constant(_)))
+        .map(|signal| signal.key.split('$').next().unwrap_or_default())
+        .collect();
+    let is_telling = |port: &str| port.len() > 5 || port.contains('_');
+    let is_plain = |(port, _): &&(String, SignalId)| {
+        is_telling(port)
+            && !own.contains(port.as_str())
+            && outputs().filter(|(other, _)| other == port).count() == 1
+    };
+    outputs().filter(is_plain).map(|(port, id)| (*id, port.clone())).collect()
 }
 
 /// `banks_sum[3]`: the outputs of an array's parts are one array of wires.

@@ -111,8 +111,9 @@ impl EmitError {
     }
 }
 
-/// `banks$3$data` as Rust writes it: `banks[3].data`.
-pub(crate) fn rust_path(key: &str) -> String {
+/// rust-hdl's name for a signal, `banks$3$data`, as Rust writes it: `banks[3].data`.
+#[must_use]
+pub fn rust_path(key: &str) -> String {
     let mut words = key.split('$');
     let mut path = words.next().unwrap_or_default().to_string();
     for word in words {

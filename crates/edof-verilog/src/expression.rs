@@ -153,6 +153,37 @@ impl Expression {
         }
     }
 
+    /// The expression with `change` made to each operand.
+    pub fn map(self, change: &mut dyn FnMut(Self) -> Self) -> Self {
+        let mut of = |x: Box<Self>| Box::new(change(*x));
+        let node = match self.node {
+            node @ (Node::Signal(_) | Node::Literal(_) | Node::State(_)) => node,
+            Node::Not(x) => Node::Not(of(x)),
+            Node::Negate(x) => Node::Negate(of(x)),
+            Node::Reduce(op, x) => Node::Reduce(op, of(x)),
+            Node::Resize(x) => Node::Resize(of(x)),
+            Node::Reinterpret(x) => Node::Reinterpret(of(x)),
+            Node::Slice(x, at) => Node::Slice(of(x), at),
+            Node::Wrapping(op, x, y) => Node::Wrapping(op, of(x), of(y)),
+            Node::Product(x, y) => Node::Product(of(x), of(y)),
+            Node::Compare(op, x, y) => Node::Compare(op, of(x), of(y)),
+            Node::Logical(op, x, y) => Node::Logical(op, of(x), of(y)),
+            Node::Shift(op, x, y) => Node::Shift(op, of(x), of(y)),
+            Node::Bit(x, y) => Node::Bit(of(x), of(y)),
+            Node::Window(x, y) => Node::Window(of(x), of(y)),
+            Node::Replace(x, y, z) => Node::Replace(of(x), of(y), of(z)),
+            Node::Choose(x, y, z) => Node::Choose(of(x), of(y), of(z)),
+        };
+        Self { node, ..self }
+    }
+
+    /// Whether the expression reads the signal.
+    pub fn reads(&self, id: SignalId) -> bool {
+        let mut reads = false;
+        self.walk(&mut |part| reads |= matches!(part.node, Node::Signal(other) if other == id));
+        reads
+    }
+
     /// Calls `visit` with this expression and all inside it.
     pub fn walk<'a>(&'a self, visit: &mut dyn FnMut(&'a Self)) {
         visit(self);

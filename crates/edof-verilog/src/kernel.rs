@@ -15,10 +15,48 @@ use crate::typing::Typing;
 /// A typed statement.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Statement {
-    Comment(String),
+    Comment(Note),
     Assign(Assign),
     If { test: Expression, then: Vec<Statement>, otherwise: Vec<Statement> },
     Case { subject: Expression, arms: Vec<Arm>, default: Option<Vec<Statement>> },
+}
+
+/// What the kernel says of the statement behind it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Note {
+    /// The Rust file, and the line in it.
+    pub file: String,
+    pub line: Option<usize>,
+    /// What its comment says, or that of the paragraph.
+    pub text: String,
+    /// The text is a statement of its own, not a comment.
+    is_own: bool,
+}
+
+impl Note {
+    fn own(text: &str) -> Self {
+        let lines = text.trim().trim_matches('"').lines().map(str::trim);
+        Self { file: String::new(), line: None, text: lines.collect::<Vec<_>>().join("\n"), is_own: true }
+    }
+
+    /// Reads a mark of `#[kernel]`, `… "@ src/uart.rs:143 What the step reads.`, or any other comment.
+    fn of(comment: &str) -> Self {
+        let mark = comment.split_once("\"@ ").map(|(_, mark)| mark.trim_end_matches('"'));
+        let (place, text) = mark.map_or(("", ""), |mark| mark.split_once(' ').unwrap_or((mark, "")));
+        let (file, line) = place.rsplit_once(':').unwrap_or_default();
+        match line.parse() {
+            Ok(line) => Self { file: file.into(), line: Some(line), text: text.into(), is_own: false },
+            Err(_) => Self::own(comment),
+        }
+    }
+
+    /// One note of two that follow each other.
+    fn and(self, next: Self) -> Self {
+        let (file, line) = if next.line.is_some() { (next.file, next.line) } else { (self.file, self.line) };
+        let (text, is_own) =
+            if self.is_own && !next.is_own { (self.text, true) } else { (next.text, next.is_own) };
+        Self { file, line, text, is_own }
+    }
 }
 
 /// A target and its new value.
@@ -49,7 +87,22 @@ pub(crate) enum Label {
 /// The statements of a kernel.
 pub(crate) fn lower(scope: &Scope, kernel: &VerilogBlock) -> Result<Vec<Statement>, EmitError> {
     let mut lowering = Lowering { scope, loops: vec![], macros: 0 };
-    lowering.block(kernel)
+    Ok(each_with_its_line(lowering.block(kernel)?))
+}
+
+/// The statements that one line of the kernel makes, for instance a loop, all with its note.
+fn each_with_its_line(statements: Vec<Statement>) -> Vec<Statement> {
+    let mut known: Option<Note> = None;
+    let mut all: Vec<Statement> = vec![];
+    for statement in statements {
+        match &statement {
+            Statement::Comment(note) => known = Some(note.clone()).filter(|note| note.line.is_some()),
+            _ if matches!(all.last(), Some(Statement::Comment(_))) => {}
+            _ => all.extend(known.clone().map(Statement::Comment)),
+        }
+        all.push(statement);
+    }
+    all
 }
 
 struct Lowering<'a> {
@@ -72,14 +125,21 @@ impl Lowering<'_> {
     fn block(&mut self, block: &VerilogBlock) -> Lowered {
         let mut statements = vec![];
         for statement in block {
-            statements.extend(self.statement(statement)?);
+            for statement in self.statement(statement)? {
+                match (statement, statements.last_mut()) {
+                    (Statement::Comment(next), Some(Statement::Comment(note))) => {
+                        *note = std::mem::take(note).and(next);
+                    }
+                    (statement, _) => statements.push(statement),
+                }
+            }
         }
         Ok(statements)
     }
 
     fn statement(&mut self, statement: &VerilogStatement) -> Lowered {
         match statement {
-            VerilogStatement::Comment(text) => Ok(vec![Statement::Comment(text.clone())]),
+            VerilogStatement::Comment(text) => Ok(vec![Statement::Comment(Note::of(text))]),
             VerilogStatement::Assignment(target, value) => Ok(vec![self.assign(target, value)?]),
             VerilogStatement::SliceAssignment { base, width, offset, replacement } => {
                 Ok(vec![self.assign_part(base, *width, offset, replacement)?])
@@ -244,5 +304,5 @@ fn last_as_default(arm: Arm) -> Vec<Statement> {
         Label::State(state) => format!("{}::{}", state.label.0, state.label.1),
         Label::Number(number) => number.to_string(),
     };
-    std::iter::once(Statement::Comment(note)).chain(arm.body).collect()
+    std::iter::once(Statement::Comment(Note::own(&note))).chain(arm.body).collect()
 }

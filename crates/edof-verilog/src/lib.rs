@@ -11,23 +11,26 @@
 //! | type | `typing` | [expressions](self) in which every operand has its width and sign |
 //! | lower | `kernel` | typed statements, loops unrolled |
 //! | check | `flow` | no latch, nothing read before it is written, nothing left open |
-//! | split | `process`, `cycles` | a process for each target; no loop without a register |
+//! | tidy | `tidy` | comparisons and chains of `if` in the form that people write |
+//! | split | `edge`, `settle`, `process`, `cycles` | what registers take at the clock's edge, and a process for each other target; no loop without a register |
 //! | separate | `domains` | nothing from one clock domain to another but by a leaf that is declared a crossing |
 //! | shorten | `simplify`, `live` | one assignment where it says all; nothing that leads nowhere |
+//! | join | `blocks` | one `always @*` for a block of the kernel, where that looks like no loop |
 //! | connect | `wiring`, `arrays` | signals that need no wire of their own; loops over equal parts |
-//! | write | `draft`, `write`, `print` | a sheet: all of a module but what it is given |
+//! | write | `draft`, `write`, `instances`, `statements`, `print`, `text` | a sheet: all of a module but what it is given |
 //! | share | `parameters`, `interface` | which values are parameters, because they differ from place to place |
-//! | put together | `sheet` | the text of a module |
+//! | put together | `sheet`, `layout` | the text of a module, no line too long |
 //!
 //! What comes out is Verilog-2001, one module for each distinct block, with parameters where two differ in a
 //! constant alone: ports end in `_i` and `_o`, a register `x` is `x_q`,
-//! fed by `x_d` where more than one assignment says what it takes, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
+//! fed by `x_d` where the kernel reads its next value, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
 //! rust-hdl has no word for is a [leaf]. Registers have no start-up value unless they are a `DFFWithInit`:
 //! a kernel resets what it must. What cannot be translated exactly is refused with an [`EmitError`].
 //!
 //! `README.md` has a first circuit, leaves, and what to do about each rejection.
 
 mod arrays;
+mod blocks;
 // So that `#[derive(Circuit)]` can name this crate from within, too.
 extern crate self as edof_verilog;
 
@@ -38,25 +41,33 @@ mod collect;
 mod cycles;
 mod domains;
 mod draft;
+mod edge;
 mod error;
 mod expression;
 mod flow;
+mod instances;
 mod interface;
 mod kernel;
 mod kind;
+mod layout;
 mod leaf_check;
 mod leaf_text;
 mod live;
 mod names;
 mod optional;
+mod order;
 mod parameters;
 mod print;
 mod process;
 mod scope;
+mod settle;
 mod sheet;
 mod simplify;
 mod single;
 mod source;
+mod statements;
+mod text;
+mod tidy;
 mod types;
 mod typing;
 mod unread;
@@ -67,7 +78,7 @@ mod write;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use domains::Crossing;
-pub use error::{EmitError, Fault};
+pub use error::{EmitError, Fault, rust_path};
 pub use optional::Optional;
 pub use types::Type;
 
@@ -79,6 +90,7 @@ struct Readme;
 use crate::describe::Circuit;
 use crate::leaf::Leaf;
 use collect::Tree;
+use draft::Style;
 use kind::{Kind, Occurrence};
 use leaf_text::LeafText;
 use names::Names;
@@ -91,6 +103,8 @@ pub struct Emitted {
     pub modules: Vec<Module>,
     /// Names of the hand-written leaves that the modules instantiate.
     pub leaves: BTreeSet<String>,
+    /// Their texts, by name, each with the modules that it stands on.
+    pub leaf_texts: BTreeMap<String, String>,
     /// Name of the top module.
     pub top: String,
     /// Ports of the top module.
@@ -106,6 +120,32 @@ pub struct Module {
     pub name: String,
     /// The Verilog.
     pub text: String,
+    /// The Rust that it comes from.
+    pub source: SourceMap,
+}
+
+/// Which line of Rust a line of a module comes from; known of kernels with [`macro@describe::kernel`].
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct SourceMap {
+    /// Rust file of the module's block.
+    pub file: String,
+    /// For each line of the text, from the first on, the number of the Rust line; none for declarations and instances.
+    pub lines: Vec<Option<usize>>,
+}
+
+impl SourceMap {
+    /// Runs of lines that come from one Rust line: first and last line of Verilog, and the line of Rust, all counted from 1.
+    #[must_use]
+    pub fn runs(&self) -> Vec<(usize, usize, usize)> {
+        let mut runs: Vec<(usize, usize, usize)> = vec![];
+        for (line, rust) in self.lines.iter().enumerate().filter_map(|(n, rust)| Some((n + 1, (*rust)?))) {
+            match runs.last_mut() {
+                Some((_, last, of)) if *last + 1 == line && *of == rust => *last = line,
+                _ => runs.push((line, line, rust)),
+            }
+        }
+        runs
+    }
 }
 
 /// A port of a module.
@@ -139,11 +179,24 @@ pub enum Direction {
 /// # Errors
 /// What cannot be translated exactly: see [`Fault`].
 pub fn emit(top: &dyn Circuit) -> Result<Emitted, EmitError> {
+    emit_as(top, Style::Readable)
+}
+
+/// Prints a circuit without making its text shorter: expressions stand as they do in Rust, each target has a process of its own. The modules,
+/// their ports and registers are those of [`emit`], which can be proven to mean the same.
+///
+/// # Errors
+/// Those of [`emit`].
+pub fn emit_literally(top: &dyn Circuit) -> Result<Emitted, EmitError> {
+    emit_as(top, Style::Literal)
+}
+
+fn emit_as(top: &dyn Circuit, style: Style) -> Result<Emitted, EmitError> {
     let tree = Tree::of(top);
     if tree.is_register() || tree.start_value().is_some() || Leaf::of(&tree.hdl).is_some() {
         return Err(EmitError::block(&tree.path, Fault::NotATop));
     }
-    let mut emitter = Emitter::default();
+    let mut emitter = Emitter { style, ..Emitter::default() };
     emitter.leaves(&tree)?;
     let crossings = domains::check(&tree)?;
     let top = emitter.block(&tree, true)?;
@@ -152,6 +205,7 @@ pub fn emit(top: &dyn Circuit) -> Result<Emitted, EmitError> {
 
 #[derive(Default)]
 struct Emitter {
+    style: Style,
     sheets: Vec<Sheet>,
     /// The names that are taken inside each module.
     inside: Vec<Names>,
@@ -160,6 +214,7 @@ struct Emitter {
     paths: Vec<Vec<(usize, usize)>>,
     texts: BTreeMap<String, LeafText>,
     leaves: BTreeSet<String>,
+    leaf_texts: BTreeMap<String, String>,
     names: Names,
     /// Module of each sheet.
     known: HashMap<Sheet, usize>,
@@ -180,7 +235,8 @@ impl Emitter {
                 self.texts.insert(leaf.source.clone(), text);
             }
             leaf_check::check(part, &leaf, &self.texts[&leaf.source]).map_err(fault)?;
-            self.leaves.insert(leaf.module);
+            self.leaves.insert(leaf.module.clone());
+            self.leaf_texts.insert(leaf.module, leaf.source);
         }
         Ok(())
     }
@@ -206,7 +262,7 @@ impl Emitter {
                 }),
             })
             .collect();
-        let draft = draft::draft(tree, description, &kinds, is_top)?;
+        let draft = draft::draft(tree, description, &kinds, is_top, self.style)?;
         drop(kinds);
         let class = match self.known.get(&draft.sheet) {
             Some(known) => *known,
@@ -227,12 +283,14 @@ impl Emitter {
         let interfaces = parameters::settle(&self.sheets, &mut self.inside, top);
         let names: Vec<String> = self.sheets.iter().map(|sheet| self.names.take(&sheet.name)).collect();
         let modules = self.sheets.iter().zip(&interfaces).zip(&names).map(|((sheet, interface), name)| {
-            let text = sheet.text(name, interface, &|class| names[class].clone());
-            Module { name: name.clone(), text }
+            let (text, lines) = sheet.text(name, interface, &|class| names[class].clone());
+            let source = SourceMap { file: sheet.source.clone(), lines };
+            Module { name: name.clone(), text, source }
         });
         Emitted {
             modules: modules.collect(),
             leaves: self.leaves,
+            leaf_texts: self.leaf_texts,
             top: names[top.class].clone(),
             ports: self.ports.swap_remove(top.class),
             crossings,

@@ -32,7 +32,7 @@ pub(crate) fn prune(
         match targets.len() {
             0 => None,
             n if n == process.targets.len() => Some(process),
-            _ => Some(Process::of(keep(&process.statements, &targets))),
+            _ => Some(Process::of(keep(&process.statements, &targets), process.origin)),
         }
     });
     (kept.collect(), live)

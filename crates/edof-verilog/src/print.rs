@@ -1,4 +1,4 @@
-//! Typed expressions and statements as Verilog text.
+//! Typed expressions as Verilog text.
 //!
 //! Every operand has the width of its operation, so Verilog's rule of the widest operand never applies. Where Rust changes
 //! a width, the text says so: `{1'd0, a + b}` (inside braces an operand keeps its own width), a slice, or, for what has no
@@ -7,62 +7,10 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::expression::{Expression, Node};
-use crate::kernel::{Assign, Label, Statement};
 use crate::names::{Names, snake_case};
 use crate::scope::{Role, Scope, SignalId, State};
+use crate::text::{Form, Text, Use, convert, literal, range};
 use crate::types::Type;
-
-/// Text of an expression, what it is outside, and whether Verilog takes it for signed.
-struct Text {
-    text: String,
-    form: Form,
-    signed: bool,
-}
-
-/// What stands outermost in an expression.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Form {
-    /// A name, a literal, braces: complete in itself.
-    Atom,
-    /// `!` or `~` before an atom: needs no parentheses, but is as wide as what is around it.
-    Not,
-    /// Operands between which this stands, in any order of operations the same.
-    Chain(&'static str),
-    Operation,
-}
-
-/// Operations that need no parentheses between their like.
-const CHAINS: [&str; 6] = ["+", "&", "|", "^", "&&", "||"];
-
-impl Text {
-    fn atom(text: String, signed: bool) -> Self {
-        Self { text, form: Form::Atom, signed }
-    }
-
-    fn operation(text: String, signed: bool) -> Self {
-        Self { text, form: Form::Operation, signed }
-    }
-
-    fn binary(op: &'static str, left: Self, right: Self) -> Self {
-        let signed = left.signed && right.signed;
-        let chains = CHAINS.contains(&op);
-        let left = if chains && left.form == Form::Chain(op) { left.text } else { left.operand() };
-        let form = if chains { Form::Chain(op) } else { Form::Operation };
-        Self { text: format!("{left} {op} {}", right.operand()), form, signed }
-    }
-
-    fn operand(self) -> String {
-        match self.form {
-            Form::Atom | Form::Not => self.text,
-            Form::Chain(_) | Form::Operation => format!("({})", self.text),
-        }
-    }
-
-    /// After one sign there is no second one in Verilog.
-    fn unary_operand(self) -> String {
-        if self.form == Form::Atom { self.text } else { format!("({})", self.text) }
-    }
-}
 
 /// A value between two steps of an expression.
 #[derive(Debug)]
@@ -75,24 +23,34 @@ pub(crate) struct Between {
     pub in_part: bool,
 }
 
-/// Prints the expressions and statements of one module.
+/// Prints the expressions of one module; `statements` prints its blocks.
 pub(crate) struct Printer<'a> {
     pub scope: &'a Scope,
     /// What each signal is called, after all direct connections.
     pub resolved: &'a [Expression],
     pub signal_names: &'a [String],
     pub names: &'a mut Names,
-    /// Constants that the text names.
-    pub constants: BTreeSet<SignalId>,
+    /// Constants that the text names, and what for.
+    pub constants: BTreeMap<SignalId, Use>,
     /// States that the text names, and their names.
     pub states: BTreeMap<(String, usize), (String, State)>,
     pub between: Vec<Between>,
     known: HashMap<(Type, String), usize>,
     /// What the process at hand drives, its values in between, and those that the next statement needs.
-    driven: BTreeSet<SignalId>,
-    steps: Vec<usize>,
-    pending: Vec<String>,
-    subject: String,
+    pub driven: BTreeSet<SignalId>,
+    pub steps: Vec<usize>,
+    pub pending: Vec<String>,
+    pub subject: String,
+    /// Registers are assigned themselves.
+    pub at_edge: bool,
+    /// Name of the Rust file, and the line that the text at hand comes from.
+    pub file: &'a str,
+    pub line: Option<usize>,
+    /// A paragraph begins, and what was said last.
+    pub starts: bool,
+    pub said: String,
+    /// What the number at hand is for.
+    number: Use,
 }
 
 impl<'a> Printer<'a> {
@@ -101,13 +59,14 @@ impl<'a> Printer<'a> {
         resolved: &'a [Expression],
         signal_names: &'a [String],
         names: &'a mut Names,
+        file: &'a str,
     ) -> Self {
         Self {
             scope,
             resolved,
             signal_names,
             names,
-            constants: BTreeSet::new(),
+            constants: BTreeMap::new(),
             states: BTreeMap::new(),
             between: vec![],
             known: HashMap::new(),
@@ -115,6 +74,12 @@ impl<'a> Printer<'a> {
             steps: vec![],
             pending: vec![],
             subject: String::new(),
+            at_edge: false,
+            file,
+            line: None,
+            starts: true,
+            said: String::new(),
+            number: Use::Value,
         }
     }
 
@@ -125,111 +90,8 @@ impl<'a> Printer<'a> {
         self.root(value)
     }
 
-    /// The lines of an `always @*` block.
-    pub fn process(&mut self, statements: &[Statement], driven: &BTreeSet<SignalId>) -> Vec<String> {
-        self.driven.clone_from(driven);
-        self.steps.clear();
-        let mut body = vec![];
-        self.block(statements, &mut body, 1);
-        let mut lines = vec!["always @* begin".to_string()];
-        for &step in &self.steps {
-            let Between { name, ty, .. } = &self.between[step];
-            lines.push(format!("    {name} = {};", literal(*ty, 0)));
-        }
-        lines.extend(body);
-        lines.push("end".into());
-        lines
-    }
-
-    fn block(&mut self, statements: &[Statement], lines: &mut Vec<String>, depth: usize) {
-        statements.iter().for_each(|statement| self.statement(statement, lines, depth));
-    }
-
-    fn statement(&mut self, statement: &Statement, lines: &mut Vec<String>, depth: usize) {
-        let indent = "    ".repeat(depth);
-        match statement {
-            Statement::Comment(text) => lines.extend(comment(text).map(|line| format!("{indent}{line}"))),
-            Statement::Assign(assign) => {
-                let line = self.assign(assign);
-                self.flush(lines, &indent);
-                lines.push(format!("{indent}{line}"));
-            }
-            Statement::If { test, then, otherwise } => {
-                let test = self.test(test);
-                self.flush(lines, &indent);
-                lines.push(format!("{indent}if ({test}) begin"));
-                self.block(then, lines, depth + 1);
-                self.otherwise(otherwise, lines, depth);
-            }
-            Statement::Case { subject, arms, default } => {
-                let test = self.test(subject);
-                self.flush(lines, &indent);
-                lines.push(format!("{indent}case ({test})"));
-                for arm in arms {
-                    let label = match &arm.label {
-                        Label::State(state) => self.state(state),
-                        Label::Number(number) => literal(subject.ty, *number),
-                    };
-                    self.arm(&label, &arm.body, lines, depth + 1);
-                }
-                self.arm("default", default.as_deref().unwrap_or_default(), lines, depth + 1);
-                lines.push(format!("{indent}endcase"));
-            }
-        }
-    }
-
-    fn otherwise(&mut self, otherwise: &[Statement], lines: &mut Vec<String>, depth: usize) {
-        let indent = "    ".repeat(depth);
-        if let [Statement::If { test, then, otherwise }] = otherwise {
-            let test = self.test(test);
-            if self.pending.is_empty() {
-                lines.push(format!("{indent}end else if ({test}) begin"));
-                self.block(then, lines, depth + 1);
-                return self.otherwise(otherwise, lines, depth);
-            }
-            // What the test needs is computed first.
-            lines.push(format!("{indent}end else begin"));
-            self.flush(lines, &format!("{indent}    "));
-            lines.push(format!("{indent}    if ({test}) begin"));
-            self.block(then, lines, depth + 2);
-            self.otherwise(otherwise, lines, depth + 1);
-        } else if !otherwise.is_empty() {
-            lines.push(format!("{indent}end else begin"));
-            self.block(otherwise, lines, depth + 1);
-        }
-        lines.push(format!("{indent}end"));
-    }
-
-    fn arm(&mut self, label: &str, body: &[Statement], lines: &mut Vec<String>, depth: usize) {
-        let indent = "    ".repeat(depth);
-        if body.is_empty() {
-            return lines.push(format!("{indent}{label}: ;"));
-        }
-        lines.push(format!("{indent}{label}: begin"));
-        self.block(body, lines, depth + 1);
-        lines.push(format!("{indent}end"));
-    }
-
-    fn flush(&mut self, lines: &mut Vec<String>, indent: &str) {
-        lines.extend(self.pending.drain(..).map(|step| format!("{indent}{step}")));
-    }
-
-    fn test(&mut self, test: &Expression) -> String {
-        self.subject = "test".into();
-        self.root(test)
-    }
-
-    fn assign(&mut self, assign: &Assign) -> String {
-        let name = self.signal_names[assign.target].clone();
-        self.subject.clone_from(&name);
-        let value = self.root(&assign.value);
-        let whole = self.scope.signals[assign.target].ty.bits == assign.value.ty.bits;
-        let place = assign.at.filter(|_| !whole).map_or(String::new(), |at| range(at, assign.value.ty.bits));
-        format!("{name}{place} = {value};")
-    }
-
     /// A value that goes into a signal of its own width: only here Verilog's context is as wide as a product.
-    fn root(&mut self, value: &Expression) -> String {
+    pub fn root(&mut self, value: &Expression) -> String {
         match &value.node {
             Node::Product(left, right) => {
                 let (left, right) = (self.factor(left), self.factor(right));
@@ -250,12 +112,22 @@ impl<'a> Printer<'a> {
         }
     }
 
+    /// An operand whose numbers are for something.
+    fn print_as(&mut self, number: Use, operand: &Expression) -> Text {
+        let before = std::mem::replace(&mut self.number, number);
+        let text = self.print(operand);
+        self.number = before;
+        text
+    }
+
     fn print(&mut self, expression: &Expression) -> Text {
         let ty = expression.ty;
         match &expression.node {
             Node::Signal(id) => self.signal(*id),
-            Node::Literal(value) if *value < 0 => Text::operation(literal(ty, *value), ty.signed),
-            Node::Literal(value) => Text::atom(literal(ty, *value), ty.signed),
+            Node::Literal(value) if *value < 0 => {
+                Text::operation(literal(ty, *value, self.number), ty.signed)
+            }
+            Node::Literal(value) => Text::atom(literal(ty, *value, self.number), ty.signed),
             Node::State(state) => Text::atom(self.state(state), false),
             Node::Not(x) => {
                 // Of one bit, so that nothing hangs on the width around it.
@@ -282,12 +154,15 @@ impl<'a> Printer<'a> {
                     let texts: Vec<String> = pieces.into_iter().map(|piece| self.piece(piece)).collect();
                     Text::atom(format!("{{{}}}", texts.join(", ")), false)
                 }
-                None => Text::binary(op, self.print(x), self.print(y)),
+                None => {
+                    let number = if ["+", "-"].contains(op) { Use::Count } else { Use::Mask };
+                    Text::binary(op, self.print_as(number, x), self.print_as(number, y))
+                }
             },
             Node::Compare(op, x, y) => {
                 let ordered = !matches!(*op, "==" | "!=");
                 let mut side = |operand: &Expression| {
-                    let text = self.print(operand);
+                    let text = self.print_as(Use::Count, operand);
                     if ordered && text.signed != operand.ty.signed {
                         convert(text, operand.ty.signed)
                     } else {
@@ -298,10 +173,12 @@ impl<'a> Printer<'a> {
                 Text::operation(format!("{x} {op} {y}"), false)
             }
             Node::Logical(op, x, y) => {
-                Text { signed: false, ..Text::binary(op, self.print(x), self.print(y)) }
+                let (x, y) = (self.print_as(Use::Value, x), self.print_as(Use::Value, y));
+                Text { signed: false, ..Text::binary(op, x, y) }
             }
             Node::Choose(test, x, y) => {
-                let (test, x, y) = (self.print(test), self.print(x), self.print(y));
+                let test = self.print_as(Use::Value, test);
+                let (x, y) = (self.print(x), self.print(y));
                 let signed = x.signed && y.signed;
                 Text::operation(format!("{} ? {} : {}", test.operand(), x.operand(), y.operand()), signed)
             }
@@ -332,12 +209,13 @@ impl<'a> Printer<'a> {
         let Node::Signal(id) = expression.node else { return self.print(&expression) };
         let signal = &self.scope.signals[id];
         if matches!(signal.role, Role::Constant(_)) {
-            self.constants.insert(id);
+            let number = self.number;
+            self.constants.entry(id).and_modify(|known| *known = number.max(*known)).or_insert(number);
         }
         Text::atom(self.signal_names[id].clone(), signal.ty.signed)
     }
 
-    fn state(&mut self, state: &State) -> String {
+    pub fn state(&mut self, state: &State) -> String {
         let key = (state.label.0.clone(), state.value);
         if let Some((name, _)) = self.states.get(&key) {
             return name.clone();
@@ -351,7 +229,7 @@ impl<'a> Printer<'a> {
     fn extend(&mut self, x: &Expression, by: usize) -> Text {
         if !x.ty.signed {
             let low = self.print(x).text;
-            return Text::atom(format!("{{{}, {low}}}", literal(Type::bits(by), 0)), false);
+            return Text::atom(format!("{{{}, {low}}}", literal(Type::bits(by), 0, Use::Value)), false);
         }
         let name = self.selectable(x, false);
         let sign = if x.ty.bits == 1 { name.clone() } else { format!("{name}[{}]", x.ty.bits - 1) };
@@ -402,7 +280,7 @@ impl<'a> Printer<'a> {
     fn piece(&mut self, piece: Piece<'_>) -> String {
         match piece {
             Piece::Value(value) => self.print(value).text,
-            Piece::Zeros(bits) => literal(Type::bits(bits), 0),
+            Piece::Zeros(bits) => literal(Type::bits(bits), 0, Use::Value),
         }
     }
 
@@ -424,7 +302,9 @@ impl<'a> Printer<'a> {
     fn between(&mut self, x: &Expression, in_part: bool) -> String {
         let mut in_process = false;
         x.walk(&mut |part| in_process |= matches!(part.node, Node::Signal(id) if self.depends(id)));
+        let number = std::mem::replace(&mut self.number, Use::Value);
         let text = self.root(x);
+        self.number = number;
         let key = (x.ty, text);
         if let Some(&known) = self.known.get(&key).filter(|_| !in_process) {
             self.between[known].in_part &= in_part;
@@ -500,31 +380,4 @@ fn kind(x: &Expression) -> &'static str {
         Node::Negate(_) => "negated",
         _ => "value",
     }
-}
-
-fn convert(text: Text, signed: bool) -> String {
-    format!("{}({})", if signed { "$signed" } else { "$unsigned" }, text.text)
-}
-
-/// `[7:0]`, `[3]`.
-fn range(at: usize, bits: usize) -> String {
-    if bits == 1 { format!("[{at}]") } else { format!("[{}:{at}]", at + bits - 1) }
-}
-
-/// A sized literal.
-pub(crate) fn literal(ty: Type, value: i128) -> String {
-    let bits = ty.bits;
-    match (ty.signed, value) {
-        (false, _) if bits == 1 => format!("1'b{value}"),
-        (false, 0..10) => format!("{bits}'d{value}"),
-        (false, _) => format!("{bits}'h{value:x}"),
-        (true, 0..) => format!("{bits}'sd{value}"),
-        (true, _) => format!("-{bits}'sd{}", value.unsigned_abs()),
-    }
-}
-
-/// A kernel's comment, line by line, without the quotes that the macro leaves.
-pub(crate) fn comment(text: &str) -> impl Iterator<Item = String> + '_ {
-    let inner = text.trim().trim_matches('"');
-    inner.lines().map(|line| format!("// {}", line.trim()).trim_end().to_string())
 }

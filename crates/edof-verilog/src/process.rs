@@ -17,14 +17,29 @@ pub(crate) struct Process {
     pub statements: Vec<Statement>,
     pub targets: BTreeSet<SignalId>,
     pub reads: BTreeSet<SignalId>,
+    pub origin: Origin,
+}
+
+/// Where the statements of a process come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A block of the kernel, by its number.
+    Block(usize),
+    /// What registers take at their clock's edge.
+    Edge,
 }
 
 impl Process {
-    pub fn of(statements: Vec<Statement>) -> Self {
+    pub fn of(statements: Vec<Statement>, origin: Origin) -> Self {
         let (mut targets, mut reads) = (HashSet::new(), BTreeSet::new());
         collect_targets(&statements, &mut targets);
         collect_reads(&statements, &mut reads);
-        Self { statements, targets: targets.into_iter().collect(), reads }
+        Self { statements, targets: targets.into_iter().collect(), reads, origin }
+    }
+
+    /// Whether an `assign` or an `always @*` block is meant.
+    pub fn is_combinational(&self) -> bool {
+        self.origin != Origin::Edge
     }
 
     /// Calls `visit` with everything that the process computes.
@@ -44,7 +59,8 @@ impl Process {
 
 /// The processes of a kernel, in the order in which its text comes to them.
 pub(crate) fn split(scope: &Scope, statements: Vec<Statement>) -> Result<Vec<Process>, EmitError> {
-    let mut units: Vec<Process> = units(statements).into_iter().map(Process::of).collect();
+    let unit = |(number, statements)| Process::of(statements, Origin::Block(number));
+    let mut units: Vec<Process> = units(statements).into_iter().enumerate().map(unit).collect();
     drop_dead_holds(&mut units);
     let groups = group(scope, &units);
     check_settled_reads(scope, &units, &groups)?;
@@ -65,7 +81,8 @@ pub(crate) fn split(scope: &Scope, statements: Vec<Statement>) -> Result<Vec<Pro
             _ => processes.push((groups[unit], statements)),
         }
     }
-    Ok(processes.into_iter().map(|(_, statements)| Process::of(statements)).collect())
+    let process = |(group, statements)| Process::of(statements, Origin::Block(group));
+    Ok(processes.into_iter().map(process).collect())
 }
 
 /// Top-level statements, each with the comments before it.
@@ -122,7 +139,7 @@ fn group(scope: &Scope, units: &[Process]) -> Vec<usize> {
 }
 
 /// Signals that Rust reads as they stand, not as they settle.
-fn in_order(scope: &Scope, id: SignalId) -> bool {
+pub(crate) fn in_order(scope: &Scope, id: SignalId) -> bool {
     matches!(scope.signals[id].role, Role::Output | Role::Local)
 }
 

@@ -3,9 +3,7 @@
 use std::fmt::Write;
 
 use crate::interface::Interface;
-
-/// No line that could be several is longer.
-pub(crate) const WIDTH: usize = 100;
+use crate::layout::{WIDTH, commented as wrapped, lay_out};
 
 /// What equal modules share. Two blocks with equal sheets are one module; where their values differ it has parameters.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -14,6 +12,8 @@ pub(crate) struct Sheet {
     pub name: String,
     /// The comment above it.
     pub header: String,
+    /// Its Rust file.
+    pub source: String,
     /// Declarations of the ports, and comments.
     pub ports: Vec<(String, String)>,
     /// Slots that the text names: constants, then how often loops turn.
@@ -21,10 +21,11 @@ pub(crate) struct Sheet {
     /// States of enums.
     pub states: Vec<String>,
     pub signals: Vec<String>,
-    pub between: Vec<String>,
-    pub instances: Vec<Instance>,
     /// Paragraphs: runs of assignments, blocks.
     pub logic: Vec<Vec<String>>,
+    pub instances: Vec<Instance>,
+    /// Paragraphs after the instances: blocks of registers.
+    pub clocked: Vec<Vec<String>>,
 }
 
 /// A constant that the text names.
@@ -79,8 +80,13 @@ impl Sheet {
         self.constants.len() + self.instances.iter().map(|instance| instance.parameters.len()).sum::<usize>()
     }
 
-    /// The module's text. `module` names other modules.
-    pub fn text(&self, name: &str, interface: &Interface, module: &dyn Fn(usize) -> String) -> String {
+    /// The module's text, and the Rust line behind each of its lines. `module` names other modules.
+    pub fn text(
+        &self,
+        name: &str,
+        interface: &Interface,
+        module: &dyn Fn(usize) -> String,
+    ) -> (String, Vec<Option<usize>>) {
         let mut text = self.header.clone() + &format!("`default_nettype none\n\nmodule {name} ");
         if !interface.parameters.is_empty() {
             let lines: Vec<(String, String)> = (interface.parameters.iter())
@@ -106,8 +112,9 @@ impl Sheet {
                 _ => written.push(lines),
             }
         }
-        let paragraphs = [constants, self.signals.clone(), self.between.clone()].into_iter();
-        for lines in paragraphs.chain(written).chain(self.logic.iter().cloned()).filter(|l| !l.is_empty()) {
+        let paragraphs = [constants, self.signals.clone()].into_iter().chain(self.logic.iter().cloned());
+        let all = paragraphs.chain(written).chain(self.clocked.iter().cloned());
+        for lines in all.filter(|lines| !lines.is_empty()) {
             text.push('\n');
             for line in lines {
                 let indent = if line.is_empty() { "" } else { "    " };
@@ -115,7 +122,7 @@ impl Sheet {
                 let _ = writeln!(text, "{indent}{line}");
             }
         }
-        text + "endmodule\n\n`default_nettype wire\n"
+        lay_out(&(text + "endmodule\n\n`default_nettype wire\n"))
     }
 
     fn instance(
@@ -153,56 +160,71 @@ impl Sheet {
     }
 }
 
-/// Whether a paragraph is instances that take a line of pins at most.
+/// Whether a paragraph is instances that take a line each.
 fn is_short(lines: &[String]) -> bool {
-    lines.chunks(3).all(|three| three.len() == 3 && three[0].ends_with('(') && three[2] == ");")
+    lines.iter().all(|line| line.ends_with(");"))
 }
 
-/// Lines in a bracket: commas between, comments behind.
+/// Lines in a bracket: commas between, comments behind. Empty lines part groups.
 fn list(lines: &[(String, String)]) -> String {
     let last = lines.len().saturating_sub(1);
     let with_comma = |(i, (line, comment)): (usize, &(String, String))| {
-        (format!("{line}{}", if i == last { "" } else { "," }), comment.clone())
+        let comma = if i == last || line.is_empty() { "" } else { "," };
+        (format!("{line}{comma}"), comment.clone())
     };
     let lines: Vec<_> = lines.iter().enumerate().map(with_comma).collect();
     commented(&lines).iter().map(|line| format!("    {line}\n")).collect()
 }
 
-/// Lines with their comments below one another.
+/// Lines with their comments below one another; a comment that is too long stands above.
 fn commented(lines: &[(String, String)]) -> Vec<String> {
     let width = lines.iter().map(|(line, _)| line.len()).max().unwrap_or(0);
     let line = |(line, comment): &(String, String)| match comment.is_empty() {
-        true => line.clone(),
-        false => format!("{line:width$} // {comment}"),
+        true => vec![line.clone()],
+        false if width + comment.len() + 6 > WIDTH => {
+            let mut lines = wrapped(&format!(" {comment}"), 2);
+            lines.iter_mut().for_each(|line| *line = line.trim_start().into());
+            lines.push(line.clone());
+            lines
+        }
+        false => vec![format!("{line:width$} // {comment}")],
     };
-    lines.iter().map(line).collect()
+    lines.iter().flat_map(line).collect()
 }
 
 fn instance_lines(module: &str, parameters: &[String], instance: &str, pins: &[String]) -> Vec<String> {
-    let list = |items: &[String]| {
-        let last = items.len().saturating_sub(1);
-        let line = |(i, item): (usize, &String)| format!("    {item}{}", if i == last { "" } else { "," });
-        items.iter().enumerate().map(line).collect::<Vec<_>>()
-    };
     let given = match parameters.join(", ") {
         none if none.is_empty() => String::new(),
         all => format!("#({all}) "),
     };
     let (head, all) = (format!("{module} {given}{instance} ("), pins.join(", "));
-    let fits = |line: &str| line.len() + 8 <= WIDTH;
+    let one = format!("{head}{all});");
+    if one.len() + 2 <= WIDTH {
+        return vec![one];
+    }
     let mut lines = vec![];
-    if fits(&head) {
+    if head.len() + 2 <= WIDTH {
         lines.push(head);
-        if fits(&all) {
-            lines.extend([format!("    {all}"), ");".into()]);
-            return lines;
-        }
     } else {
         lines.push(format!("{module} #("));
-        lines.extend(list(parameters));
+        lines.extend(filled(parameters));
         lines.push(format!(") {instance} ("));
     }
-    lines.extend(list(pins));
+    lines.extend(filled(pins));
     lines.push(");".into());
+    lines
+}
+
+/// Items side by side, as many as a line takes.
+fn filled(items: &[String]) -> Vec<String> {
+    let mut lines: Vec<String> = vec![];
+    let last = items.len().saturating_sub(1);
+    for (n, item) in items.iter().enumerate() {
+        let item = format!("{item}{}", if n == last { "" } else { "," });
+        match lines.last_mut() {
+            Some(line) if line.len() + item.len() < WIDTH - 6 => *line += &format!(" {item}"),
+            _ => lines.push(format!("    {item}")),
+        }
+    }
     lines
 }

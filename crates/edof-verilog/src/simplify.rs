@@ -16,16 +16,16 @@ const CHOICES: usize = 2;
 /// The process, with one target, as one assignment if that is short; else without what is overwritten unread.
 pub(crate) fn simplify(scope: &Scope, process: Process) -> Process {
     let [target] = process.targets.iter().copied().collect::<Vec<_>>()[..] else { return process };
-    if process.plain().is_some() {
+    if process.plain().is_some() || !process.is_combinational() {
         return process;
     }
     let comments = process.statements.iter().filter(|s| matches!(s, Statement::Comment(_)));
     match value(scope, &process.statements, target, None) {
         Some(value) => {
             let assign = Statement::Assign(Assign { target, at: None, value, holds: false });
-            Process::of(comments.cloned().chain([assign]).collect())
+            Process::of(comments.cloned().chain([assign]).collect(), process.origin)
         }
-        None => Process::of(without_dead(process.statements, target)),
+        None => Process::of(without_dead(process.statements, target), process.origin),
     }
 }
 
@@ -124,7 +124,7 @@ fn merged(op: &'static str, ty: Type, x: Box<Expression>, y: Box<Expression>) ->
 }
 
 /// Drops an assignment of the whole target that the next statement assigns again without reading it.
-fn without_dead(statements: Vec<Statement>, target: SignalId) -> Vec<Statement> {
+pub(crate) fn without_dead(statements: Vec<Statement>, target: SignalId) -> Vec<Statement> {
     let mut kept: Vec<Statement> = vec![];
     for statement in statements {
         let statement = match statement {
@@ -141,8 +141,12 @@ fn without_dead(statements: Vec<Statement>, target: SignalId) -> Vec<Statement> 
             }
             other => other,
         };
-        if overwrites(&statement, target) && kept.last().is_some_and(|last| overwrites(last, target)) {
-            kept.pop();
+        let last = kept.iter().rposition(|statement| !matches!(statement, Statement::Comment(_)));
+        if let Some(last) = last
+            && overwrites(&statement, target)
+            && overwrites(&kept[last], target)
+        {
+            kept.remove(last);
         }
         kept.push(statement);
     }

@@ -1,5 +1,7 @@
 //! Values that a module can be given from outside: of its constants, of its leaves' parameters, of its loops' ends.
 
+use crate::expression::wrap;
+use crate::text::{Use, literal};
 use crate::types::Type;
 
 /// A value as Verilog writes it, and the type that a parameter of it is declared with.
@@ -11,9 +13,9 @@ pub(crate) struct Value {
 }
 
 impl Value {
-    /// A constant from its hexadecimal digits: a small one in decimal.
-    pub fn constant(ty: Type, digits: &str) -> Self {
-        Self { of_type: of_type(ty), text: pattern(ty, digits) }
+    /// A constant from its hexadecimal digits.
+    pub fn constant(ty: Type, digits: &str, of: Use) -> Self {
+        Self { of_type: of_type(ty), text: pattern(ty, digits, of) }
     }
 
     /// A whole number.
@@ -35,15 +37,12 @@ pub(crate) fn of_type(ty: Type) -> String {
 }
 
 /// A constant from its hexadecimal digits.
-pub(crate) fn pattern(ty: Type, digits: &str) -> String {
-    let (bits, sign) = (ty.bits, if ty.signed { "s" } else { "" });
+pub(crate) fn pattern(ty: Type, digits: &str, of: Use) -> String {
     let digits = digits.trim_start_matches('0');
-    match u64::from_str_radix(if digits.is_empty() { "0" } else { digits }, 16) {
-        Ok(value) if value < 1000 && !ty.signed => match bits {
-            1 => format!("1'b{value}"),
-            _ => format!("{bits}'d{value}"),
-        },
-        _ => format!("{bits}'{sign}h{}", if digits.is_empty() { "0" } else { digits }),
+    let digits = if digits.is_empty() { "0" } else { digits };
+    match i128::from_str_radix(digits, 16) {
+        Ok(value) if ty.bits < 100 => literal(ty, wrap(value, ty), of),
+        _ => format!("{}'{}h{digits}", ty.bits, if ty.signed { "s" } else { "" }),
     }
 }
 
@@ -52,14 +51,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_constants_are_decimal() {
+    fn counts_are_decimal_and_masks_hexadecimal() {
         let written = [
-            pattern(Type::bits(12), "008"),
-            pattern(Type::bits(1), "1"),
-            pattern(Type::bits(48), "ffffffff0000"),
-            pattern(Type::signed(16), "fed4"),
-            pattern(Type::bits(4), "0"),
+            pattern(Type::bits(13), "780", Use::Count),
+            pattern(Type::bits(13), "780", Use::Mask),
+            pattern(Type::bits(7), "7f", Use::Value),
+            pattern(Type::bits(1), "1", Use::Mask),
+            pattern(Type::bits(48), "ffffffff0000", Use::Count),
+            pattern(Type::signed(16), "fed4", Use::Value),
+            pattern(Type::bits(4), "0", Use::Value),
         ];
-        assert_eq!(written, ["12'd8", "1'b1", "48'hffffffff0000", "16'shfed4", "4'd0"]);
+        let wanted = ["13'd1920", "13'h780", "7'h7f", "1'b1", "48'hffffffff0000", "-16'sd300", "4'd0"];
+        assert_eq!(written, wanted);
     }
 }

@@ -24,7 +24,8 @@ impl Wiring {
     ) -> Result<Self, EmitError> {
         let mut wiring = Self::default();
         // A block that hangs on constants alone would never start.
-        let blocks = processes.iter().filter(|process| process.plain().is_none());
+        let is_block = |process: &&Process| process.plain().is_none() && process.is_combinational();
+        let blocks = processes.iter().filter(is_block);
         let started: BTreeSet<SignalId> = blocks.flat_map(|process| process.reads.iter().copied()).collect();
         processes.retain(|process| !wiring.connect(scope, process, reads, &started));
         processes.retain(|process| !wiring.connect_output(scope, process, own));
@@ -45,7 +46,7 @@ impl Wiring {
         reads: &BTreeSet<SignalId>,
         started: &BTreeSet<SignalId>,
     ) -> bool {
-        let Some(assign) = process.plain() else { return false };
+        let Some(assign) = process.plain().filter(|_| process.is_combinational()) else { return false };
         let value = whole(&assign.value);
         let is_atom = matches!(value.node, Node::Signal(_) | Node::Literal(_) | Node::State(_));
         let is_unread = !reads.contains(&assign.target);
@@ -53,8 +54,8 @@ impl Wiring {
             Role::PartInput => {
                 is_atom || (is_unread && (is_slice(scope, value) || is_for_pin(scope, assign.target, value)))
             }
-            // What a register takes stands where it takes it, unless the kernel says something about it.
-            Role::Next => is_atom || (is_unread && process.statements.len() == 1),
+            // What a register takes stands where it takes it.
+            Role::Next => is_atom || is_unread,
             Role::Clock => is_atom,
             Role::Local => is_atom && (is_wire(scope, value) || !started.contains(&assign.target)),
             _ => false,
@@ -64,7 +65,7 @@ impl Wiring {
 
     /// An output of a part that is an output of the block.
     fn connect_output(&mut self, scope: &Scope, process: &Process, own: &BTreeSet<SignalId>) -> bool {
-        let Some(assign) = process.plain() else { return false };
+        let Some(assign) = process.plain().filter(|_| process.is_combinational()) else { return false };
         let Node::Signal(from) = whole(&assign.value).node else { return false };
         let Ok(Node::Signal(from)) = self.resolve(scope, from).map(|value| value.node) else { return false };
         let is_output = scope.signals[assign.target].role == Role::Output;

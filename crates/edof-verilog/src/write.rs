@@ -4,17 +4,21 @@ use std::collections::BTreeSet;
 
 use crate::arrays::{Array, Pin};
 use crate::collect::Tree;
+use crate::cycles::keep;
 use crate::describe::Description;
 use crate::error::{EmitError, Fault};
 use crate::expression::{Expression, Node};
+use crate::instances::{array_name, count_name};
 use crate::kernel;
-use crate::kind::{Kind, pins_of, split_number};
+use crate::kind::{Kind, pins_of};
+use crate::layout::WIDTH;
 use crate::names::snake_case;
-use crate::print::{Between, Printer, comment, literal};
+use crate::order;
+use crate::print::{Between, Printer};
 use crate::process::Process;
 use crate::scope::{Role, Scope, SignalId};
-use crate::sheet::{Constant, Instance, LeafParameter, Of, Sheet, Turns, WIDTH};
-use crate::single::plain;
+use crate::sheet::{Constant, Sheet};
+use crate::text::{Use, literal};
 use crate::types::Type;
 use crate::unread::Read;
 use crate::value::{Value, of_type, pattern};
@@ -24,6 +28,8 @@ pub(crate) struct Writer<'a> {
     pub tree: &'a Tree,
     pub scope: &'a Scope,
     pub description: &'a Description,
+    /// The Rust file of the kernel.
+    pub source: &'a str,
     pub wiring: &'a Wiring,
     pub processes: &'a [Process],
     pub arrays: &'a [Array],
@@ -32,7 +38,13 @@ pub(crate) struct Writer<'a> {
     /// Arrays of one element.
     pub single: &'a [String],
     pub kinds: &'a [Option<Kind<'a>>],
+    /// What the kernel reads.
+    pub reads: &'a BTreeSet<SignalId>,
+    /// Which outputs follow which inputs within the cycle.
+    pub paths: &'a [(SignalId, SignalId)],
     pub printer: Printer<'a>,
+    /// So many values in between are declared.
+    pub declared: usize,
 }
 
 impl Writer<'_> {
@@ -40,9 +52,10 @@ impl Writer<'_> {
     pub fn sheet(mut self) -> Result<(Sheet, Vec<Value>, Vec<usize>), EmitError> {
         let mut logic = self.logic()?;
         let parts = self.parts();
-        logic.extend(self.ends());
-        logic.extend(self.clocked());
-        logic.extend(Some(self.unread()).filter(|lines| !lines.is_empty()));
+        let ends = self.ends();
+        logic.extend(self.with_between(vec![]));
+        let mut clocked: Vec<Vec<String>> = ends.into_iter().chain(self.clocked()).collect();
+        clocked.extend(Some(self.unread()).filter(|lines| !lines.is_empty()));
         let (mut constants, mut values) = self.constants();
         for part in &parts {
             if let Some((constant, value)) = &part.count {
@@ -54,13 +67,14 @@ impl Writer<'_> {
         let sheet = Sheet {
             name: self.name(),
             header: self.header(),
+            source: in_workspace(self.source),
             ports: self.ports(),
             constants,
             states: self.states(),
             signals: self.signals(),
-            between: self.between(),
-            instances: parts.iter().map(|part| part.instance.clone()).collect(),
             logic,
+            instances: parts.iter().map(|part| part.instance.clone()).collect(),
+            clocked,
         };
         Ok((sheet, values, parts.iter().map(|part| part.of).collect()))
     }
@@ -73,14 +87,41 @@ impl Writer<'_> {
     fn header(&self) -> String {
         let line = |line: &str| format!("// {}", line.trim()).trim_end().to_string() + "\n";
         let text: String = self.description.header.trim().lines().map(line).collect();
-        text + &format!(
-            "//\n// From {} ({}).\n",
-            in_workspace(self.description.source),
-            self.description.name
-        )
+        let follows: String = self.follows().iter().map(|text| line(text)).collect();
+        let source = format!("// From {} ({}).\n", in_workspace(self.source), self.description.name);
+        let gap = if follows.is_empty() { "" } else { "//\n" };
+        format!("{text}{gap}{follows}//\n{source}")
     }
 
-    fn signal_name(&self, id: SignalId) -> &str {
+    /// Which outputs follow which inputs within the cycle.
+    fn follows(&self) -> Vec<String> {
+        let name = |id: &SignalId| self.signal_name(*id).to_string();
+        let mut groups: Vec<(BTreeSet<SignalId>, Vec<String>)> = vec![];
+        for output in self.ports.iter().filter(|id| self.scope.signals[**id].role == Role::Output) {
+            let from = self.paths.iter().filter(|(_, to)| to == output).map(|(from, _)| *from);
+            let from: BTreeSet<SignalId> = from.filter(|id| self.ports.contains(id)).collect();
+            match groups.iter_mut().find(|(inputs, _)| *inputs == from) {
+                Some((_, outputs)) => outputs.push(name(output)),
+                None => groups.push((from, vec![name(output)])),
+            }
+        }
+        let all_registered = groups.iter().all(|(from, _)| from.is_empty());
+        if all_registered || groups.is_empty() {
+            let has_registers = !groups.is_empty() && !self.scope.registers.is_empty();
+            return if has_registers {
+                vec!["No output follows an input within the cycle.".into()]
+            } else {
+                vec![]
+            };
+        }
+        let line = |(from, outputs): &(BTreeSet<SignalId>, Vec<String>)| {
+            let from: Vec<String> = from.iter().map(name).collect();
+            format!("Within the cycle: {} -> {}", from.join(", "), outputs.join(", "))
+        };
+        groups.iter().filter(|(from, _)| !from.is_empty()).map(line).collect()
+    }
+
+    pub fn signal_name(&self, id: SignalId) -> &str {
         &self.printer.signal_names[id]
     }
 
@@ -95,31 +136,49 @@ impl Writer<'_> {
     fn ports(&self) -> Vec<(String, String)> {
         let registered = self.registered();
         let kind = |id: SignalId| match self.scope.signals[id].role {
-            Role::Input => "input  wire",
-            _ if registered.contains(&id) => "output reg ",
+            Role::Input => "input wire",
+            _ if registered.contains(&id) => "output reg",
             _ => "output wire",
         };
-        let types = self.ports.iter().map(|id| of_type(self.scope.signals[*id].ty));
-        let width = types.map(|ty| ty.len()).max().unwrap_or(0);
         let line = |id: &SignalId| {
             let ty = of_type(self.scope.signals[*id].ty);
-            (format!("{} {ty:width$}{}", kind(*id), self.signal_name(*id)), self.said(*id))
+            (format!("{} {ty}{}", kind(*id), self.signal_name(*id)), self.said(*id))
         };
-        self.ports.iter().map(line).collect()
+        let mut lines = vec![];
+        for (n, id) in self.ports.iter().enumerate() {
+            if n > 0 && self.group(*id) != self.group(self.ports[n - 1]) {
+                lines.push((String::new(), String::new()));
+            }
+            lines.push(line(id));
+        }
+        lines
+    }
+
+    /// Ports of one group stand together: clocks and resets, those of a bundle, all others.
+    fn group(&self, id: SignalId) -> &str {
+        let signal = &self.scope.signals[id];
+        let (field, rest) = signal.key.split_once('$').unwrap_or((&signal.key, ""));
+        let is_bundle = rest.starts_with(char::is_alphabetic);
+        match () {
+            () if signal.is_clock || (field.ends_with("reset") && signal.role == Role::Input) => "clock",
+            () if is_bundle => field,
+            () => "",
+        }
     }
 
     /// What `always @*` blocks drive.
     fn registered(&self) -> BTreeSet<SignalId> {
-        let blocks = self.processes.iter().filter(|process| process.plain().is_none());
+        let is_block = |process: &&Process| process.plain().is_none() && process.is_combinational();
+        let blocks = self.processes.iter().filter(is_block);
         blocks.flat_map(|process| process.targets.iter().copied()).collect()
     }
 
     fn constants(&self) -> (Vec<Constant>, Vec<Value>) {
-        let constants = self.printer.constants.iter().filter_map(|&id| {
+        let constants = self.printer.constants.iter().filter_map(|(&id, &of)| {
             let signal = &self.scope.signals[id];
             let Role::Constant(digits) = &signal.role else { return None };
             let name = self.signal_name(id).to_string();
-            let value = Value::constant(signal.ty, digits);
+            let value = Value::constant(signal.ty, digits, of);
             Some((Constant { name, of_type: value.of_type.clone(), comment: self.said(id) }, value))
         });
         constants.unzip()
@@ -128,7 +187,7 @@ impl Writer<'_> {
     fn states(&self) -> Vec<String> {
         let line = |(name, state): &(String, crate::scope::State)| {
             let ty = Type::bits(state.bits);
-            format!("localparam {}{name} = {};", of_type(ty), literal(ty, state.value as i128))
+            format!("localparam {}{name} = {};", of_type(ty), literal(ty, state.value as i128, Use::Count))
         };
         self.printer.states.values().map(line).collect()
     }
@@ -139,17 +198,21 @@ impl Writer<'_> {
         let start = |id: SignalId| {
             let register = self.scope.registers.iter().find(|register| register.value == id);
             let value = register.and_then(|register| register.start.as_ref());
-            value.map_or(String::new(), |value| format!(" = {}", pattern(self.scope.signals[id].ty, value)))
+            value.map_or(String::new(), |value| {
+                format!(" = {}", pattern(self.scope.signals[id].ty, value, Use::Value))
+            })
         };
+        let combinational = self.processes.iter().filter(|process| process.is_combinational());
+        let declared = |id: &SignalId| !self.is_declared_by_its_value(*id);
         let driven: BTreeSet<SignalId> =
-            self.processes.iter().flat_map(|process| process.targets.iter().copied()).collect();
+            combinational.flat_map(|process| process.targets.iter().copied()).filter(declared).collect();
         let has_pin = self.pins();
         let in_array: BTreeSet<SignalId> = self.array_outputs().into_iter().collect();
         let declare = |id: SignalId| {
             let signal = &self.scope.signals[id];
             let kind = match signal.role {
-                Role::Register => "reg ",
-                Role::Local | Role::Next | Role::PartInput if registered.contains(&id) => "reg ",
+                Role::Register => "reg",
+                Role::Local | Role::Next | Role::PartInput if registered.contains(&id) => "reg",
                 Role::Local | Role::Next | Role::PartInput if driven.contains(&id) => "wire",
                 Role::PartOutput
                     if has_pin.contains(&id) && !in_array.contains(&id) && !self.wiring.is_replaced(id) =>
@@ -162,6 +225,12 @@ impl Writer<'_> {
         };
         let signals = (0..self.scope.signals.len()).filter_map(declare);
         together(signals).into_iter().chain(self.array_wires()).collect()
+    }
+
+    /// Whether an assignment declares the signal.
+    fn is_declared_by_its_value(&self, id: SignalId) -> bool {
+        let driver = self.processes.iter().find(|process| process.targets.contains(&id));
+        driver.is_some_and(|process| order::declares(self.scope, process, self.reads) == Some(id))
     }
 
     /// The signals at pins of parts.
@@ -219,17 +288,14 @@ impl Writer<'_> {
         if lines.is_empty() { vec![] } else { vec![lines] }
     }
 
-    /// Values in between, each after those that it is made from.
-    fn between(&self) -> Vec<String> {
-        self.printer.between.iter().map(declare).collect()
-    }
-
     /// Says of what not every bit is read.
     fn unread(&mut self) -> Vec<String> {
         let mut read = Read::nothing(self.scope, self.printer.resolved);
         self.processes.iter().for_each(|process| process.expressions(&mut |value| read.expression(value)));
         let pins = self.pins().into_iter().filter(|id| self.scope.signals[*id].role == Role::PartInput);
         let registers = self.scope.registers.iter().map(|register| register.next);
+        let direct = self.processes.iter().find(|process| !process.is_combinational());
+        let registers = registers.filter(|id| direct.is_none_or(|edge| !edge.targets.contains(id)));
         let clocks = self.scope.registers.iter().map(|register| register.clock);
         let ends = self.arrays.iter().flat_map(|array| &array.pins).filter_map(|pin| match pin {
             Pin::Neighbour { end, .. } => Some(end.clone()),
@@ -266,21 +332,14 @@ impl Writer<'_> {
             [one] => format!("wire {name} = ^{one};"),
             _ => format!("wire {name} = ^{{{}}};", all.join(", ")),
         };
-        if line.len() <= 100 {
-            return vec![note, line];
-        }
-        let last = all.len() - 1;
-        let each =
-            all.iter().enumerate().map(|(n, one)| format!("    {one}{}", if n == last { "" } else { "," }));
-        let (first, end) = (format!("wire {name} = ^{{"), "};".to_string());
-        [note, first].into_iter().chain(each).chain([end]).collect()
+        vec![note, line]
     }
 
     /// Assignments and `always @*` blocks, one paragraph for each run of assignments and each block.
     fn logic(&mut self) -> Result<Vec<Vec<String>>, EmitError> {
         let mut paragraphs: Vec<Vec<String>> = vec![];
         let mut after_assign = false;
-        for process in self.processes {
+        for process in self.processes.iter().filter(|process| process.is_combinational()) {
             let Some(assign) = process.plain() else {
                 if !is_started(self.scope, self.printer.resolved, process) {
                     let first = process.targets.first().map(|id| self.scope.signals[*id].key.as_str());
@@ -290,199 +349,94 @@ impl Writer<'_> {
                         Fault::Constant,
                     ));
                 }
-                paragraphs.push(self.printer.process(&process.statements, &process.targets));
+                let lines = self.printer.process(&process.statements, &process.targets);
+                paragraphs.extend(self.with_between(lines));
                 after_assign = false;
                 continue;
             };
+            if !after_assign {
+                self.printer.begin();
+            }
             let mut lines: Vec<String> = vec![];
             for statement in &process.statements {
-                if let kernel::Statement::Comment(text) = statement {
-                    lines.extend(comment(text));
+                if let kernel::Statement::Comment(note) = statement {
+                    lines.extend(self.printer.note(note));
                 }
             }
-            let starts = !after_assign || !lines.is_empty();
+            let has_comment = !lines.is_empty();
             let name = self.signal_name(assign.target).to_string();
             let value = self.printer.value(&assign.value, &name);
-            lines.push(format!("assign {name} = {value};"));
+            lines.push(match self.is_declared_by_its_value(assign.target) {
+                true => format!("wire {}{name} = {value};", of_type(self.scope.signals[assign.target].ty)),
+                false => format!("assign {name} = {value};"),
+            });
+            let lines = lines.into_iter().map(|line| self.printer.placed(line)).collect();
+            let new = self.with_between(lines);
+            let starts = !after_assign || has_comment || new.len() > 1;
             match paragraphs.last_mut() {
-                Some(last) if !starts => last.extend(lines),
-                _ => paragraphs.push(lines),
+                Some(last) if !starts => last.extend(new.into_iter().flatten()),
+                _ => paragraphs.push(new.concat()),
             }
             after_assign = true;
         }
         Ok(paragraphs)
     }
 
-    fn parts(&mut self) -> Vec<Written> {
-        let mut written = vec![];
-        for (n, part) in self.scope.parts.iter().enumerate() {
-            let array = self.arrays.iter().find(|array| array.parts.contains(&n));
-            match array {
-                Some(array) if array.parts[0] == n => written.push(self.array(array)),
-                Some(_) => {}
-                None if self.kinds[part.index].is_some() => written.push(self.instance(n)),
-                None => {}
-            }
-        }
-        written
-    }
-
-    fn instance(&mut self, n: usize) -> Written {
-        let part = &self.scope.parts[n];
-        let name = self.printer.names.take(&plain(&self.tree.parts[part.index].key, self.single));
-        let Some(kind) = &self.kinds[part.index] else { unreachable!("a register is no instance") };
-        let pins = pins_of(part, kind);
-        let pins = pins.into_iter().map(|(port, id)| {
-            let value = self.printer.value(&Expression::signal(self.scope, id), "");
-            format!(".{port}({value})")
-        });
-        let pins = pins.collect();
-        let (of, parameters, values) = parameters(kind, None);
-        Written {
-            instance: Instance { of, name, parameters, pins, turns: None },
-            values,
-            count: None,
-            of: part.index,
-        }
-    }
-
-    /// A loop of instances.
-    fn array(&mut self, array: &Array) -> Written {
-        let part = &self.scope.parts[array.parts[0]];
-        let Some(kind) = &self.kinds[part.index] else { unreachable!("a register is no instance") };
-        let count = count_name(array);
-        let label = self.printer.names.take(&array.key);
-        let singular = array.key.strip_suffix('s').filter(|word| !word.is_empty()).unwrap_or("i");
-        let variable = self.printer.names.take(if singular == "element" { "i" } else { singular });
-        let name = self.printer.names.take("element");
-        let (number, digits) = (self.printer.names.take("NUMBER"), self.printer.names.take("DIGITS"));
-        let mut inside = vec![];
-        let pins: Vec<String> = pins_of(part, kind)
-            .into_iter()
-            .zip(&array.pins)
-            .map(|((port, id), pin)| {
-                let value = match pin {
-                    Pin::Same(value) => self.printer.value(value, ""),
-                    Pin::Number(bits) => {
-                        let line = format!("localparam {}{number} = {variable};", of_type(Type::bits(*bits)));
-                        if !inside.contains(&line) {
-                            inside.push(line);
-                        }
-                        number.clone()
-                    }
-                    Pin::Neighbour { from, next, .. } => {
-                        let first = array.signals(self.scope, self.kinds, 0);
-                        let name = array_name(self.signal_name(first[*from])).to_string();
-                        format!("{name}[{variable}{}]", if *next { " + 1" } else { "" })
-                    }
-                    Pin::Output { next } => {
-                        let name = array_name(self.signal_name(id));
-                        format!("{name}[{variable}{}]", if *next == Some(false) { " + 1" } else { "" })
-                    }
-                };
-                format!(".{port}({value})")
-            })
-            .collect();
-        let last = &self.scope.parts[array.parts[array.parts.len() - 1]];
-        let last = self.kinds[last.index].as_ref().map(|last| (last, digits.as_str()));
-        let (of, parameters, values) = parameters(kind, last);
-        if parameters.iter().any(|parameter| parameter.numbered.is_some()) {
-            let value = format!("\"00\" + 256 * ({variable} / 10) + {variable} % 10");
-            inside.push(format!("localparam [15:0] {digits} = {value};"));
-        }
-        let turns = Some(Turns { variable, count: count.clone(), label, inside });
-        Written {
-            instance: Instance { of, name, parameters, pins, turns },
-            values,
-            count: Some((
-                Constant { name: count, of_type: String::new(), comment: String::new() },
-                Value::number(array.parts.len()),
-            )),
-            of: part.index,
-        }
-    }
-
-    /// One block for all registers of a clock.
+    /// A block for the registers of each clock.
     fn clocked(&mut self) -> Vec<Vec<String>> {
-        let mut blocks: Vec<(String, Vec<String>)> = vec![];
+        let edge = self.processes.iter().find(|process| !process.is_combinational());
+        let is_direct = |id: &SignalId| edge.is_some_and(|edge| edge.targets.contains(id));
+        let mut clocks: Vec<(String, BTreeSet<SignalId>)> = vec![];
         for register in &self.scope.registers {
-            let subject = self.signal_name(register.next).to_string();
-            let mut text = |id| self.printer.value(&Expression::signal(self.scope, id), &subject);
-            let (clock, value, next) = (text(register.clock), text(register.value), text(register.next));
-            let line = format!("    {value} <= {next};");
-            match blocks.iter_mut().find(|(of, _)| *of == clock) {
-                Some((_, lines)) => lines.push(line),
-                None => blocks.push((clock, vec![line])),
+            let clock = self.printer.value(&Expression::signal(self.scope, register.clock), "");
+            match clocks.iter_mut().find(|(of, _)| *of == clock) {
+                Some((_, nexts)) => _ = nexts.insert(register.next),
+                None => clocks.push((clock, BTreeSet::from([register.next]))),
             }
         }
-        let block = |(clock, lines): (String, Vec<String>)| {
-            let first = format!("always @(posedge {clock}) begin");
-            std::iter::once(first).chain(lines).chain(["end".to_string()]).collect()
-        };
-        blocks.into_iter().map(block).collect()
+        let mut blocks = vec![];
+        for (clock, nexts) in clocks {
+            let mut taken = vec![];
+            for register in &self.scope.registers {
+                if nexts.contains(&register.next) && !is_direct(&register.next) {
+                    let subject = self.signal_name(register.next).to_string();
+                    let mut text = |id| self.printer.value(&Expression::signal(self.scope, id), &subject);
+                    taken.push((text(register.value), text(register.next)));
+                }
+            }
+            let statements = edge.map_or(vec![], |edge| keep(&edge.statements, &nexts));
+            let lines = self.printer.edge(&clock, &statements, &taken);
+            blocks.extend(self.with_between(lines));
+        }
+        blocks
+    }
+
+    /// Lines after the values that they need and that are not declared yet.
+    fn with_between(&mut self, lines: Vec<String>) -> Vec<Vec<String>> {
+        let declared = std::mem::replace(&mut self.declared, self.printer.between.len());
+        let between: Vec<String> = self.printer.between[declared..].iter().map(declare).collect();
+        [between, lines].into_iter().filter(|lines| !lines.is_empty()).collect()
     }
 }
 
-/// Declarations: neighbours of one type share a line as long as it is no longer than a line should be.
+/// Declarations: signals of one type share lines that are no longer than a line should be.
 fn together(signals: impl Iterator<Item = (String, String)>) -> Vec<String> {
-    let mut lines: Vec<(String, String)> = vec![];
+    let mut types: Vec<(String, Vec<String>)> = vec![];
     for (of_type, name) in signals {
-        match lines.last_mut() {
-            Some((last, line)) if *last == of_type && line.len() + name.len() + 7 <= WIDTH => {
-                *line += &format!(", {name}");
+        let known = types.iter_mut().find(|(other, _)| *other == of_type);
+        let line = match known {
+            Some((_, lines)) => lines,
+            None => {
+                types.push((of_type.clone(), vec![]));
+                &mut types.last_mut().expect("one was pushed").1
             }
-            _ => lines.push((of_type.clone(), of_type + &name)),
+        };
+        match line.last_mut() {
+            Some(last) if last.len() + name.len() + 5 <= WIDTH => *last += &format!(", {name}"),
+            _ => line.push(of_type + &name),
         }
     }
-    lines.into_iter().map(|(_, line)| line + ";").collect()
-}
-
-/// An instance and what belongs to it.
-struct Written {
-    instance: Instance,
-    /// Values of the leaf's parameters.
-    values: Vec<Value>,
-    /// How often the loop turns.
-    count: Option<(Constant, Value)>,
-    /// Index of the tree's part.
-    of: usize,
-}
-
-/// A leaf's parameters and their values; for an array `last` is its last part, which tells what is numbered, and the name of the digits.
-fn parameters(kind: &Kind, last: Option<(&Kind, &str)>) -> (Of, Vec<LeafParameter>, Vec<Value>) {
-    let leaf = match kind {
-        Kind::Module { occurrence, .. } => return (Of::Module(occurrence.class), vec![], vec![]),
-        Kind::Leaf(leaf, _) => leaf,
-    };
-    let other = |n: usize| match last {
-        Some((Kind::Leaf(last, _), digits)) => Some((&last.parameters[n].1, digits)),
-        _ => None,
-    };
-    let of = |(n, (name, text)): (usize, &(String, String))| {
-        let numbered = other(n).filter(|(other, _)| *other != text).and_then(|(_, digits)| {
-            let (before, after) = split_number(text)?;
-            Some((before, digits, after))
-        });
-        match numbered {
-            Some((before, digits, after)) => (
-                LeafParameter { name: name.clone(), numbered: Some(format!(", {digits}, \"{after}")) },
-                Value::plain(format!("{before}\"")),
-            ),
-            None => (LeafParameter { name: name.clone(), numbered: None }, Value::plain(text.clone())),
-        }
-    };
-    let (parameters, values) = leaf.parameters.iter().enumerate().map(of).unzip();
-    (Of::Leaf(leaf.module.clone()), parameters, values)
-}
-
-/// `BANKS` of `banks`.
-pub(crate) fn count_name(array: &Array) -> String {
-    array.key.replace('$', "_").to_uppercase()
-}
-
-/// `banks_sum` of `banks_sum[3]`.
-fn array_name(element: &str) -> &str {
-    element.split('[').next().unwrap_or(element)
+    types.into_iter().flat_map(|(_, lines)| lines).map(|line| line + ";").collect()
 }
 
 /// A wire with its value, or a register that a process assigns.
@@ -490,7 +444,7 @@ fn declare(between: &Between) -> String {
     let (ty, name) = (of_type(between.ty), &between.name);
     match &between.value {
         Some(value) => format!("wire {ty}{name} = {value};"),
-        None => format!("reg  {ty}{name};"),
+        None => format!("reg {ty}{name};"),
     }
 }
 

@@ -1,6 +1,8 @@
 //! What lies behind the line of a simulated board: registers, stages, tables, chips, and the picture under way.
 
+use super::checks::Checks;
 use super::chips::Chips;
+use super::faults::Faults;
 use super::memory::{self, Stage};
 use super::uart::Bus;
 use super::video::{self, Made, Pixels, Tables};
@@ -9,6 +11,7 @@ use edof_device::design::StagePlan;
 use edof_device::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
 use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
 use edof_device::design::timing::{READ_LATENCY, READ_PERIOD};
+use edof_device::pattern::TILE;
 use edof_device::registers::identity::design_hash;
 use edof_device::registers::map::{self, DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
 use edof_device::registers::{Access, Window};
@@ -58,10 +61,15 @@ pub(super) struct Inside {
     pub(super) uart_broken: u32,
     pub(super) shown: Vec<Shown>,
     pub(super) mixed: u64,
+    pub(super) checks: Checks,
+    pub(super) faults: Faults,
+    /// The tile that the host writes, and how often it did.
+    pub(super) tile: Vec<u16>,
+    pub(super) tile_version: u32,
 }
 
-/// What a picture depends on: set, version of it, mode, version of the tables.
-pub(super) type Key = (usize, u64, bool, u64);
+/// What a picture depends on: set, version of it, mode, version of the tables, pattern.
+pub(super) type Key = (usize, u64, bool, u64, u32);
 
 /// Cycles that the calculator takes for a picture, and what of: without a picture yet, all values count.
 pub(super) struct Load {
@@ -116,6 +124,7 @@ impl Inside {
 
     /// The frame under way, and what is being read.
     pub(super) fn forget(&mut self) {
+        self.checks = Checks::default();
         self.begun = None;
         self.stages.iter_mut().for_each(Stage::forget);
         self.table_read = (0, 0);
@@ -140,6 +149,7 @@ impl Inside {
         let mask = register.map_or(0, edof_device::registers::Register::mask);
         self.controls.insert(address, word & mask);
         if self.control() & map::FLUSH != 0 {
+            self.checks = Checks::default();
             self.begun = None;
             self.stages.iter_mut().for_each(Stage::forget);
             let stages = self.stages.len();
@@ -158,7 +168,9 @@ impl Inside {
 
     pub(super) fn key(&self, set: usize) -> Key {
         let colour = self.control() & map::COLOUR != 0;
-        (set, self.versions[set], colour, self.versions[2])
+        let pattern = self.controls.get(&map::PATTERN).copied().unwrap_or(0);
+        let pattern = if pattern == TILE { pattern | self.tile_version << 3 } else { pattern };
+        (set, self.versions[set], colour, self.versions[2], pattern)
     }
 
     pub(super) fn network(&self, set: usize) -> Option<FixedNetwork> {
@@ -228,6 +240,7 @@ impl Inside {
                 self.shown.remove(0);
             }
         }
+        self.checks.frame(key);
         if let Some(made) = &made {
             self.measure(key, made);
             self.add(made);
@@ -259,7 +272,12 @@ impl Inside {
         let mode = if key.2 { DisplayMode::Colour } else { DisplayMode::Luma };
         let display = self.tables.display(mode);
         let network = self.network(key.0);
-        let made = display.zip(network).and_then(|(display, n)| video::made(n, &display, &self.raw));
+        let made = display.zip(network).and_then(|(display, n)| {
+            let (network, raw) = self.computed(n, key);
+            let mut made = video::made(network, &display, &raw)?;
+            self.faults.spoil_codes(&mut made.pixels);
+            Some(made)
+        });
         self.cached = Some((key, made.clone()));
         made
     }
@@ -296,6 +314,10 @@ impl Inside {
             "uart_broken" => self.uart_broken,
             name if Chips::has(name) => self.chips.register(name),
             "writes_refused" => self.refused,
+            "core_cycles" => self.cycles(u64::from(edof_device::board::CORE_KILOHERTZ)),
+            "input_cycles" => self.cycles(if self.chips.has_source() { self.pixel_kilohertz() } else { 0 }),
+            "screen_cycles" => self.cycles(self.pixel_kilohertz()),
+            name if name.starts_with("check_") => self.checks.register(name),
             _ => self.counts.get(name).copied().unwrap_or(0),
         }
     }
@@ -337,6 +359,7 @@ impl Inside {
             let counted = std::mem::take(&mut self.stage_counts[0]);
             self.stage_counts[0] = vec![[0; 4]; counted.len()];
             self.stage_counts[1] = counted;
+            self.copy_checks();
             return;
         }
         let is_command = index & 0x1f_ffff == memory_map::address(0, Space::Register { row: READ_REGISTER });
@@ -367,6 +390,9 @@ impl Bus for Inside {
         } else if let Some(index) = word_of(&DISPLAY_TABLES, address) {
             self.tables.write(index, word);
             self.versions[2] += 1;
+        } else if let Some(index) = word_of(&map::TILE_PIXELS, address) {
+            self.tile[index] = word as u16;
+            self.tile_version += 1;
         } else if self.controls.contains_key(&address) {
             self.follow_chips();
             let before = self.control();
@@ -384,6 +410,9 @@ impl Bus for Inside {
         }
         if let Some(index) = word_of(&STAGE_READS, address) {
             return self.read_word(index);
+        }
+        if let Some(index) = word_of(&map::PICTURE_PIXELS, address) {
+            return self.picture_word(index);
         }
         if let Some(word) = self.controls.get(&address) {
             return *word;

@@ -1,7 +1,7 @@
 //! What a calculator's stages hold: weights, thresholds, shifts, and what reads them back.
 
 use edof_device::design::memory::{CONTROL_SKIP, Shifts, row_bits, threshold_words};
-use edof_device::design::reading::{READ_REGISTER, bank_rows, crc};
+use edof_device::design::reading::{CHECK_FRAME_REGISTER, CHECK_REGISTER, READ_REGISTER, bank_rows, crc};
 use edof_device::design::stage::Kind;
 use edof_device::design::{BANK_LANES, BEAT, Design, StagePlan};
 use edof_image::colour::OUTPUTS_422;
@@ -22,6 +22,8 @@ pub struct Stage {
     skip: u32,
     /// What was read last: CRC, row.
     read: (u32, u64),
+    /// What it shows of the check of frames: CRC, number.
+    check: [u32; 2],
 }
 
 /// Bits of a register of shifts.
@@ -45,6 +47,7 @@ impl Stage {
             shifts,
             skip,
             read: (0, 0),
+            check: [0; 2],
             plan,
         }
     }
@@ -52,6 +55,12 @@ impl Stage {
     /// What a flush or a reset does to what is being read; all that was written stays.
     pub fn forget(&mut self) {
         self.read = (0, 0);
+        self.check = [0; 2];
+    }
+
+    /// What the registers of the check show from now on: CRC of what it sent of a frame, and that frame's number.
+    pub const fn show_check(&mut self, check: [u32; 2]) {
+        self.check = check;
     }
 
     /// Writes a word to {space (2 bits), bank (6), row (12), half (1)}; gives the set that it belongs to, if one, and the rows that a
@@ -91,7 +100,13 @@ impl Stage {
         let (first, count) = ((command >> 12 & 0xfff) as usize, (command & 0xfff) as usize + 1);
         let row = |row: usize| match space {
             0 => self.weights.get(bank).and_then(|bank| bank.get(row)).copied().unwrap_or(0),
-            3 => [self.shifts[0], self.shifts[1], self.skip].get(row).copied().unwrap_or(0).into(),
+            3 => match row {
+                0 | 1 => self.shifts[row].into(),
+                2 => self.skip.into(),
+                CHECK_REGISTER => self.check[0].into(),
+                CHECK_FRAME_REGISTER => self.check[1].into(),
+                _ => 0,
+            },
             _ => self.thresholds[space as usize - 1].get(row).copied().unwrap_or(0).into(),
         };
         let rows: Vec<u64> = (first..first + count).map(row).collect();

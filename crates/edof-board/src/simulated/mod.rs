@@ -9,10 +9,13 @@
 //! | set-up of the video chips | [`setup`] |
 //! | the chips themselves, and the ends of their cables | [`chips`] |
 //! | frames, tables, pictures | [`video`] |
+//! | faults that a test gives it | [`faults`] |
 //!
 //! Time is its own: it passes with every byte on the line, and when it is told to.
 
+mod checks;
 pub mod chips;
+pub mod faults;
 mod inside;
 pub mod memory;
 pub mod setup;
@@ -24,14 +27,17 @@ pub use inside::Shown;
 use crate::error::Error;
 use crate::faulty::Resettable;
 use crate::line::{BITS_PER_BYTE, Line};
+use checks::Checks;
 use chips::Chips;
 use edof_device::Design;
 use edof_device::board::UART_TIME_OUT_MS;
+use edof_device::pattern::TILE_PIXELS;
 use edof_device::registers::identity::weights_hash;
 use edof_device::video::VideoTiming;
 use edof_golden::{Display, Golden};
 use edof_image::RawFrame;
 use edof_network::FixedNetwork;
+use faults::Faults;
 use inside::{Inside, Load, Time};
 use memory::Stage;
 use std::collections::{BTreeMap, VecDeque};
@@ -102,6 +108,10 @@ impl Simulated {
             uart_broken: 0,
             shown: vec![],
             mixed: 0,
+            checks: Checks::default(),
+            tile: vec![0; TILE_PIXELS],
+            tile_version: 0,
+            faults: Faults::default(),
         };
         inside.power_on();
         Ok(Self {

@@ -5,7 +5,6 @@ use edof_golden::display::DisplayCounts;
 use edof_golden::trace::Counts;
 use edof_golden::{ColourTable, Display, Golden, LumaTable};
 use edof_image::RawFrame;
-use edof_image::cable::carried;
 use edof_image::display::{COLOUR_ADDRESS_BITS, DisplayMode, LUMA_ENTRIES};
 use edof_network::FixedNetwork;
 use std::sync::Arc;
@@ -72,10 +71,10 @@ impl Tables {
     }
 }
 
-/// The picture of a raw frame that came over a cable, none where the network or the frame cannot be used.
+/// The picture of a raw frame, none where the network or the frame cannot be used.
 #[must_use]
 pub fn made(network: FixedNetwork, display: &Display, raw: &RawFrame) -> Option<Made> {
-    let frame = Golden::new(network).ok()?.frame(&carried(raw)).ok()?;
+    let frame = Golden::new(network).ok()?.frame(raw).ok()?;
     let (picture, shown) = frame.picture(display);
     let word = |bytes: &[u8]| u16::from_le_bytes([bytes[0], bytes[1]]);
     let pixels = picture.yuyv().chunks_exact(2).map(word).collect();

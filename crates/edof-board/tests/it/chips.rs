@@ -5,6 +5,7 @@ use edof_board::chips::{Bus, ChipRegister};
 use edof_board::diagnosis::findings;
 use edof_board::{Error, Simulated};
 use edof_chips::{Eye, Screen};
+use std::ops::ControlFlow;
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -100,7 +101,7 @@ fn alignment_lands_inside_of_the_window() {
         let mut simulated = simulated();
         let eye = Eye::drawn(seed);
         simulated.chips().card().set_eye(eye.clone());
-        let alignment = open(&mut simulated).align(200, &mut |_| true).unwrap();
+        let alignment = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap();
         let (window, middle) = (alignment.window, alignment.window.middle());
         assert!(eye.is_open(window.is_inverted, middle.into()), "{eye:?}: {window:?}");
         let open_taps = (0..32).filter(|tap| eye.is_open(window.is_inverted, *tap)).count();
@@ -128,11 +129,11 @@ fn without_a_window_or_a_receiver_alignment_says_so_and_changes_nothing() {
     closed.taps = 0;
     simulated.chips().card().set_eye(closed);
     let before = simulated.chips().card().receiver().clock_phase();
-    let error = open(&mut simulated).align(200, &mut |_| true).unwrap_err();
+    let error = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert!(matches!(error, Error::NoWindow { .. }), "{error}");
     assert_eq!(simulated.chips().card().receiver().clock_phase(), before);
     simulated.chips().card().faults().remove(0x70);
     simulated.pass_to(simulated.now() + 2 * SECOND);
-    let error = open(&mut simulated).align(200, &mut |_| true).unwrap_err();
+    let error = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert!(matches!(error, Error::NoReceiver { .. }), "{error}");
 }

@@ -12,6 +12,7 @@ use edof_image::draw::Draw;
 use edof_image::{CfaPhase, RawFrame};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
+use std::ops::ControlFlow;
 
 pub const BAUD: u32 = 921_600;
 
@@ -67,7 +68,7 @@ pub fn open<L: Line>(line: L) -> Board<L> {
 }
 
 pub fn load<L: Line>(line: L, job: &Job<'_>) -> Result<Loaded, Error> {
-    Board::open(line, PATIENCE)?.load(job, &mut |_, _| true)
+    Board::open(line, PATIENCE)?.load(job, &mut |_, _| ControlFlow::Continue(()))
 }
 
 /// Some frames' time.

@@ -5,6 +5,7 @@ use edof_board::contents::parts;
 use edof_board::dry_run::plan;
 use edof_board::load::Job;
 use edof_device::design::memory::Set;
+use std::ops::ControlFlow;
 
 #[test]
 fn a_plan_is_what_the_load_takes() {
@@ -22,7 +23,7 @@ fn a_plan_is_what_the_load_takes() {
         let plan = plan(&job, Set::Second, Some(&held), BAUD).unwrap();
         let mut reader = open(&mut simulated);
         let (start, bytes) = (reader.line().now(), reader.line().bytes);
-        let loaded = reader.load(&job, &mut |_, _| true).unwrap();
+        let loaded = reader.load(&job, &mut |_, _| ControlFlow::Continue(())).unwrap();
         assert_eq!((plan.words, plan.written_parts), (loaded.words, loaded.written_parts));
         let seconds = (simulated.now() - start) as f64 * 1e-9;
         assert!((plan.seconds / seconds - 1.0).abs() < 0.01, "{plan:?} took {seconds} s");

@@ -12,6 +12,7 @@ use edof_golden::{Curve, Display};
 use edof_image::DisplayMode;
 use edof_image::draw::Draw;
 use edof_network::{FixedNetwork, weight_file};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 fn get(board: &mut Board<&mut edof_board::Simulated>, name: &str) -> u32 {
@@ -29,7 +30,10 @@ fn a_load_goes_into_the_idle_bank_which_is_then_in_use() {
         let mut board = open(&mut simulated);
         assert_eq!(get(&mut board, "weights_hash"), weights_hash(&design, new));
         let set = board.bank().unwrap();
-        assert_eq!(board.verify(&design, new, set, false, &mut |_, _| true).unwrap(), []);
+        assert_eq!(
+            board.verify(&design, new, set, false, &mut |_, _| ControlFlow::Continue(())).unwrap(),
+            []
+        );
     }
     assert!(same_words(&design, &simulated.network(0).unwrap(), &third));
     assert!(same_words(&design, &simulated.network(1).unwrap(), &second));
@@ -140,7 +144,7 @@ fn what_does_not_fit_is_refused_before_a_word_is_written() {
     ] {
         let mut board = open(&mut simulated);
         let before = board.line().bytes;
-        let error = board.load(&job(design, &wrong), &mut |_, _| true).unwrap_err();
+        let error = board.load(&job(design, &wrong), &mut |_, _| ControlFlow::Continue(())).unwrap_err();
         assert!(error.to_string().contains(words), "{error}");
         assert_eq!(board.line().bytes, before);
     }
@@ -154,7 +158,9 @@ fn a_load_that_is_stopped_leaves_what_was_in_use() {
         let mut simulated = board(&design, &old);
         frames(&mut simulated, 3);
         let mut board = open(&mut simulated);
-        let stopped = board.load(&Job { bank, ..job(&design, &new) }, &mut |done, _| done < 900);
+        let stopped = board.load(&Job { bank, ..job(&design, &new) }, &mut |done, _| {
+            if done < 900 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
         assert!(matches!(stopped, Err(Error::Interrupted)));
         // Never the bank that is half written.
         let whole = if bank == Some(Set::First) { Set::Second } else { Set::First };
@@ -174,12 +180,16 @@ fn one_wrong_bit_is_found_and_told_where() {
     let word = (1 << 21) | (1 << 13) | (5 << 1);
     board.set("protection.bank".parse().unwrap(), 0).unwrap();
     board.set(format!("weights[{word}]").parse().unwrap(), 0x1234_5678).unwrap();
-    let found = board.verify(&design, &old, Set::First, false, &mut |_, _| true).unwrap();
+    let found =
+        board.verify(&design, &old, Set::First, false, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert_eq!(found.len(), 1);
     assert_eq!((found[0].part.as_str(), found[0].row), ("weights of M1, lanes 4 to 7", None));
-    let found = board.verify(&design, &old, Set::First, true, &mut |_, _| true).unwrap();
+    let found = board.verify(&design, &old, Set::First, true, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert_eq!(found[0].row, Some(5));
-    assert_eq!(board.verify(&design, &old, Set::Second, true, &mut |_, _| true).unwrap(), []);
+    assert_eq!(
+        board.verify(&design, &old, Set::Second, true, &mut |_, _| ControlFlow::Continue(())).unwrap(),
+        []
+    );
 }
 
 #[test]
@@ -205,14 +215,20 @@ fn words_for_the_bank_in_use_and_for_tables_in_use_are_refused() {
         assert!(matches!(error, Error::Refused { .. }), "{name}: {error}");
     }
     assert!(get(&mut board, "writes_refused") > 0);
-    assert_eq!(board.verify(&design, &old, Set::First, true, &mut |_, _| true).unwrap(), []);
+    assert_eq!(
+        board.verify(&design, &old, Set::First, true, &mut |_, _| ControlFlow::Continue(())).unwrap(),
+        []
+    );
     // Nor is control changed by a word that does not carry its complement, once it is protected.
     board.set("protection.control".parse().unwrap(), 1).unwrap();
     edof_board::protocol::write(map::CONTROL, &[0]).into_iter().for_each(|byte| board.line().byte(byte));
     assert_eq!(get(&mut board, "control"), map::register("control").unwrap().reset);
     board.switch(Set::Second, 0).unwrap();
     word(&mut board, of_bank_a[0]).unwrap();
-    assert_eq!(board.verify(&design, &old, Set::First, false, &mut |_, _| true).unwrap().len(), 1);
+    assert_eq!(
+        board.verify(&design, &old, Set::First, false, &mut |_, _| ControlFlow::Continue(())).unwrap().len(),
+        1
+    );
     board.set("control.run".parse().unwrap(), 0).unwrap();
     word(&mut board, "display_tables[5]").unwrap();
 }
@@ -245,7 +261,7 @@ fn tables_of_the_display_change_while_the_picture_stands_still() {
     let display = Display::new(DisplayMode::Colour, Curve::Bt709);
     let mut board = open(&mut simulated);
     // Above 1 all curves of luma are the same.
-    assert_eq!(board.load_tables(&display, &mut |_, _| true).unwrap(), 4 * 16384);
+    assert_eq!(board.load_tables(&display, &mut |_, _| ControlFlow::Continue(())).unwrap(), 4 * 16384);
     assert_eq!(board.control().unwrap(), map::register("control").unwrap().reset);
     frames(&mut simulated, 3);
     assert_eq!(simulated.shown().len(), 2);
@@ -263,13 +279,13 @@ fn tables_are_verified_by_the_circuits_crcs_and_only_what_differs_is_sent() {
     let old = Display::default();
     assert_eq!(board.verify_tables(&old).unwrap(), []);
     assert_eq!(board.verify_tables(&known[2]).unwrap().len(), 4);
-    assert_eq!(board.load_tables(&old, &mut |_, _| true).unwrap(), 0);
-    board.load_tables(&known[2], &mut |_, _| true).unwrap();
+    assert_eq!(board.load_tables(&old, &mut |_, _| ControlFlow::Continue(())).unwrap(), 0);
+    board.load_tables(&known[2], &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert_eq!(board.identify_tables(&known).unwrap(), Some(2));
     // One entry of the red table, in its last row.
     board.set("control.run".parse().unwrap(), 0).unwrap();
     board.set(format!("display_tables[{}]", 32768 + 16383).parse().unwrap(), 5).unwrap();
     let found = board.verify_tables(&known[2]).unwrap();
     assert_eq!(found.iter().map(|d| d.part.as_str()).collect::<Vec<_>>(), ["table of red"]);
-    assert_eq!(board.load_tables(&known[2], &mut |_, _| true).unwrap(), 16384);
+    assert_eq!(board.load_tables(&known[2], &mut |_, _| ControlFlow::Continue(())).unwrap(), 16384);
 }

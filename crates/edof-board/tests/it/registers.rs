@@ -100,7 +100,11 @@ fn a_lost_clock_puts_weights_in_doubt_until_they_are_confirmed() {
     open(&mut simulated).confirm(&design, &net, Set::Second).unwrap();
     assert_eq!(doubt(&mut simulated), [1, 1]);
     let mut host = open(&mut simulated);
-    assert_eq!(host.verify(&design, &net, Set::First, false, &mut |_, _| true).unwrap(), []);
+    assert_eq!(
+        host.verify(&design, &net, Set::First, false, &mut |_, _| std::ops::ControlFlow::Continue(()))
+            .unwrap(),
+        []
+    );
     host.confirm(&design, &net, Set::First).unwrap();
     assert_eq!(doubt(&mut simulated), [1, 0]);
     frames(&mut simulated, 3);

@@ -20,7 +20,7 @@ fn a_ring_outside_the_pupil_is_refused() {
     let mut camera = Camera::resolve("ring-2018").unwrap();
     camera.rings[0].outer = 1.2;
     let error = Camera::from_json(&camera.to_json(), "file").unwrap_err().to_string();
-    assert_eq!(error, "camera ring-2018: rings is 0.68..1.2, expected 0 <= inner < outer <= 1");
+    assert_eq!(error, "file: camera ring-2018: rings is 0.68 to 1.2, expected 0 <= inner < outer <= 1");
 }
 
 #[test]

@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
-    /// PSFs of one's own in place of the camera's: an NPZ or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    /// PSFs of one's own in place of the camera's: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
     #[arg(long, value_name = "FILE")]
     psf_bank: Option<PathBuf>,
 
@@ -81,7 +81,7 @@ pub struct Args {
     map_of: MapOf,
 
     /// Most layers that the photograph is cut into
-    #[arg(long, default_value_t = 16, value_name = "N")]
+    #[arg(long, default_value_t = layers::USUAL, value_name = "N")]
     layers: usize,
 
     /// Bits a pixel of the sensor, 8 to 16

@@ -173,7 +173,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => Ok(()),
         Some(difference) => {
             let waveform = trial.waveform(&project, &args, &outcome)?;
-            Err(Error::message(format!("{difference}; waveform {}", waveform.display())))
+            let driver = difference.driver(&project, trial.design.stages.len());
+            let driver = driver.map_or(String::new(), |place| format!("; driven at {place}"));
+            Err(Error::message(format!("{difference}{driver}; waveform {}", waveform.display())))
         }
     }
 }

@@ -14,7 +14,6 @@ use edof_optics::sensor::Sensor;
 use edof_report::picture;
 use edof_study::demo::{self, Demo, Lens};
 use serde_json::Value;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 /// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
@@ -87,9 +86,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     misfit.iter().for_each(|misfit| ui.note(format_args!("no board: {misfit}")));
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
-    let go_on = |_: &str| {
-        if interrupt::check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
+    let go_on = |_: &str| interrupt::flow();
     let result = demo::run(&scene, &sensor, &lenses, args.tone, go_on);
     interrupt::check()?;
     let result = result?;

@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
-    /// PSFs of one's own in place of the camera's: an NPZ or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    /// PSFs of one's own in place of the camera's: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
     #[arg(long, value_name = "FILE")]
     psf_bank: Option<PathBuf>,
 
@@ -256,7 +256,7 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
 
 /// The kernels as a PSF bank (`edof_camera::psf_bank`).
 fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
-    let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| &psf.kernel)).collect();
+    let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| psf.kernel())).collect();
     let mut npz = Npz::new();
     npz.add("psi", &aview1(psis))?;
     npz.add("psf", &bank::stacked(&kernels))?;
@@ -331,7 +331,7 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
         design::search(&base, &statistics, &task, &search, |done, db| {
             progress.message(format!("{db:.2} dB"));
             progress.set(done as u64);
-            interrupt::check().is_ok()
+            interrupt::flow()
         })
         .map_err(said::lens_design)?;
     drop(progress);

@@ -116,7 +116,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     drop(progress);
     interrupt::check()?;
     let frames = scenes.iter().map(|scene| &scene.raw);
-    let calibration = Calibration::measure_while(&network, frames, || interrupt::check().is_ok())?;
+    let calibration = Calibration::measure_while(&network, frames, interrupt::flow)?;
     interrupt::check()?;
     let (fixed, mut layers) = quantize(&network, &options, &calibration, &hash)?;
     let mut fixed = match args.finetune {
@@ -182,7 +182,7 @@ fn tune(
     let frames: Vec<ColourFrame> = pictures.iter().map(|(_, frame)| frame.clone()).collect();
     let camera = &fixed.origin.camera;
     let psis = depths(camera.psi_range);
-    let go_on = |_, _| interrupt::check().is_ok();
+    let go_on = |_, _| interrupt::flow();
     let options = DatasetOptions::plain(&psis, fixed.form.window);
     let dataset = Dataset::new(&frames, camera, options, go_on)?.ok_or(Error::Interrupted)?;
     let bar = ui.progress(steps, "fine-tune");
@@ -193,7 +193,7 @@ fn tune(
         bar.message(format!("best {:.2} dB", progress.best_db));
         first.get_or_insert(progress.validation_db);
         best = progress.best_db;
-        interrupt::check().is_ok()
+        interrupt::flow()
     });
     drop(bar);
     interrupt::check()?;

@@ -3,6 +3,8 @@
 use super::device::{Beat, Offer, join};
 use crate::bench::Standing;
 use edof_golden::cycle::{PatchRun, Transfer};
+use edof_hdl::places::Place;
+use edof_hdl::project::Project;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::fmt;
@@ -65,6 +67,25 @@ impl fmt::Display for Difference {
             Fault::Held => write!(f, "offered {expected} and not taken, then {got}"),
             Fault::Counter => write!(f, "counter {element}: expected {expected}, got {got}"),
         }
+    }
+}
+
+impl Difference {
+    /// What drives the signal that differs: in Verilog, and in the Rust that it was made from. None for files that are not what was generated.
+    #[must_use]
+    pub fn driver(&self, project: &Project, stages: usize) -> Option<Place> {
+        let stage = stage_names(stages).iter().position(|name| *name == self.stage)?;
+        let sends = self.boundary.starts_with(&format!("{} ", self.stage));
+        let port = match self.fault {
+            _ if !sends => "ready_o",
+            Fault::Early | Fault::Late | Fault::Held => "out_valid_o",
+            Fault::Word => "out_data_o",
+            Fault::Base => "out_base_o",
+            Fault::Last => "out_last_o",
+            Fault::Set => "out_set_o",
+            Fault::Counter => "status_o",
+        };
+        project.driver(&[&format!("stages_{stage}")], port)
     }
 }
 

@@ -31,7 +31,16 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
         return Err(Error::Port(format!("{}: has no port {}", path.display(), port.name)));
     }
     verilog.reverse();
-    Ok(Project { verilog, ..project })
+    // A changed file's lines are not those that the map knows.
+    let is_kept = |name: &String| {
+        let text = |files: &[(String, String)]| {
+            files.iter().find(|(file, _)| file == name).map(|(_, text)| text.clone())
+        };
+        text(&verilog) == text(&project.verilog)
+    };
+    let sources = project.sources.iter().filter(|(name, _)| is_kept(name));
+    let sources = sources.map(|(name, map)| (name.clone(), map.clone())).collect();
+    Ok(Project { verilog, sources, ..project })
 }
 
 /// Refuses a folder without the top module: most likely that one was meant which `edof generate` puts Verilog into.

@@ -43,7 +43,7 @@ pub(super) fn marks(core: &Project) -> Vec<Mark> {
     };
     let agent = |taken: &'static str| {
         move |name: &&str| {
-            let [put, taken] = ["put", taken].map(|count| format!("{name}.{count}_q"));
+            let [put, taken] = ["write_ptr", taken].map(|count| format!("{name}.{count}_q"));
             Mark::between(name, clock, [&put, &taken], 12)
         }
     };
@@ -54,7 +54,7 @@ pub(super) fn marks(core: &Project) -> Vec<Mark> {
         Mark::between(name, calculator, [&put, &taken], queue::DEPTH.ilog2() as usize + 1)
     };
     let crossings = CROSSINGS.iter().map(crossing);
-    let agents = WRITERS.iter().map(agent("sent")).chain(READERS.iter().map(agent("got")));
+    let agents = WRITERS.iter().map(agent("sent")).chain(READERS.iter().map(agent("read_ptr")));
     crossings.chain(agents).chain(QUEUES.iter().filter(there).map(queue)).collect()
 }
 

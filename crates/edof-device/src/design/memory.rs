@@ -58,6 +58,9 @@ pub const TABLES: usize = 14;
 /// A write of anything to this address copies all counters of all stages to where they are shown, and starts them anew.
 pub const SNAPSHOT: u32 = address(WHOLE_CHAIN, Space::Register { row: 0 });
 
+/// Stage and space of [`SNAPSHOT`]: a write of anything to any of these registers does the same.
+pub const SNAPSHOT_REGISTERS: usize = WHOLE_CHAIN << 2 | 3;
+
 /// Bits of [`address`]: stage, space, bank, row, half.
 pub const ADDRESS_BITS: [u32; 5] = [4, 2, 6, 12, 1];
 

@@ -151,6 +151,14 @@ impl Design {
         StagePlan::new(self, index)
     }
 
+    /// Patches of a frame.
+    #[must_use]
+    pub fn patches_per_frame(&self) -> usize {
+        let geometry = Geometry::new(self.form.window, self.frame.stride);
+        let (rows, columns) = geometry.patches(self.frame.height, self.frame.width);
+        rows * columns
+    }
+
     /// # Errors
     /// [`DesignError::Field`] and its like for the first field that no design can have.
     pub fn check(&self) -> Result<(), DesignError> {

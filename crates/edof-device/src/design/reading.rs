@@ -9,6 +9,11 @@ use std::collections::BTreeSet;
 /// Register of a stage that a command to read is written to.
 pub const READ_REGISTER: usize = 3;
 
+/// Register of a stage that shows the CRC-32 of what it sent of the last whole frame ([`crate::crc`]), as of the last snapshot of its counters.
+pub const CHECK_REGISTER: usize = 4;
+/// Register of a stage that shows which frame that was, modulo 256.
+pub const CHECK_FRAME_REGISTER: usize = 5;
+
 /// What a stage shows of what it read: see [`read_back_address`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadBack {

@@ -7,7 +7,7 @@ use edof_image::display::{DisplayMode, LUMA_ENTRIES};
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0002_0001;
+pub const VERSION: u32 = 0x0002_0002;
 
 /// Address of `weights_hash`.
 pub const WEIGHTS_HASH: u32 = 0x10;
@@ -29,6 +29,14 @@ pub const CHIP_ACCESS: u32 = 0xa4;
 pub const CHIP_ANSWER: u32 = 0xa8;
 /// Address of `input_codes`; `input_malformed` is the next word.
 pub const INPUT_CODES: u32 = 0x98;
+/// Address of `pattern`.
+pub const PATTERN: u32 = 0xb0;
+/// Address of `check_raw`; `check_windows`, `check_codes`, `check_sent` and `check_frames` are the next words.
+pub const CHECK_RAW: u32 = 0xb4;
+/// Address of `core_cycles`; `input_cycles` and `screen_cycles` are the next words.
+pub const CORE_CYCLES: u32 = 0xc8;
+/// Address of `picture_corner`.
+pub const PICTURE_CORNER: u32 = 0xd4;
 /// `video_setup` after reset: RGB to the screen, the receiver's output clock inverted, tap 0.
 pub const VIDEO_SETUP_RESET: u32 = 0x00a1_8000;
 /// Address of `writes_refused`.
@@ -405,6 +413,71 @@ pub const REGISTERS: &[Register] = &[
         0xac,
         "Frames on the cable with a code outside of 64…191, which carries no raw pixel word; they are not taken.",
     ),
+    control(
+        "pattern",
+        PATTERN,
+        0,
+        &[Field {
+            name: "kind",
+            low: 0,
+            bits: 3,
+            doc: "0 none, 1 ramp, 2 chart, 3 noise, 4 zeros, 5 ones, 6 alternating, 7 the tile (`tile`).",
+        }],
+        "Raw frames that the board makes in place of the source's, which are thrown away meanwhile (docs/contract.md, 1.3).",
+    ),
+    status(
+        "check_raw",
+        CHECK_RAW,
+        &[],
+        "CRC-32 of the last whole raw frame that the calculator took when the stages' counters were last copied (`stage_counters`).",
+    ),
+    status("check_windows", CHECK_RAW + 4, &[], "CRC-32 of the last whole frame's windows, copied likewise."),
+    status(
+        "check_codes",
+        CHECK_RAW + 8,
+        &[],
+        "CRC-32 of the codes of the last whole picture, copied likewise.",
+    ),
+    status(
+        "check_sent",
+        CHECK_RAW + 12,
+        &[],
+        "CRC-32 of the codes of the last whole picture that was read from the memory for the screen, copied likewise.",
+    ),
+    status(
+        "check_frames",
+        CHECK_RAW + 16,
+        &[
+            Field { name: "raw", low: 0, bits: 8, doc: "Of `check_raw`." },
+            Field { name: "windows", low: 8, bits: 8, doc: "Of `check_windows`." },
+            Field { name: "codes", low: 16, bits: 8, doc: "Of `check_codes`." },
+            Field {
+                name: "sent",
+                low: 24,
+                bits: 8,
+                doc: "Of `check_sent`: pictures read, again and again where there was no newer one.",
+            },
+        ],
+        "Numbers of the frames whose CRCs are shown, modulo 256: where the first three are equal they are of one frame. A reset or a flush \
+         starts them anew.",
+    ),
+    count(
+        "core_cycles",
+        CORE_CYCLES,
+        "Cycles of the core's clock. It and the next two count on their own: two looks at all three measure clocks against each other.",
+    ),
+    count("input_cycles", CORE_CYCLES + 4, "Cycles of the incoming pixels' clock."),
+    count("screen_cycles", CORE_CYCLES + 8, "Cycles of the screen's clock."),
+    control(
+        "picture_corner",
+        PICTURE_CORNER,
+        0,
+        &[
+            Field { name: "column", low: 0, bits: 13, doc: "Column." },
+            Field { name: "row", low: 16, bits: 13, doc: "Row." },
+        ],
+        "The first pixel of the square of codes that `picture` shows.",
+    ),
 ];
 
 /// Counters of the calculator's stages.
@@ -438,6 +511,24 @@ pub const DISPLAY_TABLES: Window = Window {
     doc: "Word 32768·table + entry. Tables: 0 luma (8-bit codes), 1 red, 2 green, 3 blue (12-bit encoded light, 16384 entries).",
 };
 
+/// The tile of raw pixels that the pattern repeats.
+pub const TILE_PIXELS: Window = Window {
+    name: "tile",
+    address: 0x1_0000,
+    bytes: 4 * crate::pattern::TILE_PIXELS as u32,
+    access: Access::WriteOnly,
+    doc: "Word 64·row + column: the raw pixel word (16 bits) of the tile that pattern 7 repeats over the frame.",
+};
+
+/// A square of the codes of every picture.
+pub const PICTURE_PIXELS: Window = Window {
+    name: "picture",
+    address: 0x1_4000,
+    bytes: 4 * crate::pattern::TILE_PIXELS as u32,
+    access: Access::Status,
+    doc: "Word 64·row + column: codes of a pixel, Y' low, Cb' or Cr' high, of the last picture that passed, counted from `picture_corner`.",
+};
+
 /// Weights, thresholds and shifts of all stages.
 pub const WEIGHTS: Window = Window {
     name: "weights",
@@ -445,11 +536,13 @@ pub const WEIGHTS: Window = Window {
     bytes: 4 << (ADDRESS_BITS[0] + ADDRESS_BITS[1] + ADDRESS_BITS[2] + ADDRESS_BITS[3] + ADDRESS_BITS[4]),
     access: Access::WriteOnly,
     doc: "Word {stage (4 bits), space (2), bank (6), row (12), half (1)}. Spaces: 0 weights, 1 thresholds, 2 thresholds of the stage \
-          before, 3 registers (0 and 1 shifts of each set, 2 control, 3 command to read back).",
+          before, 3 registers (0 and 1 shifts of each set, 2 control, 3 command to read back; to be read alone: 4 CRC-32 of what the stage sent \
+          of the last whole frame when the counters were last copied, 5 that frame's number modulo 256).",
 };
 
 /// Every window, by address.
-pub const WINDOWS: &[Window] = &[STAGE_COUNTERS, STAGE_READS, DISPLAY_TABLES, WEIGHTS];
+pub const WINDOWS: &[Window] =
+    &[STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS, DISPLAY_TABLES, WEIGHTS];
 
 /// A register by its name.
 #[must_use]

@@ -11,6 +11,7 @@
 //! Addresses are of bytes, words have 32 bits. Rust takes its constants from [`map`] directly, and the circuit its decoder.
 
 pub mod c_header;
+pub mod csr_csv;
 pub mod identity;
 pub mod map;
 pub mod markdown;

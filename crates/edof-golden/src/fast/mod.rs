@@ -2,32 +2,34 @@
 //!
 //! | what | module |
 //! |---|---|
-//! | weights for dense vectors, and what bounds their sums | [`pack`] |
-//! | weights for sparse vectors | [`columns`] |
-//! | sums of 40 bits in two numbers of 32 | [`sums`] |
-//! | which sparse codes are not zero | [`active`] |
-//! | instruction sets, and tokens for those that were detected | [`isa`] |
-//! | what kernels multiply by weights | [`operands`] |
-//! | matrix products | [`kernels`] |
-//! | in plain Rust | [`portable`] |
+//! | weights for dense vectors, and what bounds their sums | `pack` |
+//! | weights for sparse vectors | `columns` |
+//! | sums of 40 bits in two numbers of 32 | `sums` |
+//! | which sparse codes are not zero | `active` |
+//! | instruction sets, and tokens for those that were detected | `isa` |
+//! | what kernels multiply by weights | `operands` |
+//! | matrix products | `kernels` |
+//! | in plain Rust | `portable` |
 //! | for AVX2 and AVX-512 | `x86` |
-//! | sums to words: round, shift, saturate, shrink | [`finish`] |
+//! | sums to words: round, shift, saturate, shrink | `finish` |
 //!
-//! Sums run in 32 bits as long as a bound proves that they fit, and are then split into [`sums::Sums`]. For dense products the bound is a
+//! Sums run in 32 bits as long as a bound proves that they fit, and are then split into `sums::Sums`. For dense products the bound is a
 //! block's largest row sum of weights of one sign times the largest input; for sparse ones it is the matrix's largest |weight| times
 //! Σ |sparse code|. Both hold for every partial sum.
 
-pub mod active;
-pub mod columns;
-pub mod finish;
-pub mod isa;
-pub mod kernels;
-pub mod operands;
-pub mod pack;
-pub mod portable;
-pub mod sums;
+mod active;
+mod columns;
+mod finish;
+pub(crate) mod isa;
+mod kernels;
+mod operands;
+mod pack;
+mod portable;
+mod sums;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+
+pub use isa::Isa;
 
 use crate::scalar::{self, sends_difference};
 use crate::trace::{LayerWords, StageCounts, Trace};
@@ -37,7 +39,6 @@ use edof_image::colour::OUTPUTS_422;
 use edof_network::FixedNetwork;
 use edof_network::network::{Recurrence, Shrinkage};
 use finish::{Finish, FinishOutputs};
-use isa::Isa;
 use operands::Inputs;
 use pack::{Packed, padded};
 use sums::Sums;

@@ -4,6 +4,7 @@
 //! comes out, and streams may come at any time.
 
 pub mod figures;
+pub mod pattern;
 pub mod sync_codes;
 pub mod video_in;
 pub mod video_out;

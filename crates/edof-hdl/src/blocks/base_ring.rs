@@ -2,7 +2,7 @@
 
 use super::Pair;
 use super::ram::{Ram, Shape};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
@@ -45,7 +45,7 @@ impl BaseRing {
 }
 
 impl Logic for BaseRing {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, write_q, words_q, write_beat, write_vector, read_beat, read_vector);
         self.ram.clock.next = self.clock.val();

@@ -3,7 +3,7 @@
 use super::Pair;
 use super::stage::Stage;
 use super::window_guard::WindowGuard;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::memory::WHOLE_CHAIN;
 use edof_device::design::{Design, DesignError};
 use edof_network::FixedNetwork;
@@ -108,7 +108,7 @@ impl Chain {
 }
 
 impl Logic for Chain {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

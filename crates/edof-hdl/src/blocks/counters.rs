@@ -1,7 +1,7 @@
 //! What the host sees of a stage.
 
 use super::delay::Delay;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Counts up to two a cycle, and shows what it had counted when it was last told to. Reset and snapshot come through registers of
@@ -30,7 +30,7 @@ pub struct Counter {
 }
 
 impl Logic for Counter {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, more, count_q, shown);
         // Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
@@ -97,7 +97,7 @@ pub struct Counters {
 }
 
 impl Logic for Counters {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         self.count_nonzero.clock.next = self.clock.val();
         self.count_nonzero.reset.next = self.reset.val();

@@ -2,7 +2,7 @@
 
 use super::delay::Delay;
 use super::{Pair, Row, Word};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// From what a step read to a row of weights and up to four values, four cycles after the step. Values without work are 0.
@@ -57,7 +57,7 @@ pub struct DenseOperands {
 }
 
 impl Logic for DenseOperands {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, row, value_a_3, value_b_3, value_c_3, value_d_3, value_a_4, value_b_4, value_c_4,

@@ -2,7 +2,7 @@
 
 use super::ram::{Ram, Shape};
 use super::{Descriptor, Pair, Row};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::{BEAT, StagePlan, timing};
 use rust_hdl::prelude::*;
 
@@ -90,7 +90,7 @@ impl DenseStore {
 }
 
 impl Logic for DenseStore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, full, ready_q, valid_1, data_1, last_1, set_1, arrived_2, set_2, arrived_3, set_3,

@@ -1,7 +1,7 @@
 //! The change of one element of z.
 
 use super::Word;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// The change of one element of z, saturated, three cycles later.
@@ -42,7 +42,7 @@ impl Difference {
 }
 
 impl Logic for Difference {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, change_1, change_2, too_large, too_small, result_q, saturated_q);
 

@@ -1,7 +1,7 @@
 //! When sums are copied out of the multipliers and taken from the holding registers.
 
 use super::delay::Delay;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
@@ -61,7 +61,7 @@ pub struct Drain {
     last_q: DFF<Bit>,
     set_q: DFF<Bit>,
     copies: Signal<Local, Bit>,
-    takes: Signal<Local, Bit>,
+    pop: Signal<Local, Bit>,
     releases: Signal<Local, Bit>,
     passed: Signal<Local, Bits<2>>,
 }
@@ -83,7 +83,7 @@ impl Drain {
 }
 
 impl Logic for Drain {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, sum_ready, sum_set, open, busy, loaded, on, rest, at_last, beat_q, drain_set,
@@ -100,11 +100,11 @@ impl Logic for Drain {
         self.on_the_way.now.next = self.passed.val();
         self.copies.next =
             self.sum_ready.q.val() && (!self.busy.q.val() || (self.on.q.val() && self.at_last.q.val()));
-        self.takes.next = self.on.q.val() || (self.loaded.q.val() && self.enough.q.val());
-        self.releases.next = self.takes.val() && (self.rest.q.val() == self.release_at.val());
+        self.pop.next = self.on.q.val() || (self.loaded.q.val() && self.enough.q.val());
+        self.releases.next = self.pop.val() && (self.rest.q.val() == self.release_at.val());
 
         // A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of the next.
-        if self.takes.val() {
+        if self.pop.val() {
             self.loaded.d.next = false;
             self.on.d.next = true;
             self.rest.d.next = self.rest.q.val() - 1;
@@ -137,19 +137,19 @@ impl Logic for Drain {
         } else if self.releases.val() && !self.begins.val() {
             self.open.d.next = self.open.q.val() - 1;
         }
-        if self.takes.val() && !self.returned.val() {
+        if self.pop.val() && !self.returned.val() {
             self.credits.d.next = self.credits.q.val() - 1;
-        } else if self.returned.val() && !self.takes.val() {
+        } else if self.returned.val() && !self.pop.val() {
             self.credits.d.next = self.credits.q.val() + 1;
         }
         // A drain may begin in the cycle after the last take of the one before: that one's credit is spent.
         self.enough.d.next = (self.credits.q.val() > self.wanted_credits.val())
-            || ((self.credits.q.val() == self.wanted_credits.val()) && !self.takes.val());
+            || ((self.credits.q.val() == self.wanted_credits.val()) && !self.pop.val());
         self.may_start.next = !self.open.q.val().get_bit(1);
 
         // A cycle later.
         self.copy_q.d.next = self.copies.val();
-        self.take_q.d.next = self.takes.val();
+        self.take_q.d.next = self.pop.val();
         self.taken_beat.d.next = self.beat_q.q.val();
         self.last_q.d.next = self.beat_q.q.val() == self.last_beat.val();
         self.set_q.d.next = self.drain_set.q.val();

@@ -2,7 +2,7 @@
 
 use super::delay::Delay;
 use super::{IndexedValue, Pair, Row, Word};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::{Kind, StagePlan};
 use rust_hdl::prelude::*;
 
@@ -84,7 +84,7 @@ impl PairOperands {
 }
 
 impl Logic for PairOperands {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -2,7 +2,7 @@
 
 use super::ram::{Ram, Shape};
 use super::{Descriptor, Index, IndexedValue, Row, Word};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
@@ -104,7 +104,7 @@ impl PairStore {
 }
 
 impl Logic for PairStore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -2,7 +2,7 @@
 
 use super::Row;
 use super::delay::Delay;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::timing::READ_PERIOD;
 use rust_hdl::prelude::*;
 
@@ -40,7 +40,7 @@ pub struct Reader {
     /// Those of the stage before.
     pub previous: Signal<In, Bits<32>>,
     /// The register of that row.
-    pub register: Signal<In, Bits<20>>,
+    pub register: Signal<In, Bits<32>>,
     /// What to show: 0 CRC-32 of all rows, 1 and 2 the halves of the row that was read last, 3 whether it still reads.
     pub select: Signal<In, Bits<2>>,
     /// It.
@@ -50,11 +50,11 @@ pub struct Reader {
     top: Constant<Bits<64>>,
     on: DFF<Bit>,
     fresh: DFF<Bit>,
-    asks: DFF<Bit>,
+    request: DFF<Bit>,
     space: DFF<Bits<2>>,
     bank_q: DFF<Bits<6>>,
     row_q: DFF<Row>,
-    left: DFF<Row>,
+    remaining: DFF<Row>,
     cycle: DFF<Bits<8>>,
     at_end: DFF<Bit>,
     clears_word: DFF<Bit>,
@@ -63,7 +63,7 @@ pub struct Reader {
     came: DFF<Bits<32>>,
     word: DFF<Bits<64>>,
     crc: DFF<Bits<32>>,
-    goes_on: Signal<Local, Bit>,
+    advance: Signal<Local, Bit>,
     again: Signal<Local, Bit>,
     turned: Signal<Local, Bits<64>>,
     shown: Signal<Local, Bits<32>>,
@@ -89,18 +89,18 @@ impl Default for Reader {
 }
 
 impl Logic for Reader {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
             clock,
             on,
             fresh,
-            asks,
+            request,
             space,
             bank_q,
             row_q,
-            left,
+            remaining,
             cycle,
             at_end,
             clears_word,
@@ -112,11 +112,11 @@ impl Logic for Reader {
         self.shifts.clock.next = self.clock.val();
 
         // A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes through the CRC in the last 64.
-        self.goes_on.next = self.asks.q.val()
+        self.advance.next = self.request.q.val()
             && (self.taken.val()
                 || (self.thresholds_valid.val() && self.space.q.val().any())
                 || (self.space.q.val() == 3));
-        if self.on.q.val() && (!self.asks.q.val() || self.goes_on.val()) {
+        if self.on.q.val() && (!self.request.q.val() || self.advance.val()) {
             self.cycle.d.next = self.cycle.q.val() + 1;
         }
         self.at_end.d.next = self.on.q.val() && (self.cycle.q.val() == 254);
@@ -124,16 +124,16 @@ impl Logic for Reader {
         if self.on.q.val() && (self.cycle.q.val().get_bits::<2>(6) == 3) {
             self.shifts.now.next = 3.into();
         }
-        self.again.next = self.at_end.q.val() && (self.fresh.q.val() || self.left.q.val().any());
-        if self.goes_on.val() {
-            self.asks.d.next = false;
+        self.again.next = self.at_end.q.val() && (self.fresh.q.val() || self.remaining.q.val().any());
+        if self.advance.val() {
+            self.request.d.next = false;
         }
         if self.again.val() {
-            self.asks.d.next = true;
+            self.request.d.next = true;
         }
         if self.at_end.q.val() && !self.fresh.q.val() {
             self.row_q.d.next = self.row_q.q.val() + 1;
-            self.left.d.next = self.left.q.val() - 1;
+            self.remaining.d.next = self.remaining.q.val() - 1;
         }
         if self.at_end.q.val() {
             self.fresh.d.next = false;
@@ -142,25 +142,25 @@ impl Logic for Reader {
         if self.starts.val() {
             self.on.d.next = true;
             self.fresh.d.next = true;
-            self.asks.d.next = false;
+            self.request.d.next = false;
             self.at_end.d.next = false;
             self.cycle.d.next = 192.into();
             self.space.d.next = self.command.val().get_bits::<2>(30);
             self.bank_q.d.next = self.command.val().get_bits::<6>(24);
             self.row_q.d.next = self.command.val().get_bits::<12>(12);
-            self.left.d.next = self.command.val().get_bits::<12>(0);
+            self.remaining.d.next = self.command.val().get_bits::<12>(0);
         }
         self.clears_word.d.next = self.again.val() || self.reset.val();
         self.clears_crc.d.next = (self.at_end.q.val() && self.fresh.q.val()) || self.reset.val();
 
         // What comes is gathered by or; 64 turns later the row is as it was.
         self.came.d.next = 0.into();
-        if self.goes_on.val() && (self.space.q.val() == 1) {
+        if self.advance.val() && (self.space.q.val() == 1) {
             self.came.d.next = self.thresholds.val();
-        } else if self.goes_on.val() && (self.space.q.val() == 2) {
+        } else if self.advance.val() && (self.space.q.val() == 2) {
             self.came.d.next = self.previous.val();
-        } else if self.goes_on.val() && (self.space.q.val() == 3) {
-            self.came.d.next = bit_cast::<32, 20>(self.register.val());
+        } else if self.advance.val() && (self.space.q.val() == 3) {
+            self.came.d.next = self.register.val();
         }
         self.turned.next = self.word.q.val() >> 1;
         if self.word.q.val().get_bit(0) {
@@ -183,9 +183,9 @@ impl Logic for Reader {
             self.crc.d.next = self.ones.val();
         }
 
-        self.wants_weights.next = self.asks.q.val() && (self.space.q.val() == 0);
+        self.wants_weights.next = self.request.q.val() && (self.space.q.val() == 0);
         self.wants_thresholds.next =
-            self.asks.q.val() && ((self.space.q.val() == 1) || (self.space.q.val() == 2));
+            self.request.q.val() && ((self.space.q.val() == 1) || (self.space.q.val() == 2));
         self.bank.next = self.bank_q.q.val();
         self.row.next = self.row_q.q.val();
         self.shown.next = !self.crc.q.val();
@@ -203,7 +203,7 @@ impl Logic for Reader {
 
         if self.reset.val() {
             self.on.d.next = false;
-            self.asks.d.next = false;
+            self.request.d.next = false;
             self.at_end.d.next = false;
             self.cycle.d.next = 0.into();
         }

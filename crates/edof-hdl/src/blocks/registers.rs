@@ -2,7 +2,7 @@
 
 use super::Row;
 use super::start::Start;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::memory::{CONTROL_SKIP, Shifts};
 use rust_hdl::prelude::*;
 
@@ -47,7 +47,7 @@ impl Registers {
 }
 
 impl Logic for Registers {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, shifts_0_q, shifts_1_q, skip_q);
         self.start.clock.next = self.clock.val();

@@ -3,7 +3,7 @@
 use super::add::Add;
 use super::delay::Delay;
 use super::{Sum, Word};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// From a sum to a rounded word: saturate((sum + (base << base_shift) + half) >> result_shift), ten cycles later.
@@ -75,7 +75,7 @@ impl Requantize {
 }
 
 impl Logic for Requantize {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -7,7 +7,7 @@ use super::ram::{Ram, Shape};
 use super::requantize::Requantize;
 use super::shrink::Shrink;
 use super::{Pair, Row, Sum, Word, role};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::verilog::Optional;
 use edof_device::design::{Design, StagePlan, memory};
 use edof_network::FixedNetwork;
@@ -163,7 +163,7 @@ impl Results {
 }
 
 impl Logic for Results {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, threshold_row, shifts, read_16, read_17);
         self.marks_to_5.clock.next = self.clock.val();

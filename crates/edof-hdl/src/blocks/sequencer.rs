@@ -1,7 +1,7 @@
 //! Which step of which pass is next.
 
 use super::{Descriptor, Row};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::StagePlan;
 use rust_hdl::prelude::*;
 
@@ -75,7 +75,7 @@ pub struct Sequencer {
     // The step of this cycle.
     active: DFF<Bit>,
     linear_q: DFF<Bit>,
-    left: DFF<Bits<8>>,
+    remaining: DFF<Bits<8>>,
     at_end: DFF<Bit>,
     step: DFF<Bits<8>>,
     first_q: DFF<Bit>,
@@ -85,10 +85,10 @@ pub struct Sequencer {
     slot_q: DFF<Bits<2>>,
     base_q: DFF<Row>,
     is_last: DFF<Bit>,
-    goes: Signal<Local, Bit>,
-    ends: Signal<Local, Bit>,
-    starts: Signal<Local, Bit>,
-    leaves: Signal<Local, Bit>,
+    step_valid: Signal<Local, Bit>,
+    pass_done: Signal<Local, Bit>,
+    grant: Signal<Local, Bit>,
+    pop: Signal<Local, Bit>,
     next: Signal<Local, Descriptor>,
     row: Signal<Local, Bits<7>>,
 }
@@ -113,7 +113,7 @@ impl Sequencer {
 }
 
 impl Logic for Sequencer {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -134,7 +134,7 @@ impl Logic for Sequencer {
             job_is_last,
             active,
             linear_q,
-            left,
+            remaining,
             at_end,
             step,
             first_q,
@@ -147,15 +147,15 @@ impl Logic for Sequencer {
         );
 
         // The step of this cycle, and whether a pass begins with the next.
-        self.goes.next = self.active.q.val() && !self.steal.val();
-        self.ends.next =
-            self.goes.val() && self.at_end.q.val() && (self.linear_q.q.val() || !self.has_linear.val());
-        self.starts.next =
-            self.known.q.val() && self.may_start.val() && (!self.active.q.val() || self.ends.val());
-        self.leaves.next = self.starts.val() && self.job_is_last.q.val();
-        self.begins.next = self.starts.val();
-        self.pass_issued.next = self.ends.val();
-        self.finished.next = self.ends.val() && self.is_last.q.val();
+        self.step_valid.next = self.active.q.val() && !self.steal.val();
+        self.pass_done.next =
+            self.step_valid.val() && self.at_end.q.val() && (self.linear_q.q.val() || !self.has_linear.val());
+        self.grant.next =
+            self.known.q.val() && self.may_start.val() && (!self.active.q.val() || self.pass_done.val());
+        self.pop.next = self.grant.val() && self.job_is_last.q.val();
+        self.begins.next = self.grant.val();
+        self.pass_issued.next = self.pass_done.val();
+        self.finished.next = self.pass_done.val() && self.is_last.q.val();
 
         // Vectors that wait.
         if self.arrived.val() {
@@ -170,14 +170,14 @@ impl Logic for Sequencer {
                 self.descriptor_3.d.next = self.descriptor.val();
             }
         }
-        if self.arrived.val() && !self.leaves.val() {
+        if self.arrived.val() && !self.pop.val() {
             self.waiting.d.next = self.waiting.q.val() + 1;
-        } else if self.leaves.val() && !self.arrived.val() {
+        } else if self.pop.val() && !self.arrived.val() {
             self.waiting.d.next = self.waiting.q.val() - 1;
         }
 
         // The pass that begins next.
-        if self.starts.val() {
+        if self.grant.val() {
             self.pass.d.next = self.pass.q.val() + 1;
             self.pass_row.d.next = self.pass_row.q.val() + self.pass_rows.val();
             if self.job_is_last.q.val() {
@@ -194,7 +194,7 @@ impl Logic for Sequencer {
         } else if self.slot.q.val() == 3 {
             self.next.next = self.descriptor_3.q.val();
         }
-        self.known.d.next = self.waiting.q.val().any() && !self.starts.val();
+        self.known.d.next = self.waiting.q.val().any() && !self.grant.val();
         self.job.d.next = self.next.val();
         self.job_slot.d.next = self.slot.q.val();
         self.job_is_last.d.next = self.pass.q.val() == self.last_pass.val();
@@ -204,25 +204,25 @@ impl Logic for Sequencer {
         }
 
         // The step of the next cycle.
-        if self.goes.val() {
+        if self.step_valid.val() {
             self.first_q.d.next = false;
-            self.left.d.next = self.left.q.val() - 1;
-            self.at_end.d.next = self.left.q.val() == 1;
+            self.remaining.d.next = self.remaining.q.val() - 1;
+            self.at_end.d.next = self.remaining.q.val() == 1;
             self.step.d.next = self.step.q.val() + 1;
             if self.at_end.q.val() {
                 self.linear_q.d.next = true;
-                self.left.d.next = self.linear_before_last.val();
+                self.remaining.d.next = self.linear_before_last.val();
                 self.at_end.d.next = self.linear_single.val();
                 self.step.d.next = 0.into();
             }
         }
-        if self.ends.val() {
+        if self.pass_done.val() {
             self.active.d.next = false;
         }
-        if self.starts.val() {
+        if self.grant.val() {
             self.active.d.next = true;
             self.linear_q.d.next = false;
-            self.left.d.next = self.job.q.val().get_bits::<8>(4);
+            self.remaining.d.next = self.job.q.val().get_bits::<8>(4);
             self.at_end.d.next = self.job.q.val().get_bit(3);
             self.step.d.next = 0.into();
             self.first_q.d.next = true;
@@ -235,10 +235,10 @@ impl Logic for Sequencer {
         }
 
         // What the step reads.
-        self.valid_a.next = self.goes.val() && (self.linear_q.q.val() || !self.empty.q.val());
-        self.valid_b.next =
-            self.goes.val() && (self.linear_q.q.val() || !(self.at_end.q.val() && self.odd_count.q.val()));
-        self.first.next = self.goes.val() && self.first_q.q.val();
+        self.valid_a.next = self.step_valid.val() && (self.linear_q.q.val() || !self.empty.q.val());
+        self.valid_b.next = self.step_valid.val()
+            && (self.linear_q.q.val() || !(self.at_end.q.val() && self.odd_count.q.val()));
+        self.first.next = self.step_valid.val() && self.first_q.q.val();
         self.linear.next = self.linear_q.q.val();
         self.set.next = self.set_q.q.val();
         self.base.next = self.base_q.q.val();

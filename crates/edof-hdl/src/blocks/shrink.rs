@@ -1,7 +1,7 @@
 //! The soft threshold of one element.
 
 use super::Word;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_network::network::Shrinkage;
 use rust_hdl::prelude::*;
 
@@ -45,7 +45,7 @@ impl Shrink {
 }
 
 impl Logic for Shrink {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -6,6 +6,7 @@ use super::dense_operands::DenseOperands;
 use super::dense_store::DenseStore;
 use super::drain::Drain;
 use super::fifo::Fifo;
+use super::frame_check::FrameCheck;
 use super::macc_array::MaccArray;
 use super::pair_operands::PairOperands;
 use super::pair_store::PairStore;
@@ -15,7 +16,7 @@ use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
 use super::{Descriptor, Pair, Row, role};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::verilog::Optional;
 use edof_device::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN, shift_image};
 use edof_device::design::reading::READ_REGISTER;
@@ -80,8 +81,8 @@ pub struct Stage {
     whole_chain: Constant<Bits<4>>,
     both_ports: Constant<Bit>,
     read_register: Constant<Row>,
-    skip_bit: Constant<Bits<20>>,
-    reset_parts: Delay<7, 1>,
+    skip_bit: Constant<Bits<32>>,
+    reset_parts: Delay<8, 1>,
     reset_registers: Delay<1, 1>,
     pairs: Optional<PairStore>,
     pair_operands: Optional<PairOperands>,
@@ -97,6 +98,7 @@ pub struct Stage {
     base_fifo: Optional<Fifo<32>>,
     registers: Registers,
     counters: Counters,
+    check: FrameCheck<32>,
     reader: Reader,
     status_q: DFF<Bits<32>>,
     write_1: DFF<Bit>,
@@ -112,7 +114,7 @@ pub struct Stage {
     read_2: DFF<Bit>,
     steal_2: DFF<Bit>,
     weights_to_5: Delay<53, 3>,
-    resets: Signal<Local, Bits<7>>,
+    resets: Signal<Local, Bits<8>>,
     marks: Signal<Local, Bits<11>>,
     ready_in: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
@@ -153,6 +155,7 @@ impl Stage {
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
+            check: FrameCheck::new(design.patches_per_frame() * stage.beats_out()),
             marks_to_groups: DelayOf::new(stage.groups()),
             results: Results::new(design, stage, sets),
             base_fifo: Optional::when(stage.shrinks(), || Fifo::new(stage.feeds_m)),
@@ -167,7 +170,7 @@ impl Stage {
 }
 
 impl Logic for Stage {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -193,13 +196,15 @@ impl Logic for Stage {
         self.fifo.clock.next = self.clock.val();
         self.registers.clock.next = self.clock.val();
         self.counters.clock.next = self.clock.val();
+        self.check.clock.next = self.clock.val();
+        self.check.reset.next = self.reset_parts.later.val().get_bit(7);
         self.weights_to_5.clock.next = self.clock.val();
         self.reader.clock.next = self.clock.val();
 
         // Each part has a register for its reset.
         self.resets.next = 0.into();
         if self.reset.val() || self.flush.val() {
-            self.resets.next = 0x7f.into();
+            self.resets.next = 0xff.into();
         }
         self.reset_parts.clock.next = self.clock.val();
         self.reset_parts.now.next = self.resets.val();
@@ -350,6 +355,8 @@ impl Logic for Stage {
         self.fifo.front_ready.next = self.out_ready.val();
         self.drain.returned.next = self.fifo.front_valid.val() && self.out_ready.val();
         self.out_valid.next = self.fifo.front_valid.val();
+        self.check.valid.next = self.fifo.front_valid.val() && self.out_ready.val();
+        self.check.data.next = self.fifo.front_data.val().get_bits::<32>(2);
         self.out_data.next = self.fifo.front_data.val().get_bits::<32>(2);
         self.out_last.next = self.fifo.front_data.val().get_bit(0);
         self.out_set.next = self.fifo.front_data.val().get_bit(1);
@@ -419,6 +426,7 @@ impl Logic for Stage {
         self.registers.write_row.next = self.address_2.q.val().get_bits::<12>(1);
         self.registers.write_data.next = self.data_2.q.val();
         self.counters.snapshot.next = self.snapshot_2.q.val();
+        self.check.snapshot.next = self.snapshot_2.q.val();
 
         // Reads back.
         self.reader.starts.next = self.registers_2.q.val()
@@ -431,14 +439,20 @@ impl Logic for Stage {
         self.reader.thresholds_valid.next = self.results.read_valid.val();
         self.reader.thresholds.next = self.results.read_thresholds.val();
         self.reader.previous.next = self.results.read_previous.val();
-        self.reader.register.next = self.registers.shifts_0.val();
-        if self.reader.row.val().get_bit(1) {
+        // Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+        self.reader.register.next = bit_cast::<32, 20>(self.registers.shifts_0.val());
+        if self.reader.row.val().get_bit(2) {
+            self.reader.register.next = self.check.crc.val();
+            if self.reader.row.val().get_bit(0) {
+                self.reader.register.next = bit_cast::<32, 8>(self.check.frames.val());
+            }
+        } else if self.reader.row.val().get_bit(1) {
             self.reader.register.next = 0.into();
             if self.registers.skip_zeros.val() {
                 self.reader.register.next = self.skip_bit.val();
             }
         } else if self.reader.row.val().get_bit(0) {
-            self.reader.register.next = self.registers.shifts_1.val();
+            self.reader.register.next = bit_cast::<32, 20>(self.registers.shifts_1.val());
         }
         self.reader.select.next = self.status_address.val().get_bits::<2>(0);
         self.counters.select.next = self.status_address.val().get_bits::<2>(0);

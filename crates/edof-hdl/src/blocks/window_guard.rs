@@ -2,7 +2,7 @@
 
 use super::Pair;
 use super::counters::Counter;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::StagePlan;
 use rust_hdl::prelude::*;
 
@@ -73,7 +73,7 @@ impl WindowGuard {
 }
 
 impl Logic for WindowGuard {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, beat, at_end, fills, drops, set_q, fault_q, short_q, long_q);
         self.count_short.clock.next = self.clock.val();

@@ -2,7 +2,7 @@
 
 use super::Pair;
 use super::ram::{Ram, Shape};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::{BEAT, StagePlan};
 use rust_hdl::prelude::*;
 
@@ -64,7 +64,7 @@ impl WindowRing {
 const SMALL_ROWS: usize = 32;
 
 impl Logic for WindowRing {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, write_q, pixels_q, last_q, write_beat, write_window, oldest, held, ready_q);
         self.ram.clock.next = self.clock.val();

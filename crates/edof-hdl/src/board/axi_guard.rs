@@ -1,6 +1,6 @@
 //! A memory's port that outlives a reset of those who use it.
 
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiReadMaster, AxiReadSlave, AxiWriteMaster, AxiWriteSlave};
 use rust_hdl::prelude::*;
 
@@ -46,25 +46,26 @@ pub struct AxiGuard<const W: usize, const S: usize> {
     ar_burst: DFF<Bits<2>>,
     // A burst whose words have not all come, and how many are to come after the next one.
     open: DFF<Bit>,
-    left: DFF<Bits<8>>,
+    remaining: DFF<Bits<8>>,
     // Bursts that are not answered, as the place of a single bit.
     writes: DFF<Bits<32>>,
     reads: DFF<Bits<32>>,
-    takes_address: Signal<Local, Bit>,
-    moves: Signal<Local, Bit>,
-    takes_word: Signal<Local, Bit>,
+    push_address: Signal<Local, Bit>,
+    advance: Signal<Local, Bit>,
+    push_word: Signal<Local, Bit>,
     answered: Signal<Local, Bit>,
-    asks: Signal<Local, Bit>,
+    request: Signal<Local, Bit>,
     ended: Signal<Local, Bit>,
     is_quiet: Signal<Local, Bit>,
 }
 
 impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, closed, aw_valid, aw_id, aw_addr, aw_len, aw_size, aw_burst, w_valid, w_data,
-            w_strb, w_last, ar_valid, ar_id, ar_addr, ar_len, ar_size, ar_burst, open, left, writes, reads
+            w_strb, w_last, ar_valid, ar_id, ar_addr, ar_len, ar_size, ar_burst, open, remaining, writes,
+            reads
         );
 
         // Addresses of writes.
@@ -72,14 +73,14 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
             && !self.aw_valid.q.val()
             && !self.open.q.val()
             && !self.writes.q.val().get_bit(31);
-        self.takes_address.next = self.write.aw_valid.val() && self.write.aw_ready.val();
+        self.push_address.next = self.write.aw_valid.val() && self.write.aw_ready.val();
         if self.dram_write.aw_ready.val() {
             self.aw_valid.d.next = false;
         }
-        if self.takes_address.val() {
+        if self.push_address.val() {
             self.aw_valid.d.next = true;
             self.open.d.next = true;
-            self.left.d.next = self.write.aw_len.val();
+            self.remaining.d.next = self.write.aw_len.val();
         }
         if !self.aw_valid.q.val() {
             self.aw_id.d.next = self.write.aw_id.val();
@@ -90,23 +91,23 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
         }
 
         // Their words; where nobody is left who has them, words of which no byte is written.
-        self.moves.next = !self.w_valid.q.val() || self.dram_write.w_ready.val();
-        self.write.w_ready.next = self.moves.val() && self.open.q.val() && !self.closed.q.val();
-        self.takes_word.next =
-            self.moves.val() && self.open.q.val() && (self.closed.q.val() || self.write.w_valid.val());
-        if self.moves.val() {
-            self.w_valid.d.next = self.takes_word.val();
+        self.advance.next = !self.w_valid.q.val() || self.dram_write.w_ready.val();
+        self.write.w_ready.next = self.advance.val() && self.open.q.val() && !self.closed.q.val();
+        self.push_word.next =
+            self.advance.val() && self.open.q.val() && (self.closed.q.val() || self.write.w_valid.val());
+        if self.advance.val() {
+            self.w_valid.d.next = self.push_word.val();
             self.w_data.d.next = self.write.w_data.val();
             self.w_strb.d.next = self.write.w_strb.val();
             self.w_last.d.next = self.write.w_last.val();
             if self.closed.q.val() {
                 self.w_strb.d.next = 0.into();
-                self.w_last.d.next = !self.left.q.val().any();
+                self.w_last.d.next = !self.remaining.q.val().any();
             }
         }
-        if self.takes_word.val() {
-            self.left.d.next = self.left.q.val() - 1;
-            if !self.left.q.val().any() {
+        if self.push_word.val() {
+            self.remaining.d.next = self.remaining.q.val() - 1;
+            if !self.remaining.q.val().any() {
                 self.open.d.next = false;
             }
         }
@@ -117,20 +118,20 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
         self.write.b_valid.next = self.dram_write.b_valid.val() && !self.closed.q.val();
         self.dram_write.b_ready.next = self.write.b_ready.val() || self.closed.q.val();
         self.answered.next = self.dram_write.b_valid.val() && self.dram_write.b_ready.val();
-        if self.takes_address.val() && !self.answered.val() {
+        if self.push_address.val() && !self.answered.val() {
             self.writes.d.next = self.writes.q.val() << 1;
-        } else if self.answered.val() && !self.takes_address.val() {
+        } else if self.answered.val() && !self.push_address.val() {
             self.writes.d.next = self.writes.q.val() >> 1;
         }
 
         // Addresses of reads, and the words that come.
         self.read.ar_ready.next =
             !self.closed.q.val() && !self.ar_valid.q.val() && !self.reads.q.val().get_bit(31);
-        self.asks.next = self.read.ar_valid.val() && self.read.ar_ready.val();
+        self.request.next = self.read.ar_valid.val() && self.read.ar_ready.val();
         if self.dram_read.ar_ready.val() {
             self.ar_valid.d.next = false;
         }
-        if self.asks.val() {
+        if self.request.val() {
             self.ar_valid.d.next = true;
         }
         if !self.ar_valid.q.val() {
@@ -148,9 +149,9 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
         self.dram_read.r_ready.next = self.read.r_ready.val() || self.closed.q.val();
         self.ended.next =
             self.dram_read.r_valid.val() && self.dram_read.r_ready.val() && self.dram_read.r_last.val();
-        if self.asks.val() && !self.ended.val() {
+        if self.request.val() && !self.ended.val() {
             self.reads.d.next = self.reads.q.val() << 1;
-        } else if self.ended.val() && !self.asks.val() {
+        } else if self.ended.val() && !self.request.val() {
             self.reads.d.next = self.reads.q.val() >> 1;
         }
 

@@ -1,7 +1,7 @@
 //! Two agents each way on one memory.
 
 use super::axi_guard::AxiGuard;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiReadMaster, AxiReadSlave, AxiWriteMaster, AxiWriteSlave};
 use rust_hdl::prelude::*;
 
@@ -36,11 +36,11 @@ pub struct AxiPair<const W: usize, const S: usize> {
     // Whose address was taken last: the words are that writer's.
     owner: DFF<Bit>,
     announces: Signal<Local, Bit>,
-    asks: Signal<Local, Bit>,
+    request: Signal<Local, Bit>,
 }
 
 impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, write_turn, read_turn, owner);
         self.guard.clock.next = self.clock.val();
@@ -114,7 +114,7 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
         self.guard.read.ar_len.next = self.read_0.ar_len.val();
         self.guard.read.ar_size.next = self.read_0.ar_size.val();
         self.guard.read.ar_burst.next = self.read_0.ar_burst.val();
-        self.asks.next = self.read_0.ar_valid.val();
+        self.request.next = self.read_0.ar_valid.val();
         self.read_0.ar_ready.next = self.guard.read.ar_ready.val();
         self.read_1.ar_ready.next = false;
         if self.read_turn.q.val() {
@@ -123,12 +123,12 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
             self.guard.read.ar_len.next = self.read_1.ar_len.val();
             self.guard.read.ar_size.next = self.read_1.ar_size.val();
             self.guard.read.ar_burst.next = self.read_1.ar_burst.val();
-            self.asks.next = self.read_1.ar_valid.val();
+            self.request.next = self.read_1.ar_valid.val();
             self.read_0.ar_ready.next = false;
             self.read_1.ar_ready.next = self.guard.read.ar_ready.val();
         }
-        self.guard.read.ar_valid.next = self.asks.val();
-        if self.guard.read.ar_ready.val() || !self.asks.val() {
+        self.guard.read.ar_valid.next = self.request.val();
+        if self.guard.read.ar_ready.val() || !self.request.val() {
             if self.read_turn.q.val() && self.read_0.ar_valid.val() {
                 self.read_turn.d.next = false;
             } else if !self.read_turn.q.val() && self.read_1.ar_valid.val() {

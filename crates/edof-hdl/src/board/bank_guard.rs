@@ -1,6 +1,6 @@
 //! Which words belong to the bank in use.
 
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::Design;
 use edof_device::design::memory::rows_of_a_set;
 use rust_hdl::prelude::*;
@@ -45,7 +45,7 @@ impl BankGuard {
 }
 
 impl Logic for BankGuard {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, rows, known, hits_q);
         self.known.d.next = false;

@@ -39,7 +39,7 @@ pub struct Block {
 /// Stands for the calculator's clock of any design.
 const CALCULATOR: Domain = Domain::Calculator(0);
 
-const BLOCKS: [(&str, Domain); 24] = [
+const BLOCKS: [(&str, Domain); 33] = [
     ("video_in", Domain::Pixel),
     ("input_fifo", Domain::Core),
     ("input_status", Domain::Core),
@@ -64,6 +64,15 @@ const BLOCKS: [(&str, Domain); 24] = [
     ("output_fifo", Domain::Core),
     ("video_out", Domain::Pixel),
     ("screen_status", Domain::Core),
+    ("pattern", Domain::Core),
+    ("window", Domain::Core),
+    ("core/check", CALCULATOR),
+    ("checks_0", Domain::Core),
+    ("checks_1", Domain::Core),
+    ("checks_2", Domain::Core),
+    ("cycles_0", Domain::Core),
+    ("cycles_1", Domain::Pixel),
+    ("cycles_2", Domain::Pixel),
 ];
 /// Only where patches overlap.
 const OVERLAP: (&str, Domain) = ("core/lines/overlap", CALCULATOR);

@@ -1,7 +1,7 @@
 //! The host's words into the calculator's clock domain, and what is shown there back to it.
 
 use crate::crossing::BusSync;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// One access at a time: a word for the calculator, a word for a display table, or a question for what a stage shows. `ready` is high for a
@@ -63,7 +63,7 @@ pub struct CalculatorPort {
 }
 
 impl Logic for CalculatorPort {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         // The host's side.
         dff_setup!(self, clock, is_weight, is_table, asks, waits, ready_q, fails_q);

@@ -3,7 +3,7 @@
 use super::i2c_master::I2cMaster;
 use super::pace::Pace;
 use crate::blocks::ram::{Ram, Shape};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::i2c::{Entry, depth};
 use rust_hdl::prelude::*;
 
@@ -107,8 +107,8 @@ pub struct ChipSetup {
     milliseconds: DFF<Bits<16>>,
     wait_cycle: DFF<Bits<24>>,
     tick: DFF<Bit>,
-    waits: DFF<Bit>,
-    moves_on: DFF<Bit>,
+    stall: DFF<Bit>,
+    advance: DFF<Bit>,
     device: DFF<Bits<7>>,
     cause: DFF<Bits<3>>,
     done_q: DFF<Bit>,
@@ -158,7 +158,7 @@ impl ChipSetup {
 }
 
 impl Logic for ChipSetup {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -182,8 +182,8 @@ impl Logic for ChipSetup {
             milliseconds,
             wait_cycle,
             tick,
-            waits,
-            moves_on,
+            stall,
+            advance,
             device,
             cause,
             done_q,
@@ -303,7 +303,7 @@ impl Logic for ChipSetup {
         match self.phase.q.val() {
             Phase::Fetch => {
                 self.settles.d.next = self.settles.q.val() + 1;
-                self.waits.d.next = false;
+                self.stall.d.next = false;
                 if self.again.q.val() {
                     self.again.d.next = false;
                     self.settles.d.next = 0.into();
@@ -324,7 +324,7 @@ impl Logic for ChipSetup {
                 self.matches.d.next = (self.accumulator.q.val() & self.second.val()) == self.third.val();
                 self.has_more.d.next = self.index.q.val().any();
                 self.milliseconds.d.next = self.instruction.q.val().get_bits::<16>(0);
-                self.moves_on.d.next = true;
+                self.advance.d.next = true;
                 self.phase.d.next = Phase::Execute;
                 if (self.kind.val() == 1)
                     || (self.kind.val() == 2)
@@ -350,7 +350,7 @@ impl Logic for ChipSetup {
                         } else {
                             self.tries.d.next = self.tries.q.val() + 1;
                             self.entry.d.next = self.previous.q.val();
-                            self.moves_on.d.next = false;
+                            self.advance.d.next = false;
                             self.milliseconds.d.next = self.poll.val();
                             self.phase.d.next = Phase::Wait;
                         }
@@ -412,7 +412,7 @@ impl Logic for ChipSetup {
                     self.retries.d.next = self.retries.q.val() + 1;
                     self.entry.d.next = self.entry.q.val();
                     self.milliseconds.d.next = self.pause.val();
-                    self.moves_on.d.next = false;
+                    self.advance.d.next = false;
                     self.phase.d.next = Phase::Wait;
                 }
             }
@@ -423,11 +423,11 @@ impl Logic for ChipSetup {
                     self.milliseconds.d.next = self.milliseconds.q.val() - 1;
                     if self.milliseconds.q.val() == 1 {
                         self.phase.d.next = Phase::Fetch;
-                        if self.moves_on.q.val() {
+                        if self.advance.q.val() {
                             self.entry.d.next = self.following.q.val();
                         }
                     } else if self.wanted.q.val() {
-                        self.waits.d.next = true;
+                        self.stall.d.next = true;
                         self.phase.d.next = Phase::HostBegin;
                     }
                 }
@@ -442,7 +442,7 @@ impl Logic for ChipSetup {
                         | (bit_cast::<32, 3>(self.master.cause.val()) << 8)
                         | (bit_cast::<32, 4>(self.access_q.q.val().get_bits::<4>(28)) << 28);
                     self.phase.d.next = Phase::Fetch;
-                    if self.waits.q.val() {
+                    if self.stall.q.val() {
                         self.phase.d.next = Phase::Wait;
                     }
                 }
@@ -463,7 +463,7 @@ impl Logic for ChipSetup {
             self.attempt.d.next = 0.into();
             self.tries.d.next = 0.into();
             self.milliseconds.d.next = self.rest.val();
-            self.moves_on.d.next = false;
+            self.advance.d.next = false;
             self.phase.d.next = Phase::Wait;
         }
         if self.fails.val() || self.again.q.val() || self.reset.val() {

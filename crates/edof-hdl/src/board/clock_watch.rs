@@ -1,7 +1,7 @@
 //! Whether a clock runs.
 
 use crate::crossing::Sync;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Whether another clock stands still: it is divided by sixteen and looked at. 4096 cycles without a change, and it does; so the other
@@ -41,7 +41,7 @@ impl ClockWatch {
 }
 
 impl Logic for ClockWatch {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         self.divider.clock.next = self.watched.val();
         self.divider.d.next = self.divider.q.val() + 1;

@@ -3,18 +3,23 @@
 use super::axi_pair::AxiPair;
 use super::calculator_port::CalculatorPort;
 use super::clock_watch::ClockWatch;
+use super::cycle_count::CycleCount;
 use super::frames::Frames;
+use super::pattern_source::PatternSource;
+use super::picture_window::PictureWindow;
 use super::power_on::PowerOn;
 use super::read_agent::ReadAgent;
 use super::registers::{BoardRegisters, Identity};
 use super::write_agent::WriteAgent;
+use crate::blocks::frame_check::FrameCheck;
 use crate::crossing::{BusSync, PixelFifo, ResetSync, Sync};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
 use crate::video::video_out::VideoOut;
 use edof_device::board;
+use edof_device::design::memory::SNAPSHOT_REGISTERS;
 use edof_device::design::{Design, DesignError};
 use edof_device::video::VideoTiming;
 use edof_network::FixedNetwork;
@@ -29,7 +34,7 @@ use rust_hdl::prelude::*;
 /// memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor
 /// or a board.
 #[derive(Circuit)]
-#[circuit(default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort))]
+#[circuit(default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort, PictureWindow, CycleCount))]
 pub struct EdofCore {
     /// Clock of memory and host.
     pub clock: Signal<In, Clock>,
@@ -96,6 +101,8 @@ pub struct EdofCore {
     resets: [ResetSync; 4],
     calculator_flush: ResetSync,
     first_reset: ResetSync,
+    // Of the core, the input, the screen.
+    cycles: [CycleCount; 3],
     power_on: PowerOn,
     calculator_first: PowerOn,
     calculator_power_on: PowerOn,
@@ -103,30 +110,37 @@ pub struct EdofCore {
     calculator_watch: ClockWatch,
     video_in: VideoIn,
     input_fifo: PixelFifo,
-    input_status: BusSync<192>,
+    input_status: BusSync<224>,
+    pattern: PatternSource,
+    window: PictureWindow,
     raw_writer: WriteAgent<512, 64>,
     raw_reader: ReadAgent<512>,
     raw_fifo: PixelFifo,
     choices: Sync<2>,
     access: CalculatorPort,
     core: StreamCore,
-    calculator_status: BusSync<192>,
+    calculator_status: BusSync<232>,
     picture_fifo: PixelFifo,
     picture_writer: WriteAgent<512, 64>,
     picture_reader: ReadAgent<512>,
     output_fifo: PixelFifo,
     video_out: VideoOut,
-    screen_status: BusSync<64>,
+    screen_status: BusSync<96>,
     memory: AxiPair<512, 64>,
     registers: BoardRegisters,
-    seen: Signal<Local, Bits<192>>,
-    shown: Signal<Local, Bits<64>>,
-    made: Signal<Local, Bits<192>>,
+    seen: Signal<Local, Bits<224>>,
+    shown: Signal<Local, Bits<96>>,
+    made: Signal<Local, Bits<232>>,
     state: Signal<Local, Bits<32>>,
     runs: Signal<Local, Bit>,
     flushes: Signal<Local, Bit>,
     skips: Signal<Local, Bit>,
     realigns: DFF<Bit>,
+    // CRCs of frames: raw ones taken, pictures made, pictures that leave.
+    checks: [FrameCheck<16>; 3],
+    snapshot: DFF<Bit>,
+    snapshot_register: Constant<Bits<6>>,
+    check_frames: Signal<Local, Bits<32>>,
     // What leads to asynchronous sets, and to nothing else: why a domain begins anew.
     restarts_screen: DFF<Bit>,
     restarts_calculator: DFF<Bit>,
@@ -166,6 +180,7 @@ impl EdofCore {
             watch: ClockWatch::new(true),
             calculator_watch: ClockWatch::new(false),
             input_fifo: PixelFifo::new(crossing),
+            pattern: PatternSource::new(design.frame),
             raw_writer: WriteAgent::new(&raw),
             raw_reader: ReadAgent::new(&raw, false),
             raw_fifo: PixelFifo::new(crossing),
@@ -176,12 +191,14 @@ impl EdofCore {
             output_fifo: PixelFifo::new(crossing),
             video_out: VideoOut::new(timing),
             registers: BoardRegisters::new(design, identity),
+            checks: std::array::from_fn(|_| FrameCheck::new(design.frame.width * design.frame.height)),
+            snapshot_register: Constant::new((SNAPSHOT_REGISTERS as u64).into()),
         }))
     }
 }
 
 impl Logic for EdofCore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -192,9 +209,16 @@ impl Logic for EdofCore {
             asks_for_flush,
             begins,
             drops,
-            is_down
+            is_down,
+            snapshot
         );
         // Clocks and resets.
+        self.cycles[0].clock.next = self.clock.val();
+        self.cycles[0].reset.next = self.resets[1].domain_reset.val();
+        self.cycles[1].clock.next = self.input_clock.val();
+        self.cycles[1].reset.next = self.resets[0].domain_reset.val();
+        self.cycles[2].clock.next = self.screen_clock.val();
+        self.cycles[2].reset.next = self.resets[2].domain_reset.val();
         self.resets[0].clock.next = self.input_clock.val();
         self.resets[0].reset.next = self.reset.val();
         self.resets[1].clock.next = self.clock.val();
@@ -282,7 +306,11 @@ impl Logic for EdofCore {
         self.input_fifo.from.user.next = self.video_in.pixels_user.val();
         self.input_fifo.from.last.next = self.video_in.pixels_last.val();
         self.video_in.pixels_ready.next = self.input_fifo.from.ready.val();
-        StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.raw_writer.pixels);
+        self.pattern.clock.next = self.clock.val();
+        self.pattern.reset.next = self.resets[1].domain_reset.val();
+        self.pattern.select.next = self.registers.pattern.val().get_bits::<3>(0);
+        StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.pattern.source);
+        StreamOut::<16>::join(&mut self.pattern.pixels, &mut self.raw_writer.pixels);
 
         self.flushes.next = self.registers.control.val().get_bit(4) || self.drops.q.val();
         // Through the memory to the calculator, as long as the host lets it run. What is in flight between the two domains goes with a flush, or
@@ -338,7 +366,11 @@ impl Logic for EdofCore {
         self.picture_writer.corrupted.next = self.raw_reader.corrupted.val();
         self.picture_writer.reading.next = self.picture_reader.reading.val();
         self.picture_reader.newest.next = self.picture_writer.newest.val();
-        StreamOut::<16>::join(&mut self.picture_reader.pixels, &mut self.output_fifo.from);
+        self.output_fifo.from.valid.next = self.picture_reader.pixels.valid.val();
+        self.output_fifo.from.data.next = self.picture_reader.pixels.data.val();
+        self.output_fifo.from.user.next = self.picture_reader.pixels.user.val();
+        self.output_fifo.from.last.next = self.picture_reader.pixels.last.val();
+        self.picture_reader.pixels.ready.next = self.output_fifo.from.ready.val();
         self.video_out.pixels_valid.next = self.output_fifo.to.valid.val();
         self.video_out.pixels_data.next = self.output_fifo.to.data.val();
         self.video_out.pixels_user.next = self.output_fifo.to.user.val();
@@ -349,6 +381,50 @@ impl Logic for EdofCore {
         self.screen_de.next = self.video_out.de.val();
         self.screen_data.next = self.video_out.data.val();
 
+        // The host's window: a tile that the pattern repeats, and a part of the codes.
+        self.window.clock.next = self.clock.val();
+        self.window.reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+        self.window.tile_address.next = self.pattern.tile_address.val();
+        self.pattern.tile_pixel.next = self.window.tile_pixel.val();
+        self.window.write.next = self.registers.tile_write.val();
+        self.window.write_address.next = self.registers.tile_address.val();
+        self.window.write_data.next = self.registers.weight_data.val().get_bits::<16>(0);
+        self.window.valid.next = self.picture_fifo.to.valid.val() && self.picture_writer.pixels.ready.val();
+        self.window.data.next = self.picture_fifo.to.data.val();
+        self.window.user.next = self.picture_fifo.to.user.val();
+        self.window.last.next = self.picture_fifo.to.last.val();
+        self.window.corner.next = self.registers.window_corner.val();
+        self.window.read_address.next = self.registers.tile_address.val();
+        self.registers.window_pixel.next = self.window.read_data.val();
+
+        // What passes is checked. The write that copies the counters of the stages copies these, too.
+        for i in 0..3 {
+            self.checks[i].clock.next = self.clock.val();
+            self.checks[i].snapshot.next = self.snapshot.q.val();
+            self.checks[i].reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+        }
+        self.checks[2].reset.next = self.resets[1].domain_reset.val();
+        self.checks[0].valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
+        self.checks[0].data.next = self.raw_reader.pixels.data.val();
+        self.checks[1].valid.next =
+            self.picture_fifo.to.valid.val() && self.picture_writer.pixels.ready.val();
+        self.checks[1].data.next = self.picture_fifo.to.data.val();
+        self.checks[2].valid.next =
+            self.picture_reader.pixels.valid.val() && self.output_fifo.from.ready.val();
+        self.checks[2].data.next = self.picture_reader.pixels.data.val();
+        self.snapshot.d.next = self.registers.weight_valid.val()
+            && self.access.ready.val()
+            && (self.registers.weight_address.val().get_bits::<6>(19) == self.snapshot_register.val());
+        self.registers.check_raw.next = self.checks[0].crc.val();
+        self.registers.check_windows.next = self.calculator_status.arrived.val().get_bits::<32>(192);
+        self.registers.check_codes.next = self.checks[1].crc.val();
+        self.registers.check_sent.next = self.checks[2].crc.val();
+        self.check_frames.next = bit_cast::<32, 8>(self.checks[0].frames.val())
+            | (bit_cast::<32, 8>(self.calculator_status.arrived.val().get_bits::<8>(224)) << 8)
+            | (bit_cast::<32, 8>(self.checks[1].frames.val()) << 16)
+            | (bit_cast::<32, 8>(self.checks[2].frames.val()) << 24);
+        self.registers.check_frames.next = self.check_frames.val();
+
         // Memory.
         AxiWriteMaster::<512, 64>::join(&mut self.raw_writer.dram, &mut self.memory.write_0);
         AxiWriteMaster::<512, 64>::join(&mut self.picture_writer.dram, &mut self.memory.write_1);
@@ -358,39 +434,43 @@ impl Logic for EdofCore {
         AxiReadMaster::<512>::link(&mut self.dram_read, &mut self.memory.dram_read);
 
         // What the other domains say, again and again.
-        self.seen.next = (bit_cast::<192, 32>(self.video_in.overruns.val()))
-            | (bit_cast::<192, 32>(self.video_in.wrong_frames.val()) << 32)
-            | (bit_cast::<192, 13>(self.video_in.width.val()) << 64)
-            | (bit_cast::<192, 13>(self.video_in.height.val()) << 80)
-            | (bit_cast::<192, 32>(self.input_codes.val()) << 96)
-            | (bit_cast::<192, 32>(self.input_malformed.val()) << 128)
-            | (bit_cast::<192, 32>(self.video_in.range_frames.val()) << 160);
+        self.seen.next = (bit_cast::<224, 32>(self.video_in.overruns.val()))
+            | (bit_cast::<224, 32>(self.video_in.wrong_frames.val()) << 32)
+            | (bit_cast::<224, 13>(self.video_in.width.val()) << 64)
+            | (bit_cast::<224, 13>(self.video_in.height.val()) << 80)
+            | (bit_cast::<224, 32>(self.input_codes.val()) << 96)
+            | (bit_cast::<224, 32>(self.input_malformed.val()) << 128)
+            | (bit_cast::<224, 32>(self.video_in.range_frames.val()) << 160)
+            | (bit_cast::<224, 32>(self.cycles[1].count.val()) << 192);
         if self.video_in.present.val() {
-            self.seen.next = self.seen.val() | (bit_cast::<192, 13>(1.into()) << 77);
+            self.seen.next = self.seen.val() | (bit_cast::<224, 13>(1.into()) << 77);
         }
         if self.video_in.fits.val() {
-            self.seen.next = self.seen.val() | (bit_cast::<192, 13>(1.into()) << 78);
+            self.seen.next = self.seen.val() | (bit_cast::<224, 13>(1.into()) << 78);
         }
         self.input_status.word.next = self.seen.val();
         self.input_status.valid.next = true;
-        self.shown.next = bit_cast::<64, 32>(self.video_out.late_pixels.val())
-            | (bit_cast::<64, 32>(self.video_out.shown_frames.val()) << 32);
+        self.shown.next = bit_cast::<96, 32>(self.video_out.late_pixels.val())
+            | (bit_cast::<96, 32>(self.video_out.shown_frames.val()) << 32)
+            | (bit_cast::<96, 32>(self.cycles[2].count.val()) << 64);
         self.screen_status.word.next = self.shown.val();
         self.screen_status.valid.next = true;
         self.calculator_status.from_clock.next = self.calculator_clock.val();
         self.calculator_status.from_reset.next = self.resets[3].domain_reset.val();
         self.calculator_status.to_clock.next = self.clock.val();
         self.calculator_status.to_reset.next = self.resets[1].domain_reset.val();
-        self.made.next = bit_cast::<192, 32>(self.core.saturated_sums.val())
-            | (bit_cast::<192, 32>(self.core.clamped_chroma.val()) << 32)
-            | (bit_cast::<192, 32>(self.core.out_of_gamut.val()) << 64)
-            | (bit_cast::<192, 32>(self.core.patches.val()) << 96)
-            | (bit_cast::<192, 32>(self.core.busy_cycles.val()) << 128);
+        self.made.next = bit_cast::<232, 32>(self.core.saturated_sums.val())
+            | (bit_cast::<232, 32>(self.core.clamped_chroma.val()) << 32)
+            | (bit_cast::<232, 32>(self.core.out_of_gamut.val()) << 64)
+            | (bit_cast::<232, 32>(self.core.patches.val()) << 96)
+            | (bit_cast::<232, 32>(self.core.busy_cycles.val()) << 128)
+            | (bit_cast::<232, 32>(self.core.window_crc.val()) << 192)
+            | (bit_cast::<232, 8>(self.core.window_frames.val()) << 224);
         if self.core.set_used.val() {
-            self.made.next = self.made.val() | (bit_cast::<192, 2>(1.into()) << 160);
+            self.made.next = self.made.val() | (bit_cast::<232, 2>(1.into()) << 160);
         }
         if self.core.window_fault.val() {
-            self.made.next = self.made.val() | (bit_cast::<192, 2>(2.into()) << 160);
+            self.made.next = self.made.val() | (bit_cast::<232, 2>(2.into()) << 160);
         }
         self.calculator_status.word.next = self.made.val();
         self.calculator_status.valid.next = true;
@@ -489,6 +569,9 @@ impl Logic for EdofCore {
         self.registers.output_read_errors.next = self.picture_reader.errors.val();
         self.registers.output_underruns.next = self.screen_status.arrived.val().get_bits::<32>(0);
         self.registers.uart_broken.next = self.uart_broken.val();
+        self.registers.core_cycles.next = self.cycles[0].count.val();
+        self.registers.input_cycles.next = self.input_status.arrived.val().get_bits::<32>(192);
+        self.registers.screen_cycles.next = self.screen_status.arrived.val().get_bits::<32>(64);
         self.registers.input_range.next = self.input_status.arrived.val().get_bits::<32>(160);
     }
 }

@@ -1,6 +1,6 @@
 //! Syncs that come inside of the pixels.
 
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Takes the syncs out of a 16-bit 4:2:2 bus that has no pins for them (ITU-R BT.1120): before and after the pixels of a line stand
@@ -52,7 +52,7 @@ pub struct EmbeddedSyncs {
 }
 
 impl Logic for EmbeddedSyncs {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -1,7 +1,7 @@
 //! One read or write on an I2C bus.
 
 use crate::crossing::Sync;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Quarters of a bit for which chips may hold the clock line down in one transfer, all together: 4 ms.
@@ -119,7 +119,7 @@ impl I2cMaster {
 }
 
 impl Logic for I2cMaster {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -6,7 +6,7 @@ use super::embedded_syncs::EmbeddedSyncs;
 use super::pace::Pace;
 use super::uart_bus::UartBus;
 use crate::crossing::ResetSync;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
 use edof_device::board::I2C_IMAGES;
 use edof_device::i2c;
@@ -91,7 +91,7 @@ impl Kc705Core {
 }
 
 impl Logic for Kc705Core {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         self.core.clock.next = self.clock.val();
         self.core.input_clock.next = self.input_clock.val();

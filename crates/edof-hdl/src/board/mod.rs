@@ -7,9 +7,12 @@
 //! | [`axi_pair`] | two agents each way on one memory |
 //! | [`axi_guard`] | completes what is in flight when they are reset |
 //! | [`clock_watch`] | whether a clock runs |
+//! | [`cycle_count`] | cycles of a clock |
 //! | [`registers`] | what the host sees and sets |
 //! | [`calculator_port`] | the host's words into the calculator's clock, and back |
 //! | [`bank_guard`] | which words belong to the bank in use |
+//! | [`pattern_source`] | raw frames that the board makes itself |
+//! | [`picture_window`] | a tile of raw pixels that the host writes, and a part of the codes that it reads |
 //! | [`power_on`] | the reset after configuration |
 //! | [`i2c_master`] | one read or write on an I2C bus |
 //! | [`chip_setup`] | sets up the video chips of a bus, and asks them how they are |
@@ -30,12 +33,15 @@ pub mod blocks;
 pub mod calculator_port;
 pub mod chip_setup;
 pub mod clock_watch;
+pub mod cycle_count;
 pub mod edof_core;
 pub mod embedded_syncs;
 pub mod frames;
 pub mod i2c_master;
 pub mod kc705_core;
 mod pace;
+pub mod pattern_source;
+pub mod picture_window;
 pub mod power_on;
 pub mod read_agent;
 pub mod registers;
@@ -50,12 +56,15 @@ pub use bank_guard::BankGuard;
 pub use calculator_port::CalculatorPort;
 pub use chip_setup::ChipSetup;
 pub use clock_watch::ClockWatch;
+pub use cycle_count::CycleCount;
 pub use edof_core::EdofCore;
 pub use embedded_syncs::EmbeddedSyncs;
 pub use frames::Frames;
 pub use i2c_master::I2cMaster;
 pub use kc705_core::Kc705Core;
 pub use pace::Pace;
+pub use pattern_source::PatternSource;
+pub use picture_window::PictureWindow;
 pub use power_on::PowerOn;
 pub use read_agent::ReadAgent;
 pub use registers::{BoardRegisters, Identity};

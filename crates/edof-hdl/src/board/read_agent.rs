@@ -3,7 +3,7 @@
 use super::{Buffer, Frames};
 use crate::blocks::Row;
 use crate::blocks::ram::{Ram, Shape};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiReadMaster, StreamOut};
 use edof_image::display::BLACK_PIXEL;
 use rust_hdl::prelude::*;
@@ -57,19 +57,19 @@ pub struct ReadAgent<const W: usize> {
     missing: DFF<Bits<24>>,
     some_miss: DFF<Bit>,
     few_miss: DFF<Bit>,
-    asks: DFF<Bit>,
+    request: DFF<Bit>,
     // A burst was just accepted: what depends on it follows.
     settles: DFF<Bit>,
     address: DFF<Bits<32>>,
-    asked_address: DFF<Bits<32>>,
-    asked_words: DFF<Row>,
+    request_address: DFF<Bits<32>>,
+    request_words: DFF<Row>,
     // Words: asked for, come, taken out of the RAM (and the one after). How many are asked for and not taken, two cycles later.
     reserved: DFF<Row>,
     held: DFF<Row>,
     has_room: DFF<Bit>,
-    put: DFF<Row>,
-    got: DFF<Row>,
-    got_next: DFF<Row>,
+    write_ptr: DFF<Row>,
+    read_ptr: DFF<Row>,
+    read_ptr_next: DFF<Row>,
     came: DFF<Row>,
     has_word: DFF<Bit>,
     full: DFF<Bit>,
@@ -89,8 +89,8 @@ pub struct ReadAgent<const W: usize> {
     begins: Signal<Local, Bit>,
     words: Signal<Local, Row>,
     taken: Signal<Local, Bit>,
-    moves: Signal<Local, Bit>,
-    got_then: Signal<Local, Row>,
+    advance: Signal<Local, Bit>,
+    next_read_ptr: Signal<Local, Row>,
     is_line_end: Signal<Local, Bit>,
 }
 
@@ -128,7 +128,7 @@ impl<const W: usize> ReadAgent<W> {
 }
 
 impl<const W: usize> Logic for ReadAgent<W> {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -138,17 +138,17 @@ impl<const W: usize> Logic for ReadAgent<W> {
             missing,
             some_miss,
             few_miss,
-            asks,
+            request,
             settles,
             address,
-            asked_address,
-            asked_words,
+            request_address,
+            request_words,
             reserved,
             held,
             has_room,
-            put,
-            got,
-            got_next,
+            write_ptr,
+            read_ptr,
+            read_ptr_next,
             came,
             has_word,
             full,
@@ -189,20 +189,20 @@ impl<const W: usize> Logic for ReadAgent<W> {
         // Bursts: asked for when there is room for them. What the last one changed is known two cycles after it was accepted.
         self.some_miss.d.next = self.missing.q.val().any();
         self.few_miss.d.next = self.missing.q.val() < self.burst_words.val();
-        self.held.d.next = self.reserved.q.val() - self.got.q.val();
+        self.held.d.next = self.reserved.q.val() - self.read_ptr.q.val();
         self.has_room.d.next = self.held.q.val() <= self.room.val();
         self.words.next = self.burst.val();
         if self.few_miss.q.val() {
             self.words.next = self.missing.q.val().get_bits::<12>(0);
         }
-        self.settles.d.next = self.asks.q.val();
-        if self.asks.q.val() && self.dram.ar_ready.val() {
-            self.asks.d.next = false;
+        self.settles.d.next = self.request.q.val();
+        if self.request.q.val() && self.dram.ar_ready.val() {
+            self.request.d.next = false;
         }
-        if !self.asks.q.val() && !self.settles.q.val() && self.some_miss.q.val() && self.has_room.q.val() {
-            self.asks.d.next = true;
-            self.asked_address.d.next = self.address.q.val();
-            self.asked_words.d.next = self.words.val();
+        if !self.request.q.val() && !self.settles.q.val() && self.some_miss.q.val() && self.has_room.q.val() {
+            self.request.d.next = true;
+            self.request_address.d.next = self.address.q.val();
+            self.request_words.d.next = self.words.val();
             self.address.d.next = self.address.q.val() + self.burst_bytes.val();
             self.missing.d.next = self.missing.q.val() - self.burst_words.val();
             if self.few_miss.q.val() {
@@ -212,19 +212,19 @@ impl<const W: usize> Logic for ReadAgent<W> {
         }
 
         // Words into the RAM; on its output two cycles later.
-        self.came.d.next = self.put.q.val();
+        self.came.d.next = self.write_ptr.q.val();
         self.corrupted_q.d.next = self.dram.r_valid.val() && self.dram.r_resp.val().any();
         if self.dram.r_valid.val() {
-            self.put.d.next = self.put.q.val() + 1;
+            self.write_ptr.d.next = self.write_ptr.q.val() + 1;
         }
         if self.corrupted_q.q.val() {
             self.errors_q.d.next = self.errors_q.q.val() + 1;
         }
         self.marks.write_enable.next = self.dram.r_valid.val();
-        self.marks.write_address.next = self.put.q.val() & self.row_mask.val();
+        self.marks.write_address.next = self.write_ptr.q.val() & self.row_mask.val();
         self.marks.write_data.next = bit_cast::<1, 2>(self.dram.r_resp.val() | (self.dram.r_resp.val() >> 1));
         self.ram.write_enable.next = self.dram.r_valid.val();
-        self.ram.write_address.next = self.put.q.val() & self.row_mask.val();
+        self.ram.write_address.next = self.write_ptr.q.val() & self.row_mask.val();
         self.ram.write_data.next = self.dram.r_data.val();
 
         // Words out of it, and their pixels.
@@ -234,10 +234,10 @@ impl<const W: usize> Logic for ReadAgent<W> {
             self.lane.d.next = self.lane.q.val() + 1;
             self.is_last_lane.d.next = self.lane.q.val() == self.before_last_lane.val();
         }
-        self.moves.next = !self.full.q.val() || (self.is_last_lane.q.val() && self.pixels.ready.val());
-        self.got_then.next = self.got.q.val();
-        self.has_word.d.next = self.got.q.val() != self.came.q.val();
-        if self.moves.val() {
+        self.advance.next = !self.full.q.val() || (self.is_last_lane.q.val() && self.pixels.ready.val());
+        self.next_read_ptr.next = self.read_ptr.q.val();
+        self.has_word.d.next = self.read_ptr.q.val() != self.came.q.val();
+        if self.advance.val() {
             self.full.d.next = self.has_word.q.val();
             self.word.d.next = self.ram.read_data.val();
             self.lane.d.next = 0.into();
@@ -246,15 +246,15 @@ impl<const W: usize> Logic for ReadAgent<W> {
                 if self.marks.read_data.val().any() {
                     self.black_on.d.next = true;
                 }
-                self.got_then.next = self.got_next.q.val();
-                self.got_next.d.next = self.got_next.q.val() + 1;
-                self.has_word.d.next = self.got_next.q.val() != self.came.q.val();
+                self.next_read_ptr.next = self.read_ptr_next.q.val();
+                self.read_ptr_next.d.next = self.read_ptr_next.q.val() + 1;
+                self.has_word.d.next = self.read_ptr_next.q.val() != self.came.q.val();
             }
         }
-        self.got.d.next = self.got_then.val();
+        self.read_ptr.d.next = self.next_read_ptr.val();
         // Not held back by a reset: what is read in one is of no meaning.
-        self.ram.read_address.next = self.got_then.val() & self.row_mask.val();
-        self.marks.read_address.next = self.got_then.val() & self.row_mask.val();
+        self.ram.read_address.next = self.next_read_ptr.val() & self.row_mask.val();
+        self.marks.read_address.next = self.next_read_ptr.val() & self.row_mask.val();
         self.is_line_end.next = self.column.q.val() == self.last_column.val();
         if self.taken.val() {
             self.column.d.next = self.column.q.val() + 1;
@@ -273,14 +273,14 @@ impl<const W: usize> Logic for ReadAgent<W> {
             self.reading_q.d.next = 3.into();
             self.missing.d.next = 0.into();
             self.some_miss.d.next = false;
-            self.asks.d.next = false;
+            self.request.d.next = false;
             self.settles.d.next = false;
             self.reserved.d.next = 0.into();
             self.held.d.next = 0.into();
             self.has_room.d.next = false;
-            self.put.d.next = 0.into();
-            self.got.d.next = 0.into();
-            self.got_next.d.next = 1.into();
+            self.write_ptr.d.next = 0.into();
+            self.read_ptr.d.next = 0.into();
+            self.read_ptr_next.d.next = 1.into();
             self.came.d.next = 0.into();
             self.has_word.d.next = false;
             self.full.d.next = false;
@@ -296,11 +296,11 @@ impl<const W: usize> Logic for ReadAgent<W> {
         }
 
         self.dram.ar_id.next = 0.into();
-        self.dram.ar_addr.next = self.asked_address.q.val();
-        self.dram.ar_len.next = (self.asked_words.q.val() - 1).get_bits::<8>(0);
+        self.dram.ar_addr.next = self.request_address.q.val();
+        self.dram.ar_len.next = (self.request_words.q.val() - 1).get_bits::<8>(0);
         self.dram.ar_size.next = self.word_size.val();
         self.dram.ar_burst.next = 1.into();
-        self.dram.ar_valid.next = self.asks.q.val();
+        self.dram.ar_valid.next = self.request.q.val();
         self.dram.r_ready.next = true;
         self.pixels.valid.next = self.full.q.val();
         self.pixels.data.next = self.word.q.val().get_bits::<16>(0);

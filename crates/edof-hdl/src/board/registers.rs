@@ -1,11 +1,11 @@
 //! What the host sees of the board: the registers and windows of `edof_device::registers`.
 
 use super::bank_guard::BankGuard;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::AxiLiteSlave;
 use edof_device::design::Design;
 use edof_device::registers::map::{
-    DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHT_SET, WEIGHTS,
+    DISPLAY_TABLES, PICTURE_PIXELS, REGISTERS, STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, WEIGHT_SET, WEIGHTS,
 };
 use rust_hdl::prelude::*;
 
@@ -111,6 +111,32 @@ pub struct BoardRegisters {
     pub chip_answer: Signal<In, Bits<32>>,
     /// Frames on the cable with a code outside of 64…191.
     pub input_range: Signal<In, Bits<32>>,
+    /// CRC-32 of the last whole raw frame that the calculator took, as of the last snapshot.
+    pub check_raw: Signal<In, Bits<32>>,
+    /// Of its windows.
+    pub check_windows: Signal<In, Bits<32>>,
+    /// Of its codes.
+    pub check_codes: Signal<In, Bits<32>>,
+    /// Of the codes of a picture that left the memory.
+    pub check_sent: Signal<In, Bits<32>>,
+    /// Which frames these were, 8 bits each.
+    pub check_frames: Signal<In, Bits<32>>,
+    /// Cycles of the core's clock, of the input's, of the screen's.
+    pub core_cycles: Signal<In, Bits<32>>,
+    /// Of the input's.
+    pub input_cycles: Signal<In, Bits<32>>,
+    /// Of the screen's.
+    pub screen_cycles: Signal<In, Bits<32>>,
+    /// The first pixel of codes that the host can read.
+    pub window_corner: Signal<Out, Bits<32>>,
+    /// Writes a pixel of the tile, of which the word is that of `weight_data`.
+    pub tile_write: Signal<Out, Bit>,
+    /// Which, or which pixel of codes is read.
+    pub tile_address: Signal<Out, Bits<12>>,
+    /// It, two cycles later.
+    pub window_pixel: Signal<In, Bits<16>>,
+    /// What the board makes in place of raw frames.
+    pub pattern: Signal<Out, Bits<32>>,
     /// What set-ups of the video chips use.
     pub video_setup: Signal<Out, Bits<32>>,
     /// What the host wants to read or write of a chip.
@@ -152,17 +178,20 @@ pub struct BoardRegisters {
     indices: Vec<Constant<Bits<6>>>,
     masks: Vec<Constant<Bits<32>>>,
     start: Vec<Constant<Bits<32>>>,
-    window_bases: [Constant<Bits<32>>; 4],
-    window_masks: [Constant<Bits<32>>; 4],
+    window_bases: [Constant<Bits<32>>; 6],
+    window_masks: [Constant<Bits<32>>; 6],
     phase: DFF<Phase>,
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
     is_bad: DFF<Bit>,
-    controls: [DFF<Bits<32>>; 6],
+    controls: [DFF<Bits<32>>; 8],
     // Where a word to write goes, known before it is judged.
-    at_control: [DFF<Bit>; 6],
+    at_control: [DFF<Bit>; 8],
     at_tables: DFF<Bit>,
     at_weights: DFF<Bit>,
+    at_tile: DFF<Bit>,
+    is_picture: DFF<Bit>,
+    waits: DFF<Bit>,
     guard: BankGuard,
     is_checked: DFF<Bit>,
     refuses: DFF<Bit>,
@@ -177,16 +206,16 @@ pub struct BoardRegisters {
     selected: [Signal<Local, Bits<32>>; 4],
     known: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
-    may_write: [Signal<Local, Bit>; 6],
-    control_words: [Signal<Local, Bits<32>>; 6],
+    may_write: [Signal<Local, Bit>; 8],
+    control_words: [Signal<Local, Bits<32>>; 8],
     bars: Signal<Local, Bit>,
     kept_out: Signal<Local, Bit>,
     bank_only: Constant<Bits<32>>,
     in_area: Signal<Local, Bit>,
-    in_window: [Signal<Local, Bit>; 4],
+    in_window: [Signal<Local, Bit>; 6],
     stage_word: Signal<Local, Bits<7>>,
-    takes_write: Signal<Local, Bit>,
-    takes_read: Signal<Local, Bit>,
+    grant_write: Signal<Local, Bit>,
+    grant_read: Signal<Local, Bit>,
     _count: usize,
 }
 
@@ -212,7 +241,7 @@ impl BoardRegisters {
             "weights_hash" => identity.weights_hash,
             _ => reset,
         };
-        let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS];
+        let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS];
         Self::from_parts(BoardRegistersParts {
             indices: REGISTERS
                 .iter()
@@ -231,13 +260,13 @@ impl BoardRegisters {
 }
 
 impl Logic for BoardRegisters {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, phase, address, word, is_bad, found_any, is_stage, result, is_checked, refuses,
-            refused, unchecked, at_tables, at_weights
+            refused, unchecked, at_tables, at_weights, at_tile, is_picture, waits
         );
-        for i in 0..6 {
+        for i in 0..8 {
             self.controls[i].clock.next = self.clock.val();
             self.controls[i].d.next = self.controls[i].q.val();
             self.at_control[i].clock.next = self.clock.val();
@@ -249,21 +278,21 @@ impl Logic for BoardRegisters {
         }
 
         // An access is taken: writes first.
-        self.takes_write.next =
+        self.grant_write.next =
             (self.phase.q.val() == Phase::Idle) && self.bus.aw_valid.val() && self.bus.w_valid.val();
-        self.takes_read.next =
-            (self.phase.q.val() == Phase::Idle) && self.bus.ar_valid.val() && !self.takes_write.val();
-        if self.takes_write.val() {
+        self.grant_read.next =
+            (self.phase.q.val() == Phase::Idle) && self.bus.ar_valid.val() && !self.grant_write.val();
+        if self.grant_write.val() {
             self.address.d.next = self.bus.aw_addr.val();
             self.word.d.next = self.bus.w_data.val();
             self.is_bad.d.next =
                 (self.bus.w_strb.val() != 15) || self.bus.aw_addr.val().get_bits::<2>(0).any();
-        } else if self.takes_read.val() {
+        } else if self.grant_read.val() {
             self.address.d.next = self.bus.ar_addr.val();
             self.is_bad.d.next = self.bus.ar_addr.val().get_bits::<2>(0).any();
         }
         self.in_area.next = !self.address.q.val().get_bits::<24>(8).any();
-        for i in 0..4 {
+        for i in 0..6 {
             self.in_window[i].next =
                 (self.address.q.val() & self.window_masks[i].val()) == self.window_bases[i].val();
         }
@@ -314,26 +343,36 @@ impl Logic for BoardRegisters {
         self.values[41].next = self.controls[5].q.val();
         self.values[42].next = self.chip_answer.val();
         self.values[43].next = self.input_range.val();
+        self.values[44].next = self.controls[6].q.val();
+        self.values[45].next = self.check_raw.val();
+        self.values[46].next = self.check_windows.val();
+        self.values[47].next = self.check_codes.val();
+        self.values[48].next = self.check_sent.val();
+        self.values[49].next = self.check_frames.val();
+        self.values[50].next = self.core_cycles.val();
+        self.values[51].next = self.input_cycles.val();
+        self.values[52].next = self.screen_cycles.val();
+        self.values[53].next = self.controls[7].q.val();
         self.known.next = false;
-        for i in 0..11 {
+        for i in 0..14 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[0].next = self.selected[0].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
             }
         }
-        for i in 11..22 {
+        for i in 14..28 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[1].next = self.selected[1].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
             }
         }
-        for i in 22..33 {
+        for i in 28..41 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[2].next = self.selected[2].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
             }
         }
-        for i in 33..self._count {
+        for i in 41..self._count {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[3].next = self.selected[3].val() | (self.values[i].val() & self.masks[i].val());
                 self.known.next = true;
@@ -343,6 +382,7 @@ impl Logic for BoardRegisters {
             self.found[i].d.next = self.selected[i].val();
         }
         self.found_any.d.next = self.known.val() && self.in_area.val();
+        self.is_picture.d.next = self.in_window[5].val();
         self.is_stage.d.next = self.in_window[0].val() || self.in_window[3].val();
 
         // What protection keeps out: words of the bank in use, of tables in use, and words that should carry their complement.
@@ -357,6 +397,8 @@ impl Logic for BoardRegisters {
         self.may_write[3].next = self.is_checked.q.val();
         self.may_write[4].next = true;
         self.may_write[5].next = true;
+        self.may_write[6].next = true;
+        self.may_write[7].next = true;
         for i in 4..8 {
             self.at_control[i - 4].d.next =
                 self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val());
@@ -367,6 +409,13 @@ impl Logic for BoardRegisters {
                 self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val());
             self.control_words[i - 36].next = self.word.q.val() & self.masks[i].val();
         }
+        self.at_control[6].d.next =
+            self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[44].val());
+        self.control_words[6].next = self.word.q.val() & self.masks[44].val();
+        self.at_control[7].d.next =
+            self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[53].val());
+        self.control_words[7].next = self.word.q.val() & self.masks[53].val();
+        self.at_tile.d.next = self.in_window[4].val();
         self.at_tables.d.next = self.in_window[1].val();
         self.at_weights.d.next = self.in_window[2].val();
         self.bars.next = self.controls[3].q.val().get_bit(0)
@@ -380,12 +429,13 @@ impl Logic for BoardRegisters {
         self.written.next = false;
         self.table_valid.next = false;
         self.weight_valid.next = false;
+        self.tile_write.next = false;
         self.stage_valid.next = false;
         match self.phase.q.val() {
             Phase::Idle => {
-                if self.takes_write.val() {
+                if self.grant_write.val() {
                     self.phase.d.next = Phase::Look;
-                } else if self.takes_read.val() {
+                } else if self.grant_read.val() {
                     self.phase.d.next = Phase::Read;
                 }
             }
@@ -413,9 +463,12 @@ impl Logic for BoardRegisters {
                         self.is_bad.d.next = self.unreached.val();
                         self.phase.d.next = Phase::WriteAnswer;
                     }
+                } else if self.at_tile.q.val() {
+                    self.tile_write.next = true;
+                    self.phase.d.next = Phase::WriteAnswer;
                 } else {
                     self.phase.d.next = Phase::WriteAnswer;
-                    for i in 0..6 {
+                    for i in 0..8 {
                         if self.at_control[i].q.val() {
                             if self.may_write[i].val() {
                                 self.controls[i].d.next = self.control_words[i].val();
@@ -437,12 +490,19 @@ impl Logic for BoardRegisters {
                 }
             }
             Phase::Read => {
-                self.phase.d.next = Phase::ReadJoin;
+                // A pixel of codes comes a cycle later than all else.
+                self.waits.d.next = self.in_window[5].val();
+                if self.waits.q.val() || !self.in_window[5].val() {
+                    self.waits.d.next = false;
+                    self.phase.d.next = Phase::ReadJoin;
+                }
             }
             Phase::ReadJoin => {
                 self.phase.d.next = Phase::ReadAnswer;
                 self.result.d.next = 0.into();
-                if self.is_bad.q.val() || !(self.found_any.q.val() || self.is_stage.q.val()) {
+                if self.is_bad.q.val()
+                    || !(self.found_any.q.val() || self.is_stage.q.val() || self.is_picture.q.val())
+                {
                     self.is_bad.d.next = true;
                 } else if self.is_stage.q.val() {
                     self.stage_valid.next = true;
@@ -451,6 +511,8 @@ impl Logic for BoardRegisters {
                     if !self.stage_ready.val() {
                         self.phase.d.next = Phase::ReadJoin;
                     }
+                } else if self.is_picture.q.val() {
+                    self.result.d.next = bit_cast::<32, 16>(self.window_pixel.val());
                 } else {
                     self.result.d.next = self.found[0].q.val()
                         | self.found[1].q.val()
@@ -471,6 +533,7 @@ impl Logic for BoardRegisters {
         if self.reset.val() {
             self.phase.d.next = Phase::Idle;
             self.refuses.d.next = false;
+            self.waits.d.next = false;
             self.refused.d.next = 0.into();
             self.unchecked.d.next = self.keeps.val() && self.unchecked.q.val();
             for i in 4..8 {
@@ -479,6 +542,8 @@ impl Logic for BoardRegisters {
             for i in 40..42 {
                 self.controls[i - 36].d.next = self.start[i].val();
             }
+            self.controls[6].d.next = self.start[44].val();
+            self.controls[7].d.next = self.start[53].val();
             if self.keeps.val() {
                 self.controls[0].d.next = self.controls[0].q.val();
                 self.controls[1].d.next =
@@ -490,11 +555,11 @@ impl Logic for BoardRegisters {
             self.unchecked.d.next = true;
         }
 
-        self.bus.aw_ready.next = self.takes_write.val();
-        self.bus.w_ready.next = self.takes_write.val();
+        self.bus.aw_ready.next = self.grant_write.val();
+        self.bus.w_ready.next = self.grant_write.val();
         self.bus.b_valid.next = self.phase.q.val() == Phase::WriteAnswer;
         self.bus.b_resp.next = 0.into();
-        self.bus.ar_ready.next = self.takes_read.val();
+        self.bus.ar_ready.next = self.grant_read.val();
         self.bus.r_valid.next = self.phase.q.val() == Phase::ReadAnswer;
         self.bus.r_data.next = self.result.q.val();
         self.bus.r_resp.next = 0.into();
@@ -507,6 +572,9 @@ impl Logic for BoardRegisters {
         self.scratch.next = self.controls[2].q.val();
         self.video_setup.next = self.controls[4].q.val();
         self.chip_access.next = self.controls[5].q.val();
+        self.pattern.next = self.controls[6].q.val();
+        self.window_corner.next = self.controls[7].q.val();
+        self.tile_address.next = self.address.q.val().get_bits::<12>(2);
         self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2));
         if self.in_window[3].val() {
             self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2)) | 0x40;

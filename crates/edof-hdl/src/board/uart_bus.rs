@@ -2,7 +2,7 @@
 
 use super::uart_receiver::UartReceiver;
 use super::uart_sender::UartSender;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::AxiLiteMaster;
 use rust_hdl::prelude::*;
 
@@ -56,7 +56,7 @@ pub struct UartBus {
     phase: DFF<Phase>,
     writes: DFF<Bit>,
     is_fixed: DFF<Bit>,
-    left: DFF<Bits<8>>,
+    remaining: DFF<Bits<8>>,
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
     byte_number: DFF<Bits<2>>,
@@ -67,7 +67,7 @@ pub struct UartBus {
     broken_q: DFF<Bits<32>>,
     has_byte: Signal<Local, Bit>,
     byte: Signal<Local, Bits<8>>,
-    waits: Signal<Local, Bit>,
+    stall: Signal<Local, Bit>,
     gives_up: Signal<Local, Bit>,
     word_ends: Signal<Local, Bit>,
 }
@@ -85,7 +85,7 @@ impl UartBus {
 }
 
 impl Logic for UartBus {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -93,7 +93,7 @@ impl Logic for UartBus {
             phase,
             writes,
             is_fixed,
-            left,
+            remaining,
             address,
             word,
             byte_number,
@@ -112,14 +112,14 @@ impl Logic for UartBus {
         self.has_byte.next = self.receiver.valid.val();
         self.byte.next = self.receiver.byte.val();
 
-        self.waits.next = (self.phase.q.val() == Phase::Length)
+        self.stall.next = (self.phase.q.val() == Phase::Length)
             || (self.phase.q.val() == Phase::Address)
             || (self.phase.q.val() == Phase::Data)
             || (self.phase.q.val() == Phase::Skip);
         self.gives_up.next =
-            self.waits.val() && !self.has_byte.val() && (self.pause.q.val() == self.time_out.val());
+            self.stall.val() && !self.has_byte.val() && (self.pause.q.val() == self.time_out.val());
         self.pause.d.next = self.pause.q.val() + 1;
-        if self.has_byte.val() || !self.waits.val() {
+        if self.has_byte.val() || !self.stall.val() {
             self.pause.d.next = 0.into();
         }
         // A word is done: the next one, or the end of the frame.
@@ -140,7 +140,7 @@ impl Logic for UartBus {
             }
             Phase::Length => {
                 if self.has_byte.val() {
-                    self.left.d.next = self.byte.val();
+                    self.remaining.d.next = self.byte.val();
                     self.phase.d.next = Phase::Address;
                 }
             }
@@ -153,7 +153,7 @@ impl Logic for UartBus {
                         if self.writes.q.val() {
                             self.phase.d.next = Phase::Data;
                         }
-                        if self.left.q.val() == 0 {
+                        if self.remaining.q.val() == 0 {
                             self.phase.d.next = Phase::Command;
                         }
                     }
@@ -206,7 +206,7 @@ impl Logic for UartBus {
             Phase::Skip => {}
         }
         if self.word_ends.val() {
-            self.left.d.next = self.left.q.val() - 1;
+            self.remaining.d.next = self.remaining.q.val() - 1;
             if !self.is_fixed.q.val() {
                 self.address.d.next = self.address.q.val() + 1;
             }
@@ -214,7 +214,7 @@ impl Logic for UartBus {
             if self.writes.q.val() {
                 self.phase.d.next = Phase::Data;
             }
-            if self.left.q.val() == 1 {
+            if self.remaining.q.val() == 1 {
                 self.phase.d.next = Phase::Command;
             } else if self.writes.q.val() && (self.is_late.q.val() || self.has_byte.val()) {
                 self.phase.d.next = Phase::Skip;

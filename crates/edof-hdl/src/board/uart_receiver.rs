@@ -1,7 +1,7 @@
 //! Bytes from a serial line.
 
 use crate::crossing::Sync;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Bytes from a serial line: eight bits, the least significant first, no parity, one stop bit.
@@ -44,7 +44,7 @@ impl UartReceiver {
 }
 
 impl Logic for UartReceiver {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, busy, cycle, bit_number, shift, done);
         self.sync.clock.next = self.clock.val();

@@ -1,6 +1,6 @@
 //! Bytes to a serial line.
 
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Bytes to a serial line: eight bits, the least significant first, no parity, one stop bit.
@@ -36,7 +36,7 @@ impl UartSender {
 }
 
 impl Logic for UartSender {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, busy, cycle, bit_number, shift, line_q);
         if !self.busy.q.val() {

@@ -3,7 +3,7 @@
 use super::{Buffer, Frames};
 use crate::blocks::Row;
 use crate::blocks::ram::{Ram, Shape};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiWriteMaster, StreamIn};
 use rust_hdl::prelude::*;
 
@@ -73,7 +73,7 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     lane: DFF<Bits<6>>,
     word: DFF<Bits<W>>,
     // Words of this frame: put into the RAM, announced, taken out of the RAM (and the one after).
-    put: DFF<Row>,
+    write_ptr: DFF<Row>,
     announced: DFF<Row>,
     sent: DFF<Row>,
     sent_next: DFF<Row>,
@@ -85,12 +85,12 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     has_word: DFF<Bit>,
     push: DFF<Bit>,
     push_row: DFF<Row>,
-    asks: DFF<Bit>,
+    request: DFF<Bit>,
     // All pixels had come by the cycle before.
     is_whole: DFF<Bit>,
     address: DFF<Bits<32>>,
-    asked_address: DFF<Bits<32>>,
-    asked_words: DFF<Row>,
+    request_address: DFF<Bits<32>>,
+    request_words: DFF<Row>,
     sends: DFF<Bit>,
     sent_word: DFF<Bits<W>>,
     sent_last: DFF<Bit>,
@@ -106,7 +106,7 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     ram: Ram<W>,
     takes: Signal<Local, Bit>,
     is_short: Signal<Local, Bit>,
-    moves: Signal<Local, Bit>,
+    advance: Signal<Local, Bit>,
     sent_then: Signal<Local, Row>,
     accepted: Signal<Local, Bit>,
     answered: Signal<Local, Bit>,
@@ -148,7 +148,7 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
 }
 
 impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -158,7 +158,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             row,
             lane,
             word,
-            put,
+            write_ptr,
             announced,
             sent,
             sent_next,
@@ -168,11 +168,11 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             has_word,
             push,
             push_row,
-            asks,
+            request,
             is_whole,
             address,
-            asked_address,
-            asked_words,
+            request_address,
+            request_words,
             sends,
             sent_word,
             sent_last,
@@ -188,7 +188,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         self.ram.clock.next = self.clock.val();
 
         // Pixels into words, words into the RAM a cycle later.
-        self.held.d.next = self.put.q.val() - self.sent.q.val();
+        self.held.d.next = self.write_ptr.q.val() - self.sent.q.val();
         self.has_room.d.next = self.held.q.val() <= self.most.val();
         self.takes.next = false;
         self.pixels.ready.next = false;
@@ -201,7 +201,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         }
         self.is_line_end.next = self.column.q.val() == self.last_column.val();
         self.push.d.next = false;
-        self.push_row.d.next = self.put.q.val() & self.row_mask.val();
+        self.push_row.d.next = self.write_ptr.q.val() & self.row_mask.val();
         if self.takes.val() {
             self.word.d.next = (self.word.q.val() >> 16)
                 | (bit_cast::<W, 16>(self.pixels.data.val()) << self.top_lane.val());
@@ -209,7 +209,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             if self.lane.q.val() == self.last_lane.val() {
                 self.lane.d.next = 0.into();
                 self.push.d.next = true;
-                self.put.d.next = self.put.q.val() + 1;
+                self.write_ptr.d.next = self.write_ptr.q.val() + 1;
             }
             self.column.d.next = self.column.q.val() + 1;
             if self.is_line_end.val() {
@@ -223,40 +223,41 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
 
         // Bursts: asked for when their words are here. An address stands for a cycle at least, in which the count of those that wait
         // follows.
-        self.waiting.d.next = self.put.q.val() - self.announced.q.val();
+        self.waiting.d.next = self.write_ptr.q.val() - self.announced.q.val();
         self.is_whole.d.next = self.phase.q.val() == Phase::Complete;
         self.is_short.next = self.waiting.q.val() < self.burst.val();
-        self.accepted.next = self.asks.q.val() && self.dram.aw_ready.val();
+        self.accepted.next = self.request.q.val() && self.dram.aw_ready.val();
         if self.accepted.val() {
-            self.asks.d.next = false;
+            self.request.d.next = false;
         }
-        if !self.asks.q.val()
+        if !self.request.q.val()
             && (self.outstanding.q.val() != self.outstanding_most.val())
             && (((self.phase.q.val() == Phase::Frame) && !self.is_short.val())
                 || ((self.phase.q.val() == Phase::Complete)
                     && self.is_whole.q.val()
                     && self.waiting.q.val().any()))
         {
-            self.asks.d.next = true;
-            self.asked_address.d.next = self.address.q.val();
+            self.request.d.next = true;
+            self.request_address.d.next = self.address.q.val();
             self.address.d.next = self.address.q.val() + self.burst_bytes.val();
-            self.asked_words.d.next = self.burst.val();
+            self.request_words.d.next = self.burst.val();
             self.announced.d.next = self.announced.q.val() + self.burst.val();
             if self.is_short.val() {
-                self.asked_words.d.next = self.waiting.q.val();
-                self.announced.d.next = self.put.q.val();
+                self.request_words.d.next = self.waiting.q.val();
+                self.announced.d.next = self.write_ptr.q.val();
             }
         }
 
         // Their words, by way of a register; they do not wait for the address to be accepted.
-        self.moves.next = !self.sends.q.val() || self.dram.w_ready.val();
+        self.advance.next = !self.sends.q.val() || self.dram.w_ready.val();
         self.sent_then.next = self.sent.q.val();
         self.has_word.d.next = self.sent.q.val() != self.announced.q.val();
-        if self.moves.val() {
+        if self.advance.val() {
             self.sends.d.next = self.has_word.q.val();
             self.sent_word.d.next = self.ram.read_data.val();
             self.sent_last.d.next = ((self.sent.q.val() & self.last_word.val()) == self.last_word.val())
-                || ((self.phase.q.val() == Phase::Complete) && (self.sent_next.q.val() == self.put.q.val()));
+                || ((self.phase.q.val() == Phase::Complete)
+                    && (self.sent_next.q.val() == self.write_ptr.q.val()));
             if self.has_word.q.val() {
                 self.sent_then.next = self.sent_next.q.val();
                 self.sent_next.d.next = self.sent_next.q.val() + 1;
@@ -287,7 +288,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
                 self.free.next = 2.into();
             }
         }
-        self.is_quiet.next = !self.asks.q.val()
+        self.is_quiet.next = !self.request.q.val()
             && !self.sends.q.val()
             && !self.push.q.val()
             && !self.has_word.q.val()
@@ -351,7 +352,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.column.d.next = 0.into();
             self.row.d.next = 0.into();
             self.lane.d.next = 0.into();
-            self.put.d.next = 0.into();
+            self.write_ptr.d.next = 0.into();
             self.announced.d.next = 0.into();
             self.sent.d.next = 0.into();
             self.sent_next.d.next = 1.into();
@@ -363,7 +364,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         if self.reset.val() {
             self.phase.d.next = Phase::Between;
             self.push.d.next = false;
-            self.asks.d.next = false;
+            self.request.d.next = false;
             self.sends.d.next = false;
             self.outstanding.d.next = 0.into();
             self.doubtful.d.next = 0.into();
@@ -374,11 +375,11 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         }
 
         self.dram.aw_id.next = 0.into();
-        self.dram.aw_addr.next = self.asked_address.q.val();
-        self.dram.aw_len.next = (self.asked_words.q.val() - 1).get_bits::<8>(0);
+        self.dram.aw_addr.next = self.request_address.q.val();
+        self.dram.aw_len.next = (self.request_words.q.val() - 1).get_bits::<8>(0);
         self.dram.aw_size.next = self.word_size.val();
         self.dram.aw_burst.next = 1.into();
-        self.dram.aw_valid.next = self.asks.q.val();
+        self.dram.aw_valid.next = self.request.q.val();
         self.dram.w_data.next = self.sent_word.q.val();
         self.dram.w_strb.next = self.all_bytes.val();
         self.dram.w_last.next = self.sent_last.q.val();

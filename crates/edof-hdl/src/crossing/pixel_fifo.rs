@@ -1,7 +1,7 @@
 //! A stream of pixels from one clock domain to another.
 
 use super::async_fifo::AsyncFifo;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::ports::{StreamIn, StreamOut};
 use rust_hdl::prelude::*;
 
@@ -36,7 +36,7 @@ impl PixelFifo {
 }
 
 impl Logic for PixelFifo {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         self.fifo.write_clock.next = self.from_clock.val();
         self.fifo.write_reset.next = self.from_reset.val();

@@ -1,7 +1,7 @@
 //! Registers in a stream.
 
 use super::{StreamIn, StreamOut};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// Registers in a stream: no path leads through it, neither with the beats nor against them.
@@ -25,17 +25,17 @@ pub struct StreamCut<const W: usize> {
     spare_data: DFF<Bits<W>>,
     spare_user: DFF<Bit>,
     spare_last: DFF<Bit>,
-    moves: Signal<Local, Bit>,
+    advance: Signal<Local, Bit>,
 }
 
 impl<const W: usize> Logic for StreamCut<W> {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, full, data, user, last, spare_full, spare_data, spare_user, spare_last);
 
         // What comes goes to the output, or, where that is occupied, to the spare place.
-        self.moves.next = !self.full.q.val() || self.to.ready.val();
-        if self.moves.val() {
+        self.advance.next = !self.full.q.val() || self.to.ready.val();
+        if self.advance.val() {
             self.full.d.next = self.spare_full.q.val() || self.from.valid.val();
             self.spare_full.d.next = false;
             self.data.d.next = self.from.data.val();

@@ -4,7 +4,7 @@ use super::overlap_add::OverlapAdd;
 use super::patch_pairs::PatchPairs;
 use super::raster_reorder::RasterReorder;
 use crate::blocks::Pair;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use crate::verilog::Optional;
 use edof_device::Design;
 use rust_hdl::prelude::*;
@@ -56,7 +56,7 @@ impl Lines {
 }
 
 impl Logic for Lines {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         self.pairs.clock.next = self.clock.val();
         self.pairs.reset.next = self.reset.val();

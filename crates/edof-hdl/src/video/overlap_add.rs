@@ -5,7 +5,7 @@ use super::queue::Queue;
 use super::{Coordinate, Place};
 use crate::blocks::Pair;
 use crate::blocks::delay::Delay;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::Design;
 use edof_image::geometry::{Geometry, PATCH};
 use rust_hdl::prelude::*;
@@ -54,7 +54,7 @@ pub struct OverlapAdd {
     row: DFF<Coordinate>,
     column: DFF<Coordinate>,
     top: DFF<Coordinate>,
-    left: DFF<Coordinate>,
+    remaining: DFF<Coordinate>,
     valid_1: DFF<Bit>,
     fresh_1: DFF<Bit>,
     done_1: DFF<Bit>,
@@ -130,7 +130,7 @@ impl OverlapAdd {
 }
 
 impl Logic for OverlapAdd {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -139,7 +139,7 @@ impl Logic for OverlapAdd {
             row,
             column,
             top,
-            left,
+            remaining,
             valid_1,
             fresh_1,
             done_1,
@@ -178,10 +178,10 @@ impl Logic for OverlapAdd {
         }
         if self.patch_ends.val() {
             self.column.d.next = self.column.q.val() + 1;
-            self.left.d.next = self.left.q.val() + bit_cast::<13, 3>(self.pairs.val());
+            self.remaining.d.next = self.remaining.q.val() + bit_cast::<13, 3>(self.pairs.val());
             if self.column.q.val() == self.last_column.val() {
                 self.column.d.next = 0.into();
-                self.left.d.next = 0.into();
+                self.remaining.d.next = 0.into();
                 self.row.d.next = self.row.q.val() + 1;
                 self.top.d.next = self.top.q.val() + bit_cast::<13, 4>(self.stride.val());
                 if self.row.q.val() == self.last_row.val() {
@@ -202,7 +202,7 @@ impl Logic for OverlapAdd {
         self.valid_1.d.next = self.accept.val();
         self.fresh_1.d.next = self.fresh_row.val() && self.fresh_column.val();
         self.done_1.d.next = self.complete.val();
-        self.pair_1.d.next = self.left.q.val() + bit_cast::<13, 2>(self.step.q.val().get_bits::<2>(0));
+        self.pair_1.d.next = self.remaining.q.val() + bit_cast::<13, 2>(self.step.q.val().get_bits::<2>(0));
         self.line_1.d.next = self.top.q.val() + bit_cast::<13, 3>(self.step.q.val().get_bits::<3>(2));
         self.words_1.d.next =
             (bit_cast::<64, 32>(self.chroma.val()) << 32) | bit_cast::<64, 32>(self.luma.val());
@@ -316,7 +316,7 @@ impl Logic for OverlapAdd {
             self.row.d.next = 0.into();
             self.column.d.next = 0.into();
             self.top.d.next = 0.into();
-            self.left.d.next = 0.into();
+            self.remaining.d.next = 0.into();
             self.valid_1.d.next = false;
             self.saturated_q.d.next = 0.into();
         }

@@ -3,7 +3,7 @@
 use super::queue::Queue;
 use crate::blocks::Pair;
 use crate::blocks::ram::{Ram, Shape};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// From patches of 64 beats (luma row by row, then Cb, then Cr, two words a beat) to the 32 pairs of pixels of each, row by row.
@@ -63,7 +63,7 @@ impl Default for PatchPairs {
 }
 
 impl Logic for PatchPairs {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, beat, write_slot, step, read_slot, full, step_1, half_1, step_2, luma_2, chroma_2

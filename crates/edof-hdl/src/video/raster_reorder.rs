@@ -5,7 +5,7 @@ use super::queue::Queue;
 use super::{Coordinate, Place};
 use crate::blocks::Pair;
 use crate::blocks::delay::Delay;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::Design;
 use rust_hdl::prelude::*;
 
@@ -105,7 +105,7 @@ impl RasterReorder {
 }
 
 impl Logic for RasterReorder {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -6,7 +6,9 @@ use super::table_reader::TableReader;
 use super::window_reorder::WindowReorder;
 use crate::blocks::Word;
 use crate::blocks::chain::Chain;
-use crate::describe::Circuit;
+use crate::blocks::frame_check::FrameCheck;
+use crate::describe::{Circuit, kernel};
+use edof_device::design::memory::SNAPSHOT_REGISTERS;
 use edof_device::design::{Design, DesignError};
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
@@ -76,6 +78,10 @@ pub struct StreamCore {
     pub patches: Signal<Out, Bits<32>>,
     /// Cycles since reset in which a window or a patch stood at it.
     pub busy_cycles: Signal<Out, Bits<32>>,
+    /// CRC-32 of the last whole frame's windows when the snapshot was taken.
+    pub window_crc: Signal<Out, Bits<32>>,
+    /// Which it was, modulo 256.
+    pub window_frames: Signal<Out, Bits<8>>,
     /// The set of weights of the last patch.
     pub set_used: Signal<Out, Bit>,
     forgets: Signal<Local, Bit>,
@@ -85,6 +91,8 @@ pub struct StreamCore {
     patches_q: DFF<Bits<32>>,
     busy_cycles_q: DFF<Bits<32>>,
     windows: WindowReorder,
+    check: FrameCheck<32>,
+    snapshot_register: Constant<Bits<6>>,
     calculator: Chain,
     lines: Lines,
     display: Display,
@@ -105,6 +113,8 @@ impl StreamCore {
     ) -> Result<Self, DesignError> {
         Ok(Self::from_parts(StreamCoreParts {
             windows: WindowReorder::of(design),
+            check: FrameCheck::new(design.patches_per_frame() * design.stage(0).beats_in()),
+            snapshot_register: Constant::new((SNAPSHOT_REGISTERS as u64).into()),
             calculator: Chain::checked(design, sets)?,
             lines: Lines::of(design),
             display: Display::new(luma, colours),
@@ -113,7 +123,7 @@ impl StreamCore {
 }
 
 impl Logic for StreamCore {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(self, clock, set_q, patch_done, busy, patches_q, busy_cycles_q);
         self.windows.clock.next = self.clock.val();
@@ -137,6 +147,16 @@ impl Logic for StreamCore {
         self.calculator.window_data.next = self.windows.out_pixels.val();
         self.calculator.window_last.next = self.windows.out_last.val();
         self.calculator.window_set.next = self.windows.out_set.val();
+
+        self.check.clock.next = self.clock.val();
+        self.check.reset.next = self.forgets.val();
+        self.check.valid.next = self.windows.out_valid.val() && self.calculator.window_ready.val();
+        self.check.data.next = self.windows.out_pixels.val();
+        // The write that copies the counters of the stages copies this, too.
+        self.check.snapshot.next = self.write_valid.val()
+            && (self.write_address.val().get_bits::<6>(19) == self.snapshot_register.val());
+        self.window_crc.next = self.check.crc.val();
+        self.window_frames.next = self.check.frames.val();
 
         self.lines.valid.next = self.calculator.patch_valid.val();
         self.calculator.patch_ready.next = self.lines.ready.val();

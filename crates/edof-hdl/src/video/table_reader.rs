@@ -2,7 +2,7 @@
 
 use crate::blocks::delay::Delay;
 use crate::blocks::reader::Reader;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::memory::TABLES;
 use edof_device::design::reading::READ_REGISTER;
 use rust_hdl::prelude::*;
@@ -83,7 +83,7 @@ impl Default for TableReader {
 }
 
 impl Logic for TableReader {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self, clock, starts, command, active, entry, write_q, select_q, address_q, data_q, row, status_q

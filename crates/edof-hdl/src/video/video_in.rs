@@ -1,7 +1,7 @@
 //! The bus of a receiver.
 
 use super::Coordinate;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::design::FrameSize;
 use rust_hdl::prelude::*;
 
@@ -76,7 +76,7 @@ pub struct VideoIn {
     column: DFF<Coordinate>,
     row: DFF<Coordinate>,
     begins: DFF<Bit>,
-    crooked: DFF<Bit>,
+    malformed: DFF<Bit>,
     strays: DFF<Bit>,
     known: DFF<Bit>,
     sending: DFF<Bit>,
@@ -124,7 +124,7 @@ impl VideoIn {
 }
 
 impl Logic for VideoIn {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -145,7 +145,7 @@ impl Logic for VideoIn {
             column,
             row,
             begins,
-            crooked,
+            malformed,
             strays,
             known,
             sending,
@@ -211,7 +211,7 @@ impl Logic for VideoIn {
         if self.line_ends_2.q.val() {
             self.width_q.d.next = self.column.q.val();
             if self.column.q.val() != self.wanted_width.val() {
-                self.crooked.d.next = true;
+                self.malformed.d.next = true;
                 self.sending.d.next = false;
             }
             if !self.row.q.val().all() {
@@ -262,7 +262,7 @@ impl Logic for VideoIn {
         if !self.cycles.q.val().all() {
             self.cycles.d.next = self.cycles.q.val() + 1;
         } else {
-            self.crooked.d.next = true;
+            self.malformed.d.next = true;
             self.sending.d.next = false;
         }
         if self.sync_2.q.val() {
@@ -273,7 +273,7 @@ impl Logic for VideoIn {
             }
         }
         self.as_wanted.next =
-            !self.crooked.q.val() && (self.row.q.val() == self.wanted_height.val()) && !self.begins.q.val();
+            !self.malformed.q.val() && (self.row.q.val() == self.wanted_height.val()) && !self.begins.q.val();
         if self.waited.q.val() != self.patience.val() {
             self.waited.d.next = self.waited.q.val() + 1;
         } else {
@@ -286,7 +286,7 @@ impl Logic for VideoIn {
         }
         if self.frame_ends_2.q.val() && !self.begins.q.val() {
             self.begins.d.next = true;
-            self.crooked.d.next = false;
+            self.malformed.d.next = false;
             self.strays.d.next = false;
             self.sending.d.next = false;
             self.syncs.d.next = 0.into();
@@ -324,7 +324,7 @@ impl Logic for VideoIn {
             self.column.d.next = 0.into();
             self.row.d.next = 0.into();
             self.begins.d.next = false;
-            self.crooked.d.next = true;
+            self.malformed.d.next = true;
             self.strays.d.next = false;
             self.known.d.next = false;
             self.sending.d.next = false;

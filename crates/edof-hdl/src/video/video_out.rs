@@ -1,7 +1,7 @@
 //! The timing of a screen.
 
 use super::Coordinate;
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::video::VideoTiming;
 use edof_image::display::BLACK_PIXEL;
 use rust_hdl::prelude::*;
@@ -94,7 +94,7 @@ impl VideoOut {
 }
 
 impl Logic for VideoOut {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

@@ -5,7 +5,7 @@ use super::queue::Queue;
 use super::{Coordinate, Place};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
-use crate::describe::Circuit;
+use crate::describe::{Circuit, kernel};
 use edof_device::Design;
 use edof_image::geometry::Geometry;
 use rust_hdl::prelude::*;
@@ -91,7 +91,7 @@ pub struct WindowReorder {
     pair: DFF<Bits<3>>,
     row: DFF<Bits<4>>,
     patch_column: DFF<Coordinate>,
-    left: DFF<Coordinate>,
+    remaining: DFF<Coordinate>,
     marks_1: DFF<Bits<3>>,
     line_1: DFF<Coordinate>,
     column_1: DFF<Coordinate>,
@@ -174,7 +174,7 @@ impl WindowReorder {
 }
 
 impl Logic for WindowReorder {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,
@@ -210,7 +210,7 @@ impl Logic for WindowReorder {
             pair,
             row,
             patch_column,
-            left,
+            remaining,
             marks_1,
             line_1,
             column_1,
@@ -332,11 +332,11 @@ impl Logic for WindowReorder {
         if self.window_ends.val() {
             self.row.d.next = 0.into();
             self.patch_column.d.next = self.patch_column.q.val() + 1;
-            self.left.d.next = self.left.q.val() + self.pair_step.val();
+            self.remaining.d.next = self.remaining.q.val() + self.pair_step.val();
         }
         if self.stripe_ends.val() {
             self.patch_column.d.next = 0.into();
-            self.left.d.next = self.first_left.val();
+            self.remaining.d.next = self.first_left.val();
             self.patch_row.d.next = self.patch_row.q.val() + 1;
             self.top.d.next = self.top.q.val() + self.stride.val();
             self.release.d.next = self.freed.q.val().get_bits::<6>(0);
@@ -362,7 +362,7 @@ impl Logic for WindowReorder {
             self.marks_1.d.next = self.marks.val() | 4;
         }
         self.line_1.d.next = self.top.q.val() + bit_cast::<13, 4>(self.row.q.val());
-        self.column_1.d.next = self.left.q.val() + bit_cast::<13, 3>(self.pair.q.val());
+        self.column_1.d.next = self.remaining.q.val() + bit_cast::<13, 3>(self.pair.q.val());
 
         // Cycle 2: what stands for them outside: mirrored about the edge pixel, even pixels stay even.
         self.line_from.next = self.twice_last_line.val();
@@ -432,7 +432,7 @@ impl Logic for WindowReorder {
             self.pair.d.next = 0.into();
             self.row.d.next = 0.into();
             self.patch_column.d.next = 0.into();
-            self.left.d.next = self.first_left.val();
+            self.remaining.d.next = self.first_left.val();
             self.marks_1.d.next = 0.into();
         }
     }

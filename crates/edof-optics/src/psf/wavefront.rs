@@ -2,10 +2,11 @@
 //!
 //! The steps are those of the round case ([`super`]), on grids that have no symmetry to save by.
 
-use super::{sinc, wave_um};
+use super::wave_um;
 use crate::pupil::Pupil;
 use edof_camera::camera::{Aberration, Camera};
 use edof_numerics::fft::{Complex64, Real};
+use edof_numerics::sinc;
 use ndarray::Array2;
 
 /// Most points along a side of the finest grid.

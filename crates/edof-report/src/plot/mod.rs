@@ -38,6 +38,8 @@ pub struct Plot {
     pub series: Vec<Series>,
 }
 
+/// The size of a diagram that is whole on a phone.
+pub const SMALL: [f64; 2] = [400.0, 300.0];
 /// The size of most diagrams.
 pub const USUAL: [f64; 2] = [640.0, 400.0];
 
@@ -50,6 +52,8 @@ pub struct Series {
     pub is_named_at_points: bool,
     /// How points are drawn.
     pub mark: Mark,
+    /// What stands at each point; where missing discs, and others once the palette's colours are used up.
+    pub shape: Option<Shape>,
     /// CSS colour; from [`PALETTE`] in turn where missing.
     pub colour: Option<String>,
     /// Pairs of x and y; points that are not finite interrupt a line.
@@ -61,7 +65,7 @@ impl Series {
     #[must_use]
     pub fn new(label: impl Into<String>, mark: Mark, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
         let (label, points) = (label.into(), points.into_iter().collect());
-        Self { label, is_named_at_points: false, mark, colour: None, points }
+        Self { label, is_named_at_points: false, mark, shape: None, colour: None, points }
     }
 
     /// The same series with its name beside one of its points.
@@ -71,12 +75,39 @@ impl Series {
         self
     }
 
+    /// The same series with other points.
+    #[must_use]
+    pub const fn shaped(mut self, shape: Shape) -> Self {
+        self.shape = Some(shape);
+        self
+    }
+
+    fn shape(&self, index: usize) -> Shape {
+        let by_place = match index / PALETTE.len() {
+            0 => Shape::Disc,
+            1 => Shape::Square,
+            _ => Shape::Diamond,
+        };
+        self.shape.unwrap_or(by_place)
+    }
+
     /// The same series in a colour of one's own.
     #[must_use]
     pub fn coloured(mut self, colour: impl Into<String>) -> Self {
         self.colour = Some(colour.into());
         self
     }
+}
+
+/// What stands at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// A disc.
+    Disc,
+    /// An upright square.
+    Square,
+    /// A square on its corner.
+    Diamond,
 }
 
 /// How points are drawn.
@@ -100,13 +131,33 @@ const BOTTOM: f64 = 52.0;
 const LINE_HEIGHT: f64 = 18.0;
 /// Mean width of a letter in the widest of the usual fonts, and height of a line of text, in pixels.
 const LETTER: [f64; 2] = [7.0, 13.0];
+/// Pixels from a dot's middle to its rim, and a little.
+const DOT_REACH: f64 = 5.0;
 /// The most of a diagram's width that a legend beside it may take.
 const LEGEND_SHARE: f64 = 0.3;
 impl Plot {
     /// The diagram as a complete SVG document.
     #[must_use]
     pub fn to_svg(&self) -> String {
-        document(self.whole_size(), &self.group([0.0; 2]))
+        document(self.whole_size(), &self.group([0.0; 2], true))
+    }
+
+    /// The same without its legend ([`Plot::legend`]), in colours that a page may turn dark.
+    pub(crate) fn to_svg_for_page(&self) -> String {
+        palette::for_page(&document(self.size, &self.group([0.0; 2], false)))
+    }
+
+    /// Every entry of the legend: its line and dot as SVG of a line's height, and its name.
+    pub(crate) fn legend(&self) -> Vec<(String, &str)> {
+        let entry = |(index, series): (usize, &'_ Series)| {
+            let mut mark = String::new();
+            draw_mark(&mut mark, series, index, [0.0, 8.0]);
+            let mark = format!(
+                "<svg viewBox=\"0 0 24 16\" width=\"24\" height=\"16\" aria-hidden=\"true\">{mark}</svg>"
+            );
+            palette::for_page(&mark)
+        };
+        self.in_legend().map(|(index, series)| (entry((index, series)), series.label.as_str())).collect()
     }
 
     /// Width and height with the legend, in pixels.
@@ -117,9 +168,9 @@ impl Plot {
     }
 
     /// The diagram as an SVG group whose upper left corner lies at `x0` and `y0`.
-    fn group(&self, [x0, y0]: [f64; 2]) -> String {
+    fn group(&self, [x0, y0]: [f64; 2], has_legend: bool) -> String {
         let [width, height] = self.size;
-        let right = if self.legend_below().is_some() { 16.0 } else { self.legend_width() };
+        let right = if !has_legend || self.legend_below().is_some() { 16.0 } else { self.legend_width() };
         let x = Ruler::new(&self.x, self.values(0), LEFT, width - right);
         let y = Ruler::new(&self.y, self.values(1), height - BOTTOM, TOP);
         let mut svg = format!("<g transform=\"translate({x0} {y0})\">\n");
@@ -129,15 +180,22 @@ impl Plot {
         let id = format!("area{w:.0}x{h:.0}");
         let _ = writeln!(
             svg,
-            "<clipPath id=\"{id}\"><rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{w:.1}\" height=\"{h:.1}\"/></clipPath>\
-             <g clip-path=\"url(#{id})\">"
+            "<clipPath id=\"{id}\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>\
+             <g clip-path=\"url(#{id})\">",
+            // A dot on an end of an axis is whole.
+            LEFT - DOT_REACH,
+            TOP - DOT_REACH,
+            w + 2.0 * DOT_REACH,
+            h + 2.0 * DOT_REACH
         );
         for (index, series) in self.series.iter().enumerate() {
             draw_series(&mut svg, series, index, &x, &y);
         }
         svg.push_str("</g>\n");
         self.name_points(&mut svg, &x, &y);
-        self.draw_legend(&mut svg, width - right + 14.0);
+        if has_legend {
+            self.draw_legend(&mut svg, width - right + 14.0);
+        }
         svg.push_str("</g>\n");
         svg
     }
@@ -241,20 +299,11 @@ impl Plot {
                 ),
                 None => (left, TOP + 10.0 + LINE_HEIGHT * place as f64),
             };
-            let (colour, middle, end) = (colour(series, index), left + 12.0, left + 24.0);
-            if let Some(dashes) = dashes(series.mark) {
-                let _ = write!(
-                    svg,
-                    "<path class=\"line\" stroke=\"{colour}\"{dashes} d=\"M{left:.1} {y:.1}H{end:.1}\"/>"
-                );
-            }
-            if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
-                svg.push_str(&dot(index, [middle, y], colour, ""));
-            }
+            draw_mark(svg, series, index, [left, y]);
             let _ = writeln!(
                 svg,
                 "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                end + 6.0,
+                left + 30.0,
                 y + 4.0,
                 escape(&series.label)
             );
@@ -280,7 +329,7 @@ fn together(plots: &[Plot], place: impl Fn([f64; 2], [f64; 2]) -> ([f64; 2], [f6
     for plot in plots {
         let corner;
         (corner, size) = place(size, plot.whole_size());
-        groups.push_str(&plot.group(corner));
+        groups.push_str(&plot.group(corner, true));
     }
     document(size, &groups)
 }
@@ -299,12 +348,14 @@ fn colour(series: &Series, index: usize) -> &str {
     series.colour.as_deref().unwrap_or(PALETTE[index % PALETTE.len()])
 }
 
-/// A dot; series that the palette has no colour of their own for have another shape.
-fn dot(index: usize, [x, y]: [f64; 2], colour: &str, told: &str) -> String {
-    let (tag, place) = match index / PALETTE.len() {
-        0 => ("circle", format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"")),
-        1 => ("rect", format!("x=\"{:.1}\" y=\"{:.1}\" width=\"6\" height=\"6\"", x - 3.0, y - 3.0)),
-        _ => ("path", format!("d=\"M{:.1} {y:.1}l4 -4l4 4l-4 4z\"", x - 4.0)),
+/// A dot.
+fn dot(shape: Shape, [x, y]: [f64; 2], colour: &str, told: &str) -> String {
+    let (tag, place) = match shape {
+        Shape::Disc => ("circle", format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"")),
+        Shape::Square => {
+            ("rect", format!("x=\"{:.1}\" y=\"{:.1}\" width=\"6\" height=\"6\"", x - 3.0, y - 3.0))
+        }
+        Shape::Diamond => ("path", format!("d=\"M{:.1} {y:.1}l4 -4l4 4l-4 4z\"", x - 4.0)),
     };
     format!("<{tag} {place} fill=\"{colour}\">{told}</{tag}>")
 }
@@ -316,6 +367,20 @@ const fn dashes(mark: Mark) -> Option<&'static str> {
         Mark::Dashed => Some(" stroke-dasharray=\"7 4\""),
         Mark::Dotted => Some(" stroke-dasharray=\"1.8 3.4\""),
         Mark::Points => None,
+    }
+}
+
+/// What stands for a series in a legend, 24 pixels wide.
+fn draw_mark(svg: &mut String, series: &Series, index: usize, [left, y]: [f64; 2]) {
+    let (colour, middle, end) = (colour(series, index), left + 12.0, left + 24.0);
+    if let Some(dashes) = dashes(series.mark) {
+        let _ = write!(
+            svg,
+            "<path class=\"line\" fill=\"none\" stroke-width=\"1.8\" stroke=\"{colour}\"{dashes} d=\"M{left:.1} {y:.1}H{end:.1}\"/>"
+        );
+    }
+    if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
+        svg.push_str(&dot(series.shape(index), [middle, y], colour, ""));
     }
 }
 
@@ -344,7 +409,7 @@ fn draw_series(svg: &mut String, series: &Series, index: usize, x: &Ruler, y: &R
             let Some(at) = place else { continue };
             // Shown where the pointer rests on the dot.
             let told = format!("<title>{}: {}, {}</title>", escape(&series.label), short(*x), short(*y));
-            let _ = writeln!(svg, "{}", dot(index, at, colour, &told));
+            let _ = writeln!(svg, "{}", dot(series.shape(index), at, colour, &told));
         }
     }
 }
@@ -357,111 +422,9 @@ fn short(value: f64) -> String {
 }
 
 /// Text that may stand between tags.
-#[must_use]
-pub fn escape(text: &str) -> String {
+fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn plot(x: Axis, points: &[[f64; 2]]) -> Plot {
-        Plot {
-            title: "a < b".into(),
-            x,
-            y: Axis::linear("y"),
-            size: USUAL,
-            series: vec![Series::new("one", Mark::Line, points.iter().copied())],
-        }
-    }
-
-    #[test]
-    fn a_point_that_is_not_finite_interrupts_the_line() {
-        let svg = plot(Axis::linear("x"), &[[0.0, 0.0], [1.0, f64::NAN], [2.0, 1.0], [3.0, 2.0]]).to_svg();
-        let path = svg.lines().find(|l| l.contains("class=\"line\"") && l.contains('L')).unwrap();
-        assert_eq!(path.matches('M').count(), 2, "{path}");
-        assert!(!svg.contains("NaN"));
-    }
-
-    #[test]
-    fn names_beside_points_cover_neither_points_nor_each_other() {
-        // Three crowded points and one apart.
-        let at = [[1.0, 1.0], [1.1, 1.0], [1.0, 1.05], [5.0, 3.0]];
-        let named = |(i, point): (usize, &[f64; 2])| {
-            Series::new(format!("method {i}"), Mark::Points, [*point]).named_at_points()
-        };
-        let plot = Plot {
-            series: at.iter().enumerate().map(named).collect(),
-            ..plot(Axis::linear("x").from(0.0).to(6.0), &[])
-        };
-        let svg = plot.to_svg();
-        let number = |line: &str, name: &str| -> f64 {
-            line.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
-        };
-        let names: Vec<Area> = svg
-            .lines()
-            .filter(|line| line.contains("class=\"name\""))
-            .map(|line| {
-                let [x, y] = ["x", "y"].map(|name| number(line, &format!(" {name}")));
-                let width = "method 0".len() as f64 * LETTER[0];
-                Area { x: [x, x + width], y: [y + 3.0 - LETTER[1], y + 3.0] }
-            })
-            .collect();
-        assert_eq!(names.len(), 4);
-        let dots: Vec<Area> = svg
-            .lines()
-            .filter(|line| line.starts_with("<circle"))
-            .map(|line| Area::around(["cx", "cy"].map(|name| number(line, &format!(" {name}"))), 3.0))
-            .collect();
-        assert_eq!(dots.len(), 4);
-        for (i, name) in names.iter().enumerate() {
-            let others = names.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
-            assert!(others.chain(&dots).all(|other| name.shared(other) < 1.0), "{name:?} {svg}");
-        }
-        assert_eq!(
-            svg.matches("method 0").count(),
-            2,
-            "its name and what hovering tells: none in the legend"
-        );
-    }
-
-    #[test]
-    fn a_legend_that_would_take_much_of_the_width_stands_below() {
-        let named = |label: &str| {
-            let one = Series::new(label, Mark::Line, [[0.0, 1.0], [1.0, 2.0]]);
-            Plot { series: vec![one; 3], ..plot(Axis::linear("x"), &[]) }
-        };
-        assert_eq!(named("short").whole_size(), USUAL);
-        // Two beside each other, and one more.
-        let long = named(&"l".repeat(30));
-        assert_eq!(long.whole_size(), [640.0, 400.0 + 2.0 * LINE_HEIGHT]);
-        assert!(long.to_svg().contains("viewBox=\"0 0 640 436\""));
-        let texts = long.to_svg();
-        let heights =
-            texts.lines().filter(|line| line.contains("lll")).map(|line| line.split(" y=\"").nth(1).unwrap());
-        assert_eq!(
-            heights.map(|rest| rest.split('"').next().unwrap()).collect::<Vec<_>>(),
-            ["404.0", "404.0", "422.0"]
-        );
-    }
-
-    #[test]
-    fn diagrams_below_each_other_are_as_high_as_all() {
-        let one = plot(Axis::linear("x"), &[[0.0, 1.0]]);
-        let both = stacked(&[one.clone(), Plot { size: [700.0, 300.0], ..one }]);
-        assert!(both.contains("viewBox=\"0 0 700 700\"") && both.contains("translate(0 400)"), "{both}");
-    }
-
-    #[test]
-    fn zero_is_not_drawn_on_a_logarithmic_axis() {
-        let svg = plot(Axis::log("x"), &[[0.0, 1.0], [1.0, 1.0], [10.0, 2.0]]).to_svg();
-        assert!(!svg.contains("inf") && !svg.contains("NaN"));
-    }
-
-    #[test]
-    fn text_is_escaped_and_empty_plots_are_drawn() {
-        let svg = plot(Axis::linear("x"), &[]).to_svg();
-        assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
-    }
-}
+mod tests;

@@ -25,6 +25,30 @@ pub fn sequential(share: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", code(0), code(1), code(2))
 }
 
+/// A drawing whose colours a page may set: each of the palette, paper, ink and lines by a variable of the page's style, all others mixed
+/// with the page's `--lift`.
+pub(super) fn for_page(svg: &str) -> String {
+    let mut out = String::with_capacity(2 * svg.len());
+    let mut rest = svg;
+    while let Some((before, after)) = rest.split_once("=\"#") {
+        let (code, behind) = after.split_once('"').unwrap_or((after, ""));
+        let colour = format!("#{code}");
+        let known = PALETTE.iter().position(|own| *own == colour).map(|place| format!("c{place}"));
+        let known =
+            known.or_else(|| PAGE.iter().find(|(own, _)| *own == colour).map(|(_, name)| (*name).to_owned()));
+        let value = match known {
+            Some(name) => format!("var(--{name},{colour})"),
+            None => format!("color-mix(in oklab,{colour},var(--lift,{colour}))"),
+        };
+        out += &format!("{before}=\"{value}\"");
+        rest = behind;
+    }
+    out + rest
+}
+
+/// Colours of a drawing that are none of a series.
+const PAGE: [(&str, &str); 2] = [("#fff", "paper"), ("#222", "ink")];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -43,5 +67,15 @@ mod tests {
         };
         let steps: Vec<f64> = (0..=20).map(|i| lightness(f64::from(i) / 20.0)).collect();
         assert!(steps.windows(2).all(|pair| pair[1] > pair[0] + 2.0), "{steps:?}");
+    }
+
+    #[test]
+    fn colours_of_a_page_have_names_and_unknown_ones_are_lifted() {
+        let svg = "<g fill=\"#222\"><path stroke=\"#cc79a7\" d=\"M0 0\"/><path stroke=\"#123456\"/></g>";
+        assert_eq!(
+            for_page(svg),
+            "<g fill=\"var(--ink,#222)\"><path stroke=\"var(--c3,#cc79a7)\" d=\"M0 0\"/>\
+             <path stroke=\"color-mix(in oklab,#123456,var(--lift,#123456))\"/></g>"
+        );
     }
 }

@@ -2,7 +2,7 @@
 //! together again.
 //!
 //! A line says what the rows below it have in common ([`Header`]): the study, the program's revision and the machine. A row is known by
-//! what it is of ([`Line::Key`]): contents of photographs, weights and cameras and all settings by their hashes ([`Proof`]). So it does
+//! what it is of ([`Key`]): contents of photographs, weights and cameras and all settings by their hashes ([`Proof`]). So it does
 //! not matter which run made it. A row is on the disk before the next one is measured; a finished file holds its rows in the order of
 //! their keys. Runs that were interrupted, shared out or not give the same file, times aside.
 
@@ -30,18 +30,53 @@ pub trait Line: Clone + Serialize + DeserializeOwned {
     const STUDY: &'static str;
     /// Version of the rows' layout.
     const LAYOUT: u32;
-    /// What a row is of, in the order in which finished files hold rows.
-    type Key: Ord + Clone;
+    /// What a page calls a row, in the order in which finished files hold rows. Of rows that a page could not tell apart only the last is
+    /// kept.
+    type Subject: Clone + std::fmt::Debug + Ord;
 
-    /// What this one is of, hashes and all.
-    fn key(&self) -> Self::Key;
+    /// What a page calls this one.
+    fn subject(&self) -> Self::Subject;
 
-    /// What a page calls that: the key without its hashes. Of rows that a page could not tell apart only the last is kept.
-    fn subject(key: &Self::Key) -> Self::Key;
+    /// What it was measured from.
+    fn proof(&self) -> &Proof;
+
+    /// Both.
+    fn key(&self) -> Key<Self> {
+        Key { subject: self.subject(), proof: self.proof().clone() }
+    }
 
     /// The row without its times and its memory, which no two runs agree about.
     fn timeless(&self) -> Self;
 }
+
+/// What a row is of: what a page calls it, and hashes of all that it was measured from.
+#[derive(Debug, Clone)]
+pub struct Key<L: Line> {
+    /// What a page calls it.
+    pub subject: L::Subject,
+    /// What it was measured from.
+    pub proof: Proof,
+}
+
+impl<L: Line> Ord for Key<L> {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        (&self.subject, &self.proof).cmp(&(&other.subject, &other.proof))
+    }
+}
+
+impl<L: Line> PartialOrd for Key<L> {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<L: Line> PartialEq for Key<L> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl<L: Line> Eq for Key<L> {}
 
 /// A file of rows that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -104,9 +139,9 @@ pub struct Journal<L: Line> {
     /// Those of all rows; where rows are measured, that of new ones is the last.
     headers: Vec<Header>,
     /// By what a page calls them.
-    held: BTreeMap<L::Key, Held<L>>,
+    held: BTreeMap<L::Subject, Held<L>>,
     /// Which of them in the order in which they came.
-    order: Vec<L::Key>,
+    order: Vec<L::Subject>,
     notes: Vec<String>,
     /// The header of new rows, until the first of them is written.
     pending: String,
@@ -215,9 +250,9 @@ impl<L: Line> Journal<L> {
                 continue;
             }
             let row: L = parsed(path, index + 1, text)?;
-            let (key, header) = (row.key(), self.headers.len() - 1);
-            let there = self.held.get(&L::subject(&key));
-            let is_same = there.map(|held| held.row.key() == key);
+            let header = self.headers.len() - 1;
+            let there = self.held.get(&row.subject());
+            let is_same = there.map(|held| held.row.proof() == row.proof());
             let agrees = there.is_some_and(|held| line(&held.row.timeless()) == line(&row.timeless()));
             match (is_same, newer) {
                 (Some(true), _) if agrees => {}
@@ -231,7 +266,7 @@ impl<L: Line> Journal<L> {
     }
 
     fn add(&mut self, row: L, text: String, header: usize) {
-        let subject = L::subject(&row.key());
+        let subject = row.subject();
         if self.held.insert(subject.clone(), Held { row, text, header }).is_none() {
             self.order.push(subject);
         }
@@ -265,8 +300,8 @@ impl<L: Line> Journal<L> {
 
     /// Whether a row is there, of these very inputs and settings.
     #[must_use]
-    pub fn holds(&self, key: &L::Key) -> bool {
-        self.held.get(&L::subject(key)).is_some_and(|held| held.row.key() == *key)
+    pub fn holds(&self, key: &Key<L>) -> bool {
+        self.held.get(&key.subject).is_some_and(|held| *held.row.proof() == key.proof)
     }
 
     /// Adds a row, in the place of one of other inputs or settings that pages would call the same. The file holds it when this returns.
@@ -310,10 +345,7 @@ impl<L: Line> Journal<L> {
     }
 
     fn sort(&mut self) {
-        let mut keys: Vec<(L::Key, L::Key)> =
-            self.held.iter().map(|(subject, held)| (held.row.key(), subject.clone())).collect();
-        keys.sort();
-        self.order = keys.into_iter().map(|(_, subject)| subject).collect();
+        self.order = self.held.keys().cloned().collect();
     }
 
     /// Every header above its rows. A header is there once, and where it has rows.

@@ -5,23 +5,24 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Measured {
     name: String,
-    settings: String,
     #[serde(with = "edof_metrics::number")]
     db: f64,
     seconds: f64,
+    #[serde(flatten)]
+    proof: Proof,
 }
 
 impl Line for Measured {
     const STUDY: &'static str = "test";
     const LAYOUT: u32 = 1;
-    type Key = (String, String);
+    type Subject = String;
 
-    fn key(&self) -> Self::Key {
-        (self.name.clone(), self.settings.clone())
+    fn subject(&self) -> String {
+        self.name.clone()
     }
 
-    fn subject(key: &Self::Key) -> Self::Key {
-        (key.0.clone(), String::new())
+    fn proof(&self) -> &Proof {
+        &self.proof
     }
 
     fn timeless(&self) -> Self {
@@ -30,7 +31,12 @@ impl Line for Measured {
 }
 
 fn row(name: &str, db: f64, seconds: f64) -> Measured {
-    Measured { name: name.into(), settings: "s".into(), db, seconds }
+    Measured { name: name.into(), db, seconds, proof: of_settings("s") }
+}
+
+/// Measured with these settings.
+fn of_settings(settings: &str) -> Proof {
+    Proof { settings: Some(settings.into()), ..Proof::default() }
 }
 
 /// A header of a program of revision r on a machine.
@@ -38,8 +44,8 @@ fn header(machine: &str) -> Header {
     Header::of::<Measured>(Program::stub("r", machine))
 }
 
-fn key(name: &str) -> (String, String) {
-    (name.into(), "s".into())
+fn key(name: &str) -> Key<Measured> {
+    Key { subject: name.into(), proof: of_settings("s") }
 }
 
 fn open(path: &Path, header: Header) -> Result<Journal<Measured>, JournalError> {
@@ -226,7 +232,7 @@ fn rows_of_an_old_format_are_read_and_never_added_to() {
 fn a_row_of_other_settings_takes_the_place_of_the_old_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(folder.path(), "rows", "m", &[row("a", 1.0, 0.1), row("b", 2.0, 0.1)]);
-    let changed = Measured { settings: "t".into(), ..row("a", 3.0, 0.1) };
+    let changed = Measured { proof: of_settings("t"), ..row("a", 3.0, 0.1) };
     let mut journal = open(&path, header("m")).unwrap();
     assert!(journal.holds(&key("a")) && !journal.holds(&changed.key()));
     journal.push(changed.clone()).unwrap();

@@ -1,12 +1,12 @@
 //! What rows of knobs say together: a curve for each.
 
-use super::{Knob, Row};
+use super::{KNOBS, Knob, Row};
 use crate::made::Made;
+use crate::summary;
 use crate::told::{Told, ToldError};
 use edof_metrics::paired::Paired;
-use edof_report::Report;
-use edof_report::Table;
-use edof_report::plot::{Axis, Mark, Plot, Series};
+use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
+use edof_report::{Report, Table};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -15,7 +15,7 @@ use std::fmt::Write;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// Which knob.
-    pub knob: Knob,
+    pub knob: &'static Knob,
     /// Where it stands.
     pub value: f64,
     /// Whether that is its default.
@@ -44,9 +44,6 @@ fn by_photo(rows: &[Row], own: impl Fn(&Row) -> bool) -> BTreeMap<String, f64> {
     rows.iter().filter(|row| own(row)).map(|row| (row.image.clone(), row.psnr_db)).collect()
 }
 
-/// A curve of a few points, whole on a phone.
-const SMALL: [f64; 2] = [400.0, 300.0];
-
 const TITLE: &str = "What can be left out: speed against error";
 
 impl Told for Knobs {
@@ -60,7 +57,7 @@ impl Told for Knobs {
                 continue;
             }
             let own: Vec<&Row> = rows.iter().filter(same).collect();
-            let mean = |of: fn(&Row) -> f64| own.iter().map(|row| of(row)).sum::<f64>() / own.len() as f64;
+            let mean = |of: fn(&Row) -> f64| summary::mean(own.iter().map(|row| of(row)));
             points.push(Point {
                 knob: row.knob,
                 value: row.value,
@@ -80,7 +77,7 @@ impl Told for Knobs {
     fn to_text(&self) -> String {
         let mut text = String::new();
         for (knob, table) in self.tables() {
-            let _ = write!(text, "{}\n{}\n", knob.name(), table.to_text());
+            let _ = write!(text, "{}\n{}\n", knob.name, table.to_text());
         }
         text.trim_end().to_owned()
     }
@@ -88,7 +85,7 @@ impl Told for Knobs {
     fn to_markdown(&self, made: &Made) -> String {
         let mut page = format!("# {TITLE}\n\n{made}\n\n{}\n", self.explanation());
         for (knob, table) in self.tables() {
-            let _ = write!(page, "\n## {}\n\n{}\n\n{}", knob.name(), knob.reason(), table.to_markdown());
+            let _ = write!(page, "\n## {}\n\n{}\n\n{}", knob.name, knob.why, table.to_markdown());
         }
         page
     }
@@ -97,7 +94,7 @@ impl Told for Knobs {
         let mut report = Report::new(TITLE);
         report.paragraph(&self.explanation()).made_by(command);
         for (knob, table) in self.tables() {
-            report.heading(knob.name()).paragraph(knob.reason()).plots(&[self.plot(knob)]);
+            report.heading(knob.name).paragraph(knob.why).plots(&[self.plot(knob)]);
             table.add_to(&mut report, &[]);
         }
         report
@@ -115,9 +112,9 @@ impl Knobs {
         )
     }
 
-    fn tables(&self) -> Vec<(Knob, Table)> {
-        let of = |knob: Knob| {
-            let own = self.points.iter().filter(move |p| p.knob == knob);
+    fn tables(&self) -> Vec<(&'static Knob, Table)> {
+        let of = |knob: &'static Knob| {
+            let own = self.points.iter().filter(move |p| *p.knob == *knob);
             let row = |p: &Point| {
                 let mark = if p.is_default { "default" } else { "" };
                 let value = p.value.to_string();
@@ -133,18 +130,20 @@ impl Knobs {
                     p.photos.to_string(),
                 ]
             };
-            let header = [knob.unit(), "", "PSNR dB", "to the default", "seconds a megapixel", "photos"]
+            let header = [knob.unit, "", "PSNR dB", "to the default", "seconds a megapixel", "photos"]
                 .map(str::to_owned)
                 .to_vec();
             (knob, Table { header, rows: own.map(row).collect() })
         };
-        Knob::ALL.into_iter().map(of).filter(|(_, table)| !table.rows.is_empty()).collect()
+        KNOBS.iter().map(of).filter(|(_, table)| !table.rows.is_empty()).collect()
     }
 
     /// PSNR against time: the curve, and its default.
-    fn plot(&self, knob: Knob) -> Plot {
-        let own = || self.points.iter().filter(move |p| p.knob == knob);
-        let at = |p: &Point| [p.seconds_per_megapixel, p.psnr_db];
+    fn plot(&self, knob: &Knob) -> Plot {
+        let own = || self.points.iter().filter(move |p| *p.knob == *knob);
+        // The time of one photograph is one measurement: no curve.
+        let has_time = own().any(|p| p.photos > 1);
+        let at = |p: &Point| [if has_time { p.seconds_per_megapixel } else { p.value }, p.psnr_db];
         let each = own().map(|p| {
             let label = format!("{} {}", p.value, if p.is_default { "(default)" } else { "" });
             let series = Series::new(label.trim(), Mark::Points, [at(p)]).named_at_points();
@@ -152,8 +151,8 @@ impl Knobs {
         });
         let curve = Series::new("", Mark::Line, own().map(at)).coloured("#999999");
         Plot {
-            title: knob.unit().into(),
-            x: Axis::log("seconds a megapixel"),
+            title: knob.unit.into(),
+            x: if has_time { Axis::log("seconds a megapixel") } else { Axis::linear(knob.unit) },
             y: Axis::linear("PSNR (dB)"),
             size: SMALL,
             series: std::iter::once(curve).chain(each).collect(),

@@ -1,8 +1,16 @@
 //! What knobs give, on pictures of a few pixels.
 
+use super::list::keep_bits;
 use super::*;
-use crate::journal::{Header, Program};
+use crate::experiment::run;
+use crate::journal::{Header, Journal, Program, Shard};
 use crate::told::Told;
+use edof_camera::Camera;
+use edof_methods::dictionary::Dictionary;
+use edof_network::FixedNetwork;
+use edof_network::fixed_network::FixedMatrix;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 
 fn photo() -> Photo {
     let mut frame = ColourFrame::zeros(32, 32);
@@ -12,7 +20,7 @@ fn photo() -> Photo {
     Photo { name: "p".into(), frame }
 }
 
-fn plan(knobs: &[Knob], fixed: &FixedNetwork) -> Plan {
+fn plan(knobs: &[&'static Knob], fixed: &FixedNetwork) -> Plan {
     Plan {
         camera: Camera::resolve("ring-2018").unwrap(),
         psi: 4.0,
@@ -22,17 +30,17 @@ fn plan(knobs: &[Knob], fixed: &FixedNetwork) -> Plan {
         fixed: vec![fixed.clone()],
         dictionary: Arc::new(Dictionary::load(None).unwrap()),
         knobs: knobs.to_vec(),
-        shard: Shard::WHOLE,
     }
 }
 
-fn rows(knobs: &[Knob]) -> Vec<Row> {
+fn rows(knobs: &[&'static Knob]) -> Vec<Row> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("rows");
     let header = || Header::of::<Row>(Program::stub("r", "m"));
     let mut journal = Journal::open(&path, header(), Default::default()).unwrap();
     let plan = plan(knobs, &edof_random::natural(8, 8, 7));
-    run(&plan, &[photo()], &mut journal, |_| ControlFlow::Continue(())).unwrap();
+    run(&mut Turning::new(&plan, &[photo()]), Shard::WHOLE, &mut journal, |_| ControlFlow::Continue(()))
+        .unwrap();
     // What was written is read again: nothing in it is no number.
     let keys = |journal: &Journal<Row>| journal.rows().iter().map(Line::key).collect::<Vec<_>>();
     let again = Journal::open(&path, header(), Default::default()).unwrap();
@@ -44,33 +52,32 @@ fn rows(knobs: &[Knob]) -> Vec<Row> {
 fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
     let plan = plan(&[], &edof_random::natural(8, 8, 7));
     let mut captures = Captures::default();
-    let mut db = |knob: Knob, value: f64| {
-        let how = plan.shortened(knob, value).unwrap();
-        plan.captured(knob, &how, &photo(), &mut captures).unwrap().0
+    let mut db = |knob: &'static Knob, value: f64| match (knob.apply)(&plan, value) {
+        Work::Capture(how) => plan.captured(knob, &how, &photo(), &mut captures).unwrap().0,
+        Work::Method(_) => panic!("{knob:?} captures"),
     };
     // The coarsest and a fine value, and what lies between them at least.
-    for (knob, coarse, fine, least) in [
-        (Knob::KernelEnergy, 0.9, 0.9999, 5.0),
-        (Knob::Wavelengths, 0.3, 0.003, -0.1),
-        (Knob::Depths, 2.0, 16.0, 2.0),
-    ] {
+    for (knob, coarse, fine, least) in
+        [("kernel-energy", 0.9, 0.9999, 5.0), ("wavelengths", 0.3, 0.003, -0.1), ("depths", 2.0, 16.0, 2.0)]
+    {
+        let knob: &Knob = knob.parse().unwrap();
         let (coarse, fine) = (db(knob, coarse), db(knob, fine));
-        assert!(coarse + least < fine, "{}: {coarse} dB, {fine} dB", knob.name());
+        assert!(coarse + least < fine, "{}: {coarse} dB, {fine} dB", knob.name);
     }
 }
 
 #[test]
 fn every_knob_of_reconstruction_has_a_row_for_each_value_and_one_default() {
     let plan = plan(&[], &edof_random::natural(8, 8, 7));
-    let knobs: Vec<Knob> = Knob::ALL
-        .into_iter()
-        .filter(|&knob| plan.shortened(knob, 1.0).is_none() && knob != Knob::Bits)
-        .collect();
+    // The plan's network is there in 16 bits alone.
+    let knobs: Vec<&Knob> = KNOBS.iter().filter(|knob| knob.name != "bits").collect();
+    let knobs: Vec<&Knob> =
+        knobs.into_iter().filter(|knob| matches!((knob.apply)(&plan, 8.0), Work::Method(_))).collect();
     let rows = rows(&knobs);
     for &knob in &knobs {
         let own: Vec<&Row> = rows.iter().filter(|row| row.knob == knob).collect();
-        assert_eq!(own.len(), knob.values().len());
-        assert_eq!(own.iter().filter(|row| row.is_default).count(), 1, "{}", knob.name());
+        assert_eq!(own.len(), knob.values(&plan).len());
+        assert_eq!(own.iter().filter(|row| row.is_default).count(), 1, "{}", knob.name);
     }
     let study = Knobs::new(&rows, "m".into()).unwrap();
     assert_eq!(study.points.len(), rows.len());
@@ -93,7 +100,12 @@ fn words_keep_their_first_bits_and_their_sign() {
 
 #[test]
 fn knobs_are_known_by_name() {
-    assert_eq!(Knob::ALL.map(|knob| knob.name().parse::<Knob>().unwrap()), Knob::ALL);
-    let error = "gain".parse::<Knob>().unwrap_err().to_string();
+    for knob in &KNOBS {
+        assert_eq!(knob.name.parse::<&Knob>().unwrap(), knob);
+        let text = serde_json::to_string(knob).unwrap();
+        assert_eq!(serde_json::from_str::<&Knob>(&text).unwrap(), knob);
+    }
+    assert!(KNOBS.is_sorted());
+    let error = "gain".parse::<&Knob>().unwrap_err().to_string();
     assert!(error.starts_with("knob 'gain': must be one of kernel-energy, wavelengths, "), "{error}");
 }

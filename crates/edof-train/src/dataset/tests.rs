@@ -15,7 +15,7 @@ fn marked_dataset(window: usize, tones: &[Tone], variants: usize) -> Dataset {
     let plain = DatasetOptions::plain(&[0.0], Window::new(window).unwrap());
     let augmentation = Augmentation { variants, saturation: [1.0; 2], hue: 0.0, scale: 0.7 };
     let options = DatasetOptions { tones: tones.to_vec(), augmentation, ..plain };
-    Dataset::new(&[marked()], &camera, options, |_, _| true).unwrap().unwrap()
+    Dataset::new(&[marked()], &camera, options, |_, _| ControlFlow::Continue(())).unwrap().unwrap()
 }
 
 fn silent() -> Conditions {
@@ -130,7 +130,7 @@ fn no_photos_and_small_photos_are_refused() {
         let plain = DatasetOptions::plain(&[0.0], Window::new(8).unwrap());
         let augmentation = Augmentation { variants, ..Augmentation::NONE };
         let options = DatasetOptions { augmentation, ..plain };
-        Dataset::new(photos, &camera, options, |_, _| true).unwrap_err().to_string()
+        Dataset::new(photos, &camera, options, |_, _| ControlFlow::Continue(())).unwrap_err().to_string()
     };
     assert_eq!(make(&[], 1), "training photos: none given, at least one is needed");
     assert!(

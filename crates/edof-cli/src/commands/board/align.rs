@@ -1,7 +1,8 @@
 //! `edof board align`.
 
-use super::{goes_on, of};
+use super::of;
 use crate::error::Error;
+use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::align::{Alignment, Trial};
 use serde_json::json;
@@ -22,7 +23,7 @@ pub struct Args {
 /// A receiver that is not set up, no setting that works, or a line that fails.
 pub fn run(args: &super::Args, align: &Args, ui: &Ui) -> Result<(), Error> {
     let mut board = args.open()?;
-    let alignment = board.align(align.codes, &mut |_| goes_on()).map_err(of)?;
+    let alignment = board.align(align.codes, &mut |_| interrupt::flow()).map_err(of)?;
     [false, true].iter().try_for_each(|inverted| ui.say(row(&alignment.trials, *inverted)))?;
     let Alignment { trials, window } = alignment;
     let tap = window.middle();

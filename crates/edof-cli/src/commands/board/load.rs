@@ -1,7 +1,8 @@
 //! `edof board load` and `verify`.
 
-use super::{goes_on, known, of};
+use super::{known, of};
 use crate::error::Error;
+use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_board::contents::{letter, other, parts};
@@ -84,6 +85,11 @@ fn display(curve: Curve) -> Display {
     Display::new(DisplayMode::default(), curve)
 }
 
+/// The display of a curve of [`curve_of`].
+pub fn display_of(name: &str) -> Display {
+    display(of_curve(name).unwrap_or_default())
+}
+
 /// The name of the curve that a board's tables are for, none where the program knows none that has such tables.
 ///
 /// # Errors
@@ -128,14 +134,14 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         .load(&job, &mut |done, total| {
             words = total;
             bar.of(done, total);
-            goes_on()
+            interrupt::flow()
         })
         .map_err(of)?;
     bar.of(words, words);
     if let Some(curve) = load.curve {
         let mut step = |done, total| {
             bar.of(done, total);
-            goes_on()
+            interrupt::flow()
         };
         board.load_tables(&display(curve), &mut step).map_err(of)?;
     }
@@ -213,7 +219,7 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
     let differences = board
         .verify(&design, &network, bank, verify.read_back, &mut |done, total| {
             bar.of(done, total);
-            goes_on()
+            interrupt::flow()
         })
         .map_err(of)?;
     drop(bar);

@@ -1,7 +1,10 @@
 //! `edof board`: weights onto a board, and what the board says.
 
 mod align;
+mod check;
 mod load;
+mod picture;
+mod selftest;
 mod sim;
 mod status;
 
@@ -19,7 +22,7 @@ use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::registers::identity::weights_hash;
 use edof_device::registers::map;
-use edof_device::registers::{c_header, markdown, systemrdl};
+use edof_device::registers::{c_header, csr_csv, markdown, systemrdl};
 use edof_image::DisplayMode;
 use edof_image::words::number as short;
 use edof_network::FixedNetwork;
@@ -75,6 +78,9 @@ enum Command {
     Verify(load::Verify),
     Status(status::Args),
     Align(align::Args),
+    Check(check::Args),
+    Selftest(selftest::Args),
+    Picture(picture::Args),
     /// The value of a register: scratch, control.run, `stage_counters[4]`
     Get {
         /// Its name
@@ -116,7 +122,7 @@ enum Command {
     /// Print the register map
     Map {
         /// Of which kind
-        #[arg(long, value_parser = ["markdown", "c", "systemrdl"], default_value = "markdown")]
+        #[arg(long, value_parser = ["markdown", "c", "systemrdl", "csr-csv"], default_value = "markdown")]
         format: String,
     },
     Sim(sim::Args),
@@ -174,6 +180,9 @@ fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
         Command::Verify(verify) => load::verify(args, verify, ui),
         Command::Status(status) => status::run(args, status, ui),
         Command::Align(align) => align::run(args, align, ui),
+        Command::Check(check) => check::run(args, check, ui),
+        Command::Selftest(test) => selftest::run(args, test, ui),
+        Command::Picture(picture) => picture::run(args, picture, ui),
         Command::Get { register } => {
             let place: Place = register.parse()?;
             let value = args.open()?.get(place)?;
@@ -211,6 +220,7 @@ fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
             let text = match format.as_str() {
                 "c" => c_header::header(),
                 "systemrdl" => systemrdl::address_map(),
+                "csr-csv" => csr_csv::csr_csv(),
                 _ => markdown::page(),
             };
             ui.say(&text)?;
@@ -228,11 +238,6 @@ fn of(error: edof_board::Error) -> Error {
     }
 }
 
-/// Whether to go on.
-fn goes_on() -> bool {
-    interrupt::check().is_ok()
-}
-
 impl Args {
     /// What can be refused before a board is asked.
     fn check(&self, ui: &Ui) -> Result<(), Error> {
@@ -243,6 +248,7 @@ impl Args {
         let files = self.files(ui);
         match &self.command {
             Command::Sim(sim) => sim.writes(files)?,
+            Command::Picture(picture) => picture.files(files)?,
             _ => files,
         }
         .check()
@@ -262,6 +268,8 @@ impl Args {
             Command::Load(load) => std::slice::from_ref(&load.weights),
             Command::Verify(verify) => std::slice::from_ref(&verify.weights),
             Command::Info { own } | Command::Bank { own, .. } => &own.weights[..],
+            Command::Check(check) => check.weights.as_slice(),
+            Command::Selftest(test) => test.weights.as_slice(),
             _ => &[],
         };
         let weights = weights.iter().filter_map(|name| weights::fixed_file(name));

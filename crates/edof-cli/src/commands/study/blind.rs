@@ -1,11 +1,11 @@
 //! `edof study blind`: blind deconvolution where the blur is known.
 
-use super::options::{MayKeepRows, Outputs, Photographs, measured, open, tell};
+use super::options::{MayKeepRows, Outputs, Photographs, measured, tell};
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use edof_deblur::blind::Settings;
-use edof_study::known_blurs::{self, KnownBlurs};
+use edof_study::known_blurs::{DrawnBlurs, KnownBlurs};
 
 /// Blind deconvolution of photographs that were blurred with drawn kernels: what it gains, and how like the kernels are that it finds
 ///
@@ -45,8 +45,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (photos, notes) = args.photographs.load(ui)?;
     notes.iter().for_each(|note| ui.note(note));
     let settings = Settings { side: args.side.into(), ..Settings::default() };
-    let mut journal = open(args.rows.rows.as_ref(), &args.rows.part, ui)?;
-    let shard = args.rows.part.shard;
-    measured(ui, |tell| known_blurs::run(&photos, &settings, shard, &mut journal, tell))?;
+    let mut experiment = DrawnBlurs::new(&photos, settings);
+    let journal = measured(&mut experiment, args.rows.rows.as_ref(), &args.rows.part, ui)?;
     tell::<KnownBlurs>(&journal, &args.outputs, ui)
 }

@@ -1,14 +1,14 @@
 //! `edof study knobs`: what can be left out.
 
 use super::nets;
-use super::options::{Outputs, Photographs, Rows, measured, open, tell};
+use super::options::{Outputs, Photographs, Rows, measured, tell};
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::Depth;
 use crate::ui::Ui;
 use edof_image::{Noise, Stride};
 use edof_methods::dictionary::Dictionary;
-use edof_study::knobs::{self, Knob, Knobs, Plan};
+use edof_study::knobs::{KNOBS, Knob, Knobs, Plan, Turning};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ pub struct Args {
     /// Which knobs: kernel-energy, wavelengths, depths, stride, bits, analysis-bits, recurrent-bits, dictionary-bits,
     /// budget, layers, atoms, steps, window, noise-class [default: all]
     #[arg(long, value_delimiter = ',', value_name = "KNOB,…")]
-    knobs: Vec<Knob>,
+    knobs: Vec<&'static Knob>,
 
     /// Net of the knobs stride, bits and budget, by name or weight file; its camera is that of all knobs
     #[arg(long, default_value = "edof-t4w12", value_name = "NET")]
@@ -62,18 +62,18 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (photos, notes) = args.photographs.load(ui)?;
     let plan = args.plan(ui)?;
     notes.iter().for_each(|note| ui.note(note));
-    let mut journal = open(Some(&args.rows.rows), &args.rows.part, ui)?;
-    measured(ui, |tell| knobs::run(&plan, &photos, &mut journal, tell).map_err(Box::new))?;
+    let mut experiment = Turning::new(&plan, &photos);
+    let journal = measured(&mut experiment, Some(&args.rows.rows), &args.rows.part, ui)?;
     tell::<Knobs>(&journal, &args.outputs, ui)
 }
 
 impl Args {
     fn plan(&self, ui: &Ui) -> Result<Plan, Error> {
-        let knobs = if self.knobs.is_empty() { Knob::ALL.to_vec() } else { self.knobs.clone() };
+        let knobs = if self.knobs.is_empty() { KNOBS.iter().collect() } else { self.knobs.clone() };
         let (network, network_sha256) = nets::float(&self.net, ui)?;
         ui.used(network.origin.camera.input());
         // Quantizing takes its time: only where one of its knobs is turned.
-        let mut bits: Vec<u32> = knobs.iter().flat_map(|knob| knob.quantized_bits()).collect();
+        let mut bits: Vec<u32> = knobs.iter().flat_map(|knob| knob.bits).copied().collect();
         bits.sort_unstable();
         bits.dedup();
         let fixed = nets::quantized(&network, &network_sha256, &bits, &[Stride::PATCH], ui)?;
@@ -86,7 +86,6 @@ impl Args {
             fixed,
             dictionary: Arc::new(Dictionary::load(self.dictionary.as_deref())?),
             knobs,
-            shard: self.rows.part.shard,
         })
     }
 }

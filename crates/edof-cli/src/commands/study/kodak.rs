@@ -1,16 +1,17 @@
 //! `edof study kodak`: the main experiment.
 
 use super::nets;
-use super::options::{Kernels, MayKeepRows, Outputs, Photographs, measured, open, tell};
+use super::options::{Externals, Kernels, MayKeepRows, Outputs, Photographs, measured, tell};
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::Depth;
 use crate::said;
 use crate::ui::Ui;
 use edof_image::{Noise, Tone};
-use edof_study::kodak::{self, Conditions, Plan, usual_noise};
+use edof_study::kodak::{Conditions, Kodak, Plan};
 use edof_study::setup::{Setup, setups};
 use edof_study::summary::Study;
+use edof_study::trial::usual_noise;
 
 /// Photographs through each net's own camera, reconstructed in float, in the board's format and in fixed point
 ///
@@ -62,6 +63,9 @@ pub struct Args {
     photographs: Photographs,
 
     #[command(flatten)]
+    externals: Externals,
+
+    #[command(flatten)]
     outputs: Outputs,
 
     #[command(flatten)]
@@ -80,14 +84,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         loaded.push(net);
         notes.extend(note);
     }
-    let setups = setups(loaded, stride)?;
+    let externals = args.externals.methods()?;
+    let mut setups = setups(loaded, stride)?;
+    setups.iter_mut().for_each(|setup| setup.methods.extend(externals.iter().cloned()));
     let conditions = args.conditions(&setups)?;
     let (photos, skipped) = args.photographs.load(ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
-    let plan = Plan { setups, conditions, shard: args.rows.part.shard };
-    let mut journal = open(args.rows.rows.as_ref(), &args.rows.part, ui)?;
-    measured(ui, |tell| kodak::run(&plan, &photos, &mut journal, tell))?;
+    let plan = Plan { setups, conditions };
+    let mut experiment = Kodak::new(&plan, &photos);
+    let journal = measured(&mut experiment, args.rows.rows.as_ref(), &args.rows.part, ui)?;
     tell::<Study>(&journal, &args.outputs, ui)
 }
 

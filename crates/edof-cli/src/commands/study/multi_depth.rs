@@ -1,7 +1,7 @@
 //! `edof study multi-depth`: the paper's figure 7.
 
 use super::nets;
-use super::options::{Kernels, MayKeepRows, Outputs, measured, open, tell};
+use super::options::{Externals, Kernels, MayKeepRows, Outputs, measured, tell};
 use crate::commands::scene;
 use crate::error::Error;
 use crate::files::Files;
@@ -13,7 +13,7 @@ use edof_methods::dictionary::Dictionary;
 use edof_methods::spec::MethodSpec;
 use edof_optics::draw::{Builtin, four_depths};
 use edof_study::multi_depth::{
-    self, BEHIND, BLIND, CODED, DEMOSAICED, Drawn, Lens, MIDDLE, MultiDepth, OMP, Plan,
+    BEHIND, BLIND, CODED, DEMOSAICED, Drawn, Lens, MIDDLE, MultiDepth, OMP, Plan, Scenes,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -73,6 +73,9 @@ pub struct Args {
     dictionary: Option<PathBuf>,
 
     #[command(flatten)]
+    externals: Externals,
+
+    #[command(flatten)]
     outputs: Outputs,
 
     #[command(flatten)]
@@ -87,8 +90,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.rows.of(args.outputs.of(files)).check()?;
     scene::fits(args.width, args.height)?;
     let plan = args.plan(ui)?;
-    let mut journal = open(args.rows.rows.as_ref(), &args.rows.part, ui)?;
-    measured(ui, |tell| multi_depth::run(&plan, &mut journal, tell))?;
+    let mut experiment = Scenes::new(&plan)?;
+    let journal = measured(&mut experiment, args.rows.rows.as_ref(), &args.rows.part, ui)?;
     tell::<MultiDepth>(&journal, &args.outputs, ui)
 }
 
@@ -103,7 +106,6 @@ impl Args {
             tone: self.tone,
             lenses,
             optics: self.kernels.settings(),
-            shard: self.rows.part.shard,
         })
     }
 
@@ -143,6 +145,7 @@ impl Args {
         at_middle.extend(networks(&middle, std::slice::from_ref(&self.clear_net))?);
         let mut at_coded = plain()?;
         at_coded.push((OMP.into(), named("omp")?));
+        at_coded.extend(self.externals.methods()?.into_iter().map(|spec| (spec.method().to_string(), spec)));
         at_coded.extend(networks(&coded, &self.nets)?);
         let lens = |title, camera: Camera, methods| {
             ui.used(camera.input());

@@ -6,13 +6,14 @@ use crate::interrupt;
 use crate::ui::Ui;
 use edof_image::words::count;
 use edof_io::photos::{self, Photo, Selection};
+use edof_methods::spec::MethodSpec;
 use edof_optics::psf::Settings;
 use edof_report::Report;
 use edof_storage::provenance::Input;
-use edof_study::journal::{Header, Journal, JournalError, Line, Mixing, Progress, Shard};
+use edof_study::experiment::{self, Experiment, RunError};
+use edof_study::journal::{Header, Journal, Mixing, Progress, Shard};
 use edof_study::made::machines;
 use edof_study::told::Told;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 /// Where photographs lie.
@@ -96,6 +97,39 @@ impl Kernels {
     }
 }
 
+/// Anybody's programs among the methods.
+#[derive(clap::Args)]
+pub struct Externals {
+    /// A program of your own as a method, with a row of its own; may be given several times. {raw} is a 16-bit PNG of Bayer values, {out}
+    /// the PNG to write: linear light, 8 or 16 bits a colour, as large as the raw frame
+    #[arg(long, value_name = "'CMD {raw} {out}'")]
+    external: Vec<String>,
+
+    /// Seconds after which a run of such a program is ended
+    #[arg(long, default_value_t = 600, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    external_seconds: u64,
+}
+
+impl Externals {
+    /// Each as a method.
+    ///
+    /// # Errors
+    /// A command that does not say where its files are, or one that is given twice.
+    pub fn methods(&self) -> Result<Vec<MethodSpec>, Error> {
+        let all = self.external.iter().map(|command| MethodSpec::external(command, self.external_seconds));
+        let all = all.collect::<Result<Vec<_>, _>>()?;
+        for (place, method) in all.iter().enumerate() {
+            if all[..place].iter().any(|other| other.method() == method.method()) {
+                return Err(Error::message(format!(
+                    "--external: two programs are called {}: tables could not tell them apart; give one another name",
+                    method.method()
+                )));
+            }
+        }
+        Ok(all)
+    }
+}
+
 /// Where rows are kept, and which of them are measured.
 #[derive(clap::Args)]
 pub struct Rows {
@@ -149,34 +183,40 @@ impl Part {
     }
 }
 
-/// Opens a file of rows or begins one; without a file rows last as long as the program.
+/// Measures what a file of rows does not hold yet, shows how far it is, and stops at Ctrl-C; without a file rows last as long as the
+/// program.
 ///
 /// # Errors
-/// A file of something else, rows of another machine or revision, or a file that another process adds to.
-pub fn open<L: Line>(rows: Option<&PathBuf>, part: &Part, ui: &Ui) -> Result<Journal<L>, JournalError> {
-    let header = Header::of::<L>(crate::provenance::program());
-    let Some(path) = rows else { return Ok(Journal::in_memory(header)) };
-    let journal = Journal::open(path, header, part.mixing())?;
-    journal.notes().iter().for_each(|note| ui.note(note));
-    Ok(journal)
-}
-
-/// Measures: `study` is given what hears of every row, shows how far it is, and stops it at Ctrl-C.
-///
-/// # Errors
-/// Those of the study, or that it was interrupted.
-pub fn measured<E: Into<Error>>(
+/// A file of something else, rows of another machine or revision, or a file that another process adds to; those of the experiment; or
+/// that it was interrupted.
+pub fn measured<E: Experiment>(
+    experiment: &mut E,
+    rows: Option<&PathBuf>,
+    part: &Part,
     ui: &Ui,
-    study: impl FnOnce(&dyn Fn(Progress) -> ControlFlow<()>) -> Result<(), E>,
-) -> Result<(), Error> {
+) -> Result<Journal<E::Row>, Error>
+where
+    E::Error: std::error::Error + Send + Sync + 'static,
+{
+    let header = Header::of::<E::Row>(crate::provenance::program());
+    let mut journal = match rows {
+        Some(path) => Journal::open(path, header, part.mixing())?,
+        None => Journal::in_memory(header),
+    };
+    journal.notes().iter().for_each(|note| ui.note(note));
     let bar = ui.progress(1, "rows");
-    let done = study(&|p: Progress| {
+    let done = experiment::run(experiment, part.shard, &mut journal, |p: Progress| {
         bar.message(p.last);
         bar.of(p.done as u64, p.of as u64);
-        unless_interrupted()
+        interrupt::flow()
     });
     interrupt::check()?;
-    done.map_err(Into::into)
+    match done {
+        Ok(()) => Ok(journal),
+        Err(RunError::Experiment(error)) => Err(error.into()),
+        Err(RunError::Journal(error)) => Err(error.into()),
+        Err(RunError::Stopped) => Err(Error::Interrupted),
+    }
 }
 
 /// Tables, reports and data of a file of rows.
@@ -237,9 +277,4 @@ impl Outputs {
         }
         Ok(())
     }
-}
-
-/// What a study is told after each step: to end where Ctrl-C was pressed.
-pub fn unless_interrupted() -> ControlFlow<()> {
-    if interrupt::check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

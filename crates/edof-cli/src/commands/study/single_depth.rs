@@ -1,7 +1,7 @@
 //! `edof study single-depth`: speed against error.
 
 use super::nets;
-use super::options::{Kernels, Outputs, Photographs, Rows, measured, open, tell};
+use super::options::{Externals, Kernels, Outputs, Photographs, Rows, measured, tell};
 use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
@@ -11,11 +11,11 @@ use crate::ui::Ui;
 use edof_image::{Noise, Tone};
 use edof_methods::dictionary::Dictionary;
 use edof_methods::spec::MethodSpec;
-use edof_study::kodak::usual_noise;
 use edof_study::made::machines;
-use edof_study::single_depth::{self, Plan};
+use edof_study::single_depth::{Plan, SingleDepth};
 use edof_study::speed::Speed;
 use edof_study::told::Told;
+use edof_study::trial::usual_noise;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -90,6 +90,9 @@ pub struct Args {
     photographs: Photographs,
 
     #[command(flatten)]
+    externals: Externals,
+
+    #[command(flatten)]
     outputs: Outputs,
 
     /// Also write the diagrams of PSNR against time as one SVG
@@ -111,8 +114,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (plan, notes) = args.plan(ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
-    let mut journal = open(Some(&args.rows.rows), &args.rows.part, ui)?;
-    measured(ui, |tell| single_depth::run(&plan, &photos, &mut journal, tell).map_err(Box::new))?;
+    let mut experiment = SingleDepth::new(&plan, &photos);
+    let journal = measured(&mut experiment, Some(&args.rows.rows), &args.rows.part, ui)?;
     if let Some(path) = &args.plot {
         let speed = Speed::new(&journal.rows(), machines(&journal.makers()))?;
         edof_storage::atomic::write(path, speed.diagrams().as_bytes())?;
@@ -142,13 +145,11 @@ impl Args {
         methods.extend(on_device);
         notes.extend(note);
         methods.extend(others);
+        methods.extend(self.externals.methods()?);
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
         let (psi, optics) = (said::psis(&self.psi, &camera)?, self.kernels.settings());
-        Ok((
-            Plan { camera, tone: self.tone, psi, noise, methods, optics, shard: self.rows.part.shard },
-            notes,
-        ))
+        Ok((Plan { camera, tone: self.tone, psi, noise, methods, optics }, notes))
     }
 
     fn named(&self) -> Vec<&str> {

@@ -1,8 +1,9 @@
 //! `edof study stability`: hard cases, and whether what is promised on each holds.
 
-use super::options::{Outputs, unless_interrupted};
+use super::options::Outputs;
 use crate::error::Error;
 use crate::files::{Files, Force};
+use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_stability::bench::{Bench, Trained};
@@ -64,7 +65,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let suite = Suite::run(&bench, &cases, |done, next| {
         progress.message(&next.id);
         progress.set(done as u64);
-        unless_interrupted()
+        interrupt::flow()
     });
     drop(progress);
     let suite = suite.ok_or(Error::Interrupted)?;

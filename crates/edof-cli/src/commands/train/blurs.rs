@@ -46,7 +46,7 @@ pub(super) fn dataset(
     let bar = ui.progress(frames.len() as u64, "blur");
     let tell = |done: usize, _| {
         bar.set(done as u64);
-        interrupt::check().is_ok()
+        interrupt::flow()
     };
     let name = |index: usize| photographs[index].file.display().to_string();
     let made = Dataset::new(&frames, camera, options, tell).map_err(|error| said::dataset(error, name))?;

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// Train a float network on photographs seen through a camera
 ///
-/// Without options this is the one recipe by which scripts/weights.sh makes the program's networks. A block of a quarter of
+/// Without options but --tone this is the one recipe by which scripts/weights.sh makes the program's networks. A block of a quarter of
 /// each side of every photograph is kept for validation, and training stays as far away from it as the blur reaches. A
 /// checkpoint is written beside OUT every minute and when Ctrl-C stops the run; --resume goes on from it and ends with the
 /// same bytes as a run that was never stopped. The same seed and options give the same bytes, whatever --threads.
@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long)]
     pub(super) camera: String,
 
-    /// PSFs of one's own in place of the camera's: an NPZ or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    /// PSFs of one's own in place of the camera's: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
     #[arg(long, value_name = "FILE")]
     pub(super) psf_bank: Option<PathBuf>,
 

@@ -8,8 +8,9 @@ use crate::ui::Ui;
 use edof_network::network::Network;
 use edof_train::checkpoint::{self, Run};
 use edof_train::dataset::Dataset;
-use edof_train::train::{Best, Continue, Progress, Trainer};
+use edof_train::train::{Best, Progress, Trainer};
 use serde_json::Value;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -91,7 +92,11 @@ fn train(
             saved = Instant::now();
             failed = checkpoint::save(file, run, &trainer.state).err();
         }
-        if stop || out_of_time || failed.is_some() { Continue::No } else { Continue::Yes }
+        if stop || out_of_time || failed.is_some() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     })?;
     if let Some(error) = failed {
         return Err(error.into());

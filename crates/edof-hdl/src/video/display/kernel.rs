@@ -1,10 +1,11 @@
 //! What the display does in each cycle.
 
 use super::Display;
+use crate::describe::kernel;
 use rust_hdl::prelude::*;
 
 impl Logic for Display {
-    #[hdl_gen]
+    #[kernel]
     fn update(&mut self) {
         dff_setup!(
             self,

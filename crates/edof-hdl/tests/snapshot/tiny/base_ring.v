@@ -1,99 +1,66 @@
-// Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as their sums are taken.
-// It never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain. Vector v lies from row
+// Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as
+// their sums are taken.
+// It never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain.
+// Vector v lies from row
 // 128 v on.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/base_ring.rs (BaseRing).
 `default_nettype none
 
 module base_ring (
-    input  wire        clock_i, // Clock.
-    input  wire        reset_i, // Empties it.
-    input  wire        write_i, // A beat arrives.
-    input  wire [31:0] words_i, // Its two base words.
-    input  wire        read_i,  // Moves on to the next two.
-    output wire [31:0] front_o  // The two that stood first two cycles ago.
+  input wire clock_i,        // Clock.
+  input wire reset_i,        // Empties it.
+
+  input wire write_i,        // A beat arrives.
+  input wire [31:0] words_i, // Its two base words.
+  input wire read_i,         // Moves on to the next two.
+  output wire [31:0] front_o // The two that stood first two cycles ago.
 );
 
-    localparam [6:0] LAST_BEAT = 7'd7;
+  localparam [6:0] LAST_BEAT = 7'd7;
 
-    wire [11:0] ram_read_address, ram_write_address;
-    reg  write_q;
-    reg  [31:0] words_q;
-    reg  [6:0] write_beat_q, write_beat_d;
-    reg  [2:0] write_vector_q, write_vector_d;
-    reg  [6:0] read_beat_q, read_beat_d;
-    reg  [2:0] read_vector_q, read_vector_d;
+  reg write_q;
+  reg [31:0] words_q;
+  reg [6:0] write_beat_q, read_beat_q;
+  reg [2:0] write_vector_q, read_vector_q;
 
-    edof_ram #(.WIDTH(32), .DEPTH(1024), .BLOCK(2), .INIT("")) ram (
-        .clock_i(clock_i),
-        .read_address_i(ram_read_address),
-        .read_data_o(front_o),
-        .write_enable_i(write_q),
-        .write_address_i(ram_write_address),
-        .write_data_i(words_q)
-    );
+  // base_ring.rs:55
+  wire [11:0] ram_write_address = {2'd0, write_vector_q, write_beat_q};
+  wire [11:0] ram_read_address = {2'd0, read_vector_q, read_beat_q};
 
-    always @* begin
-        write_beat_d = write_beat_q;
-        if (write_q) begin
-            write_beat_d = write_beat_q + 7'd1;
-            if (write_beat_q == LAST_BEAT) begin
-                write_beat_d = 7'd0;
-            end
-        end
-        if (reset_i) begin
-            write_beat_d = 7'd0;
-        end
+  edof_ram #(.WIDTH(32), .DEPTH(1024), .BLOCK(2), .INIT("")) ram (
+    .clock_i(clock_i), .read_address_i(ram_read_address), .read_data_o(front_o), .write_enable_i(write_q),
+    .write_address_i(ram_write_address), .write_data_i(words_q)
+  );
+
+  always @(posedge clock_i) begin
+    // base_ring.rs:52
+    write_q <= write_i;
+    words_q <= words_i;
+    if (write_q) begin
+      write_beat_q <= write_beat_q + 7'd1;
+      if (write_beat_q == LAST_BEAT) begin
+        write_beat_q <= 7'd0;
+        write_vector_q <= write_vector_q + 3'd1;
+      end
     end
-
-    always @* begin
-        write_vector_d = write_vector_q;
-        if (write_q) begin
-            if (write_beat_q == LAST_BEAT) begin
-                write_vector_d = write_vector_q + 3'd1;
-            end
-        end
-        if (reset_i) begin
-            write_vector_d = 3'd0;
-        end
+    if (read_i) begin
+      read_beat_q <= read_beat_q + 7'd1;
+      if (read_beat_q == LAST_BEAT) begin
+        read_beat_q <= 7'd0;
+        read_vector_q <= read_vector_q + 3'd1;
+      end
     end
-
-    always @* begin
-        read_beat_d = read_beat_q;
-        if (read_i) begin
-            read_beat_d = read_beat_q + 7'd1;
-            if (read_beat_q == LAST_BEAT) begin
-                read_beat_d = 7'd0;
-            end
-        end
-        if (reset_i) begin
-            read_beat_d = 7'd0;
-        end
+    if (reset_i) begin
+      write_q <= 1'b0;
+      write_beat_q <= 7'd0;
+      write_vector_q <= 3'd0;
+      read_beat_q <= 7'd0;
+      read_vector_q <= 3'd0;
     end
-
-    always @* begin
-        read_vector_d = read_vector_q;
-        if (read_i) begin
-            if (read_beat_q == LAST_BEAT) begin
-                read_vector_d = read_vector_q + 3'd1;
-            end
-        end
-        if (reset_i) begin
-            read_vector_d = 3'd0;
-        end
-    end
-
-    assign ram_write_address = {2'd0, write_vector_q, write_beat_q};
-    assign ram_read_address = {2'd0, read_vector_q, read_beat_q};
-
-    always @(posedge clock_i) begin
-        write_q <= reset_i ? 1'b0 : write_i;
-        words_q <= words_i;
-        write_beat_q <= write_beat_d;
-        write_vector_q <= write_vector_d;
-        read_beat_q <= read_beat_d;
-        read_vector_q <= read_vector_d;
-    end
+  end
 endmodule
 
 `default_nettype wire

@@ -1,226 +1,154 @@
-// The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.
-// The outputs `between_*` show what stands between the stages, for observation; they cost nothing where they are left open.
+// The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window
+// with I.
+// The outputs `between_*` show what stands between the stages, for observation; they cost nothing where they
+// are left open.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/chain.rs (Chain).
 `default_nettype none
 
 module chain (
-    input  wire        clock_i,           // Clock.
-    input  wire        reset_i,           // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
-    input  wire        flush_i,           // Forgets every vector and nothing else; held likewise.
-    input  wire        window_valid_i,    // Two pixels of a window stand on the input.
-    output wire        window_ready_o,    // They are taken in this cycle, if there are any.
-    input  wire [31:0] window_data_i,     // They, the even one low.
-    input  wire        window_last_i,     // Whether they are their window's last.
-    input  wire        window_set_i,      // The set of weights for this window.
-    output wire        patch_valid_o,     // Two words of a patch stand on the output.
-    input  wire        patch_ready_i,     // The receiver takes them.
-    output wire [31:0] patch_data_o,      // They.
-    output wire        patch_last_o,      // Whether they are their patch's last.
-    output wire        patch_set_o,       // The set that it was made with.
-    input  wire        write_valid_i,     // A word is to be written (`edof_device::design::memory::address`).
-    input  wire [24:0] write_address_i,   // Where.
-    input  wire [31:0] write_data_i,      // What.
-    input  wire [6:0]  status_address_i,  // What to show: bit 6 counters or what was read back, then stage (4 bits; 15 for the windows that come in), then which (2 bits).
-    output wire [31:0] status_o,          // It, a cycle later; counters as the last snapshot found them.
-    output wire        window_fault_o,    // A window was too short or too long, since the last reset or snapshot of the counters.
-    output wire        between_valid_0_o, // This stage offers a beat to the next (observation only).
-    output wire        between_valid_1_o,
-    output wire        between_valid_2_o,
-    output wire        between_ready_0_o, // The next takes it.
-    output wire        between_ready_1_o,
-    output wire        between_ready_2_o,
-    output wire [31:0] between_data_0_o,  // Its two words.
-    output wire [31:0] between_data_1_o,
-    output wire [31:0] between_data_2_o,
-    output wire [31:0] between_base_0_o,  // Their base words.
-    output wire [31:0] between_base_1_o,
-    output wire [31:0] between_base_2_o,
-    output wire        between_last_0_o,  // Whether it is its vector's last.
-    output wire        between_last_1_o,
-    output wire        between_last_2_o,
-    output wire        between_set_0_o,   // The vector's set.
-    output wire        between_set_1_o,
-    output wire        between_set_2_o
+  input wire clock_i,                  // Clock.
+  // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
+  // something can be taken.
+  input wire reset_i,
+
+  input wire flush_i,                  // Forgets every vector and nothing else; held likewise.
+  input wire window_valid_i,           // Two pixels of a window stand on the input.
+  output wire window_ready_o,          // They are taken in this cycle, if there are any.
+  input wire [31:0] window_data_i,     // They, the even one low.
+  input wire window_last_i,            // Whether they are their window's last.
+  input wire window_set_i,             // The set of weights for this window.
+  output wire patch_valid_o,           // Two words of a patch stand on the output.
+  input wire patch_ready_i,            // The receiver takes them.
+  output wire [31:0] patch_data_o,     // They.
+  output wire patch_last_o,            // Whether they are their patch's last.
+  output wire patch_set_o,             // The set that it was made with.
+  input wire write_valid_i,            // A word is to be written (`edof_device::design::memory::address`).
+  input wire [24:0] write_address_i,   // Where.
+  input wire [31:0] write_data_i,      // What.
+  // What to show: bit 6 counters or what was read back, then stage (4 bits; 15 for the windows that come in),
+  // then which (2 bits).
+  input wire [6:0] status_address_i,
+  output wire [31:0] status_o,         // It, a cycle later; counters as the last snapshot found them.
+  // A window was too short or too long, since the last reset or snapshot of the counters.
+  output wire window_fault_o,
+  output wire between_valid_0_o,       // This stage offers a beat to the next (observation only).
+  output wire between_valid_1_o,
+  output wire between_valid_2_o,
+  output wire between_ready_0_o,       // The next takes it.
+  output wire between_ready_1_o,
+  output wire between_ready_2_o,
+  output wire [31:0] between_data_0_o, // Its two words.
+  output wire [31:0] between_data_1_o,
+  output wire [31:0] between_data_2_o,
+  output wire [31:0] between_base_0_o, // Their base words.
+  output wire [31:0] between_base_1_o,
+  output wire [31:0] between_base_2_o,
+  output wire between_last_0_o,        // Whether it is its vector's last.
+  output wire between_last_1_o,
+  output wire between_last_2_o,
+  output wire between_set_0_o,         // The vector's set.
+  output wire between_set_1_o,
+  output wire between_set_2_o
 );
 
-    localparam [3:0] WHOLE_CHAIN = 4'd15;
+  localparam [3:0] WHOLE_CHAIN = 4'd15;
 
-    reg  [31:0] shown;
-    wire guard_out_valid;
-    wire [31:0] guard_out_data;
-    wire guard_out_last, guard_out_set;
-    wire [31:0] guard_too_short, guard_too_long;
-    wire stages_0_valid, stages_0_ready, stages_0_window_ready_unused;
-    wire [31:0] stages_0_status;
-    wire stages_1_window_ready_unused;
-    wire [31:0] stages_1_status;
-    wire stages_2_window_ready_unused;
-    wire [31:0] stages_2_status;
-    wire stages_3_window_valid, stages_3_window_ready;
-    wire [31:0] stages_3_out_base_unused, stages_3_status;
-    reg  guard_reset_q, guard_reset_counters_q, guard_snapshot_1_q, guard_snapshot_q;
-    reg  [31:0] guard_status_q, guard_status_d;
+  reg [31:0] shown, guard_status_q;
+  wire guard_out_valid, guard_out_last, guard_out_set, stages_0_ready, stages_0_window_ready_unused;
+  wire stages_1_window_ready_unused, stages_2_window_ready_unused, stages_3_window_ready;
+  wire [31:0] guard_out_data, too_short, too_long, stages_0_status, stages_1_status, stages_2_status;
+  wire [31:0] stages_3_out_base_unused, stages_3_status;
+  reg guard_reset_q, guard_reset_counters_q, guard_snapshot_1_q, guard_snapshot_q;
 
-    window_guard guard (
-        .clock_i(clock_i),
-        .reset_i(guard_reset_q),
-        .reset_counters_i(guard_reset_counters_q),
-        .valid_i(window_valid_i),
-        .ready_o(window_ready_o),
-        .data_i(window_data_i),
-        .last_i(window_last_i),
-        .set_i(window_set_i),
-        .out_valid_o(guard_out_valid),
-        .out_ready_i(stages_0_ready && stages_3_window_ready),
-        .out_data_o(guard_out_data),
-        .out_last_o(guard_out_last),
-        .out_set_o(guard_out_set),
-        .fault_o(window_fault_o),
-        .snapshot_i(guard_snapshot_q),
-        .too_short_o(guard_too_short),
-        .too_long_o(guard_too_long)
-    );
+  // chain.rs:158: Windows, whole ones, go to I, and to F.
+  wire stages_0_valid = guard_out_valid && stages_3_window_ready;
+  wire stages_3_window_valid = guard_out_valid && stages_0_ready;
 
-    stage_i stages_0 (
-        .clock_i(clock_i),
-        .reset_i(reset_i),
-        .flush_i(flush_i),
-        .valid_i(stages_0_valid),
-        .ready_o(stages_0_ready),
-        .data_i(guard_out_data),
-        .last_i(guard_out_last),
-        .set_i(guard_out_set),
-        .window_ready_o(stages_0_window_ready_unused),
-        .out_valid_o(between_valid_0_o),
-        .out_ready_i(between_ready_0_o),
-        .out_data_o(between_data_0_o),
-        .out_base_o(between_base_0_o),
-        .out_last_o(between_last_0_o),
-        .out_set_o(between_set_0_o),
-        .write_valid_i(write_valid_i),
-        .write_address_i(write_address_i),
-        .write_data_i(write_data_i),
-        .status_address_i(status_address_i),
-        .status_o(stages_0_status)
-    );
+  // chain.rs:199: The host.
+  always @* begin
+    shown = guard_status_q;
+    shown = shown | stages_0_status;
+    shown = shown | stages_1_status;
+    shown = shown | stages_2_status;
+    shown = shown | stages_3_status;
+  end
 
-    stage_m #(
-        .ID(4'd1),
-        .MACC_INIT("stage1_bank"),
-        .BASE_FIFO_DEPTH(128),
-        .RESULTS_INIT("stage1_thresholds.mem"),
-        .REGISTERS_INIT("stage1_shifts.mem")
-    ) stages_1 (
-        .clock_i(clock_i),
-        .reset_i(reset_i),
-        .flush_i(flush_i),
-        .valid_i(between_valid_0_o),
-        .ready_o(between_ready_0_o),
-        .data_i(between_data_0_o),
-        .base_i(between_base_0_o),
-        .last_i(between_last_0_o),
-        .set_i(between_set_0_o),
-        .window_ready_o(stages_1_window_ready_unused),
-        .out_valid_o(between_valid_1_o),
-        .out_ready_i(between_ready_1_o),
-        .out_data_o(between_data_1_o),
-        .out_base_o(between_base_1_o),
-        .out_last_o(between_last_1_o),
-        .out_set_o(between_set_1_o),
-        .write_valid_i(write_valid_i),
-        .write_address_i(write_address_i),
-        .write_data_i(write_data_i),
-        .status_address_i(status_address_i),
-        .status_o(stages_1_status)
-    );
+  // chain.rs:203: The host.
+  assign status_o = shown;
 
-    stage_m #(
-        .ID(4'd2),
-        .MACC_INIT("stage2_bank"),
-        .BASE_FIFO_DEPTH(0),
-        .RESULTS_INIT("stage2_thresholds.mem"),
-        .REGISTERS_INIT("stage2_shifts.mem")
-    ) stages_2 (
-        .clock_i(clock_i),
-        .reset_i(reset_i),
-        .flush_i(flush_i),
-        .valid_i(between_valid_1_o),
-        .ready_o(between_ready_1_o),
-        .data_i(between_data_1_o),
-        .base_i(between_base_1_o),
-        .last_i(between_last_1_o),
-        .set_i(between_set_1_o),
-        .window_ready_o(stages_2_window_ready_unused),
-        .out_valid_o(between_valid_2_o),
-        .out_ready_i(between_ready_2_o),
-        .out_data_o(between_data_2_o),
-        .out_base_o(between_base_2_o),
-        .out_last_o(between_last_2_o),
-        .out_set_o(between_set_2_o),
-        .write_valid_i(write_valid_i),
-        .write_address_i(write_address_i),
-        .write_data_i(write_data_i),
-        .status_address_i(status_address_i),
-        .status_o(stages_2_status)
-    );
+  window_guard guard (
+    .clock_i(clock_i), .reset_i(guard_reset_q), .reset_counters_i(guard_reset_counters_q),
+    .valid_i(window_valid_i), .ready_o(window_ready_o), .data_i(window_data_i), .last_i(window_last_i),
+    .set_i(window_set_i), .out_valid_o(guard_out_valid),
+    .out_ready_i(stages_0_ready && stages_3_window_ready), .out_data_o(guard_out_data),
+    .out_last_o(guard_out_last), .out_set_o(guard_out_set), .fault_o(window_fault_o),
+    .snapshot_i(guard_snapshot_q), .too_short_o(too_short), .too_long_o(too_long)
+  );
 
-    stage_f stages_3 (
-        .clock_i(clock_i),
-        .reset_i(reset_i),
-        .flush_i(flush_i),
-        .valid_i(between_valid_2_o),
-        .ready_o(between_ready_2_o),
-        .data_i(between_data_2_o),
-        .last_i(between_last_2_o),
-        .set_i(between_set_2_o),
-        .window_valid_i(stages_3_window_valid),
-        .window_ready_o(stages_3_window_ready),
-        .window_data_i(guard_out_data),
-        .window_last_i(guard_out_last),
-        .out_valid_o(patch_valid_o),
-        .out_ready_i(patch_ready_i),
-        .out_data_o(patch_data_o),
-        .out_base_o(stages_3_out_base_unused),
-        .out_last_o(patch_last_o),
-        .out_set_o(patch_set_o),
-        .write_valid_i(write_valid_i),
-        .write_address_i(write_address_i),
-        .write_data_i(write_data_i),
-        .status_address_i(status_address_i),
-        .status_o(stages_3_status)
-    );
+  stage_i stages_0 (
+    .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(stages_0_valid),
+    .ready_o(stages_0_ready), .data_i(guard_out_data), .last_i(guard_out_last), .set_i(guard_out_set),
+    .window_ready_o(stages_0_window_ready_unused), .out_valid_o(between_valid_0_o),
+    .out_ready_i(between_ready_0_o), .out_data_o(between_data_0_o), .out_base_o(between_base_0_o),
+    .out_last_o(between_last_0_o), .out_set_o(between_set_0_o), .write_valid_i(write_valid_i),
+    .write_address_i(write_address_i), .write_data_i(write_data_i), .status_address_i(status_address_i),
+    .status_o(stages_0_status)
+  );
 
-    assign stages_0_valid = guard_out_valid && stages_3_window_ready;
-    assign stages_3_window_valid = guard_out_valid && stages_0_ready;
+  stage_m #(
+    .ID(4'd1), .MACC_INIT("stage1_bank"), .BASE_FIFO_DEPTH(128), .RESULTS_INIT("stage1_thresholds.mem"),
+    .REGISTERS_INIT("stage1_shifts.mem")
+  ) stages_1 (
+    .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_0_o),
+    .ready_o(between_ready_0_o), .data_i(between_data_0_o), .base_i(between_base_0_o),
+    .last_i(between_last_0_o), .set_i(between_set_0_o), .window_ready_o(stages_1_window_ready_unused),
+    .out_valid_o(between_valid_1_o), .out_ready_i(between_ready_1_o), .out_data_o(between_data_1_o),
+    .out_base_o(between_base_1_o), .out_last_o(between_last_1_o), .out_set_o(between_set_1_o),
+    .write_valid_i(write_valid_i), .write_address_i(write_address_i), .write_data_i(write_data_i),
+    .status_address_i(status_address_i), .status_o(stages_1_status)
+  );
 
-    always @* begin
-        guard_status_d = 32'd0;
-        if (status_address_i[5:2] == WHOLE_CHAIN) begin
-            guard_status_d = guard_too_short;
-            if (status_address_i[0]) begin
-                guard_status_d = guard_too_long;
-            end
-        end
+  stage_m #(
+    .ID(4'd2), .MACC_INIT("stage2_bank"), .BASE_FIFO_DEPTH(0), .RESULTS_INIT("stage2_thresholds.mem"),
+    .REGISTERS_INIT("stage2_shifts.mem")
+  ) stages_2 (
+    .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_1_o),
+    .ready_o(between_ready_1_o), .data_i(between_data_1_o), .base_i(between_base_1_o),
+    .last_i(between_last_1_o), .set_i(between_set_1_o), .window_ready_o(stages_2_window_ready_unused),
+    .out_valid_o(between_valid_2_o), .out_ready_i(between_ready_2_o), .out_data_o(between_data_2_o),
+    .out_base_o(between_base_2_o), .out_last_o(between_last_2_o), .out_set_o(between_set_2_o),
+    .write_valid_i(write_valid_i), .write_address_i(write_address_i), .write_data_i(write_data_i),
+    .status_address_i(status_address_i), .status_o(stages_2_status)
+  );
+
+  stage_f stages_3 (
+    .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_2_o),
+    .ready_o(between_ready_2_o), .data_i(between_data_2_o), .last_i(between_last_2_o),
+    .set_i(between_set_2_o), .window_valid_i(stages_3_window_valid),
+    .window_ready_o(stages_3_window_ready), .window_data_i(guard_out_data),
+    .window_last_i(guard_out_last), .out_valid_o(patch_valid_o), .out_ready_i(patch_ready_i),
+    .out_data_o(patch_data_o), .out_base_o(stages_3_out_base_unused), .out_last_o(patch_last_o),
+    .out_set_o(patch_set_o), .write_valid_i(write_valid_i), .write_address_i(write_address_i),
+    .write_data_i(write_data_i), .status_address_i(status_address_i), .status_o(stages_3_status)
+  );
+
+  always @(posedge clock_i) begin
+    // chain.rs:134: Windows, whole ones, go to I, and to F.
+    guard_reset_q <= reset_i || flush_i;
+    guard_reset_counters_q <= reset_i;
+    guard_snapshot_1_q <= write_valid_i && (write_address_i[24:21] == WHOLE_CHAIN)
+        && (write_address_i[20:19] == 2'd3);
+    guard_snapshot_q <= guard_snapshot_1_q;
+    // chain.rs:192: The host.
+    guard_status_q <= 32'd0;
+    if (status_address_i[5:2] == WHOLE_CHAIN) begin
+      guard_status_q <= too_short;
+      if (status_address_i[0]) guard_status_q <= too_long;
     end
-
-    always @* begin
-        shown = guard_status_q;
-        shown = shown | stages_0_status;
-        shown = shown | stages_1_status;
-        shown = shown | stages_2_status;
-        shown = shown | stages_3_status;
-    end
-
-    assign status_o = shown;
-
-    always @(posedge clock_i) begin
-        guard_reset_q <= reset_i || flush_i;
-        guard_reset_counters_q <= reset_i;
-        guard_snapshot_1_q <= write_valid_i && (write_address_i[24:21] == WHOLE_CHAIN) && (write_address_i[20:19] == 2'd3);
-        guard_snapshot_q <= guard_snapshot_1_q;
-        guard_status_q <= guard_status_d;
-    end
+  end
 endmodule
 
 `default_nettype wire

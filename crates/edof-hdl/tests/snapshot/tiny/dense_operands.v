@@ -1,113 +1,88 @@
-// From what a step read to a row of weights and up to four values, four cycles after the step. Values without work are 0.
+// From what a step read to a row of weights and up to four values, four cycles after the step. Values without
+// work are 0.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/dense_operands.rs (DenseOperands).
 `default_nettype none
 
 module dense_operands (
-    input  wire        clock_i,      // Clock.
-    input  wire        valid_i,      // There is a step.
-    input  wire        first_i,      // It is the first of its pass.
-    input  wire        odd_i,        // The odd one of two elements is meant.
-    input  wire [11:0] base_i,       // Row of weights of the pass's first step.
-    input  wire [11:0] offset_i,     // What the step's row of weights is after it.
-    input  wire [31:0] pair_a_i,     // Two elements of the first part of the vector, two cycles after the step.
-    input  wire [31:0] pair_b_i,     // Of the second.
-    input  wire [31:0] pair_c_i,     // Of the third.
-    input  wire [31:0] pair_d_i,     // Of the fourth.
-    output wire        step_first_o, // The step is the first of its pass.
-    output wire [11:0] address_o,    // Row of weights.
-    output wire [24:0] value_a_o,    // Value.
-    output wire [24:0] value_b_o,    // Of the second part.
-    output wire [24:0] value_c_o,    // Of the third.
-    output wire [24:0] value_d_o     // Of the fourth.
+  input wire clock_i,           // Clock.
+
+  input wire valid_i,           // There is a step.
+  input wire first_i,           // It is the first of its pass.
+  input wire odd_i,             // The odd one of two elements is meant.
+  input wire [11:0] base_i,     // Row of weights of the pass's first step.
+  input wire [11:0] offset_i,   // What the step's row of weights is after it.
+  input wire [31:0] pair_a_i,   // Two elements of the first part of the vector, two cycles after the step.
+  input wire [31:0] pair_b_i,   // Of the second.
+  input wire [31:0] pair_c_i,   // Of the third.
+  input wire [31:0] pair_d_i,   // Of the fourth.
+  output wire step_first_o,     // The step is the first of its pass.
+  output wire [11:0] address_o, // Row of weights.
+  output wire [24:0] value_a_o, // Value.
+  output wire [24:0] value_b_o, // Of the second part.
+  output wire [24:0] value_c_o, // Of the third.
+  output wire [24:0] value_d_o  // Of the fourth.
 );
 
-    reg  [2:0] flags;
-    reg  [11:0] row_q;
-    wire [2:0] flags_to_2_later;
-    reg  [15:0] value_a_3_q, value_a_3_d, value_b_3_q, value_b_3_d, value_c_3_q, value_c_3_d;
-    reg  [15:0] value_d_3_q, value_d_3_d;
-    reg  [24:0] value_a_4_q, value_b_4_q, value_c_4_q, value_d_4_q;
+  reg [2:0] flags;
+  reg [11:0] row_q;
+  wire [2:0] flags_to_2_later;
+  reg [15:0] value_a_3_q, value_b_3_q, value_c_3_q, value_d_3_q;
+  reg [24:0] value_a_4_q, value_b_4_q, value_c_4_q, value_d_4_q;
 
-    edof_delay #(.WIDTH(3), .CYCLES(2)) flags_to_2 (
-        .clock_i(clock_i), .now_i(flags), .later_o(flags_to_2_later)
-    );
-    edof_delay #(.WIDTH(12), .CYCLES(3)) row_to_4 (
-        .clock_i(clock_i), .now_i(row_q), .later_o(address_o)
-    );
-    edof_delay #(.WIDTH(1), .CYCLES(2)) first_to_4 (
-        .clock_i(clock_i), .now_i(flags_to_2_later[0]), .later_o(step_first_o)
-    );
+  // dense_operands.rs:71: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
+  always @* begin
+    flags = 3'd0;
+    if (first_i) flags = flags | 3'd1;
+    if (valid_i) flags = flags | 3'd2;
+    if (odd_i) flags = flags | 3'd4;
+  end
 
-    always @* begin
-        flags = 3'd0;
-        if (first_i) begin
-            flags = flags | 3'd1;
-        end
-        if (valid_i) begin
-            flags = flags | 3'd2;
-        end
-        if (odd_i) begin
-            flags = flags | 3'd4;
-        end
+  // dense_operands.rs:124
+  assign value_a_o = value_a_4_q;
+  assign value_b_o = value_b_4_q;
+  assign value_c_o = value_c_4_q;
+  assign value_d_o = value_d_4_q;
+
+  edof_delay #(.WIDTH(3), .CYCLES(2)) flags_to_2 (.clock_i(clock_i), .now_i(flags), .later_o(flags_to_2_later));
+  edof_delay #(.WIDTH(12), .CYCLES(3)) row_to_4 (.clock_i(clock_i), .now_i(row_q), .later_o(address_o));
+
+  edof_delay #(.WIDTH(1), .CYCLES(2)) first_to_4 (
+    .clock_i(clock_i), .now_i(flags_to_2_later[0]), .later_o(step_first_o)
+  );
+
+  always @(posedge clock_i) begin
+    // dense_operands.rs:82: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
+    row_q <= base_i + offset_i;
+    // dense_operands.rs:86: Cycle 3: the element of two.
+    value_a_3_q <= pair_a_i[15:0];
+    value_b_3_q <= pair_b_i[15:0];
+    value_c_3_q <= pair_c_i[15:0];
+    value_d_3_q <= pair_d_i[15:0];
+    if (flags_to_2_later[2]) begin
+      value_a_3_q <= pair_a_i[31:16];
+      value_b_3_q <= pair_b_i[31:16];
+      value_c_3_q <= pair_c_i[31:16];
+      value_d_3_q <= pair_d_i[31:16];
     end
-
-    always @* begin
-        value_a_3_d = pair_a_i[15:0];
-        if (flags_to_2_later[2]) begin
-            value_a_3_d = pair_a_i[31:16];
-        end
-        if (!flags_to_2_later[1]) begin
-            value_a_3_d = 16'd0;
-        end
+    if (!flags_to_2_later[1]) begin
+      value_a_3_q <= 16'd0;
+      value_b_3_q <= 16'd0;
+      value_c_3_q <= 16'd0;
+      value_d_3_q <= 16'd0;
     end
-
-    always @* begin
-        value_b_3_d = pair_b_i[15:0];
-        if (flags_to_2_later[2]) begin
-            value_b_3_d = pair_b_i[31:16];
-        end
-        if (!flags_to_2_later[1]) begin
-            value_b_3_d = 16'd0;
-        end
-    end
-
-    always @* begin
-        value_c_3_d = pair_c_i[15:0];
-        if (flags_to_2_later[2]) begin
-            value_c_3_d = pair_c_i[31:16];
-        end
-        if (!flags_to_2_later[1]) begin
-            value_c_3_d = 16'd0;
-        end
-    end
-
-    always @* begin
-        value_d_3_d = pair_d_i[15:0];
-        if (flags_to_2_later[2]) begin
-            value_d_3_d = pair_d_i[31:16];
-        end
-        if (!flags_to_2_later[1]) begin
-            value_d_3_d = 16'd0;
-        end
-    end
-
-    assign value_a_o = value_a_4_q;
-    assign value_b_o = value_b_4_q;
-    assign value_c_o = value_c_4_q;
-    assign value_d_o = value_d_4_q;
-
-    always @(posedge clock_i) begin
-        row_q <= base_i + offset_i;
-        value_a_3_q <= value_a_3_d;
-        value_b_3_q <= value_b_3_d;
-        value_c_3_q <= value_c_3_d;
-        value_d_3_q <= value_d_3_d;
-        value_a_4_q <= value_a_3_q[15] ? ({9'd0, value_a_3_q} | 25'h1ff0000) : {9'd0, value_a_3_q};
-        value_b_4_q <= value_b_3_q[15] ? ({9'd0, value_b_3_q} | 25'h1ff0000) : {9'd0, value_b_3_q};
-        value_c_4_q <= value_c_3_q[15] ? ({9'd0, value_c_3_q} | 25'h1ff0000) : {9'd0, value_c_3_q};
-        value_d_4_q <= value_d_3_q[15] ? ({9'd0, value_d_3_q} | 25'h1ff0000) : {9'd0, value_d_3_q};
-    end
+    // dense_operands.rs:104: Cycle 4: as wide as a multiplier's input.
+    value_a_4_q <= {9'd0, value_a_3_q};
+    if (value_a_3_q[15]) value_a_4_q <= {9'd0, value_a_3_q} | 25'h1ff0000;
+    value_b_4_q <= {9'd0, value_b_3_q};
+    if (value_b_3_q[15]) value_b_4_q <= {9'd0, value_b_3_q} | 25'h1ff0000;
+    value_c_4_q <= {9'd0, value_c_3_q};
+    if (value_c_3_q[15]) value_c_4_q <= {9'd0, value_c_3_q} | 25'h1ff0000;
+    value_d_4_q <= {9'd0, value_d_3_q};
+    if (value_d_3_q[15]) value_d_4_q <= {9'd0, value_d_3_q} | 25'h1ff0000;
+  end
 endmodule
 
 `default_nettype wire

@@ -1,134 +1,115 @@
-// Dense vectors that wait for their multipliers: four slots, in as many memories as the stage takes values at once. Each holds a
-// part of every vector, two elements a row, slot s from row 128 s on. Ready while fewer than four slots are full. Row read_row of
+// Dense vectors that wait for their multipliers: four slots, in as many memories as the stage takes values at
+// once. Each holds a
+// part of every vector, two elements a row, slot s from row 128 s on. Ready while fewer than four slots are
+// full. Row read_row of
 // all parts is read two cycles later. A vector's descriptor comes three cycles after its last beat.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/dense_store.rs (DenseStore).
 `default_nettype none
 
 module dense_store (
-    input  wire        clock_i,      // Clock.
-    input  wire        reset_i,      // Empties all slots.
-    input  wire        valid_i,      // A beat stands on the input.
-    output wire        ready_o,      // It is taken in this cycle, if there is one.
-    input  wire [31:0] data_i,       // Its two elements.
-    input  wire        last_i,       // Whether the beat is its vector's last.
-    input  wire        set_i,        // The vector's set.
-    output wire        arrived_o,    // A vector is whole.
-    output wire [11:0] descriptor_o, // What the sequencer must know of it.
-    input  wire [8:0]  read_row_i,   // Which two elements of each part to read.
-    output wire [31:0] pair_a_o,     // They, two cycles later: of the first part.
-    output wire [31:0] pair_b_o,     // Of the second.
-    output wire [31:0] pair_c_o,     // Of the third.
-    output wire [31:0] pair_d_o,     // Of the fourth.
-    input  wire        finished_i    // Frees the slot that is read.
+  input wire clock_i,              // Clock.
+  input wire reset_i,              // Empties all slots.
+
+  input wire valid_i,              // A beat stands on the input.
+  output wire ready_o,             // It is taken in this cycle, if there is one.
+  input wire [31:0] data_i,        // Its two elements.
+  input wire last_i,               // Whether the beat is its vector's last.
+  input wire set_i,                // The vector's set.
+  output wire arrived_o,           // A vector is whole.
+  output wire [11:0] descriptor_o, // What the sequencer must know of it.
+  input wire [8:0] read_row_i,     // Which two elements of each part to read.
+  output wire [31:0] pair_a_o,     // They, two cycles later: of the first part.
+  output wire [31:0] pair_b_o,     // Of the second.
+  output wire [31:0] pair_c_o,     // Of the third.
+  output wire [31:0] pair_d_o,     // Of the fourth.
+  input wire finished_i            // Frees the slot that is read.
 );
 
-    localparam [1:0] PART_IDS_0 = 2'd0;
-    localparam [1:0] PART_IDS_1 = 2'd1;
-    localparam [6:0] LAST_ROW = 7'd15;
-    localparam [11:0] DESCRIPTOR_OF_SET_0 = 12'd496;
-    localparam [2:0] ALL_SLOTS = 3'd4;
+  localparam [1:0] PART_IDS_0 = 2'd0;
+  localparam [1:0] PART_IDS_1 = 2'd1;
+  localparam [6:0] LAST_ROW = 7'd15;
+  localparam [11:0] DESCRIPTOR_OF_SET_0 = 12'h1f0;
+  localparam [2:0] ALL_SLOTS = 3'd4;
 
-    wire accept;
-    reg  [2:0] full_next;
-    wire [11:0] write_row, parts_0_read_address;
-    wire parts_0_write_enable;
-    wire [11:0] parts_1_read_address;
-    wire parts_1_write_enable;
-    reg  [2:0] full_q;
-    reg  ready_q, valid_1_q;
-    reg  [31:0] data_1_q;
-    reg  last_1_q, set_1_q, arrived_2_q, set_2_q, arrived_3_q, set_3_q;
-    reg  [1:0] part_q, part_d;
-    reg  [6:0] row_q, row_d;
-    reg  [1:0] write_slot_q;
+  reg [2:0] full_next, full_q;
+  reg ready_q, valid_1_q, last_1_q, set_1_q, arrived_2_q, set_2_q, arrived_3_q, set_3_q;
+  reg [31:0] data_1_q;
+  reg [1:0] part_q, write_slot_q;
+  reg [6:0] row_q;
 
-    edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_0 (
-        .clock_i(clock_i),
-        .read_address_i(parts_0_read_address),
-        .read_data_o(pair_a_o),
-        .write_enable_i(parts_0_write_enable),
-        .write_address_i(write_row),
-        .write_data_i(data_1_q)
-    );
+  // dense_store.rs:101: Room for a vector.
+  assign ready_o = ready_q;
+  wire accept = valid_i && ready_q;
 
-    edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_1 (
-        .clock_i(clock_i),
-        .read_address_i(parts_1_read_address),
-        .read_data_o(pair_b_o),
-        .write_enable_i(parts_1_write_enable),
-        .write_address_i(write_row),
-        .write_data_i(data_1_q)
-    );
+  // dense_store.rs:103: Room for a vector.
+  always @* begin
+    full_next = full_q;
+    if (accept && last_i && !finished_i) full_next = full_q + 3'd1;
+    else if (finished_i && (!(accept && last_i))) full_next = full_q - 3'd1;
+  end
 
-    assign ready_o = ready_q;
-    assign accept = valid_i && ready_q;
+  // dense_store.rs:129: Where a beat goes: one part after the other.
+  wire [11:0] write_row = {3'd0, write_slot_q, row_q};
+  wire parts_0_write_enable = valid_1_q && (part_q == PART_IDS_0);
+  wire [11:0] parts_0_read_address = {3'd0, read_row_i};
+  wire parts_1_write_enable = valid_1_q && (part_q == PART_IDS_1);
+  wire [11:0] parts_1_read_address = {3'd0, read_row_i};
+  assign arrived_o = arrived_3_q;
+  assign descriptor_o = set_3_q ? (DESCRIPTOR_OF_SET_0 | 12'd1) : DESCRIPTOR_OF_SET_0;
 
-    always @* begin
-        full_next = full_q;
-        if (accept && last_i && !finished_i) begin
-            full_next = full_q + 3'd1;
-        end else if (finished_i && (!(accept && last_i))) begin
-            full_next = full_q - 3'd1;
-        end
+  // dense_store.rs:152: Read.
+  assign pair_c_o = 32'd0;
+  assign pair_d_o = 32'd0;
+
+  edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_0 (
+    .clock_i(clock_i), .read_address_i(parts_0_read_address), .read_data_o(pair_a_o),
+    .write_enable_i(parts_0_write_enable), .write_address_i(write_row), .write_data_i(data_1_q)
+  );
+
+  edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_1 (
+    .clock_i(clock_i), .read_address_i(parts_1_read_address), .read_data_o(pair_b_o),
+    .write_enable_i(parts_1_write_enable), .write_address_i(write_row), .write_data_i(data_1_q)
+  );
+
+  always @(posedge clock_i) begin
+    // dense_store.rs:109: Room for a vector.
+    full_q <= full_next;
+    ready_q <= full_next != ALL_SLOTS;
+    // dense_store.rs:113: Where a beat goes: one part after the other.
+    valid_1_q <= accept;
+    data_1_q <= data_i;
+    last_1_q <= last_i;
+    set_1_q <= set_i;
+    if (valid_1_q) begin
+      row_q <= row_q + 7'd1;
+      if (row_q == LAST_ROW) begin
+        row_q <= 7'd0;
+        part_q <= part_q + 2'd1;
+      end
+      if (last_1_q) begin
+        row_q <= 7'd0;
+        part_q <= 2'd0;
+        write_slot_q <= write_slot_q + 2'd1;
+      end
     end
-
-    always @* begin
-        part_d = part_q;
-        if (valid_1_q) begin
-            if (row_q == LAST_ROW) begin
-                part_d = part_q + 2'd1;
-            end
-            if (last_1_q) begin
-                part_d = 2'd0;
-            end
-        end
-        if (reset_i) begin
-            part_d = 2'd0;
-        end
+    arrived_2_q <= valid_1_q && last_1_q;
+    set_2_q <= set_1_q;
+    arrived_3_q <= arrived_2_q;
+    set_3_q <= set_2_q;
+    if (reset_i) begin
+      full_q <= 3'd0;
+      ready_q <= 1'b0;
+      valid_1_q <= 1'b0;
+      arrived_2_q <= 1'b0;
+      arrived_3_q <= 1'b0;
+      part_q <= 2'd0;
+      row_q <= 7'd0;
+      write_slot_q <= 2'd0;
     end
-
-    always @* begin
-        row_d = row_q;
-        if (valid_1_q) begin
-            row_d = row_q + 7'd1;
-            if (row_q == LAST_ROW) begin
-                row_d = 7'd0;
-            end
-            if (last_1_q) begin
-                row_d = 7'd0;
-            end
-        end
-        if (reset_i) begin
-            row_d = 7'd0;
-        end
-    end
-
-    assign write_row = {3'd0, write_slot_q, row_q};
-    assign parts_0_write_enable = valid_1_q && (part_q == PART_IDS_0);
-    assign parts_0_read_address = {3'd0, read_row_i};
-    assign parts_1_write_enable = valid_1_q && (part_q == PART_IDS_1);
-    assign parts_1_read_address = {3'd0, read_row_i};
-    assign arrived_o = arrived_3_q;
-    assign descriptor_o = set_3_q ? (DESCRIPTOR_OF_SET_0 | 12'd1) : DESCRIPTOR_OF_SET_0;
-    assign pair_c_o = 32'd0;
-    assign pair_d_o = 32'd0;
-
-    always @(posedge clock_i) begin
-        full_q <= reset_i ? 3'd0 : full_next;
-        ready_q <= reset_i ? 1'b0 : (full_next != ALL_SLOTS);
-        valid_1_q <= reset_i ? 1'b0 : accept;
-        data_1_q <= data_i;
-        last_1_q <= last_i;
-        set_1_q <= set_i;
-        arrived_2_q <= reset_i ? 1'b0 : (valid_1_q && last_1_q);
-        set_2_q <= set_1_q;
-        arrived_3_q <= reset_i ? 1'b0 : arrived_2_q;
-        set_3_q <= set_2_q;
-        part_q <= part_d;
-        row_q <= row_d;
-        write_slot_q <= reset_i ? 2'd0 : ((valid_1_q && last_1_q) ? (write_slot_q + 2'd1) : write_slot_q);
-    end
+  end
 endmodule
 
 `default_nettype wire

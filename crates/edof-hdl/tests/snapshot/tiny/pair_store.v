@@ -1,178 +1,169 @@
-// From dense vectors to (index, value) pairs: four slots, one fills while others wait and one is read, as often as there are passes.
-// Ready while fewer than four are full. With skip_zeros only non-zero elements are kept. Pair 2r of slot s lies at row 128 s + r of
-// the even memory, pair 2r + 1 likewise in the odd one; both are read two cycles after read_row. A vector's descriptor comes three
+// From dense vectors to (index, value) pairs: four slots, one fills while others wait and one is read, as often
+// as there are passes.
+// Ready while fewer than four are full. With skip_zeros only non-zero elements are kept. Pair 2r of slot s lies
+// at row 128 s + r of
+// the even memory, pair 2r + 1 likewise in the odd one; both are read two cycles after read_row. A vector's
+// descriptor comes three
 // cycles after its last beat.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/pair_store.rs (PairStore).
 `default_nettype none
 
 module pair_store #(
-    parameter TWO_ROWS = 1'b0
+  parameter TWO_ROWS = 1'b0
 ) (
-    input  wire        clock_i,      // Clock.
-    input  wire        reset_i,      // Empties all slots.
-    input  wire        skip_zeros_i, // Whether zeros are left out.
-    input  wire        valid_i,      // A beat stands on the input.
-    output wire        ready_o,      // It is taken in this cycle, if there is one.
-    input  wire [15:0] even_i,       // Element of even index.
-    input  wire [15:0] odd_i,        // Element of odd index.
-    input  wire        last_i,       // Whether the beat is its vector's last.
-    input  wire        set_i,        // The vector's set.
-    output wire        arrived_o,    // A vector is whole.
-    output wire [11:0] descriptor_o, // What the sequencer must know of it.
-    input  wire [8:0]  read_row_i,   // Which two pairs to read.
-    output wire [24:0] even_pair_o,  // The even one of the two, two cycles later.
-    output wire [24:0] odd_pair_o,   // The odd one.
-    input  wire        finished_i    // Frees the slot that is read.
+  input wire clock_i,              // Clock.
+  input wire reset_i,              // Empties all slots.
+
+  input wire skip_zeros_i,         // Whether zeros are left out.
+  input wire valid_i,              // A beat stands on the input.
+  output wire ready_o,             // It is taken in this cycle, if there is one.
+  input wire [15:0] even_i,        // Element of even index.
+  input wire [15:0] odd_i,         // Element of odd index.
+  input wire last_i,               // Whether the beat is its vector's last.
+  input wire set_i,                // The vector's set.
+  output wire arrived_o,           // A vector is whole.
+  output wire [11:0] descriptor_o, // What the sequencer must know of it.
+  input wire [8:0] read_row_i,     // Which two pairs to read.
+  output wire [24:0] even_pair_o,  // The even one of the two, two cycles later.
+  output wire [24:0] odd_pair_o,   // The odd one.
+  input wire finished_i            // Frees the slot that is read.
 );
 
-    localparam [2:0] ALL_SLOTS = 3'd4;
+  localparam [2:0] ALL_SLOTS = 3'd4;
 
-    reg  [2:0] full_next;
-    wire accept, keep_one, keep_both;
-    wire [24:0] arrived_even, arrived_odd, arrived_first;
-    wire [8:0] stored_next;
-    wire [11:0] row;
-    wire [8:0] before_last;
-    wire [7:0] steps;
-    reg  [3:0] flags;
-    wire [11:0] even_pairs_read_address, odd_pairs_read_address;
-    reg  [2:0] full_q;
-    reg  ready_q, valid_1_q;
-    reg  [15:0] even_1_q, odd_1_q;
-    reg  last_1_q, set_1_q, valid_2_q, keep_even_2_q, keep_odd_2_q;
-    reg  [15:0] even_2_q, odd_2_q;
-    reg  last_2_q, set_2_q;
-    reg  [7:0] beat_q, beat_d;
-    reg  [8:0] stored_q, stored_d;
-    reg  [1:0] write_slot_q;
-    reg  even_write_3_q, odd_write_3_q;
-    reg  [11:0] even_row_3_q, odd_row_3_q;
-    reg  [24:0] even_data_3_q, odd_data_3_q;
-    reg  arrived_3_q;
-    reg  [8:0] count_3_q;
-    reg  set_3_q;
+  reg [2:0] full_next, full_q;
+  reg [7:0] steps, beat_q;
+  reg [3:0] flags;
+  reg ready_q, valid_1_q, last_1_q, set_1_q, valid_2_q, keep_even_2_q, keep_odd_2_q, last_2_q, set_2_q;
+  reg even_write_3_q, odd_write_3_q, arrived_3_q, set_3_q;
+  reg [15:0] even_1_q, odd_1_q, even_2_q, odd_2_q;
+  reg [8:0] stored_q, count_3_q;
+  reg [1:0] write_slot_q;
+  reg [11:0] even_row_3_q, odd_row_3_q;
+  reg [24:0] even_data_3_q, odd_data_3_q;
 
-    edof_ram #(.WIDTH(25), .DEPTH(512), .BLOCK(2), .INIT("")) even_pairs (
-        .clock_i(clock_i),
-        .read_address_i(even_pairs_read_address),
-        .read_data_o(even_pair_o),
-        .write_enable_i(even_write_3_q),
-        .write_address_i(even_row_3_q),
-        .write_data_i(even_data_3_q)
-    );
+  // pair_store.rs:143: Room for a vector.
+  assign ready_o = ready_q;
+  wire accept = valid_i && ready_q;
 
-    edof_ram #(.WIDTH(25), .DEPTH(512), .BLOCK(2), .INIT("")) odd_pairs (
-        .clock_i(clock_i),
-        .read_address_i(odd_pairs_read_address),
-        .read_data_o(odd_pair_o),
-        .write_enable_i(odd_write_3_q),
-        .write_address_i(odd_row_3_q),
-        .write_data_i(odd_data_3_q)
-    );
+  // pair_store.rs:145: Room for a vector.
+  always @* begin
+    full_next = full_q;
+    if (accept && last_i && !finished_i) full_next = full_q + 3'd1;
+    else if (finished_i && (!(accept && last_i))) full_next = full_q - 3'd1;
+  end
 
-    assign ready_o = ready_q;
-    assign accept = valid_i && ready_q;
+  // pair_store.rs:170: Where they go.
+  wire keep_one = keep_even_2_q || keep_odd_2_q;
+  wire keep_both = keep_even_2_q && keep_odd_2_q;
+  wire [24:0] arrived_even = {beat_q, 1'b0, even_2_q};
+  wire [24:0] arrived_odd = {beat_q, 1'b0, odd_2_q} | 25'h10000;
+  wire [24:0] arrived_first = keep_even_2_q ? arrived_even : arrived_odd;
+  wire [11:0] row = ({10'd0, write_slot_q} << 7) | {4'd0, stored_q[8:1]};
+  wire [8:0] stored_next = keep_both ? (stored_q + 9'd2) : (keep_one ? (stored_q + 9'd1) : stored_q);
 
-    always @* begin
-        full_next = full_q;
-        if (accept && last_i && !finished_i) begin
-            full_next = full_q + 3'd1;
-        end else if (finished_i && (!(accept && last_i))) begin
-            full_next = full_q - 3'd1;
-        end
+  // pair_store.rs:221: Written; and what the sequencer must know: steps before the last, and whether the last
+  // one lacks a second pair.
+  wire [8:0] before_last = count_3_q - 9'd1;
+
+  // pair_store.rs:222: Written; and what the sequencer must know: steps before the last, and whether the last
+  // one lacks a second pair.
+  always @* begin
+    steps = before_last[7:0];
+    flags = 4'd0;
+    if (set_3_q) flags = 4'd1;
+    if (count_3_q[0]) flags = flags | 4'd2;
+    if (count_3_q == 9'd1) flags = flags | 4'd8;
+    if (TWO_ROWS) begin
+      steps = before_last[8:1];
+      if (count_3_q == 9'd2) flags = flags | 4'd8;
     end
-
-    always @* begin
-        beat_d = beat_q;
-        if (valid_2_q) begin
-            beat_d = beat_q + 8'd1;
-            if (last_2_q) begin
-                beat_d = 8'd0;
-            end
-        end
-        if (reset_i) begin
-            beat_d = 8'd0;
-        end
+    if (!(|count_3_q)) begin
+      steps = 8'd0;
+      flags = flags | 4'he;
     end
+  end
 
-    always @* begin
-        stored_d = stored_q;
-        if (valid_2_q) begin
-            stored_d = stored_next;
-            if (last_2_q) begin
-                stored_d = 9'd0;
-            end
-        end
-        if (reset_i) begin
-            stored_d = 9'd0;
-        end
+  // pair_store.rs:243: Written; and what the sequencer must know: steps before the last, and whether the last
+  // one lacks a second pair.
+  assign arrived_o = arrived_3_q;
+  assign descriptor_o = {steps, flags};
+
+  // pair_store.rs:248: Read.
+  wire [11:0] even_pairs_read_address = {3'd0, read_row_i};
+  wire [11:0] odd_pairs_read_address = {3'd0, read_row_i};
+
+  edof_ram #(.WIDTH(25), .DEPTH(512), .BLOCK(2), .INIT("")) even_pairs (
+    .clock_i(clock_i), .read_address_i(even_pairs_read_address), .read_data_o(even_pair_o),
+    .write_enable_i(even_write_3_q), .write_address_i(even_row_3_q), .write_data_i(even_data_3_q)
+  );
+
+  edof_ram #(.WIDTH(25), .DEPTH(512), .BLOCK(2), .INIT("")) odd_pairs (
+    .clock_i(clock_i), .read_address_i(odd_pairs_read_address), .read_data_o(odd_pair_o),
+    .write_enable_i(odd_write_3_q), .write_address_i(odd_row_3_q), .write_data_i(odd_data_3_q)
+  );
+
+  always @(posedge clock_i) begin
+    // pair_store.rs:151: Room for a vector.
+    full_q <= full_next;
+    ready_q <= full_next != ALL_SLOTS;
+    // pair_store.rs:155: Which elements are kept.
+    valid_1_q <= accept;
+    even_1_q <= even_i;
+    odd_1_q <= odd_i;
+    last_1_q <= last_i;
+    set_1_q <= set_i;
+    valid_2_q <= valid_1_q;
+    keep_even_2_q <= valid_1_q && (!skip_zeros_i || (|even_1_q));
+    keep_odd_2_q <= valid_1_q && (!skip_zeros_i || (|odd_1_q));
+    even_2_q <= even_1_q;
+    odd_2_q <= odd_1_q;
+    last_2_q <= last_1_q;
+    set_2_q <= set_1_q;
+    // pair_store.rs:182: Where they go.
+    even_write_3_q <= keep_one;
+    even_row_3_q <= row;
+    even_data_3_q <= arrived_first;
+    odd_write_3_q <= keep_both;
+    odd_row_3_q <= row;
+    odd_data_3_q <= arrived_odd;
+    if (stored_q[0]) begin
+      even_write_3_q <= keep_both;
+      even_row_3_q <= row + 12'd1;
+      even_data_3_q <= arrived_odd;
+      odd_write_3_q <= keep_one;
+      odd_data_3_q <= arrived_first;
     end
-
-    assign keep_one = keep_even_2_q || keep_odd_2_q;
-    assign keep_both = keep_even_2_q && keep_odd_2_q;
-    assign arrived_even = {beat_q, 1'b0, even_2_q};
-    assign arrived_odd = {beat_q, 1'b0, odd_2_q} | 25'h10000;
-    assign arrived_first = keep_even_2_q ? arrived_even : arrived_odd;
-    assign row = ({10'd0, write_slot_q} << 7) | {4'd0, stored_q[8:1]};
-    assign stored_next = keep_both ? (stored_q + 9'd2) : (keep_one ? (stored_q + 9'd1) : stored_q);
-    assign before_last = count_3_q - 9'd1;
-    assign steps = (!(|count_3_q)) ? 8'd0 : (TWO_ROWS ? before_last[8:1] : before_last[7:0]);
-
-    always @* begin
-        flags = 4'd0;
-        if (set_3_q) begin
-            flags = 4'd1;
-        end
-        if (count_3_q[0]) begin
-            flags = flags | 4'd2;
-        end
-        if (count_3_q == 9'd1) begin
-            flags = flags | 4'd8;
-        end
-        if (TWO_ROWS) begin
-            if (count_3_q == 9'd2) begin
-                flags = flags | 4'd8;
-            end
-        end
-        if (!(|count_3_q)) begin
-            flags = flags | 4'he;
-        end
+    if (valid_2_q) begin
+      beat_q <= beat_q + 8'd1;
+      stored_q <= stored_next;
+      if (last_2_q) begin
+        beat_q <= 8'd0;
+        stored_q <= 9'd0;
+        write_slot_q <= write_slot_q + 2'd1;
+      end
     end
-
-    assign arrived_o = arrived_3_q;
-    assign descriptor_o = {steps, flags};
-    assign even_pairs_read_address = {3'd0, read_row_i};
-    assign odd_pairs_read_address = {3'd0, read_row_i};
-
-    always @(posedge clock_i) begin
-        full_q <= reset_i ? 3'd0 : full_next;
-        ready_q <= reset_i ? 1'b0 : (full_next != ALL_SLOTS);
-        valid_1_q <= reset_i ? 1'b0 : accept;
-        even_1_q <= even_i;
-        odd_1_q <= odd_i;
-        last_1_q <= last_i;
-        set_1_q <= set_i;
-        valid_2_q <= reset_i ? 1'b0 : valid_1_q;
-        keep_even_2_q <= reset_i ? 1'b0 : (valid_1_q && (!skip_zeros_i || (|even_1_q)));
-        keep_odd_2_q <= reset_i ? 1'b0 : (valid_1_q && (!skip_zeros_i || (|odd_1_q)));
-        even_2_q <= even_1_q;
-        odd_2_q <= odd_1_q;
-        last_2_q <= last_1_q;
-        set_2_q <= set_1_q;
-        beat_q <= beat_d;
-        stored_q <= stored_d;
-        write_slot_q <= reset_i ? 2'd0 : ((valid_2_q && last_2_q) ? (write_slot_q + 2'd1) : write_slot_q);
-        even_write_3_q <= reset_i ? 1'b0 : (stored_q[0] ? keep_both : keep_one);
-        odd_write_3_q <= reset_i ? 1'b0 : (stored_q[0] ? keep_one : keep_both);
-        even_row_3_q <= stored_q[0] ? (row + 12'd1) : row;
-        odd_row_3_q <= row;
-        even_data_3_q <= stored_q[0] ? arrived_odd : arrived_first;
-        odd_data_3_q <= stored_q[0] ? arrived_first : arrived_odd;
-        arrived_3_q <= reset_i ? 1'b0 : (valid_2_q && last_2_q);
-        count_3_q <= stored_next;
-        set_3_q <= set_2_q;
+    arrived_3_q <= valid_2_q && last_2_q;
+    count_3_q <= stored_next;
+    set_3_q <= set_2_q;
+    if (reset_i) begin
+      full_q <= 3'd0;
+      ready_q <= 1'b0;
+      valid_1_q <= 1'b0;
+      valid_2_q <= 1'b0;
+      keep_even_2_q <= 1'b0;
+      keep_odd_2_q <= 1'b0;
+      beat_q <= 8'd0;
+      stored_q <= 9'd0;
+      write_slot_q <= 2'd0;
+      even_write_3_q <= 1'b0;
+      odd_write_3_q <= 1'b0;
+      arrived_3_q <= 1'b0;
     end
+  end
 endmodule
 
 `default_nettype wire

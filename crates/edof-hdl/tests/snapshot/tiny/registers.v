@@ -1,79 +1,54 @@
-// What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and control.
+// What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and
+// control.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/registers.rs (Registers).
 `default_nettype none
 
 module registers #(
-    parameter INIT = "stage0_shifts.mem"
+  parameter INIT = "stage0_shifts.mem"
 ) (
-    input  wire        clock_i,        // Clock.
-    input  wire        reset_i,        // Back to the values of the generated design; held for two cycles or more.
-    input  wire        write_enable_i, // Writes a register.
-    input  wire [11:0] write_row_i,    // Which: 0 and 1 are the shifts of each set, 2 is control.
-    input  wire [31:0] write_data_i,   // Its new value.
-    output wire [19:0] shifts_0_o,     // Shifts of set 0 (`edof_device::design::memory::Shifts::word`).
-    output wire [19:0] shifts_1_o,     // Shifts of set 1.
-    output wire        skip_zeros_o    // Whether zeros are left out.
+  input wire clock_i,             // Clock.
+  input wire reset_i,             // Back to the values of the generated design; held for two cycles or more.
+
+  input wire write_enable_i,      // Writes a register.
+  input wire [11:0] write_row_i,  // Which: 0 and 1 are the shifts of each set, 2 is control.
+  input wire [31:0] write_data_i, // Its new value.
+  output wire [19:0] shifts_0_o,  // Shifts of set 0 (`edof_device::design::memory::Shifts::word`).
+  output wire [19:0] shifts_1_o,  // Shifts of set 1.
+  output wire skip_zeros_o        // Whether zeros are left out.
 );
 
-    localparam START_SKIP = 1'b1;
+  localparam START_SKIP = 1'b1;
 
-    wire [19:0] start_first, start_second;
-    reg  [19:0] shifts_0_q, shifts_0_d, shifts_1_q, shifts_1_d;
-    reg  skip_q, skip_d;
+  wire [19:0] start_first, second;
+  reg [19:0] shifts_0_q, shifts_1_q;
+  reg skip_q;
 
-    edof_start #(.WIDTH(20), .INIT(INIT)) start (
-        .clock_i(clock_i), .first_o(start_first), .second_o(start_second)
-    );
+  // registers.rs:68
+  assign shifts_0_o = shifts_0_q;
+  assign shifts_1_o = shifts_1_q;
+  assign skip_zeros_o = skip_q;
 
-    always @* begin
-        shifts_0_d = shifts_0_q;
-        if (write_enable_i) begin
-            if (write_row_i == 12'd0) begin
-                shifts_0_d = write_data_i[19:0];
-            end
-        end
-        if (reset_i) begin
-            shifts_0_d = start_first;
-        end
+  edof_start #(.WIDTH(20), .INIT(INIT)) start (.clock_i(clock_i), .first_o(start_first), .second_o(second));
+
+  always @(posedge clock_i) begin
+    // registers.rs:54
+    if (write_enable_i) begin
+      if (write_row_i == 12'd0) shifts_0_q <= write_data_i[19:0];
+      else if (write_row_i == 12'd1) shifts_1_q <= write_data_i[19:0];
+      else if (write_row_i == 12'd2) skip_q <= write_data_i[0];
     end
-
-    always @* begin
-        shifts_1_d = shifts_1_q;
-        if (write_enable_i) begin
-            if ((!(write_row_i == 12'd0)) && (write_row_i == 12'd1)) begin
-                shifts_1_d = write_data_i[19:0];
-            end
-        end
-        if (reset_i) begin
-            shifts_1_d = start_second;
-        end
+    if (reset_i) begin
+      shifts_0_q <= start_first;
+      shifts_1_q <= second;
+      skip_q <= START_SKIP;
     end
+  end
 
-    always @* begin
-        skip_d = skip_q;
-        if (write_enable_i) begin
-            if ((!(write_row_i == 12'd0)) && ((!(write_row_i == 12'd1)) && (write_row_i == 12'd2))) begin
-                skip_d = write_data_i[0];
-            end
-        end
-        if (reset_i) begin
-            skip_d = START_SKIP;
-        end
-    end
-
-    assign shifts_0_o = shifts_0_q;
-    assign shifts_1_o = shifts_1_q;
-    assign skip_zeros_o = skip_q;
-
-    always @(posedge clock_i) begin
-        shifts_0_q <= shifts_0_d;
-        shifts_1_q <= shifts_1_d;
-        skip_q <= skip_d;
-    end
-
-    // Not every bit of these is read.
-    wire unused = ^write_data_i;
+  // Not every bit of these is read.
+  wire unused = ^write_data_i;
 endmodule
 
 `default_nettype wire

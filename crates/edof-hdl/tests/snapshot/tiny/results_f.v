@@ -1,127 +1,125 @@
-// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
+// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8
+// to 17 base, rounding,
 // shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/results.rs (Results).
 `default_nettype none
 
 module results_f (
-    input  wire        clock_i,               // Clock.
-    input  wire        take_i,                // Two sums are taken, and stand on the inputs seven cycles later.
-    input  wire [7:0]  beat_i,                // Which two of their vector.
-    input  wire        last_i,                // Whether they are its last.
-    input  wire        set_i,                 // Its set.
-    input  wire [47:0] sum_even_i,            // The even sum, seven cycles after `take`.
-    input  wire [47:0] sum_odd_i,             // The odd one.
-    input  wire [19:0] shifts_0_i,            // Shifts of set 0.
-    input  wire [19:0] shifts_1_i,            // Shifts of set 1.
-    input  wire        read_wanted_i,         // Two thresholds are to be read back in a cycle in which no beat needs any.
-    input  wire [11:0] read_row_i,            // Which.
-    output wire        read_valid_o,          // They are here.
-    output wire [31:0] read_thresholds_o,     // They.
-    output wire [31:0] read_previous_o,       // Those of the stage before.
-    output wire        push_o,                // A beat is done, 23 cycles after `take`.
-    output wire [31:0] data_o,                // Its two words.
-    output wire [1:0]  done_o,                // Bit 0 whether it is its vector's last, bit 1 its set.
-    output wire        base_push_o,           // Base words for the next stage are done, no later than their beat.
-    output wire [31:0] base_o,                // They.
-    output wire [1:0]  nonzero_o,             // Which words are not zero.
-    output wire [1:0]  result_saturated_o,    // Which results did not fit.
-    output wire [1:0]  code_saturated_o,      // Which thresholded codes did not fit.
-    output wire [1:0]  difference_saturated_o // Which differences did not fit.
+  input wire clock_i,                      // Clock.
+
+  input wire take_i,                       // Two sums are taken, and stand on the inputs seven cycles later.
+  input wire [7:0] beat_i,                 // Which two of their vector.
+  input wire last_i,                       // Whether they are its last.
+  input wire set_i,                        // Its set.
+  input wire [47:0] sum_even_i,            // The even sum, seven cycles after `take`.
+  input wire [47:0] sum_odd_i,             // The odd one.
+  input wire [19:0] shifts_0_i,            // Shifts of set 0.
+  input wire [19:0] shifts_1_i,            // Shifts of set 1.
+  // Two thresholds are to be read back in a cycle in which no beat needs any.
+  input wire read_wanted_i,
+  input wire [11:0] read_row_i,            // Which.
+  output wire read_valid_o,                // They are here.
+  output wire [31:0] read_thresholds_o,    // They.
+  output wire [31:0] read_previous_o,      // Those of the stage before.
+  output wire push_o,                      // A beat is done, 23 cycles after `take`.
+  output wire [31:0] data_o,               // Its two words.
+  output wire [1:0] done_o,                // Bit 0 whether it is its vector's last, bit 1 its set.
+  output wire base_push_o,                 // Base words for the next stage are done, no later than their beat.
+  output wire [31:0] base_o,               // They.
+  output wire [1:0] nonzero_o,             // Which words are not zero.
+  output wire [1:0] result_saturated_o,    // Which results did not fit.
+  output wire [1:0] code_saturated_o,      // Which thresholded codes did not fit.
+  output wire [1:0] difference_saturated_o // Which differences did not fit.
 );
 
-    localparam [11:0] SET_ROWS = 12'd64;
+  localparam [11:0] SET_ROWS = 12'd64;
 
-    wire [2:0] marks;
-    wire [9:0] place;
-    wire [31:0] result;
-    wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
-    wire [9:0] place_to_15_later;
-    reg  read_16_q, read_17_q;
-    reg  [11:0] threshold_row_q, threshold_row_d, shifts_q;
-    wire [15:0] requantize_even_result;
-    wire requantize_even_saturated;
-    wire [15:0] requantize_odd_result;
-    wire requantize_odd_saturated;
-    wire [1:0] result_flags_now;
+  wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
+  wire [9:0] place_to_15_later;
+  reg read_16_q, read_17_q;
+  reg [11:0] threshold_row_q, shifts_q;
+  wire [15:0] requantize_even_result, requantize_odd_result;
+  wire requantize_even_saturated, requantize_odd_saturated;
 
-    wire [31:0] _value = 32'd0;
+  // results.rs:178: What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
+  wire [2:0] marks = {set_i, last_i, take_i};
+  wire [9:0] place = {take_i, set_i, beat_i};
 
-    edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
-        .clock_i(clock_i), .now_i(marks), .later_o(marks_to_5_later)
-    );
-    edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
-        .clock_i(clock_i), .now_i(marks_to_5_later), .later_o(marks_to_6_later)
-    );
-    edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
-        .clock_i(clock_i), .now_i(marks_to_6_later), .later_o(marks_to_23_later)
-    );
-    edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
-        .clock_i(clock_i), .now_i(place), .later_o(place_to_15_later)
-    );
+  // results.rs:211: Cycles 7 to 17: base and rounding.
+  wire [31:0] result = {requantize_odd_result, requantize_even_result};
+  wire [1:0] result_flags_now = {requantize_odd_saturated, requantize_even_saturated};
 
-    requantize #(.BASE_BITS(48'd0)) requantize_even (
-        .clock_i(clock_i),
-        .sum_i(sum_even_i),
-        .base_i(_value[15:0]),
-        .base_shift_i(shifts_q[11:6]),
-        .result_shift_i(shifts_q[5:0]),
-        .result_o(requantize_even_result),
-        .saturated_o(requantize_even_saturated)
-    );
+  // results.rs:230: Cycles 18 to 20: thresholds, read in cycle 17.
+  assign read_valid_o = read_17_q;
+  assign read_thresholds_o = 32'd0;
+  assign read_previous_o = 32'd0;
+  assign code_saturated_o = 2'd0;
 
-    requantize #(.BASE_BITS(48'd0)) requantize_odd (
-        .clock_i(clock_i),
-        .sum_i(sum_odd_i),
-        .base_i(_value[31:16]),
-        .base_shift_i(shifts_q[11:6]),
-        .result_shift_i(shifts_q[5:0]),
-        .result_o(requantize_odd_result),
-        .saturated_o(requantize_odd_saturated)
-    );
+  // results.rs:283: Cycles 21 to 23: the difference to the z before, made again from the base and the
+  // thresholds before.
+  assign difference_saturated_o = {1'b0, 1'b0};
 
-    edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
-        .clock_i(clock_i), .now_i(result_flags_now), .later_o(result_saturated_o)
-    );
-    edof_delay #(.WIDTH(32), .CYCLES(6)) result_to_23 (
-        .clock_i(clock_i), .now_i(result), .later_o(data_o)
-    );
+  // results.rs:314: What goes on.
+  assign base_push_o = marks_to_23_later[0];
+  assign base_o = 32'd0;
 
-    assign marks = {set_i, last_i, take_i};
-    assign place = {take_i, set_i, beat_i};
-    assign result = {requantize_odd_result, requantize_even_result};
-    assign result_flags_now = {requantize_odd_saturated, requantize_even_saturated};
+  // results.rs:334: Base words that only pass through wait where all do, in the FIFO behind.
+  assign push_o = marks_to_23_later[0];
+  assign done_o = marks_to_23_later[2:1];
+  assign nonzero_o = {|data_o[31:16], |data_o[15:0]};
 
-    always @* begin
-        threshold_row_d = {4'd0, place_to_15_later[7:0]};
-        if (place_to_15_later[8]) begin
-            threshold_row_d = {4'd0, place_to_15_later[7:0]} + SET_ROWS;
-        end
-        if (!place_to_15_later[9]) begin
-            threshold_row_d = read_row_i;
-        end
-    end
+  wire [31:0] _value = 32'd0;
 
-    assign read_valid_o = read_17_q;
-    assign read_thresholds_o = 32'd0;
-    assign read_previous_o = 32'd0;
-    assign code_saturated_o = 2'd0;
-    assign difference_saturated_o = {1'b0, 1'b0};
-    assign base_push_o = marks_to_23_later[0];
-    assign base_o = 32'd0;
-    assign push_o = marks_to_23_later[0];
-    assign done_o = marks_to_23_later[2:1];
-    assign nonzero_o = {|data_o[31:16], |data_o[15:0]};
+  edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (.clock_i(clock_i), .now_i(marks), .later_o(marks_to_5_later));
 
-    always @(posedge clock_i) begin
-        read_16_q <= place_to_15_later[9] ? 1'b0 : read_wanted_i;
-        read_17_q <= read_16_q;
-        threshold_row_q <= threshold_row_d;
-        shifts_q <= marks_to_6_later[2] ? shifts_1_i[11:0] : shifts_0_i[11:0];
-    end
+  edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
+    .clock_i(clock_i), .now_i(marks_to_5_later), .later_o(marks_to_6_later)
+  );
 
-    // Not every bit of these is read.
-    wire unused = ^{shifts_0_i, shifts_1_i, threshold_row_q, _value};
+  edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
+    .clock_i(clock_i), .now_i(marks_to_6_later), .later_o(marks_to_23_later)
+  );
+
+  edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
+    .clock_i(clock_i), .now_i(place), .later_o(place_to_15_later)
+  );
+
+  requantize #(.BASE_BITS(48'd0)) requantize_even (
+    .clock_i(clock_i), .sum_i(sum_even_i), .base_i(_value[15:0]), .base_shift_i(shifts_q[11:6]),
+    .result_shift_i(shifts_q[5:0]), .result_o(requantize_even_result),
+    .saturated_o(requantize_even_saturated)
+  );
+
+  requantize #(.BASE_BITS(48'd0)) requantize_odd (
+    .clock_i(clock_i), .sum_i(sum_odd_i), .base_i(_value[31:16]), .base_shift_i(shifts_q[11:6]),
+    .result_shift_i(shifts_q[5:0]), .result_o(requantize_odd_result),
+    .saturated_o(requantize_odd_saturated)
+  );
+
+  edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
+    .clock_i(clock_i), .now_i(result_flags_now), .later_o(result_saturated_o)
+  );
+
+  edof_delay #(.WIDTH(32), .CYCLES(6)) result_to_23 (.clock_i(clock_i), .now_i(result), .later_o(data_o));
+
+  always @(posedge clock_i) begin
+    // results.rs:199: Cycles 7 to 17: base and rounding.
+    shifts_q <= shifts_0_i[11:0];
+    if (marks_to_6_later[2]) shifts_q <= shifts_1_i[11:0];
+    // results.rs:218: Cycles 18 to 20: thresholds, read in cycle 17.
+    threshold_row_q <= {4'd0, place_to_15_later[7:0]};
+    if (place_to_15_later[8]) threshold_row_q <= {4'd0, place_to_15_later[7:0]} + SET_ROWS;
+    read_16_q <= read_wanted_i;
+    if (place_to_15_later[9]) read_16_q <= 1'b0;
+    else threshold_row_q <= read_row_i;
+    read_17_q <= read_16_q;
+  end
+
+  // Not every bit of these is read.
+  wire unused = ^{shifts_0_i, shifts_1_i, threshold_row_q, _value};
 endmodule
 
 `default_nettype wire

@@ -1,60 +1,61 @@
-// The soft threshold of one element, three cycles later: sign(b) max(|b| - theta, 0) where two_sided, else max(b - theta, 0).
+// The soft threshold of one element, three cycles later: sign(b) max(|b| - theta, 0) where two_sided, else
+// max(b - theta, 0).
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/shrink.rs (Shrink).
 `default_nettype none
 
 module shrink (
-    input  wire        clock_i,     // Clock.
-    input  wire [15:0] code_i,      // b.
-    input  wire [15:0] threshold_i, // θ.
-    output wire [15:0] result_o,    // z.
-    output wire        saturated_o  // Whether it did not fit (a negative θ).
+  input wire clock_i,            // Clock.
+
+  input wire [15:0] code_i,      // b.
+  input wire [15:0] threshold_i, // θ.
+  output wire [15:0] result_o,   // z.
+  output wire saturated_o        // Whether it did not fit (a negative θ).
 );
 
-    localparam TWO_SIDED = 1'b0;
-    localparam [16:0] MOST = 17'h7fff;
+  localparam TWO_SIDED = 1'b0;
+  localparam [16:0] MOST = 17'd32767;
 
-    wire [16:0] wide_code, wide_threshold;
-    reg  [16:0] above_1_q, below_1_q;
-    reg  [15:0] above_2_q, below_2_q;
-    reg  is_above_q, is_below_q, too_large_q;
-    reg  [15:0] result_q, result_d;
-    reg  saturated_q;
+  reg [16:0] above_1_q, below_1_q;
+  reg [15:0] above_2_q, below_2_q, result_q;
+  reg is_above_q, is_below_q, too_large_q, saturated_q;
 
-    wire [16:0] result_d_value = MOST;
+  // shrink.rs:65: Cycle 1: how far it is from both ends of the dead zone.
+  wire [16:0] wide_code = code_i[15] ? ({1'b0, code_i} | 17'h10000) : {1'b0, code_i};
+  wire [16:0] wide_threshold = threshold_i[15] ? ({1'b0, threshold_i} | 17'h10000) : {1'b0, threshold_i};
+  assign result_o = result_q;
+  assign saturated_o = saturated_q;
 
-    assign wide_code = code_i[15] ? ({1'b0, code_i} | 17'h10000) : {1'b0, code_i};
-    assign wide_threshold = threshold_i[15] ? ({1'b0, threshold_i} | 17'h10000) : {1'b0, threshold_i};
+  wire [16:0] result_q_value = MOST;
 
-    always @* begin
-        result_d = 16'd0;
-        if (is_above_q) begin
-            result_d = above_2_q;
-            if (too_large_q) begin
-                result_d = result_d_value[15:0];
-            end
-        end else if (is_below_q) begin
-            result_d = below_2_q;
-        end
+  always @(posedge clock_i) begin
+    // shrink.rs:73: Cycle 1: how far it is from both ends of the dead zone.
+    above_1_q <= wide_code - wide_threshold;
+    below_1_q <= wide_code + wide_threshold;
+    // shrink.rs:77: Cycle 2: on which side it lies, and whether too far.
+    above_2_q <= above_1_q[15:0];
+    below_2_q <= below_1_q[15:0];
+    is_above_q <= (|above_1_q) && !above_1_q[16];
+    is_below_q <= TWO_SIDED && below_1_q[16];
+    too_large_q <= above_1_q > MOST;
+    // shrink.rs:84: Cycle 3: the result.
+    result_q <= 16'd0;
+    saturated_q <= 1'b0;
+    if (is_above_q) begin
+      result_q <= above_2_q;
+      if (too_large_q) begin
+        result_q <= result_q_value[15:0];
+        saturated_q <= 1'b1;
+      end
+    end else if (is_below_q) begin
+      result_q <= below_2_q;
     end
+  end
 
-    assign result_o = result_q;
-    assign saturated_o = saturated_q;
-
-    always @(posedge clock_i) begin
-        above_1_q <= wide_code - wide_threshold;
-        below_1_q <= wide_code + wide_threshold;
-        above_2_q <= above_1_q[15:0];
-        below_2_q <= below_1_q[15:0];
-        is_above_q <= (|above_1_q) && !above_1_q[16];
-        is_below_q <= TWO_SIDED && below_1_q[16];
-        too_large_q <= above_1_q > MOST;
-        result_q <= result_d;
-        saturated_q <= is_above_q ? too_large_q : 1'b0;
-    end
-
-    // Not every bit of these is read.
-    wire unused = ^result_d_value;
+  // Not every bit of these is read.
+  wire unused = ^result_q_value;
 endmodule
 
 `default_nettype wire

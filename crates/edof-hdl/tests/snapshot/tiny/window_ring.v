@@ -1,107 +1,88 @@
-// Windows that wait for F's linear path: a ring of whole windows in block RAM, each from a power of two of rows on.
-// Ready while there is room for one more. Two pixels are read two cycles after read_pair, from the oldest window.
+// Windows that wait for F's linear path: a ring of whole windows in block RAM, each from a power of two of rows
+// on.
+// Ready while there is room for one more. Two pixels are read two cycles after read_pair, from the oldest
+// window.
+//
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/window_ring.rs (WindowRing).
 `default_nettype none
 
 module window_ring (
-    input  wire        clock_i,       // Clock.
-    input  wire        reset_i,       // Empties it.
-    input  wire        valid_i,       // A beat stands on the input.
-    output wire        ready_o,       // It is taken in this cycle, if there is one.
-    input  wire [31:0] pixels_i,      // Its two pixels.
-    input  wire        last_i,        // Whether it is its window's last.
-    input  wire [6:0]  read_pair_i,   // Which two pixels of the oldest window to read.
-    output wire [31:0] read_pixels_o, // They, two cycles later.
-    input  wire        finished_i     // Frees the oldest window.
+  input wire clock_i,               // Clock.
+  input wire reset_i,               // Empties it.
+
+  input wire valid_i,               // A beat stands on the input.
+  output wire ready_o,              // It is taken in this cycle, if there is one.
+  input wire [31:0] pixels_i,       // Its two pixels.
+  input wire last_i,                // Whether it is its window's last.
+  input wire [6:0] read_pair_i,     // Which two pixels of the oldest window to read.
+  output wire [31:0] read_pixels_o, // They, two cycles later.
+  input wire finished_i             // Frees the oldest window.
 );
 
-    localparam LARGE = 1'b0;
-    localparam [4:0] LAST_WINDOW = 5'd31;
-    localparam [5:0] MOST = 6'd32;
+  localparam LARGE = 1'b0;
+  localparam [4:0] LAST_WINDOW = 5'h1f;
+  localparam [5:0] MOST = 6'd32;
 
-    wire accept, arrived;
-    reg  [5:0] held_next;
-    reg  [11:0] ram_read_address, ram_write_address;
-    reg  write_q;
-    reg  [31:0] pixels_q;
-    reg  last_q;
-    reg  [6:0] write_beat_q, write_beat_d;
-    reg  [4:0] write_window_q, write_window_d, oldest_q;
-    reg  [5:0] held_q;
-    reg  ready_q;
+  reg [5:0] held_next, held_q;
+  reg [11:0] ram_read_address, ram_write_address;
+  reg write_q, last_q, ready_q;
+  reg [31:0] pixels_q;
+  reg [6:0] write_beat_q;
+  reg [4:0] write_window_q, oldest_q;
 
-    edof_ram #(.WIDTH(32), .DEPTH(1024), .BLOCK(2), .INIT("")) ram (
-        .clock_i(clock_i),
-        .read_address_i(ram_read_address),
-        .read_data_o(read_pixels_o),
-        .write_enable_i(write_q),
-        .write_address_i(ram_write_address),
-        .write_data_i(pixels_q)
-    );
+  // window_ring.rs:72
+  assign ready_o = ready_q;
+  wire accept = valid_i && ready_q;
+  wire arrived = accept && last_i;
 
-    assign ready_o = ready_q;
-    assign accept = valid_i && ready_q;
-    assign arrived = accept && last_i;
+  // window_ring.rs:75
+  always @* begin
+    held_next = held_q;
+    if (arrived && !finished_i) held_next = held_q + 6'd1;
+    else if (finished_i && !arrived) held_next = held_q - 6'd1;
+  end
 
-    always @* begin
-        held_next = held_q;
-        if (arrived && !finished_i) begin
-            held_next = held_q + 6'd1;
-        end else if (finished_i && !arrived) begin
-            held_next = held_q - 6'd1;
-        end
+  // window_ring.rs:89
+  always @* begin
+    ram_write_address = ({7'd0, write_window_q} << 5) | {5'd0, write_beat_q};
+    ram_read_address = ({7'd0, oldest_q} << 5) | {5'd0, read_pair_i};
+    if (LARGE) begin
+      ram_write_address = {write_window_q, write_beat_q};
+      ram_read_address = {oldest_q, read_pair_i};
     end
+  end
 
-    always @* begin
-        write_beat_d = write_beat_q;
-        if (write_q) begin
-            write_beat_d = write_beat_q + 7'd1;
-            if (last_q) begin
-                write_beat_d = 7'd0;
-            end
-        end
-        if (reset_i) begin
-            write_beat_d = 7'd0;
-        end
-    end
+  edof_ram #(.WIDTH(32), .DEPTH(1024), .BLOCK(2), .INIT("")) ram (
+    .clock_i(clock_i), .read_address_i(ram_read_address), .read_data_o(read_pixels_o),
+    .write_enable_i(write_q), .write_address_i(ram_write_address), .write_data_i(pixels_q)
+  );
 
-    always @* begin
-        write_window_d = write_window_q;
-        if (write_q) begin
-            if (last_q) begin
-                write_window_d = (write_window_q + 5'd1) & LAST_WINDOW;
-            end
-        end
-        if (reset_i) begin
-            write_window_d = 5'd0;
-        end
+  always @(posedge clock_i) begin
+    // window_ring.rs:81
+    held_q <= held_next;
+    ready_q <= held_next != MOST;
+    write_q <= accept;
+    pixels_q <= pixels_i;
+    last_q <= last_i;
+    if (write_q) begin
+      write_beat_q <= write_beat_q + 7'd1;
+      if (last_q) begin
+        write_beat_q <= 7'd0;
+        write_window_q <= (write_window_q + 5'd1) & LAST_WINDOW;
+      end
     end
-
-    always @* begin
-        ram_read_address = ({7'd0, oldest_q} << 5) | {5'd0, read_pair_i};
-        if (LARGE) begin
-            ram_read_address = {oldest_q, read_pair_i};
-        end
+    if (finished_i) oldest_q <= (oldest_q + 5'd1) & LAST_WINDOW;
+    if (reset_i) begin
+      write_q <= 1'b0;
+      write_beat_q <= 7'd0;
+      write_window_q <= 5'd0;
+      oldest_q <= 5'd0;
+      held_q <= 6'd0;
+      ready_q <= 1'b0;
     end
-
-    always @* begin
-        ram_write_address = ({7'd0, write_window_q} << 5) | {5'd0, write_beat_q};
-        if (LARGE) begin
-            ram_write_address = {write_window_q, write_beat_q};
-        end
-    end
-
-    always @(posedge clock_i) begin
-        write_q <= reset_i ? 1'b0 : accept;
-        pixels_q <= pixels_i;
-        last_q <= last_i;
-        write_beat_q <= write_beat_d;
-        write_window_q <= write_window_d;
-        oldest_q <= reset_i ? 5'd0 : (finished_i ? ((oldest_q + 5'd1) & LAST_WINDOW) : oldest_q);
-        held_q <= reset_i ? 6'd0 : held_next;
-        ready_q <= reset_i ? 1'b0 : (held_next != MOST);
-    end
+  end
 endmodule
 
 `default_nettype wire

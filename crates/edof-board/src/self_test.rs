@@ -1,0 +1,180 @@
+//! What a board can find out about itself without a source and a screen, part by part.
+
+use crate::board::Board;
+use crate::check::{Boundary, Difference};
+use crate::diagnosis::findings;
+use crate::error::Error;
+use crate::line::Line;
+use edof_device::Design;
+use edof_device::board::CORE_KILOHERTZ;
+use edof_device::crc::{Place, single_bit};
+use edof_device::pattern::Pattern;
+use edof_device::registers::map;
+use edof_device::video::VideoTiming;
+use edof_golden::video::pattern;
+use edof_golden::{Display, Golden};
+use serde::Serialize;
+use std::ops::ControlFlow;
+
+/// A part of the board, and whether it does what it should.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Item {
+    /// What was tried: `bus`, `weights`, `raw memory`, `windows`, `multipliers`, `display`, `picture memory`, `receiver`, `transmitter`,
+    /// `clocks`.
+    pub part: &'static str,
+    /// It does what it should.
+    pub passed: bool,
+    /// How it was found out, or what is wrong and where.
+    pub detail: String,
+}
+
+impl Item {
+    fn of(part: &'static str, result: Result<String, String>) -> Self {
+        let passed = result.is_ok();
+        Self { part, passed, detail: result.unwrap_or_else(|wrong| wrong) }
+    }
+}
+
+/// What is tried.
+#[derive(Clone, Copy)]
+pub struct SelfTest<'a> {
+    /// The board's design.
+    pub design: &'a Design,
+    /// The network in use.
+    pub golden: &'a Golden,
+    /// The display in use.
+    pub display: &'a Display,
+    /// Whether clocks must be those of the design: those of a simulated circuit are not.
+    pub clocks: bool,
+}
+
+/// Frames per pattern: each of the three buffers once or more.
+const FRAMES: u32 = 4;
+/// Share by which a clock may be off: an oscillator is off by 1e-4, two looks at counters by less than 1e-2 at any line's speed.
+const CLOCK_SHARE: f64 = 0.01;
+/// Looks at the cycle counters.
+const CYCLE_LOOKS: usize = 50;
+
+impl<L: Line> Board<L> {
+    /// Tries every part in the order in which data pass, and goes on after one that fails. Leaves the source's frames in use.
+    ///
+    /// # Errors
+    /// The line fails, or no frame passes.
+    pub fn self_test(
+        &mut self,
+        test: &SelfTest<'_>,
+        step: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
+    ) -> Result<Vec<Item>, Error> {
+        let mut items = vec![Item::of("bus", self.try_bus()?)];
+        let bank = self.bank()?;
+        let differences = self
+            .verify(test.design, test.golden.network(), bank, false, &mut |_, _| ControlFlow::Continue(()))?;
+        items.push(Item::of(
+            "weights",
+            match differences.first() {
+                None => Ok("every CRC of the bank in use is right".into()),
+                Some(first) => Err(format!("{} parts differ, the first is {first}", differences.len())),
+            },
+        ));
+        let found = self.try_patterns(test, step);
+        self.set_pattern(None)?;
+        items.extend(found?);
+        let look = self.look(test.design.stages.len())?;
+        let chips = findings(&look).into_iter().filter(|finding| finding.about != "input");
+        items.extend(chips.map(|chip| Item { part: chip.about, passed: chip.is_good, detail: chip.text }));
+        items.push(Item::of("clocks", self.try_clocks(test)?));
+        Ok(items)
+    }
+
+    /// Every bit of a word as 0 and as 1, alone and among others, and each byte at its place.
+    fn try_bus(&mut self) -> Result<Result<String, String>, Error> {
+        let alone = (0..32).flat_map(|bit| [1 << bit, !(1u32 << bit)]);
+        let words: Vec<u32> = alone.chain([0, u32::MAX, 0x5555_5555, 0xaaaa_aaaa, 0x0123_4567]).collect();
+        for word in &words {
+            self.link.write(map::SCRATCH, &[*word])?;
+            let [found] = self.link.read(map::SCRATCH, 1)?[..] else { continue };
+            if found != *word {
+                return Ok(Err(format!("scratch: 0x{word:08x} was written, 0x{found:08x} read")));
+            }
+        }
+        self.link.set(map::SCRATCH, 0)?;
+        Ok(Ok(format!("{} words through scratch, each bit alone as 0 and as 1", words.len())))
+    }
+
+    /// Frames of every pattern through the memory, the calculator and the memory again.
+    fn try_patterns(
+        &mut self,
+        test: &SelfTest<'_>,
+        step: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
+    ) -> Result<Vec<Item>, Error> {
+        let mut found: Vec<(Pattern, Difference)> = vec![];
+        for (index, pattern) in Pattern::ALL.into_iter().enumerate() {
+            let Ok(raw) = pattern::frame(pattern, test.design.frame) else { continue };
+            let Ok(golden) = test.golden.checks(test.display, &raw) else { continue };
+            self.set_pattern(Some(pattern))?;
+            let mut of_all = |_, _| step(index as u32, Pattern::ALL.len() as u32);
+            let checked = self.check_frames(&golden, FRAMES, &mut of_all)?;
+            found.extend(checked.difference.map(|difference| (pattern, difference)));
+        }
+        let pixels = test.design.frame.width * test.design.frame.height;
+        let row = test.design.frame.width;
+        let told = |(pattern, difference): &(Pattern, Difference)| {
+            let Difference { boundary, expected, found } = difference;
+            let place = match boundary {
+                Boundary::Raw | Boundary::Sent => single_bit(expected ^ found, pixels),
+                _ => None,
+            };
+            let place = place.map_or(String::new(), |Place { word, bit }| {
+                format!("; one bit is wrong: bit {bit} of row {}, column {}", word / row, word % row)
+            });
+            format!(
+                "pattern {pattern}: {boundary} differ first, CRC {found:08x}, expected {expected:08x}{place}"
+            )
+        };
+        let of = |part, works: &str, is_here: fn(&Boundary) -> bool| {
+            let mut here = found.iter().filter(|(_, difference)| is_here(&difference.boundary));
+            let result = here.next().map_or_else(|| Ok(works.to_owned()), |first| Err(told(first)));
+            Item::of(part, result)
+        };
+        let count = Pattern::ALL.len();
+        Ok(vec![
+            of(
+                "raw memory",
+                &format!("frames of {count} patterns came back, each bit as 0 and as 1"),
+                |at| *at == Boundary::Raw,
+            ),
+            of("windows", "as the golden model's", |at| *at == Boundary::Windows),
+            of("multipliers", "every stage sends what the golden model says", |at| {
+                matches!(at, Boundary::Stage(..))
+            }),
+            of("display", "codes as the golden model's", |at| *at == Boundary::Codes),
+            of("picture memory", "pictures came back", |at| *at == Boundary::Sent),
+        ])
+    }
+
+    /// Clocks of screen and input in cycles of the core's.
+    fn try_clocks(&mut self, test: &SelfTest<'_>) -> Result<Result<String, String>, Error> {
+        let before = self.link.glance(map::CORE_CYCLES, 3)?;
+        let mut after = before.clone();
+        for _ in 0..CYCLE_LOOKS {
+            after = self.link.glance(map::CORE_CYCLES, 3)?;
+        }
+        let passed: Vec<f64> =
+            after.iter().zip(&before).map(|(now, then)| f64::from(now.wrapping_sub(*then))).collect();
+        let core = f64::from(CORE_KILOHERTZ) / 1e3;
+        let megahertz = |clock: usize| passed[clock] / passed[0].max(1.0) * core;
+        let told = format!(
+            "at {core} MHz of the core: screen {:.2} MHz, input {:.2} MHz",
+            megahertz(2),
+            megahertz(1)
+        );
+        let expected = VideoTiming::of_frame(test.design.frame).pixel_khz as f64 / 1e3;
+        let is_right = (megahertz(2) / expected - 1.0).abs() <= CLOCK_SHARE;
+        let runs = passed[0] > 0.0 && passed[2] > 0.0;
+        Ok(if runs && (is_right || !test.clocks) {
+            Ok(told)
+        } else {
+            Err(format!("{told}; the screen's must be {expected:.2} MHz"))
+        })
+    }
+}

@@ -1,0 +1,57 @@
+//! `edof board selftest`.
+
+use super::check::{display_in_use, network_in_use};
+use super::of;
+use crate::error::Error;
+use crate::interrupt;
+use crate::ui::Ui;
+use edof_board::self_test::SelfTest;
+use edof_golden::Golden;
+use serde_json::json;
+
+/// Try every part of the board that can be tried without a source and a screen
+///
+/// Bus, weights (CRC), memory of raw frames (each bit as 0 and as 1 in all three buffers, and noise), windows, multipliers of every stage, display,
+/// memory of pictures, both video chips, clocks against each other. Each part is told with what was found; a part that fails makes the command
+/// fail. Takes a minute at 1080p, most of it the golden model's.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Network in use, by name or file [default: whichever of the program's it is]
+    pub(super) weights: Option<String>,
+
+    /// Do not ask for the screen's clock of the design: a simulated circuit has others
+    #[arg(long)]
+    any_clocks: bool,
+}
+
+/// # Errors
+/// A part that fails, an unknown network, a line that fails, or Ctrl-C.
+pub fn run(args: &super::Args, test: &Args, ui: &Ui) -> Result<(), Error> {
+    let mut board = args.open()?;
+    let design = args.design_of(&board)?;
+    let golden = Golden::new(network_in_use(&mut board, &design, test.weights.as_deref())?)?;
+    let display = display_in_use(&mut board)?;
+    let bar = ui.progress(0, "patterns");
+    let mut step = |done, total| {
+        bar.of(u64::from(done), u64::from(total));
+        interrupt::flow()
+    };
+    let test = SelfTest { design: &design, golden: &golden, display: &display, clocks: !test.any_clocks };
+    let items = board.self_test(&test, &mut step).map_err(of)?;
+    drop(bar);
+    for item in &items {
+        ui.say(format!("{:<15} {:<6} {}", item.part, if item.passed { "ok" } else { "FAILS" }, item.detail))?;
+    }
+    let failed: Vec<&str> = items.iter().filter(|item| !item.passed).map(|item| item.part).collect();
+    ui.json(&json!({ "design": design.name, "passed": failed.is_empty(), "parts": items }))?;
+    if failed.is_empty() {
+        return ui.say("every part that was tried works");
+    }
+    Err(Error::message(format!(
+        "{}: {} of {} parts fail: {}",
+        board.port(),
+        failed.len(),
+        items.len(),
+        failed.join(", ")
+    )))
+}

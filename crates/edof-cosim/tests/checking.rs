@@ -1,0 +1,131 @@
+//! The check of frames, the self-test and the window to pictures, on both kinds of a simulated board: the circuit in Verilator, and the model in Rust.
+
+use crate::simulated_board::Setup;
+use edof_board::link::PATIENCE;
+use edof_board::self_test::SelfTest;
+use edof_board::{Board, Line};
+use edof_device::pattern::{Pattern, TILE_SIDE};
+use edof_golden::Golden;
+use edof_golden::video::pattern;
+use edof_image::cable::carried;
+use edof_image::draw::Draw;
+use ndarray::Array2;
+use std::ops::ControlFlow;
+
+/// A line so fast that the circuit's cycles between two looks are few.
+const FAST: u32 = 25_000_000;
+/// Frames of each kind that are compared at each run, and in the soak.
+const FRAMES: [u32; 2] = [2, 100];
+
+fn frames_are_exact<L: Line>(setup: &Setup, line: L, frames: u32) {
+    let golden = Golden::new(setup.sets[0].clone()).unwrap();
+    let mut board = Board::open(line, PATIENCE).unwrap();
+    let patterns = Pattern::ALL.map(|one| (Some(one), pattern::frame(one, setup.design.frame).unwrap()));
+    for (pattern, raw) in patterns.into_iter().chain([(None, carried(&setup.raw))]) {
+        let expected = golden.checks(&setup.display, &raw).unwrap();
+        board.set_pattern(pattern).unwrap();
+        let checked = board.check_frames(&expected, frames, &mut |_, _| ControlFlow::Continue(())).unwrap();
+        assert_eq!((checked.frames, checked.difference), (frames, None), "{pattern:?}");
+    }
+    // What is another picture is seen, so that the circuit's CRCs are of what passes.
+    let other = golden.checks(&setup.display, &pattern::frame(Pattern::Chart, setup.design.frame).unwrap());
+    let checked = board.check_frames(&other.unwrap(), 1, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    assert_eq!(checked.difference.unwrap().boundary.to_string(), "raw frames that come out of the memory");
+}
+
+#[test]
+fn frames_are_exact_in_verilog() {
+    let setup = Setup::tiny(FAST);
+    frames_are_exact(&setup, setup.in_verilog(31), FRAMES[0]);
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn a_hundred_frames_are_exact_in_verilog() {
+    let setup = Setup::tiny(FAST);
+    frames_are_exact(&setup, setup.in_verilog(32), FRAMES[1]);
+}
+
+#[test]
+fn frames_are_exact_in_rust() {
+    let setup = Setup::tiny(FAST);
+    frames_are_exact(&setup, setup.in_rust(), FRAMES[1]);
+}
+
+/// Every part passes but the chips and the clocks, which a simulated circuit has otherwise.
+fn parts_pass<L: Line>(setup: &Setup, line: L) {
+    let golden = Golden::new(setup.sets[0].clone()).unwrap();
+    let test = SelfTest { design: &setup.design, golden: &golden, display: &setup.display, clocks: false };
+    let items =
+        Board::open(line, PATIENCE).unwrap().self_test(&test, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let parts: Vec<&str> = items.iter().map(|item| item.part).collect();
+    let expected = [
+        "bus",
+        "weights",
+        "raw memory",
+        "windows",
+        "multipliers",
+        "display",
+        "picture memory",
+        "receiver",
+        "transmitter",
+        "clocks",
+    ];
+    assert_eq!(parts, expected);
+    let is_chip = |part: &str| ["receiver", "transmitter"].contains(&part);
+    assert!(items.iter().all(|item| item.passed || is_chip(item.part)), "{items:#?}");
+}
+
+#[test]
+fn every_part_passes_in_verilog() {
+    let setup = Setup::tiny(FAST);
+    parts_pass(&setup, setup.in_verilog(33));
+}
+
+#[test]
+fn every_part_passes_in_rust() {
+    let setup = Setup::tiny(FAST);
+    parts_pass(&setup, setup.in_rust());
+}
+
+/// A tile goes in, and the codes that come out are the golden model's, at both ends of the picture.
+fn a_tile_comes_back<L: Line>(setup: &Setup, line: L) {
+    let mut board = Board::open(line, PATIENCE).unwrap();
+    let draw = &mut Draw::new(9);
+    let tile = Array2::from_shape_simple_fn((TILE_SIDE, TILE_SIDE), || draw.bits() as u16);
+    board.put_tile(&tile, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let frame = pattern::tiled(&tile, setup.design.frame).unwrap();
+    let golden = Golden::new(setup.sets[0].clone()).unwrap();
+    let expected = golden.checks(&setup.display, &frame).unwrap();
+    assert_eq!(
+        board.check_frames(&expected, 1, &mut |_, _| ControlFlow::Continue(())).unwrap().difference,
+        None
+    );
+    let bytes = golden.frame(&frame).unwrap().picture(&setup.display).0.yuyv();
+    let (height, width) = (setup.design.frame.height, setup.design.frame.width);
+    for (row, column) in [(0, 0), (height - 5, width - 6)] {
+        let codes = board.get_codes((row, column), &mut |_, _| ControlFlow::Continue(())).unwrap();
+        for ((r, c), code) in
+            codes.indexed_iter().filter(|((r, c), _)| row + r < height && column + c < width)
+        {
+            let at = 2 * ((row + r) * width + column + c);
+            assert_eq!(
+                *code,
+                u16::from_le_bytes([bytes[at], bytes[at + 1]]),
+                "row {r}, column {c} from {row}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_tile_comes_back_in_verilog() {
+    let setup = Setup::tiny(FAST);
+    a_tile_comes_back(&setup, setup.in_verilog(34));
+}
+
+#[test]
+fn a_tile_comes_back_in_rust() {
+    let setup = Setup::tiny(FAST);
+    a_tile_comes_back(&setup, setup.in_rust());
+}

@@ -1,0 +1,118 @@
+//! The host's window to pictures: a tile of raw pixels that it writes, a part of the codes that it reads.
+
+use crate::blocks::Row;
+use crate::blocks::ram::{Ram, Shape};
+use crate::describe::{Circuit, kernel};
+use edof_device::pattern::TILE_PIXELS;
+use rust_hdl::prelude::*;
+
+/// A square of 64 × 64 raw pixels that the host writes and a pattern repeats, and a square of as many codes of every picture, which the host
+/// reads. It only looks: nothing waits for it.
+#[derive(Circuit)]
+pub struct PictureWindow {
+    /// Clock.
+    pub clock: Signal<In, Clock>,
+    /// The next pixel of codes is a frame's first.
+    pub reset: Signal<In, Bit>,
+    /// Pixel of the tile: row (6 bits), column (6).
+    pub tile_address: Signal<In, Row>,
+    /// It, two cycles later.
+    pub tile_pixel: Signal<Out, Bits<16>>,
+    /// Writes a pixel of the tile.
+    pub write: Signal<In, Bit>,
+    /// Which.
+    pub write_address: Signal<In, Row>,
+    /// Raw pixel word.
+    pub write_data: Signal<In, Bits<16>>,
+    /// A pixel of codes passes in this cycle.
+    pub valid: Signal<In, Bit>,
+    /// It.
+    pub data: Signal<In, Bits<16>>,
+    /// Whether it is its frame's first.
+    pub user: Signal<In, Bit>,
+    /// Whether it is its line's last.
+    pub last: Signal<In, Bit>,
+    /// Column (bits 12 to 0) and row (28 to 16) of the first pixel that is kept.
+    pub corner: Signal<In, Bits<32>>,
+    /// Pixel that is read: row (6 bits), column (6).
+    pub read_address: Signal<In, Row>,
+    /// It, two cycles later.
+    pub read_data: Signal<Out, Bits<16>>,
+    tile: Ram<16>,
+    kept: Ram<16>,
+    valid_1: DFF<Bit>,
+    data_1: DFF<Bits<16>>,
+    column: DFF<Bits<13>>,
+    row: DFF<Bits<13>>,
+    valid_2: DFF<Bit>,
+    data_2: DFF<Bits<16>>,
+    right: DFF<Bits<13>>,
+    down: DFF<Bits<13>>,
+    ends: DFF<Bit>,
+}
+
+impl PictureWindow {
+    /// The window of any board.
+    #[must_use]
+    pub fn new() -> Self {
+        let shape = || Shape::registered(TILE_PIXELS);
+        Self::from_parts(PictureWindowParts { tile: Ram::new(shape(), &[]), kept: Ram::new(shape(), &[]) })
+    }
+}
+
+impl Default for PictureWindow {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Logic for PictureWindow {
+    #[kernel]
+    fn update(&mut self) {
+        dff_setup!(self, clock, valid_1, data_1, column, row, valid_2, data_2, right, down, ends);
+        self.tile.clock.next = self.clock.val();
+        self.tile.read_address.next = self.tile_address.val();
+        self.tile_pixel.next = self.tile.read_data.val();
+        self.tile.write_enable.next = self.write.val();
+        self.tile.write_address.next = self.write_address.val();
+        self.tile.write_data.next = self.write_data.val();
+
+        // Where a pixel is.
+        self.valid_1.d.next = self.valid.val();
+        self.data_1.d.next = self.data.val();
+        if self.valid.val() {
+            self.ends.d.next = self.last.val();
+            self.column.d.next = self.column.q.val() + 1;
+            if self.ends.q.val() {
+                self.column.d.next = 0.into();
+                self.row.d.next = self.row.q.val() + 1;
+            }
+            if self.user.val() {
+                self.column.d.next = 0.into();
+                self.row.d.next = 0.into();
+            }
+        }
+        // And from the corner that is kept.
+        self.valid_2.d.next = self.valid_1.q.val();
+        self.data_2.d.next = self.data_1.q.val();
+        self.right.d.next = self.column.q.val() - self.corner.val().get_bits::<13>(0);
+        self.down.d.next = self.row.q.val() - self.corner.val().get_bits::<13>(16);
+        self.kept.clock.next = self.clock.val();
+        self.kept.write_enable.next = self.valid_2.q.val()
+            && !self.right.q.val().get_bits::<7>(6).any()
+            && !self.down.q.val().get_bits::<7>(6).any();
+        self.kept.write_address.next = (bit_cast::<12, 6>(self.down.q.val().get_bits::<6>(0)) << 6)
+            | bit_cast::<12, 6>(self.right.q.val().get_bits::<6>(0));
+        self.kept.write_data.next = self.data_2.q.val();
+        self.kept.read_address.next = self.read_address.val();
+        self.read_data.next = self.kept.read_data.val();
+
+        if self.reset.val() {
+            self.valid_1.d.next = false;
+            self.valid_2.d.next = false;
+            self.ends.d.next = false;
+            self.column.d.next = 0.into();
+            self.row.d.next = 0.into();
+        }
+    }
+}

@@ -1,0 +1,96 @@
+use super::*;
+
+fn plot(x: Axis, points: &[[f64; 2]]) -> Plot {
+    Plot {
+        title: "a < b".into(),
+        x,
+        y: Axis::linear("y"),
+        size: USUAL,
+        series: vec![Series::new("one", Mark::Line, points.iter().copied())],
+    }
+}
+
+#[test]
+fn a_point_that_is_not_finite_interrupts_the_line() {
+    let svg = plot(Axis::linear("x"), &[[0.0, 0.0], [1.0, f64::NAN], [2.0, 1.0], [3.0, 2.0]]).to_svg();
+    let path = svg.lines().find(|l| l.contains("class=\"line\"") && l.contains('L')).unwrap();
+    assert_eq!(path.matches('M').count(), 2, "{path}");
+    assert!(!svg.contains("NaN"));
+}
+
+#[test]
+fn names_beside_points_cover_neither_points_nor_each_other() {
+    // Three crowded points and one apart.
+    let at = [[1.0, 1.0], [1.1, 1.0], [1.0, 1.05], [5.0, 3.0]];
+    let named = |(i, point): (usize, &[f64; 2])| {
+        Series::new(format!("method {i}"), Mark::Points, [*point]).named_at_points()
+    };
+    let plot = Plot {
+        series: at.iter().enumerate().map(named).collect(),
+        ..plot(Axis::linear("x").from(0.0).to(6.0), &[])
+    };
+    let svg = plot.to_svg();
+    let number = |line: &str, name: &str| -> f64 {
+        line.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    let names: Vec<Area> = svg
+        .lines()
+        .filter(|line| line.contains("class=\"name\""))
+        .map(|line| {
+            let [x, y] = ["x", "y"].map(|name| number(line, &format!(" {name}")));
+            let width = "method 0".len() as f64 * LETTER[0];
+            Area { x: [x, x + width], y: [y + 3.0 - LETTER[1], y + 3.0] }
+        })
+        .collect();
+    assert_eq!(names.len(), 4);
+    let dots: Vec<Area> = svg
+        .lines()
+        .filter(|line| line.starts_with("<circle"))
+        .map(|line| Area::around(["cx", "cy"].map(|name| number(line, &format!(" {name}"))), 3.0))
+        .collect();
+    assert_eq!(dots.len(), 4);
+    for (i, name) in names.iter().enumerate() {
+        let others = names.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
+        assert!(others.chain(&dots).all(|other| name.shared(other) < 1.0), "{name:?} {svg}");
+    }
+    assert_eq!(svg.matches("method 0").count(), 2, "its name and what hovering tells: none in the legend");
+}
+
+#[test]
+fn a_legend_that_would_take_much_of_the_width_stands_below() {
+    let named = |label: &str| {
+        let one = Series::new(label, Mark::Line, [[0.0, 1.0], [1.0, 2.0]]);
+        Plot { series: vec![one; 3], ..plot(Axis::linear("x"), &[]) }
+    };
+    assert_eq!(named("short").whole_size(), USUAL);
+    // Two beside each other, and one more.
+    let long = named(&"l".repeat(30));
+    assert_eq!(long.whole_size(), [640.0, 400.0 + 2.0 * LINE_HEIGHT]);
+    assert!(long.to_svg().contains("viewBox=\"0 0 640 436\""));
+    let texts = long.to_svg();
+    let heights =
+        texts.lines().filter(|line| line.contains("lll")).map(|line| line.split(" y=\"").nth(1).unwrap());
+    assert_eq!(
+        heights.map(|rest| rest.split('"').next().unwrap()).collect::<Vec<_>>(),
+        ["404.0", "404.0", "422.0"]
+    );
+}
+
+#[test]
+fn diagrams_below_each_other_are_as_high_as_all() {
+    let one = plot(Axis::linear("x"), &[[0.0, 1.0]]);
+    let both = stacked(&[one.clone(), Plot { size: [700.0, 300.0], ..one }]);
+    assert!(both.contains("viewBox=\"0 0 700 700\"") && both.contains("translate(0 400)"), "{both}");
+}
+
+#[test]
+fn zero_is_not_drawn_on_a_logarithmic_axis() {
+    let svg = plot(Axis::log("x"), &[[0.0, 1.0], [1.0, 1.0], [10.0, 2.0]]).to_svg();
+    assert!(!svg.contains("inf") && !svg.contains("NaN"));
+}
+
+#[test]
+fn text_is_escaped_and_empty_plots_are_drawn() {
+    let svg = plot(Axis::linear("x"), &[]).to_svg();
+    assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
+}

@@ -1,0 +1,121 @@
+//! What the rows say.
+
+use super::Row;
+use crate::made::Made;
+use crate::summary;
+use crate::told::{Told, ToldError};
+use edof_io::photos::choices;
+use edof_metrics::paired::Paired;
+use edof_report::{Report, Table};
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+/// All rows, and what they say together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KnownBlurs {
+    /// One for each photograph and kernel.
+    pub rows: Vec<Row>,
+    /// Mean of what the method gained, in dB.
+    pub mean_gain_db: f64,
+    /// The same with its standard error: the mean over photographs of the mean over a photograph's kernels.
+    pub gain: Option<Paired>,
+    /// Mean of what the true kernel gains in the same last step.
+    pub mean_known_gain_db: f64,
+    /// The least gain; what is far below 0 has diverged.
+    pub least_gain_db: f64,
+    /// Mean correlation of kernels.
+    pub mean_correlation: f64,
+    /// The least.
+    pub least_correlation: f64,
+    /// How many pictures have lost more than [`DIVERGED_DB`].
+    pub diverged: usize,
+    /// CPU and threads that times are of.
+    pub machine: String,
+}
+
+/// A picture that has lost more than this many dB has diverged.
+pub const DIVERGED_DB: f64 = 1.0;
+
+const TITLE: &str = "Blind deconvolution of drawn blurs";
+
+impl Told for KnownBlurs {
+    type Row = Row;
+
+    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
+        let mean = |of: fn(&Row) -> f64| summary::mean(rows.iter().map(of));
+        let least = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::INFINITY, f64::min);
+        let gain = |row: &Row| row.restored_db - row.blurred_db;
+        let of_photo =
+            |image: &String| summary::mean(rows.iter().filter(|row| row.image == *image).map(gain));
+        let photos: BTreeSet<&String> = rows.iter().map(|row| &row.image).collect();
+        Ok(Self {
+            mean_gain_db: mean(gain),
+            gain: Paired::of(&photos.into_iter().map(of_photo).collect::<Vec<_>>()),
+            mean_known_gain_db: mean(|row| row.known_db - row.blurred_db),
+            least_gain_db: least(gain),
+            mean_correlation: mean(|row| row.correlation),
+            least_correlation: least(|row| row.correlation),
+            diverged: rows.iter().filter(|row| gain(row) < -DIVERGED_DB).count(),
+            rows: rows.to_vec(),
+            machine,
+        })
+    }
+
+    fn to_text(&self) -> String {
+        format!("{}{}", self.table().to_text(), self.sentence())
+    }
+
+    fn to_markdown(&self, made: &Made) -> String {
+        format!("# {TITLE}\n\n{made}\n\n{}\n\n{}", self.sentence(), self.table().to_markdown())
+    }
+
+    fn report(&self, command: &str) -> Report {
+        let mut report = Report::new(TITLE);
+        report.verdict(&self.sentence()).made_by(command);
+        self.table().add_to(&mut report, &[]);
+        report
+    }
+}
+
+impl KnownBlurs {
+    fn sentence(&self) -> String {
+        format!(
+            "Over {} blurred photographs: {} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
+             average, at least by {:.3}. Lost more than {DIVERGED_DB} dB: {}. Seconds are wall-clock and of all threads together on {}.{}",
+            self.rows.len(),
+            self.gain.map_or_else(|| "–".to_owned(), |gain| gain.to_string()),
+            self.mean_known_gain_db,
+            self.least_gain_db,
+            self.mean_correlation,
+            self.least_correlation,
+            match self.diverged {
+                0 => "none".to_owned(),
+                count => count.to_string(),
+            },
+            self.machine,
+            choices(self.rows.iter().map(|row| row.image.as_str()))
+        )
+    }
+
+    fn table(&self) -> Table {
+        let header = [
+            "photograph",
+            "kernel",
+            "blurred dB",
+            "restored dB",
+            "true kernel dB",
+            "correlation",
+            "seconds a megapixel",
+            "CPU seconds a megapixel",
+        ];
+        let row = |r: &Row| {
+            let db = [r.blurred_db, r.restored_db, r.known_db].map(|v| format!("{v:.2}"));
+            let mut cells = vec![r.image.clone(), r.blur.clone()];
+            cells.extend(db);
+            cells.extend([format!("{:.3}", r.correlation), format!("{:.1}", r.seconds_per_megapixel)]);
+            cells.push(r.cpu_seconds_per_megapixel.map_or_else(|| "–".to_owned(), |s| format!("{s:.1}")));
+            cells
+        };
+        Table { header: header.map(str::to_owned).to_vec(), rows: self.rows.iter().map(row).collect() }
+    }
+}

@@ -1,0 +1,80 @@
+use super::*;
+use crate::journal::Proof;
+use crate::summary::tests::row;
+
+fn timed(method: &Method, image: &str, db: f64, seconds: f64) -> Row {
+    let mut measured = row(method, image, 8.0, Noise::None, db);
+    measured.seconds_per_megapixel = seconds;
+    Row {
+        measured,
+        prepare_seconds: 0.5,
+        repetitions: 3,
+        iterations: (method.family == Family::Omp).then_some(16.0),
+        peak_memory_bytes: Some(300 << 20),
+        cpu_seconds_per_megapixel: (method.family == Family::Omp).then_some(1.5 * seconds),
+        seconds_range: None,
+        cpu_seconds_range: None,
+        proof: Proof::default(),
+    }
+}
+
+fn speed() -> Speed {
+    let float = Method::network("n", Format::Float, 8, 4);
+    let rows = [
+        timed(&float, "a", 31.0, 0.1),
+        timed(&float, "b", 33.0, 0.3),
+        timed(&float.in_format(Format::Fixed), "a", 31.99, 0.2),
+        timed(&float.in_format(Format::Board), "a", 31.99, 0.01),
+        timed(&Method::of_patches(Family::Omp, 8), "a", 30.0, 6.0),
+        timed(&Method::of_patches(Family::Omp, 8), "b", 31.0, 6.0),
+        timed(&Method::of_patches(Family::Omp, 2), "a", 31.0, 60.0),
+        timed(&Method::of_frames(Family::BlindDeconvolution), "a", 29.0, 120.0),
+        timed(&Method::untrained(Family::Untrained, 8, 8), "a", 27.0, 0.2),
+        timed(&Method::untrained(Family::Untrained, 8, 10), "a", 27.5, 0.3),
+    ];
+    Speed::new(&rows, "a machine".into()).unwrap()
+}
+
+#[test]
+fn points_are_means_over_photographs() {
+    let points = speed().points;
+    let first = &points[0];
+    assert_eq!((first.method.as_str(), first.photos, first.psnr_db), ("n.float/s8", 2, 32.0));
+    assert!((first.seconds_per_megapixel - 0.2).abs() < 1e-12 && points.len() == 8);
+}
+
+#[test]
+fn each_claim_of_the_paper_stands_beside_what_was_measured() {
+    let page = speed().to_markdown(&Made::by("edof study single-depth"));
+    for line in [
+        "| n.float/s8 less omp/s8 | at least 0 dB | +1.50 ± 0.50 dB |",
+        "| n.float/s8 is faster than omp/s8 | more than 15 times | 30.0 times |",
+        "| n.float/s8 less blind-deconvolution | more than 1 dB | +2.00 dB |",
+        "| n.float/s8 is faster than blind-deconvolution | more than 500 times | 600.0 times |",
+        "| n.fixed/s8 less n.float/s8 | the same | +0.99 dB |",
+        "| n.board/s8 (by its cycles) is faster than omp/s8 | 280 times | 600.0 times |",
+        "| n.board/s8 (by its cycles) is faster than blind-deconvolution | 900 times | 12000.0 times |",
+        "| omp/s2 less blind-deconvolution | more than 1 dB | +2.00 dB |",
+        "| omp/s2 is faster than blind-deconvolution | about 30 times | 2.0 times |",
+        "| T = 8 less T = 10 | about 0 dB | not in these rows: docs/results/layers.md has trained networks of 8 and 10 layers |",
+        "| untrained-t8.float/s8 less untrained-t10.float/s8 | about 0 dB, of trained ones | -0.50 dB |",
+    ] {
+        assert!(page.contains(line), "{line}\n{page}");
+    }
+    assert!(!page.contains("untrained-t8.float/s8 less omp"), "{page}");
+}
+
+#[test]
+fn the_diagram_joins_the_strides_of_a_method_and_tells_its_numbers() {
+    let speed = speed();
+    assert_eq!(
+        speed.plot(&speed.claims[0]).series.iter().map(|s| s.points.len()).collect::<Vec<_>>(),
+        [1, 1, 1, 2, 1, 2]
+    );
+    let html = speed.report("edof study single-depth").to_html();
+    assert!(html.contains("<title>omp: 90, 31</title>"), "{html}");
+    assert!(
+        !html.contains("http://")
+            || html.matches("http://").count() == html.matches("http://www.w3.org/2000/svg").count()
+    );
+}

@@ -1,0 +1,80 @@
+//! One `always @*` for what one block of the kernel says.
+//!
+//! A process for each target is never a loop where the circuit is none. Together they may look like one to a simulator that orders whole
+//! blocks, across modules too. So processes of one block of the kernel are joined only where no output of the module, and no signal in it, thereby
+//! follows a signal that it did not follow before.
+
+use std::collections::BTreeSet;
+
+use crate::cycles::{Path, keep, loops, paths};
+use crate::expression::Node;
+use crate::process::{Origin, Process};
+use crate::scope::{Scope, SignalId};
+use crate::simplify::without_dead;
+
+/// The processes, joined. `blocks` are the whole blocks of the kernel, `edges` lead from every signal to those that follow it directly.
+pub(crate) fn join(
+    scope: &Scope,
+    processes: Vec<Process>,
+    blocks: &[Process],
+    edges: &[Path],
+) -> Vec<Process> {
+    let mut joining = Joining { scope, paths: sorted(paths(scope, edges)), edges: edges.to_vec() };
+    let mut joined: Vec<Process> = vec![];
+    for process in processes {
+        let candidate = joined.iter().position(|other| {
+            let same = other.origin == process.origin && other.is_combinational();
+            same && is_choice(other) && is_choice(&process) && (is_block(other) || is_block(&process))
+        });
+        let block = blocks.iter().find(|block| block.origin == process.origin);
+        match (candidate, block) {
+            (Some(at), Some(block)) => match joining.join(&joined[at], &process, block) {
+                Some(both) => joined[at] = both,
+                None => joined.push(process),
+            },
+            _ => joined.push(process),
+        }
+    }
+    joined
+}
+
+fn is_block(process: &Process) -> bool {
+    process.plain().is_none()
+}
+
+/// Whether the process says what is when: more than an assignment.
+fn is_choice(process: &Process) -> bool {
+    process.plain().is_none_or(|assign| matches!(assign.value.node, Node::Choose(..)))
+}
+
+struct Joining<'a> {
+    scope: &'a Scope,
+    paths: Vec<Path>,
+    edges: Vec<Path>,
+}
+
+impl Joining<'_> {
+    fn join(&mut self, one: &Process, other: &Process, block: &Process) -> Option<Process> {
+        let targets: BTreeSet<SignalId> = &one.targets | &other.targets;
+        let mut statements = keep(&block.statements, &targets);
+        for target in &targets {
+            statements = without_dead(statements, *target);
+        }
+        let both = Process::of(statements, Origin::Block(0));
+        let both = Process { origin: one.origin, ..both };
+        let reads = both.reads.difference(&both.targets);
+        let across = reads.flat_map(|read| both.targets.iter().map(move |target| (*read, *target)));
+        let edges: Vec<Path> = self.edges.iter().copied().chain(across).collect();
+        let adds_none = loops(self.scope.signals.len(), &edges).is_empty()
+            && sorted(paths(self.scope, &edges)) == self.paths;
+        adds_none.then(|| {
+            self.edges = edges;
+            both
+        })
+    }
+}
+
+fn sorted(mut paths: Vec<Path>) -> Vec<Path> {
+    paths.sort_unstable();
+    paths
+}

@@ -1,0 +1,221 @@
+//! Statements as the lines of a block.
+
+use std::collections::BTreeSet;
+
+use crate::expression::Expression;
+use crate::kernel::{Arm, Assign, Label, Note, Statement};
+use crate::layout::{PLACE, WIDTH, code};
+use crate::print::{Between, Printer};
+use crate::scope::SignalId;
+use crate::text::{Use, literal, range};
+
+/// A statement stands behind its condition or label as long as both are shorter than a line less the indentation that blocks have.
+const SHORT: usize = WIDTH - 12;
+
+/// Branches of an `if` that may do without `begin` and `end`.
+const INLINE: usize = 4;
+
+/// A condition, if any, and what it guards.
+type Branch = (Option<String>, Vec<String>);
+
+impl Printer<'_> {
+    /// The lines of an `always @*` block.
+    pub fn process(&mut self, statements: &[Statement], driven: &BTreeSet<SignalId>) -> Vec<String> {
+        self.driven.clone_from(driven);
+        self.steps.clear();
+        self.begin();
+        let (first, rest) = match statements {
+            [Statement::Comment(note), rest @ ..] => (self.note(note), rest),
+            all => (vec![], all),
+        };
+        let place = self.line;
+        let body = self.lines(rest);
+        let start = |step: &usize| {
+            let Between { name, ty, .. } = &self.between[*step];
+            format!("{name} = {};", literal(*ty, 0, Use::Value))
+        };
+        let starts: Vec<String> = self.steps.iter().map(start).collect();
+        let lines = [first, block("always @* begin", &[starts, body].concat())].concat();
+        self.line = place;
+        lines.into_iter().map(|line| self.placed(line)).collect()
+    }
+
+    /// A paragraph begins: its first note is said whatever was said before.
+    pub fn begin(&mut self) {
+        (self.starts, self.line) = (true, None);
+    }
+
+    /// The lines of a block at a clock's edge: statements, then registers that take their next value.
+    pub fn edge(&mut self, clock: &str, statements: &[Statement], taken: &[(String, String)]) -> Vec<String> {
+        self.driven.clear();
+        self.begin();
+        self.at_edge = true;
+        let mut body: Vec<String> = taken.iter().map(|(value, next)| format!("{value} <= {next};")).collect();
+        body.extend(self.lines(statements));
+        self.at_edge = false;
+        self.line = statements.iter().find_map(|statement| match statement {
+            Statement::Comment(note) => note.line,
+            _ => None,
+        });
+        let lines = block(&format!("always @(posedge {clock}) begin"), &body);
+        lines.into_iter().map(|line| self.placed(line)).collect()
+    }
+
+    fn lines(&mut self, statements: &[Statement]) -> Vec<String> {
+        let mut lines = vec![];
+        for statement in statements {
+            let new = self.statement(statement);
+            lines.extend(new.into_iter().map(|line| self.placed(line)));
+        }
+        lines
+    }
+
+    /// The line with the number of the Rust line that it comes from.
+    pub fn placed(&self, line: String) -> String {
+        match self.line {
+            Some(number) if !line.contains(PLACE) => format!("{line}{PLACE}{number}"),
+            _ => line,
+        }
+    }
+
+    /// What is said before a statement: nothing that was said before the one above it.
+    pub fn note(&mut self, note: &Note) -> Vec<String> {
+        let is_known = !self.starts && (note.text.is_empty() || note.text == self.said);
+        self.line = note.line.or(self.line);
+        if is_known {
+            return vec![];
+        }
+        self.starts = false;
+        self.said.clone_from(&note.text);
+        let place = note.line.map(|line| format!("{}:{line}", self.file));
+        match (place, note.text.is_empty()) {
+            (Some(place), true) => vec![format!("// {place}")],
+            (Some(place), false) => vec![format!("// {place}: {}", note.text)],
+            (None, _) => note.text.lines().map(|line| format!("// {line}").trim_end().into()).collect(),
+        }
+    }
+
+    fn statement(&mut self, statement: &Statement) -> Vec<String> {
+        match statement {
+            Statement::Comment(note) => self.note(note),
+            Statement::Assign(assign) => {
+                let line = self.assign(assign);
+                self.after_steps(vec![line])
+            }
+            Statement::If { test, then, otherwise } => {
+                let test = self.test(test);
+                let steps = std::mem::take(&mut self.pending);
+                [steps, self.choice(test, then, otherwise)].concat()
+            }
+            Statement::Case { subject, arms, default } => {
+                let test = self.test(subject);
+                let steps = std::mem::take(&mut self.pending);
+                let mut lines = vec![];
+                for Arm { label, body } in arms {
+                    let label = match label {
+                        Label::State(state) => self.state(state),
+                        Label::Number(number) => literal(subject.ty, *number, Use::Count),
+                    };
+                    lines.extend(arm(&label, self.lines(body)));
+                }
+                lines.extend(arm("default", self.lines(default.as_deref().unwrap_or_default())));
+                [steps, enclosed(&format!("case ({test})"), &lines, "endcase")].concat()
+            }
+        }
+    }
+
+    /// What the lines need is computed before them.
+    fn after_steps(&mut self, lines: Vec<String>) -> Vec<String> {
+        [std::mem::take(&mut self.pending), lines].concat()
+    }
+
+    fn choice(&mut self, test: String, then: &[Statement], otherwise: &[Statement]) -> Vec<String> {
+        let mut branches: Vec<Branch> = vec![(Some(test), self.lines(then))];
+        let mut rest = otherwise;
+        while let [Statement::If { test, then, otherwise }] = rest {
+            let test = self.test(test);
+            if !self.pending.is_empty() {
+                let steps = std::mem::take(&mut self.pending);
+                branches.push((None, [steps, self.choice(test, then, otherwise)].concat()));
+                return choice_lines(&branches);
+            }
+            branches.push((Some(test), self.lines(then)));
+            rest = otherwise;
+        }
+        if !rest.is_empty() {
+            branches.push((None, self.lines(rest)));
+        }
+        choice_lines(&branches)
+    }
+
+    fn test(&mut self, test: &Expression) -> String {
+        self.subject = "test".into();
+        self.root(test)
+    }
+
+    fn assign(&mut self, assign: &Assign) -> String {
+        let register = self.scope.registers.iter().find(|register| register.next == assign.target);
+        let (target, sign) = match register.filter(|_| self.at_edge) {
+            Some(register) => (register.value, "<="),
+            None => (assign.target, "="),
+        };
+        let name = self.signal_names[target].clone();
+        self.subject.clone_from(&name);
+        let value = self.root(&assign.value);
+        let whole = self.scope.signals[assign.target].ty.bits == assign.value.ty.bits;
+        let place = assign.at.filter(|_| !whole).map_or(String::new(), |at| range(at, assign.value.ty.bits));
+        format!("{name}{place} {sign} {value};")
+    }
+}
+
+fn block(head: &str, body: &[String]) -> Vec<String> {
+    enclosed(head, body, "end")
+}
+
+fn enclosed(head: &str, body: &[String], end: &str) -> Vec<String> {
+    let body = body.iter().map(|line| format!("    {line}"));
+    std::iter::once(head.to_string()).chain(body).chain([end.to_string()]).collect()
+}
+
+/// `LABEL: x = y;`, or a block.
+fn arm(label: &str, body: Vec<String>) -> Vec<String> {
+    match &body[..] {
+        [] => vec![format!("{label}: ;")],
+        [one] if is_assignment(one) && label.len() + code(one).len() < SHORT => {
+            vec![format!("{label}: {one}")]
+        }
+        _ => block(&format!("{label}: begin"), &body),
+    }
+}
+
+/// One assignment: nothing to which an `else` could belong.
+fn is_assignment(line: &str) -> bool {
+    code(line).ends_with(';')
+        && !["if (", "else", "case", "//", " "].iter().any(|word| line.starts_with(word))
+}
+
+fn choice_lines(branches: &[Branch]) -> Vec<String> {
+    let fits = |(test, body): &Branch| match &body[..] {
+        [one] => is_assignment(one) && test.as_ref().map_or(0, String::len) + code(one).len() < SHORT,
+        _ => false,
+    };
+    let inline = branches.len() <= INLINE && branches.iter().all(fits);
+    let mut lines = vec![];
+    for (n, (test, body)) in branches.iter().enumerate() {
+        let word = match (n, test) {
+            (0, Some(test)) => format!("if ({test})"),
+            (_, Some(test)) => format!("else if ({test})"),
+            (_, None) => "else".into(),
+        };
+        if inline {
+            lines.push(format!("{word} {}", body[0]));
+            continue;
+        }
+        lines.push(if n == 0 { format!("{word} begin") } else { format!("end {word} begin") });
+        lines.extend(body.iter().map(|line| format!("    {line}")));
+    }
+    if !inline {
+        lines.push("end".into());
+    }
+    lines
+}

@@ -1,0 +1,361 @@
+//! Shorter expressions and statements of the same meaning.
+//!
+//! Each rule holds for every value of its operands at its width; `tests/equal.rs` of `edof-cosim` proves it of whole designs: Yosys compares
+//! what is printed with and without this pass.
+
+use std::collections::HashSet;
+
+use crate::expression::{Expression, Node};
+use crate::flow::collect_targets;
+use crate::kernel::{Arm, Assign, Label, Note, Statement};
+use crate::types::Type;
+
+/// A chain of comparisons with so many numbers becomes a `case`.
+const LEAST_ARMS: usize = 3;
+
+/// The statements, tidied.
+pub(crate) fn statements(statements: Vec<Statement>) -> Vec<Statement> {
+    let mut tidied: Vec<Statement> = vec![];
+    for statement in statements {
+        let statement = match statement {
+            Statement::Assign(assign) => {
+                Statement::Assign(Assign { value: expression(assign.value), ..assign })
+            }
+            Statement::If { test, then, otherwise } => {
+                let parts = (expression(test), self::statements(then), self::statements(otherwise));
+                match condition(parts) {
+                    Some(statement) => chain(statement, &mut tidied),
+                    None => continue,
+                }
+            }
+            Statement::Case { subject, arms, default } => {
+                let tidy = |arm: Arm| Arm { body: self::statements(arm.body), ..arm };
+                let arms = arms.into_iter().map(tidy).collect();
+                case(expression(subject), arms, default.map(self::statements))
+            }
+            comment => comment,
+        };
+        tidied.push(statement);
+    }
+    tidied
+}
+
+/// An `if` whose first side does something, and that is one with an `if` that stands alone in it.
+fn condition((test, then, otherwise): (Expression, Vec<Statement>, Vec<Statement>)) -> Option<Statement> {
+    let (test, then, otherwise) = match (then.is_empty(), otherwise.is_empty()) {
+        (true, true) => return None,
+        (true, false) => (not(test), otherwise, vec![]),
+        _ => (test, then, otherwise),
+    };
+    if otherwise.is_empty()
+        && matches!(&then[..], [Statement::If { otherwise, .. }] if otherwise.is_empty())
+        && let Some(Statement::If { test: also, then, .. }) = then.first().cloned()
+    {
+        return Some(Statement::If { test: conjunction(test, also), then, otherwise });
+    }
+    Some(Statement::If { test, then, otherwise })
+}
+
+/// A chain of comparisons of one subject with numbers, as a `case`. Without an `else` it needs an assignment before it that says what is otherwise.
+fn chain(statement: Statement, before: &mut Vec<Statement>) -> Statement {
+    let Some((subject, arms, otherwise)) = comparisons(&statement) else { return statement };
+    if arms.len() < LEAST_ARMS {
+        return statement;
+    }
+    if !otherwise.is_empty() {
+        return Statement::Case { subject, arms, default: Some(otherwise) };
+    }
+    let is_said = |statement: &Statement| !matches!(statement, Statement::Comment(_));
+    let Some(place) = before.iter().rposition(is_said) else { return statement };
+    let Statement::Assign(first) = &before[place] else { return statement };
+    let is_same = |arm: &Arm| {
+        let starts = match arm.body.first() {
+            Some(Statement::Assign(assign)) => {
+                assign.target == first.target && assign.at.is_none() && !assign.value.reads(first.target)
+            }
+            _ => false,
+        };
+        let mut targets = HashSet::new();
+        collect_targets(&arm.body, &mut targets);
+        starts && targets.len() == 1
+    };
+    let moved = subject.reads(first.target) || first.at.is_some() || first.holds;
+    if moved || !arms.iter().all(is_same) {
+        return statement;
+    }
+    let default = before.remove(place);
+    Statement::Case { subject, arms, default: Some(vec![default]) }
+}
+
+/// Subject, arms and the rest of `if (s == 1) … else if (s == 2) …`.
+fn comparisons(statement: &Statement) -> Option<(Expression, Vec<Arm>, Vec<Statement>)> {
+    let Statement::If { test, then, otherwise } = statement else { return None };
+    let Node::Compare("==", subject, number) = &test.node else { return None };
+    let label = match &number.node {
+        Node::Literal(value) => Label::Number(*value),
+        Node::State(state) => Label::State(state.clone()),
+        _ => return None,
+    };
+    if !matches!(subject.node, Node::Signal(_) | Node::Slice(..)) {
+        return None;
+    }
+    let mut arms = vec![Arm { label, body: then.clone() }];
+    if let [rest] = &otherwise[..]
+        && let Some((same, more, last)) = comparisons(rest)
+        && same == **subject
+        && more.iter().all(|arm| arm.label != arms[0].label)
+    {
+        arms.extend(more);
+        return Some((same, arms, last));
+    }
+    Some(((**subject).clone(), arms, otherwise.clone()))
+}
+
+/// A `case` in which every arm does something: otherwise a chain of comparisons.
+fn case(subject: Expression, arms: Vec<Arm>, default: Option<Vec<Statement>>) -> Statement {
+    let is_full =
+        arms.iter().all(|arm| !arm.body.is_empty()) && default.as_ref().is_some_and(|d| !d.is_empty());
+    if is_full {
+        return Statement::Case { subject, arms, default };
+    }
+    let is_empty = default.as_ref().is_none_or(Vec::is_empty);
+    // Empty arms matter where the rest does something.
+    let kept = arms.into_iter().filter(|arm| !(is_empty && arm.body.is_empty()));
+    let mut rest = default.unwrap_or_default();
+    for arm in kept.rev() {
+        let number = match arm.label {
+            Label::Number(number) => Expression::literal(subject.ty, number),
+            Label::State(state) => Expression::new(subject.ty, Node::State(state)),
+        };
+        let test = compare("==", subject.clone(), number);
+        rest = condition((test, arm.body, rest)).into_iter().collect();
+    }
+    rest.pop().unwrap_or(Statement::Comment(Note::default()))
+}
+
+/// The expression, tidied from the inside out.
+pub(crate) fn expression(whole: Expression) -> Expression {
+    let whole = whole.map(&mut expression);
+    let ty = whole.ty;
+    match whole.node {
+        Node::Not(x) if ty == Type::BIT => not(*x),
+        Node::Compare(op @ ("==" | "!="), x, y) => equality(op, *x, *y),
+        Node::Logical("&&", x, y) => conjunction(*x, *y),
+        Node::Logical("||", x, y) => disjunction(*x, *y),
+        Node::Choose(test, x, y) if ty == Type::BIT => choice(*test, *x, *y),
+        node => Expression::new(ty, node),
+    }
+}
+
+fn bit(node: Node) -> Expression {
+    Expression::new(Type::BIT, node)
+}
+
+fn compare(op: &'static str, x: Expression, y: Expression) -> Expression {
+    bit(Node::Compare(op, Box::new(x), Box::new(y)))
+}
+
+/// The opposite of a bit.
+pub(crate) fn not(x: Expression) -> Expression {
+    let opposite = |op| match op {
+        "==" => "!=",
+        "!=" => "==",
+        "<" => ">=",
+        ">=" => "<",
+        ">" => "<=",
+        _ => ">",
+    };
+    let is_free = |x: &Expression| matches!(x.node, Node::Not(_) | Node::Compare(..)) && x.ty == Type::BIT;
+    match x.node {
+        Node::Literal(value) => Expression::literal(Type::BIT, 1 - value),
+        Node::Not(x) if x.ty == Type::BIT => *x,
+        Node::Compare(op, x, y) => compare(opposite(op), *x, *y),
+        // De Morgan, where it takes negations away.
+        Node::Logical(op, x, y) if is_free(&x) && is_free(&y) => {
+            let op = if op == "&&" { "||" } else { "&&" };
+            bit(Node::Logical(op, Box::new(not(*x)), Box::new(not(*y))))
+        }
+        node => bit(Node::Not(Box::new(bit(node)))),
+    }
+}
+
+/// `x + 1 == 8` is `x == 7`, at any width: both sides wrap.
+fn equality(op: &'static str, x: Expression, y: Expression) -> Expression {
+    let (Some(right), ty) = (y.constant(), x.ty) else { return compare(op, x, y) };
+    match &x.node {
+        Node::Wrapping(sum @ ("+" | "-"), value, step) if ty.bits < 100 => match step.constant() {
+            Some(step) => {
+                let number = if *sum == "+" { right - step } else { right + step };
+                compare(op, (**value).clone(), Expression::literal(ty, number))
+            }
+            None => compare(op, x, y),
+        },
+        _ if ty == Type::BIT && (right == 1) == (op == "==") => x,
+        _ if ty == Type::BIT => not(x),
+        _ => compare(op, x, y),
+    }
+}
+
+fn conjunction(x: Expression, y: Expression) -> Expression {
+    match (x.constant(), y.constant()) {
+        (Some(1), _) | (_, Some(0)) => return y,
+        (Some(0), _) | (_, Some(1)) => return x,
+        _ => {}
+    }
+    let mut terms = vec![];
+    conjuncts(x, &mut terms);
+    conjuncts(y, &mut terms);
+    // What equals one number is unlike all others.
+    let fixed: Vec<(Expression, i128)> = terms.iter().filter_map(|term| compared("==", term)).collect();
+    let is_implied = |term: &Expression| {
+        compared("!=", term).is_some_and(|(subject, number)| {
+            fixed.iter().any(|(other, value)| *other == subject && *value != number)
+        })
+    };
+    terms.retain(|term| !is_implied(term));
+    let mut kept: Vec<Expression> = vec![];
+    for term in terms {
+        if !kept.contains(&term) {
+            kept.push(term);
+        }
+    }
+    let all = kept.into_iter().reduce(|x, y| bit(Node::Logical("&&", Box::new(x), Box::new(y))));
+    all.unwrap_or(Expression::literal(Type::BIT, 1))
+}
+
+fn conjuncts(x: Expression, terms: &mut Vec<Expression>) {
+    match x.node {
+        Node::Logical("&&", x, y) => {
+            conjuncts(*x, terms);
+            conjuncts(*y, terms);
+        }
+        _ => terms.push(x),
+    }
+}
+
+/// Subject and number of a comparison with a number.
+fn compared(op: &str, term: &Expression) -> Option<(Expression, i128)> {
+    match &term.node {
+        Node::Compare(found, x, y) if *found == op => Some(((**x).clone(), y.constant()?)),
+        _ => None,
+    }
+}
+
+fn disjunction(x: Expression, y: Expression) -> Expression {
+    match (x.constant(), y.constant()) {
+        (Some(0), _) | (_, Some(1)) => y,
+        (Some(1), _) | (_, Some(0)) => x,
+        _ if x == y => x,
+        _ => bit(Node::Logical("||", Box::new(x), Box::new(y))),
+    }
+}
+
+/// A choice between bits of which one is known.
+fn choice(test: Expression, x: Expression, y: Expression) -> Expression {
+    match (x.constant(), y.constant()) {
+        (Some(1), Some(0)) => test,
+        (Some(0), Some(1)) => not(test),
+        (Some(1), _) => disjunction(test, y),
+        (Some(0), _) => conjunction(not(test), y),
+        (_, Some(0)) => conjunction(test, x),
+        (_, Some(1)) => disjunction(not(test), x),
+        _ => bit(Node::Choose(Box::new(test), Box::new(x), Box::new(y))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDE: Type = Type::bits(4);
+
+    fn signal(ty: Type, id: usize) -> Expression {
+        Expression::new(ty, Node::Signal(id))
+    }
+
+    fn number(value: i128) -> Expression {
+        Expression::literal(WIDE, value)
+    }
+
+    fn logical(op: &'static str, x: Expression, y: Expression) -> Expression {
+        bit(Node::Logical(op, Box::new(x), Box::new(y)))
+    }
+
+    /// The value of an expression where signal 0 of four bits and signals 1 and 2 of one are known.
+    fn value(x: &Expression, of: [i128; 3]) -> i128 {
+        let wrap = |value: i128| value & ((1 << x.ty.bits) - 1);
+        match &x.node {
+            Node::Signal(id) => of[*id],
+            Node::Literal(value) => *value,
+            Node::Not(y) => wrap(!value(y, of)),
+            Node::Wrapping("+", y, z) => wrap(value(y, of) + value(z, of)),
+            Node::Wrapping(_, y, z) => wrap(value(y, of) - value(z, of)),
+            Node::Compare(op, y, z) => {
+                let (y, z) = (value(y, of), value(z, of));
+                i128::from(match *op {
+                    "==" => y == z,
+                    "!=" => y != z,
+                    "<" => y < z,
+                    ">=" => y >= z,
+                    ">" => y > z,
+                    _ => y <= z,
+                })
+            }
+            Node::Logical("&&", y, z) => value(y, of) & value(z, of),
+            Node::Logical(_, y, z) => value(y, of) | value(z, of),
+            Node::Choose(t, y, z) => value(if value(t, of) == 1 { y } else { z }, of),
+            other => unreachable!("{other:?}"),
+        }
+    }
+
+    /// Every bit expression of some depth, from a small generator.
+    fn drawn(state: &mut u64, depth: usize) -> Expression {
+        let mut next = |below: u64| {
+            *state ^= *state << 13;
+            *state ^= *state >> 7;
+            *state ^= *state << 17;
+            *state % below
+        };
+        let kind = if depth == 0 { next(3) } else { next(9) };
+        let (value, step, op) = (next(16), next(16), next(6) as usize);
+        let ops = ["==", "!=", "<", "<=", ">", ">="];
+        match kind {
+            0 => signal(Type::BIT, 1),
+            1 => signal(Type::BIT, 2),
+            2 => compare(ops[op], signal(WIDE, 0), number(value.into())),
+            3 => {
+                let sum = if step % 2 == 0 { "+" } else { "-" };
+                let node = Node::Wrapping(sum, Box::new(signal(WIDE, 0)), Box::new(number(step.into())));
+                compare(ops[op], Expression::new(WIDE, node), number(value.into()))
+            }
+            4 => bit(Node::Not(Box::new(drawn(state, depth - 1)))),
+            5 => Expression::literal(Type::BIT, (value % 2).into()),
+            6 => {
+                let (test, x) = (drawn(state, depth - 1), drawn(state, depth - 1));
+                bit(Node::Choose(Box::new(test), Box::new(x), Box::new(drawn(state, depth - 1))))
+            }
+            7 => logical("&&", drawn(state, depth - 1), drawn(state, depth - 1)),
+            _ => logical("||", drawn(state, depth - 1), drawn(state, depth - 1)),
+        }
+    }
+
+    #[test]
+    fn a_tidied_expression_has_the_same_value_for_every_input() {
+        let mut state = 7;
+        for _ in 0..3_000 {
+            let whole = drawn(&mut state, 5);
+            let tidied = expression(whole.clone());
+            for inputs in 0..64_i128 {
+                let of = [inputs & 15, inputs >> 4 & 1, inputs >> 5];
+                assert_eq!(value(&tidied, of), value(&whole, of), "{whole:?} became {tidied:?} at {of:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_third_of_a_chain_is_one_comparison() {
+        let is = |value| compare("==", signal(WIDE, 0), number(value));
+        let third = logical("&&", not(is(0)), logical("&&", not(is(1)), is(2)));
+        assert_eq!(expression(third), is(2));
+    }
+}
