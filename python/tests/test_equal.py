@@ -54,7 +54,7 @@ def test_capture_gives_the_frame_of_the_program(run: Run, tmp_path: Path, pictur
     edof.save_picture(tmp_path / "photo.png", picture, curve="linear")
     noise = "sensor:gain=4"
     run("capture", "photo.png", "--psi", 5, "--phase", phase, "--depth", 12, "--noise", noise, "--seed", 7,
-        "--black-level", 64, "--no-measure", "--out", "raw.pgm", "-q")  # fmt: skip
+        "--black-level", 64, "--out", "raw.pgm", "-q")  # fmt: skip
     light = edof.decode(edof.load_picture(tmp_path / "photo.png"))
     shot = edof.capture(light, "ring-outer", 5.0, phase=phase, noise=noise, seed=7, black_level=64)
     raw_file(tmp_path / "own.pgm", shot.raw, 12)
@@ -77,7 +77,7 @@ def test_capture_of_a_depth_map_is_that_of_the_program(run: Run, tmp_path: Path,
     ramp = np.tile(np.linspace(0.0, 1.0, columns, dtype=np.float32), (rows, 1))
     ramp = np.round(ramp * 4.0) / np.float32(4.0)
     edof.save_picture(tmp_path / "map.png", np.stack([ramp] * 3), curve="linear", bits=16)
-    run("capture", "photo.png", "--depth-map", "map.png", "--range", "8:0", "--layers", 5, "--no-measure",
+    run("capture", "photo.png", "--depth-map", "map.png", "--range", "8:0", "--layers", 5,
         "--out", "raw.pgm", "-q")  # fmt: skip
     nearness = edof.load_picture(tmp_path / "map.png")[0].astype(np.float64)
     scene = edof.Scene.from_depths(edof.decode(edof.load_picture(tmp_path / "photo.png")), (nearness * 8.0).astype(np.float32), layers=5)
@@ -215,7 +215,7 @@ def test_a_training_gives_the_weights_of_the_program(run: Run, tmp_path: Path) -
     for index, photo in enumerate(photos):
         edof.save_picture(tmp_path / "photos" / f"p{index}.png", photo, bits=16)
     run("train", "--form", "one-sided,w8,t3,c16,r", "--camera", "ring-outer", "--images", "photos", "--photos", "all", "--steps", 30, "--batch", 64,
-        "--validate-every", 15, "--depths", 2, "--seed", 5, "--threads", 1, "--out", "theirs.safetensors", "-q")  # fmt: skip
+        "--validate-every", 15, "--depths", 2, "--seed", 5, "--threads", 1, "--no-cache", "--out", "theirs.safetensors", "-q")  # fmt: skip
     pictures = [edof.load_picture(tmp_path / "photos" / f"p{index}.png") for index in (0, 1)]
     recipe = {"steps": 30, "batch": 64, "validate_every": 15, "seed": 5}
     network, reports = edof.train("one-sided,w8,t3,c16,r", pictures, "ring-outer", recipe=recipe, psi=[0.0, 8.0], threads=2)

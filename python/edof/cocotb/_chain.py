@@ -53,6 +53,9 @@ async def reset_chain(dut: Any, clock: Any) -> None:
     for _ in range(RESET):
         await RisingEdge(clock)
     dut.reset_i.value = 0
+    # Two more pass until something can be taken.
+    for _ in range(2):
+        await RisingEdge(clock)
 
 
 class StreamSource:
