@@ -34,7 +34,7 @@ pub fn of(rows: &[impl Serialize]) -> String {
     if header.is_empty() {
         return String::new();
     }
-    let mut table = ::csv::Writer::from_writer(vec![]);
+    let mut table = csv::Writer::from_writer(vec![]);
     let mut add = |cells: &[String]| {
         table.write_record(cells).unwrap_or_else(|e| unreachable!("memory takes every row: {e}"));
     };

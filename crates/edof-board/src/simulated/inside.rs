@@ -1,6 +1,9 @@
 //! What lies behind the line of a simulated board: registers, stages, tables, chips, and the picture under way.
 
-use super::checks::Checks;
+mod checks;
+
+pub(super) use checks::Checks;
+
 use super::chips::Chips;
 use super::faults::Faults;
 use super::memory::{self, Stage};

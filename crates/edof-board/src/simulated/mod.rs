@@ -13,7 +13,6 @@
 //!
 //! Time is its own: it passes with every byte on the line, and when it is told to.
 
-mod checks;
 pub mod chips;
 pub mod faults;
 mod inside;
@@ -27,7 +26,6 @@ pub use inside::Shown;
 use crate::error::Error;
 use crate::faulty::Resettable;
 use crate::line::{BITS_PER_BYTE, Line};
-use checks::Checks;
 use chips::Chips;
 use edof_device::Design;
 use edof_device::board::UART_TIME_OUT_MS;
@@ -38,7 +36,7 @@ use edof_golden::{Display, Golden};
 use edof_image::RawFrame;
 use edof_network::FixedNetwork;
 use faults::Faults;
-use inside::{Inside, Load, Time};
+use inside::{Checks, Inside, Load, Time};
 use memory::Stage;
 use std::collections::{BTreeMap, VecDeque};
 use std::io;

@@ -10,8 +10,6 @@ mod cells;
 mod file;
 mod header;
 mod proof;
-#[cfg(test)]
-mod tests;
 
 pub use cells::{Ordered, Progress, Shard, ShardError};
 pub use header::{Header, Maker, Program, UNKNOWN};
@@ -413,3 +411,6 @@ fn parsed<T: DeserializeOwned>(path: &Path, line: usize, text: &str) -> Result<T
 fn line(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_else(|e| unreachable!("rows are plain data: {e}"))
 }
+
+#[cfg(test)]
+mod tests;

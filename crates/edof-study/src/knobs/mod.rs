@@ -6,8 +6,6 @@
 mod knob;
 mod list;
 mod page;
-#[cfg(test)]
-mod tests;
 
 pub use knob::{Knob, Plan, Shortened, Work};
 pub use list::{KNOBS, UnknownKnob};
@@ -332,3 +330,6 @@ impl Plan {
         Ok(shot.map_err(|source| KnobsError::Capture { image: photo.name.clone(), source })?.raw)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,8 +3,6 @@
 
 mod kernels;
 mod page;
-#[cfg(test)]
-mod tests;
 
 pub use kernels::{Blur, drawn};
 pub use page::{DIVERGED_DB, KnownBlurs};
@@ -210,3 +208,6 @@ fn moved(frame: &ColourFrame, (rows, columns): (isize, isize)) -> ColourFrame {
     });
     out
 }
+
+#[cfg(test)]
+mod tests;

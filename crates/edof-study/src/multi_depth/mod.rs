@@ -5,8 +5,6 @@
 //! them. Rows go to a [`Journal`](crate::journal::Journal) with their pictures, so that a report can be made from the file alone.
 
 mod page;
-#[cfg(test)]
-mod tests;
 
 pub use page::{MultiDepth, Shown};
 
@@ -353,3 +351,6 @@ impl Plan {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

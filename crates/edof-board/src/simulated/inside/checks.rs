@@ -1,6 +1,6 @@
 //! The CRCs that a simulated board makes of its frames.
 
-use super::inside::{Inside, Key};
+use super::{Inside, Key};
 use edof_device::crc::of_words;
 use edof_device::design::FrameSize;
 use edof_device::pattern::{Pattern, TILE, TILE_SIDE};
@@ -15,7 +15,7 @@ use ndarray::Array2;
 
 /// What passed, and what was copied of it.
 #[derive(Default)]
-pub(super) struct Checks {
+pub(in crate::simulated) struct Checks {
     /// Of what the last frame was made.
     last: Option<Key>,
     frames: u32,
@@ -27,13 +27,13 @@ pub(super) struct Checks {
 
 impl Checks {
     /// A frame was made.
-    pub(super) fn frame(&mut self, key: Key) {
+    pub(in crate::simulated) fn frame(&mut self, key: Key) {
         self.last = Some(key);
         self.frames = self.frames.wrapping_add(1);
     }
 
     /// A register by its name.
-    pub(super) fn register(&self, name: &str) -> u32 {
+    pub(in crate::simulated) fn register(&self, name: &str) -> u32 {
         let Some((checks, sent)) = &self.shown else { return 0 };
         match name {
             "check_raw" => checks.raw,
@@ -45,7 +45,7 @@ impl Checks {
     }
 
     /// What a stage shows: the CRC of what it sent, and of which frame.
-    pub(super) fn stage(&self, stage: usize) -> [u32; 2] {
+    pub(in crate::simulated) fn stage(&self, stage: usize) -> [u32; 2] {
         let crc = self.shown.as_ref().and_then(|(checks, _)| checks.stages.get(stage)).copied();
         [crc.unwrap_or(0), self.shown_frames & 0xff]
     }
@@ -53,7 +53,7 @@ impl Checks {
 
 impl Inside {
     /// The network and the raw frame of which a picture is made, with their faults.
-    pub(super) fn computed(&self, network: FixedNetwork, key: Key) -> (FixedNetwork, RawFrame) {
+    pub(in crate::simulated) fn computed(&self, network: FixedNetwork, key: Key) -> (FixedNetwork, RawFrame) {
         if key.4 & TILE == TILE {
             let tile = Array2::from_shape_fn((TILE_SIDE, TILE_SIDE), |(r, c)| self.tile[TILE_SIDE * r + c]);
             if let Ok(raw) = pattern::tiled(&tile, self.design.frame) {
@@ -67,7 +67,7 @@ impl Inside {
     }
 
     /// A word of the host's window to the codes of the last picture.
-    pub(super) fn picture_word(&mut self, index: usize) -> u32 {
+    pub(in crate::simulated) fn picture_word(&mut self, index: usize) -> u32 {
         let corner = self.controls.get(&map::PICTURE_CORNER).copied().unwrap_or(0);
         let FrameSize { width, height, .. } = self.design.frame;
         let (row, column) =
@@ -78,16 +78,16 @@ impl Inside {
     }
 
     /// Cycles of a clock since the board was made, modulo 2^32.
-    pub(super) const fn cycles(&self, kilohertz: u64) -> u32 {
+    pub(in crate::simulated) const fn cycles(&self, kilohertz: u64) -> u32 {
         (self.now as u128 * kilohertz as u128 / 1_000_000) as u32
     }
 
-    pub(super) fn pixel_kilohertz(&self) -> u64 {
+    pub(in crate::simulated) fn pixel_kilohertz(&self) -> u64 {
         VideoTiming::of_frame(self.design.frame).pixel_khz as u64
     }
 
     /// Copies the CRCs of the last frame to where they are shown.
-    pub(super) fn copy_checks(&mut self) {
+    pub(in crate::simulated) fn copy_checks(&mut self) {
         self.checks.shown_frames = self.checks.frames;
         let Some(key) = self.checks.last else { return };
         let known = self.checks.known.as_ref().is_some_and(|(of, ..)| *of == key);
