@@ -102,8 +102,8 @@ fn levels_that_cannot_be_are_refused_by_the_frames_name() {
     let refused = |more: &str, words: &[&str]| {
         place.edof(&format!("reconstruct raw.pgm {GREY} --out out.png {more}")).refused(words);
     };
-    refused("--black-level 4096", &["raw.pgm: black level 4096: must be less than the white level, 4096"]);
-    refused("--white-level 5000", &["raw.pgm: white level 5000", "at most 4096, for a sensor of 12 bits"]);
+    refused("--black-level 4096", &["raw.pgm: --black-level 4096: must be less than the white level, 4096"]);
+    refused("--white-level 5000", &["raw.pgm: --white-level 5000", "at most 4096, for a sensor of 12 bits"]);
     let wrong = |more: &str| place.edof(&format!("reconstruct raw.pgm {GREY} --out out.png {more}"));
     for (more, words) in [
         ("--black-level 1,2", "black level '1,2': must be one sensor value"),

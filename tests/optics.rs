@@ -300,7 +300,7 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
         ("optics design --psi-range=0,1e9 --out c.json", ["psi_range is [0, 1000000000]", "at most 10000"]),
         ("optics design --population 18446744073709551615 --out c.json", ["population", "4 to 10000"]),
         ("optics design --window 9 --out c.json", ["window 9", "8, 12 or 16"]),
-        ("optics design --psi-range=3 --out c.json", ["--psi-range", "two numbers"]),
+        ("optics design --psi-range=3 --out c.json", ["--psi-range", "two values of psi"]),
     ] {
         place.edof(line).refused(&words);
         assert_eq!(place.files(), before, "{line}");

@@ -63,7 +63,7 @@ pub fn fits_given(design: &Design, given: &str, network: &FixedNetwork) -> Resul
         [] => format!("draw one that does by 'edof random-network --design {given}'"),
         _ => format!("use --weights {}", own.join(" or ")),
     };
-    Err(PresetError::Misfit { file, misfit, instead })
+    Err(PresetError::Misfit { file, misfit: Box::new(misfit), instead })
 }
 
 /// A design as the input of a result, by its JSON.

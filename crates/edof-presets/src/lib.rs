@@ -67,7 +67,7 @@ pub enum PresetError {
     NoNominal { metres: f64, camera: String },
     /// Network and design do not fit each other.
     #[error("{file}{misfit}; {instead}")]
-    Misfit { file: String, misfit: DesignError, instead: String },
+    Misfit { file: String, misfit: Box<DesignError>, instead: String },
     /// What is wrong with a file that another one names.
     #[error("{file}: {source}")]
     File { file: String, source: Box<PresetError> },

@@ -1,11 +1,11 @@
 //! A circuit in three simulations on one stimulus.
 
 use crate::drive::{Harness, Random};
-use crate::simulator::{Bench, Known, Simulator};
+use crate::failure::{Difference, Failure, Known, Place, Simulator};
+use crate::simulator::Bench;
 use crate::{rust, shrink};
 use edof_verilog::describe::Circuit;
-use edof_verilog::{Direction, EmitError, Port};
-use std::fmt;
+use edof_verilog::{Direction, Port};
 
 /// How a circuit is checked.
 #[derive(Debug, Clone)]
@@ -41,72 +41,6 @@ pub struct Agreement {
     pub cycles: usize,
     /// Outputs in each.
     pub outputs: usize,
-}
-
-/// Why a circuit does not pass.
-#[derive(Debug, thiserror::Error)]
-pub enum Failure {
-    /// The circuit has no exact Verilog.
-    #[error(transparent)]
-    Emit(#[from] EmitError),
-    /// An input without a value, or an output without one in Rust: wider than 128 bits.
-    #[error("port `{0}`: not in the harness, or wider than 128 bits")]
-    Port(String),
-    /// A simulator is missing, or does not take the text.
-    #[error("{simulator:?}: {text}")]
-    Tool {
-        /// The simulator.
-        simulator: Simulator,
-        /// The last lines of what it says.
-        text: String,
-    },
-    /// rust-hdl's simulation finds no stable state.
-    #[error("the circuit never settles in cycle {cycle}")]
-    NeverSettles {
-        /// Cycle of the stimulus, from 0.
-        cycle: usize,
-    },
-    /// The simulations differ.
-    #[error("{0}")]
-    Difference(Box<Difference>),
-}
-
-impl Failure {
-    pub(crate) fn tool(simulator: Simulator, text: &str) -> Self {
-        let lines: Vec<&str> = text.lines().collect();
-        Self::Tool { simulator, text: lines[lines.len().saturating_sub(8)..].join("\n") }
-    }
-}
-
-/// The first port that differs on the shortest stimulus that was found.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Difference {
-    /// Where Verilog differs from Rust.
-    pub simulator: Simulator,
-    /// The output's field.
-    pub port: String,
-    /// Row of the stimulus, from 0.
-    pub cycle: usize,
-    /// What rust-hdl says.
-    pub rust: u128,
-    /// What the simulator says; none where bits are unknown.
-    pub verilog: Known,
-    /// Fields of the inputs.
-    pub inputs: Vec<String>,
-    /// Their values in each cycle.
-    pub stimulus: Vec<Vec<u128>>,
-}
-
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { simulator, port, cycle, rust, .. } = self;
-        let verilog = self.verilog.map_or("unknown".into(), |value| format!("{value:#x}"));
-        writeln!(f, "{port} in cycle {cycle}: {rust:#x} in Rust, {verilog} in {simulator:?}")?;
-        writeln!(f, "  {}", self.inputs.join(" "))?;
-        self.stimulus.iter().try_for_each(|row| {
-            writeln!(f, "  {}", row.iter().map(|value| format!("{value:x}")).collect::<Vec<_>>().join(" "))
-        })
-    }
 }
 
 /// Runs a circuit in rust-hdl's simulation and in Verilog simulators, on one random stimulus.
@@ -173,15 +107,6 @@ fn stimulus(inputs: &[&Port], check: &Check) -> Vec<Vec<u128>> {
         _ => random.word(port.bits),
     };
     (0..check.cycles).map(|cycle| inputs.iter().map(|port| value(cycle, port)).collect()).collect()
-}
-
-/// Where two simulations differ.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
-    pub cycle: usize,
-    pub output: usize,
-    pub rust: u128,
-    pub verilog: Known,
 }
 
 /// The first difference from a cycle on.

@@ -40,10 +40,13 @@ pub struct Input<C> {
     pub set: Set<C>,
 }
 
+/// Finds a circuit's clock.
+pub type ClockOf<C> = fn(&mut C) -> &mut Signal<In, Clock>;
+
 /// What drives a circuit: its clock and all its other inputs.
 pub struct Harness<C> {
     /// The clock; none for a circuit without registers.
-    pub clock: Option<fn(&mut C) -> &mut Signal<In, Clock>>,
+    pub clock: Option<ClockOf<C>>,
     /// The other inputs.
     pub inputs: Vec<Input<C>>,
 }
@@ -82,7 +85,7 @@ impl Random {
     }
 
     /// 64 random bits.
-    pub fn next(&mut self) -> u64 {
+    pub fn draw(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -91,7 +94,7 @@ impl Random {
 
     /// A whole number below `count`.
     pub fn below(&mut self, count: usize) -> usize {
-        ((self.next() >> 32) as usize) % count.max(1)
+        ((self.draw() >> 32) as usize) % count.max(1)
     }
 
     /// Whether an event with this chance in 256 happens.
@@ -107,8 +110,8 @@ impl Random {
             1 => mask,
             2 => ((mask >> 1) + 1) & mask,
             3 => mask >> 1,
-            4 => u128::from(self.next() % 8) & mask,
-            _ => (u128::from(self.next()) << 64 | u128::from(self.next())) & mask,
+            4 => u128::from(self.draw() % 8) & mask,
+            _ => (u128::from(self.draw()) << 64 | u128::from(self.draw())) & mask,
         }
     }
 }

@@ -13,14 +13,16 @@
 
 mod compare;
 mod drive;
+mod failure;
 pub mod random;
 mod rust;
 mod shrink;
 mod simulator;
 
-pub use compare::{Agreement, Check, Difference, Failure, check};
-pub use drive::{Harness, Input, Random, Word};
-pub use simulator::{Bench, Simulator};
+pub use compare::{Agreement, Check, check};
+pub use drive::{ClockOf, Harness, Input, Random, Word};
+pub use failure::{Difference, Failure, Known, Simulator};
+pub use simulator::Bench;
 
 /// The README's example is compiled.
 #[doc = include_str!("../README.md")]

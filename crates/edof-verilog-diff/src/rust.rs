@@ -1,7 +1,7 @@
 //! A circuit in rust-hdl's own simulation.
 
-use crate::compare::Failure;
 use crate::drive::Harness;
+use crate::failure::Failure;
 use edof_verilog::Port;
 use rust_hdl::core::atom::Atom;
 use rust_hdl::core::probe::Probe;

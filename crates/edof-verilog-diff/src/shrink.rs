@@ -1,6 +1,6 @@
 //! A shorter stimulus on which simulations still differ.
 
-use crate::compare::{Failure, Place};
+use crate::failure::{Failure, Place};
 
 /// Runs that shrinking takes at most.
 const RUNS: usize = 300;

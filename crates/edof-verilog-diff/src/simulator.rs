@@ -1,6 +1,6 @@
 //! The printed text in Verilator and Icarus: built once, run on as many stimuli as one likes.
 
-use crate::compare::Failure;
+use crate::failure::{Failure, Known, Simulator};
 use edof_verilog::{Direction, Emitted, Port};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,15 +9,6 @@ use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 
-/// A Verilog simulator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Simulator {
-    /// `iverilog`: registers start unknown.
-    Icarus,
-    /// `verilator`: registers start at random.
-    Verilator,
-}
-
 /// A design in a simulator.
 pub struct Bench {
     simulator: Simulator,
@@ -25,9 +16,6 @@ pub struct Bench {
     inputs: Vec<Port>,
     outputs: Vec<Port>,
 }
-
-/// A value, or none where some of its bits are unknown.
-pub type Known = Option<u128>;
 
 /// Rows that a bench takes at most.
 const MOST_ROWS: usize = 1 << 16;

@@ -180,3 +180,13 @@ fn end(value: &Expression, pins: &[Vec<SignalId>]) -> Option<Expression> {
     };
     outside.then(|| value.clone())
 }
+
+/// `BANKS` of `banks`.
+pub(crate) fn count_name(array: &Array) -> String {
+    array.key.replace('$', "_").to_uppercase()
+}
+
+/// `banks_sum` of `banks_sum[3]`.
+pub(crate) fn array_name(element: &str) -> &str {
+    element.split('[').next().unwrap_or(element)
+}

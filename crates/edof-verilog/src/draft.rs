@@ -4,13 +4,12 @@ use std::collections::{BTreeSet, HashMap};
 
 use rust_hdl::prelude::Verilog;
 
-use crate::arrays::{self, Array, Pin};
+use crate::arrays::{self, Array, Pin, count_name};
 use crate::collect::Tree;
 use crate::cycles::{self, Path};
 use crate::describe::Description;
 use crate::error::{EmitError, Fault, rust_path};
 use crate::expression::Expression;
-use crate::instances::count_name;
 use crate::kernel::Statement;
 use crate::kind::{Kind, pins_of};
 use crate::names::Names;

@@ -1,6 +1,6 @@
 //! The instances of a module, and the loops of them.
 
-use crate::arrays::{Array, Pin};
+use crate::arrays::{Array, Pin, array_name, count_name};
 use crate::expression::Expression;
 use crate::kind::{Kind, pins_of, split_number};
 use crate::sheet::{Constant, Instance, LeafParameter, Of, Turns};
@@ -136,14 +136,4 @@ fn parameters(kind: &Kind, last: Option<(&Kind, &str)>) -> (Of, Vec<LeafParamete
     };
     let (parameters, values) = leaf.parameters.iter().enumerate().map(of).unzip();
     (Of::Leaf(leaf.module.clone()), parameters, values)
-}
-
-/// `BANKS` of `banks`.
-pub(crate) fn count_name(array: &Array) -> String {
-    array.key.replace('$', "_").to_uppercase()
-}
-
-/// `banks_sum` of `banks_sum[3]`.
-pub(crate) fn array_name(element: &str) -> &str {
-    element.split('[').next().unwrap_or(element)
 }

@@ -80,7 +80,7 @@ const LONG: i128 = 1_000_000;
 /// A sized literal.
 pub(crate) fn literal(ty: Type, value: i128, of: Use) -> String {
     let bits = ty.bits;
-    let is_full = bits >= 4 && bits < 100 && value == (1 << bits) - 1;
+    let is_full = (4..100).contains(&bits) && value == (1 << bits) - 1;
     // The largest and the smallest number of two's complement.
     let is_extreme = (16..100).contains(&bits) && [0, 1].contains(&((1 << (bits - 1)) - value));
     let is_decimal = match of {

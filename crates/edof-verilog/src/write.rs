@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use crate::arrays::{Array, Pin};
+use crate::arrays::{Array, Pin, array_name, count_name};
 use crate::collect::Tree;
 use crate::cycles::keep;
 use crate::describe::Description;
 use crate::error::{EmitError, Fault};
 use crate::expression::{Expression, Node};
-use crate::instances::{array_name, count_name};
+
 use crate::kernel;
 use crate::kind::{Kind, pins_of};
 use crate::layout::WIDTH;

@@ -48,7 +48,7 @@ const fn ramp(row: usize, column: usize) -> u16 {
 const fn chart(row: usize, column: usize) -> u16 {
     let level = (5 * (column / 16) + 3 * (row / 16)) as u16 & 15;
     let level = if row % 2 == 1 && column % 2 == 1 { 15 - level } else { level };
-    level * 0x1111 & WORD_MASK
+    (level * 0x1111) & WORD_MASK
 }
 
 /// The next state of the shift register of 32 bits (xorshift 13, 17, 5), which comes round after 2^32 − 1 pixels.

@@ -127,7 +127,7 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
 fn tile(file: &Path, at: Option<(usize, usize)>) -> Result<(Array2<u16>, (usize, usize)), Error> {
     let frame = raw::load(file, &raw::RawOptions::default())?;
     let (height, width) = frame.size();
-    let middle = |length: usize| length.saturating_sub(TILE_SIDE) / 2 & !1;
+    let middle = |length: usize| (length.saturating_sub(TILE_SIDE) / 2) & !1;
     let (column, row) = at.unwrap_or((middle(width), middle(height)));
     if row + TILE_SIDE > height || column + TILE_SIDE > width || row % 2 == 1 {
         return Err(Error::message(format!(
