@@ -362,6 +362,15 @@ impl Logic for Line {
         self.registers.output_underruns.next = 0.into();
         self.registers.uart_broken.next = 0.into();
         self.registers.input_range.next = 0.into();
+        self.registers.core_cycles.next = 0.into();
+        self.registers.input_cycles.next = 0.into();
+        self.registers.screen_cycles.next = 0.into();
+        self.registers.window_pixel.next = 0.into();
+        self.registers.check_raw.next = 0.into();
+        self.registers.check_windows.next = 0.into();
+        self.registers.check_codes.next = 0.into();
+        self.registers.check_sent.next = 0.into();
+        self.registers.check_frames.next = 0.into();
     }
 }
 

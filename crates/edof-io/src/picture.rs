@@ -398,7 +398,10 @@ mod tests {
     fn floating_point_samples_are_refused() {
         let image = DynamicImage::ImageRgb32F(image::Rgb32FImage::new(2, 2));
         let error = decode(&encode(&image, ImageFormat::Tiff).unwrap(), Path::new("x")).unwrap_err();
-        assert_eq!(error.to_string(), "x: holds Rgb32F samples, expected 8-bit or 16-bit integers");
+        assert_eq!(
+            error.to_string(),
+            "x: holds 32-bit floating-point samples, expected 8-bit or 16-bit integers"
+        );
     }
 
     #[test]

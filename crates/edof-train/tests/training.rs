@@ -236,7 +236,7 @@ fn recipes_that_cannot_be_followed_are_refused() {
     assert_eq!(refuse(&|r| r.conditions.gain = 0.5), "gain 0.5: must be 1 to 1024");
     assert_eq!(
         refuse(&|r| r.lambda = vec![0.0; 2]),
-        "lambda with 2 values: must be one for each of the 3 shrinkages"
+        "lambda with 2 values: must be one for each of 3 shrinkages"
     );
     let budget = |non_zeros: &[f32]| Some(Budget { non_zeros: non_zeros.to_vec(), rate: 1.0 });
     assert_eq!(refuse(&|r| r.budget = budget(&[9.0, 9.0, 0.0])), "non-zeros 0: must be 1 to 48");

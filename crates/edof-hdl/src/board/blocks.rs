@@ -64,7 +64,7 @@ const BLOCKS: [(&str, Domain); 33] = [
     ("output_fifo", Domain::Core),
     ("video_out", Domain::Pixel),
     ("screen_status", Domain::Core),
-    ("pattern", Domain::Core),
+    ("patterns", Domain::Core),
     ("window", Domain::Core),
     ("core/check", CALCULATOR),
     ("checks_0", Domain::Core),

@@ -111,7 +111,7 @@ pub struct EdofCore {
     video_in: VideoIn,
     input_fifo: PixelFifo,
     input_status: BusSync<224>,
-    pattern: PatternSource,
+    patterns: PatternSource,
     window: PictureWindow,
     raw_writer: WriteAgent<512, 64>,
     raw_reader: ReadAgent<512>,
@@ -180,7 +180,7 @@ impl EdofCore {
             watch: ClockWatch::new(true),
             calculator_watch: ClockWatch::new(false),
             input_fifo: PixelFifo::new(crossing),
-            pattern: PatternSource::new(design.frame),
+            patterns: PatternSource::new(design.frame),
             raw_writer: WriteAgent::new(&raw),
             raw_reader: ReadAgent::new(&raw, false),
             raw_fifo: PixelFifo::new(crossing),
@@ -306,11 +306,11 @@ impl Logic for EdofCore {
         self.input_fifo.from.user.next = self.video_in.pixels_user.val();
         self.input_fifo.from.last.next = self.video_in.pixels_last.val();
         self.video_in.pixels_ready.next = self.input_fifo.from.ready.val();
-        self.pattern.clock.next = self.clock.val();
-        self.pattern.reset.next = self.resets[1].domain_reset.val();
-        self.pattern.select.next = self.registers.pattern.val().get_bits::<3>(0);
-        StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.pattern.source);
-        StreamOut::<16>::join(&mut self.pattern.pixels, &mut self.raw_writer.pixels);
+        self.patterns.clock.next = self.clock.val();
+        self.patterns.reset.next = self.resets[1].domain_reset.val();
+        self.patterns.select.next = self.registers.pattern.val().get_bits::<3>(0);
+        StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.patterns.source);
+        StreamOut::<16>::join(&mut self.patterns.pixels, &mut self.raw_writer.pixels);
 
         self.flushes.next = self.registers.control.val().get_bit(4) || self.drops.q.val();
         // Through the memory to the calculator, as long as the host lets it run. What is in flight between the two domains goes with a flush, or
@@ -384,8 +384,8 @@ impl Logic for EdofCore {
         // The host's window: a tile that the pattern repeats, and a part of the codes.
         self.window.clock.next = self.clock.val();
         self.window.reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
-        self.window.tile_address.next = self.pattern.tile_address.val();
-        self.pattern.tile_pixel.next = self.window.tile_pixel.val();
+        self.window.tile_address.next = self.patterns.tile_address.val();
+        self.patterns.tile_pixel.next = self.window.tile_pixel.val();
         self.window.write.next = self.registers.tile_write.val();
         self.window.write_address.next = self.registers.tile_address.val();
         self.window.write_data.next = self.registers.weight_data.val().get_bits::<16>(0);

@@ -54,7 +54,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Whether an output follows an input within the cycle, and which: [output][input].
+    /// Whether an output follows an input within the cycle, and which: `[output][input]`.
     #[must_use]
     pub fn paths(&self) -> [[bool; 2]; 2] {
         let sources = self.sources();
