@@ -216,19 +216,7 @@ fn every_port_of_the_top_has_one_pin_and_every_pin_a_port() {
 /// The instance names of a module's parts, with their modules.
 fn parts(folder: &Path, module: &str) -> Vec<(String, String)> {
     let text = std::fs::read_to_string(folder.join(format!("rtl/{module}.v"))).unwrap();
-    // `module name (`, `module #(parameters) name (`, or, below parameters of several lines, `) name (`.
-    let instance = |line: &str| {
-        let (module, rest) = line.trim().split_once(' ')?;
-        let rest = match rest.strip_prefix("#(") {
-            Some(parameters) => parameters.split_once(")) ")?.1,
-            None => rest,
-        };
-        let (name, _) = rest.split_once(" (")?;
-        let is_name = !["module", "always", "if", "else", "assign", "case", "for", "//"].contains(&module)
-            && !name.contains(' ');
-        is_name.then(|| (name.to_string(), module.to_string()))
-    };
-    text.lines().filter_map(instance).collect()
+    crate::support::instances(&text)
 }
 
 #[test]

@@ -80,3 +80,18 @@ pub fn images(start: u16) -> (tempfile::TempDir, PathBuf) {
     let path = dir.path().to_owned();
     (dir, path)
 }
+
+/// Instances in the text of a module, with their modules: `module name (` or `module #(parameters) name (`.
+pub fn instances(text: &str) -> Vec<(String, String)> {
+    let instance = |line: &str| {
+        let (module, rest) = line.trim().split_once(' ')?;
+        let rest = match rest.strip_prefix("#(") {
+            Some(parameters) => parameters.split_once(")) ")?.1,
+            None => rest,
+        };
+        let (name, _) = rest.split_once(" (")?;
+        let words = ["module", "always", "if", "else", "assign", "case", "for", "//"];
+        (!words.contains(&module) && !name.contains(' ')).then(|| (name.to_string(), module.to_string()))
+    };
+    text.lines().filter_map(instance).collect()
+}

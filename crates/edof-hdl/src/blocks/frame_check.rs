@@ -1,13 +1,14 @@
 //! The CRC of every frame that passes a boundary.
 
 use super::crc::Crc;
+use super::delay::Delay;
 use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// The CRC (`edof_device::crc`) of every frame of beats that passes a boundary, and how many frames there were. It only looks: nothing waits for it.
 /// A snapshot copies the last whole frame's CRC and number to where they are shown, so that those of several boundaries belong together.
 #[derive(Circuit)]
-#[circuit(default(Crc))]
+#[circuit(default(Crc, Delay))]
 pub struct FrameCheck<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -24,6 +25,8 @@ pub struct FrameCheck<const W: usize> {
     /// Frames that were whole by then, modulo 256.
     pub frames: Signal<Out, Bits<8>>,
     last_beat: Constant<Bits<28>>,
+    // Two registers of their own, a cycle after the reset: it leads to few registers each time.
+    resets: Delay<2, 1>,
     made: Crc<W>,
     valid_q: DFF<Bit>,
     fresh: DFF<Bit>,
@@ -49,6 +52,11 @@ impl<const W: usize> Logic for FrameCheck<W> {
     fn update(&mut self) {
         dff_setup!(self, clock, valid_q, fresh, left, at_end, ends, whole, frames_q, shown, shown_frames);
         self.made.clock.next = self.clock.val();
+        self.resets.clock.next = self.clock.val();
+        self.resets.now.next = 0.into();
+        if self.reset.val() {
+            self.resets.now.next = 3.into();
+        }
         self.valid_q.d.next = self.valid.val();
         self.made.valid.next = self.valid_q.q.val();
         self.made.first.next = self.fresh.q.val();
@@ -81,8 +89,12 @@ impl<const W: usize> Logic for FrameCheck<W> {
             self.left.d.next = self.last_beat.val();
             self.at_end.d.next = false;
             self.ends.d.next = false;
+        }
+        if self.resets.later.val().get_bit(0) {
             self.whole.d.next = 0.into();
             self.frames_q.d.next = 0.into();
+        }
+        if self.resets.later.val().get_bit(1) {
             self.shown.d.next = 0.into();
             self.shown_frames.d.next = 0.into();
         }

@@ -85,6 +85,8 @@ pub struct I2cMaster {
     quarter: Constant<Bits<16>>,
     hold: Constant<Bits<24>>,
     lines: Sync<2>,
+    // Stands long before a bit needs it: what chooses a transfer is no part of the path to the phase.
+    reads: DFF<Bit>,
     phase: DFF<Phase>,
     byte: DFF<Byte>,
     cycle: DFF<Bits<16>>,
@@ -124,6 +126,7 @@ impl Logic for I2cMaster {
         dff_setup!(
             self,
             clock,
+            reads,
             phase,
             byte,
             cycle,
@@ -140,6 +143,7 @@ impl Logic for I2cMaster {
             sda_low_q
         );
         self.lines.clock.next = self.clock.val();
+        self.reads.d.next = self.read.val();
         self.levels.next = 0.into();
         if self.scl.val() {
             self.levels.next = self.levels.val() | 1;
@@ -289,7 +293,7 @@ impl Logic for I2cMaster {
                                     Byte::Register => {
                                         self.byte.d.next = Byte::Value;
                                         self.shift.d.next = self.write_value.val();
-                                        if self.read.val() {
+                                        if self.reads.q.val() {
                                             self.byte.d.next = Byte::ToRead;
                                             self.phase.d.next = Phase::Start;
                                             self.sda_low_q.d.next = false;

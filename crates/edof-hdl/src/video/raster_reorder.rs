@@ -44,7 +44,7 @@ pub struct RasterReorder {
     block_pairs: Constant<Coordinate>,
     last_block: Constant<Coordinate>,
     frame_pairs: Constant<Coordinate>,
-    last_pair: Constant<Coordinate>,
+    pair_before_last: Constant<Coordinate>,
     last_row: Constant<Coordinate>,
     luma_words: Memory<32>,
     chroma_words: Memory<32>,
@@ -61,6 +61,8 @@ pub struct RasterReorder {
     words_2: DFF<Bits<64>>,
     full: DFF<Bits<2>>,
     pair: DFF<Coordinate>,
+    // The pair is its line's last: known a pair before, as all that ends with a line follows from it.
+    pair_is_last: DFF<Bit>,
     row: DFF<Coordinate>,
     row_in_slot: DFF<Bits<3>>,
     // Of the row, which stands for a whole line: known before the line ends.
@@ -98,7 +100,7 @@ impl RasterReorder {
             block_pairs: number(stride / 2),
             last_block: number((frame.width.div_ceil(stride) - 1) * stride / 2),
             frame_pairs: number(frame.width / 2),
-            last_pair: number(frame.width / 2 - 1),
+            pair_before_last: number(frame.width / 2 - 2),
             last_row: number(frame.height - 1),
             luma_words: memory(),
             chroma_words: memory(),
@@ -126,6 +128,7 @@ impl Logic for RasterReorder {
             words_2,
             full,
             pair,
+            pair_is_last,
             row,
             row_in_slot,
             row_is_last,
@@ -181,16 +184,18 @@ impl Logic for RasterReorder {
 
         // Out: line by line, up to the frame's last.
         self.steps.next = self.full.q.val().any() && self.queue.room.val();
-        self.line_ends.next = self.steps.val() && (self.pair.q.val() == self.last_pair.val());
+        self.line_ends.next = self.steps.val() && self.pair_is_last.q.val();
         self.row_is_last.d.next = self.row.q.val() == self.last_row.val();
         self.slot_ends.d.next = self.row_in_slot.q.val() == self.last_row_of_block.val();
         self.frame_ends.next = self.line_ends.val() && self.row_is_last.q.val();
         self.finished.next = self.frame_ends.val() || (self.line_ends.val() && self.slot_ends.q.val());
         if self.steps.val() {
             self.pair.d.next = self.pair.q.val() + 1;
+            self.pair_is_last.d.next = self.pair.q.val() == self.pair_before_last.val();
         }
         if self.line_ends.val() {
             self.pair.d.next = 0.into();
+            self.pair_is_last.d.next = false;
             self.row.d.next = self.row.q.val() + 1;
             self.row_in_slot.d.next = self.row_in_slot.q.val() + 1;
         }
@@ -246,6 +251,7 @@ impl Logic for RasterReorder {
             self.write_1.d.next = false;
             self.full.d.next = 0.into();
             self.pair.d.next = 0.into();
+            self.pair_is_last.d.next = false;
             self.row.d.next = 0.into();
             self.row_in_slot.d.next = 0.into();
             self.read_slot.d.next = false;
