@@ -551,7 +551,7 @@ fn a_coded_lens_is_held_against_smaller_apertures() {
     for (options, words) in [
         ("--camera clear", "--camera clear: has no mask, expected a coded lens such as ring-outer"),
         ("--stops=-1", "--stops -1: must be from 0 to 8"),
-        ("--electrons 0", "--electrons 0: must be from 1 to 1e9"),
+        ("--electrons 0", "--electrons 0: must be from 1 to 1000000000"),
         ("--mean-light nan", "--mean-light NaN: must be from 0 to 1"),
         ("--psi-ranges 0", "--psi-ranges 0: must be from 0.1 to 100"),
         ("--window 9", "--window 9: must be"),
