@@ -132,9 +132,13 @@ proc port {name direction} { global port_of; set port_of($name) $direction }
 proc cell {name module} { add cell $name; global module_of; set module_of($name) $module }
 proc pin {name} { add pin $name }
 proc register {name clock} {
-    global clock_of
-    add cell $name
-    foreach pin {D C PRE CLR} { add pin $name/$pin }
+    global clock_of inside
+    # There are thousands: their names are taken apart once.
+    set slash [string last / $name]
+    set folder [string range $name 0 $slash-1]
+    set last [string range $name $slash+1 end]
+    lappend inside(cell,$folder) $last
+    lappend inside(pin,$folder) $last/D $last/C $last/PRE $last/CLR
     set clock_of($name) $clock
 }
 proc derived {pin clock} { global derived_from; set derived_from($pin) $clock }
