@@ -89,7 +89,7 @@ pub const FILES: &[Row] = &[
         "reconstruct said.png --weights net.fixed.safetensors --out o.png",
         "",
         &[
-            "said.png.json: no record of a raw frame: unknown value `rgbg`, expected one of `rggb`",
+            "said.png.json: invalid raw-frame record: unknown value `rgbg`, expected one of `rggb`",
             "mend or delete it",
         ],
     ),
@@ -183,7 +183,7 @@ pub const ARRAYS: &[Row] = &[
         &["lens.npy", "it holds one array: name it …psf.npy and put …psi.npy beside it"],
     ),
     (CAPTURE, "--psi 1 --psf-bank my-psf.npy", &["my-psi.npy: cannot read"]),
-    (CAPTURE, "--psi 1 --psf-bank /dev/zero", &["/dev/zero: is no file"]),
+    (CAPTURE, "--psi 1 --psf-bank /dev/zero", &["/dev/zero: not a regular file"]),
 ];
 
 /// Options as they were given, with their limits.

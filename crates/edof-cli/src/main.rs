@@ -16,7 +16,7 @@
 //! | windows to feed the hardware with | [`windows`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
-//! Exit status: 0 done, 1 refused or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
+//! Exit status: 0 done, 1 rejected or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod cosim_system;
@@ -49,7 +49,7 @@ use ui::Ui;
 /// Computational extended depth of field: a coded lens, a small network, a sharp picture at every depth.
 ///
 /// A thin ring mask makes red, green and blue focus at different depths. The sensor behind it gives a raw Bayer frame;
-/// an unrolled sparse-coding network turns the frame into a sharp picture, in floating point or in the very integers
+/// an unrolled sparse-coding network turns the frame into a sharp picture, in floating point or in the integers
 /// that the board computes with.
 #[derive(Parser)]
 #[command(name = "edof", version, max_term_width = 110, after_help = EXAMPLES)]
@@ -57,15 +57,15 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
 
-    /// Write results as JSON to FILE, in place of an older one; without FILE (or as `-`) print them in place of text
+    /// Write results as JSON to FILE, replacing an existing one; without FILE (or with `-`) print JSON instead of text
     #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 
-    /// Say nothing about progress
+    /// Print no progress
     #[arg(long, short, global = true)]
     quiet: bool,
 
-    /// How progress is told on standard error: text, or json, a line each second for programs, with remarks and a failure as such lines
+    /// Format of progress on standard error: text, or json (one line per second for programs; remarks and errors are lines of JSON, too)
     #[arg(
         long,
         global = true,
@@ -84,7 +84,7 @@ Examples:
   edof scene chart --out out/chart                     a built-in scene
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
-  edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
+  edof reconstruct raw.png --board --out board.png     the codes that leave the board's HDMI port
   edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
   edof estimate --design kc705 --weights edof-t4w12-outer
   edof design new --form edof-t4w12 --size 1280x720 --out mine.json
