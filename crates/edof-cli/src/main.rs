@@ -79,24 +79,32 @@ struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  edof demo                                            everything at once, no files needed; see out/report.html
-  edof optics ring-2018 --out out/optics               PSF sheet, MTF and contrast of a camera
-  edof scene chart --out out/chart                     a built-in scene
-  edof capture photo.png --camera ring-outer --psi 8 --out raw.png
-  edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
-  edof reconstruct raw.png --board --out board.png     the codes that leave the board's HDMI port
-  edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
-  edof estimate --design kc705 --weights edof-t4w12-outer
-  edof design new --form edof-t4w12 --size 1280x720 --out mine.json
-  edof cosim --design tiny                             the generated Verilog against the cycle model
-  edof generate --design paper --weights paper-t4 --out build/paper
-  edof timing --design tiny                            the longest path of logic of every stage
-  edof board load edof-t4w12-outer-light               weights onto a board at a serial port
-  edof compare sharp.png out.png                       PSNR, SSIM, and where two pictures differ
-  edof doctor                                          which tools, networks and photographs are here
+  edof demo                                          the whole chain, no files needed; out/report.html
+  edof doctor                                        tools, networks and photographs of this machine
 
-Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
-2 wrong usage, 130 stopped by Ctrl-C.";
+ A researcher: from a photograph to a reconstructed picture
+  edof capture photo.png --camera ring-outer --psi 8 --out raw.png --sharp sharp.png
+  edof reconstruct raw.png --camera ring-outer --out out.png
+  edof compare sharp.png out.png                     PSNR, SSIM, and where the pictures differ
+  edof optics ring-2018 --out out/optics             PSF, MTF and contrast of a camera
+  edof study kodak --nets paper-t4 --psi 0,4,8 --noise 0,0.01 --json study.json
+
+ An FPGA engineer: from a design to Verilog
+  edof design new --form edof-t4w12 --size 1280x720 --out mine.json
+  edof estimate --design kc705 --weights edof-t4w12-outer
+  edof generate --design paper --weights paper-t4 --out build/paper
+  edof cosim --design tiny                           Verilog against the cycle model
+  edof timing --design tiny                          the longest logic path of every stage
+
+ Somebody with a board: from a KC705 to a picture
+  edof board selftest                                every part that needs no cable
+  edof board load edof-t4w12-outer-light             weights onto a board at a serial port
+  edof board sim --design tiny --link /tmp/board     the same without a board
+  edof reconstruct raw.png --board --out board.png   the codes that leave the board's HDMI port
+
+ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end.
+Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on
+standard error), 2 wrong usage, 130 stopped by Ctrl-C.";
 
 #[derive(Subcommand)]
 enum Command {

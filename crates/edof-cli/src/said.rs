@@ -58,7 +58,7 @@ pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
 /// A field as `edof train` and `edof optics design` name its option.
 fn option(field: &str) -> String {
     match field {
-        "largest phase" => "most-phase".to_owned(),
+        "largest phase" => "max-phase".to_owned(),
         "weight of the worst depth" => "worst-weight".to_owned(),
         "psi" => "psi-range".to_owned(),
         field => field.replace(' ', "-"),

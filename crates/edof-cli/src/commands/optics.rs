@@ -122,7 +122,7 @@ struct Design {
     window: usize,
 
     /// Largest absolute phase of a ring, in radians at the reference wavelength
-    #[arg(long, default_value_t = 10.0, value_name = "RADIANS")]
+    #[arg(long = "max-phase", alias = "most-phase", default_value_t = 10.0, value_name = "RADIANS")]
     most_phase: f64,
 
     /// Candidates per generation

@@ -35,7 +35,7 @@ pub struct Args {
     weights: Option<String>,
 
     /// Ignore cached results and map every stage again
-    #[arg(long)]
+    #[arg(long = "no-cache", alias = "again")]
     again: bool,
 
     /// Place and route every stage as well, by a nextpnr on the path: xc7k325t (nextpnr-xilinx; EDOF_NEXTPNR_CHIPDB names its chip

@@ -57,7 +57,7 @@ pub struct Args {
     baud: u32,
 
     /// Extra response time in seconds, beyond the time on the line
-    #[arg(long, global = true, default_value_t = link::PATIENCE.as_secs_f64(), value_name = "SECONDS")]
+    #[arg(long = "timeout", alias = "patience", global = true, default_value_t = link::PATIENCE.as_secs_f64(), value_name = "SECONDS")]
     patience: f64,
 
     /// Design of the board: tiny, paper, kc705, or a JSON file [default: detected]
@@ -243,7 +243,7 @@ impl Args {
     fn check(&self, ui: &Ui) -> Result<(), Error> {
         if !(self.patience > 0.0 && self.patience <= 3600.0) {
             let given = short(self.patience);
-            return Err(Error::message(format!("--patience {given}: must be above 0, at most 3600")));
+            return Err(Error::message(format!("--timeout {given}: must be above 0, at most 3600")));
         }
         let files = self.files(ui);
         match &self.command {
