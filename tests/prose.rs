@@ -35,7 +35,7 @@ const COMMENTS: [(&str, usize); 29] = [
     ("edof-board", 12),
     ("edof-camera", 1),
     ("edof-chips", 2),
-    ("edof-cli", 6),
+    ("edof-cli", 0),
     ("edof-cosim", 150),
     ("edof-deblur", 2),
     ("edof-device", 8),

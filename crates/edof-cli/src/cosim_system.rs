@@ -169,7 +169,7 @@ impl Passed {
 /// Sends frames through the core of a design in Verilator, each once, and compares every code on the screen.
 ///
 /// # Errors
-/// A network that cannot run, a simulator that is missing, or a picture that is none of the golden ones.
+/// A network that cannot run, a simulator that is missing, or a picture that differs from all golden ones.
 pub fn through(
     design: &Design,
     network: &FixedNetwork,

@@ -72,7 +72,7 @@ impl Files {
         }
     }
 
-    /// Files that are written into a folder, which is made where there is none.
+    /// Files that are written into a folder, which is made if it does not exist.
     pub fn writes_into(
         self,
         option: &str,

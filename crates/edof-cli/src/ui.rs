@@ -214,9 +214,9 @@ pub struct Progress {
 struct Plain {
     /// When the last one was written.
     last: Instant,
-    /// Where the work was then, as far as a program was told.
+    /// Last step that was reported to a program.
     told: Option<u64>,
-    /// When the first step was told of, and which it was: a job that goes on did those before it another time.
+    /// Time and number of the first reported step: a resumed job did the steps before it in an earlier run.
     first: Option<(Instant, u64)>,
 }
 

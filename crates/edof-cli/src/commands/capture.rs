@@ -464,7 +464,7 @@ fn blur_in_words(kernel: &Kernel) -> String {
         ),
     };
     format!(
-        "blur of {side}x{side} pixels holds {:.2} % of the light (about {:.2} % falls farther than was looked, {} pixels around); {wavelengths}",
+        "blur of {side}x{side} pixels has {:.2} % of the light (about {:.2} % falls outside of the computed radius of {} pixels); {wavelengths}",
         100.0 * kernel.energy_kept,
         100.0 * kernel.energy_beyond,
         kernel.support / 2

@@ -61,7 +61,7 @@ enum Kind {
 }
 
 /// # Errors
-/// A form that cannot be drawn, a network that no accumulator could hold, or a file that cannot be written.
+/// An architecture out of range, a network that no accumulator could hold, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     Files::new(ui).reads_all(&args.design).writes("--out", &args.out).check()?;
     let mut network = match &args.design {

@@ -148,7 +148,7 @@ impl Job<'_> {
         let (height, width) = taken.frame.size();
         let per_megapixel = made.seconds / ((height * width) as f64 / 1e6);
         ui.say(format!(
-            "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s a megapixel)",
+            "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s per megapixel)",
             self.out.display(),
             made.name,
             made.seconds,
