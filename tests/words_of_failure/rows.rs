@@ -90,7 +90,7 @@ pub const FILES: &[Row] = &[
         "",
         &[
             "said.png.json: invalid raw-frame record: unknown value `rgbg`, expected one of `rggb`",
-            "mend or delete it",
+            "fix or delete the file",
         ],
     ),
     (

@@ -186,7 +186,7 @@ fn blind_deconvolution_diverges_on_no_photograph() {
     diverges_on_none("blind-train", 16);
 }
 
-/// What documents quote of a page's first table, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses.
+/// What documents quote of a page's first table, without SSIM and narrow: demosaicing and the networks in fixed point, for each of the two lenses.
 fn quotable(file: &str) -> Vec<String> {
     let page = read(file);
     let table: Vec<Vec<&str>> = page
@@ -205,7 +205,7 @@ fn quotable(file: &str) -> Vec<String> {
     let rows: Vec<_> = rows.iter().filter(|row| is_quoted(row)).collect();
     assert!(rows.len() >= 4, "{file}: demosaicing and a network for each lens");
     let cells = |row: &Vec<&str>| {
-        let kept = [1, 2, 3, 5, 7].map(|column| row[column]);
+        let kept = [1, 2, 3, 5, 7].map(|column| row[column].replace(" / ", "/"));
         if row[1].starts_with('-') {
             "|---|---|---|---|---|".into()
         } else {

@@ -26,9 +26,9 @@ use std::path::PathBuf;
 
 /// Compute PSF, MTF and contrast over depth of a camera, or design a mask
 ///
-/// Writes figure1.svg (the paper's Figure 1: response to spatial frequency without the mask, contrast through focus with
-/// and without it), mtf.svg (response without and with the mask), and psf.png (the visible part of the point spread functions,
-/// each channel scaled to its peak; first row with the mask, second without). Writes the same as numbers for NumPy: psf.npz (a PSF
+/// Writes figure1.svg, the paper's Figure 1 (response to spatial frequency without the mask, contrast through focus with
+/// and without it), and mtf.svg (response without and with the mask). Also writes psf.png, the visible part of the point spread functions
+/// (each channel scaled to its peak; first row with the mask, second without). Writes the same as numbers for NumPy: psf.npz (a PSF
 /// bank, which --psf-bank reads) and mtf.npz (OTF and MTF; docs/your-own-lens.md lists the arrays).
 ///
 /// ψ is the defocus in radians: ψ = (πR²/λ)(1/z − 1/z₀), with R the aperture's radius, z the distance and z₀ the distance of ψ = 0.
