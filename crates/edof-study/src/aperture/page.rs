@@ -41,7 +41,7 @@ pub struct Comparison {
     pub electrons: f64,
     /// The coded lens at its full aperture.
     pub coded: Reached,
-    /// The clear lens at the best of its apertures: average and worst depth count alike.
+    /// The clear lens at the best of its apertures: average and worst depth have equal weight.
     pub clear: Reached,
 }
 
