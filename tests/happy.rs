@@ -4,7 +4,6 @@ use crate::support::Place;
 use edof_image::Tone;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_network::weight_file;
 use serde_json::json;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;

@@ -74,7 +74,7 @@ pub struct Args {
     finetune: u64,
 
     /// Largest move of a weight in one of these steps, for inputs of variance one and in units of a code's last bit
-    #[arg(long, default_value_t = FinetuneOptions::default().rate)]
+    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single)]
     finetune_rate: f32,
 
     /// Weight file to write [default: the float network's name with .fixed.safetensors]

@@ -3,6 +3,7 @@
 use crate::files::Force;
 use crate::form;
 use crate::lens::{Depth, DepthRange};
+use crate::said::single;
 use clap::ValueEnum;
 use edof_image::Tone;
 use edof_io::photos::Selection;
@@ -73,11 +74,11 @@ pub struct Args {
     pub(super) tone: Option<Tones>,
 
     /// Largest noise σ of linear windows, in units of full scale; what has seen none loses 6 to 11 dB to σ 0.01 (docs/stability.md)
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) noise: Option<f32>,
 
     /// Largest gain of the sensor behind srgb windows; 1 is base sensitivity
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) gain: Option<f32>,
 
     /// One window in so many has no noise at all
@@ -85,7 +86,7 @@ pub struct Args {
     pub(super) noiseless: Option<usize>,
 
     /// Factor on the light of each window, least and most; 1:1 leaves it as it is
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
     pub(super) exposure: Option<[f64; 2]>,
 
     /// Pictures of each photograph: itself, and others of drawn saturation, hue and scale; 1 for itself alone
@@ -93,15 +94,15 @@ pub struct Args {
     pub(super) variants: Option<usize>,
 
     /// Saturation of the drawn pictures, least and most; 1:1 leaves it as it is
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
     pub(super) saturation: Option<[f64; 2]>,
 
     /// Hue of the drawn pictures is turned by up to so many degrees; 0 leaves it as it is
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", value_parser = single)]
     pub(super) hue: Option<f32>,
 
     /// Smallest of the drawn pictures, as a share of the photograph's sides; 1 leaves them as they are
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) scale: Option<f32>,
 
     /// What easy and hard windows weigh: psnr trains the mean PSNR, mse the mean square error, root lies between
@@ -121,19 +122,19 @@ pub struct Args {
     pub(super) batch: Option<usize>,
 
     /// Adam's largest rate
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) rate: Option<f32>,
 
     /// Rate of D and R, relative to --rate
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) output_rate: Option<f32>,
 
     /// Rate of the thresholds, relative to --rate
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) threshold_rate: Option<f32>,
 
     /// What a unit of |z| costs, one number or one for each shrinkage as in 3e-4,3e-4,1e-3: larger gives fewer non-zeros
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = single)]
     pub(super) lambda: Vec<f32>,
 
     /// Mean non-zeros of each shrinkage on busy windows that λ, now only where it starts, is moved to reach, as in 65,65,58;
@@ -142,7 +143,7 @@ pub struct Args {
     pub(super) non_zeros: Option<String>,
 
     /// How fast λ moves toward --non-zeros: at most this share of itself a step
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) budget_rate: Option<f32>,
 
     /// Go on from a trained network's weights, by name or file, with a new schedule; its form is taken where --form is not given
@@ -292,6 +293,13 @@ fn minutes(text: &str) -> Result<Duration, String> {
     let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);
     let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
     time.ok_or_else(|| "expected a number of minutes above 0".to_owned())
+}
+
+/// Factors that are computed with in single precision.
+fn factors(text: &str) -> Result<[f64; 2], String> {
+    let ends = range(text)?;
+    text.split(':').try_for_each(|word| single(word).map(drop))?;
+    Ok(ends)
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
