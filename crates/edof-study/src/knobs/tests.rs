@@ -53,7 +53,7 @@ fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
     let plan = plan(&[], &edof_random::natural(8, 8, 7));
     let mut captures = Captures::default();
     let mut db = |knob: &'static Knob, value: f64| match (knob.apply)(&plan, value) {
-        Work::Capture(how) => plan.captured(knob, &how, &photo(), &mut captures).unwrap().0,
+        Work::Capture(how) => plan.captured(knob, &how, &photo(), &mut captures).unwrap().psnr_db,
         Work::Method(_) => panic!("{knob:?} captures"),
     };
     // The coarsest and a fine value, and what lies between them at least.
