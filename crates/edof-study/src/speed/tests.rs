@@ -88,7 +88,7 @@ fn what_is_far_below_all_others_is_named_and_not_drawn_beyond_the_axes() {
     let drawn: Vec<[f64; 2]> = plot.series.iter().flat_map(|series| series.points.clone()).collect();
     assert_eq!(drawn, [[0.1, 31.0], [0.2, 26.75]]);
     assert_eq!(plot.y.ends[0], Some(26.0), "a point that is drawn is above the end of its axis");
-    let html = speed.report("edof study single-depth").to_html();
+    let html = speed.report("edof study single-depth").to_html().replace('\u{a0}', " ");
     assert!(
         html.contains("Not in the diagram, which begins at 26 dB: untrained-t10.float/s8 (7.0 dB)."),
         "{html}"
