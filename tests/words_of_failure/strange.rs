@@ -52,13 +52,13 @@ pub const SCENES: &[Row] = &[
     (
         "reconstruct r-depth.png",
         REREAD,
-        &["r-depth.png.json: bit depth 99: must be 8 to 16; mend or delete it"],
+        &["r-depth.png.json: bit depth 99: must be 8 to 16; fix or delete the file"],
     ),
-    ("reconstruct r-black.png", REREAD, &["r-black.png.json: no record of a raw frame: black level '70000'"]),
+    ("reconstruct r-black.png", REREAD, &["r-black.png.json: invalid raw-frame record: black level '70000'"]),
     (
         "reconstruct r-white.png",
         REREAD,
-        &["r-white.png.json: white level 0: must be more than 0 and at most 4096", "mend or delete it"],
+        &["r-white.png.json: white level 0: must be more than 0 and at most 4096", "fix or delete the file"],
     ),
     (
         "reconstruct r-white.png --white-level -3",
@@ -132,7 +132,7 @@ pub const STRANGE: &[Row] = &[
     (
         "train --form two-sided,w8,t2,c8 --camera clear --images empty --out o",
         "",
-        &["empty: holds no photographs"],
+        &["empty: contains no photographs"],
     ),
     (
         "train --form two-sided,w8,t2,c8 --camera clear --images nothere --out o",
@@ -205,7 +205,7 @@ pub const STRANGE: &[Row] = &[
     (
         "random-network --out o",
         "--kind natural --bits 8",
-        &["--kind natural: draws", "of --bits 16 only", "of --bits 8"],
+        &["--kind natural: makes", "of --bits 16 only", "of --bits 8"],
     ),
     ("random-network --out o", "--bits 20", &["--bits 20: must be 8 to 16"]),
     ("board get spam --port nothere", "", &["register 'spam': there is none; edof board dump lists all"]),
@@ -225,7 +225,7 @@ pub const STRANGE: &[Row] = &[
         "",
         &["photo.png: cannot read: line 1 is no text: expected rows of a study"],
     ),
-    ("study merge empty.json --out o", "", &["empty.json: holds no rows of a study"]),
+    ("study merge empty.json --out o", "", &["empty.json: contains no rows of a study"]),
     (SINGLE, "--rows photo.png", &["photo.png: cannot read: line 1 is no text: expected rows of a study"]),
     (
         SINGLE,
@@ -294,9 +294,5 @@ pub const USAGE: &[Row] = &[
     (RECONSTRUCT, "--device nothere", &["'nothere' for '--device", "must be cpu, gpu, or gpu:N"]),
     (SINGLE, "--rows o --shard 3/2", &["shard '3/2': must be I/N such as 2/8, I from 1 to N"]),
     ("study bits", "--allowed x", &["'x' for '--allowed"]),
-    (
-        "random-network --out o",
-        "--form spam",
-        &["'spam' is no word of a form; expected paper-t4 or edof-t4w12"],
-    ),
+    ("random-network --out o", "--form spam", &["unknown keyword 'spam', expected paper-t4 or edof-t4w12"]),
 ];

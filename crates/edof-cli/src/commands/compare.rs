@@ -48,13 +48,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
 
-<<<<<<< HEAD
-    /// How many times as large the map shows differences
-    #[arg(long, default_value_t = 8.0, value_name = "FACTOR", value_parser = said::single)]
-=======
     /// Factor by which the map enlarges differences
-    #[arg(long, default_value_t = 8.0, value_name = "FACTOR")]
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
+    #[arg(long, default_value_t = 8.0, value_name = "FACTOR", value_parser = said::single)]
     map_gain: f32,
 }
 

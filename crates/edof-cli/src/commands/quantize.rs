@@ -73,13 +73,8 @@ pub struct Args {
     #[arg(long, default_value_t = 0, value_name = "STEPS")]
     finetune: u64,
 
-<<<<<<< HEAD
-    /// Largest move of a weight in one of these steps, for inputs of variance one and in units of a code's last bit
-    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single)]
-=======
     /// Largest change of a weight per fine-tuning step, for inputs of variance one, in LSB of a code
-    #[arg(long, default_value_t = FinetuneOptions::default().rate)]
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
+    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single)]
     finetune_rate: f32,
 
     /// Weight file to write [default: the float network's name with .fixed.safetensors]

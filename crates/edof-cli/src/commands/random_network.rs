@@ -101,14 +101,9 @@ fn network(args: &Args) -> Result<FixedNetwork, Error> {
             }
             let drawn = form::words(&network.form);
             Err(Error::message(format!(
-<<<<<<< HEAD
-                "--kind natural: draws {drawn} of --bits 16 only, not {} of --bits {}",
+                "--kind natural: makes {drawn} of --bits 16 only, not {} of --bits {}",
                 form::words(&args.form),
                 args.bits
-=======
-                "--kind natural: makes {drawn} of 16 bits only, not {}",
-                form::words(&args.form)
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
             )))
         }
     }

@@ -290,7 +290,7 @@ impl Job<'_> {
     /// What the record beside the frame says wrongly.
     fn of_record(&self, why: &str) -> Error {
         let path = record::path_of(self.raw);
-        Error::message(format!("{}: {why}; mend or delete it", path.display()))
+        Error::message(format!("{}: {why}; fix or delete the file", path.display()))
     }
 
     /// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.

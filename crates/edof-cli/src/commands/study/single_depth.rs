@@ -133,10 +133,6 @@ impl Args {
         ui.used(camera.input());
         let strides = self.stride.iter().map(|&step| said::stride(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
-<<<<<<< HEAD
-=======
-        // What is quick to reject comes before what takes its time.
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
         let mut others = vec![];
         for name in self.named() {
             others.extend(MethodSpec::named(name, &strides, &dictionary)?);

@@ -73,63 +73,36 @@ pub struct Args {
     #[arg(long)]
     pub(super) tone: Option<Tones>,
 
-<<<<<<< HEAD
-    /// Largest noise σ of linear windows, in units of full scale; what has seen none loses 6 to 11 dB to σ 0.01 (docs/stability.md)
-    #[arg(long, value_parser = single)]
-    pub(super) noise: Option<f32>,
-
-    /// Largest gain of the sensor behind srgb windows; 1 is base sensitivity
-    #[arg(long, value_parser = single)]
-=======
     /// Largest noise σ of linear windows, in units of full scale; a network trained without noise loses 6 to 11 dB at σ = 0.01 (docs/stability.md)
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) noise: Option<f32>,
 
     /// Largest sensor gain of srgb windows; 1 is base sensitivity
-    #[arg(long)]
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
+    #[arg(long, value_parser = single)]
     pub(super) gain: Option<f32>,
 
     /// One window in N has no noise
     #[arg(long)]
     pub(super) noiseless: Option<usize>,
 
-<<<<<<< HEAD
-    /// Factor on the light of each window, least and most; 1:1 leaves it as it is
-    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
-=======
     /// Range MIN:MAX of the random factor on the light of each window; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
     pub(super) exposure: Option<[f64; 2]>,
 
     /// Pictures per photograph: the photograph, and copies with random saturation, hue and scale; 1 is the photograph only
     #[arg(long)]
     pub(super) variants: Option<usize>,
 
-<<<<<<< HEAD
-    /// Saturation of the drawn pictures, least and most; 1:1 leaves it as it is
+    /// Range MIN:MAX of the copies' random saturation; 1:1 leaves it unchanged
     #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
     pub(super) saturation: Option<[f64; 2]>,
 
-    /// Hue of the drawn pictures is turned by up to so many degrees; 0 leaves it as it is
+    /// Largest random hue rotation of the copies in degrees; 0 leaves the hue unchanged
     #[arg(long, value_name = "DEGREES", value_parser = single)]
     pub(super) hue: Option<f32>,
 
-    /// Smallest of the drawn pictures, as a share of the photograph's sides; 1 leaves them as they are
-    #[arg(long, value_parser = single)]
-=======
-    /// Range MIN:MAX of the copies' random saturation; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
-    pub(super) saturation: Option<[f64; 2]>,
-
-    /// Largest random hue rotation of the copies in degrees; 0 leaves the hue unchanged
-    #[arg(long, value_name = "DEGREES")]
-    pub(super) hue: Option<f32>,
-
     /// Smallest random scale of the copies, relative to the photograph's sides; 1 leaves the size unchanged
-    #[arg(long)]
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
+    #[arg(long, value_parser = single)]
     pub(super) scale: Option<f32>,
 
     /// Weights of easy and hard windows: psnr trains the mean PSNR, mse the mean square error, root is between both
@@ -148,37 +121,20 @@ pub struct Args {
     #[arg(long)]
     pub(super) batch: Option<usize>,
 
-<<<<<<< HEAD
-    /// Adam's largest rate
-    #[arg(long, value_parser = single)]
-    pub(super) rate: Option<f32>,
-
-    /// Rate of D and R, relative to --rate
-    #[arg(long, value_parser = single)]
-    pub(super) output_rate: Option<f32>,
-
-    /// Rate of the thresholds, relative to --rate
-    #[arg(long, value_parser = single)]
-    pub(super) threshold_rate: Option<f32>,
-
-    /// What a unit of |z| costs, one number or one for each shrinkage as in 3e-4,3e-4,1e-3: larger gives fewer non-zeros
-    #[arg(long, value_delimiter = ',', value_parser = single)]
-=======
     /// Largest learning rate of Adam
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) rate: Option<f32>,
 
     /// Learning rate of D and R, relative to --rate
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) output_rate: Option<f32>,
 
     /// Learning rate of the thresholds, relative to --rate
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) threshold_rate: Option<f32>,
 
     /// Cost λ of a unit of |z|, one number or one per shrinkage as in 3e-4,3e-4,1e-3; a larger cost gives fewer non-zeros
-    #[arg(long, value_delimiter = ',')]
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
+    #[arg(long, value_delimiter = ',', value_parser = single)]
     pub(super) lambda: Vec<f32>,
 
     /// Target mean non-zeros after each shrinkage on busy windows, as in 65,65,58; training adapts λ to reach it, and --lambda sets
@@ -186,13 +142,8 @@ pub struct Args {
     #[arg(long, value_name = "N,N,…|none")]
     pub(super) non_zeros: Option<String>,
 
-<<<<<<< HEAD
-    /// How fast λ moves toward --non-zeros: at most this share of itself a step
-    #[arg(long, value_parser = single)]
-=======
     /// Speed at which λ adapts to --non-zeros: its largest relative change per step
-    #[arg(long)]
->>>>>>> 3aa6b313416ad7f8ea2d7f55e329695babb6e9bd
+    #[arg(long, value_parser = single)]
     pub(super) budget_rate: Option<f32>,
 
     /// Start from a trained network's weights, by name or file, with a new schedule; without --form its architecture is used
