@@ -268,7 +268,7 @@ fn every_row_ends_with(place: &Place, rows: &[Row], (code, beginning): (i32, &st
     let before = place.snapshot();
     let mut wrongly = vec![];
     for (command, options, words) in rows {
-        // However slow the machine is, no progress is told.
+        // On a slow machine progress would be a line of its own.
         let line = format!("{command} {options} --quiet");
         let run = place.edof_within_bounds(&line);
         let missing: Vec<&&str> = words.iter().filter(|word| !run.err.contains(**word)).collect();

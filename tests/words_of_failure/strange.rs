@@ -246,7 +246,7 @@ pub const STRANGE: &[Row] = &[
     ("optics design --out o.json", "--images nothere", &["nothere: cannot list: No such file"]),
 ];
 
-/// Values that no option has, refused before anything is read.
+/// Values that no option has, rejected before anything is read.
 pub const USAGE: &[Row] = &[
     (TRAIN, "--rate 1e39", &["'1e39' for '--rate", "too large: expected a number of at most 3.4e38"]),
     (

@@ -309,7 +309,7 @@ impl<L: Line> Board<L> {
     /// As [`Board::crcs`].
     pub fn checksum(&mut self, design: &Design, any: &FixedNetwork, bank: Set) -> Result<u32, Error> {
         let crcs = self.crcs(&parts(design, any, bank).iter().collect::<Vec<_>>())?;
-        // FNV-1a: a host has no need of more than to tell networks apart.
+        // FNV-1a: enough to distinguish networks.
         let bytes = crcs.into_iter().flat_map(u32::to_le_bytes);
         Ok(bytes.fold(0x811c_9dc5, |sum, byte| (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193)))
     }

@@ -140,7 +140,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A number below 0 after an option is its value, which the option may refuse, and no option of its own.
+/// A number below 0 after an option is its value, which the option may reject, and no option of its own.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     command.allow_negative_numbers(true).mut_subcommands(with_negative_numbers)
 }

@@ -67,7 +67,7 @@ impl Sources {
         Self::told(design, network, |_, _, _| ())
     }
 
-    /// The same, with `told` before each of its steps: how many are done, of how many, and which is next.
+    /// The same, with a call before each step: how many are done, of how many, and which is next.
     ///
     /// # Errors
     /// As [`Sources::of`].

@@ -126,7 +126,7 @@ pub fn capture(
     capture_told(scene, camera, sensor, approximation, |_, _, _| ())
 }
 
-/// The same, with `told` before each of its steps: how many are done, of how many, and which is next.
+/// The same, with a call before each step: how many are done, of how many, and which is next.
 ///
 /// # Errors
 /// As [`capture`].
@@ -158,7 +158,7 @@ pub fn measure_approximation(
     measure_approximation_told(scene, camera, approximation, |_, _, _| ())
 }
 
-/// The same, with `told` before each of its steps, as in [`capture_told`].
+/// The same, with a call before each step, as in [`capture_told`].
 ///
 /// # Errors
 /// As [`capture`].

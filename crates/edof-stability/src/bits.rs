@@ -19,7 +19,7 @@ const SIZE: (usize, usize) = (160, 240);
 /// Of their captures, at nine depths with and without noise, one in N is judged.
 const EVERY: usize = 5;
 
-/// Losses up to so many dB stand beside the gains.
+/// Losses up to this many dB are in the diagram of gains.
 const SMALL_DB: f64 = 0.02;
 
 /// What bits are worth to one network.

@@ -126,7 +126,7 @@ impl Foldings {
         let series = |(place, name): (usize, &&str)| {
             let own = self.foldings.iter().filter(|f| f.network == **name && f.on_front);
             let points: Vec<[f64; 2]> = own.map(|f| [figure(f), f.psnr_db]).collect();
-            // A legend names nothing that is not drawn; the colour is that of all diagrams.
+            // Without points there is no entry in the legend. The colour is that of all diagrams.
             let colour = PALETTE[place % PALETTE.len()];
             (!points.is_empty()).then(|| Series::new(*name, Mark::Points, points).coloured(colour))
         };

@@ -205,7 +205,7 @@ impl Speed {
         }
     }
 
-    /// PSNR at which a diagram begins. What nobody trained may be so far below that nothing else could be told apart.
+    /// PSNR at which a diagram begins. Untrained networks may be so far below that all others would be one point.
     fn floor(&self, of: &Claims) -> Option<f64> {
         let own = || self.points.iter().filter(|p| of.hold(p));
         let of_trained = own().filter(|p| !p.identity.is_untrained()).map(|p| p.psnr_db).reduce(f64::min)?;
@@ -243,7 +243,7 @@ impl Speed {
 }
 
 const TITLE: &str = "Speed against error at one depth";
-/// What nobody trained is left out of a diagram where it is so many dB below all others.
+/// Untrained networks are left out of a diagram where they are this many dB below all others.
 const FAR_BELOW_DB: f64 = 6.0;
 
 impl Claims {

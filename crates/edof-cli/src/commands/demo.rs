@@ -70,7 +70,7 @@ pub struct Args {
 /// # Errors
 /// No weights, settings out of range, a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    // What is quick to refuse comes before what takes its time.
+    // What is quick to reject comes before what takes its time.
     if args.out.is_file() {
         return Err(Error::message(format!("--out {}: is a file, expected a folder", args.out.display())));
     }

@@ -142,7 +142,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Refuses a file of something else, before anything is computed.
+    /// Rejects a file of something else, before anything is computed.
     ///
     /// # Errors
     /// As [`rows_of`].
@@ -151,7 +151,7 @@ impl Rows {
     }
 }
 
-/// Refuses a file that is there and holds no rows of a study.
+/// Rejects an existing file without rows of a study.
 ///
 /// # Errors
 /// A file that cannot be read, or that is of something else.
@@ -185,7 +185,7 @@ pub struct MayKeepRows {
 }
 
 impl MayKeepRows {
-    /// Refuses a file of something else, before anything is computed.
+    /// Rejects a file of something else, before anything is computed.
     ///
     /// # Errors
     /// As [`rows_of`].

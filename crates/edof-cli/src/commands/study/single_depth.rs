@@ -110,7 +110,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(files, &args.nets).reads_pictures_of(args.photographs.folder.path()?);
     let files = files.writes("--rows", &args.rows.rows).may_write("--plot", args.plot.as_ref());
     args.outputs.of(files).check()?;
-    // What is quick to refuse comes before what takes its time.
+    // What is quick to reject comes before what takes its time.
     args.rows.check::<edof_study::single_depth::Row>()?;
     let externals = args.externals.methods()?;
     let (photos, skipped) = args.photographs.load(ui)?;
