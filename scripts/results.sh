@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Remakes every table and figure of docs/results, docs/figures and README.md: scripts/results.sh [PART]...; without arguments all parts.
-#   linear srgb   docs/results/kodak-TONE.*, the first table of each into README.md     (a few minutes each on two cores)
+#   linear srgb   docs/results/kodak-TONE.*, some rows of each into README.md or docs/results.md (a few minutes each on two cores)
 #   speed         docs/results/single-depth.*, docs/figures/speed.svg                   (25 minutes)
 #   overlap       docs/results/overlap.*: all methods of patches at stride 4            (10 minutes)
 #   depths        docs/results/multi-depth.*                                            (5 minutes)
@@ -25,7 +25,7 @@ for part in "$@"; do
     [[ " $parts " == *" $part "* ]] || fail "'$part': must be one of $parts"
 done
 # What the script itself writes may differ.
-changed=$(git status --porcelain -- . ':!docs/results' ':!docs/figures' ':!README.md')
+changed=$(git status --porcelain -- . ':!docs/results' ':!docs/results.md' ':!docs/figures' ':!README.md')
 [ -z "$changed" ] || fail "the tree has changes, so that no page could say what made it; commit them first: $changed"
 revision=$(git rev-parse HEAD)
 
@@ -53,17 +53,32 @@ declare -A nets
 nets[linear]="paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear"
 nets[srgb]=${nets[linear]},edof-t4w12-outer-light
 
+# Quotes a page's first table between a document's marks, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses.
+quote() {
+    awk -v page="$2" -v start="<!-- rows: $2 -->" '
+        $0 == start {
+            print
+            while ((getline line < page) > 0) {
+                if (line !~ /^\|/) { if (count) break; else continue }
+                split(line, cell, "|")
+                kept = cell[2] ~ /^ (demosaic-malvar|edof-t4w12-(outer|outer-light|clear)\.fixed) $/ && cell[3] ~ /^ (ring-outer|clear-mid) $/
+                if (++count <= 2 || kept) print "|" cell[2] "|" cell[3] "|" cell[4] "|" cell[6] "|" cell[8] "|"
+            }
+            skip = 1
+            next
+        }
+        skip && /^<!-- end -->$/ { skip = 0 }
+        !skip { print }' "$1" > "$1.new"
+    mv "$1.new" "$1"
+}
+
 # shellcheck disable=SC2046 # outputs are several words
 photographs_of() {
     local page=docs/results/kodak-$1.md
     "$edof" study kodak --tone "$1" --nets "${nets[$1]}" --psi 0,2,4,6,8 --stride 8 $(rows "kodak-$1") $(pages "kodak-$1")
     rm -f "docs/results/kodak-$1.json"
-    awk -v page="$page" -v start="<!-- table: $page -->" '
-        $0 == start { print; while ((getline line < page) > 0) { if (line ~ /^\|/) { print line; found = 1 } else if (found) break }
-                      skip = 1; next }
-        skip && /^<!-- end -->$/ { skip = 0 }
-        !skip { print }' README.md > README.md.new
-    mv README.md.new README.md
+    quote README.md "$page"
+    quote docs/results.md "$page"
 }
 
 # Everything where each patch is seen once; at the paper's stride and half-way what its claims need: OMP takes 16 times as long there.

@@ -52,8 +52,8 @@ pub enum PhotosError {
 }
 
 /// What the test photographs were used for: the same sentence in every document and on every page that reports on them.
-pub const CHOICES: &str = "Nothing was trained on the eight test photographs (Kodak 3, 6, … 24), but three choices were made with them in view: how windows are \
-                           weighted, the length of the second round of training, and the headroom of fixed point (docs/decisions, 0005 and 0002).";
+pub const CHOICES: &str = "Nothing was trained on the eight test photographs (Kodak 3, 6, … 24). Three choices were made with them in view: the weights of \
+                           windows, the length of the second training round, and the headroom of fixed point (docs/decisions, 0005 and 0002).";
 
 /// [`CHOICES`] behind a blank, where one of these photographs is for tests.
 #[must_use]

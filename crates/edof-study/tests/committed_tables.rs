@@ -1,4 +1,4 @@
-//! The tables that README.md quotes are those of docs/results; those are what their rows say; and rows and pages say of which clean
+//! The rows that README.md and docs/results.md quote are those of docs/results; those are what their rows say; and rows and pages say of which clean
 //! revision they are.
 
 use edof_io::photos::CHOICES;
@@ -186,18 +186,74 @@ fn blind_deconvolution_diverges_on_no_photograph() {
     diverges_on_none("blind-train", 16);
 }
 
+/// What documents quote of a page's first table, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses.
+fn quotable(file: &str) -> Vec<String> {
+    let page = read(file);
+    let table: Vec<Vec<&str>> = page
+        .lines()
+        .skip_while(|line| !line.starts_with('|'))
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| line.split('|').map(str::trim).collect())
+        .collect();
+    assert!(table.len() > 4, "{file}");
+    let networks = ["edof-t4w12-outer", "edof-t4w12-outer-light", "edof-t4w12-clear"];
+    let is_method = |name: &str| {
+        name == "demosaic-malvar" || name.strip_suffix(".fixed").is_some_and(|n| networks.contains(&n))
+    };
+    let is_quoted = |row: &[&str]| is_method(row[1]) && ["ring-outer", "clear-mid"].contains(&row[2]);
+    let (head, rows) = table.split_at(2);
+    let rows: Vec<_> = rows.iter().filter(|row| is_quoted(row)).collect();
+    assert!(rows.len() >= 4, "{file}: demosaicing and a network for each lens");
+    let cells = |row: &Vec<&str>| {
+        let kept = [1, 2, 3, 5, 7].map(|column| row[column]);
+        if row[1].starts_with('-') {
+            "|---|---|---|---|---|".into()
+        } else {
+            format!("| {} |", kept.join(" | "))
+        }
+    };
+    head.iter().chain(rows).map(cells).collect()
+}
+
 #[test]
-fn the_readme_quotes_the_first_table_of_each_page() {
-    let readme = read("README.md");
-    for tone in TONES {
+fn readme_and_results_quote_rows_of_the_pages() {
+    for (document, tone) in [("README.md", "linear"), ("docs/results.md", "srgb")] {
         let file = format!("docs/results/kodak-{tone}.md");
-        let page = read(&file);
-        let table: Vec<&str> =
-            page.lines().skip_while(|l| !l.starts_with('|')).take_while(|l| l.starts_with('|')).collect();
-        assert!(table.len() > 4, "{file}");
-        let quoted = between(&readme, &format!("<!-- table: {file} -->\n"), "<!-- end -->");
-        assert_eq!(quoted.lines().collect::<Vec<_>>(), table, "run scripts/results.sh {tone}");
+        let text = read(document);
+        let quoted = between(&text, &format!("<!-- rows: {file} -->\n"), "<!-- end -->");
+        assert_eq!(
+            quoted.lines().collect::<Vec<_>>(),
+            quotable(&file),
+            "{document}: run scripts/results.sh {tone}"
+        );
     }
+}
+
+/// Mean and standard error of a cell `-0.31 ± 0.10`.
+fn error_of(cell: &str) -> (f64, &str) {
+    let (mean, error) = cell.trim().split_once(" ± ").unwrap();
+    (mean.parse().unwrap(), error)
+}
+
+#[test]
+fn the_verdict_of_the_readme_states_the_differences_of_the_page() {
+    let page = read("docs/results/kodak-linear.md");
+    let start = "| edof-t4w12-outer.float minus edof-t4w12-clear.float |";
+    let line = page.lines().find_map(|line| line.strip_prefix(start)).unwrap();
+    let cells: Vec<_> = line.split('|').take(3).map(|cell| cell.split_once(" / ").unwrap()).collect();
+    let verdict = plain(&read("README.md"));
+    for cell in [cells[0].0, cells[0].1] {
+        let (mean, error) = error_of(cell);
+        let text = format!("by {mean:.2} ± {error} dB");
+        assert!(verdict.contains(&text), "README.md: does not say '{text}'");
+    }
+    for cell in [cells[1].0, cells[1].1] {
+        let mean = error_of(cell).0;
+        let text = format!("{:.1} dB {}", mean.abs(), if mean > 0.0 { "better" } else { "worse" });
+        assert!(verdict.contains(&text), "README.md: does not say '{text}'");
+    }
+    let lost = format!("loses {:.1} dB on average", -error_of(cells[2].1).0);
+    assert!(verdict.contains(&lost), "README.md: does not say '{lost}'");
 }
 
 /// Text without its line breaks and links.
