@@ -18,6 +18,7 @@ mod embedded_syncs;
 mod emitted;
 mod expressions;
 mod faulty_boards;
+mod full_frame;
 mod full_width;
 mod generated;
 mod host;

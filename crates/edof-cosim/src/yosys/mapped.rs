@@ -8,14 +8,18 @@ use std::path::{Path, PathBuf};
 /// Functional models of block RAMs, in place of Yosys' empty ones.
 const BLOCK_RAM: &str = include_str!("../../../../sim/cells/block_ram.v");
 
+/// Yosys 0.23 finds no cell for a ROM that must not be a block RAM; without being told it makes it of logic, as Vivado does.
+const ROM_STYLE: &str = "(* rom_style = \"distributed\" *)";
+
 /// The design laid flat and mapped by `synth_xilinx`, with models of its cells: Yosys' own, and ours of block RAMs. Top and ports stay; memory
-/// images become part of the cells.
+/// images become part of the cells, and contents that nothing states are 0.
 ///
 /// # Errors
 /// Yosys or its models are missing, or it refuses the design.
 pub fn mapped(source: &Source, options: &Options) -> Result<Source, Error> {
     let work = work::folder()?;
-    source.write(work.path())?;
+    let free = |(name, text): &(String, String)| (name.clone(), text.replace(ROM_STYLE, ""));
+    Source { files: source.files.iter().map(free).collect(), ..source.clone() }.write(work.path())?;
     let netlist = work.path().join("netlist.v");
     let script = [
         format!("read_verilog -defer {}\n", files(source, work.path())),
@@ -25,9 +29,24 @@ pub fn mapped(source: &Source, options: &Options) -> Result<Source, Error> {
     ];
     run_script(&script.concat(), options, work.path())?;
     let text = std::fs::read_to_string(&netlist).map_err(at(&netlist))?;
-    let files = [("netlist.v", text), ("cells.v", cells()?), ("block_ram.v", BLOCK_RAM.to_owned())];
+    let files = [
+        ("netlist.v", with_known_contents(&text)),
+        ("cells.v", cells()?),
+        ("block_ram.v", BLOCK_RAM.to_owned()),
+    ];
     let files = files.map(|(name, text)| (name.to_owned(), text)).to_vec();
     Ok(Source { files, ..source.clone() })
+}
+
+/// A netlist whose registers and memories begin with 0 where nothing states what they hold: `.INIT_3A(256'hxx…01)`.
+fn with_known_contents(text: &str) -> String {
+    let known = |line: &str| match line.split_once('\'') {
+        Some((name, value)) if name.trim_start().starts_with(".INIT") => {
+            format!("{name}'{}\n", value.replace('x', "0"))
+        }
+        _ => format!("{line}\n"),
+    };
+    text.lines().map(known).collect()
 }
 
 /// Yosys' models without what is about time alone, and without block RAMs.
@@ -67,6 +86,13 @@ fn without(text: &str, start: &str, end: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn contents_that_nothing_states_are_zero() {
+        let text = "  FDRE #(\n    .INIT(1'hx)\n  ) x (\n    .INIT_0A(8'hx1),\n    .D(1'hx)\n";
+        let expected = "  FDRE #(\n    .INIT(1'h0)\n  ) x (\n    .INIT_0A(8'h01),\n    .D(1'hx)\n";
+        assert_eq!(with_known_contents(text), expected);
+    }
 
     #[test]
     fn parts_are_left_out_from_their_first_line_to_their_last() {

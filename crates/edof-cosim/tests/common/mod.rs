@@ -4,6 +4,7 @@ pub mod traffic;
 use crate::support;
 use edof_cosim::chain::verilated::{Compiled, Verilated, write_images};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
+use edof_cosim::verilator::Options;
 use edof_cosim::{Error, Source, yosys};
 use edof_device::Design;
 use edof_device::design::memory::{SNAPSHOT, Set};
@@ -162,7 +163,9 @@ impl Setup {
         let options = yosys::Options { memory_dir, ..yosys::Options::default() };
         let source = yosys::mapped(&Source::from(&project), &options).unwrap();
         let stages = design.stages.len();
-        let compiled = Compiled::of_source(&source, &project, stages, &support::options()).unwrap();
+        // Verilator makes fifty megabytes of C++ of 35,000 cells, and a run is of a few thousand cycles.
+        let options = Options { optimize: 0, ..support::options() };
+        let compiled = Compiled::of_source(&source, &project, stages, &options).unwrap();
         Self { design, networks, compiled }
     }
 
