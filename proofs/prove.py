@@ -19,6 +19,8 @@ import sys
 import time
 
 HERE = pathlib.Path(__file__).parent
+# Sessions of the provers that run now.
+RUNNING = set()
 
 
 def sby(task, mode):
@@ -39,7 +41,23 @@ def sby(task, mode):
     return "\n".join(lines) + "\n"
 
 
-def run(task, mode, sources, out, broken=None):
+def end_session(session):
+    """Ends all processes of a session."""
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            # Behind the program's name, in brackets: state, parent, group, session.
+            if int(stat.read_text().rpartition(")")[2].split()[3]) == session:
+                os.kill(int(stat.parent.name), signal.SIGKILL)
+
+
+def stop(_number, _frame):
+    """Ends what runs, and then itself."""
+    for session in list(RUNNING):
+        end_session(session)
+    os._exit(1)
+
+
+def run(task, mode, sources, out, broken=None, patience=1):
     """One run: what it is called, whether it went as it must, a line about it."""
     name = task["name"] + {"prove": "", "bmc": "", "cover": ".cover"}[mode]
     if broken is not None:
@@ -55,7 +73,7 @@ def run(task, mode, sources, out, broken=None):
             if file != edit["file"]:
                 continue
             text, count = re.subn(edit["pattern"], lambda _: edit["new"], text)
-            if count != 1:
+            if count != 1 and not (count and edit.get("all")):
                 return name, False, f"'{edit['pattern']}' stands {count} times in {file}, not once"
         (folder / pathlib.Path(file).name).write_text(text)
     shutil.copy(HERE / task["properties"], folder)
@@ -64,22 +82,24 @@ def run(task, mode, sources, out, broken=None):
     tools = [f"--{tool}={os.environ.get(tool.upper(), found)}" for tool, found in
              [("yosys", "yosys"), ("abc", "yosys-abc"), ("smtbmc", "yosys-smtbmc")]]
     with open(folder / "log", "w") as log:
-        # A session of its own: what it has started ends with it.
+        # A session of its own: what it has started ends with it, also its solvers, which have process groups of their own.
         prover = subprocess.Popen(["yowasp-sby", "-f", *tools, "-d", "work", "task.sby"], cwd=folder, stdout=log,
                                   stderr=subprocess.STDOUT, start_new_session=True)
+        RUNNING.add(prover.pid)
         try:
-            prover.wait(task.get("seconds", 300))
+            prover.wait(task.get("seconds", 300) * patience)
         except subprocess.TimeoutExpired:
             log.write("DONE (TIMEOUT)\n")
         finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(prover.pid, signal.SIGKILL)
+            end_session(prover.pid)
             prover.wait()
+            RUNNING.discard(prover.pid)
     text = (folder / "log").read_text()
     seconds = time.monotonic() - start
     status = (re.findall(r"DONE \((\w+)", text) or ["ERROR"])[-1]
     engine = re.findall(r"summary: engine_\d+ \(([^)]*)\) returned (?:pass|PASS|FAIL)(?! for)", text)
-    how = f"{status} by {engine[0] if engine else '-'} in {seconds:.1f} s"
+    used = re.findall(r"Elapsed process time [^(]*\(secs\)\]: [\d:]+ \((\d+)\)", text)
+    how = f"{status} by {engine[0] if engine else '-'} in {seconds:.1f} s" + (f", {used[-1]} s of CPU" if used else "")
     good = status == ("FAIL" if broken is not None else "PASS")
     if not good:
         how += f"; its log: {folder / 'log'}"
@@ -110,15 +130,18 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for logs and traces")
     parser.add_argument("--all", action="store_true", help="the long proofs, too")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="proofs at one time")
+    parser.add_argument("--patience", type=float, default=1, metavar="FACTOR", help="times as long before a proof is given up")
     parser.add_argument("--json", type=pathlib.Path, help="write the results to this file")
     parser.add_argument("block", nargs="*", help="only these blocks or tasks")
     options = parser.parse_args()
     table = json.loads((HERE / "proofs.json").read_text())
     jobs = tasks_of(table, options.block, options.all)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, stop)
     out, sources = options.out.resolve(), options.sources.resolve()
     failed, results = 0, []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        waiting = [pool.submit(run, task, mode, sources, out, broken) for task, mode, broken in jobs]
+        waiting = [pool.submit(run, task, mode, sources, out, broken, options.patience) for task, mode, broken in jobs]
         for job in concurrent.futures.as_completed(waiting):
             name, good, how = job.result()
             failed += not good

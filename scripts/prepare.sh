@@ -33,6 +33,32 @@ need_python() {
     python3 -c 'import venv, ensurepip' 2>/dev/null || install_packages python3 python3-venv
 }
 
+# Installs SymbiYosys and its solver in an environment of their own, and finds them first.
+need_provers() {
+    need_simulators
+    need_python
+    local environment
+    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}")/provers
+    if ! cmp -s proofs/requirements.txt "$environment/requirements.txt"; then
+        say "installing SymbiYosys and a solver under $environment"
+        python3 -m venv --clear "$environment"
+        "$environment/bin/pip" install -q -r proofs/requirements.txt
+        cp proofs/requirements.txt "$environment/requirements.txt"
+    fi
+    PATH=$environment/bin:$PATH
+}
+
+# Writes the directory of `tiny`, with a random network, to a folder. The program is built if it is not given as EDOF.
+generate_tiny() {
+    if [ -z "${EDOF:-}" ]; then
+        cargo build -q -p edof-cli --locked
+        EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
+    fi
+    EDOF=$(realpath "$EDOF")
+    "$EDOF" random-network -q --design tiny --out "$1/drawn.fixed.safetensors"
+    "$EDOF" generate -q --design tiny --weights "$1/drawn.fixed.safetensors" --out "$1/tiny"
+}
+
 # Installs Rust by the system's rustup, where it has one; else says how.
 need_rust() {
     if ! { command -v apt-cache && apt-cache show rustup; } >/dev/null 2>&1; then

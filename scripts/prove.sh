@@ -4,26 +4,8 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
-need_simulators
-need_python
-
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
-EDOF=$(realpath "$EDOF")
-target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
-environment=$target/provers
-if ! cmp -s proofs/requirements.txt "$environment/requirements.txt"; then
-    say "installing SymbiYosys and a solver under $environment"
-    python3 -m venv --clear "$environment"
-    "$environment/bin/pip" install -q -r proofs/requirements.txt
-    cp proofs/requirements.txt "$environment/requirements.txt"
-fi
-PATH=$environment/bin:$PATH
-
+need_provers
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"$EDOF" random-network -q --design tiny --out "$work/drawn.fixed.safetensors"
-"$EDOF" generate -q --design tiny --weights "$work/drawn.fixed.safetensors" --out "$work/tiny"
-python3 -B proofs/prove.py --sources "$work/tiny/rtl" --out "$target/proofs" "$@"
+generate_tiny "$work"
+python3 -B proofs/prove.py --sources "$work/tiny/rtl" --out "$(realpath -m "${CARGO_TARGET_DIR:-target}")/proofs" "$@"

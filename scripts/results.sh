@@ -8,6 +8,7 @@
 #                 fails where blind deconvolution loses more than 1 dB of any photograph
 #   knobs design  docs/results/knobs.*, design.md, on three training photographs        (10 minutes, 1 minute)
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
+#   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
@@ -18,7 +19,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb speed overlap depths blind knobs design bits stability forms layers figures"
+parts="linear srgb speed overlap depths blind knobs design bits stability aperture forms layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -129,6 +130,9 @@ design() {
 bits() { is_made docs/results/bits.md || "$edof" study bits $(pages bits) --force; }
 # shellcheck disable=SC2046
 stability() { is_made docs/results/stability.md || "$edof" study stability $(pages stability) --force; }
+
+# shellcheck disable=SC2046
+aperture() { "$edof" study aperture $(rows aperture) $(pages aperture); }
 
 # One short training each (8,000 steps, seed 1, the default's camera, else the recipe of scripts/weights.sh): name, then what differs from
 # the default.

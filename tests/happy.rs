@@ -534,3 +534,28 @@ fn knobs_and_foldings_are_drawn_with_their_defaults_and_fronts() {
         "{csv}"
     );
 }
+
+#[test]
+fn a_coded_lens_is_held_against_smaller_apertures() {
+    let place = Place::new();
+    let line = "study aperture --psi-ranges 8 --stops 0,1 --electrons 10000,100 --window 8";
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    let whole =
+        place.edof(&format!("{line} --rows whole --markdown a.md --report a.html --csv a.csv")).done();
+    assert!(whole.out.contains("ψ 0 to 8: at the worst depth the coded lens "), "{}", whole.out);
+    place.edof("study merge 1 2 --out merged").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    let page = std::fs::read_to_string(place.path("a.md")).unwrap();
+    assert!(page.contains("## Verdict") && page.contains("| clear, F/4.9 | "), "{page}");
+    for (options, words) in [
+        ("--camera clear", "--camera clear: has no mask, expected a coded lens such as ring-outer"),
+        ("--stops=-1", "--stops -1: must be from 0 to 8"),
+        ("--electrons 0", "--electrons 0: must be from 1 to 1000000000"),
+        ("--mean-light nan", "--mean-light NaN: must be from 0 to 1"),
+        ("--psi-ranges 0", "--psi-ranges 0: must be from 0.1 to 100"),
+        ("--window 9", "--window 9: must be"),
+    ] {
+        place.edof(&format!("study aperture {options}")).refused(&[words]);
+    }
+}

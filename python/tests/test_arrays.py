@@ -176,4 +176,5 @@ def test_ctrl_c_ends_a_call() -> None:
     with pytest.raises(KeyboardInterrupt):
         # Minutes, if nobody ends it.
         network.quantize(stride=8)
-    assert time.monotonic() - start < 3.0
+    # Seconds on a busy machine; without an end it takes minutes.
+    assert time.monotonic() - start < 30.0

@@ -9,14 +9,15 @@ use edof_device::design::reading::{
     READ_BACK, READ_REGISTER, ReadBack, bank_rows, crc, read_back_address, read_command,
 };
 use edof_device::registers::map::{self, DISPLAY_TABLES, STAGE_READS, WEIGHTS};
-use edof_image::DisplayMode;
 use edof_image::draw::Draw;
+use edof_image::{DisplayMode, RawFrame};
 
 /// Edges after which a clock that stands still is known to: 4096 cycles of the memory's, and those of the other clocks meanwhile.
 const NOTICED: usize = 20_000;
 
 struct Trial {
     setup: Setup,
+    frames: Vec<RawFrame>,
     pictures: Vec<Vec<u16>>,
     rig: Rig,
 }
@@ -29,7 +30,7 @@ impl Trial {
         let mut rig = setup.start(&frames, seed);
         rig.send(1).unwrap();
         rig.show(2).unwrap();
-        Self { setup, pictures, rig }
+        Self { setup, frames, pictures, rig }
     }
 
     /// New pictures come again, and all that were shown are whole.
@@ -160,12 +161,13 @@ fn while_the_screens_clock_stands_weights_are_loaded_and_pictures_made() {
     trial.rig.bench.set("screen_reset_i", 1).unwrap();
     trial.rig.steps(NOTICED).unwrap();
     let made = trial.rig.register("picture_frames").unwrap();
-    // Other weights into a bank, a word of them wrong and mended, and that bank in use.
-    let (address, word) = weight(&trial);
-    trial.rig.access(Access::Write(address, word)).unwrap();
-    let [found, expected] = trial.crcs();
-    assert_ne!(found, expected);
-    trial.rig.access(Access::Write(address, word ^ 0x0f0f_3c3c)).unwrap();
+    // A whole network that the board has not seen, into the bank that is not in use.
+    let network = edof_random::for_design(&trial.setup.design, 24);
+    assert_ne!(trial.setup.sets[1], network);
+    for (address, word) in memory::writes(&trial.setup.design, &network, Set::Second) {
+        trial.rig.access(Access::Write(WEIGHTS.word(address), word)).unwrap();
+    }
+    trial.setup.sets[1] = network;
     let [found, expected] = trial.crcs();
     assert_eq!(found, expected);
     let sent = trial.rig.camera.frame;
@@ -178,4 +180,12 @@ fn while_the_screens_clock_stands_weights_are_loaded_and_pictures_made() {
     trial.rig.shown_at.clear();
     trial.recovers("clock of the screen");
     assert_eq!(trial.told(), [1, 0]);
+    // What was loaded meanwhile makes the right pictures.
+    trial.rig.control(DisplayMode::Colour, 1).unwrap();
+    let sent = trial.rig.camera.frame;
+    trial.rig.send(sent + 2).unwrap();
+    trial.rig.screen.forget();
+    trial.rig.shown_at.clear();
+    trial.pictures = trial.setup.pictures(&trial.frames, 1, DisplayMode::Colour);
+    trial.recovers("other weights");
 }

@@ -15,6 +15,7 @@
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
 //! | | [`knobs`] | what can be left out: a curve for each knob |
 //! | | [`known_blurs`] | blind deconvolution of drawn blurs |
+//! | | [`aperture`] | a coded lens against smaller apertures of its clear lens, in equal light |
 //! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`demo`] | one scene at four depths through several lenses |
 //! | | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
@@ -24,6 +25,7 @@
 //! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo_report`] | the demo's verdict and its report |
 
+pub mod aperture;
 pub mod demo;
 pub mod demo_report;
 pub mod design;

@@ -22,7 +22,7 @@ use edof_report::plot::side_by_side;
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
 use ndarray::{Array1, Array2, Array3, Array4, aview1};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Show what a camera's optics do, or design a mask
 ///
@@ -363,6 +363,16 @@ fn tell(judged: &Judged, task: &Task, ui: &Ui) -> Result<(), Error> {
     Ok(())
 }
 
+/// Statistics of a folder's photographs.
+///
+/// # Errors
+/// Nothing in it, or nothing large enough.
+pub fn statistics(folder: &Path, ui: &Ui) -> Result<Statistics, Error> {
+    let (photos, skipped) = edof_io::photo::load_folder(folder)?;
+    skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
+    Statistics::of_photos(photos.iter().map(|(_, photo)| photo)).map_err(|e| said::of_file(folder, e))
+}
+
 impl Design {
     /// The given lens and sensor, with the asked range.
     fn base(&self) -> Result<Camera, Error> {
@@ -393,9 +403,7 @@ impl Design {
 
     fn statistics(&self, ui: &Ui) -> Result<Statistics, Error> {
         let Some(folder) = &self.images else { return Ok(Statistics::natural()) };
-        let (photos, skipped) = edof_io::photo::load_folder(folder)?;
-        skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
-        Statistics::of_photos(photos.iter().map(|(_, photo)| photo)).map_err(|e| said::of_file(folder, e))
+        statistics(folder, ui)
     }
 
     fn source(&self, verdict: &Verdict, judged: usize) -> String {

@@ -1,5 +1,6 @@
 //! `edof study`: experiments on photographs.
 
+mod aperture;
 mod bits;
 mod blind;
 mod design;
@@ -46,6 +47,7 @@ enum Experiment {
     Dictionary(dictionary::Args),
     Stability(stability::Args),
     Bits(bits::Args),
+    Aperture(aperture::Args),
 }
 
 /// # Errors
@@ -62,5 +64,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::Dictionary(args) => dictionary::run(args, ui),
         Experiment::Stability(args) => stability::run(args, ui),
         Experiment::Bits(args) => bits::run(args, ui),
+        Experiment::Aperture(args) => aperture::run(args, ui),
     }
 }
