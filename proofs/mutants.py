@@ -1,0 +1,293 @@
+#!/usr/bin/env python3
+"""Mutants of the circuit: small faults in its Verilog, each of which a test must see.
+
+Without --draw those of mutants.json, each with the test that must see it. With --draw as many as are asked for, at random: what may see one is the
+bench of the calculator (`bench`), then the proofs of the blocks that it is in, then, with --core, the bench of the whole core. A mutant that nothing sees
+is tried for equivalence with the original; what is left is listed as survived.
+"""
+
+import argparse
+import concurrent.futures
+import collections
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import prove
+
+HERE = pathlib.Path(__file__).parent
+# What is no part of a circuit's behaviour: comments, declarations, ports, parameters, memory images, checks of the simulation.
+SKIPPED = re.compile(r"^\s*(//|`|\(\*|input |output |inout |module |endmodule|reg [^=]*;|wire [^=]*;|integer |initial|parameter |genvar |"
+                     r"for |localparam [^=]*\b(INIT|IMAGE)|wire unused|generate|endgenerate|begin|end\b|\)|#?\(|if \(image)|\$fatal|\$fopen|\$fclose|\$readmem|INIT")
+NUMBER = re.compile(r"\b(\d+)'([dhb])([0-9a-f]+)\b")
+# Name, what is found, what takes its place.
+SWAPS = [("and-or", " && ", " || "), ("or-and", " || ", " && "), ("equal-unlike", " == ", " != "), ("unlike-equal", " != ", " == "),
+         ("plus-minus", " + ", " - "), ("minus-plus", " - ", " + "), ("above-from", " > ", " >= "), ("from-above", " >= ", " > "),
+         ("below-upto", " < ", " <= "), ("left-right", " << ", " >> "), ("right-left", " >> ", " << "), ("bits-and-or", " & ", " | "),
+         ("bits-or-and", " | ", " & "), ("xor-or", " ^ ", " | ")]
+
+
+def sites(text):
+    """Every mutant of a module: name of the operator, line, mutated line."""
+    found = []
+    for number, line in enumerate(text.split("\n")):
+        code, slashes, comment = line.partition("//")
+        if SKIPPED.search(code) or not code.strip():
+            continue
+        rest = slashes + comment
+
+        def add(name, mutated):
+            if mutated != code:
+                found.append((name, number, mutated + rest))
+
+        for name, old, new in SWAPS:
+            for at in re.finditer(re.escape(old), code):
+                add(name, code[:at.start()] + new + code[at.end():])
+        for at in re.finditer(r"!(?=[\w(])", code):
+            add("no-not", code[:at.start()] + code[at.end():])
+        for at in NUMBER.finditer(code):
+            bits, base, digits = int(at[1]), at[2], at[3]
+            value = int(digits, {"d": 10, "h": 16, "b": 2}[base])
+            if bits <= 64:
+                add("off-by-one", f"{code[:at.start()]}{bits}'d{(value + 1) % (1 << bits)}{code[at.end():]}")
+        for at in re.finditer(r"\bif \((.*)\)(?= )", code):
+            add("always", f"{code[:at.start()]}if (1'b1){code[at.end():]}")
+            add("never", f"{code[:at.start()]}if (1'b0){code[at.end():]}")
+        for at in re.finditer(r"\? (\(.*?\)|[^?:()]+) : (\(.*\)|[^?:()]+)(?=;|\))", code):
+            add("swapped-choice", f"{code[:at.start()]}? {at[2]} : {at[1]}{code[at.end():]}")
+        at = re.fullmatch(r"(\s*(?:if \(.*\) |else |else if \(.*\) |\d+'d\d+: )?)([\w\[\]:]+ (<=|=) .*;)\s*", code)
+        if at and not code.strip().startswith(("assign", "wire", "localparam")):
+            add("dropped", f"{at[1]};")
+        for at in re.finditer(r"\[(\d+)\]", code):
+            if int(at[1]) > 0:
+                add("bit-below", f"{code[:at.start()]}[{int(at[1]) - 1}]{code[at.end():]}")
+    return found
+
+
+class Mutant:
+    """A fault in one file."""
+
+    def __init__(self, name, file, text, what):
+        self.name, self.file, self.text, self.what = name, file, text, what
+
+
+def run(command, folder, said, limit=None):
+    """The exit status of a command, nothing if it took too long; what it says goes to a file. It ends with this program (prove.stop)."""
+    child = subprocess.Popen(command, cwd=folder, stdout=said, stderr=subprocess.STDOUT, start_new_session=True)
+    prove.RUNNING.add(child.pid)
+    try:
+        return child.wait(limit)
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        prove.end_session(child.pid)
+        child.wait()
+        prove.RUNNING.discard(child.pid)
+
+
+def bench_of(generated, mutant, bench, limit, out):
+    """Whether a bench of the generated directory sees the mutant; nothing where it is no Verilog any more."""
+    with tempfile.TemporaryDirectory(dir=out) as folder:
+        folder = pathlib.Path(folder)
+        for part in ("mem", "sim"):
+            (folder / part).symlink_to(generated / part)
+        (folder / "rtl").mkdir()
+        files = (generated / "sim" / f"{bench}.f").read_text().split()
+        for file in files:
+            if file.startswith("rtl/"):
+                text = mutant.text if file == f"rtl/{mutant.file}" else None
+                if text is None:
+                    (folder / file).symlink_to(generated / file)
+                else:
+                    (folder / file).write_text(text)
+        with open(folder / "said", "w+") as said:
+            command = ["iverilog", "-g2012", "-Wno-timescale", "-s", f"edof_{bench}", "-o", "bench", "-c", f"sim/{bench}.f"]
+            if run(command, folder, said):
+                return None
+            # A mutant may stand still in one instant.
+            said.seek(0)
+            said.truncate()
+            run(["vvp", "-n", "bench"], folder, said, limit)
+            said.seek(0)
+            return "PASS" not in said.read(1 << 20)
+
+
+def proof_of(generated, mutant, task, out, patience):
+    """Whether a proof sees the mutant, to the depth of its broken copies."""
+    with tempfile.TemporaryDirectory(dir=out) as folder:
+        sources = pathlib.Path(folder) / "rtl"
+        shutil.copytree(generated / "rtl", sources)
+        (sources / mutant.file).write_text(mutant.text)
+        _, _, how = prove.run(task, "bmc", sources, pathlib.Path(folder), {"name": "mutant", "file": None}, patience)
+        return how.startswith("FAIL")
+
+
+def is_equivalent(generated, mutant, out, patience):
+    """Whether Yosys proves that the mutant is no other circuit, registers by their names."""
+    module = mutant.file.removesuffix(".v")
+    with tempfile.TemporaryDirectory(dir=out) as folder:
+        folder = pathlib.Path(folder)
+        (folder / "gate.v").write_text(mutant.text)
+        (folder / "gold.v").write_text((generated / "rtl" / mutant.file).read_text())
+        boxes = " ".join(str(path) for path in sorted((generated / "rtl").glob("*.v")) if path.name not in (mutant.file, "kc705_top.v"))
+        side = f"hierarchy -top {module}; proc; memory; opt_clean; "
+        script = (f"read_verilog gold.v; read_verilog -lib {boxes}; {side} rename {module} gold; design -stash gold; "
+                  f"read_verilog gate.v; read_verilog -lib {boxes}; {side} rename {module} gate; design -stash gate; "
+                  "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+                  "equiv_make gold gate equal; hierarchy -top equal; opt_clean; equiv_struct; equiv_simple -seq 3; equiv_induct -seq 3; "
+                  "equiv_status -assert")
+        with open(folder / "said", "w") as said:
+            return run(["yosys", "-q", "-p", script], folder, said, 60 * patience) == 0
+
+
+def curated(generated):
+    """Those of mutants.json."""
+    for row in json.loads((HERE / "mutants.json").read_text()):
+        text = (generated / "rtl" / row["file"]).read_text()
+        text, count = re.subn(row["pattern"], lambda _: row["new"], text)
+        if count != 1:
+            sys.exit(f"mutants.py: '{row['pattern']}' stands {count} times in {row['file']}, not once")
+        yield Mutant(row["name"], row["file"], text, row["new"]), row["seen_by"]
+
+
+def drawn(generated, blocks, seed):
+    """One after the other, each block as often as it has places for a fault."""
+    draw = random.Random(seed)
+    places = []
+    for file in sorted(blocks):
+        text = (generated / "rtl" / file).read_text()
+        places += [(file, *site) for site in sites(text)]
+    draw.shuffle(places)
+    for file, operator, number, line in places:
+        lines = (generated / "rtl" / file).read_text().split("\n")
+        was, lines[number] = lines[number], line
+        yield Mutant(f"{file}:{number + 1}:{operator}", file, "\n".join(lines), f"{was.strip()} -> {line.strip()}")
+
+
+class Tests:
+    """What there is to see a mutant."""
+
+    def __init__(self, options, out):
+        self.generated, self.out, self.patience, self.core = options.generated.resolve(), out, options.patience, options.core
+        self.limit = options.limit
+        table = json.loads((HERE / "proofs.json").read_text())
+        self.tasks = {task["name"]: task for task in table}
+        self.of_file = collections.defaultdict(list)
+        for task in table:
+            if not task.get("long"):
+                for file in task["files"]:
+                    if not (HERE / file).exists():
+                        self.of_file[file].append(task["name"])
+        self.in_bench = {"bench": self.below("chain"), "core_bench": self.below("edof_core")}
+
+    def below(self, top):
+        """The files of a module and of all its parts."""
+        texts = {path.stem: path.read_text() for path in (self.generated / "rtl").glob("*.v")}
+        found, left = set(), [top]
+        while left:
+            module = left.pop()
+            if module not in found:
+                found.add(module)
+                left += [part for part in re.findall(r"^\s*(\w+) (?:#\(|\w+ \()", texts[module], re.MULTILINE) if part in texts]
+        # What the benches of a frame of another size replace has another text there.
+        replaced = {path.name for path in (self.generated / "sim" / "rtl").glob("*.v")} if top != "chain" else set()
+        return {f"{module}.v" for module in found} - replaced
+
+    def sees(self, name, mutant):
+        if name in self.in_bench:
+            return bench_of(self.generated, mutant, name, self.limit * (40 if name == "core_bench" else 1), self.out)
+        return proof_of(self.generated, mutant, self.tasks[name], self.out, self.patience)
+
+    def names(self, file):
+        benches = [bench for bench in ("bench",) if file in self.in_bench[bench]]
+        return benches + self.of_file[file] + (["core_bench"] if self.core and file in self.in_bench["core_bench"] else [])
+
+    def verdict(self, mutant):
+        """By what it is seen, or what else becomes of it."""
+        for name in self.names(mutant.file):
+            seen = self.sees(name, mutant)
+            if seen is None:
+                return "no Verilog"
+            if seen:
+                return f"seen by {name}"
+        return "equivalent" if is_equivalent(self.generated, mutant, self.out, self.patience) else "survived"
+
+
+def score(results, out):
+    """A table by block, and whoever survived."""
+    blocks = collections.defaultdict(collections.Counter)
+    for mutant, verdict in results:
+        blocks[mutant.file.removesuffix(".v")][verdict.split(" by ")[0]] += 1
+    lines = ["| block | drawn | seen | equivalent | survived |", "|---|---|---|---|---|"]
+    total = collections.Counter()
+    for block, counts in sorted(blocks.items()):
+        total.update(counts)
+        lines.append(f"| `{block}` | {sum(counts.values())} | {counts['seen']} | {counts['equivalent']} | {counts['survived']} |")
+    lines.append(f"| all | {sum(total.values())} | {total['seen']} | {total['equivalent']} | {total['survived']} |")
+    others = total["seen"] + total["survived"]
+    lines += ["", f"{total['seen']} of {others} that are no equivalents were seen, {100 * total['seen'] / max(1, others):.1f} %."]
+    lines += [f"- survived: `{mutant.name}`: `{mutant.what}`" for mutant, verdict in results if verdict == "survived"]
+    (out / "score.md").write_text("\n".join(lines) + "\n")
+    print("\n".join(lines), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--generated", type=pathlib.Path, required=True, help="directory that `edof generate --design tiny` wrote")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for what is made on the way, and for score.md")
+    parser.add_argument("--draw", type=int, metavar="N", help="draw N mutants in place of those of mutants.json")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--core", action="store_true", help="the bench of the whole core, too: a minute for each that is left")
+    parser.add_argument("--limit", type=float, default=60, help="seconds for a run of the bench of the calculator")
+    parser.add_argument("--patience", type=float, default=1, help="times as long before a proof is given up")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("block", nargs="*", help="only mutants of these blocks")
+    options = parser.parse_args()
+    out = options.out.resolve()
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir(parents=True)
+    tests = Tests(options, out)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, prove.stop)
+    start = time.monotonic()
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        if options.draw is None:
+            rows = [row for row in curated(tests.generated) if not options.block or row[0].file.removesuffix(".v") in options.block]
+            waiting = {pool.submit(tests.sees, by, mutant): (mutant, by) for mutant, by in rows}
+            missed = 0
+            for job in concurrent.futures.as_completed(waiting):
+                mutant, by = waiting[job]
+                missed += not job.result()
+                print(f"{'seen  ' if job.result() else 'MISSED'} {mutant.name} in {mutant.file} by {by}", flush=True)
+            if missed:
+                sys.exit(f"{missed} of {len(rows)} mutants were not seen")
+            print(f"all {len(rows)} mutants were seen in {time.monotonic() - start:.0f} s")
+            return
+        known = {file for file in (path.name for path in (tests.generated / "rtl").glob("*.v")) if tests.names(file)}
+        wanted = {f"{block}.v" for block in options.block} or known
+        source, results = drawn(tests.generated, wanted & known, options.seed), []
+
+        def one(mutant):
+            verdict = tests.verdict(mutant)
+            print(f"{verdict}: {mutant.name}: {mutant.what}", flush=True)
+            return mutant, verdict
+
+        # What is no Verilog any more is drawn again.
+        while len(results) < options.draw:
+            batch = [mutant for mutant, _ in zip(source, range(options.draw - len(results)))]
+            if not batch:
+                break
+            results += [result for result in pool.map(one, batch) if result[1] != "no Verilog"]
+        score(results, out)
+
+
+if __name__ == "__main__":
+    main()
