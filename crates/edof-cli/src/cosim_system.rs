@@ -92,7 +92,7 @@ impl Args {
 
 /// How a core is run.
 pub struct Run<'a> {
-    /// Of everything drawn.
+    /// Of everything random.
     pub seed: u64,
     /// Whether Icarus runs the same frames.
     pub icarus: bool,

@@ -66,7 +66,7 @@ const SETTLE: usize = 5;
 const SHOWN: usize = 2;
 const COPY: u32 = 120;
 
-/// A host that compares so many frames: each with a copy of its own of all CRCs.
+/// A host that compares N frames: each with a copy of its own of all CRCs.
 fn comparison(golden: &FrameChecks, frames: usize) -> Vec<Step> {
     let status = |name: &str| map::register(name).unwrap().address;
     let mut steps = vec![Step::Changed(status("picture_frames")); SETTLE];
@@ -95,7 +95,7 @@ fn comparison(golden: &FrameChecks, frames: usize) -> Vec<Step> {
     steps
 }
 
-/// So many frames of each pattern, or of the source, through a core in Icarus: all CRCs as the golden pipeline's.
+/// N frames of each pattern, or of the source, through a core in Icarus: all CRCs as the golden pipeline's.
 fn frames_are_exact_in_icarus(sources: &[(Option<Pattern>, usize)]) {
     let design = design(8, 8, (16, 16));
     let sets = networks(&design, 7);

@@ -39,7 +39,7 @@ fn first(line: VerilogBoard) -> Boundary {
     checked.difference.expect("the fault is found").boundary
 }
 
-/// Parts that a self-test finds at fault but for the chips, which a core by itself has not, and what is said of the first.
+/// Parts that a self-test finds at fault except for the chips, which a core by itself has not, and what is said of the first.
 fn failing(line: VerilogBoard) -> (Vec<&'static str>, String) {
     let setup = setup();
     let golden = Golden::new(setup.sets[0].clone()).unwrap();

@@ -1,4 +1,4 @@
-//! A frame of 1920 × 1080 through the files of which the board's bitstream is made: bursts, FIFOs, lines and counters are those of `kc705`. Its
+//! A frame of 1920 × 1080 through the files that the bitstream is made of: bursts, FIFOs, lines and counters are those of `kc705`. Its
 //! calculator alone is a small one, so that a simulation ends.
 
 use crate::common::{committed, networks};

@@ -131,7 +131,7 @@ fn what_only_checks_pictures_takes_less_than_three_percent_of_the_core() {
     assert!(found[0] <= OF_SELF_CHECK[0] && found[1] <= OF_SELF_CHECK[1], "{found:?}");
 }
 
-/// LUTs and halves of block RAMs of all that only tells whether pictures are right: CRCs of frames, patterns, the window to pictures, counters
+/// LUTs and halves of block RAMs of all that only shows whether pictures are right: CRCs of frames, patterns, the window to pictures, counters
 /// of cycles, and what shows them to the host.
 fn self_check(design: &Design) -> [usize; 2] {
     let cells = |source: &Source| synthesize(source, &Options::default()).unwrap().cells;

@@ -19,7 +19,7 @@ pub enum Step {
     Write(u32, u32),
     /// Reads, and expects this word.
     Expect(u32, u32),
-    /// Waits so many cycles of the core.
+    /// Waits for N cycles of the core.
     Wait(u32),
     /// Reads until this word comes.
     Until(u32, u32),

@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 /// Functional models of block RAMs, in place of Yosys' empty ones.
 const BLOCK_RAM: &str = include_str!("../../../../sim/cells/block_ram.v");
 
-/// Yosys 0.23 finds no cell for a ROM that must not be a block RAM; without being told it makes it of logic, as Vivado does.
+/// Yosys 0.23 finds no cell for a ROM that must not be a block RAM; without the attribute it uses logic, as Vivado does.
 const ROM_STYLE: &str = "(* rom_style = \"distributed\" *)";
 
 /// The design laid flat and mapped by `synth_xilinx`, with models of its cells: Yosys' own, and ours of block RAMs. Top and ports stay; memory
 /// images become part of the cells, and contents that nothing states are 0.
 ///
 /// # Errors
-/// Yosys or its models are missing, or it refuses the design.
+/// Yosys or its models are missing, or it rejects the design.
 pub fn mapped(source: &Source, options: &Options) -> Result<Source, Error> {
     let work = work::folder()?;
     let free = |(name, text): &(String, String)| (name.clone(), text.replace(ROM_STYLE, ""));
