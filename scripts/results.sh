@@ -63,6 +63,8 @@ quote() {
                 if (line !~ /^\|/) { if (count) break; else continue }
                 split(line, cell, "|")
                 kept = cell[2] ~ /^ (demosaic-malvar|edof-t4w12-(outer|outer-light|clear)\.fixed) $/ && cell[3] ~ /^ (ring-outer|clear-mid) $/
+                gsub(" / ", "/", line)
+                split(line, cell, "|")
                 if (++count <= 2 || kept) print "|" cell[2] "|" cell[3] "|" cell[4] "|" cell[6] "|" cell[8] "|"
             }
             skip = 1

@@ -297,7 +297,7 @@ const TRAIN: &str = "train --form two-sided,w8,t2,c8 --camera clear --images pho
 fn an_empty_training_folder() {
     let place = Place::new();
     std::fs::create_dir(place.path("photos")).unwrap();
-    refused_without_a_trace(&place, TRAIN, &["photos: holds no photographs", ".png"]);
+    refused_without_a_trace(&place, TRAIN, &["photos: contains no photographs", ".png"]);
 }
 
 #[test]
@@ -353,14 +353,15 @@ fn a_pipe_among_photographs_or_beside_a_frame_is_waited_for_by_nobody() {
     let place = ready();
     std::fs::create_dir(place.path("photos")).unwrap();
     place.pipe("photos/p03.png");
-    place
-        .edof_within_bounds(&TRAIN.replace("--out net", "--out new"))
-        .refused(&["1 photograph, none of which can be read", "photos/p03.png: cannot read: is no file"]);
+    place.edof_within_bounds(&TRAIN.replace("--out net", "--out new")).refused(&[
+        "1 photograph, none of which can be read",
+        "photos/p03.png: cannot read: not a regular file",
+    ]);
     place
         .edof_within_bounds("study kodak --nets edof-t4w12 --images photos --psi 0")
-        .refused(&["photos", "p03.png: cannot read: is no file"]);
+        .refused(&["photos", "p03.png: cannot read: not a regular file"]);
     place.pipe("raw.png.json");
-    place.edof_within_bounds(RECONSTRUCT).refused(&["raw.png.json: cannot read: is no file"]);
+    place.edof_within_bounds(RECONSTRUCT).refused(&["raw.png.json: cannot read: not a regular file"]);
     std::fs::create_dir(place.path("cases")).unwrap();
     place.pipe("cases/a.json");
     place.edof_within_bounds("study stability --cases cases").refused(&["cases"]);

@@ -157,7 +157,7 @@ fn weights_go_onto_it_and_its_picture_changes_to_theirs(more: &str) {
     place.edof("board set weights[0x200000] 5 --port board").done();
     place
         .edof("board set weights[0x200100] 5 --port board")
-        .refused(&["words for 0x8800400 are refused: they belong to the bank or the tables in use"]);
+        .refused(&["words for 0x8800400 are rejected: they belong to the bank or the tables in use"]);
     let ended = sim.end(&place);
     assert_eq!(ended["kind"], if more.is_empty() { "rust" } else { "rtl" });
 }
@@ -214,7 +214,7 @@ fn a_simulated_board_is_exact_and_says_so() {
     board(&place, "picture get out.png --at 32,16");
     assert!(place.path("out.png").exists());
     board(&place, "picture off");
-    // Another network's pictures are refused by name.
+    // Another network's pictures are rejected by name.
     drawn(&place, "other", 6);
     let other = place.edof("board check other.fixed.safetensors --port board");
     other.refused(&["bank", "holds none of the networks that fit"]);
@@ -228,7 +228,7 @@ pub fn wait(what: &str, is_so: impl Fn() -> bool) {
     }
 }
 
-/// Loads that are ended by a signal at drawn moments: what was in use stays, no frame is made of words of two networks, the next load succeeds.
+/// Loads that are ended by a signal at random moments: what was in use stays, no frame is made of words of two networks, the next load succeeds.
 fn hosts_are_killed(seed: u64, times: usize) {
     let place = Place::new();
     let names = ["one", "two"];
@@ -261,7 +261,7 @@ fn hosts_are_killed(seed: u64, times: usize) {
             let line = format!("board verify {}.fixed.safetensors --port board", names[index]);
             place.edof(&line).code == Some(0)
         };
-        // Whoever is killed after the last word has loaded.
+        // Anybody who is killed after the last word has loaded.
         assert!(holds(in_use) || holds(other), "{told}: the bank in use holds neither");
         board(&place, &load(names[other]));
         assert!(holds(other), "{told}: the next load is not in use");
@@ -307,7 +307,7 @@ fn ctrl_c_on_a_terminal_ends_a_watch_and_a_load() {
     let sim = Sim::start(&place, "--weights old.fixed.safetensors");
     // Each look clears the screen.
     let said = on_a_terminal(&place, (3, "\\x1b[2J"), "status --watch --seconds 0.1");
-    assert!(said.contains("pictures a second") && said.contains("edof: interrupted"), "{said}");
+    assert!(said.contains("pictures per second") && said.contains("edof: interrupted"), "{said}");
     assert!(said.ends_with("pressed True, status 130\n"), "{said}");
     let said = on_a_terminal(&place, (2, "words"), "load new.fixed.safetensors --full --read-back");
     assert!(said.contains("edof: interrupted") && said.ends_with("pressed True, status 130\n"), "{said}");
@@ -362,7 +362,7 @@ fn what_cannot_be_loaded_is_told_in_one_line() {
     }
     place.pipe("pipe");
     place.edof_within_bounds("board info --port pipe").refused(&["pipe: is a pipe, a socket or a disk"]);
-    place.edof("board sim --rtl --baud 100").refused(&["100 bits a second: must be 12208 to 25000000"]);
+    place.edof("board sim --rtl --baud 100").refused(&["100 bits per second: must be 12208 to 25000000"]);
     place
         .edof("board load paper-t4 --design kc705 --port nowhere")
         .refused(&["paper-t4 does not fit design kc705"]);

@@ -1,4 +1,4 @@
-//! What programs are told of a board: one object a command, failures too, a line a look, and how far a load is.
+//! JSON of the board commands: one object per command, failures too, one line per snapshot, and progress of a load.
 
 #![cfg(target_os = "linux")]
 

@@ -1,4 +1,4 @@
-//! What a user states and a frame's record says otherwise: refused, or taken and told where --force says so.
+//! Options that contradict a frame's record: rejected, or accepted with a note under --force.
 
 use crate::support::Place;
 

@@ -102,7 +102,7 @@ fn a_study_of_photographs_without_numbers_takes_all_and_says_so() {
     assert!(rows.contains("beach") && rows.contains("forest"), "{rows}");
     // One number is a choice.
     place.photo("photos/p04.png", 64, 48);
-    place.edof(study).refused(&["photos: holds no readable photograph of 'test'"]);
+    place.edof(study).refused(&["photos: contains no readable photograph of 'test'"]);
 }
 
 /// NumPy's own files: stored, compressed, of halves, and one array a file.
@@ -174,7 +174,7 @@ fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
         place.edof("design check mine.json --weights drawn.fixed.safetensors").done().out.contains("fits it")
     );
     place.edof("estimate --design mine.json").done();
-    // The README of a generated directory promises the same.
+    // The README of a generated directory states the same.
     place.edof("generate --design mine.json --weights drawn.fixed.safetensors --out board").done();
     let page = std::fs::read_to_string(place.path("board/README.md")).unwrap();
     let cycles = promise["cycles_per_patch"].as_f64().unwrap();
@@ -183,7 +183,7 @@ fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
             && page.contains(&format!("{cycles:.1} cycles per patch")),
         "{page}"
     );
-    // What cannot be is told by the option.
+    // An impossible value is reported with its option.
     for (options, told) in [
         ("--form w8,t3,c63", "--form: form.codes 63: must be even"),
         ("--form w8,t3 --clock-mhz 1e99", "--clock-mhz 1e99: clock_mhz 1e99: must be above 0"),

@@ -332,7 +332,7 @@ fn a_co_simulation_of_nothing_is_refused() {
     }
 }
 
-/// A demo of the design tiny with a drawn network.
+/// A demo of the design tiny with a random network.
 fn demo_of_tiny(place: &Place) -> Command {
     place.edof("random-network --form one-sided,w8,t4,c16,r --out drawn.fixed.safetensors").done();
     place.command(
@@ -375,11 +375,11 @@ fn the_demo_and_the_system_show_what_the_board_would() {
     assert!(place.edof(line).done().out.contains("Icarus: PASS: 3 pictures"));
 }
 
-/// Share of cycles that is to be left at 60 frames a second.
+/// Share of cycles that is to be left at 60 frames per second.
 const SPARE: f64 = 0.05;
 
 /// `kc705` with the network that it is planned with, on photographs as its camera captures them at three depths with a noise of 0.01: none takes
-/// more cycles than its clock leaves at 60 frames a second, less those that are to be left.
+/// more cycles than its clock leaves at 60 frames per second, less those that are to be left.
 fn cycles_are_left(photographs: &[&str]) {
     let folder = std::env::var_os("EDOF_KODAK").map_or_else(
         || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/kodak"),
@@ -405,7 +405,7 @@ fn cycles_are_left(photographs: &[&str]) {
         let cycles = picture["cycles_per_patch"].as_f64().unwrap();
         assert!(
             cycles > 96.0 && cycles <= (1.0 - SPARE) * limit,
-            "{limit:.1} cycles a patch at most: {picture}"
+            "{limit:.1} cycles per patch at most: {picture}"
         );
     }
 }

@@ -166,7 +166,7 @@ fn a_lens_with_coma_is_seen_trained_for_and_reconstructed() {
         (&a - &b).mapv(|v| v * v).sum()
     };
     assert!(error(0) < error(1), "{} {}", error(0), error(1));
-    // Another lens's network is refused, and integers cannot be made without the bank.
+    // Another lens's network is rejected, and integers cannot be made without the bank.
     place.edof("reconstruct raw.png --float --weights edof-t4w12 --out no.png").refused(&["taken by clear"]);
     std::fs::rename(place.path("coma.npz"), place.path("photos/coma.npz")).unwrap();
     place

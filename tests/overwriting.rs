@@ -85,7 +85,7 @@ fn no_output_replaces_an_input() {
         "generate --design design.json --weights net.fixed.safetensors --out out --json design.json"
             .to_owned(),
     ] {
-        // Designs and networks of a form of their own may be refused for that first; nothing may be written anyway.
+        // Designs and networks of a form of their own may be rejected for that first; nothing may be written anyway.
         let run = place.edof(&line);
         if !line.starts_with("generate") {
             assert!(run.err.contains("would replace"), "{line}: {}", run.err);

@@ -4,7 +4,7 @@ use crate::support::Place;
 use edof_io::raw::{self, RawOptions};
 use serde_json::Value;
 
-/// Frame and video of a scene that is drawn, with a network beside them.
+/// Frame and video of a synthetic scene, with a network beside them.
 fn captured(more: &str) -> Place {
     let place = Place::new();
     place.fixed_network("net.safetensors");

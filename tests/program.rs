@@ -15,6 +15,7 @@ mod kept;
 mod optics;
 mod overwriting;
 mod playout;
+mod prose;
 mod provenance;
 mod saturations;
 mod sizes;

@@ -1,4 +1,4 @@
-//! Every result says how it came to be; frames know what they are.
+//! Every result says how it was made; frames know what they are.
 
 use crate::support::Place;
 use crate::workspace::root;
@@ -148,7 +148,7 @@ fn a_record_of_another_frame_is_refused() {
     let line = "reconstruct raw.png --weights net.safetensors --out out.png";
     place.edof(line).refused(&["raw.png.json", "describes another frame"]);
     place.write("raw.png.json", "{}");
-    place.edof(line).refused(&["raw.png.json", "no record of a raw frame"]);
+    place.edof(line).refused(&["raw.png.json", "invalid raw-frame record"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! No file of Rust is longer than 500 lines and no function longer than 80, but for those that are listed with a reason.
+//! No file of Rust is longer than 500 lines and no function longer than 80, except for those that are listed with a reason.
 
 use crate::workspace::{packages, root, sources};
 

@@ -1,4 +1,4 @@
-//! Numbers that no machine or lens can serve are refused in one line, before any work.
+//! Numbers that no machine or lens can serve are rejected in one line, before any work.
 
 use crate::support;
 use crate::support::Place;

@@ -109,7 +109,7 @@ fn cameras(place: &Place) {
 const MASK: &str =
     r#""height_map": { "file": "nothere.png", "white_um": 1.2, "cauchy": [1.4, 0.003] }, "rings""#;
 
-/// A ring of a wavelength that is none.
+/// A ring of a NaN wavelength.
 const RINGS: &str =
     r#""rings": [{ "inner": 0.2, "outer": 0.5, "delay": { "phase": { "rad": 6.8, "at_nm": 0 } } }]"#;
 

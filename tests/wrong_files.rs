@@ -128,7 +128,7 @@ const RECONSTRUCT: &str = "reconstruct raw.png --weights net.fixed.safetensors -
 const CAPTURE: &str = "capture photo.png --no-measure --out o.png";
 const TRAIN: &str = "train --form two-sided,w8,t2,c8 --camera clear --images photos --photos all --out o";
 
-/// Commands and, for each of their options, values that it cannot have. What is refused as usage has exit status 2.
+/// Commands and, for each of their options, values that it cannot have. What is rejected as usage has exit status 2.
 const OPTIONS: [(&str, &[&str]); 23] = [
     (
         RECONSTRUCT,
@@ -290,8 +290,8 @@ const OPTIONS: [(&str, &[&str]); 23] = [
             "--noise nan",
             "--worst-weight 2",
             "--window 9",
-            "--most-phase 0",
-            "--most-phase inf",
+            "--max-phase 0",
+            "--max-phase inf",
             "--population 1",
             "--population 99999999",
             "--generations 0",

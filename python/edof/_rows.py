@@ -46,5 +46,5 @@ def rows(path: Union[str, PathLike[str]]) -> list[dict[str, Any]]:
         elif study:
             found.append({**study, **_plain(fields)})
         else:
-            raise EdofError(f"{path}: holds no rows of a study")
+            raise EdofError(f"{path}: contains no rows of a study")
     return found

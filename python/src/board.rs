@@ -274,7 +274,7 @@ impl PyBoard {
         self.with(py, |board| board.reset(&design))
     }
 
-    /// Lets a simulated board run for so many seconds of its time.
+    /// Lets a simulated board run for N seconds of its time.
     fn run(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
         let seconds = crate::arguments::positive(seconds, "seconds")?;
         if seconds > 60.0 {

@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 /// Most cycles of a pattern.
 const MOST_CYCLES: u64 = 1 << 32;
 
-/// Stalls of both ends: in `stalled` of 256 cycles, drawn from a seed.
+/// Stalls of both ends: in `stalled` of 256 cycles, random from a seed.
 fn stalls(seed: Option<&Bound<'_, PyAny>>, stalled: Option<&Bound<'_, PyAny>>) -> PyResult<Stalls> {
     let seed = seed.map_or(Ok(0), |value| whole(value, "seed", 0, u64::MAX))?;
     let stalled = stalled.map_or(Ok(0), |value| whole(value, "stalled", 0, 255))?;

@@ -12,7 +12,7 @@ use std::time::Duration;
 /// How long Ctrl-C waits at most.
 const TICK: Duration = Duration::from_millis(50);
 
-/// What work that tells how far it is is told: to end where its flag is set.
+/// Answer to work that reports progress: end if its flag is set.
 pub fn flow(stop: &AtomicBool) -> ControlFlow<()> {
     if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

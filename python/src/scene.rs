@@ -15,7 +15,7 @@ use numpy::{IntoPyArray, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// Largest side of a drawn scene in pixels.
+/// Largest side of a synthetic scene in pixels.
 const MOST_SIDE: usize = 1 << 16;
 
 /// Layers of light at depths. See `edof.Scene` in the type stubs.

@@ -22,7 +22,7 @@ def test_numbers_without_a_form_come_back_and_other_files_are_rejected(tmp_path:
     (row,) = edof.rows(file)
     assert row["psnr_db"] == float("inf") and row["channel_psnr_db"][2] == float("-inf") and row["image"] == "inf"
     assert (row["study"], row["revision"]) == ("kodak", "abc")
-    for text, message in [('{"study":"k","layout":2}\n{"a":', "line 2 is no row"), ('{"a":1}\n', "holds no rows of a study"), ("[1]\n", "line 1 is no row")]:
+    for text, message in [('{"study":"k","layout":2}\n{"a":', "line 2 is no row"), ('{"a":1}\n', "contains no rows of a study"), ("[1]\n", "line 1 is no row")]:
         file.write_text(text)
         with pytest.raises(edof.EdofError, match=message):
             edof.rows(file)

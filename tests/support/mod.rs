@@ -32,7 +32,7 @@ impl Place {
         self.command(line).output().unwrap().into()
     }
 
-    /// The same, ended where it takes more than a gigabyte of addresses, three seconds of a core or a minute: what is refused
+    /// The same, ended where it takes more than a gigabyte of addresses, three seconds of a core or a minute: what is rejected
     /// takes none of these. (The program as it is tested is hardly optimised.)
     pub fn edof_within_bounds(&self, line: &str) -> Run {
         let mut command = self.prepared(Command::new("sh"));
@@ -150,7 +150,7 @@ impl Run {
         self
     }
 
-    /// It refused: status 1, one line on standard error that holds all of `words`, nothing on standard output.
+    /// The command was rejected: status 1, one line on standard error that holds all of `words`, nothing on standard output.
     #[track_caller]
     pub fn refused(self, words: &[&str]) {
         assert_eq!(self.code, Some(1), "out: {} err: {}", self.out, self.err);

@@ -89,8 +89,8 @@ pub const FILES: &[Row] = &[
         "reconstruct said.png --weights net.fixed.safetensors --out o.png",
         "",
         &[
-            "said.png.json: no record of a raw frame: unknown value `rgbg`, expected one of `rggb`",
-            "mend or delete it",
+            "said.png.json: invalid raw-frame record: unknown value `rgbg`, expected one of `rggb`",
+            "fix or delete the file",
         ],
     ),
     (
@@ -183,7 +183,7 @@ pub const ARRAYS: &[Row] = &[
         &["lens.npy", "it holds one array: name it …psf.npy and put …psi.npy beside it"],
     ),
     (CAPTURE, "--psi 1 --psf-bank my-psf.npy", &["my-psi.npy: cannot read"]),
-    (CAPTURE, "--psi 1 --psf-bank /dev/zero", &["/dev/zero: is no file"]),
+    (CAPTURE, "--psi 1 --psf-bank /dev/zero", &["/dev/zero: not a regular file"]),
 ];
 
 /// Options as they were given, with their limits.
@@ -205,7 +205,7 @@ pub const OPTIONS: &[Row] = &[
         &["--from net.safetensors: its form is one-sided,w8,t3,c4,r, that of --form two-sided,w8,t2,c8"],
     ),
     (DESIGN, "--rings 3", &["--rings: rings is 3, expected 0, 1 or 2"]),
-    (DESIGN, "--most-phase 0", &["--most-phase: largest phase is 0, expected a positive number"]),
+    (DESIGN, "--max-phase 0", &["--max-phase: largest phase is 0, expected a positive number"]),
     (DESIGN, "--worst-weight 2", &["--worst-weight: "]),
     ("optics design --out o.json", "--window 9", &["--window 9: must be 8, 12 or 16"]),
     (DESIGN, "--psi-range=0,1e308", &["--psi-range 0,1e308: camera ring-outer: psi_range is [0, 1e308]"]),
@@ -276,7 +276,7 @@ pub const OPTIONS: &[Row] = &[
     ("cosim --design tiny", "--rtl nowhere", &["--rtl nowhere: is no folder; expected the folder rtl"]),
     ("board info", "--port photo.png", &["photo.png: is a file; expected a serial port"]),
     ("board status", "--seconds 1e308", &["--seconds 1e308: must be above 0, at most 3600"]),
-    ("board info", "--patience 1e308", &["--patience 1e308: must be above 0, at most 3600"]),
+    ("board info", "--patience 1e308", &["--timeout 1e308: must be above 0, at most 3600"]),
     (
         "capture frame.png --depth-map raw.png --range 8:0 --out o.png",
         "--layers 0",

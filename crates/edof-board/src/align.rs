@@ -84,7 +84,7 @@ const PATIENCE: Duration = Duration::from_millis(250);
 
 impl<L: Line> Board<L> {
     /// Tries every polarity and tap of the receiver's clock until N sync codes came, sets the middle of the largest window that works, and
-    /// keeps it for later set-ups. `told` is told of each trial; it says whether to go on.
+    /// keeps it for later set-ups. `told` receives each trial and may end the search.
     ///
     /// # Errors
     /// The receiver is not set up, nothing comes, or nothing works, when the settings are as before; or the line fails.
@@ -137,14 +137,14 @@ impl<L: Line> Board<L> {
         Ok(trials)
     }
 
-    /// Whole and damaged codes until so many whole ones came, or one was damaged. Not of the first ones: what came before the clock moved may
+    /// Whole and damaged codes until N whole ones came, or one was damaged. Not of the first ones: what came before the clock moved may
     /// spoil them.
     fn count_codes(&mut self, wanted: u32) -> Result<[u32; 2], Error> {
         self.codes_until(SETTLING, SETTLING, SETTLED)?;
         self.codes_until(wanted, 1, PATIENCE)
     }
 
-    /// Whole and damaged codes until so many of either came, or for so long.
+    /// Whole and damaged codes until N of either came, or for so long.
     fn codes_until(&mut self, wanted: u32, damaged: u32, patience: Duration) -> Result<[u32; 2], Error> {
         let start = self.link.glance(INPUT_CODES, 2)?;
         let begun = self.link.line().time();

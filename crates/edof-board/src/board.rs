@@ -52,7 +52,7 @@ pub struct Answer {
 const STALE: usize = 2;
 /// Looks at a stage that reads before it is given up.
 const MOST_LOOKS: usize = 2_000;
-/// After so many the line is let come to rest.
+/// After N failures the line is left idle.
 const LOOKS: usize = 50;
 
 /// Looks at the patches that were made, one after the other the same, after which none are made.
@@ -213,7 +213,7 @@ impl<L: Line> Board<L> {
         Ok(of_last_patch.is_some_and(|field| (status & field.mask() != 0) == (bank == Set::Second)))
     }
 
-    /// Drops the frame that is under way; all that was written stays.
+    /// Drops the frame in progress; all that was written stays.
     ///
     /// # Errors
     /// The line fails.
@@ -223,7 +223,7 @@ impl<L: Line> Board<L> {
         self.change_control(map::FLUSH, 0)
     }
 
-    /// Begins anew with the bank that is in use: drops the frame under way, lets frames run, in colour, zeros skipped as the design says,
+    /// Begins anew with the bank that is in use: drops the frame in progress, lets frames run, in colour, zeros skipped as the design says,
     /// sets up the video chips once more and starts the stages' counters anew. Weights, thresholds and shifts stay.
     ///
     /// # Errors

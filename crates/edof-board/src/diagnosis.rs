@@ -1,21 +1,21 @@
 //! How the video chips are, in words: what each of them waits for, or that it works.
 
-use crate::status::Look;
+use crate::status::StatusSnapshot;
 use edof_device::i2c::{self, Cause};
 use serde::Serialize;
 
 /// What is said of a chip.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// What it is of: `receiver`, `transmitter`, `input`.
+    /// Chip or bus: `receiver`, `transmitter`, `input`.
     pub about: &'static str,
     /// All is well.
     pub is_good: bool,
-    /// What is missing, or how it is.
+    /// Missing items, or how it is.
     pub text: String,
 }
 
-/// Names of the colour spaces that the receiver tells, by its code.
+/// Names of the receiver's colour spaces, by code.
 const COLOUR_SPACES: [&str; 9] = [
     "RGB, limited range",
     "RGB, full range",
@@ -30,7 +30,7 @@ const COLOUR_SPACES: [&str; 9] = [
 
 /// All chips, in the order in which a picture passes them.
 #[must_use]
-pub fn findings(look: &Look) -> Vec<Finding> {
+pub fn findings(look: &StatusSnapshot) -> Vec<Finding> {
     let finding = |about, result: Result<String, String>| {
         let is_good = result.is_ok();
         Finding { about, is_good, text: result.unwrap_or_else(|missing| missing) }
@@ -43,7 +43,7 @@ pub fn findings(look: &Look) -> Vec<Finding> {
 }
 
 /// Whether the chips of a bus are set up.
-fn set_up(look: &Look, register: &str, bus: usize) -> Result<(), String> {
+fn set_up(look: &StatusSnapshot, register: &str, bus: usize) -> Result<(), String> {
     let value = |field: &str| look.value(&format!("{register}.{field}"));
     if value("done") == 1 {
         return Ok(());
@@ -69,7 +69,7 @@ fn set_up(look: &Look, register: &str, bus: usize) -> Result<(), String> {
     Err(format!("set-up failed: chip 0x{device:02x} {told} at entry {entry} ({step}): {hint}"))
 }
 
-fn receiver(look: &Look) -> Result<String, String> {
+fn receiver(look: &StatusSnapshot) -> Result<String, String> {
     let is = |name: &str| look.value(name) == 1;
     let size = [look.value("receiver_size.width"), look.value("receiver_size.height")];
     let wanted = [look.value("frame_size.width"), look.value("frame_size.height")];
@@ -104,7 +104,7 @@ fn receiver(look: &Look) -> Result<String, String> {
 }
 
 /// From the receiver's pins to the core.
-fn input(look: &Look) -> Result<String, String> {
+fn input(look: &StatusSnapshot) -> Result<String, String> {
     let is = |name: &str| look.value(name) == 1;
     if look.value("input_codes") == 0 {
         Err("no sync codes come from the receiver: its clock does not run, or 'edof board align' is needed"
@@ -119,7 +119,7 @@ fn input(look: &Look) -> Result<String, String> {
     }
 }
 
-fn transmitter(look: &Look) -> Result<String, String> {
+fn transmitter(look: &StatusSnapshot) -> Result<String, String> {
     let is = |name: &str| look.value(&format!("transmitter.{name}")) == 1;
     if is("powered_down") {
         Err("powered down: its set-up runs again".into())

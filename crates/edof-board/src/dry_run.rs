@@ -1,4 +1,4 @@
-//! How long a load takes: the same load, byte by byte, to a board that is none.
+//! Predicts the load time by running the same load, byte by byte, on a simulated board.
 
 use crate::board::{Board, control_bit};
 use crate::contents::{Part, frames, letter, other, parts, table_parts};
@@ -25,11 +25,11 @@ pub struct Plan {
     pub bank: char,
     /// Parts that would be written.
     pub written_parts: usize,
-    /// Of so many.
+    /// Number of all parts.
     pub parts: usize,
     /// Words that would be sent.
     pub words: u64,
-    /// Bits a second.
+    /// Bits per second.
     pub baud: u32,
     /// Bytes to the board and from it, those of all checks too.
     pub bytes: [u64; 2],
@@ -68,7 +68,7 @@ impl Line for Counted {
     }
 }
 
-/// What a load would do at that speed, to a bank of which `held` tells for each part the CRC that it has now; of nothing else than the design
+/// What a load would do at that speed, to a bank with the present CRC `held` of each part; of nothing else than the design
 /// where that is none.
 ///
 /// # Errors

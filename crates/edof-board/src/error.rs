@@ -46,13 +46,11 @@ pub enum Error {
     )]
     Silent { port: String, asked: u32 },
     /// What comes back is not the same twice, or what is sent does not arrive.
-    #[error(
-        "{port}: {what} did not come through in {tried} attempts: the line is too noisy, or something else talks on it"
-    )]
+    #[error("{port}: {what} failed in {tried} attempts: the line is noisy, or another sender uses it")]
     Noisy { port: String, what: String, tried: u32 },
     /// Words that the board's protection keeps out.
     #[error(
-        "{port}: words for 0x{address:x} are refused: they belong to the bank or the tables in use (protection.bank)"
+        "{port}: words for 0x{address:x} are rejected: they belong to the bank or the tables in use (protection.bank)"
     )]
     Refused { port: String, address: u32 },
     /// No serial port.
@@ -117,14 +115,14 @@ pub enum Error {
     NotLoaded { port: String, bank: char, active: char, wrong: usize, rounds: u32 },
     /// The tables of the display did not come through.
     #[error(
-        "{port}: tables of the display still differ after {rounds} rounds; the picture stands still until they are loaded"
+        "{port}: tables of the display still differ after {rounds} rounds; the picture is frozen until they are loaded"
     )]
     TablesNotLoaded { port: String, rounds: u32 },
     /// No pseudo-terminal.
     #[error("pseudo-terminal: {0}")]
     Terminal(String),
     /// A line that the circuit's clock cannot make.
-    #[error("{baud} bits a second: must be {least} to {most}, of the clock of the circuit")]
+    #[error("{baud} bits per second: must be {least} to {most}, of the clock of the circuit")]
     Speed { baud: u32, least: u32, most: u32 },
     /// A simulation that stopped.
     #[error("the simulated board stopped: {0}")]

@@ -40,7 +40,7 @@ const BEGIN: i64 = 600;
 const END: i64 = 1500;
 
 impl Fault {
-    /// One that is drawn, within so many bytes from the host and to it.
+    /// A random fault, within N bytes from the host and to it.
     pub fn drawn(draw: &mut Draw, bytes: [u64; 2]) -> Self {
         let kind = match draw.whole(0, 9) {
             0 | 1 => Kind::Drop,

@@ -9,8 +9,8 @@
 //! | the board | [`board`] | who it is, its control, its stages ([`Board`]) |
 //! | what a bank must hold | [`contents`] | a network in parts that the circuit makes a CRC of |
 //! | load, verify | [`load`] | a network in the idle bank, all of it right, then in use |
-//! | how long that takes | [`dry_run`] | the same load, to a board that is none |
-//! | counters | [`status`] | frames a second, late ones, saturations |
+//! | load time | [`dry_run`] | the same load, on a simulated board |
+//! | counters | [`status`] | frames per second, late ones, saturations |
 //! | is every picture right | [`check`] | CRCs of frames at each boundary, beside those of the golden pipeline |
 //! | does every part work | [`self_test`] | bus, memories, multipliers, chips, clocks, each with what was found |
 //! | pictures over the line | [`picture`] | a tile of raw pixels in, codes out |

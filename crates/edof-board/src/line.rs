@@ -95,7 +95,7 @@ pub struct Serial {
 const SENDING: Duration = Duration::from_secs(5);
 
 impl Serial {
-    /// Opens a port, or a pseudo-terminal, at so many bits a second. What it has received until now is thrown away.
+    /// Opens a port, or a pseudo-terminal, at N bits per second. What it has received until now is thrown away.
     ///
     /// # Errors
     /// [`Error::NoPort`]: something else stands at that path, or nothing. [`Error::Port`]: somebody else has it, or it does not have that
@@ -125,7 +125,7 @@ fn what_is(path: &str) -> Option<&'static str> {
     }
 }
 
-/// A pipe is not opened to see: whoever opens one waits for who reads or writes it.
+/// A pipe is not opened to see: opening one waits for its other end.
 #[cfg(unix)]
 fn is_character_device(found: &std::fs::Metadata) -> bool {
     std::os::unix::fs::FileTypeExt::is_char_device(&found.file_type())

@@ -67,7 +67,7 @@ impl<L: Line> Link<L> {
         move |source| Error::Port { port: port.clone(), source }
     }
 
-    /// Sends frames of which the last is answered by so many words; none if they do not all come.
+    /// Sends frames of which the last is answered by N words; none if they do not all come.
     fn exchange(&mut self, frames: &[u8], words: usize) -> Result<Option<Vec<u32>>, Error> {
         let failed = self.failed();
         self.throw_away(Duration::ZERO)?;
@@ -90,7 +90,7 @@ impl<L: Line> Link<L> {
         Ok(Some(protocol::words(&bytes)))
     }
 
-    /// How long so many bytes may take: twice as long after each answer that did not come.
+    /// How long N bytes may take: twice as long after each answer that did not come.
     fn time_of(&self, bytes: usize) -> Duration {
         let seen = self.byte.unwrap_or_default() * bytes as u32 * SLACK;
         line_time(bytes, self.line.baud()).max(seen) * (1 << self.missed.min(ATTEMPTS))

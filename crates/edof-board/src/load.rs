@@ -40,7 +40,7 @@ pub struct Job<'a> {
     pub known: &'a [FixedNetwork],
 }
 
-/// Told how many words of how many are there; may end the work.
+/// Receives the number of loaded words and of all words; may end the work.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64) -> ControlFlow<()>;
 
 /// What a load did.
@@ -52,7 +52,7 @@ pub struct Loaded {
     pub in_use: char,
     /// Parts of the bank.
     pub parts: usize,
-    /// Of these, how many were not there yet.
+    /// Number of words that differed before.
     pub written_parts: usize,
     /// Words that were sent, those that were sent again too.
     pub words: u64,
@@ -368,7 +368,7 @@ impl<L: Line> Board<L> {
                 }
                 return Ok(sent);
             }
-            // The frame under way is dropped, and none is begun.
+            // The frame in progress is dropped, and none is begun.
             self.link.set_checked(CONTROL, (control & !RUN) | FLUSH)?;
             let total = missing.len() as u64;
             let mut done = 0;

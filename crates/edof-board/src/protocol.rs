@@ -28,7 +28,7 @@ pub fn write(address: u32, words: &[u32]) -> Vec<u8> {
     header(WRITE, address, words.len()).chain(data).collect()
 }
 
-/// A frame that reads so many words, [`MOST_WORDS`] at most, from a byte address on.
+/// A frame that reads N words, [`MOST_WORDS`] at most, from a byte address on.
 #[must_use]
 pub fn read(address: u32, words: usize) -> Vec<u8> {
     header(READ, address, words).collect()

@@ -56,7 +56,7 @@ const CLOCK_SHARE: f64 = 0.01;
 const CYCLE_LOOKS: usize = 50;
 
 impl<L: Line> Board<L> {
-    /// Tries every part in the order in which data pass, and goes on after one that fails. Leaves the source's frames in use.
+    /// Tries every part in the order in which data pass, and continues after one that fails. Leaves the source's frames in use.
     ///
     /// # Errors
     /// The line fails, or no frame passes.

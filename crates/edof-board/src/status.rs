@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// All registers at a moment, and the counters of the stages since the look before.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Look {
+pub struct StatusSnapshot {
     /// Registers by name.
     pub registers: BTreeMap<&'static str, u32>,
     /// Of each stage: non-zero words, saturated results, codes, differences.
@@ -21,7 +21,7 @@ pub struct Look {
     pub wrong_windows: [u32; 2],
 }
 
-impl Look {
+impl StatusSnapshot {
     /// A field of a register, or a register as a whole.
     #[must_use]
     pub fn value(&self, name: &str) -> u32 {
@@ -49,7 +49,7 @@ impl<L: Line> Board<L> {
     ///
     /// # Errors
     /// The line fails.
-    pub fn look(&mut self, stages: usize) -> Result<Look, Error> {
+    pub fn look(&mut self, stages: usize) -> Result<StatusSnapshot, Error> {
         self.snapshot()?;
         let words = self.link.read(STAGE_COUNTERS.address, (STAGE_COUNTERS.bytes / 4) as usize)?;
         let of = |stage: usize| [0, 1, 2, 3].map(|counter| words[4 * stage + counter]);
@@ -58,7 +58,7 @@ impl<L: Line> Board<L> {
             Place::Register(register) => Some((register.name, word)),
             _ => None,
         });
-        Ok(Look {
+        Ok(StatusSnapshot {
             registers: registers.collect(),
             stages: (0..stages).map(of).collect(),
             wrong_windows: [short, long],
@@ -79,7 +79,7 @@ pub struct Report {
     pub late_frames: u32,
     /// Share of the cycles in which a window or a patch stood at the calculator.
     pub busy_share: f64,
-    /// Cycles a patch, none where there was no patch.
+    /// Cycles per patch, none where there was no patch.
     pub cycles_per_patch: Option<f64>,
     /// I, each M, F.
     pub stages: Vec<StageReport>,
@@ -120,9 +120,9 @@ const ERRORS: [&str; 12] = [
     "uart_broken",
 ];
 
-/// What happened between two looks that lie so many seconds apart, with a calculator of that clock.
+/// Rates between two snapshots that are N seconds apart, with a calculator of that clock.
 #[must_use]
-pub fn report(before: &Look, after: &Look, seconds: f64, clock_mhz: f64) -> Report {
+pub fn report(before: &StatusSnapshot, after: &StatusSnapshot, seconds: f64, clock_mhz: f64) -> Report {
     let more = |name: &str| after.value(name).wrapping_sub(before.value(name));
     let rate = |name: &str| f64::from(more(name)) / seconds;
     let patches = more("patches");
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn counters_that_went_round_are_told_right() {
-        let look = |patches: u32, frames: u32| Look {
+        let look = |patches: u32, frames: u32| StatusSnapshot {
             registers: [("patches", patches), ("picture_frames", frames), ("status", 0b1001)].into(),
             stages: vec![[40, 1, 2, 3]; 3],
             wrong_windows: [0, 0],

@@ -18,7 +18,7 @@ pub trait Device {
     /// Takes bytes of the host, if any, lets some time pass, and gives bytes.
     ///
     /// # Errors
-    /// It cannot go on.
+    /// The device failed.
     fn exchange(&mut self, came: &[u8]) -> Result<Vec<u8>, Error>;
 
     /// The newest picture on the screen: a word a pixel, Y′ low, Cb′ or Cr′ high; none before the first.
@@ -127,7 +127,7 @@ impl Terminal {
     /// Carries what came to the device and what it says back, once.
     ///
     /// # Errors
-    /// The terminal is gone, or the device cannot go on.
+    /// The terminal is gone, or the device failed.
     pub fn serve(&mut self, device: &mut dyn Device) -> Result<(), Error> {
         let mut came = [0; AT_ONCE];
         let waits = if device.is_busy() { Duration::ZERO } else { WAITS };
@@ -149,7 +149,7 @@ impl Terminal {
 
 impl Drop for Terminal {
     fn drop(&mut self) {
-        // Whoever put something else there meanwhile keeps it.
+        // Anybody who put something else there meanwhile keeps it.
         if let Some(link) = &self.link
             && std::fs::read_link(link).is_ok_and(|to| to == self.path)
         {

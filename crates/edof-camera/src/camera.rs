@@ -59,7 +59,7 @@ pub struct Camera {
     /// What the lens does besides focusing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub aberrations: Vec<Aberration>,
-    /// PSFs of one's own in place of those that follow from lens and mask.
+    /// PSFs of the user in place of those that follow from lens and mask.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psf_bank: Option<PsfBank>,
     /// Where the numbers come from and how sure we are.

@@ -22,7 +22,7 @@ pub struct HeightMap {
     pub white_um: f64,
     /// n(λ) = `cauchy[0]` + `cauchy[1]`/λ² with λ in micrometres.
     pub cauchy: [f64; 2],
-    /// SHA-256 of the picture's values, as hexadecimal digits; a file of other content is refused. Where a camera file leaves it out,
+    /// SHA-256 of the picture's values, as hexadecimal digits; a file of other content is rejected. Where a camera file leaves it out,
     /// reading the picture fills it in.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub sha256: String,

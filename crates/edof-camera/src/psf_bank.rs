@@ -1,4 +1,4 @@
-//! PSFs of one's own, measured or from another program, in place of those that follow from a camera's lens and mask.
+//! PSFs of the user, measured or from another program, in place of those that follow from a camera's lens and mask.
 //!
 //! A camera file names a bank by `"psf_bank": { "file": "lens.npz" }`. The bank is an NPZ (compressed or not) or safetensors file with these
 //! arrays, or an NPY file `…psf.npy` with `…psi.npy` beside it; numbers may be floats of 16, 32 or 64 bits, or integers:
@@ -30,7 +30,7 @@ const ONE: f64 = 1e-6;
 pub struct PsfBank {
     /// The file, seen from the folder of the camera file.
     pub file: String,
-    /// SHA-256 of ψ and kernels, as hexadecimal digits; a file of other content is refused. Where a camera file leaves it out,
+    /// SHA-256 of ψ and kernels, as hexadecimal digits; a file of other content is rejected. Where a camera file leaves it out,
     /// reading the bank fills it in.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub sha256: String,
@@ -58,7 +58,7 @@ pub struct Kernels {
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum KernelsError {
     /// Not there, or no numbers.
-    #[error("holds no array of numbers '{array}', only {found}")]
+    #[error("contains no numeric array '{array}', only {found}")]
     Missing { array: &'static str, found: String },
     /// Another shape.
     #[error("array '{array}' is {}, expected {expected}", sides(found))]

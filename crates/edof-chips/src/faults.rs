@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 /// For how long a line is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hold {
-    /// Until so many clocks passed.
+    /// Until N clocks passed.
     Clocks(u32),
     /// For ever.
     Forever,
@@ -54,7 +54,7 @@ impl Faults {
         self.sda = None;
     }
 
-    /// After each fall of the clock it is held low for so many steps; `u32::MAX` holds it for ever.
+    /// After each fall of the clock it is held low for N steps; `u32::MAX` holds it for ever.
     pub const fn stretch(&mut self, steps: u32) {
         self.stretch = steps;
         if steps == 0 {
@@ -62,7 +62,7 @@ impl Faults {
         }
     }
 
-    /// The next so many addresses are not acknowledged.
+    /// The next N addresses are not acknowledged.
     pub const fn refuse(&mut self, count: u32) {
         self.refused = count;
     }

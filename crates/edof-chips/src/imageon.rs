@@ -247,7 +247,7 @@ impl Imageon {
     }
 }
 
-/// The lines behind a channel: those of the bus, or idle but for what the chip itself pulls.
+/// The lines behind a channel: those of the bus, or idle except for what the chip itself pulls.
 pub(crate) const fn behind<T: Target>(switch: &Switch, channel: u8, lines: Lines, tap: &Tap<T>) -> Lines {
     if switch.is_open(channel) { lines } else { Lines { scl: true, sda: !tap.sda_low() } }
 }

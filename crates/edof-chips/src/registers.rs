@@ -42,7 +42,7 @@ impl Page {
         Self { name, values: defaults, defaults, rules, complaints: vec![] }
     }
 
-    /// Registers that all take any value but for these entries.
+    /// Registers that all take any value except for these entries.
     #[must_use]
     pub fn documented(name: &'static str, defaults: [u8; 256], entries: &[Entry]) -> Self {
         let mut page = Self::new(name, entries);
@@ -95,7 +95,7 @@ impl Page {
         self.values[register as usize] = value;
     }
 
-    /// Registers fall to their defaults, but for those of a range.
+    /// Registers fall to their defaults, except for those of a range.
     pub fn reset(&mut self, keeps: impl Fn(u8) -> bool) {
         for register in (0..=255).filter(|register| !keeps(*register)) {
             self.values[usize::from(register)] = self.defaults[usize::from(register)];

@@ -49,7 +49,7 @@ enum Phase {
     Receive { is_address: bool, byte: u8, bits: u8 },
     /// The chip acknowledges; afterwards it reads or sends.
     Acknowledge { sends: bool },
-    /// Bits go out, the topmost first; so many are left after the one on the line.
+    /// Bits go out, the topmost first; N are left after the one on the line.
     Send { byte: u8, left: u8 },
     /// The master says whether it wants another byte.
     Asked { more: bool },

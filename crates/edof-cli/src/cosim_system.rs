@@ -42,11 +42,11 @@ pub struct Args {
     #[arg(long, requires = "system", value_name = "PIXELS")]
     stride: Option<usize>,
 
-    /// Window in place of the design's: 8, 12 or 16; the network is then a drawn one
+    /// Window in place of the design's: 8, 12 or 16; the network is then a random one
     #[arg(long, requires = "system", conflicts_with = "weights", value_name = "PIXELS")]
     window: Option<usize>,
 
-    /// Size of frames in place of the design's
+    /// Size of frames instead of the design's
     #[arg(long, requires = "system", value_name = "WIDTHxHEIGHT", value_parser = size)]
     size: Option<(usize, usize)>,
 }
@@ -169,7 +169,7 @@ impl Passed {
 /// Sends frames through the core of a design in Verilator, each once, and compares every code on the screen.
 ///
 /// # Errors
-/// A network that cannot run, a simulator that is missing, or a picture that is none of the golden ones.
+/// A network that cannot run, a simulator that is missing, or a picture that differs from all golden ones.
 pub fn through(
     design: &Design,
     network: &FixedNetwork,
@@ -206,7 +206,7 @@ pub fn through(
     Ok(Passed { project, pictures, shown, traffic, seconds: rig.bench.time_ps() as f64 * 1e-12 })
 }
 
-/// Whether so many frames can be cut out of a larger one.
+/// Whether N frames can be cut out of a larger one.
 fn check_room(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<(), Error> {
     let (height, width) = raw.size();
     let reach = SHIFT * (count - 1);

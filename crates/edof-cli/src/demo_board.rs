@@ -45,7 +45,7 @@ enum Tried {
     LeftOut(String),
 }
 
-/// What there is to tell of a board.
+/// What the demo reports of its board.
 pub struct Told {
     summary: String,
     design: String,

@@ -8,14 +8,14 @@ use std::fmt;
 /// Every `std::error::Error` converts with `?`, so it cannot be one itself.
 #[derive(Debug)]
 pub enum Error {
-    /// Something was refused or failed.
+    /// Something was rejected or failed.
     Failed(Box<dyn std::error::Error + Send + Sync>),
     /// The user pressed Ctrl-C.
     Interrupted,
 }
 
 impl Error {
-    /// A failure told in our own words: what, where, and what would have been right.
+    /// A failure in the program's own words: place, value found, and value expected.
     pub fn message(text: impl Into<String>) -> Self {
         Self::Failed(text.into().into())
     }

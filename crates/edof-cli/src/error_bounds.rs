@@ -4,12 +4,12 @@ use crate::error::Error;
 use crate::ui::Ui;
 use edof_quantize::bounds::StageError;
 
-/// Tells the bounds of every stage, in units of its result's last bit.
+/// Prints the bounds of every stage, in LSB of its result.
 ///
 /// # Errors
 /// Standard output that cannot be written.
 pub fn tell(errors: &[StageError], ui: &Ui) -> Result<(), Error> {
-    ui.say("  no window is further off than this, both held to the same ranges, in last bits of the stage's result:")?;
+    ui.say("  largest error of any window, both clamped to the same ranges, in LSB of the stage's result:")?;
     ui.say("  stage  by rounding on the way  its deviation  by rounding of weights, too")?;
     for error in errors {
         let weights = error.weights.as_ref().map_or_else(|| "-".into(), |w| format!("{:.1}", w.worst_bits));

@@ -72,7 +72,7 @@ impl Files {
         }
     }
 
-    /// Files that are written into a folder, which is made where there is none.
+    /// Files that are written into a folder, which is made if it does not exist.
     pub fn writes_into(
         self,
         option: &str,
@@ -119,7 +119,7 @@ impl Files {
     }
 }
 
-/// Refuses a result that is there already. An empty file holds nothing that could be lost.
+/// Rejects a result that is there already. An empty file holds nothing that could be lost.
 fn is_new(option: &str, file: &Path) -> Result<(), Error> {
     if !std::fs::metadata(file).is_ok_and(|what| what.is_file() && what.len() > 0) {
         return Ok(());
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn every_command_tells_what_it_reads_and_writes() {
-        // A folder has the parts of one command: one of them tells of the files of all.
+        // A folder has the parts of one command: one of them names the files of all.
         fn sources(path: &Path) -> String {
             let within =
                 |folder| std::fs::read_dir(folder).unwrap().map(|entry| sources(&entry.unwrap().path()));

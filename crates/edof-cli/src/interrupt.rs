@@ -47,7 +47,7 @@ pub fn flag() -> &'static AtomicBool {
     &STOP
 }
 
-/// What work in other crates is told after each step: to end where the user asked to stop.
+/// Answer to work in other crates after each step: end if the user asked to stop.
 pub fn flow() -> ControlFlow<()> {
     if STOP.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

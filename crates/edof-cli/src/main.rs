@@ -16,7 +16,7 @@
 //! | windows to feed the hardware with | [`windows`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
-//! Exit status: 0 done, 1 refused or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
+//! Exit status: 0 done, 1 rejected or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod cosim_system;
@@ -49,7 +49,7 @@ use ui::Ui;
 /// Computational extended depth of field: a coded lens, a small network, a sharp picture at every depth.
 ///
 /// A thin ring mask makes red, green and blue focus at different depths. The sensor behind it gives a raw Bayer frame;
-/// an unrolled sparse-coding network turns the frame into a sharp picture, in floating point or in the very integers
+/// an unrolled sparse-coding network turns the frame into a sharp picture, in floating point or in the integers
 /// that the board computes with.
 #[derive(Parser)]
 #[command(name = "edof", version, max_term_width = 110, after_help = EXAMPLES)]
@@ -57,15 +57,15 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
 
-    /// Write results as JSON to FILE, in place of an older one; without FILE (or as `-`) print them in place of text
+    /// Write results as JSON to FILE, replacing an existing one; without FILE (or with `-`) print JSON instead of text
     #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 
-    /// Say nothing about progress
+    /// Print no progress
     #[arg(long, short, global = true)]
     quiet: bool,
 
-    /// How progress is told on standard error: text, or json, a line each second for programs, with remarks and a failure as such lines
+    /// Format of progress on standard error: text, or json (one line per second for programs; remarks and errors are lines of JSON, too)
     #[arg(
         long,
         global = true,
@@ -79,24 +79,32 @@ struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  edof demo                                            everything at once, no files needed; see out/report.html
-  edof optics ring-2018 --out out/optics               PSF sheet, MTF and contrast of a camera
-  edof scene chart --out out/chart                     a built-in scene
-  edof capture photo.png --camera ring-outer --psi 8 --out raw.png
-  edof reconstruct raw.png --weights edof-t4w12-outer --out sharp.png
-  edof reconstruct raw.png --board --out board.png     the very codes that leave the board's HDMI port
-  edof study kodak --nets paper-t4,edof-t4w12 --psi 0,2,4,6,8 --noise 0,0.01 --json study.json
-  edof estimate --design kc705 --weights edof-t4w12-outer
-  edof design new --form edof-t4w12 --size 1280x720 --out mine.json
-  edof cosim --design tiny                             the generated Verilog against the cycle model
-  edof generate --design paper --weights paper-t4 --out build/paper
-  edof timing --design tiny                            the longest path of logic of every stage
-  edof board load edof-t4w12-outer-light               weights onto a board at a serial port
-  edof compare sharp.png out.png                       PSNR, SSIM, and where two pictures differ
-  edof doctor                                          which tools, networks and photographs are here
+  edof demo                                          the whole chain, no files needed; out/report.html
+  edof doctor                                        tools, networks and photographs of this machine
 
-Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
-2 wrong usage, 130 stopped by Ctrl-C.";
+ A researcher: from a photograph to a reconstructed picture
+  edof capture photo.png --camera ring-outer --psi 8 --out raw.png --sharp sharp.png
+  edof reconstruct raw.png --camera ring-outer --out out.png
+  edof compare sharp.png out.png                     PSNR, SSIM, and where the pictures differ
+  edof optics ring-2018 --out out/optics             PSF, MTF and contrast of a camera
+  edof study kodak --nets paper-t4 --psi 0,4,8 --noise 0,0.01 --json study.json
+
+ An FPGA engineer: from a design to Verilog
+  edof design new --form edof-t4w12 --size 1280x720 --out mine.json
+  edof estimate --design kc705 --weights edof-t4w12-outer
+  edof generate --design paper --weights paper-t4 --out build/paper
+  edof cosim --design tiny                           Verilog against the cycle model
+  edof timing --design tiny                          the longest logic path of every stage
+
+ Somebody with a board: from a KC705 to a picture
+  edof board selftest                                every part that needs no cable
+  edof board load edof-t4w12-outer-light             weights onto a board at a serial port
+  edof board sim --design tiny --link /tmp/board     the same without a board
+  edof reconstruct raw.png --board --out board.png   the codes that leave the board's HDMI port
+
+ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end.
+Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on
+standard error), 2 wrong usage, 130 stopped by Ctrl-C.";
 
 #[derive(Subcommand)]
 enum Command {

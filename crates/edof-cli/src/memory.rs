@@ -3,7 +3,7 @@
 use crate::error::Error;
 use std::fs;
 
-/// Refuses a job that needs more memory than is free; `job` names it and the option that would make it smaller. Where the system
+/// Rejects a job that needs more memory than is free; `job` names it and the option that would make it smaller. Where the system
 /// does not tell how much is free, every job passes that some machine could run.
 ///
 /// # Errors

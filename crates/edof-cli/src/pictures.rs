@@ -9,7 +9,7 @@ use std::path::Path;
 /// Reads a photograph; of an odd side the last row or column is cut off, with a word.
 ///
 /// # Errors
-/// A file that is no photograph.
+/// A file that is not a photograph.
 pub fn load(path: &Path, ui: &Ui) -> Result<ColourFrame, Error> {
     let photograph = photo::load(path)?;
     let (height, width) = photograph.size();
@@ -24,7 +24,7 @@ pub fn load(path: &Path, ui: &Ui) -> Result<ColourFrame, Error> {
     Ok(photograph.crop(0, 0, even_height, even_width))
 }
 
-/// Rows and columns of whole Bayer cells. What holds none stays as it is and is refused as a frame.
+/// Rows and columns of whole Bayer cells. What holds none stays as it is and is rejected as a frame.
 pub const fn whole_cells((height, width): (usize, usize)) -> (usize, usize) {
     if height < 2 || width < 2 { (height, width) } else { (height & !1, width & !1) }
 }

@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use edof_storage::provenance::{Host, Provenance};
 use edof_study::journal::{Program, UNKNOWN};
 
-/// Options that no byte of a result depends on: where files lie, how much is told, on how many threads.
+/// Options that no byte of a result depends on: paths of files, amount of output, number of threads.
 const NOT_IN_RESULTS: [&str; 20] = [
     "progress", "no_cache", "json", "quiet", "out", "images", "report", "sharp", "light", "resume",
     "threads", "waveform", "junit", "words", "rows", "markdown", "csv", "shard", "plot", "force",
@@ -24,7 +24,7 @@ pub fn of_run(matches: &ArgMatches, root: &Command) -> Provenance {
     }
 }
 
-/// The command of this run in full, as pages state it: whoever runs it in the same folder gets the same files.
+/// The command of this run in full, as pages state it: anybody who runs it in the same folder gets the same files.
 pub fn whole_command(matches: &ArgMatches, root: &Command) -> String {
     command(matches, root, Places::AsGiven)
 }

@@ -25,7 +25,7 @@ fn of_option(error: impl Display) -> Error {
 /// The stride of `--stride`.
 ///
 /// # Errors
-/// One that there is none of.
+/// One that does not exist.
 pub fn stride(pixels: usize) -> Result<Stride, Error> {
     Stride::new(pixels).map_err(of_option)
 }
@@ -33,7 +33,7 @@ pub fn stride(pixels: usize) -> Result<Stride, Error> {
 /// The window of `--window`.
 ///
 /// # Errors
-/// One that there is none of.
+/// One that does not exist.
 pub fn window(side: usize) -> Result<Window, Error> {
     Window::new(side).map_err(of_option)
 }
@@ -58,7 +58,7 @@ pub fn psis(depths: &[Depth], camera: &Camera) -> Result<Vec<f64>, Error> {
 /// A field as `edof train` and `edof optics design` name its option.
 fn option(field: &str) -> String {
     match field {
-        "largest phase" => "most-phase".to_owned(),
+        "largest phase" => "max-phase".to_owned(),
         "weight of the worst depth" => "worst-weight".to_owned(),
         "psi" => "psi-range".to_owned(),
         field => field.replace(' ', "-"),

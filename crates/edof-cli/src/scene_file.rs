@@ -1,4 +1,4 @@
-//! A scene of one's own: pictures with mattes, each at a depth, listed in a JSON file.
+//! A scene of the user: pictures with mattes, each at a depth, listed in a JSON file.
 
 use crate::error::Error;
 use crate::lens::Depth;
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// Bytes a pixel that layers take, colours, mattes and what is made of them. Four take 99 to 164, sixteen 320 to 444: a quarter more is wanted.
+/// Bytes per pixel that layers take, colours, mattes and what is made of them. Four take 99 to 164, sixteen 320 to 444: a quarter more is wanted.
 pub const fn bytes_a_pixel(layers: usize) -> f64 {
     24.0 * (layers + 6) as f64
 }

@@ -18,7 +18,7 @@ const PLAIN_EVERY: Duration = Duration::from_secs(10);
 /// Lines of JSON come this often, besides the first and the last of a piece of work.
 const DATA_EVERY: Duration = Duration::from_secs(1);
 
-/// How a program is told how far the work is.
+/// Format of progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum ProgressAs {
     /// A bar on a terminal, a line now and then in a pipe
@@ -30,7 +30,7 @@ pub enum ProgressAs {
 /// Whether standard error has lines of JSON alone.
 static DATA: AtomicBool = AtomicBool::new(false);
 
-/// A result and how it came to be, side by side.
+/// A result and how it was made, side by side.
 #[derive(Serialize)]
 struct Recorded<'a, T> {
     #[serde(flatten)]
@@ -79,7 +79,7 @@ impl Ui {
         }
     }
 
-    /// How the results came to be, with all inputs noted so far.
+    /// How the results was made, with all inputs noted so far.
     pub fn provenance(&self) -> Provenance {
         self.provenance.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -119,7 +119,7 @@ impl Ui {
         Ok(())
     }
 
-    /// A remark that is no result, such as a photograph skipped; on standard error.
+    /// A remark besides the results, for example a skipped photograph; on standard error.
     pub fn note(&self, line: impl Display) {
         match in_data() {
             true => data_line(&serde_json::json!({ "note": line.to_string() })),
@@ -214,9 +214,9 @@ pub struct Progress {
 struct Plain {
     /// When the last one was written.
     last: Instant,
-    /// Where the work was then, as far as a program was told.
+    /// Last step that was reported to a program.
     told: Option<u64>,
-    /// When the first step was told of, and which it was: a job that goes on did those before it another time.
+    /// Time and number of the first reported step: a resumed job did the steps before it in an earlier run.
     first: Option<(Instant, u64)>,
 }
 
@@ -287,7 +287,7 @@ fn left(elapsed: Duration, done: u64, to_do: u64) -> String {
     }
 }
 
-/// Seconds that a job of equal steps still takes, where that can be told.
+/// Seconds that a job of equal steps still takes, if known.
 fn seconds_left(elapsed: Duration, done: u64, to_do: u64) -> Option<f64> {
     (done > 0 && to_do > 0).then(|| elapsed.as_secs_f64() * to_do as f64 / done as f64)
 }

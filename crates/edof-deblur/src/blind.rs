@@ -15,7 +15,7 @@ use ndarray::{Array2, ArrayView2, Zip, s};
 
 /// The method's numbers. Turns, steps and the last deconvolution are those that were published with it. The published λ = 100 and δ = 0.001
 /// say nothing without a scale of y, and one that stays fixed while x grows sharper and the scales finer fits some of them only: here
-/// both follow x ([`Settings::sparsity`], [`Settings::step`]). docs/decisions/0019-blind-deconvolution.md tells what that is worth.
+/// both follow x ([`Settings::sparsity`], [`Settings::step`]). docs/decisions/0019-blind-deconvolution.md measures the effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Side of the kernel, odd: larger than the blur.
@@ -62,7 +62,7 @@ impl Default for Settings {
 
 /// What blind deconvolution found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct BlindResult {
     /// The sharp picture.
     pub picture: Array2<f32>,
     /// The kernel: odd sides, nowhere negative, sum 1.
@@ -97,9 +97,9 @@ const LEAST_ENTRY: f32 = 1e-3;
 
 /// Deconvolves a plane of 0…1 blind. Planes smaller than twice the kernel get a smaller one.
 #[must_use]
-pub fn deconvolve(plane: ArrayView2<'_, f32>, settings: &Settings) -> Found {
+pub fn deconvolve(plane: ArrayView2<'_, f32>, settings: &Settings) -> BlindResult {
     let Estimate { kernel, halvings, steps } = estimate(plane, settings);
-    Found { picture: hyper_laplacian(plane, kernel.view(), settings.prior), kernel, halvings, steps }
+    BlindResult { picture: hyper_laplacian(plane, kernel.view(), settings.prior), kernel, halvings, steps }
 }
 
 /// The kernel alone.
@@ -314,7 +314,7 @@ impl Scale {
     }
 
     /// A turn of k: (XᵀX + ψ/2λ·diag(1/k))·k' = Xᵀy, one re-weighting, by conjugate gradients from k; then k' ≥ 0 and Σk' = 1. A
-    /// picture without differences tells nothing of its kernel, which then stays.
+    /// picture without differences has no information about its kernel, which then stays.
     fn update_kernel(&self, kernel: &Array2<f32>, settings: &Settings) -> Array2<f32> {
         let lags = self.lags(&correlation(&self.sharp, &self.sharp), self.side - 1);
         let wanted = self.lags(&correlation(&self.seen, &self.sharp), self.side / 2);

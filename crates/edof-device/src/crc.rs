@@ -39,7 +39,7 @@ pub struct Place {
     pub bit: usize,
 }
 
-/// The one bit of a frame of so many words that is wrong, from the CRCs of the right and the wrong frame combined by exclusive or. None where
+/// The one bit of a frame of N words that is wrong, from the CRCs of the right and the wrong frame combined by exclusive or. None where
 /// no single bit explains it. It is unique as long as a frame has fewer than 2^32 − 1 bits.
 ///
 /// ```

@@ -19,7 +19,7 @@ pub const fn crossing_words(writer_ps: u64, reader_ps: u64) -> usize {
     ((ARRIVES * reader_ps + RETURNS * writer_ps).div_ceil(slower) + 1) as usize
 }
 
-/// Words that an agent holds: a burst, and what comes meanwhile (a writer) or is taken meanwhile (a reader), a word in so many cycles,
+/// Words that an agent holds: a burst, and what comes meanwhile (a writer) or is taken meanwhile (a reader), a word in N cycles,
 /// while the memory takes so long for a burst, from the offer of its address to its last word, and the other agent's burst is before it.
 #[must_use]
 pub const fn agent_words(burst: usize, memory_late: u64, cycles_a_word: u64) -> usize {

@@ -45,19 +45,19 @@ pub struct VideoTiming {
 }
 
 impl VideoTiming {
-    /// 1280×720 at 60 frames a second (CEA-861 format 4).
+    /// 1280×720 at 60 frames per second (CEA-861 format 4).
     pub const P720_60: Self = Self {
         line: Axis { active: 1280, front: 110, sync: 40, back: 220 },
         frame: Axis { active: 720, front: 5, sync: 5, back: 20 },
         pixel_khz: 74_250,
     };
-    /// 1920×1080 at 60 frames a second (CEA-861 format 16).
+    /// 1920×1080 at 60 frames per second (CEA-861 format 16).
     pub const P1080_60: Self = Self {
         line: Axis { active: 1920, front: 88, sync: 44, back: 148 },
         frame: Axis { active: 1080, front: 4, sync: 5, back: 36 },
         pixel_khz: 148_500,
     };
-    /// 1920×1080 at 30 frames a second (CEA-861 format 34): as [`VideoTiming::P1080_60`] at half the clock.
+    /// 1920×1080 at 30 frames per second (CEA-861 format 34): as [`VideoTiming::P1080_60`] at half the clock.
     pub const P1080_30: Self = Self { pixel_khz: 74_250, ..Self::P1080_60 };
 
     /// The video modes that boards are built for.
@@ -87,7 +87,7 @@ impl VideoTiming {
         format!("{}x{}", self.line.active, self.frame.active)
     }
 
-    /// Frames a second.
+    /// Frames per second.
     #[must_use]
     pub fn frames_per_second(self) -> f64 {
         self.pixel_khz as f64 * 1000.0 / (self.line.total() * self.frame.total()) as f64

@@ -30,7 +30,7 @@ impl Layout {
         Self::giving(form, RGB_OUTPUTS)
     }
 
-    /// The layout of a form whose F has so many outputs.
+    /// The layout of a form whose F has N outputs.
     #[must_use]
     pub fn giving(form: &Form, outputs: usize) -> Self {
         let mut end = 0;

@@ -60,14 +60,14 @@ impl<T: Real> Pass<T> {
         Self::with(form, Layout::new(&form), vec![Format::EXACT; form.shrinkages()], capacity)
     }
 
-    /// Buffers for `capacity` windows through a network with so many outputs whose codes are rounded to these formats. The
+    /// Buffers for `capacity` windows through a network with N outputs whose codes are rounded to these formats. The
     /// gradient looks through the rounding, except where a code is at the end of its range.
     #[must_use]
     pub fn rounding(form: Form, outputs: usize, formats: &[Format], capacity: usize) -> Self {
         Self::with(form, Layout::giving(&form, outputs), formats.to_vec(), capacity)
     }
 
-    /// Leaves at most so many of each z_t, the largest: [`Pass::forward`] alone, the gradient knows nothing of it.
+    /// Leaves at most N of each z_t, the largest: [`Pass::forward`] alone, the gradient knows nothing of it.
     #[must_use]
     pub const fn within(mut self, budget: Option<usize>) -> Self {
         self.budget = budget;

@@ -66,7 +66,7 @@ impl FloatReconstructor {
         })
     }
 
-    /// The same with at most so many non-zeros a patch after each shrinkage, the largest.
+    /// The same with at most N non-zeros per patch after each shrinkage, the largest.
     #[must_use]
     pub const fn within(mut self, budget: usize) -> Self {
         self.budget = Some(budget);

@@ -1,4 +1,4 @@
-//! The golden reconstruction at 1920×1080, for every network in `weights/` and drawn ones of the same size; and how long the
+//! The golden reconstruction at 1920×1080, for every network in `weights/` and random ones of the same size; and how long the
 //! specification takes for a smaller frame that the fast pipeline is given, too.
 //!
 //! `cargo bench -p edof-golden`; `RAYON_NUM_THREADS` sets the threads. Throughput is in pixels of the frame.
@@ -69,7 +69,7 @@ impl fmt::Display for Named {
     }
 }
 
-/// Committed networks, and a drawn one at two strides.
+/// Committed networks, and a random one at two strides.
 fn networks() -> Vec<Named> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../weights");
     let mut files: Vec<PathBuf> =

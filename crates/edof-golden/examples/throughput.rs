@@ -1,4 +1,4 @@
-//! Frames a second of the golden pipeline, windows in and picture out, for one network and one raw frame.
+//! Frames per second of the golden pipeline, windows in and picture out, for one network and one raw frame.
 //!
 //! `cargo run --release -p edof-golden --example throughput -- NETWORK.fixed.safetensors RAW.png [THREADS [FRAMES [OUT.f32]]]`: RAW.png
 //! is grey, red first, 12 bits at the top of each word, as `edof capture` writes it. Prints one JSON line, and writes the frame's linear red,

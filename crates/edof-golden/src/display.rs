@@ -196,7 +196,7 @@ fn light_of(luma: i16, doubled: [i32; 2]) -> [i32; 3] {
 }
 
 /// (Σ coefficient·doubled + 2^16) >> 17, in 32 bits: a coefficient's whole part passes the shift, and so does half of the doubled word
-/// but for its last bit.
+/// except for its last bit.
 #[inline(always)]
 fn from_chroma(coefficients: [i32; 2], doubled: [i32; 2]) -> i32 {
     const SHIFT: u32 = TO_RGB_SHIFT - 1;
@@ -242,7 +242,7 @@ const fn rounded(value: i32, shift: u32) -> i32 {
     (value + (1 << (shift - 1))) >> shift
 }
 
-/// Nearest code that is no sync.
+/// Nearest code that is not a sync.
 #[inline(always)]
 fn wire(code: i32) -> u8 {
     code.clamp(CODES[0].into(), CODES[1].into()) as u8

@@ -74,7 +74,7 @@ impl LumaTable {
         Self((0..LUMA_ENTRIES).map(|word| curve.entry(word, LUMA_CODES, f64::from(BLACK)) as u8).collect())
     }
 
-    /// A table of one's own.
+    /// A table of the user.
     ///
     /// # Errors
     /// [`TableError`] for a wrong length or a sync code.
@@ -108,7 +108,7 @@ impl ColourTable {
         Self((0..COLOUR_ENTRIES).map(|word| curve.entry(word, f64::from(COLOUR_MOST), 0.0) as u16).collect())
     }
 
-    /// A table of one's own.
+    /// A table of the user.
     ///
     /// # Errors
     /// [`TableError`] for a wrong length or an entry of more than 12 bits.

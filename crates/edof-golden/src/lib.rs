@@ -8,9 +8,9 @@
 //! | | [`fast`] | the same words and counts from SIMD kernels, batch by batch |
 //! | counters | [`trace`] | saturations and non-zeros of each stage |
 //! | overlap | [`overlap_add`] | the sum of overlapping patches: the 4:2:2 frame in words |
-//! | frame | [`frame`] | a whole frame on all threads ([`Golden`]), and its slow twin |
+//! | frame | [`frame`] | a whole frame on all threads ([`Golden`]), and its slow reference |
 //! | frames | [`stream`] | one after the other, in memory that is kept ([`Stream`]) |
-//! | words | [`words`] | every boundary of a whole frame, for whoever wants to check |
+//! | words | [`words`] | every boundary of a whole frame, for anybody who wants to check |
 //! | cycles | [`cycle`] | the same words with the cycle of every transfer on the board |
 //! | checks | [`checks`] | the CRCs that a board makes of every frame at its boundaries ([`FrameChecks`]) |
 //! | tables | [`gamma`] | light to codes: loadable tables for luma and for each colour |

@@ -83,7 +83,7 @@ pub fn sends_difference(network: &FixedNetwork, t: usize) -> bool {
     network.form.recurrence == Recurrence::Difference && t + 1 < network.form.shrinkages()
 }
 
-/// The soft threshold on a pre-activation of `bits` bits. The second value tells whether it saturated.
+/// The soft threshold on a pre-activation of `bits` bits. The second value is whether it saturated.
 #[must_use]
 pub fn shrink(shrinkage: Shrinkage, b: i16, theta: i16, bits: u32) -> (i16, bool) {
     let (b, theta) = (i64::from(b), i64::from(theta));

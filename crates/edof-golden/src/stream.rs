@@ -175,7 +175,7 @@ impl Worker {
         }
     }
 
-    /// Reconstructs a strip but for the lines that it shares with the one above.
+    /// Reconstructs a strip except for the lines that it shares with the one above.
     fn run(&mut self, golden: &Golden, raw: &RawFrame, strip: &mut Strip<'_>) {
         let (geometry, width) = (golden.geometry(), raw.size().1);
         let stride = geometry.stride.pixels();

@@ -1,4 +1,4 @@
-//! The words of a whole frame at every boundary between stages, for whoever wants to check them (docs/contract.md, section 8).
+//! The words of a whole frame at every boundary between stages, for anybody who wants to check them (docs/contract.md, section 8).
 
 use crate::frame::Golden;
 use crate::scalar::sends_difference;

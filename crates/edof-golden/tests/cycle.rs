@@ -22,7 +22,7 @@ fn committed(name: &str) -> Design {
     Design::load(&project().join(format!("designs/{name}.json"))).unwrap()
 }
 
-/// Lanes that a stage with so many outputs can have.
+/// Lanes that a stage with N outputs can have.
 fn lanes(outputs: usize) -> Vec<usize> {
     (4..=outputs).step_by(4).filter(|lanes| outputs.is_multiple_of(*lanes)).collect()
 }

@@ -25,7 +25,7 @@ pub enum GpuError {
     /// A number that no device has.
     #[error("device {wanted}: there are {found}, counted from 0")]
     NoSuchDevice { wanted: usize, found: usize },
-    /// A call that the driver refused.
+    /// A call that the driver rejected.
     #[error("{device}: {what}: {reason}")]
     Driver { device: String, what: &'static str, reason: String },
     /// A device with too little memory.
@@ -255,7 +255,7 @@ impl<'a, T> From<&'a Buffer<T>> for Argument<'a> {
 }
 
 impl From<usize> for Argument<'_> {
-    /// Frames of 2³¹ pixels and more are refused before.
+    /// Frames of 2³¹ pixels and more are rejected before.
     fn from(number: usize) -> Self {
         Self::Number(i32::try_from(number).unwrap_or(i32::MAX))
     }

@@ -18,7 +18,7 @@ const PATCHES: usize = 16 * 1024;
 pub(crate) trait Word: Element {
     /// Sum of overlapping patches.
     type Total: Element;
-    /// What the compiler is told.
+    /// Options of the compiler.
     const OPTIONS: &str;
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct Engine<T> {
 }
 
 /// Words of some patches at every boundary.
-pub(crate) struct Room<T> {
+pub(crate) struct Workspace<T> {
     pub(crate) y: Buffer<T>,
     pub(crate) stages: Vec<Words<T>>,
     pub(crate) out: Buffer<T>,
@@ -150,11 +150,11 @@ impl<T: Word> Engine<T> {
     }
 
     /// Room for `pitch` patches.
-    pub(crate) fn room(&self, pitch: usize) -> Result<Room<T>, GpuError> {
+    pub(crate) fn room(&self, pitch: usize) -> Result<Workspace<T>, GpuError> {
         let device = &self.device;
         let codes = || device.buffer(self.form.codes * pitch);
         let words = |_| Ok(Words { b: codes()?, z: codes()?, sent: codes()? });
-        Ok(Room {
+        Ok(Workspace {
             y: device.buffer(self.form.window.pixels() * pitch)?,
             stages: (0..self.form.shrinkages()).map(words).collect::<Result<_, GpuError>>()?,
             out: device.buffer(self.rows * pitch)?,
@@ -166,14 +166,14 @@ impl<T: Word> Engine<T> {
     }
 
     /// Runs the first `patches` windows of a room through the network.
-    pub(crate) fn run(&self, room: &mut Room<T>, patches: usize) -> Result<(), GpuError> {
+    pub(crate) fn run(&self, room: &mut Workspace<T>, patches: usize) -> Result<(), GpuError> {
         room.counts.iter_mut().try_for_each(|counts| self.device.clear(counts))?;
         (0..self.form.shrinkages()).try_for_each(|t| self.stage(room, t, patches))?;
         self.outputs(room, patches)
     }
 
     /// I (`t` = 0) or an M.
-    fn stage(&self, room: &Room<T>, t: usize, patches: usize) -> Result<(), GpuError> {
+    fn stage(&self, room: &Workspace<T>, t: usize, patches: usize) -> Result<(), GpuError> {
         let codes = self.form.codes;
         let before = t.checked_sub(1).map(|before| &room.stages[before]);
         let base = match self.form.recurrence {
@@ -219,7 +219,7 @@ impl<T: Word> Engine<T> {
     }
 
     /// F.
-    fn outputs(&self, room: &Room<T>, patches: usize) -> Result<(), GpuError> {
+    fn outputs(&self, room: &Workspace<T>, patches: usize) -> Result<(), GpuError> {
         let last = self.form.shrinkages() - 1;
         self.device.launch(
             &self.program,
@@ -251,7 +251,7 @@ impl<T: Word> Engine<T> {
         &self,
         raw: &RawFrame,
         planes: [Plane; 3],
-        mut ran: impl FnMut(&Room<T>, usize) -> Result<(), GpuError>,
+        mut ran: impl FnMut(&Workspace<T>, usize) -> Result<(), GpuError>,
     ) -> Result<[Buffer<T::Total>; 3], GpuError> {
         let (height, width) = raw.size();
         let (rows, columns) = self.geometry.patches(height, width);
@@ -266,7 +266,8 @@ impl<T: Word> Engine<T> {
         let sums = [plane(planes[0])?, plane(planes[1])?, plane(planes[2])?];
         let mut room = self.room(pitch)?;
         for first in (0..rows).step_by(rows_at_once) {
-            let lot = Lot { first, rows: rows_at_once.min(rows - first), columns, size: (height, width) };
+            let lot =
+                PatchBatch { first, rows: rows_at_once.min(rows - first), columns, size: (height, width) };
             self.windows(&pixels, &room, &lot)?;
             self.run(&mut room, lot.rows * columns)?;
             planes.iter().zip(&sums).try_for_each(|(plane, sums)| self.overlap(&room, &lot, *plane, sums))?;
@@ -276,7 +277,7 @@ impl<T: Word> Engine<T> {
     }
 
     /// Cuts the windows of a lot out of a frame.
-    fn windows(&self, pixels: &Buffer<u16>, room: &Room<T>, lot: &Lot) -> Result<(), GpuError> {
+    fn windows(&self, pixels: &Buffer<u16>, room: &Workspace<T>, lot: &PatchBatch) -> Result<(), GpuError> {
         let patches = lot.rows * lot.columns;
         self.device.launch(
             &self.program,
@@ -301,8 +302,8 @@ impl<T: Word> Engine<T> {
     /// Adds a lot's patches to the sums of a plane.
     fn overlap(
         &self,
-        room: &Room<T>,
-        lot: &Lot,
+        room: &Workspace<T>,
+        lot: &PatchBatch,
         plane: Plane,
         sums: &Buffer<T::Total>,
     ) -> Result<(), GpuError> {
@@ -349,7 +350,7 @@ impl<T: Word> Engine<T> {
 }
 
 /// Some rows of patches of a frame.
-struct Lot {
+struct PatchBatch {
     first: usize,
     rows: usize,
     columns: usize,
@@ -367,5 +368,5 @@ fn packed<T: Element>(matrix: &Array2<T>) -> Vec<T> {
     packed
 }
 
-/// A patch's pixels all weigh alike where F's weights carry the averaging window.
+/// A patch's pixels have equal weight if F's weights contain the averaging window.
 pub(crate) const EVEN: [f32; PATCH_PIXELS] = [1.0; PATCH_PIXELS];

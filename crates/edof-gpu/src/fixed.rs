@@ -1,7 +1,7 @@
 //! The fixed-point network on a device: the words and counters of [`edof_golden::Golden`], bit for bit.
 
 use crate::device::{Buffer, Device, GpuError};
-use crate::engine::{COUNTERS, EVEN, Engine, Matrices, OutputShifts, Plane, Room, StageShifts};
+use crate::engine::{COUNTERS, EVEN, Engine, Matrices, OutputShifts, Plane, StageShifts, Workspace};
 use edof_golden::overlap_add::empty_frame;
 use edof_golden::{Counts, GoldenFrame, LayerWords, StageCounts, Trace};
 use edof_image::colour::OUTPUTS_422;
@@ -65,7 +65,7 @@ impl GpuGolden {
         let (aligned, offset) = raw.to_rggb();
         let (height, width) = aligned.size();
         let mut counts = Counts::new(self.network.form.layers);
-        let count = |room: &Room<i16>, patches: usize| {
+        let count = |room: &Workspace<i16>, patches: usize| {
             self.stages(room, patches)?.iter().for_each(|stages| counts.add(stages));
             Ok(())
         };
@@ -117,7 +117,7 @@ impl GpuGolden {
     }
 
     /// Counters of the first patches, patch by patch.
-    fn stages(&self, room: &Room<i16>, patches: usize) -> Result<Vec<Vec<StageCounts>>, GpuError> {
+    fn stages(&self, room: &Workspace<i16>, patches: usize) -> Result<Vec<Vec<StageCounts>>, GpuError> {
         let read = |counts| self.engine.device.read(counts, COUNTERS * room.pitch);
         let all = room.counts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let stage = |counts: &[u32], patch: usize| {

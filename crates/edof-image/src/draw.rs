@@ -1,4 +1,4 @@
-//! The one generator of everything drawn for trials: networks, windows, stalls. Not for noise or training.
+//! The one generator of everything random in tests: networks, windows, stalls. Not for noise or training.
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
 #[derive(Debug, Clone)]

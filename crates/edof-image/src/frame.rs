@@ -12,7 +12,7 @@ pub struct RawFrame {
     phase: CfaPhase,
 }
 
-/// A frame that is no raw frame.
+/// A frame that is not a raw frame.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FrameError {

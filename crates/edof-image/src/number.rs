@@ -28,7 +28,7 @@ pub const fn input_word(pixel: u16) -> i16 {
 }
 
 /// `(acc + 2^(shift−1)) >> shift`, ties toward +∞, saturated to `bits` bits. The rounding of every stage. The second value
-/// tells whether it saturated.
+/// is whether it saturated.
 #[must_use]
 pub const fn requantize(acc: i64, shift: u32, bits: u32) -> (i16, bool) {
     let rounded = if shift == 0 { acc } else { (acc + (1 << (shift - 1))) >> shift };

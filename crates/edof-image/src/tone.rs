@@ -30,7 +30,7 @@ impl Tone {
 
     /// Value that stands for `light`; both are 0…1 from black to white.
     ///
-    /// Beyond white the curve goes on; below black it is odd, encode(−x) = −encode(x), so that an error above black and
+    /// Beyond white the curve continues; below black it is odd, encode(−x) = −encode(x), so that an error above black and
     /// one below it weigh the same. It rises everywhere, and [`Tone::decode`] undoes it everywhere.
     ///
     /// ```

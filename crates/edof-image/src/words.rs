@@ -1,6 +1,6 @@
 //! Numbers and counts as errors and reports write them.
 
-/// So many digits say what a number is.
+/// Significant digits that are printed of a number.
 const DIGITS: usize = 6;
 
 /// A number in few digits, whatever its size.

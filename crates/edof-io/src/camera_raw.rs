@@ -1,5 +1,5 @@
 //! Camera raw files of makers' own formats (CR2, NEF, ARW, …) as raw frames, by the crate `rawler`; only with the feature `camera-raw`. DNG
-//! needs no such feature ([`crate::dng`]), but for those that are compressed in rarer ways.
+//! needs no such feature ([`crate::dng`]), except for those that are compressed in rarer ways.
 //!
 //! Black levels are taken off and white becomes full scale, so that the frame is linear light of 16 bits; borders that the
 //! sensor keeps dark are cut off; the Bayer phase is the file's own. Why a feature: `docs/decisions/0004-camera-raw.md`.

@@ -28,7 +28,7 @@ pub enum LevelsError {
         "black level '{0}': must be one sensor value such as 64, or four with commas between, none of them negative"
     )]
     Text(String),
-    /// Full light that is none.
+    /// An invalid value of full light.
     #[error("white level {}: must be more than 0 and at most {most}, for a sensor of {depth} bits", number(*white))]
     White { white: f64, most: u32, depth: u32 },
     /// Darkness brighter than light.

@@ -8,7 +8,7 @@
 //! | what a raw frame knows of itself: phase, sensor, camera, depth | [`record`] |
 //! | what its values are of light: black and white level | [`levels`] |
 //! | from its colours to those of a screen: white balance, colour matrix | [`rendering`] |
-//! | whether it was read as it was taken | [`doubt`] |
+//! | whether it was read as it was taken | [`read_warnings`] |
 //! | DNG: a camera's raw frame with its levels and colours | [`dng`] |
 //! | other cameras' raw files, with the feature `camera-raw` | [`camera_raw`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
@@ -33,7 +33,6 @@
 
 pub mod camera_raw;
 pub mod dng;
-pub mod doubt;
 pub mod levels;
 pub mod packing;
 pub mod photo;
@@ -41,6 +40,7 @@ pub mod photos;
 pub mod picture;
 pub mod pnm;
 pub mod raw;
+pub mod read_warnings;
 pub mod record;
 pub mod rendering;
 pub mod samples;

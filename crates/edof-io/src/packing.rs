@@ -1,6 +1,6 @@
 //! How the pixels of a headerless raw file are packed into bytes.
 //!
-//! | name | bits a pixel | bytes |
+//! | name | bits per pixel | bytes |
 //! |---|---|---|
 //! | `words` | 16 | one word a pixel |
 //! | `bytes` | 8 | one byte a pixel |

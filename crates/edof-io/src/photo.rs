@@ -29,7 +29,7 @@ pub enum FolderError {
     #[error("{folder}: cannot list: {source}", folder = folder.display())]
     List { folder: PathBuf, source: std::io::Error },
     /// No file with the ending of a photograph.
-    #[error("{folder}: holds no photographs, expected .png, .jpg, .webp, .tif, .bmp, .ppm or .pgm files", folder = folder.display())]
+    #[error("{folder}: contains no photographs, expected .png, .jpg, .webp, .tif, .bmp, .ppm or .pgm files", folder = folder.display())]
     Empty { folder: PathBuf },
     /// Photographs, none of which can be read.
     #[error("{folder}: {}, none of which can be read; the first: {first}", edof_image::words::count(*count, "photograph"), folder = folder.display())]
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn a_folder_without_a_usable_photograph_is_refused() {
         let dir = tempfile::tempdir().unwrap();
-        assert!(load_folder(dir.path()).unwrap_err().to_string().contains("holds no photographs"));
+        assert!(load_folder(dir.path()).unwrap_err().to_string().contains("contains no photographs"));
         std::fs::write(dir.path().join("a.png"), "not a picture").unwrap();
         let error = load_folder(dir.path()).unwrap_err().to_string();
         assert!(error.contains("1 photograph, none of which can be read; the first: "), "{error}");

@@ -1,6 +1,6 @@
 //! Which photographs an experiment runs on.
 //!
-//! Photographs are told apart by the number in their file's name (`kodim03.png` is 3). Every third one is for tests, the rest
+//! Photographs are identified by the number in their file's name (`kodim03.png` is 3). Every third one is for tests, the rest
 //! for training ([`CHOICES`]).
 
 use crate::{photo, picture};
@@ -47,7 +47,7 @@ pub enum PhotosError {
     #[error("no folder of photographs: looked for {0}; name one with --images or in EDOF_KODAK")]
     Nowhere(String),
     /// Nothing to work on.
-    #[error("{folder}: holds no readable photograph of '{selection}'{first}; choose by --photos, as in --photos all", folder = folder.display())]
+    #[error("{folder}: contains no readable photograph of '{selection}'{first}; choose by --photos, as in --photos all", folder = folder.display())]
     None { folder: PathBuf, selection: Selection, first: String },
 }
 
@@ -246,7 +246,7 @@ mod tests {
     fn a_folder_without_photos_is_refused() {
         let dir = tempfile::tempdir().unwrap();
         let error = load(dir.path(), &Selection::Test).unwrap_err().to_string();
-        assert!(error.contains("holds no readable photograph of 'test'; choose by --photos"), "{error}");
+        assert!(error.contains("contains no readable photograph of 'test'; choose by --photos"), "{error}");
         assert!(matches!(load(Path::new("/nonexistent"), &Selection::All), Err(PhotosError::Folder { .. })));
     }
 }

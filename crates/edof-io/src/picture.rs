@@ -33,15 +33,15 @@ pub enum PictureError {
     /// A name whose ending stands for no format.
     #[error("{path}: unknown ending, expected {expected}", path = path.display())]
     Ending { path: PathBuf, expected: &'static str },
-    /// The encoder refused.
+    /// The encoder failed.
     #[error("{path}: cannot encode {width}x{height} pixels: {reason}", path = path.display())]
     Encode { path: PathBuf, width: usize, height: usize, reason: String },
-    /// The disk refused.
+    /// The disk failed.
     #[error(transparent)]
     Write(#[from] edof_storage::atomic::WriteError),
 }
 
-/// A picture format, told by a file's first bytes.
+/// A picture format, identified by a file's first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Portable network graphics.
@@ -94,7 +94,7 @@ impl Format {
     }
 }
 
-/// So many bytes tell a format.
+/// Bytes that identify a format.
 const HEAD: u64 = 12;
 
 /// The bytes of a picture file. What begins like none, such as an endless device, is not read on.
@@ -137,14 +137,14 @@ pub fn of_folder(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Refuses what nobody named and what is no file: whoever opens a pipe that stands in a folder may wait for ever.
+/// Rejects what is not a regular file: opening a pipe in a folder may wait for ever.
 ///
 /// # Errors
 /// [`PictureError::Read`].
 pub fn check_found(path: &Path) -> Result<(), PictureError> {
     let found = std::fs::metadata(path).and_then(|found| match found.is_file() {
         true => Ok(()),
-        false => Err(std::io::Error::other("is no file")),
+        false => Err(std::io::Error::other("not a regular file")),
     });
     found.map_err(|source| PictureError::Read { path: path.to_owned(), source })
 }
@@ -208,7 +208,7 @@ fn kind(colour: ColorType) -> String {
     }
 }
 
-/// Grey, or red, green and blue, of pixels of so many channels, each sample as `of` has it.
+/// Grey, or red, green and blue, of pixels of N channels, each sample as `of` has it.
 fn planes<S: Copy + Into<u16>, T>(
     pixels: &[S],
     (height, width): (usize, usize),
@@ -257,7 +257,7 @@ fn turned(mut decoder: impl ImageDecoder) -> ImageResult<DynamicImage> {
     Ok(image)
 }
 
-/// The format in which [`save`] would write a file of that name; for whoever has long work to do first.
+/// The format in which [`save`] would write a file of that name; for anybody who has long work to do first.
 ///
 /// # Errors
 /// [`PictureError::Ending`].

@@ -14,7 +14,7 @@ pub enum PnmError {
     /// Width, height or maximum value out of range.
     #[error("{field} is {value}, expected 1 to 65535")]
     Range { field: &'static str, value: usize },
-    /// Fewer samples than the header promises.
+    /// Fewer samples than the header states.
     #[error("{found} samples, {expected} expected")]
     Truncated { found: usize, expected: usize },
     /// A sample above the maximum value.

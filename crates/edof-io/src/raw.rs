@@ -166,7 +166,7 @@ impl Size {
     }
 }
 
-/// Text that is no size.
+/// Text that is not a size.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("size '{0}': expected WIDTHxHEIGHT in pixels, 1 to 65535 each, as in 1920x1080")]
 pub struct WrongSize(String);
@@ -378,7 +378,7 @@ fn kind(path: &Path) -> Result<Kind, RawError> {
     }
 }
 
-/// Whether [`save`] knows how to write a file of that name; for whoever has long work to do first.
+/// Whether [`save`] knows how to write a file of that name; for anybody who has long work to do first.
 ///
 /// # Errors
 /// [`RawError::Picture`] with the endings that it knows.

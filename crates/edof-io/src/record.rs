@@ -61,7 +61,7 @@ pub enum RecordError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Not a record.
-    #[error("{path}: no record of a raw frame: {}; mend or delete it", json::words(source), path = path.display())]
+    #[error("{path}: invalid raw-frame record: {}; fix or delete the file", json::words(source), path = path.display())]
     Foreign { path: PathBuf, source: serde_json::Error },
     /// Cannot be written.
     #[error(transparent)]
@@ -115,8 +115,8 @@ pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
     let path = path_of(raw);
     let file = || match std::fs::metadata(&path)?.is_file() {
         true => json::text(&path, MOST_BYTES),
-        // Nobody named it, and whoever opens a pipe may wait for ever.
-        false => Err(std::io::Error::other("is no file")),
+        // Opening a pipe may wait for ever.
+        false => Err(std::io::Error::other("not a regular file")),
     };
     let text = match file() {
         Ok(text) => text,

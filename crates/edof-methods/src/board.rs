@@ -1,4 +1,4 @@
-//! The board in a study, as far as it can be told without one: the golden picture, which it gives to the last bit, and its cycles at the
+//! The board in a study, as far as it is known without one: the golden picture, which it gives to the last bit, and its cycles at the
 //! clock that is planned for it. Its time is computed, not measured, and reports say so.
 
 use edof_device::Design;

@@ -160,7 +160,7 @@ pub fn save(
 }
 
 impl Dictionary {
-    /// A dictionary from a file of [`save`]; the one that comes with the program where none is named.
+    /// A dictionary from a file of [`save`]; by default the built-in one.
     ///
     /// # Errors
     /// [`DictionaryError::Read`] or [`DictionaryError::Foreign`].
@@ -184,10 +184,10 @@ impl Dictionary {
         let (_, header) =
             SafeTensors::read_metadata(bytes).map_err(|_| foreign("no whole safetensors file"))?;
         let text = header.metadata().as_ref().and_then(|all| all.get(METADATA));
-        let text = text.ok_or_else(|| foreign("its metadata holds no entry 'edof-dictionary'"))?;
+        let text = text.ok_or_else(|| foreign("its metadata contains no entry 'edof-dictionary'"))?;
         let metadata: Metadata = serde_json::from_str(text).map_err(|e| foreign(&e.to_string()))?;
         let tensors = SafeTensors::deserialize(bytes).map_err(|_| foreign("no whole safetensors file"))?;
-        let tensor = tensors.tensor(TENSOR).map_err(|_| foreign("it holds no tensor 'dictionary'"))?;
+        let tensor = tensors.tensor(TENSOR).map_err(|_| foreign("it contains no tensor 'dictionary'"))?;
         let atoms = metadata.recipe.atoms;
         if tensor.dtype() != Dtype::F32 || tensor.shape() != [RGB_OUTPUTS, atoms] || atoms <= FREE {
             return Err(foreign(&format!("its tensor must be F32 of {RGB_OUTPUTS}x{atoms}")));

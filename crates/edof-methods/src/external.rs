@@ -25,11 +25,11 @@ pub struct ExternalSettings {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExternalError {
     /// It would not know a file.
-    #[error("external command '{command}': holds no {place}; give it as in 'CMD {{raw}} {{out}}'")]
+    #[error("external command '{command}': contains no {place}; write it as in 'CMD {{raw}} {{out}}'")]
     Place {
         /// The command.
         command: String,
-        /// What is missing.
+        /// Missing items.
         place: &'static str,
     },
     /// It names no program.
@@ -66,7 +66,7 @@ impl ExternalSettings {
     pub fn sha256(&self) -> String {
         let files = self.command.split_whitespace().filter_map(|word| {
             let path = Path::new(word.trim_matches(['\'', '"']));
-            // Whoever opens a pipe may wait for ever.
+            // Anybody who opens a pipe may wait for ever.
             if path.is_file() { std::fs::read(path).ok() } else { None }
         });
         let mut all = vec![sha256(self.command.as_bytes())];
@@ -230,7 +230,7 @@ mod tests {
         let error = |command| ExternalSettings::new(command, 1).unwrap_err().to_string();
         assert_eq!(
             error("mine {raw}"),
-            "external command 'mine {raw}': holds no {out}; give it as in 'CMD {raw} {out}'"
+            "external command 'mine {raw}': contains no {out}; write it as in 'CMD {raw} {out}'"
         );
         assert!(error("{raw} {out}").contains("names no program"));
     }

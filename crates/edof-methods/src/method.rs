@@ -52,7 +52,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Name of a method that is no network.
+    /// Name of a method other than a network.
     const fn name(self) -> &'static str {
         match self {
             Self::DemosaicMalvar => "demosaic-malvar",
@@ -85,7 +85,7 @@ pub enum Format {
     Fixed,
     /// The same, its time the cycles of a design at its planned clock.
     Board,
-    /// Floating point on a device behind OpenCL, RGB; its processor time is the host's alone.
+    /// Floating point on a device behind OpenCL, RGB; its CPU time is the host's alone.
     FloatGpu,
     /// The board's integers on a device behind OpenCL, 4:2:2.
     FixedGpu,

@@ -50,7 +50,7 @@ impl Net {
         (Self { name, float, float_sha256: float_sha256.to_owned(), fixed }, note)
     }
 
-    /// The net in every format that there is. All average overlapping patches alike.
+    /// The network in every format. All formats average overlapping patches in the same way.
     #[must_use]
     pub fn methods(self, stride: Stride) -> Vec<MethodSpec> {
         let Self { name, mut float, float_sha256, fixed } = self;

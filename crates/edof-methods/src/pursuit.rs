@@ -33,7 +33,7 @@ enum Solver {
 }
 
 impl PursuitReconstructor {
-    /// Prepares the dictionary of a camera; `psi` is the scene's depth, for a pursuit that is told it.
+    /// Prepares the dictionary of a camera; `psi` is the scene's depth, for a pursuit with ψ known.
     ///
     /// # Errors
     /// [`SeenError`]: a depth that the camera has no PSFs for, or statistics of photographs that are no covariances.

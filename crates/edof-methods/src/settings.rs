@@ -13,7 +13,7 @@ use edof_image::{Noise, Stride, Window};
 /// How codes are found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pursuit {
-    /// So many atoms by orthogonal matching pursuit.
+    /// N atoms by orthogonal matching pursuit.
     Omp {
         /// Atoms besides the colours' own.
         atoms: usize,
@@ -44,7 +44,7 @@ impl Pursuit {
         }
     }
 
-    /// The same in at most so many steps, where it goes in steps.
+    /// The same in at most N steps, where it goes in steps.
     #[must_use]
     pub const fn in_steps(self, steps: usize) -> Self {
         match self {
@@ -64,7 +64,7 @@ pub const BLIND_DEPTHS: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 /// Depths that a dictionary holds its atoms at.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Depths {
-    /// That of the scene, which the method is told.
+    /// That of the scene, which the method knows.
     Known,
     /// These, whatever the scene's.
     Of(Vec<f64>),
@@ -173,7 +173,7 @@ impl Default for PictureModel {
 }
 
 impl PictureModel {
-    /// Variance of all that is no picture.
+    /// Variance of everything except the picture.
     fn variance(&self, noise: Noise) -> f64 {
         noise.variance(self.middle_light) + self.unexplained
     }

@@ -141,7 +141,7 @@ pub enum PrepareError {
     /// A network that does not fit its design.
     #[error("net '{net}': {source}")]
     Board { net: String, source: CycleError },
-    /// A device that is not there, or that refuses.
+    /// A device that is not there, or that rejects.
     #[error("net '{net}': {source}")]
     Gpu { net: String, source: edof_gpu::GpuError },
     /// A depth that the camera has no PSFs for.
@@ -219,7 +219,7 @@ impl MethodSpec {
         })
     }
 
-    /// Anybody's program, as `CMD {raw} {out}`, which may take so many seconds.
+    /// A user's program, as `CMD {raw} {out}`, which may take N seconds.
     ///
     /// # Errors
     /// [`ExternalError`].

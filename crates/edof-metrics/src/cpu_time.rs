@@ -17,7 +17,7 @@ pub fn seconds() -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Runs until this thread alone has been on a processor for so many seconds.
+    /// Runs until this thread alone has been on a processor for N seconds.
     fn work(seconds: f64) {
         let own = || {
             let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);

@@ -1,4 +1,4 @@
-//! The memory that a process holds, and the most that it held, asked of the system: Linux remembers it, and forgets it when told to.
+//! The memory that a process holds, and the most that it held, asked of the system: Linux remembers it, and resets it on request.
 
 use std::fs;
 

@@ -30,7 +30,7 @@ pub enum EdgeError {
     #[error("edge region of {width}x{height} pixels: must be at least 16x16")]
     Small { height: usize, width: usize },
     /// No contrast, or an edge that leaves the region.
-    #[error("edge region: holds no single straight edge from one side to the other")]
+    #[error("edge region: contains no single straight edge from one side to the other")]
     NoEdge,
     /// An edge along the pixels, or too far from them, leaves bins empty.
     #[error("edge region: edge at {0:.2} degrees, must be 1 to 30 degrees off the pixel rows or columns")]

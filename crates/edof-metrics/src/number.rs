@@ -1,4 +1,4 @@
-//! Numbers of rows that JSON has no form for: PSNR of equal pictures is infinite, and a method may give what is no number. Written as
+//! Numbers of rows that JSON has no form for: PSNR of equal pictures is infinite, and a method may give what is NaN. Written as
 //! the words `inf`, `-inf` and `nan`, so that what is written is read back: `#[serde(with = "edof_metrics::number")]`.
 
 use serde::de::{Error, Unexpected, Visitor};

@@ -15,7 +15,7 @@ use ndarray::{ArrayView2, Axis};
 /// ```
 ///
 /// # Panics
-/// If the frames' sizes differ or the border leaves nothing; [`Quality::of`](crate::Quality::of) refuses such frames instead.
+/// If the frames' sizes differ or the border leaves nothing; [`Quality::of`](crate::Quality::of) rejects such frames instead.
 #[must_use]
 pub fn psnr(truth: &ColourFrame, estimate: &ColourFrame, border: usize) -> f64 {
     let (truth, estimate) = (cropped(truth, border), cropped(estimate, border));

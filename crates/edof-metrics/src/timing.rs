@@ -19,7 +19,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// The same for one of so many.
+    /// The same for one of N.
     pub fn over(self, count: f64) -> Self {
         Self { least: self.least / count, most: self.most / count }
     }
@@ -100,7 +100,7 @@ mod tests {
     use edof_image::ColourFrame;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// A method that takes the times it is told, one after the other.
+    /// A method that takes the given times, one after the other.
     struct Told(AtomicUsize, &'static [f64]);
 
     impl Reconstructor for Told {

@@ -58,11 +58,11 @@ pub struct FixedNetwork {
     pub linear_path: Option<FixedMatrix>,
     /// Fraction bits of b_t and z_t, t = 1…T−1.
     pub code_fractions: Vec<u32>,
-    /// How the float network came to be.
+    /// How the float network was made.
     pub origin: Origin,
     /// Hash that the float network's weight file states, as hexadecimal digits.
     pub float_hash: String,
-    /// How its formats were chosen; none for networks that were drawn.
+    /// How its formats were chosen; none for random networks.
     pub quantized: Option<Quantized>,
 }
 
@@ -70,7 +70,7 @@ pub struct FixedNetwork {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quantized {
-    /// Codes hold so many times what calibration saw.
+    /// Codes hold N times what calibration saw.
     pub headroom: f64,
     /// What calibration saw.
     pub calibration: CalibratedOn,

@@ -42,7 +42,7 @@ fn apply(form: &mut Form, word: &str) -> Result<(), String> {
             (Some(side), ..) => form.window = Window::new(side).map_err(|e| e.to_string())?,
             (_, Some(layers), _) => form.layers = layers,
             (.., Some(codes)) => form.codes = codes,
-            _ => return Err(format!("'{word}' is no word of a form; expected {HELP}")),
+            _ => return Err(format!("unknown keyword '{word}', expected {HELP}")),
         },
     }
     Ok(())
@@ -84,6 +84,6 @@ mod tests {
     fn a_form_that_no_network_has_is_refused() {
         assert_eq!(parse("w9").unwrap_err(), "window 9: must be 8, 12 or 16");
         assert_eq!(parse("t11").unwrap_err(), "layers 11: must be 2 to 10");
-        assert!(parse("w8,three").unwrap_err().starts_with("'three' is no word of a form"));
+        assert!(parse("w8,three").unwrap_err().starts_with("unknown keyword 'three'"));
     }
 }

@@ -143,11 +143,11 @@ pub struct Network {
     pub dictionary: Array2<f32>,
     /// R: 192 × window pixels, RGB.
     pub linear_path: Option<Array2<f32>>,
-    /// How it came to be.
+    /// How it was made.
     pub origin: Origin,
 }
 
-/// How a network came to be.
+/// How a network was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {

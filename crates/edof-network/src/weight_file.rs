@@ -117,7 +117,7 @@ pub fn load_network(path: &Path) -> Result<Network, WeightFileError> {
     parse_network(read(path)?, path)
 }
 
-/// [`load_network`] for bytes at hand; `path` names them in errors.
+/// [`load_network`] for bytes available; `path` names them in errors.
 ///
 /// # Errors
 /// As [`load_network`].
@@ -141,7 +141,7 @@ pub fn parse_network(bytes: Vec<u8>, path: &Path) -> Result<Network, WeightFileE
     Ok(network)
 }
 
-/// SHA-256 that a weight file at hand states (and has), as hexadecimal digits; what [`FixedNetwork::float_hash`] holds. `path` names
+/// SHA-256 that a weight file available states (and has), as hexadecimal digits; what [`FixedNetwork::float_hash`] holds. `path` names
 /// it in errors.
 ///
 /// # Errors
@@ -190,7 +190,7 @@ pub fn load_fixed(path: &Path) -> Result<FixedNetwork, WeightFileError> {
     parse_fixed(read(path)?, path)
 }
 
-/// [`load_fixed`] for bytes at hand; `path` names them in errors.
+/// [`load_fixed`] for bytes available; `path` names them in errors.
 ///
 /// # Errors
 /// As [`load_fixed`].

@@ -20,7 +20,7 @@ impl Cholesky {
         Self::factor(matrix, 0.0)
     }
 
-    /// Factors moments, which are positive but for rounding: pivots below 1e-12 of the largest diagonal element are lifted to it.
+    /// Factors moments, which are positive except for rounding: pivots below 1e-12 of the largest diagonal element are lifted to it.
     ///
     /// # Panics
     /// If the moments are not finite: a mistake of the caller.

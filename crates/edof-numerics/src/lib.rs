@@ -34,7 +34,7 @@ const RESIDUAL: f64 = 1e-3;
 ///
 /// What holds: the number is a Rayleigh quotient, so it is never above the largest eigenvalue; and where the iteration has ended by
 /// its residual, an eigenvalue is no farther from it than a thousandth of it. That this is the largest one is not proved: a start that is
-/// orthogonal to the largest one's vector, to the last bit, would not see it. Whoever needs a bound from above adds a margin.
+/// orthogonal to the largest one's vector, to the last bit, would not see it. Anybody who needs a bound from above adds a margin.
 #[must_use]
 pub fn largest_eigenvalue(symmetric: ArrayView2<'_, f64>) -> f64 {
     // Numbers that no symmetry of the matrix has.

@@ -1,4 +1,4 @@
-//! A lens of one's own, its PSFs, and the raw frame of a scene at four depths: `cargo run --release -p edof-optics --example lens_to_raw`
+//! A lens of the user, its PSFs, and the raw frame of a scene at four depths: `cargo run --release -p edof-optics --example lens_to_raw`
 
 use edof_camera::Camera;
 use edof_camera::camera::{Delay, Ring};

@@ -1,6 +1,6 @@
 //! Finding a mask and a focus: differential evolution over one ring or two, judged by the linear [`estimator`](crate::estimator).
 //!
-//! The first population is drawn at random within the bounds; no preset is among it.
+//! The first population is random within the bounds; no preset is among it.
 
 use crate::estimator::{JudgeError, Task, Verdict, judge};
 use crate::psf::MOST_DEFOCUS;
@@ -58,7 +58,7 @@ pub struct Found {
     pub camera: Camera,
     /// What the estimator reaches behind it.
     pub verdict: Verdict,
-    /// Cameras judged on the way.
+    /// Cameras judged in flight.
     pub judged: usize,
 }
 

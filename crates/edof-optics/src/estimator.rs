@@ -58,7 +58,7 @@ pub enum JudgeError {
     Statistics(#[from] NotPositive),
 }
 
-/// Refuses what would be judged as something else.
+/// Rejects what would be judged as something else.
 fn check(camera: &Camera, task: &Task) -> Result<(), JudgeError> {
     let beyond = [
         (camera.psf_bank.is_some(), "a PSF bank"),
@@ -125,7 +125,7 @@ pub fn seen_of_patch(
     window: Window,
 ) -> Result<Array2<f64>, SeenError> {
     let sites = Sites::new(window);
-    // PSFs of one's own, and those of a lens with errors, need not be even.
+    // PSFs of the user, and those of a lens with errors, need not be even.
     let yx = if camera.psf_bank.is_none() && camera.is_round() {
         Seen::new(camera, psi, statistics, &sites).yx
     } else {

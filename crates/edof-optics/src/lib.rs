@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | lens | [`pupil`] | complex pupil for a mask, a defocus ψ, a wavelength |
 //! | blur | [`psf`] | the PSF on the sensor's grid, and what cutting it cost |
-//! | | [`bank`] | PSFs of one's own in place of the computed ones |
+//! | | [`bank`] | PSFs of the user in place of the computed ones |
 //! | | [`blur`](mod@blur) | pictures blurred with it, and the adjoint |
 //! | | `tiles`, `composite` | large ones tile by tile, and layers of them over each other |
 //! | | [`cosine`] | the transform of even planes that both stand on |

@@ -118,7 +118,7 @@ pub enum PsfError {
 }
 
 impl Psf {
-    /// A PSF from a kernel of one's own.
+    /// A PSF from a kernel of the user.
     ///
     /// # Errors
     /// [`PsfError`] if the kernel has no centre or does not sum to 1 within 10⁻³.

@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 /// How a sensor turns light into values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
-    /// Bits a pixel, 8…16.
+    /// Bits per pixel, 8…16.
     pub depth: u32,
     /// Colour of the first pixel's filter.
     pub phase: CfaPhase,

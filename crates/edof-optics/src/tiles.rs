@@ -64,7 +64,7 @@ impl Tiles {
         Some(Self::with_periods(size, reach, (cheapest(size.0, reach)?, cheapest(size.1, reach)?)))
     }
 
-    /// Tiles that are transformed in periods of so many rows and columns.
+    /// Tiles that are transformed in periods of N rows and columns.
     pub fn with_periods(size: (usize, usize), reach: usize, periods: (usize, usize)) -> Self {
         let (down, across) = (Cut::new(size.0, reach, periods.0), Cut::new(size.1, reach, periods.1));
         Self { size, reach, down, across }
@@ -171,7 +171,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// For blurring with at most so many PSFs at a time.
+    /// For blurring with at most N PSFs at a time.
     pub fn new(tiles: &Tiles, psfs: usize) -> Self {
         let plans = [&tiles.down, &tiles.across].into_iter().flat_map(|cut| [&cut.forward, &cut.inverse]);
         let scratch = plans.map(|plan| plan.get_inplace_scratch_len()).max().unwrap_or(0);

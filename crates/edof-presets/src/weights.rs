@@ -38,7 +38,7 @@ pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, PresetError> {
 }
 
 /// Reads the PSFs or the mask's surface that a network's camera has of its own, from beside the network or from the working directory.
-/// Where they are in neither, whoever needs them is told so ([`edof_optics::psf::NoPsf`]); a network can be run without.
+/// Where they are in neither, anybody who needs them is told so ([`edof_optics::psf::NoPsf`]); a network can be run without.
 fn find_bank(camera: &mut Camera, network: &Path) {
     let folders = [network.parent().unwrap_or(Path::new("")), Path::new("")];
     let _ = folders.into_iter().find(|folder| camera.read_bank(folder).is_ok());
@@ -109,7 +109,7 @@ pub fn fixed_file(name_or_path: &str) -> Option<PathBuf> {
     places(name_or_path, ".fixed.safetensors").into_iter().find(|path| path.is_file())
 }
 
-/// What network a file holds, for whoever must not lose it.
+/// What network a file holds, for anybody who must not lose it.
 #[must_use]
 pub fn in_words(file: &Path) -> Option<String> {
     let bytes = std::fs::read(file).ok()?;

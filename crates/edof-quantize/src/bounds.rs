@@ -3,14 +3,14 @@
 //! With Ŵ the words' matrices, W the real ones and v̂, v what they multiply, Ŵv̂ − Wv = Ŵ(v̂ − v) + (Ŵ − W)v. Each row's bound is
 //! Σ|Ŵ|·(bound of v) for the first term, the most that (Ŵ − W)v can be for any v that occurs (interval arithmetic over all windows) for
 //! the second, and half of the result's last bit for rounding. Shrinkage and saturation bring no two numbers further apart, so the bound
-//! holds for every window, those that saturate too, against a network held to the same ranges ([`crate::twin`]); where none of its
+//! holds for every window, those that saturate too, against a network held to the same ranges ([`crate::float_reference`]); where none of its
 //! values reaches an end of its range, that is the float network.
 //!
 //! The statistical figure takes roundings for independent, uniform and without mean, and every code for open: each rounding then
 //! reaches a result by one path of matrices whose squares add up. Rounding of weights is not in it.
 
+use crate::float_reference::all_ends;
 use crate::fold::Folded;
-use crate::twin::all_ends;
 use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_network::fixed_network::layer_names;
 use edof_network::network::{Recurrence, Shrinkage};
@@ -59,7 +59,7 @@ pub enum Arithmetic {
 }
 
 /// Bounds of every stage of `fixed` against the network with the real weights `reference`, which may be those of its own words
-/// ([`Folded::of`]): then what is bounded is rounding on the way alone.
+/// ([`Folded::of`]): then what is bounded is rounding in flight alone.
 #[must_use]
 pub fn bounds(fixed: &FixedNetwork, reference: &Folded, arithmetic: Arithmetic) -> Vec<StageBound> {
     let own = Folded::of(fixed);
@@ -93,9 +93,9 @@ pub fn bounds(fixed: &FixedNetwork, reference: &Folded, arithmetic: Arithmetic) 
 pub struct StageError {
     /// I, M1, M2, …, F.
     pub stage: String,
-    /// Rounding on the way alone.
+    /// Rounding in flight alone.
     pub rounding: BoundSummary,
-    /// Rounding of weights and on the way; none where the float network is not at hand.
+    /// Rounding of weights and in flight; none where the float network is not available.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weights: Option<BoundSummary>,
 }
@@ -357,7 +357,7 @@ fn held(known: Known, ends: [f64; 2]) -> Known {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::twin::Twin;
+    use crate::float_reference::FloatReference;
     use edof_golden::scalar;
     use edof_image::draw::Draw;
     use edof_image::{Stride, Window};
@@ -387,7 +387,7 @@ mod tests {
             let mut real = Folded::of(&fixed);
             let step = unit(fixed.analysis.fraction);
             real.analysis.mapv_inplace(|w| w + step * draw.whole(-100, 100) as f64 * 0.01);
-            let twin = Twin::<f64>::new(&fixed, &real);
+            let twin = FloatReference::<f64>::new(&fixed, &real);
             let bounds = bounds(&fixed, &real, Arithmetic::Words);
             for _ in 0..20 {
                 let y = edof_random::extreme_window(&mut draw, 64);

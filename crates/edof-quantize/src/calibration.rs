@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 
 /// Windows that go through the float network at once.
 const BATCH: usize = 256;
-/// One batch in so many is asked how its inputs go together.
+/// One batch in N is asked how its inputs go together.
 const MOMENTS_EVERY: usize = 64;
 /// Frames that are measured side by side.
 const FRAMES_AT_ONCE: usize = 16;
@@ -28,11 +28,11 @@ pub struct Calibration {
     pub windows: u64,
     /// max(|b_t|, |z_t|), t = 1…T−1, each of length codes.
     pub codes: Vec<Vec<f32>>,
-    /// max |z_t − z_{t−1}| of what the difference form sends, likewise; zeros in the direct form.
+    /// max |z_t − z_{t−1}| of what the difference form sends; zeros in the direct form.
     pub changes: Vec<Vec<f32>>,
     /// Σ v vᵀ over a share of the windows, v what each M layer multiplies; codes × codes.
     pub sent: Vec<Array2<f64>>,
-    /// Σ v vᵀ likewise, v = (z_{T−1}, y): what F multiplies.
+    /// Σ v vᵀ with v = (z_{T−1}, y), the input of F.
     pub outputs: Array2<f64>,
 }
 

@@ -33,7 +33,7 @@ pub fn drawn() -> Result<Vec<(String, ColourFrame)>, DrawError> {
     (0..DRAWN).map(picture).collect()
 }
 
-/// How a network was calibrated: on so many windows of what [`capture`] gives.
+/// How a network was calibrated: on N windows of what [`capture`] gives.
 #[must_use]
 pub fn calibrated_on(origin: &Origin, windows: u64) -> CalibratedOn {
     CalibratedOn {

@@ -24,7 +24,7 @@ pub struct SceneLoss {
     pub name: String,
     /// PSNR of the float network in 4:2:2, in dB.
     pub float_db: f64,
-    /// PSNR of the integers, likewise.
+    /// PSNR of the integers.
     pub fixed_db: f64,
 }
 

@@ -198,7 +198,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// The words for the weights now, but for the first `settled` of A and all S.
+    /// The words for the weights now, except for the first `settled` of A and all S.
     fn round(&mut self, settled: usize) {
         if self.words.form.shrinkage == Shrinkage::TwoSided {
             for theta in &self.layout.thresholds {

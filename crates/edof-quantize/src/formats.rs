@@ -1,7 +1,7 @@
 //! Fraction bits and integers.
 //!
 //! Every code and matrix gets as many fraction bits as its largest value allows. Then bits are taken away where a shift would
-//! be illegal or an accumulator could pass 48 bits; what cannot be mended so is refused.
+//! be illegal or an accumulator could pass 48 bits; what cannot be fixed so is rejected.
 
 use crate::fold::Folded;
 use crate::rounding::Rounding;

@@ -8,7 +8,7 @@
 //! | formats | [`formats`] | fraction bits of every layer and matrix, legal shifts, integers |
 //! | round | [`rounding`] | weights rounded so that their errors hide in what they are multiplied with |
 //! | tune | [`mod@finetune`] | weights that have learned to live with few bits, by the gradient of [`simulated`] |
-//! | bound | [`mod@bounds`] | how far off any window can be, stage by stage, against real numbers ([`twin`]) |
+//! | bound | [`mod@bounds`] | how far off any window can be, stage by stage, against real numbers ([`float_reference`]) |
 //! | leave out | [`stage_bits`] | fewer bits in single stages, and the fewest that lose no more than is allowed |
 //! | check | [`mod@evaluate`] | dB lost and saturations, against the float network in the board's own output format |
 //!
@@ -35,12 +35,12 @@ pub mod calibration;
 pub mod capture;
 pub mod evaluate;
 pub mod finetune;
+pub mod float_reference;
 pub mod fold;
 pub mod formats;
 pub mod rounding;
 pub mod simulated;
 pub mod stage_bits;
-pub mod twin;
 
 pub use calibration::Calibration;
 pub use capture::capture;
@@ -98,7 +98,7 @@ pub enum QuantizeError {
     #[error("{bits} bits: {source}")]
     Fixed { bits: u32, source: FixedNetworkError },
     /// A weight is too large for the width, even without fraction bits.
-    #[error("{what}: holds {value}, which {bits} bits cannot hold once ranges are equal")]
+    #[error("{what}: value {value} does not fit {bits} bits after range equalisation")]
     Large { what: &'static str, value: f64, bits: u32 },
     /// Headroom below one.
     #[error("headroom {0}: must be 1 or more")]

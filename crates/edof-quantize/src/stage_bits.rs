@@ -1,6 +1,6 @@
 //! Fewer bits in single stages: what each is worth, and the fewest that lose no more than is allowed.
 //!
-//! A stage of so many bits has weights that are multiples of 2^k, k the bits left out, and results whose last k bits are left out, in the
+//! A stage of N bits has weights that are multiples of 2^k, k the bits left out, and results whose last k bits are left out, in the
 //! range that they had; both are fixed networks as any other, so what they lose is measured on the golden pipeline itself.
 
 use crate::evaluate::Scene;
@@ -28,7 +28,7 @@ pub enum StageBitsError {
     Reconstruct(#[from] ReconstructError),
 }
 
-/// The network with so many bits in the weights and results of I, each M and F; F's results keep theirs. A matrix that several stages
+/// The network with N bits in the weights and results of I, each M and F; F's results keep theirs. A matrix that several stages
 /// share has the most that any of them asks for.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Integers stand for the float network: every layer's words are its values, to the last bits.
+//! Integers stand for the float network: every layer's words are its values, to the LSB.
 
 use edof_camera::Camera;
 use edof_float::parameters::flatten;
@@ -244,7 +244,7 @@ fn the_averaging_window_is_stated_in_the_integers() {
     assert_eq!(fixed.float_hash, "abc");
 }
 
-/// Four drawn pictures with edges and shades, large enough to hold validation tiles.
+/// Four synthetic pictures with edges and shades, large enough to hold validation tiles.
 fn pictures() -> Vec<ColourFrame> {
     (0..4u64)
         .map(|seed| {

@@ -1,4 +1,4 @@
-//! Networks and windows drawn by a small generator: for tests, benchmarks, examples and trials of hardware that has no trained
+//! Random networks and windows of a small generator: for tests, benchmarks, examples and trials of hardware that has no trained
 //! network yet. The same seed draws the same words.
 //!
 //! | what | from |

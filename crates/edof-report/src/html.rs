@@ -77,7 +77,7 @@ impl Report {
         })
     }
 
-    /// How numbers came to be, which who knows it need not read again: it opens where it is asked for.
+    /// How numbers was made, which who knows it need not read again: it opens where it is asked for.
     pub fn method(&mut self, text: &str) -> &mut Self {
         self.add(&html! { details { summary { "How this was measured" } p { (text) } } })
     }

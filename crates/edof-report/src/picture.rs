@@ -122,7 +122,7 @@ const DOT: usize = 2;
 const MARGIN: usize = 6;
 
 /// A strip of `width` pixels with a text in capitals, wrapped between words: what stands below a picture and covers nothing of it.
-/// `tone` is that of the picture, as [`png`] is told it.
+/// `tone` is that of the picture, as for [`png`].
 #[must_use]
 pub fn caption(text: &str, width: usize, tone: Tone) -> ColourFrame {
     // The font knows no Greek.
@@ -143,7 +143,7 @@ pub fn caption(text: &str, width: usize, tone: Tone) -> ColourFrame {
     strip
 }
 
-/// Lines of at most so many letters; a longer word is cut.
+/// Lines of at most N letters; a longer word is cut.
 fn wrapped(text: &str, letters: usize) -> Vec<String> {
     let mut lines: Vec<String> = vec![];
     for word in text.split_whitespace() {

@@ -3,7 +3,7 @@
 use ndarray::{Array2, ArrayView2, ArrayViewMut1, Axis, NdFloat};
 use rayon::prelude::*;
 
-/// Sparse codes of many signals, each of so many non-zeros at most.
+/// Sparse codes of many signals, each of N non-zeros at most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseCodes<F> {
     pub(crate) most: usize,

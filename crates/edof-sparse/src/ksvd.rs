@@ -14,7 +14,7 @@ use rayon::prelude::*;
 const COPY: f32 = 0.99;
 /// An atom that fewer signals use than this is not used.
 const LEAST_USERS: usize = 2;
-/// Power steps an atom and round; they go on from where the last round's ended.
+/// Power steps an atom and round; they continue from the end of the last round.
 const POWER_STEPS: usize = 2;
 /// Users whose share of a sum is one partial sum, so that a sum does not depend on how many threads there are.
 const CHUNK: usize = 512;
@@ -26,14 +26,14 @@ pub struct Settings {
     pub atoms: usize,
     /// Turns of codes and dictionary.
     pub rounds: usize,
-    /// The first so many atoms are fixed, and every signal uses them at no cost: the mean, say.
+    /// The first N atoms are fixed, and every signal uses them at no cost: the mean, say.
     pub free: usize,
 }
 
-/// A dictionary and how it came to be.
+/// A dictionary and how it was made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
-    /// Length × atoms, of norm 1 but for the free ones, to which all others are orthogonal.
+    /// Length × atoms, of norm 1 except for the free ones, to which all others are orthogonal.
     pub dictionary: Array2<f32>,
     /// Root mean square of what the codes leave of a signal's entry, after each round.
     pub errors: Vec<f64>,
@@ -246,7 +246,7 @@ mod tests {
     const ATOMS: usize = 24;
     const LENGTH: usize = 16;
 
-    /// Signals of three atoms each of a drawn dictionary, which comes with them (length × atoms).
+    /// Signals of three atoms each of a random dictionary, which comes with them (length × atoms).
     fn signals_of_three(count: usize) -> (Array2<f32>, Array2<f32>) {
         let mut truth = noise(ATOMS, LENGTH, 3);
         truth.outer_iter_mut().for_each(|mut atom| normalise(&mut atom));

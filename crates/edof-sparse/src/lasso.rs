@@ -24,7 +24,7 @@ pub fn step_bound<F: NdFloat>(gram: ArrayView2<'_, F>) -> F {
     number(largest_eigenvalue(gram.mapv(|v| v.to_f64().unwrap_or(f64::NAN)).view()) * MARGIN)
 }
 
-/// How long to go on.
+/// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort<F> {
     /// The most steps.
@@ -105,7 +105,7 @@ impl<F: NdFloat> Lasso<F> {
             all.par_chunks_mut(CHUNK * columns)
                 .enumerate()
                 .map_init(
-                    || Room::new(self),
+                    || Workspace::new(self),
                     |room, (chunk, codes)| {
                         let count = codes.len() / columns;
                         let signals = signals.slice(s![chunk * CHUNK..chunk * CHUNK + count, ..]);
@@ -126,13 +126,13 @@ pub(crate) fn shrink<F: NdFloat>(value: F, theta: F) -> F {
 }
 
 /// What one thread needs, made once.
-struct Room<F> {
+struct Workspace<F> {
     count: usize,
     rest: Array2<F>,
     free_codes: Array2<F>,
     /// Dᵀx.
     correlations: Array2<F>,
-    /// D·y, where DᵀD is not at hand.
+    /// D·y, where DᵀD is not available.
     synthesis: Array2<F>,
     /// DᵀD·y.
     toward: Array2<F>,
@@ -141,7 +141,7 @@ struct Room<F> {
     y: Array2<F>,
 }
 
-impl<F: NdFloat> Room<F> {
+impl<F: NdFloat> Workspace<F> {
     fn new(lasso: &Lasso<F>) -> Self {
         let (length, atoms) = lasso.atoms.dim();
         let wide = || Array2::zeros((CHUNK, atoms));

@@ -2,10 +2,10 @@
 //!
 //! | step | module | gives |
 //! |---|---|---|
-//! | pursue | [`omp`] | sparse codes by greedy choice: so many atoms, or until so little is left |
+//! | pursue | [`omp`] | sparse codes by greedy choice: N atoms, or until so little is left |
 //! | | [`lasso`] | sparse codes by ISTA and FISTA: the minimum of a convex objective |
 //! | | [`codes`] | what is not zero of them, and the signals that they stand for |
-//! | learn | [`ksvd`](mod@ksvd) | a dictionary in which signals have codes of so many atoms |
+//! | learn | [`ksvd`](mod@ksvd) | a dictionary in which signals have codes of N atoms |
 //! | | [`dictionary`] | one in which they have small codes, by least squares |
 //!
 //! Signals are rows (signals × length), a dictionary's atoms are columns (length × atoms), codes are rows (signals × atoms). Pursuits

@@ -23,7 +23,7 @@ pub struct Stop<F> {
 }
 
 impl<F: NdFloat> Stop<F> {
-    /// After so many atoms.
+    /// After N atoms.
     #[must_use]
     pub fn at_atoms(atoms: usize) -> Self {
         Self { atoms, residual: F::zero() }
@@ -96,7 +96,7 @@ impl<F: NdFloat> Omp<F> {
             .zip(codes.values.par_chunks_mut(CHUNK * most))
             .enumerate();
         parts.for_each_init(
-            || Room::new(self, most - free),
+            || Workspace::new(self, most - free),
             |room, (chunk, ((counts, atoms), values))| {
                 let signals = signals.slice(s![chunk * CHUNK..chunk * CHUNK + counts.len(), ..]);
                 room.correlate(self, signals);
@@ -112,7 +112,7 @@ impl<F: NdFloat> Omp<F> {
 }
 
 /// What one thread needs, made once.
-struct Room<F> {
+struct Workspace<F> {
     most: usize,
     /// Signals without their free part, and the codes of that.
     rest: Array2<F>,
@@ -130,7 +130,7 @@ struct Room<F> {
     solution: Vec<F>,
 }
 
-impl<F: NdFloat> Room<F> {
+impl<F: NdFloat> Workspace<F> {
     fn new(omp: &Omp<F>, most: usize) -> Self {
         let (length, atoms) = omp.atoms.dim();
         Self {
@@ -201,7 +201,7 @@ impl<F: NdFloat> Room<F> {
     }
 }
 
-/// Where the largest magnitude stands, the first of equals; nowhere if all are zero or one is no number.
+/// Where the largest magnitude stands, the first of equals; nowhere if all are zero or one is NaN.
 fn strongest<F: NdFloat>(values: &[F]) -> Option<usize> {
     // Lanes, so that the compiler may take them at once.
     let mut peaks = [F::zero(); 16];

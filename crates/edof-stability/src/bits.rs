@@ -13,10 +13,10 @@ use edof_study::made::Made;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Drawn scenes, and their size.
+/// Synthetic scenes, and their size.
 const SCENES: u64 = 2;
 const SIZE: (usize, usize) = (160, 240);
-/// Of their captures, at nine depths with and without noise, one in so many is judged.
+/// Of their captures, at nine depths with and without noise, one in N is judged.
 const EVERY: usize = 5;
 
 /// What bits are worth to one network.
@@ -53,7 +53,7 @@ pub struct Point {
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum BitsError {
-    /// Drawn scenes.
+    /// Synthetic scenes.
     #[error(transparent)]
     Draw(#[from] DrawError),
     /// Scenes behind its camera.
@@ -64,7 +64,7 @@ pub enum BitsError {
     Bits { network: String, source: StageBitsError },
 }
 
-/// Measures one network on drawn scenes behind its own camera.
+/// Measures one network on synthetic scenes behind its own camera.
 ///
 /// # Errors
 /// [`BitsError`]; networks of the difference form, whose codes share a format, among them.

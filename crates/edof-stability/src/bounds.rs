@@ -1,11 +1,11 @@
 //! Integers and `f32` against `f64`, window by window, with the bounds that were told before: on random windows, and on windows that climb
 //! towards the bound.
 //!
-//! A climb starts from a drawn window and a result of one stage, and changes some input words at a time as long as that result comes
+//! A climb starts from a random window and a result of one stage, and changes some input words at a time as long as that result comes
 //! further off; what is far off is a rounding of every sum in the same direction, so it is found by trying, not by following a slope.
 
 use crate::bench::{Bench, Trained};
-use crate::outcome::{Seen, StageSeen, Stopped, Tried};
+use crate::outcome::{Measurement, StageMeasurement, Stopped, TrialResult};
 use crate::subjects::Subjects;
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
@@ -13,8 +13,8 @@ use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedNetworkError;
 use edof_quantize::bounds::{Arithmetic, StageBound, reference};
+use edof_quantize::float_reference::{FloatReference, Values};
 use edof_quantize::fold::Folded;
-use edof_quantize::twin::{Twin, Values};
 use rayon::prelude::*;
 
 /// Windows that go through everything at once.
@@ -30,13 +30,13 @@ pub(crate) struct Compared {
     subjects: Subjects,
     /// The float network, and the words taken for real numbers.
     against: Vec<Against>,
-    single: Option<(Twin<f32>, Vec<StageBound>)>,
+    single: Option<(FloatReference<f32>, Vec<StageBound>)>,
 }
 
 struct Against {
     /// What it is called.
     what: &'static str,
-    twin: Twin<f64>,
+    twin: FloatReference<f64>,
     bounds: Vec<StageBound>,
 }
 
@@ -48,11 +48,11 @@ const WITHOUT_ROUNDING: &str = "words without rounding";
 pub(crate) struct Off {
     /// Largest share of its bound that a result used.
     share: f64,
-    /// The same result's distance, in last bits.
+    /// The same result's distance, in LSB.
     bits: f64,
-    /// Its bound in last bits.
+    /// Its bound in LSB.
     bound: f64,
-    /// Largest distance in last bits of any result.
+    /// Largest distance in LSB of any result.
     most_bits: f64,
     /// Results beyond their bounds.
     violations: u64,
@@ -113,9 +113,9 @@ impl Compared {
         if let Some(real) = reference(&trained.fixed, &trained.float) {
             let bounds = edof_quantize::bounds::bounds(&trained.fixed, &real, Arithmetic::Words);
             let single = edof_quantize::bounds::bounds(&trained.fixed, &real, Arithmetic::Single);
-            let twin = Twin::new(&trained.fixed, &real);
+            let twin = FloatReference::new(&trained.fixed, &real);
             all.against.insert(0, Against { what: "float network", twin, bounds });
-            all.single = Some((Twin::new(&trained.fixed, &real), single));
+            all.single = Some((FloatReference::new(&trained.fixed, &real), single));
         }
         Ok(all)
     }
@@ -125,9 +125,9 @@ impl Compared {
         fixed.check()?;
         let own = Folded::of(&fixed);
         let bounds = edof_quantize::bounds::bounds(&fixed, &own, Arithmetic::Words);
-        let twin = Twin::new(&fixed, &own);
+        let twin = FloatReference::new(&fixed, &own);
         let single = edof_quantize::bounds::bounds(&fixed, &own, Arithmetic::Single);
-        let single = Some((Twin::new(&fixed, &own), single));
+        let single = Some((FloatReference::new(&fixed, &own), single));
         let against = vec![Against { what: WITHOUT_ROUNDING, twin, bounds }];
         Ok(Self { fast: Fast::new(fixed), subjects, against, single })
     }
@@ -247,8 +247,8 @@ impl Compared {
             .collect()
     }
 
-    /// What was found, as a case tells it.
-    pub(crate) fn seen(&self, name: &str, found: &Found, only_last: bool) -> Vec<Seen> {
+    /// What was found, as measurements of a case.
+    pub(crate) fn seen(&self, name: &str, found: &Found, only_last: bool) -> Vec<Measurement> {
         let mut seen = vec![];
         let kinds =
             self.against.iter().map(|against| (format!("{name}.fixed"), against.what, &against.bounds));
@@ -263,7 +263,7 @@ impl Compared {
                 // Against the float network weights are rounded, too, which no deviation here is of.
                 let own = what == WITHOUT_ROUNDING && summary.deviation_bits > 0.0;
                 let deviation = own.then_some(summary.deviation_bits);
-                let stage = StageSeen {
+                let stage = StageMeasurement {
                     stage: bound.name.clone(),
                     against: what,
                     bound: off.bound,
@@ -277,7 +277,7 @@ impl Compared {
                 let note =
                     format!("{:.3} of {:.3} last bits, {} violations", off.bits, off.bound, off.violations);
                 let what = format!("{} off the {what}, of its bound", bound.name);
-                let mut one = Seen::new(&subject, what, off.share, 1.0 + SLACK).noted(note);
+                let mut one = Measurement::new(&subject, what, off.share, 1.0 + SLACK).noted(note);
                 (one.held, one.stage) = (off.violations == 0, Some(stage));
                 seen.push(one);
             }
@@ -319,7 +319,7 @@ fn single_off(single: &Values<f32>, real: &Values<f64>, bounds: &[StageBound]) -
 const CLIMB: usize = 2400;
 
 /// A network on random windows and on as many of climbs.
-pub(crate) fn bounds(bench: &Bench, network: &str) -> Result<Tried, Stopped> {
+pub(crate) fn bounds(bench: &Bench, network: &str) -> Result<TrialResult, Stopped> {
     let compared = match bench.networks.iter().find(|trained| trained.name == network) {
         Some(trained) => Compared::trained(bench.subjects, trained)?,
         None => Compared::words(bench.subjects, drawn(network)?)?,
@@ -345,7 +345,7 @@ pub(crate) fn bounds(bench: &Bench, network: &str) -> Result<Tried, Stopped> {
         let held = format!("{} values of the float network itself held to the end of a range", found.clipped);
         first.note = format!("{}; {} windows, {held}", first.note, found.windows);
     }
-    Ok(Tried { saturations, ..Tried::of(seen) })
+    Ok(TrialResult { saturations, ..TrialResult::of(seen) })
 }
 
 /// Windows by turns: extreme words, smooth light with noise, any words.
@@ -362,7 +362,7 @@ fn window(draw: &mut Draw, pixels: usize, i: usize) -> Vec<i16> {
     }
 }
 
-/// A network drawn like a trained one: `drawn-WINDOW-STRIDE`.
+/// A random network with the statistics of a trained one: `drawn-WINDOW-STRIDE`.
 fn drawn(name: &str) -> Result<FixedNetwork, Stopped> {
     let numbers: Option<Vec<usize>> = name
         .strip_prefix("drawn-")

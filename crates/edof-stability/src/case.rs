@@ -1,4 +1,4 @@
-//! A hard case, as data: what it is for, what is run, what could go wrong, and what is promised.
+//! A hard case, as data: its purpose, its input, the possible fault, and the acceptance limit.
 
 mod trial;
 
@@ -21,14 +21,14 @@ pub struct Case {
     pub danger: String,
     /// What is run.
     pub trial: Trial,
-    /// What is promised.
+    /// Acceptance limit.
     pub promise: Promise,
     /// Whether it takes more than moments: left out of the quick run.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub slow: bool,
 }
 
-/// What is promised of everything that a case runs.
+/// Acceptance limit of everything that a case runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Promise {
@@ -47,7 +47,7 @@ pub enum Promise {
         /// From what it follows.
         because: String,
     },
-    /// A loss of so many dB at most.
+    /// A loss of N dB at most.
     Graceful {
         /// The largest loss.
         db: f64,
@@ -57,7 +57,7 @@ pub enum Promise {
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         except: Vec<Exception>,
     },
-    /// A refusal whose message holds these words.
+    /// An error whose message contains these words.
     Refused {
         /// A part of the message.
         says: String,
@@ -101,7 +101,7 @@ impl Promise {
         }
     }
 
-    /// The limit for one method or solver; none for bounds that the trial computes and for refusals.
+    /// The limit for one method or solver; none for bounds that the trial computes and for rejected inputs.
     #[must_use]
     pub fn limit(&self, subject: &str) -> Option<f64> {
         let own = |limit: f64, except: &[Exception]| {
@@ -139,7 +139,7 @@ pub enum CasesError {
     /// Text that holds no cases.
     #[error("{file}: not a list of cases: {}", json::words(source))]
     Parse { file: String, source: serde_json::Error },
-    /// Two of one name, or a name that is none.
+    /// Two of one name, or an invalid name.
     #[error("{file}: case id '{id}': {why}")]
     Id { file: String, id: String, why: &'static str },
     /// Nothing.
@@ -187,7 +187,7 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Case>, CasesError> {
     let mut paths = vec![];
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
-        // Whoever opens a pipe may wait for ever.
+        // Anybody who opens a pipe may wait for ever.
         if path.extension().is_some_and(|extension| extension == "json") && path.is_file() {
             paths.push(path);
         }

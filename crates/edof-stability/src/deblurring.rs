@@ -2,7 +2,7 @@
 //! than the plane.
 
 use crate::case::{Kernel, Promise, Scene};
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use crate::scenes;
 use edof_deblur::blind;
 use edof_deblur::hyper_laplacian::{Prior, hyper_laplacian};
@@ -22,7 +22,7 @@ pub(crate) fn deblur(
     ratio: f32,
     [height, width]: [usize; 2],
     promise: &Promise,
-) -> Result<Tried, Stopped> {
+) -> Result<TrialResult, Stopped> {
     let frame = scenes::picture(scene, height, width)?;
     // What a sensor gives: nothing above white.
     let sharp = frame.planes.index_axis(Axis(0), 1).mapv(|v| v.clamp(0.0, 1.0));
@@ -49,10 +49,10 @@ pub(crate) fn deblur(
     let mut judged = vec![];
     for (name, plane) in &made {
         let finite = plane.iter().all(|v| v.is_finite());
-        judged.push(Seen::fact(*name, "every value is a finite number", finite));
+        judged.push(Measurement::fact(*name, "every value is a finite number", finite));
         if plane.dim() != sharp.dim() {
             let sum = f64::from(plane.sum());
-            judged.push(Seen::new(*name, "sum off 1", (sum - 1.0).abs(), 1e-4));
+            judged.push(Measurement::new(*name, "sum off 1", (sum - 1.0).abs(), 1e-4));
         } else if let Some(limit) = promise.limit(name) {
             judged.push(compared(name, &sharp, &seen, plane, promise, limit));
         }
@@ -63,7 +63,7 @@ pub(crate) fn deblur(
         frame
     };
     let shown = std::iter::once(&seen).chain(made.iter().map(|(_, plane)| plane)).map(grey).collect();
-    Ok(Tried::of(judged).shown(png(&sheet(&[shown], 2), Tone::Linear).ok()))
+    Ok(TrialResult::of(judged).shown(png(&sheet(&[shown], 2), Tone::Linear).ok()))
 }
 
 fn compared(
@@ -73,7 +73,7 @@ fn compared(
     plane: &Array2<f32>,
     promise: &Promise,
     limit: f64,
-) -> Seen {
+) -> Measurement {
     let square = |a: &Array2<f32>| {
         a.iter().zip(sharp).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>()
             / sharp.len() as f64
@@ -81,12 +81,12 @@ fn compared(
     if matches!(promise, Promise::Same { .. }) {
         let off = (plane - sharp).mapv(f32::abs);
         let worst = off.iter().fold(0.0f32, |worst, v| if *v <= worst { worst } else { *v });
-        return Seen::new(name, "largest error of a value", f64::from(worst), limit);
+        return Measurement::new(name, "largest error of a value", f64::from(worst), limit);
     }
     // A plane as good as half of a code of 8 bits is as good as any.
     let db = |error: f64| -10.0 * error.max(4e-6).log10();
     let (own, before) = (db(square(plane)), db(square(seen)));
-    Seen::new(name, "dB below the blurred plane", before - own, limit)
+    Measurement::new(name, "dB below the blurred plane", before - own, limit)
         .noted(format!("{own:.2} dB, blurred {before:.2}"))
 }
 

@@ -4,7 +4,7 @@
 //! with the noise's variance on the diagonal, which is what training with noise comes to. Other leaves then tell what it loses to noise.
 
 use crate::case::Promise;
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use crate::subjects::Subjects;
 use edof_camera::Camera;
 use edof_image::Noise;
@@ -30,7 +30,7 @@ pub(crate) fn fitted(
     trained: f64,
     met: f64,
     promise: &Promise,
-) -> Result<Tried, Stopped> {
+) -> Result<TrialResult, Stopped> {
     let (inputs, truth) = windows(1, 0.0)?;
     let mean = inputs.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>() / inputs.len() as f64;
     let ridge = LEAST_RIDGE.max(trained * trained / mean);
@@ -44,12 +44,12 @@ pub(crate) fn fitted(
     let (without, with) = (db(0.0)?, db(met)?);
     let name = format!("linear map fitted at noise {trained}");
     let mut seen =
-        vec![Seen::fact(&name, "every weight is a finite number", map.iter().all(|v| v.is_finite()))];
+        vec![Measurement::fact(&name, "every weight is a finite number", map.iter().all(|v| v.is_finite()))];
     seen.extend(promise.limit(&name).map(|limit| {
-        let one = Seen::new(&name, format!("dB lost to noise of {met}"), without - with, limit);
+        let one = Measurement::new(&name, format!("dB lost to noise of {met}"), without - with, limit);
         one.noted(format!("{without:.2} dB without noise, {with:.2} with"))
     }));
-    Ok(Tried::of(seen))
+    Ok(TrialResult::of(seen))
 }
 
 /// Windows of 8×8 raw values and the sharp patches at their places, as rows.

@@ -9,7 +9,7 @@ use crate::bench::Bench;
 use crate::bounds::Compared;
 use crate::case::{Frame, Promise};
 use crate::methods::CAMERA;
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use crate::scenes;
 use edof_camera::Camera;
 use edof_deblur::Malvar;
@@ -17,7 +17,7 @@ use edof_float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::GoldenReconstructor;
 use edof_image::overlap::Overlap;
 use edof_image::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Tone};
-use edof_io::doubt::{Doubt, doubts};
+use edof_io::read_warnings::{ReadWarning, read_warnings};
 use edof_network::FixedNetwork;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::sensor::{Sensor, expose};
@@ -53,8 +53,8 @@ fn shot(frame: &Frame, camera: &Camera) -> Result<Shot, Stopped> {
 }
 
 /// Every method on one frame.
-pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<Tried, Stopped> {
-    let mut tried = Tried::default();
+pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<TrialResult, Stopped> {
+    let mut tried = TrialResult::default();
     let psnr = bench.subjects.psnr;
     let judge = |name: &str, shot: &Shot, picture: &ColourFrame| judged(name, shot, picture, promise, psnr);
     for (index, trained) in bench.networks.iter().enumerate() {
@@ -75,14 +75,14 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
         let saturations = made.counters.as_ref().map_or(0, |counters| counters.saturations);
         tried.saturations += saturations;
         if frame.natural {
-            let seen = Seen::fact(fixed.name(), "saturates nowhere", saturations == 0);
+            let seen = Measurement::fact(fixed.name(), "saturates nowhere", saturations == 0);
             tried.seen.push(seen.noted(format!("{saturations} saturations")));
         }
         tried.seen.extend(judge(fixed.name(), &shot, &made.frame));
         tried.seen.extend(judge(float.name(), &shot, &float.reconstruct(&shot.raw)?.frame));
         if frame.camera.is_some() {
             let told = camera.same_lens(own) == (camera.name == own.name);
-            tried.seen.push(Seen::fact(&trained.name, "a lens that is not its own is noticed", told));
+            tried.seen.push(Measurement::fact(&trained.name, "a lens that is not its own is noticed", told));
         }
         if index == 0 {
             let rows = [vec![shot.demosaiced.clone(), made.frame]];
@@ -124,9 +124,9 @@ fn judged(
     picture: &ColourFrame,
     promise: &Promise,
     psnr: fn(&ColourFrame, &ColourFrame, usize) -> f64,
-) -> Vec<Seen> {
+) -> Vec<Measurement> {
     let finite = picture.planes.iter().all(|v| v.is_finite());
-    let mut seen = vec![Seen::fact(name, "every value is a finite number", finite)];
+    let mut seen = vec![Measurement::fact(name, "every value is a finite number", finite)];
     let limit = promise.limit(name);
     match (promise, limit) {
         (Promise::Same { .. }, Some(limit)) => {
@@ -135,14 +135,14 @@ fn judged(
                 |frame: &ColourFrame| frame.crop(BORDER, BORDER, height - 2 * BORDER, width - 2 * BORDER);
             let off = (&inside(picture).planes - &inside(&shot.sharp).planes).mapv(f32::abs);
             let worst = off.iter().fold(0.0f32, |worst, v| if *v <= worst { worst } else { *v });
-            seen.push(Seen::new(name, "largest error of a value", f64::from(worst), limit));
+            seen.push(Measurement::new(name, "largest error of a value", f64::from(worst), limit));
         }
         (Promise::Graceful { .. }, Some(limit)) => {
             let (own, plain) =
                 (psnr(&shot.sharp, picture, BORDER), psnr(&shot.sharp, &shot.demosaiced, BORDER));
-            // A plain picture without any error loses nothing that could be told in dB.
+            // A plain picture without any error has no loss in dB.
             let (own, plain) = (own.min(EXACT_DB), plain.min(EXACT_DB));
-            let one = Seen::new(name, "dB below demosaicing", plain - own, limit);
+            let one = Measurement::new(name, "dB below demosaicing", plain - own, limit);
             seen.push(one.noted(format!("{own:.2} dB, demosaiced {plain:.2}")));
         }
         _ => {}
@@ -153,16 +153,16 @@ fn judged(
 /// Above this a picture is as good as any: half of a code of 8 bits.
 const EXACT_DB: f64 = 54.0;
 
-/// A frame read with another phase than it was taken with: whether anybody would be told.
-pub(crate) fn phase(taken: CfaPhase, read: CfaPhase) -> Result<Tried, Stopped> {
+/// A frame read with another phase than it was taken with: whether there is a warning.
+pub(crate) fn phase(taken: CfaPhase, read: CfaPhase) -> Result<TrialResult, Stopped> {
     let scene = scenes::layers(&crate::case::Scene::Leaves, 4.0, SIZE.0, SIZE.1)?;
     let sensor = Sensor { phase: taken, ..Sensor::default() };
     let shot = capture(&scene, &Camera::resolve(CAMERA)?, &sensor, &Approximation::default())?;
     let warm = tinted(&shot.light);
     let raw = expose(&warm, &sensor)?;
     let raw = RawFrame::from_values(raw.values(), raw.depth(), read)?;
-    let told = doubts(&raw).contains(&Doubt::Phase);
-    Ok(Tried::of(vec![Seen::fact(format!("{taken} read as {read}"), "told as doubtful", told)]))
+    let told = read_warnings(&raw).contains(&ReadWarning::Phase);
+    Ok(TrialResult::of(vec![Measurement::fact(format!("{taken} read as {read}"), "told as doubtful", told)]))
 }
 
 /// Under a warm lamp, as most light is not white.

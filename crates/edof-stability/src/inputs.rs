@@ -7,7 +7,7 @@ use edof_golden::fast::Fast;
 use edof_network::FixedNetwork;
 
 /// Input words of at most `most` windows of a case for a network: of a frame those all over it, as its own camera takes it; of words those
-/// that drive this network's sums to their ends. None of cases that are about something else, or that are refused.
+/// that drive this network's sums to their ends. None of cases that are about something else, or that are rejected.
 ///
 /// # Errors
 /// What the case itself would say, such as a depth without PSFs.

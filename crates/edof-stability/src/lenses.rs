@@ -1,7 +1,7 @@
 //! PSFs at the edge of what can be computed, and blur by kernels larger than the picture; `f32` against sums in `f64`.
 
 use crate::case::{Lens, Promise, Scene};
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use crate::scenes;
 use edof_camera::Camera;
 use edof_image::{Channel, Tone};
@@ -15,8 +15,8 @@ use rayon::prelude::*;
 /// Pixels of a kernel's picture.
 const SHOWN: usize = 41;
 
-/// One camera at one depth: PSFs and blur, or their refusal.
-pub(crate) fn lens(lens: &Lens, promise: &Promise) -> Result<Tried, Stopped> {
+/// One camera at one depth: PSFs and blur, or their error.
+pub(crate) fn lens(lens: &Lens, promise: &Promise) -> Result<TrialResult, Stopped> {
     let mut camera = Camera::resolve(&lens.camera)?;
     camera.aperture_radius_mm = lens.aperture_radius_mm.unwrap_or(camera.aperture_radius_mm);
     camera.pixel_pitch_um = lens.pixel_pitch_um.unwrap_or(camera.pixel_pitch_um);
@@ -29,7 +29,7 @@ pub(crate) fn lens(lens: &Lens, promise: &Promise) -> Result<Tried, Stopped> {
         let name = format!("{channel:?}").to_lowercase();
         let kernel = psf.kernel();
         let finite = kernel.iter().all(|v| v.is_finite()) && (0.0..=1.0).contains(&psf.energy_beyond);
-        seen.push(Seen::fact(&name, "every number is finite", finite).noted(format!(
+        seen.push(Measurement::fact(&name, "every number is finite", finite).noted(format!(
             "{} pixels wide, {:.2} % of the light beyond the support",
             psf.side(),
             100.0 * psf.energy_beyond
@@ -38,15 +38,20 @@ pub(crate) fn lens(lens: &Lens, promise: &Promise) -> Result<Tried, Stopped> {
         let sum: f64 = kernel.iter().map(|v| f64::from(*v)).sum();
         let peak = kernel.iter().copied().fold(0.0f32, f32::max);
         let least = kernel.iter().copied().fold(0.0f32, f32::min);
-        seen.push(Seen::new(&name, "sum of the kernel, off 1", (sum - 1.0).abs(), limit));
-        seen.push(Seen::new(&name, "light below nothing, of the peak", f64::from(-least / peak), limit));
+        seen.push(Measurement::new(&name, "sum of the kernel, off 1", (sum - 1.0).abs(), limit));
+        seen.push(Measurement::new(
+            &name,
+            "light below nothing, of the peak",
+            f64::from(-least / peak),
+            limit,
+        ));
         let off = (&blur(plane.view(), psf).mapv(f64::from) - &direct(&plane, psf)).mapv(f64::abs);
         let worst = off.iter().fold(0.0, |worst: f64, v| if *v <= worst { worst } else { *v });
-        seen.push(Seen::new(&name, "blur in f32 off sums in f64", worst, limit));
+        seen.push(Measurement::new(&name, "blur in f32 off sums in f64", worst, limit));
     }
     let [red, green, blue] = psfs.each_ref().map(|psf| psf.kernel());
     let shown = png(&psf_picture([red, green, blue], SHOWN), Tone::Linear).ok();
-    Ok(Tried::of(seen).shown(shown))
+    Ok(TrialResult::of(seen).shown(shown))
 }
 
 /// Blur by the definition, mirrored as often as the kernel reaches.

@@ -1,10 +1,10 @@
-//! Hard cases: what is promised on each, and whether it holds.
+//! Hard cases: the acceptance limit of each, and whether it holds.
 //!
 //! | what | module | gives |
 //! |---|---|---|
-//! | data | [`case`] | cases as their files hold them: intent, trial, danger, promise |
+//! | data | [`case`] | cases as in their files: intent, trial, danger, limit (`promise`) |
 //! | | [`scenes`] | the pictures that they are about |
-//! | under trial | [`subjects`] | the product's functions as values, so that a test may hand over a faulty twin |
+//! | under trial | [`subjects`] | the product's functions as values, so that a test may pass a faulty one |
 //! | trials | `frames` | every method on a raw frame; fixed point and `f32` against `f64` |
 //! | | `sizes` | frames of the least sizes and of a hundred megapixels |
 //! | | `words` | networks of words whose sums and saturations are driven to their ends |
@@ -12,9 +12,9 @@
 //! | | `pursuits`, `solves` | dictionaries and systems that are nearly singular |
 //! | | `fitting` | maps that meet more noise than they were fitted for |
 //! | | `lenses`, `deblurring` | PSFs at the edge of what can be computed; deconvolution with little to go by |
-//! | | `numbers`, `refusals` | sums, tables and steps at the ends of numbers; what must be refused |
+//! | | `numbers`, `refusals` | sums, tables and steps at the ends of numbers; what must be rejected |
 //! | run | [`mod@bench`] | what they are run with; `methods` prepares those that need no weights |
-//! | | [`suite`] | all of them, one after the other; a panic is a broken promise |
+//! | | [`suite`] | all of them, one after the other; a panic is a failure |
 //! | beside | [`bits`] | which layer's bits matter, and the fewest that do |
 //! | elsewhere | [`inputs`] | its windows for any network, for the circuit |
 //! | tell | [`outcome`], [`report`] | what was seen against its limit; a card a case |

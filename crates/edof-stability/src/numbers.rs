@@ -1,7 +1,7 @@
 //! Sums, tables and steps at the ends of numbers.
 
 use crate::case::{Numbers, Promise};
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use crate::subjects::Subjects;
 use edof_float::parameters::Layout;
 use edof_float::pass::{Examples, Pass};
@@ -19,7 +19,11 @@ use edof_train::adam::Adam;
 use ndarray::{Array2, Axis};
 
 /// Runs one of them.
-pub(crate) fn numbers(subjects: &Subjects, given: Numbers, promise: &Promise) -> Result<Tried, Stopped> {
+pub(crate) fn numbers(
+    subjects: &Subjects,
+    given: Numbers,
+    promise: &Promise,
+) -> Result<TrialResult, Stopped> {
     let limit = |subject: &str| promise.limit(subject).unwrap_or(0.0);
     let seen = match given {
         Numbers::PsnrOfMegapixels(count) => vec![psnr(subjects, count, limit("psnr"))],
@@ -32,21 +36,22 @@ pub(crate) fn numbers(subjects: &Subjects, given: Numbers, promise: &Promise) ->
         Numbers::SensorOfAnyLight => sensor()?,
         Numbers::Requantize => vec![requantize(subjects)],
     };
-    Ok(Tried::of(seen))
+    Ok(TrialResult::of(seen))
 }
 
 /// An error that is the same at every pixel: any rounding of the sum goes the same way.
-fn psnr(subjects: &Subjects, megapixels: usize, limit: f64) -> Seen {
+fn psnr(subjects: &Subjects, megapixels: usize, limit: f64) -> Measurement {
     let mut truth = ColourFrame::zeros(1000 * megapixels, 1000);
     truth.planes.fill(0.5);
     let mut estimate = truth.clone();
     estimate.planes.fill(0.503);
     let exact = -20.0 * f64::from(0.503f32 - 0.5f32).log10();
     let found = (subjects.psnr)(&truth, &estimate, 0);
-    Seen::new("psnr", "dB off the exact one", (found - exact).abs(), limit).noted(format!("{found:.9} dB"))
+    Measurement::new("psnr", "dB off the exact one", (found - exact).abs(), limit)
+        .noted(format!("{found:.9} dB"))
 }
 
-fn ssim() -> Result<Vec<Seen>, Stopped> {
+fn ssim() -> Result<Vec<Measurement>, Stopped> {
     let flat = |level: f32| {
         let mut frame = ColourFrame::zeros(40, 40);
         frame.planes.fill(level);
@@ -59,12 +64,12 @@ fn ssim() -> Result<Vec<Seen>, Stopped> {
         let equal = a == b;
         let db = quality.psnr_db.is_finite() != equal;
         let what = format!("greys {a} and {b}: SSIM from −1 to 1, PSNR infinite for equal frames alone");
-        seen.push(Seen::fact("metrics", what, inside && db && (!equal || quality.ssim > 1.0 - 1e-9)));
+        seen.push(Measurement::fact("metrics", what, inside && db && (!equal || quality.ssim > 1.0 - 1e-9)));
     }
     Ok(seen)
 }
 
-fn gamma(subjects: &Subjects) -> Vec<Seen> {
+fn gamma(subjects: &Subjects) -> Vec<Measurement> {
     let last = (1i32 << COLOUR_ADDRESS_BITS) - 1;
     let ends = [i32::MIN, i32::MIN + 1, -1, 0, 1, last - 1, last, last + 1, last + 2, i32::MAX - 1, i32::MAX];
     let thinned = (i32::MIN..=i32::MAX).step_by(1_048_573);
@@ -79,7 +84,7 @@ fn gamma(subjects: &Subjects) -> Vec<Seen> {
             };
             let wrong = lights.len() - lights.iter().filter(right).count();
             let what = "light beyond the table reads its first or last entry";
-            Seen::fact(format!("{curve:?}").to_lowercase(), what, wrong == 0)
+            Measurement::fact(format!("{curve:?}").to_lowercase(), what, wrong == 0)
                 .noted(format!("{} lights, {wrong} wrong", lights.len()))
         })
         .collect()
@@ -98,7 +103,7 @@ fn shown([y, cb, cr]: [i16; 3], table: &ColourTable) -> [u8; 3] {
     [luma, first, second].map(|code| code.clamp(1, 254) as u8)
 }
 
-fn display() -> Vec<Seen> {
+fn display() -> Vec<Measurement> {
     let words = [i16::MIN, i16::MIN + 1, -16_384, -1, 0, 1, 16_383, 16_384, 28_672, i16::MAX];
     let mut seen = vec![];
     for mode in DisplayMode::ALL {
@@ -122,15 +127,17 @@ fn display() -> Vec<Seen> {
             frames += 1;
         }
         let name = format!("display {mode}");
-        seen.push(Seen::fact(&name, "no code is a sync", outside == 0).noted(format!("{frames} colours")));
+        seen.push(
+            Measurement::fact(&name, "no code is a sync", outside == 0).noted(format!("{frames} colours")),
+        );
         if mode == DisplayMode::Colour {
-            seen.push(Seen::fact(&name, "codes are those of the contract", wrong == 0));
+            seen.push(Measurement::fact(&name, "codes are those of the contract", wrong == 0));
         }
     }
     seen
 }
 
-fn overlap() -> Result<Tried, Stopped> {
+fn overlap() -> Result<TrialResult, Stopped> {
     let (size, stride) = ((18usize, 22usize), Stride::FINEST);
     let geometry = Geometry::new(Window::new(8)?, stride);
     let mut seen = vec![];
@@ -141,18 +148,18 @@ fn overlap() -> Result<Tried, Stopped> {
         let held = frame.luma.iter().chain(frame.chroma.iter().flatten()).all(|v| *v == word);
         let all = (2 * size.0 * size.1) as u64;
         let counted = counts.saturated_sums == all;
-        seen.push(Seen::fact(
+        seen.push(Measurement::fact(
             format!("sixteen words of {word}"),
             "held to the end, every place counted",
             held && counted,
         ));
         saturations += counts.saturated_sums;
     }
-    Ok(Tried { saturations, ..Tried::of(seen) })
+    Ok(TrialResult { saturations, ..TrialResult::of(seen) })
 }
 
 /// One gradient of a small network in both precisions.
-fn gradient(limit: f64) -> Result<Seen, Stopped> {
+fn gradient(limit: f64) -> Result<Measurement, Stopped> {
     const WINDOWS: usize = 16;
     let form = Form {
         window: Window::new(8)?,
@@ -190,10 +197,10 @@ fn gradient(limit: f64) -> Result<Seen, Stopped> {
     );
     let off = wide.iter().zip(&single).map(|(a, b)| (a - f64::from(*b)).powi(2)).sum::<f64>().sqrt();
     let size = wide.iter().map(|v| v * v).sum::<f64>().sqrt();
-    Ok(Seen::new("gradient.f32", "off the gradient in f64, of its size", off / size, limit))
+    Ok(Measurement::new("gradient.f32", "off the gradient in f64, of its size", off / size, limit))
 }
 
-fn adam() -> Vec<Seen> {
+fn adam() -> Vec<Measurement> {
     const LENGTH: usize = 9;
     const RATE: f32 = 0.01;
     // (1 − β₁)/√(1 − β₂): the longest step there is, in units of the rate.
@@ -213,13 +220,13 @@ fn adam() -> Vec<Seen> {
         }
         let state = adam.mean.iter().chain(&adam.square).chain(&weights).all(|v| v.is_finite());
         let name = format!("gradients of {size:e}");
-        seen.push(Seen::fact(&name, "weights and moments stay finite", state));
-        seen.push(Seen::new(&name, "longest step, of the rate", longest, LONGEST));
+        seen.push(Measurement::fact(&name, "weights and moments stay finite", state));
+        seen.push(Measurement::new(&name, "longest step, of the rate", longest, LONGEST));
     }
     seen
 }
 
-fn sensor() -> Result<Vec<Seen>, Stopped> {
+fn sensor() -> Result<Vec<Measurement>, Stopped> {
     let mut light = ColourFrame::zeros(8, 20);
     let levels = [0.0, -1.0, f32::MIN, 1.0, 2.0, 1e30, f32::MAX, f32::MIN_POSITIVE, 0.5, -1e-30];
     light.planes.axis_iter_mut(Axis(2)).enumerate().for_each(|(c, mut column)| column.fill(levels[c / 2]));
@@ -231,7 +238,7 @@ fn sensor() -> Result<Vec<Seen>, Stopped> {
             let (values, none) = (raw.values(), noise == Noise::None);
             let inside = values.iter().all(|v| u32::from(*v) <= most);
             let ends = !none || (values[(0, 3)] == 0 && u32::from(values[(0, 11)]) == most);
-            seen.push(Seen::fact(
+            seen.push(Measurement::fact(
                 format!("{depth} bits, noise {noise}"),
                 "every value is one of the sensor's",
                 inside && ends,
@@ -242,7 +249,7 @@ fn sensor() -> Result<Vec<Seen>, Stopped> {
 }
 
 /// Every shift and width, sums at their ends and about every tie.
-fn requantize(subjects: &Subjects) -> Seen {
+fn requantize(subjects: &Subjects) -> Measurement {
     let draw = &mut Draw::new(29);
     let (mut wrong, mut tried) = (0u64, 0u64);
     for (shift, bits) in (0..48u32).flat_map(|shift| (8..=16u32).map(move |bits| (shift, bits))) {
@@ -263,6 +270,6 @@ fn requantize(subjects: &Subjects) -> Seen {
             tried += 1;
         }
     }
-    Seen::fact("requantize", "rounded and held as in 128 bits", wrong == 0)
+    Measurement::fact("requantize", "rounded and held as in 128 bits", wrong == 0)
         .noted(format!("{tried} sums, {wrong} wrong"))
 }

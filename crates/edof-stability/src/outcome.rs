@@ -1,11 +1,11 @@
-//! What was seen of a case, against what it promises.
+//! The measurements of a case, against its limit.
 
 use crate::case::{Case, Promise, short};
 use serde::Serialize;
 
 /// One thing that a case measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Seen {
+pub struct Measurement {
     /// Method, solver or network, its precision, and where it matters the stage.
     pub subject: String,
     /// What was measured, as in `dB below demosaicing`.
@@ -21,12 +21,12 @@ pub struct Seen {
     pub note: String,
     /// Distances and bounds of one stage, where that is what was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub stage: Option<StageSeen>,
+    pub stage: Option<StageMeasurement>,
 }
 
-/// One stage of a network against a bound that was told before; distances in last bits of its results.
+/// One stage of a network against an a-priori bound; distances in LSB of its results.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StageSeen {
+pub struct StageMeasurement {
     /// I, M1, M2, …, F.
     pub stage: String,
     /// What it is compared with.
@@ -39,7 +39,7 @@ pub struct StageSeen {
     pub largest_bound: f64,
     /// The furthest that any result was off.
     pub furthest: f64,
-    /// What nothing should exceed if roundings were independent and every code open, for rounding on the way alone.
+    /// What nothing should exceed if roundings were independent and every code open, for rounding in flight alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub statistical: Option<f64>,
     /// Results beyond their bounds.
@@ -48,7 +48,7 @@ pub struct StageSeen {
     pub windows: u64,
 }
 
-impl Seen {
+impl Measurement {
     /// A measured value against its limit.
     #[must_use]
     pub fn new(subject: impl Into<String>, what: impl Into<String>, worst: f64, limit: f64) -> Self {
@@ -99,12 +99,12 @@ pub struct Outcome {
     #[serde(flatten)]
     pub case: Case,
     /// Everything that was measured.
-    pub seen: Vec<Seen>,
-    /// Words, sums and displayed values that saturated, all told.
+    pub seen: Vec<Measurement>,
+    /// Number of saturated words, sums and displayed values.
     pub saturations: u64,
     /// What stopped it, if anything did.
     pub failure: Option<String>,
-    /// Whether the promise holds.
+    /// Whether the case is within its limit.
     pub held: bool,
     /// Seconds it took.
     pub seconds: f64,
@@ -116,9 +116,9 @@ pub struct Outcome {
 impl Outcome {
     /// What came nearest to its limit, or furthest beyond; of equals the first.
     #[must_use]
-    pub fn worst(&self) -> Option<&Seen> {
+    pub fn worst(&self) -> Option<&Measurement> {
         // What only is so or not says less than anything measured, as long as it is so.
-        let near = |seen: &Seen| match (seen.held, seen.limit > 0.0) {
+        let near = |seen: &Measurement| match (seen.held, seen.limit > 0.0) {
             (false, _) => f64::INFINITY,
             (true, true) => seen.worst / seen.limit,
             (true, false) => f64::NEG_INFINITY,
@@ -136,29 +136,29 @@ impl Outcome {
         }
     }
 
-    /// The first thing that is not as promised.
+    /// The first exceeded limit.
     #[must_use]
     pub fn broken(&self) -> Option<String> {
-        let seen = || self.seen.iter().find(|seen| !seen.held).map(Seen::words);
+        let seen = || self.seen.iter().find(|seen| !seen.held).map(Measurement::words);
         if self.held { None } else { self.failure.clone().or_else(seen) }
     }
 }
 
 /// What a trial gives back.
 #[derive(Debug, Default)]
-pub struct Tried {
+pub struct TrialResult {
     /// Everything that was measured.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<Measurement>,
     /// Saturations.
     pub saturations: u64,
     /// PNG bytes.
     pub picture: Option<Vec<u8>>,
 }
 
-impl Tried {
+impl TrialResult {
     /// Measurements without saturations or picture.
     #[must_use]
-    pub fn of(seen: Vec<Seen>) -> Self {
+    pub fn of(seen: Vec<Measurement>) -> Self {
         Self { seen, ..Self::default() }
     }
 
@@ -172,19 +172,23 @@ impl Tried {
 
 /// The verdict on a trial that ended by itself, by an error, or by a panic.
 #[must_use]
-pub fn judged(case: &Case, tried: Result<Tried, Stopped>, seconds: f64) -> Outcome {
+pub fn judged(case: &Case, tried: Result<TrialResult, Stopped>, seconds: f64) -> Outcome {
     let (tried, failure) = match (tried, &case.promise) {
         (Err(Stopped::Refused(message)), Promise::Refused { says }) => {
-            let seen = Seen::fact("message", format!("holds “{says}”"), message.contains(says));
-            (Tried::of(vec![seen.noted(message)]), None)
+            let seen = Measurement::fact("message", format!("holds “{says}”"), message.contains(says));
+            (TrialResult::of(vec![seen.noted(message)]), None)
         }
         (Ok(tried), Promise::Refused { .. }) => (tried, Some("was not refused".to_owned())),
         (Ok(tried), _) => (tried, None),
-        (Err(Stopped::Refused(message)), _) => (Tried::default(), Some(format!("was refused: {message}"))),
-        (Err(Stopped::Panicked(message)), _) => (Tried::default(), Some(format!("panicked: {message}"))),
+        (Err(Stopped::Refused(message)), _) => {
+            (TrialResult::default(), Some(format!("was refused: {message}")))
+        }
+        (Err(Stopped::Panicked(message)), _) => {
+            (TrialResult::default(), Some(format!("panicked: {message}")))
+        }
     };
     let held = failure.is_none() && !tried.seen.is_empty() && tried.seen.iter().all(|seen| seen.held);
-    let Tried { seen, saturations, picture } = tried;
+    let TrialResult { seen, saturations, picture } = tried;
     Outcome { case: case.clone(), seen, saturations, failure, held, seconds, picture }
 }
 
@@ -193,7 +197,7 @@ pub fn judged(case: &Case, tried: Result<Tried, Stopped>, seconds: f64) -> Outco
 pub enum Stopped {
     /// An error.
     Refused(String),
-    /// A panic: broken whatever was promised.
+    /// A panic: a failure with any limit.
     Panicked(String),
 }
 
@@ -217,9 +221,9 @@ mod tests {
     #[test]
     fn a_promise_holds_only_where_something_was_seen_and_all_of_it_is_within_its_limit() {
         let same = case(Promise::Same { error: 1.0, because: String::new(), except: vec![] });
-        let seen = |worst| Seen::new("s", "w", worst, 1.0);
+        let seen = |worst| Measurement::new("s", "w", worst, 1.0);
         let held = |values: &[f64]| {
-            judged(&same, Ok(Tried::of(values.iter().copied().map(seen).collect())), 0.0).held
+            judged(&same, Ok(TrialResult::of(values.iter().copied().map(seen).collect())), 0.0).held
         };
         assert!(held(&[0.5, 1.0]) && !held(&[0.5, 1.1]) && !held(&[f64::NAN]) && !held(&[]));
         assert!(!judged(&same, Err(Stopped::Refused("no".into())), 0.0).held);
@@ -232,15 +236,18 @@ mod tests {
         assert!(verdict(Stopped::Refused("depth 7: must be 8 to 16".into())).held);
         assert!(!verdict(Stopped::Refused("no".into())).held);
         assert!(!verdict(Stopped::Panicked("must be 8".into())).held);
-        assert_eq!(judged(&refused, Ok(Tried::default()), 0.0).broken().unwrap(), "was not refused");
+        assert_eq!(judged(&refused, Ok(TrialResult::default()), 0.0).broken().unwrap(), "was not refused");
     }
 
     #[test]
     fn the_worst_is_what_is_nearest_to_its_limit() {
         let same = case(Promise::Same { error: 1.0, because: String::new(), except: vec![] });
-        let all =
-            vec![Seen::new("a", "w", 5.0, 10.0), Seen::new("b", "w", 0.9, 1.0), Seen::fact("c", "w", true)];
-        let outcome = judged(&same, Ok(Tried::of(all)), 0.0);
+        let all = vec![
+            Measurement::new("a", "w", 5.0, 10.0),
+            Measurement::new("b", "w", 0.9, 1.0),
+            Measurement::fact("c", "w", true),
+        ];
+        let outcome = judged(&same, Ok(TrialResult::of(all)), 0.0);
         assert_eq!((outcome.worst().unwrap().subject.as_str(), outcome.share()), ("b", 0.9));
     }
 }

@@ -5,7 +5,7 @@
 //! below theirs (S. Boyd, L. Vandenberghe, "Convex optimization", section 5.5.1); without a penalty, by what is left of the normal equations.
 
 use crate::case::{Atoms, Promise, Signals};
-use crate::outcome::{Seen, Tried};
+use crate::outcome::{Measurement, TrialResult};
 use edof_image::draw::Draw;
 use edof_numerics::Cholesky;
 use edof_sparse::ksvd::{Settings, ksvd};
@@ -26,13 +26,13 @@ pub(crate) fn pursuit(
     penalty: f64,
     steps: usize,
     promise: &Promise,
-) -> Tried {
+) -> TrialResult {
     let dictionary = atoms(dictionary);
     let signals = drawn(signals, &dictionary);
     let mut seen = vec![];
     solved::<f64>("f64", &dictionary, &signals, penalty, steps, promise, &mut seen);
     solved::<f32>("f32", &dictionary, &signals, penalty, steps, promise, &mut seen);
-    Tried::of(seen)
+    TrialResult::of(seen)
 }
 
 fn number<F: NdFloat>(value: f64) -> F {
@@ -50,16 +50,20 @@ fn solved<F: NdFloat>(
     penalty: f64,
     steps: usize,
     promise: &Promise,
-    seen: &mut Vec<Seen>,
+    seen: &mut Vec<Measurement>,
 ) {
     let (d, x) = (dictionary.mapv(number::<F>), signals.mapv(number::<F>));
     // What is compared is of the rounded ones: rounding the problem is no fault of the solver.
     let (dictionary, signals) = (wide(&d), wide(&x));
     let mut judge = |solver: &str, what: &str, codes: &Array2<f64>, worst: f64| {
         let name = format!("{solver}.{precision}");
-        seen.push(Seen::fact(&name, "every code is a finite number", codes.iter().all(|v| v.is_finite())));
+        seen.push(Measurement::fact(
+            &name,
+            "every code is a finite number",
+            codes.iter().all(|v| v.is_finite()),
+        ));
         if let Some(limit) = promise.limit(&name) {
-            seen.push(Seen::new(name, what, worst, limit));
+            seen.push(Measurement::new(name, what, worst, limit));
         }
     };
     let codes = Omp::new(d.view(), 0).codes(x.view(), Stop::at_atoms(MOST));
@@ -144,19 +148,19 @@ fn gap(dictionary: &Array2<f64>, x: ArrayView1<'_, f64>, z: ArrayView1<'_, f64>,
 }
 
 /// k-SVD from a dictionary that nobody would start from.
-pub(crate) fn learning(dictionary: Atoms, promise: &Promise) -> Tried {
+pub(crate) fn learning(dictionary: Atoms, promise: &Promise) -> TrialResult {
     let start = atoms(dictionary).mapv(|v| v as f32);
     let signals = drawn(Signals::Exact, &atoms(Atoms::Drawn)).mapv(|v| v as f32);
     let before = (signals.mapv(|v| v * v).mean().unwrap_or(0.0)).sqrt();
     let fitted = ksvd(signals.view(), start, Settings { atoms: 3, rounds: 12, free: 0 });
     let finite = fitted.dictionary.iter().all(|v| v.is_finite());
-    let mut seen = vec![Seen::fact("k-svd.f32", "every atom is of finite numbers", finite)];
+    let mut seen = vec![Measurement::fact("k-svd.f32", "every atom is of finite numbers", finite)];
     if let (Some(last), Some(limit)) = (fitted.errors.last(), promise.limit("k-svd.f32")) {
         let left = last / f64::from(before);
         let note = format!("{} atoms replaced", fitted.replaced);
-        seen.push(Seen::new("k-svd.f32", "left of the signals", left, limit).noted(note));
+        seen.push(Measurement::new("k-svd.f32", "left of the signals", left, limit).noted(note));
     }
-    Tried::of(seen)
+    TrialResult::of(seen)
 }
 
 fn uniform(draw: &mut Draw) -> f64 {

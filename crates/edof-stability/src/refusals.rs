@@ -1,8 +1,8 @@
-//! What must be refused, in words that name what is wrong.
+//! What must be rejected, in words that name what is wrong.
 
 use crate::bench::Bench;
 use crate::case::Refusal;
-use crate::outcome::{Stopped, Tried};
+use crate::outcome::{Stopped, TrialResult};
 use edof_camera::Camera;
 use edof_golden::{ColourTable, Golden};
 use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame, Stride, Window};
@@ -15,9 +15,9 @@ use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::QuantizeOptions;
 use ndarray::Array2;
 
-/// Tries it; what comes back is the refusal, unless it was let pass.
-pub(crate) fn refusal(bench: &Bench, given: Refusal) -> Result<Tried, Stopped> {
-    let passed = || Ok(Tried::default());
+/// Runs it; returns the error message, unless the input was accepted.
+pub(crate) fn refusal(bench: &Bench, given: Refusal) -> Result<TrialResult, Stopped> {
+    let passed = || Ok(TrialResult::default());
     match given {
         Refusal::WideSums => refused(|n| {
             n.analysis.weights.fill(i16::MAX);
@@ -85,8 +85,8 @@ pub(crate) fn refusal(bench: &Bench, given: Refusal) -> Result<Tried, Stopped> {
     }
 }
 
-/// A drawn network, spoiled.
-fn refused(spoil: impl FnOnce(&mut FixedNetwork)) -> Result<Tried, Stopped> {
+/// A random network, spoiled.
+fn refused(spoil: impl FnOnce(&mut FixedNetwork)) -> Result<TrialResult, Stopped> {
     let form = Form {
         window: Window::new(8)?,
         codes: 16,
@@ -100,25 +100,25 @@ fn refused(spoil: impl FnOnce(&mut FixedNetwork)) -> Result<Tried, Stopped> {
     network.check()?;
     spoil(&mut network);
     Golden::new(network)?;
-    Ok(Tried::default())
+    Ok(TrialResult::default())
 }
 
 /// The first trained network, spoiled.
-fn float(bench: &Bench, spoil: impl FnOnce(&mut edof_network::Network)) -> Result<Tried, Stopped> {
-    let Some(trained) = bench.networks.first() else { return Ok(Tried::default()) };
+fn float(bench: &Bench, spoil: impl FnOnce(&mut edof_network::Network)) -> Result<TrialResult, Stopped> {
+    let Some(trained) = bench.networks.first() else { return Ok(TrialResult::default()) };
     let mut network = trained.float.clone();
     network.check()?;
     spoil(&mut network);
     network.check()?;
-    Ok(Tried::default())
+    Ok(TrialResult::default())
 }
 
-fn shot(sensor: &Sensor) -> Result<Tried, Stopped> {
+fn shot(sensor: &Sensor) -> Result<TrialResult, Stopped> {
     expose(&ColourFrame::zeros(8, 8), sensor)?;
-    Ok(Tried::default())
+    Ok(TrialResult::default())
 }
 
-fn compared(a: (usize, usize), b: (usize, usize)) -> Result<Tried, Stopped> {
+fn compared(a: (usize, usize), b: (usize, usize)) -> Result<TrialResult, Stopped> {
     Quality::of(&ColourFrame::zeros(a.0, a.1), &ColourFrame::zeros(b.0, b.1), 8)?;
-    Ok(Tried::default())
+    Ok(TrialResult::default())
 }

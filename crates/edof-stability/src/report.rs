@@ -1,7 +1,7 @@
 //! The suite as a page of cards, as Markdown and as lines for a terminal.
 
 use crate::case::{Promise, Trial};
-use crate::outcome::{Outcome, Seen};
+use crate::outcome::{Measurement, Outcome};
 use crate::suite::Suite;
 use edof_report::{Figure, Layout, Report};
 use edof_study::made::Made;
@@ -183,7 +183,7 @@ const STAGE_HEADER: [&str; 10] = [
     "violations",
 ];
 
-fn stage_row(seen: &Seen) -> Option<Vec<String>> {
+fn stage_row(seen: &Measurement) -> Option<Vec<String>> {
     let stage = seen.stage.as_ref()?;
     let bits = |value: f64| format!("{value:.2}");
     Some(vec![
@@ -208,7 +208,7 @@ fn used(outcome: &Outcome) -> String {
 }
 
 fn told(outcome: &Outcome) -> String {
-    let worst = || outcome.worst().map(Seen::words).unwrap_or_default();
+    let worst = || outcome.worst().map(Measurement::words).unwrap_or_default();
     outcome.broken().unwrap_or_else(worst)
 }
 
@@ -235,9 +235,9 @@ fn card(report: &mut Report, outcome: &Outcome) {
             .figures(&[Figure { title, note: case.intent.clone(), picture: picture.clone() }], Layout::Wide);
     }
     // Facts that hold say no more than their number.
-    let measured: Vec<&Seen> = seen.iter().filter(|seen| !seen.held || seen.limit > 0.0).collect();
+    let measured: Vec<&Measurement> = seen.iter().filter(|seen| !seen.held || seen.limit > 0.0).collect();
     let facts = seen.len() - measured.len();
-    let row = |seen: &&Seen| {
+    let row = |seen: &&Measurement| {
         let number = crate::case::short;
         vec![
             seen.subject.clone(),

@@ -1,4 +1,4 @@
-//! Pictures of hard cases, drawn.
+//! Synthetic pictures of hard cases.
 
 use crate::case::{Defects, Scene};
 use edof_image::frame::FrameError;
@@ -7,7 +7,7 @@ use edof_optics::draw::{Builtin, DrawError, draw};
 use edof_optics::scene;
 use ndarray::Array2;
 
-/// Seed of drawn scenes.
+/// Seed of synthetic scenes.
 const SEED: u64 = 1;
 /// Pixels between broken ones.
 const APART: usize = 17;

@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case::{Promise, Scene};
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use crate::scenes;
 use edof_deblur::{Directional, Malvar};
 use edof_float::reconstruct::{FloatReconstructor, Output};
@@ -23,8 +23,8 @@ const WIDE: usize = 10_000;
 /// Patches of it that are compared with the specification.
 const PLACES: usize = 32;
 
-/// Every network and demosaicing on a frame of that size; refused where no network takes it.
-pub(crate) fn size(bench: &Bench, height: usize, width: usize) -> Result<Tried, Stopped> {
+/// Every network and demosaicing on a frame of that size; rejected if no network accepts it.
+pub(crate) fn size(bench: &Bench, height: usize, width: usize) -> Result<TrialResult, Stopped> {
     let scene = scenes::picture(&Scene::Stripes { period: 5.0, degrees: 30.0 }, height, width)?;
     let mut seen = vec![];
     let mut refusals = vec![];
@@ -37,7 +37,7 @@ pub(crate) fn size(bench: &Bench, height: usize, width: usize) -> Result<Tried, 
                 Ok(fast) => {
                     let same =
                         scalar_frame(&trained.fixed, &raw)? == fast && fast.colour().size() == raw.size();
-                    seen.push(Seen::fact(name, "every word is the specification's", same));
+                    seen.push(Measurement::fact(name, "every word is the specification's", same));
                     let stride = Stride::PATCH;
                     let float = FloatReconstructor::new(
                         trained.float.clone(),
@@ -55,19 +55,19 @@ pub(crate) fn size(bench: &Bench, height: usize, width: usize) -> Result<Tried, 
     }
     match refusals.into_iter().next() {
         Some((_, refused)) => Err(refused.into()),
-        None => Ok(Tried::of(seen)),
+        None => Ok(TrialResult::of(seen)),
     }
 }
 
-fn finite(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Seen, Stopped> {
+fn finite(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Measurement, Stopped> {
     let made = method.reconstruct(raw)?.frame;
     let finite = made.size() == raw.size() && made.planes.iter().all(|v| v.is_finite());
-    Ok(Seen::fact(method.name(), "the frame's size, every value finite", finite))
+    Ok(Measurement::fact(method.name(), "the frame's size, every value finite", finite))
 }
 
-/// A large frame through the first network: bytes a pixel beside the raw frame, and words at drawn places.
-pub(crate) fn megapixels(bench: &Bench, count: usize, promise: &Promise) -> Result<Tried, Stopped> {
-    let Some(trained) = bench.networks.first() else { return Ok(Tried::default()) };
+/// A large frame through the first network: bytes per pixel beside the raw frame, and words at random places.
+pub(crate) fn megapixels(bench: &Bench, count: usize, promise: &Promise) -> Result<TrialResult, Stopped> {
+    let Some(trained) = bench.networks.first() else { return Ok(TrialResult::default()) };
     let size = (count * 1_000_000 / WIDE / PATCH * PATCH, WIDE);
     let values = Array2::from_shape_fn(size, |(r, c)| ((r * 7919 + c * 104_729) % 4093) as u16);
     let raw = RawFrame::from_values(values, 12, CfaPhase::Rggb)?;
@@ -89,10 +89,10 @@ pub(crate) fn megapixels(bench: &Bench, count: usize, promise: &Promise) -> Resu
     });
     let name = format!("{}.fixed", trained.name);
     let mut seen =
-        vec![Seen::fact(&name, "words at drawn places are the specification's", wrong.count() == 0)];
+        vec![Measurement::fact(&name, "words at drawn places are the specification's", wrong.count() == 0)];
     if let (Some(before), Some(peak), Some(limit)) = (before, peak, promise.limit(&name)) {
         let bytes = peak.saturating_sub(before) as f64 / pixels;
-        seen.push(Seen::new(&name, "bytes a pixel beside the raw frame", bytes, limit));
+        seen.push(Measurement::new(&name, "bytes a pixel beside the raw frame", bytes, limit));
     }
-    Ok(Tried { saturations: made.counts.saturations(), ..Tried::of(seen) })
+    Ok(TrialResult { saturations: made.counts.saturations(), ..TrialResult::of(seen) })
 }

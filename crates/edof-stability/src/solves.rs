@@ -1,7 +1,7 @@
 //! Systems of equations that are nearly, or wholly, singular; each with its condition number.
 
 use crate::case::{Promise, System};
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use crate::pursuits::condition;
 use crate::subjects::Subjects;
 use edof_image::draw::Draw;
@@ -14,8 +14,8 @@ const INPUTS: usize = 12;
 const OUTPUTS: usize = 5;
 
 /// Solves one system.
-pub(crate) fn solve(subjects: &Subjects, system: System, promise: &Promise) -> Result<Tried, Stopped> {
-    Ok(Tried::of(match system {
+pub(crate) fn solve(subjects: &Subjects, system: System, promise: &Promise) -> Result<TrialResult, Stopped> {
+    Ok(TrialResult::of(match system {
         System::Hilbert(rows) => hilbert(rows)?,
         System::RankOneMoments(rows) => rank_one(rows, promise),
         System::TwinInputs => least_squares(subjects, 400, &|draw, inputs| {
@@ -40,7 +40,7 @@ fn size(matrix: &Array2<f64>) -> f64 {
 }
 
 /// Backward error of a solution: the least relative change of the matrix that makes it exact, for one right side.
-fn hilbert(rows: usize) -> Result<Vec<Seen>, Stopped> {
+fn hilbert(rows: usize) -> Result<Vec<Measurement>, Stopped> {
     let matrix = Array2::from_shape_fn((rows, rows), |(r, c)| 1.0 / (r + c + 1) as f64);
     let factor = Cholesky::new(matrix.view())?;
     let right = Array2::from_shape_fn((rows, 1), |(r, _)| f64::from(u8::from(r % 2 == 0)));
@@ -48,22 +48,24 @@ fn hilbert(rows: usize) -> Result<Vec<Seen>, Stopped> {
     let error = size(&(matrix.dot(&x) - &right)) / (size(&matrix) * size(&x));
     // N. J. Higham, "Accuracy and stability of numerical algorithms" (2002), theorem 10.4 and the remark after it.
     let limit = (4 * rows * (3 * rows + 1)) as f64 * 0.5 * f64::EPSILON;
-    let seen = Seen::new("cholesky.f64", "relative backward error", error, limit);
+    let seen = Measurement::new("cholesky.f64", "relative backward error", error, limit);
     Ok(vec![
-        Seen::fact("cholesky.f64", "every number is finite", x.iter().all(|v| v.is_finite())),
+        Measurement::fact("cholesky.f64", "every number is finite", x.iter().all(|v| v.is_finite())),
         seen.noted(format!("condition {:.1e}", condition(&matrix))),
     ])
 }
 
 /// Moments of inputs that all go together: right sides that occur are still solved.
-fn rank_one(rows: usize, promise: &Promise) -> Vec<Seen> {
+fn rank_one(rows: usize, promise: &Promise) -> Vec<Measurement> {
     let axis = Array2::from_shape_fn((rows, 1), |(r, _)| 1.0 + r as f64);
     let moments = axis.dot(&axis.t());
     let x = Cholesky::of_moments(moments.view()).solve(moments.view());
     let error = size(&(moments.dot(&x) - &moments)) / size(&moments);
-    let mut seen = vec![Seen::fact("moments.f64", "every number is finite", x.iter().all(|v| v.is_finite()))];
+    let mut seen =
+        vec![Measurement::fact("moments.f64", "every number is finite", x.iter().all(|v| v.is_finite()))];
     seen.extend(promise.limit("moments.f64").map(|limit| {
-        let one = Seen::new("moments.f64", "what is not solved of a right side that occurs", error, limit);
+        let one =
+            Measurement::new("moments.f64", "what is not solved of a right side that occurs", error, limit);
         one.noted(format!("condition {:.1e} with lifted pivots", condition(&moments)))
     }));
     seen
@@ -75,7 +77,7 @@ fn least_squares(
     subjects: &Subjects,
     samples: usize,
     input: &dyn Fn(&mut Draw, usize) -> Vec<f32>,
-) -> Vec<Seen> {
+) -> Vec<Measurement> {
     let draw = &mut Draw::new(17);
     let mut y = Array2::zeros((samples, INPUTS));
     for mut row in y.outer_iter_mut() {
@@ -92,14 +94,14 @@ fn least_squares(
     let allowed = size(&lifted) * size(&map) * f64::from(f32::EPSILON) + 1e-9 * size(&y.t().dot(&x));
     let name = "least-squares";
     vec![
-        Seen::fact(name, "every number is finite", map.iter().all(|v| v.is_finite())),
-        Seen::new(
+        Measurement::fact(name, "every number is finite", map.iter().all(|v| v.is_finite())),
+        Measurement::new(
             name,
             "size of the map, of what the ridge allows",
             size(&map),
             0.5 * size(&x) / lift.sqrt(),
         ),
-        Seen::new(
+        Measurement::new(
             name,
             "what is left of the normal equations, of f32's rounding of the map",
             left / allowed,

@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case::{Case, Trial};
-use crate::outcome::{Outcome, Stopped, Tried, judged};
+use crate::outcome::{Outcome, Stopped, TrialResult, judged};
 use crate::{bounds, deblurring, fitting, frames, lenses, numbers, pursuits, refusals, sizes, solves, words};
 use serde::Serialize;
 use std::any::Any;
@@ -20,7 +20,7 @@ impl Bench {
         judged(case, tried, start.elapsed().as_secs_f64())
     }
 
-    fn tried(&self, case: &Case) -> Result<Tried, Stopped> {
+    fn tried(&self, case: &Case) -> Result<TrialResult, Stopped> {
         let promise = &case.promise;
         match &case.trial {
             Trial::Frame(frame) => frames::frame(self, frame, promise),
@@ -56,11 +56,11 @@ fn message(panic: &(dyn Any + Send)) -> String {
 pub struct Suite {
     /// Those nearest to their limits first, broken ones before them.
     pub cases: Vec<Outcome>,
-    /// How many promises were broken.
+    /// Number of failed cases.
     pub broken: usize,
     /// Windows that bounds were tried on, for each network.
     pub windows: usize,
-    /// Seconds, all told.
+    /// Seconds in all.
     pub seconds: f64,
 }
 

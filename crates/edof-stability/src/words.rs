@@ -7,7 +7,7 @@
 use crate::bench::Bench;
 use crate::bounds::Compared;
 use crate::case::{Instead, Windows, WordNetwork, Words};
-use crate::outcome::{Seen, Stopped, Tried};
+use crate::outcome::{Measurement, Stopped, TrialResult};
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
 use edof_image::draw::Draw;
@@ -17,7 +17,7 @@ use edof_network::fixed_network::{FixedMatrix, layer_names};
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use ndarray::ArrayView1;
 
-/// Codes of drawn networks.
+/// Codes of random networks.
 const CODES: usize = 24;
 /// Windows of each kind.
 const COUNT: usize = 192;
@@ -27,7 +27,7 @@ const CLIMB: usize = 40;
 const OUTPUT_BITS: u32 = 16;
 
 /// Runs one network on windows of one kind.
-pub(crate) fn words(bench: &Bench, given: &Words) -> Result<Tried, Stopped> {
+pub(crate) fn words(bench: &Bench, given: &Words) -> Result<TrialResult, Stopped> {
     let network = network(bench, &given.network)?;
     network.check()?;
     let compared = Compared::words(bench.subjects, network.clone())?;
@@ -42,7 +42,7 @@ pub(crate) fn words(bench: &Bench, given: &Words) -> Result<Tried, Stopped> {
     let found = compared.look(&windows);
     let mut seen = checked.seen(name, traces.len());
     seen.extend(compared.seen(name, &found, true));
-    Ok(Tried { saturations: found.saturations, ..Tried::of(seen) })
+    Ok(TrialResult { saturations: found.saturations, ..TrialResult::of(seen) })
 }
 
 /// Windows of one kind for a network.
@@ -130,7 +130,7 @@ fn by_signs(network: &FixedNetwork) -> Vec<i16> {
         .collect()
 }
 
-/// From windows by signs, words put to the ends one at a time as long as the sums of the last stages grow; all windows on the way.
+/// From windows by signs, words put to the ends one at a time as long as the sums of the last stages grow; all windows in flight.
 fn climbing(network: &FixedNetwork, run: impl Fn(&[i16]) -> Vec<Trace>) -> Vec<i16> {
     let pixels = network.form.window.pixels();
     let draw = &mut Draw::new(7);
@@ -282,11 +282,11 @@ impl Checked {
         }
     }
 
-    fn seen(&self, name: &str, windows: usize) -> Vec<Seen> {
+    fn seen(&self, name: &str, windows: usize) -> Vec<Measurement> {
         let mut seen = vec![
-            Seen::fact(name, "every word is that of sums in 128 bits", self.wrong_words == 0)
+            Measurement::fact(name, "every word is that of sums in 128 bits", self.wrong_words == 0)
                 .noted(format!("{windows} windows, {} words differ", self.wrong_words)),
-            Seen::fact(name, "every saturation is counted", self.wrong_counts == 0).noted(format!(
+            Measurement::fact(name, "every saturation is counted", self.wrong_counts == 0).noted(format!(
                 "{} saturations, {} stages count otherwise",
                 self.saturations, self.wrong_counts
             )),
@@ -295,7 +295,7 @@ impl Checked {
             let limit = 1u128 << (bits - 1);
             let what = format!("largest sum of {stage}, of its accumulator");
             let share = *largest as f64 / limit as f64;
-            seen.push(Seen::new(name, what, share, 1.0).noted(format!("{largest} in {bits} bits")));
+            seen.push(Measurement::new(name, what, share, 1.0).noted(format!("{largest} in {bits} bits")));
         }
         seen
     }

@@ -27,7 +27,7 @@ pub enum ArraysError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// A device or a folder.
-    #[error("{path}: is no file", path = path.display())]
+    #[error("{path}: not a regular file", path = path.display())]
     NoFile { path: PathBuf },
     /// Far too long.
     #[error("{path}: {found} bytes, at most {} are read", json::size(MOST_BYTES), path = path.display())]
@@ -174,7 +174,7 @@ impl<'de> Deserialize<'de> for Keys {
     }
 }
 
-/// Refuses names that are there twice, of which a reader of JSON keeps the last, or that a terminal does not show.
+/// Rejects names that are there twice, of which a reader of JSON keeps the last, or that a terminal does not show.
 fn check_tensors(bytes: &[u8]) -> Result<(), String> {
     let (length, rest) = bytes.split_first_chunk::<8>().ok_or("header too small")?;
     let header = usize::try_from(u64::from_le_bytes(*length)).ok().and_then(|n| rest.get(..n));
@@ -299,7 +299,7 @@ impl Number {
         }
     }
 
-    /// An array of just so many bytes.
+    /// An array of just N bytes.
     fn array(self, shape: &[usize], fortran: bool, bytes: &[u8]) -> Result<ArrayD<f64>, String> {
         let count = shape.iter().try_fold(1usize, |product, side| product.checked_mul(*side));
         let expected = count.and_then(|count| count.checked_mul(self.bytes));
@@ -492,6 +492,6 @@ mod tests {
         for bytes in [&b""[..], b"PK", b"PK\x03\x04 and no more", b"words"] {
             assert!(loaded(bytes).unwrap_err().contains("not a whole NPZ, NPY or safetensors file"));
         }
-        assert!(read(Path::new("/dev/zero")).unwrap_err().to_string().contains("is no file"));
+        assert!(read(Path::new("/dev/zero")).unwrap_err().to_string().contains("not a regular file"));
     }
 }

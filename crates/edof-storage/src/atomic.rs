@@ -82,7 +82,7 @@ pub fn abandon() {
     for path in unfinished.iter() {
         let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
     }
-    // Whoever waits for the list waits until the end.
+    // Anybody who waits for the list waits until the end.
     std::mem::forget(unfinished);
 }
 
@@ -111,7 +111,7 @@ fn begin<T>(make: impl FnOnce() -> std::io::Result<(T, PathBuf)>) -> std::io::Re
     Ok((made, Unfinished(path)))
 }
 
-/// Whether a file could be written now, for whoever has long work to do first. Nothing is made yet, no folder either.
+/// Whether a file could be written now, for anybody who has long work to do first. Nothing is made yet, no folder either.
 ///
 /// # Errors
 /// [`WriteError`] naming `path`, as writing it would give.
@@ -148,7 +148,7 @@ fn without_name(error: std::io::Error) -> std::io::Error {
     code.map_or(error, std::io::Error::from_raw_os_error)
 }
 
-/// [`write_with`] for bytes at hand.
+/// [`write_with`] for bytes available.
 ///
 /// # Errors
 /// As [`write_with`].

@@ -11,7 +11,7 @@ use std::{fs, io};
 pub const MANIFEST: &str = "manifest.json";
 /// Field of the manifest that holds its own hash.
 const SEAL: &str = "manifest_sha256";
-/// At most so many files are named in a refusal.
+/// At most N files are named in an error.
 const NAMED: usize = 6;
 
 /// A folder that is not written, or not to its end.
@@ -32,7 +32,7 @@ pub enum FolderError {
     /// A folder where a file should be, or the other way round.
     #[error("{folder}: {file} cannot be written, since a folder, file or link is in its way", folder = folder.display(), file = file.display())]
     InTheWay { folder: PathBuf, file: PathBuf },
-    /// The system refused.
+    /// The system reported an error.
     #[error("{0}")]
     Write(String),
 }
@@ -53,11 +53,11 @@ pub fn manifest(about: Value, files: &Contents) -> Value {
 }
 
 /// Writes `files` and their manifest. Whatever stands in the folder and is neither an untouched file of an earlier output
-/// nor what would be written anyway is named and refused; with `force`, such a file is replaced where a new one takes its
+/// nor what would be written anyway is named and rejected; with `force`, such a file is replaced where a new one takes its
 /// path and left alone elsewhere. All files are complete on the disk before the first one takes its place.
 ///
 /// # Errors
-/// What was refused, or a folder that cannot be written.
+/// What was rejected, or a folder that cannot be written.
 pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Result<(), FolderError> {
     let mut files = files;
     files.insert(MANIFEST.into(), format!("{manifest:#}\n"));
@@ -66,7 +66,7 @@ pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Resu
     }
     let is_new = !out.exists();
     fs::create_dir_all(out).map_err(|e| failed(out, &e))?;
-    // Whoever writes here at the same time would take our unfinished files for a stranger's. Ends with the process.
+    // Anybody who writes here at the same time would take our unfinished files for a stranger's. Ends with the process.
     let folder = fs::File::open(out).map_err(|e| failed(out, &e))?;
     if let Err(fs::TryLockError::WouldBlock) = folder.try_lock() {
         return Err(FolderError::Busy(out.to_owned()));
@@ -102,7 +102,7 @@ fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), FolderError>
         put(&work.path().join(path), |place| fs::write(place, text))
             .map_err(|e| failed(&out.join(path), &e))?;
     }
-    // The manifest last: until then the old one tells what is ours.
+    // The manifest last: until then the old one lists our files.
     for path in files.keys().filter(|path| **path != *MANIFEST).chain([&PathBuf::from(MANIFEST)]) {
         let place = out.join(path);
         put(&place, |place| fs::rename(work.path().join(path), place)).map_err(|e| failed(&place, &e))?;

@@ -1,4 +1,4 @@
-//! How a result came to be: written by the program into every file and report that it makes
+//! How a result was made: written by the program into every file and report that it makes
 //! (docs/decisions/0011-provenance.md).
 //!
 //! ```
@@ -21,7 +21,7 @@ use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// How a result came to be. Everything but the host identifies it: the same command of the same revision, on inputs of the same
+/// How a result was made. Everything but the host identifies it: the same command of the same revision, on inputs of the same
 /// content, is the same making.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -61,9 +61,9 @@ pub struct Input {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InputKind {
-    /// A photograph or drawn scene: its sides and values, so that neither its file's format nor its name matters.
+    /// A photograph or synthetic scene: its sides and values, so that neither its file's format nor its name matters.
     Photograph,
-    /// A raw frame: its sides, phase and sensor values, likewise.
+    /// A raw frame: its sides, phase and sensor values.
     RawFrame,
     /// A camera: its JSON.
     Camera,
@@ -74,7 +74,7 @@ pub enum InputKind {
 }
 
 /// The machine that a result was made on. It does not identify the result. Sums in floating point are taken in the order that
-/// suits the instruction set, so another machine may give other last bits; one machine gives the same ones every time.
+/// suits the instruction set, so another machine may give other LSB; one machine gives the same ones every time.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Host {

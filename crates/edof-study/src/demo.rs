@@ -1,6 +1,6 @@
 //! The paper's 2.5D experiment: one scene at four depths, through several lenses, before and after reconstruction.
 //!
-//! Drawn scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
+//! Synthetic scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
 use crate::pictures::{self, Names, Part, Picture, Truth};
 use edof_camera::Camera;
@@ -65,7 +65,7 @@ pub enum DemoError {
     /// The scene, the sensor, or depths too far out of focus.
     #[error(transparent)]
     Capture(#[from] CaptureError),
-    /// A method refused the frame.
+    /// A method rejected the frame.
     #[error(transparent)]
     Reconstruct(#[from] ReconstructError),
     /// A scene too small to measure.

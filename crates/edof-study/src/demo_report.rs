@@ -8,7 +8,7 @@ use edof_report::picture::{jpeg, png};
 use edof_report::{Figure, Layout, Report};
 
 impl Demo {
-    /// The report, pictures inside; `command` tells how to make it again.
+    /// The report, pictures inside; `command` is the command that makes it again.
     ///
     /// # Errors
     /// [`DemoError::Picture`].
@@ -59,7 +59,7 @@ impl Demo {
             ),
             (
                 "Reconstructed",
-                "the network, in the integers that the board computes with; behind the clear lens one that was trained for it, likewise.",
+                "the network, in the integers that the board computes with; the clear lens has a network that was trained for it.",
             ),
         ];
         let lenses = self.lenses.iter().map(|(title, about)| (capitalised(title), about.clone()));

@@ -1,4 +1,4 @@
-//! What foldings of networks are worth: dB against cycles, multipliers and frames a second, and which of them nothing beats.
+//! What foldings of networks are worth: dB against cycles, multipliers and frames per second, and which of them are Pareto-optimal.
 
 use crate::made::Made;
 use edof_report::Report;
@@ -17,11 +17,11 @@ pub struct Folding {
     pub psnr_db: f64,
     /// Lanes times rows of each stage.
     pub stages: String,
-    /// Mean cycles a patch.
+    /// Mean cycles per patch.
     pub cycles_per_patch: f64,
     /// Those of the busiest picture.
     pub worst_picture_cycles_per_patch: f64,
-    /// Frames a second at the planned clock.
+    /// Frames per second at the planned clock.
     pub frames_per_second: f64,
     /// Multipliers.
     pub dsp48e1: usize,
@@ -55,7 +55,7 @@ impl Foldings {
         self.front().to_text().trim_end().to_owned()
     }
 
-    /// The same as a Markdown page; `command` tells how to make it again.
+    /// The same as a Markdown page; `command` is the command that makes it again.
     #[must_use]
     pub fn to_markdown(&self, made: &Made) -> String {
         format!("# {TITLE}\n\n{made}\n\n{}\n\n{}", self.explanation(), self.front().to_markdown())
@@ -140,7 +140,7 @@ impl Foldings {
         self.foldings.iter().map(|f| f.psnr_db).fold(f64::INFINITY, f64::min)
     }
 
-    /// What frames a second cost in multipliers.
+    /// What frames per second cost in multipliers.
     fn trade(&self) -> Plot {
         let series = |name: &&str| {
             let own = self.foldings.iter().filter(|f| f.network == **name);

@@ -10,7 +10,7 @@ pub trait Experiment {
     type Row: Line;
     /// A row to be measured. Rows are measured in the order of their cells.
     type Cell: Ord;
-    /// Why it cannot go on.
+    /// Why it failed.
     type Error;
 
     /// All of its rows: what each is of and measured from, and its cell.
@@ -27,14 +27,14 @@ pub trait Experiment {
     /// Those of the experiment.
     fn measure(&mut self, cells: &[(Self::Cell, Proof)]) -> Result<Vec<Self::Row>, Self::Error>;
 
-    /// What a listener is told of a cell that was measured.
+    /// What a listener receives of a measured cell.
     fn describe(&self, cell: &Self::Cell) -> String;
 }
 
 /// An experiment that did not come to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError<E> {
-    /// It could not go on.
+    /// It failed.
     #[error(transparent)]
     Experiment(E),
     /// The file of rows.

@@ -6,15 +6,15 @@
 //! |---|---|---|
 //! | shared | [`experiment`] | what all experiments share: missing rows, shards, progress, an end before the end |
 //! | | [`journal`] | rows in a file, shared out among machines, put together again |
-//! | | [`told`] | what a file of rows says, whatever study it is of |
+//! | | [`study_report`] | what a file of rows says, whatever study it is of |
 //! | | [`made`] | what a page states of its making |
 //! | input | [`setup`] | cameras and the methods behind each |
 //! | | [`trial`] | a photograph at a depth behind a camera, and what a reconstruction of it is worth |
 //! | run | [`kodak`] | every method on every photograph, depth and noise level |
-//! | | [`single_depth`] | speed against error: rows in a file, gone on with where they end |
+//! | | [`single_depth`] | speed against error: rows in a file, resumed where they end |
 //! | | [`multi_depth`] | scenes at four depths through several lenses, the paper's columns |
 //! | | [`knobs`] | what can be left out: a curve for each knob |
-//! | | [`known_blurs`] | blind deconvolution of drawn blurs |
+//! | | [`known_blurs`] | blind deconvolution of synthetic blurs |
 //! | | [`aperture`] | a coded lens against smaller apertures of its clear lens, in equal light |
 //! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`demo`] | one scene at four depths through several lenses |
@@ -41,7 +41,7 @@ pub mod pictures;
 pub mod setup;
 pub mod single_depth;
 pub mod speed;
+pub mod study_report;
 pub mod summary;
 pub mod tables;
-pub mod told;
 pub mod trial;

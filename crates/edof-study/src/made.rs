@@ -43,7 +43,7 @@ pub fn machines(makers: &[Maker]) -> String {
 
 #[cfg(test)]
 impl Made {
-    /// By a command of nobody's, for tests.
+    /// By no command, for tests.
     pub(crate) fn by(command: &str) -> Self {
         Self { command: command.into(), makers: vec![] }
     }

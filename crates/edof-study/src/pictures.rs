@@ -249,14 +249,17 @@ pub fn verdict(pictures: &[Picture]) -> String {
     let losses: Vec<String> = losses.chunk_by(|a, b| a.who == b.who).map(to_one).collect();
     let losses = match losses[..] {
         [] => "At no depth is any of the others better.".to_owned(),
-        _ => format!("It loses {}.", losses.join(", and ")),
+        _ => format!("{} loses {}.", capitalised(&ours.name()), losses.join(", and ")),
     };
+    let by = ours.picture.psnr_db - rival.picture.psnr_db;
     format!(
-        "{}: {:.1} dB over the whole picture, {our_worst:.1} at its worst depth (ψ = {our_psi:.1}). The best of the others, {}: \
-         {:.1} and {its_worst:.1} (ψ = {its_psi:.1}). {losses}",
+        "{} is {:.1} dB {} over the whole picture than the best of the others, {}: {:.1} against {:.1} dB. At its worst depth it has \
+         {our_worst:.1} dB (ψ = {our_psi:.1}), the other {its_worst:.1} (ψ = {its_psi:.1}). {losses}",
         capitalised(&ours.name()),
-        ours.picture.psnr_db,
+        by.abs(),
+        if by < 0.0 { "worse" } else { "better" },
         rival.name(),
+        ours.picture.psnr_db,
         rival.picture.psnr_db,
     )
 }
@@ -298,7 +301,7 @@ mod tests {
         assert!(verdict(&pictures).contains("At no depth"), "{}", verdict(&pictures));
         pictures[0].psi_db[1][1] = 32.5;
         let once = verdict(&pictures);
-        assert!(once.ends_with("It loses at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{once}");
+        assert!(once.ends_with(" loses at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{once}");
         pictures[0].psi_db[0][1] = 32.0;
         let twice = verdict(&pictures);
         assert!(twice.ends_with(" by 1.0 dB, at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{twice}");

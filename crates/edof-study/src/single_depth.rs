@@ -1,6 +1,6 @@
 //! Speed against error on scenes of one depth, the paper's figure 5: every method on every photograph, prepared for its case first.
 //!
-//! Rows go to a file of JSON lines as they come ([`Journal`](crate::journal::Journal)), so an interrupted study goes on where it was; what is there already is not
+//! Rows go to a file of JSON lines as they come ([`Journal`](crate::journal::Journal)), so an interrupted study resumes; what is there already is not
 //! measured again, and several machines may share a study ([`Shard`](crate::journal::Shard)). Noise depends on photograph, ψ and noise level alone, as in
 //! [`kodak`](crate::kodak), and all methods see the same captures.
 
@@ -41,7 +41,7 @@ pub struct Row {
     /// Quality, time and work.
     #[serde(flatten)]
     pub measured: Measured,
-    /// Least and most of the runs' wall-clock seconds a megapixel; none in rows of layout 1.
+    /// Least and most of the runs' wall-clock seconds per megapixel; none in rows of layout 1.
     #[serde(default)]
     pub seconds_range: Option<Range>,
     /// Wall-clock seconds of preparing for the case, once for all photographs.

@@ -6,9 +6,9 @@ pub use claims::Claim;
 
 use crate::made::Made;
 use crate::single_depth::Row;
+use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
 use crate::tables::noise_words;
-use crate::told::{Told, ToldError};
 use crate::trial::Measured;
 use claims::all_claims;
 use edof_image::{Noise, Tone};
@@ -42,9 +42,9 @@ pub struct Point {
     pub photo_psnr_db: BTreeMap<String, f64>,
     /// Mean SSIM.
     pub ssim: f64,
-    /// Mean wall-clock seconds a megapixel.
+    /// Mean wall-clock seconds per megapixel.
     pub seconds_per_megapixel: f64,
-    /// Mean seconds a megapixel that all threads together were on a processor, where all rows tell it.
+    /// Mean seconds per megapixel that all threads together were on a processor, where all rows tell it.
     pub cpu_seconds_per_megapixel: Option<f64>,
     /// Mean steps of an iterative method, where all rows tell them.
     pub iterations: Option<f64>,
@@ -80,10 +80,10 @@ pub struct Claims {
     pub claims: Vec<Claim>,
 }
 
-impl Told for Speed {
+impl StudyReport for Speed {
     type Row = Row;
 
-    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
+    fn new(rows: &[Row], machine: String) -> Result<Self, StudyReportError> {
         let mut points: Vec<Point> = vec![];
         for row in rows {
             if !points.iter().any(|point| point.is_of(row)) {

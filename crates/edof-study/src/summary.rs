@@ -77,10 +77,10 @@ pub struct MethodSummary {
     pub noise: Noise,
     /// The picture over depths.
     #[serde(flatten)]
-    pub picture: Course,
+    pub picture: DepthCurve,
     /// The light over depths.
-    pub light: Course,
-    /// Mean seconds a megapixel.
+    pub light: DepthCurve,
+    /// Mean seconds per megapixel.
     pub seconds_per_megapixel: f64,
     /// Mean work; saturations are added up.
     #[serde(flatten)]
@@ -104,7 +104,7 @@ pub struct Difference {
 
 /// Quality over depths, averaged over photographs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Course {
+pub struct DepthCurve {
     /// Mean PSNR at each depth: pairs of ψ and dB, ψ ascending.
     pub psi_db: Vec<[f64; 2]>,
     /// Mean over depths.
@@ -184,7 +184,7 @@ impl Summary {
     }
 }
 
-impl Course {
+impl DepthCurve {
     /// The farthest depth: ψ and dB.
     #[must_use]
     pub fn farthest(&self) -> [f64; 2] {
@@ -237,8 +237,8 @@ fn methods(rows: &[Measured]) -> Vec<MethodSummary> {
                 identity: identity.clone(),
                 camera: camera.clone(),
                 noise,
-                picture: Course::of(&own, |r| r.picture),
-                light: Course::of(&own, |r| r.light),
+                picture: DepthCurve::of(&own, |r| r.picture),
+                light: DepthCurve::of(&own, |r| r.light),
                 seconds_per_megapixel: mean(own.iter().map(|r| r.seconds_per_megapixel)),
                 work: Work::mean_of(&own),
             });
@@ -296,7 +296,7 @@ fn without_integers(methods: &[MethodSummary]) -> Vec<String> {
         .collect()
 }
 
-/// What tells a row from others of its method.
+/// What distinguishes a row from others of its method.
 type Setting = (String, String, u64, String);
 
 fn setting(row: &Measured) -> Setting {

@@ -2,8 +2,8 @@
 
 use crate::kodak::Row;
 use crate::made::Made;
-use crate::summary::{self, Course, Crop, MethodSummary, Study, Summary};
-use crate::told::{Told, ToldError};
+use crate::study_report::{StudyReport, StudyReportError};
+use crate::summary::{self, Crop, DepthCurve, MethodSummary, Study, Summary};
 use crate::trial::{Measured, Work};
 use edof_image::noise::SensorNoise;
 use edof_image::{Noise, Tone};
@@ -15,10 +15,10 @@ use edof_report::{Figure, Layout, Report, Table, csv};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-impl Told for Study {
+impl StudyReport for Study {
     type Row = Row;
 
-    fn new(rows: &[Row], _: String) -> Result<Self, ToldError> {
+    fn new(rows: &[Row], _: String) -> Result<Self, StudyReportError> {
         let mut rows: Vec<&Row> = rows.iter().collect();
         // Cameras and methods in the order of the command, the rest as in the file.
         rows.sort_by_key(|row| row.place);
@@ -120,7 +120,7 @@ impl Study {
 
     /// Title and table of the picture, of the light where that differs, and of what networks cost.
     fn tables(&self) -> Vec<(String, Table)> {
-        let quality = |course: fn(&MethodSummary) -> &Course| self.summary.quality(course);
+        let quality = |course: fn(&MethodSummary) -> &DepthCurve| self.summary.quality(course);
         let mut tables = match self.measure.tone {
             Tone::Linear => vec![("Picture".to_owned(), quality(|m| &m.picture))],
             Tone::Srgb => vec![
@@ -272,7 +272,7 @@ impl Study {
 
 impl Summary {
     /// One line for each method and camera, two columns for each noise level. `float422` is left out: it lies on the fixed line.
-    fn quality(&self, course: impl Fn(&MethodSummary) -> &Course) -> Table {
+    fn quality(&self, course: impl Fn(&MethodSummary) -> &DepthCurve) -> Table {
         let noises = self.noises();
         let mut header = vec!["method".to_owned(), "camera".into()];
         header.extend(noises.iter().flat_map(|&noise| [noise_words(noise), "SSIM".to_owned()]));

@@ -52,7 +52,7 @@ pub struct Measured {
     pub picture: Quality,
     /// Quality of the light; the same where picture and light are the same numbers.
     pub light: Quality,
-    /// Wall-clock seconds a megapixel.
+    /// Wall-clock seconds per megapixel.
     pub seconds_per_megapixel: f64,
     /// What it took.
     #[serde(flatten)]
@@ -76,7 +76,7 @@ pub struct Work {
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum TrialError {
-    /// A method refused a frame.
+    /// A method rejected a frame.
     #[error("{image}: {source}")]
     Reconstruct { image: String, source: ReconstructError },
     /// The photograph cannot be exposed, or the noise is impossible.

@@ -8,8 +8,8 @@ use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
 use edof_study::made::{Made, OLD, machines};
 use edof_study::speed::Speed;
+use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;
-use edof_study::told::Told;
 use edof_study::trial::Measured;
 use std::path::{Path, PathBuf};
 
@@ -110,8 +110,8 @@ fn every_result_is_of_a_clean_revision_or_of_those_that_are_to_be_remade() {
     }
 }
 
-/// A page must be what its rows say. Rows of an old format cannot be gone on with, only told anew: `EDOF_BLESS=1` does.
-fn check_page(name: &str, study: &impl Told, made: &Made) {
+/// A page must be what its rows say. Rows of an old format cannot be resumed, only reported again: `EDOF_BLESS=1` does.
+fn check_page(name: &str, study: &impl StudyReport, made: &Made) {
     let (file, page) = (format!("docs/results/{name}.md"), study.to_markdown(made));
     if std::env::var_os("EDOF_BLESS").is_some() {
         std::fs::write(project().join(&file), &page).unwrap();
@@ -125,7 +125,7 @@ fn command(name: &str) -> String {
 }
 
 /// A study from the rows that are kept of it; its page must be theirs.
-fn told<T: Told>(name: &str) -> T {
+fn told<T: StudyReport>(name: &str) -> T {
     let rows = project().join(format!("docs/results/{name}.jsonl"));
     let journal = Journal::<T::Row>::merged(Path::new("nowhere"), &[rows], Default::default()).unwrap();
     let makers = journal.makers();
@@ -186,7 +186,7 @@ fn blind_deconvolution_diverges_on_no_photograph() {
     diverges_on_none("blind-train", 16);
 }
 
-/// What documents quote of a page's first table, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses.
+/// What documents quote of a page's first table, without SSIM and narrow: demosaicing and the networks in fixed point, for each of the two lenses.
 fn quotable(file: &str) -> Vec<String> {
     let page = read(file);
     let table: Vec<Vec<&str>> = page
@@ -205,7 +205,7 @@ fn quotable(file: &str) -> Vec<String> {
     let rows: Vec<_> = rows.iter().filter(|row| is_quoted(row)).collect();
     assert!(rows.len() >= 4, "{file}: demosaicing and a network for each lens");
     let cells = |row: &Vec<&str>| {
-        let kept = [1, 2, 3, 5, 7].map(|column| row[column]);
+        let kept = [1, 2, 3, 5, 7].map(|column| row[column].replace(" / ", "/"));
         if row[1].starts_with('-') {
             "|---|---|---|---|---|".into()
         } else {

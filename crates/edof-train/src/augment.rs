@@ -6,14 +6,14 @@ use edof_numerics::random::Random;
 use ndarray::Array3;
 use serde::{Deserialize, Serialize};
 
-/// Which looks are drawn. The first picture of a photograph is always the photograph itself.
+/// Range of the random looks. The first picture of a photograph is always the photograph itself.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Augmentation {
     /// Pictures of each photograph, itself among them; at least 1.
     pub variants: usize,
     /// Saturation, least and most; 1 changes nothing, 0 leaves grey.
     pub saturation: [f32; 2],
-    /// Hue is turned by up to so many degrees either way.
+    /// Hue is turned by up to N degrees either way.
     pub hue: f32,
     /// The smallest copy, as a share of the photograph's sides; 1 reduces nothing.
     pub scale: f32,

@@ -24,16 +24,16 @@ const RANGE: [f32; 2] = [1e-7, 0.1];
 const TOLERANCE: f64 = 0.03;
 /// Share of the newest batch in the running mean of what batches leave.
 const NEWEST: f32 = 0.01;
-/// Training windows leave at most so many times as much as validation's, or as little.
+/// Training windows leave at most N times as much as validation's, or as little.
 const UNLIKE: f32 = 8.0;
 
-/// What the default board (`designs/kc705.json`) has time for at 60 frames a second, with some room to spare, as shares of the codes:
+/// What the default board (`designs/kc705.json`) has time for at 60 frames per second, with some room to spare, as shares of the codes:
 /// 62 of 192 after every shrinkage but the last, and 54 after that.
 const BOARD: [f32; 2] = [62.0 / 192.0, 54.0 / 192.0];
 
 /// What moves λ while training runs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Steering {
+pub struct SparsityController {
     /// λ of each shrinkage.
     pub lambdas: Vec<f32>,
     /// Running mean of the non-zeros of training windows; 0 before the first.
@@ -42,7 +42,7 @@ pub struct Steering {
     pub aims: Vec<f32>,
 }
 
-impl Steering {
+impl SparsityController {
     /// Starts from `lambdas`; without a budget they stay.
     #[must_use]
     pub fn new(lambdas: Vec<f32>, budget: Option<&Budget>) -> Self {
@@ -102,8 +102,8 @@ impl Budget {
 mod tests {
     use super::*;
 
-    fn steering(budget: &Budget) -> Steering {
-        Steering::new(vec![1e-3; budget.non_zeros.len()], Some(budget))
+    fn steering(budget: &Budget) -> SparsityController {
+        SparsityController::new(vec![1e-3; budget.non_zeros.len()], Some(budget))
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! A training run on disk: the recipe and everything that changes while it runs, so that it goes on bit for bit.
+//! A training run on disk: the recipe and everything that changes while it runs, so that it resumes bit for bit.
 
 use crate::adam::Adam;
-use crate::budget::Steering;
+use crate::budget::SparsityController;
 use crate::recipe::Recipe;
 use crate::train::{Best, State};
 use edof_storage::atomic::{self, WriteError};
@@ -28,11 +28,11 @@ pub enum CheckpointError {
     #[error("{path}: not a checkpoint of a training run: {reason}", path = path.display())]
     Foreign { path: PathBuf, reason: String },
     /// Of a run with other settings.
-    #[error("{path}: made with {field} {found}, asked to go on with {asked}", path = path.display())]
+    #[error("{path}: made with {field} {found}, cannot be resumed with {asked}", path = path.display())]
     OtherRun { path: PathBuf, field: &'static str, found: String, asked: String },
 }
 
-/// What identifies a run: a checkpoint goes on only with the same.
+/// What identifies a run: a checkpoint resumes only with the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// The recipe.
@@ -89,7 +89,7 @@ pub fn save(path: &Path, run: &Run, state: &State) -> Result<(), CheckpointError
 /// Reads a checkpoint of this very run.
 ///
 /// # Errors
-/// Any [`CheckpointError`] but `Write`; one of a run with another recipe, camera or photos is refused, naming what differs.
+/// Any [`CheckpointError`] but `Write`; one of a run with another recipe, camera or photos is rejected, naming what differs.
 pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
     let file =
         std::fs::read(path).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
@@ -116,7 +116,7 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         adam: Adam { steps: metadata.adam_steps, mean: tensor("adam_mean")?, square: tensor("adam_square")? },
         cell_errors: tensor("cell_errors")?,
         best_weights: tensor("best_weights")?,
-        steering: Steering {
+        steering: SparsityController {
             lambdas: tensor("lambdas")?,
             counted: tensor("non_zeros_counted")?,
             aims: tensor("non_zeros_aims")?,

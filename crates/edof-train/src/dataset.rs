@@ -59,7 +59,7 @@ pub struct Dataset {
     options: DatasetOptions,
     photos: usize,
     reach: usize,
-    /// Flips and turns that no PSF can be told from.
+    /// Flips and turns that leave every PSF unchanged.
     turns: Vec<usize>,
 }
 

@@ -8,17 +8,17 @@ use edof_image::{Noise, Tone};
 use edof_numerics::random::Random;
 use serde::{Deserialize, Serialize};
 
-/// Noise levels are told apart in so many classes; class 0 is no noise at all.
+/// Noise levels are divided into N classes; class 0 is no noise at all.
 pub const NOISE_CLASSES: usize = 5;
 
-/// What is drawn anew for each window.
+/// Random values of each window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Conditions {
     /// Largest σ of the Gaussian noise of linear windows, in units of full scale.
     pub noise: f32,
     /// Largest gain of the sensor behind sRGB windows, 1 or more.
     pub gain: f32,
-    /// One window in so many has no noise at all.
+    /// One window in N has no noise at all.
     pub noiseless: usize,
     /// Factor on all light of a window, least and most; what it lifts above full scale is clipped, as a sensor clips it.
     pub exposure: [f32; 2],

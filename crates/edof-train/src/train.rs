@@ -1,7 +1,7 @@
 //! A training run: random windows, Adam with a cosine schedule, validation, exact resume.
 
 use crate::adam::Adam;
-use crate::budget::Steering;
+use crate::budget::SparsityController;
 use crate::dataset::{Batch, Dataset};
 use crate::initial::{SAMPLES, initial};
 use crate::noise::Conditions;
@@ -31,7 +31,7 @@ pub struct State {
     /// Running mean of the squared error of each cell; 0 where none was seen yet.
     pub cell_errors: Vec<f32>,
     /// λ of each shrinkage, and what moves it.
-    pub steering: Steering,
+    pub steering: SparsityController,
     /// The network's weights at the best validation.
     pub best_weights: Vec<f32>,
     /// The best validation.
@@ -151,7 +151,7 @@ impl<'a> Trainer<'a> {
             step: 0,
             adam: Adam::new(weights.len()),
             cell_errors: vec![0.0; dataset.cells()],
-            steering: Steering::new(recipe.lambdas(), recipe.budget.as_ref()),
+            steering: SparsityController::new(recipe.lambdas(), recipe.budget.as_ref()),
             best_weights: network,
             best: Best::NONE,
             stale: 0,
@@ -160,7 +160,7 @@ impl<'a> Trainer<'a> {
         Self::resume(recipe, dataset, threads, state)
     }
 
-    /// A run that goes on from a state; it draws the windows that it would have drawn without the break.
+    /// A run that resumes from a state, with the same random windows as an uninterrupted run.
     ///
     /// # Errors
     /// [`RecipeError`].

@@ -1,4 +1,4 @@
-//! The hand-written gradient, held to finite differences in f64, group of weights by group; then f32 is held to f64.
+//! The hand-written gradient, compared with finite differences in f64, group of weights by group; then f32 is compared with f64.
 
 use edof_float::parameters::Layout;
 use edof_float::pass::{Examples, Pass};

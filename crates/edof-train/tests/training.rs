@@ -1,4 +1,4 @@
-//! Training as a whole: it learns, it repeats, it goes on where it was stopped, whatever the threads.
+//! Training as a whole: it learns, it is reproducible, it resumes, with any number of threads.
 
 use edof_camera::Camera;
 use edof_image::{ColourFrame, Tone, Window};

@@ -1,4 +1,4 @@
-//! A UART of a stranger: eight bits, no parity, one stop bit, so many cycles a bit. It knows nothing of this project but the packaged backend.
+//! A UART of a stranger: eight bits, no parity, one stop bit, N cycles a bit. It knows nothing of this project but the packaged backend.
 
 use edof_verilog::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
@@ -36,7 +36,7 @@ pub struct Sender {
 }
 
 impl Sender {
-    /// A sender with so many cycles a bit, at most 256.
+    /// A sender with N cycles a bit, at most 256.
     #[must_use]
     pub fn new(cycles: u64) -> Self {
         Self::from_parts(SenderParts { last_cycle: Constant::new((cycles - 1).into()) })
@@ -101,7 +101,7 @@ impl Logic for Sender {
 pub struct Receiver {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Forgets the byte at hand.
+    /// Forgets the byte available.
     pub reset: Signal<In, Bit>,
     /// The line, of this clock.
     pub line: Signal<In, Bit>,
@@ -119,7 +119,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// A receiver with so many cycles a bit, 4 to 256.
+    /// A receiver with N cycles a bit, 4 to 256.
     #[must_use]
     pub fn new(cycles: u64) -> Self {
         let (last_cycle, half) = (Constant::new((cycles - 1).into()), Constant::new((cycles / 2).into()));
@@ -198,7 +198,7 @@ pub struct Loopback {
 }
 
 impl Loopback {
-    /// Both with so many cycles a bit.
+    /// Both with N cycles a bit.
     #[must_use]
     pub fn new(cycles: u64) -> Self {
         Self::from_parts(LoopbackParts { sender: Sender::new(cycles), receiver: Receiver::new(cycles) })

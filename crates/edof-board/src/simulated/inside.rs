@@ -1,4 +1,4 @@
-//! What lies behind the line of a simulated board: registers, stages, tables, chips, and the picture under way.
+//! What lies behind the line of a simulated board: registers, stages, tables, chips, and the picture in progress.
 
 mod checks;
 
@@ -35,7 +35,7 @@ pub(super) struct Inside {
     pub(super) like: FixedNetwork,
     pub(super) start_hash: u32,
     pub(super) stages: Vec<Stage>,
-    /// When each stage, and the tables after them, have read what they were told to.
+    /// When each stage, and the tables after them, have completed their read command.
     pub(super) reads_until: Vec<Time>,
     /// What was last read of the tables: CRC, row.
     pub(super) table_read: (u32, u64),
@@ -51,7 +51,7 @@ pub(super) struct Inside {
     /// Changes with every word of a set, or of a table.
     pub(super) versions: [u64; 3],
     pub(super) cached: Option<(Key, Option<Made>)>,
-    /// The frame under way, and when its picture is done.
+    /// The frame in progress, and when its picture is done.
     pub(super) begun: Option<(Key, Time)>,
     pub(super) load: Load,
     /// The camera has sent a frame that was not begun.
@@ -125,7 +125,7 @@ impl Inside {
         self.controls.insert(map::CONTROL, self.control() | bank);
     }
 
-    /// The frame under way, and what is being read.
+    /// The frame in progress, and what is being read.
     pub(super) fn forget(&mut self) {
         self.checks = Checks::default();
         self.begun = None;
@@ -180,7 +180,7 @@ impl Inside {
         memory::network(&self.design, &self.stages, set, &self.like)
     }
 
-    /// When the picture under way is done; without `run` it stands still.
+    /// When the picture in progress is done; without `run` it stands still.
     pub(super) fn done_at(&self) -> Option<Time> {
         self.begun.filter(|_| self.control() & map::RUN != 0).map(|(_, done)| done)
     }
@@ -224,7 +224,7 @@ impl Inside {
         self.load = Load { of: Some(of), ..Load::new(&self.design, Some(&pairs)) };
     }
 
-    /// The picture under way is done.
+    /// The picture in progress is done.
     pub(super) fn end(&mut self) {
         let Some((key, _)) = self.begun.take() else { return };
         let (set, ..) = key;

@@ -152,7 +152,7 @@ pub fn network(design: &Design, stages: &[Stage], set: usize, like: &FixedNetwor
     let same = |network: &FixedNetwork| {
         stages.iter().all(|stage| Shifts::of(network, &stage.plan).word() == stage.shifts[set])
     };
-    // Fraction bits follow from shifts but for those of the first code.
+    // Fraction bits follow from shifts except for those of the first code.
     let candidates = (0..=30).filter_map(|first| with_first(design, stages, set, like, first));
     candidates.into_iter().find(|network| network.check().is_ok() && same(network))
 }

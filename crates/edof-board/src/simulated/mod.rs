@@ -3,7 +3,7 @@
 //!
 //! | what | module |
 //! |---|---|
-//! | what lies behind it, and the picture under way | `inside` |
+//! | what lies behind it, and the picture in progress | `inside` |
 //! | its end of the line | [`uart`] |
 //! | what the stages hold | [`memory`] |
 //! | set-up of the video chips | [`setup`] |
@@ -11,7 +11,7 @@
 //! | frames, tables, pictures | [`video`] |
 //! | faults that a test gives it | [`faults`] |
 //!
-//! Time is its own: it passes with every byte on the line, and when it is told to.
+//! Time is simulated: it advances with every byte on the line, and on request.
 
 pub mod chips;
 pub mod faults;
@@ -132,7 +132,7 @@ impl Simulated {
         self.now
     }
 
-    /// The calculator's clock is lost and comes back: the frame under way is dropped, and its memories are in doubt.
+    /// The calculator's clock is lost and comes back: the frame in progress is dropped, and its memories are in doubt.
     pub fn lose_calculator_clock(&mut self) {
         self.inside.begun = None;
         self.inside.weights_unchecked = true;

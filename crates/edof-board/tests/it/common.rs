@@ -33,7 +33,7 @@ pub fn raw(design: &Design) -> RawFrame {
     RawFrame::from_values(Array2::from_shape_fn(size, |_| draw.bits() as u16), 16, CfaPhase::Rggb).unwrap()
 }
 
-/// A drawn network whose pictures are not like those of another seed.
+/// A random network whose pictures are not like those of another seed.
 pub fn network(design: &Design, seed: u64) -> FixedNetwork {
     edof_random::for_design(design, seed)
 }

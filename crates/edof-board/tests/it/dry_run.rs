@@ -1,4 +1,4 @@
-//! What a load takes, told ahead.
+//! The predicted time of a load.
 
 use crate::common::{BAUD, board, job, network, open, retrained, tiny};
 use edof_board::contents::parts;

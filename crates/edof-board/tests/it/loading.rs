@@ -123,7 +123,7 @@ fn two_noise_classes_lie_in_two_banks_and_the_switch_takes_effect_between_frames
         assert!(open(&mut simulated).is_in_use(bank).unwrap());
     }
     let [low, high] = [&low, &high].map(|network| picture(&design, network));
-    // The frame that was under way comes first.
+    // The frame that was in progress comes first.
     assert_eq!(simulated.shown(), [low.clone(), high.clone(), low, high]);
 }
 

@@ -25,7 +25,7 @@ const INTERRUPTS: u8 = 0x96;
 pub enum LowHotPlug {
     /// Registers stay at their defaults all the time ("during power down all registers are reset", EngineerZone document 837).
     HoldsDefaults,
-    /// Registers fall to their defaults once; only power-up is refused (EngineerZone 13858: others "write and read good").
+    /// Registers fall to their defaults once; only power-up is rejected (EngineerZone 13858: others "write and read good").
     ResetsOnce,
 }
 
@@ -130,7 +130,7 @@ const TO_BE_SET: &[(u8, u8)] = &[
 ];
 
 impl Adv7511 {
-    /// A chip after power-up with nothing at its cable; it answers after so many steps of the bus.
+    /// A chip after power-up with nothing at its cable; it answers after N steps of the bus.
     #[must_use]
     pub fn new(deaf: u64, low: LowHotPlug) -> Self {
         let mut defaults = [0; 256];

@@ -39,7 +39,7 @@ pub struct Adv7611 {
 }
 
 impl Adv7611 {
-    /// A chip whose reset pin is low. After reset it is deaf for so many steps, and clears its EDID memory after so many.
+    /// A chip whose reset pin is low. After reset it is deaf for N steps, and clears its EDID memory after N.
     #[must_use]
     pub fn new(deaf: u64, clears: u64) -> Self {
         Self {

@@ -53,7 +53,7 @@ pub enum State {
 }
 
 impl Adv7611 {
-    /// Tells the chip what is in its cable now.
+    /// Sets what is in the chip's cable now.
     pub fn see(&mut self, is_plugged: bool, signal: Option<(Timing, Link)>) {
         if self.input.signal.is_none() || signal.is_none() {
             self.input.locked_frames = 0;

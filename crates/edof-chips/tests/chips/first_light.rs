@@ -1,4 +1,4 @@
-//! The set-up tables that the project had first: each of their faults is mended in turn, and the next one shows.
+//! The set-up tables that the project had first: each of their faults is fixed in turn, and the next one shows.
 
 use crate::first_tables::{FIRST_IMAGEON, FIRST_KC705};
 use crate::setup::{SMALL, Write, board_with, card_with, edid, hot_plug, picture, ramp, release, run, send};
@@ -12,7 +12,7 @@ fn writes(table: &[(u8, u8, u8)]) -> Vec<Write> {
     table.iter().map(|(device, register, value)| (*device, vec![*register, *value])).collect()
 }
 
-/// A table with one register's value mended.
+/// A table with one register's value fixed.
 fn mended(table: &[(u8, u8, u8)], device: u8, register: u8, value: u8) -> Vec<Write> {
     let wrong = |write: &&mut Write| write.0 == device && write.1[0] == register;
     let mut writes = writes(table);

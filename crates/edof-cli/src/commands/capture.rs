@@ -31,22 +31,24 @@ use std::path::{Path, PathBuf};
 
 /// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene
 ///
-/// A photograph lies at one depth (--psi), or each of its pixels at that of a depth map: it is then cut into layers, and blur at the
-/// edge of a near thing shows what could be behind. Or it is one of several layers, each a picture with a matte at a depth, that a
-/// JSON file lists from back to front (docs/your-own-lens.md).
+/// A photograph is at one depth (--psi), or a depth map states the depth of each pixel. With a depth map the photograph is cut into layers, and
+/// the part hidden behind a near object is inpainted. A JSON file lists a scene of several layers from back to front, each a picture with
+/// a matte at a depth (docs/your-own-lens.md).
 ///
-/// Only what the scene needs is computed: the depths it has, kernels up to an asked share of the energy, as many wavelengths
-/// as a tolerance asks for. What each of these approximations changes of the light on the sensor, and the time it saves, is
-/// measured against an exact computation and printed by --measure (which takes several times as long; --exact approximates nothing).
+/// ψ (--psi) is the defocus in radians: 0 in the plane of focus of a clear lens. Cameras with nominal_m accept distances as in 1.5m, too.
+///
+/// A capture approximates: it computes the depths of the scene, kernels up to a share of the energy, and as many wavelengths
+/// as a tolerance requires. --measure compares each approximation with an exact computation, and prints its error of the light on the
+/// sensor and the time saved (this takes several times as long). --exact approximates nothing.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
     /// A photograph (PNG, JPEG, WebP, TIFF, BMP, PPM), a JSON file that lists layers with mattes and depths, or chart, chart-4, leaves,
-    /// leaves-4, which are drawn as light
+    /// leaves-4, which are synthetic scenes of linear light
     #[arg(value_name = "SCENE")]
     scene: String,
 
-    /// Raw frame: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header; beside it FILE.json says
+    /// Raw frame to write: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header; FILE.json states
     /// how it was taken
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -55,36 +57,36 @@ pub struct Args {
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
-    /// PSFs of one's own in place of the camera's: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    /// PSF bank in place of the camera's computed PSFs: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
     #[arg(long, value_name = "FILE")]
     psf_bank: Option<PathBuf>,
 
-    /// What pictures hold: srgb, encoded light, which a photograph is decoded from and --sharp and --light are encoded to; or
-    /// linear, light itself, the paper's convention
+    /// Encoding of pictures, the photograph's and those of --sharp and --light: srgb, or linear (the paper's convention: samples are
+    /// linear light)
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
     tone: Tone,
 
     #[command(flatten)]
     drawing: Drawing,
 
-    /// How near each pixel of the photograph is: a grey picture of its size, white nearest
+    /// Depth map: a grey picture of the photograph's size, white nearest
     #[arg(long, value_name = "FILE", requires = "range", conflicts_with = "psi")]
     depth_map: Option<PathBuf>,
 
-    /// What white and black of the depth map stand for, as NEAR:FAR: two values of psi, or two distances as in 0.7m:3m
+    /// Depths NEAR:FAR of white and black of the depth map: two values of psi, or two distances as in 0.7m:3m
     #[arg(long, value_name = "NEAR:FAR", requires = "depth_map", allow_hyphen_values = true)]
     range: Option<DepthRange>,
 
-    /// What the depth map's values are proportional to: nearness, between white and black as psi is (one over the distance), or
-    /// distance, between black (NEAR) and white (FAR), as range finders and renderers give it
+    /// Meaning of the depth map's values: nearness (proportional to psi, that is to one over the distance; white is NEAR), or
+    /// distance (black is NEAR, white is FAR), as range finders and renderers give it
     #[arg(long, value_enum, default_value_t = MapOf::Nearness)]
     map_of: MapOf,
 
-    /// Most layers that the photograph is cut into
+    /// Largest number of layers that the photograph is cut into
     #[arg(long, default_value_t = layers::USUAL, value_name = "N")]
     layers: usize,
 
-    /// Bits a pixel of the sensor, 8 to 16
+    /// Bits per pixel of the sensor, 8 to 16
     #[arg(long, default_value_t = 12, value_name = "BITS")]
     depth: u32,
 
@@ -98,7 +100,7 @@ pub struct Args {
     #[arg(long, default_value_t = Noise::None, value_name = "NOISE", allow_hyphen_values = true)]
     noise: Noise,
 
-    /// Sensor value of no light
+    /// Sensor value of darkness
     #[arg(long, default_value_t = 0, value_name = "LEVEL")]
     black_level: u16,
 
@@ -106,7 +108,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.999, value_name = "SHARE")]
     energy: f64,
 
-    /// Share of the energy that may lie wrong because a spectrum is sampled at few wavelengths
+    /// Share of the energy that may be misplaced by sampling a spectrum at few wavelengths
     #[arg(long, default_value_t = 0.01, value_name = "SHARE")]
     wavelength_tolerance: f64,
 
@@ -118,20 +120,20 @@ pub struct Args {
     #[arg(long)]
     exact: bool,
 
-    /// Measure what each approximation changes of the light, and the time it saves, against an exact computation
+    /// Compare each approximation with an exact computation; print its error of the light and the time saved
     #[arg(long)]
     measure: bool,
 
-    /// As it is without: scripts of before say so
+    /// Accepted for older scripts; changes nothing
     #[arg(long, hide = true, conflicts_with = "measure")]
     no_measure: bool,
 
-    /// Also write the frame as video that a playout card sends to the board: bytes Cb Y Cr Y without a header (2vuy), the upper 14 bits of
-    /// each word, seven a byte, plus 64; its black level is taken off first. Beside it FILE.json says how it was taken
+    /// Also write the frame as video for a playout card, which sends it to the board: bytes Cb Y Cr Y without a header (2vuy). Each
+    /// byte has seven of the upper 14 bits of a word, plus 64; the black level is subtracted first. FILE.json states how it was taken
     #[arg(long, value_name = "FILE")]
     video: Option<PathBuf>,
 
-    /// Also write the sharp truth, 16 bits
+    /// Also write the sharp ground truth, 16 bits
     #[arg(long, value_name = "FILE")]
     sharp: Option<PathBuf>,
 
@@ -307,7 +309,7 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
     if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
         if let Some(map) = &args.depth_map {
             return Err(Error::message(format!(
-                "--depth-map {}: {} is drawn with depths of its own; only photographs take a map",
+                "--depth-map {}: {} is a built-in scene with its own depths; only photographs accept a depth map",
                 map.display(),
                 args.scene
             )));
@@ -316,7 +318,7 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
     }
     if let Some(size) = args.drawing.size {
         return Err(Error::message(format!(
-            "--size {size}: a photograph has its own; only built-in scenes are drawn"
+            "--size {size}: a photograph has its own size; the option is for built-in scenes"
         )));
     }
     let path = Path::new(&args.scene);
@@ -325,7 +327,9 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
         return layered(args, name, map, range, camera, ui);
     }
     let [psi] = args.drawing.psis(camera)?[..] else {
-        return Err(Error::message("--psi: one value, a photograph lies at one depth; or give --depth-map"));
+        return Err(Error::message(
+            "--psi: expected one value, because a photograph is at one depth; or use --depth-map",
+        ));
     };
     let photograph = pictures::load(path, ui)?;
     let (height, width) = photograph.size();
@@ -392,7 +396,7 @@ impl Args {
         Error::message(error.to_string())
     }
 
-    /// The layers of a scene that a file lists; what only photographs and drawn scenes have is refused.
+    /// The layers of a scene that a file lists; what only photographs and synthetic scenes have is rejected.
     fn listed(&self) -> Result<Option<SceneFile>, Error> {
         if !scene_file::is_scene_file(&self.scene) {
             return Ok(None);
@@ -460,7 +464,7 @@ fn blur_in_words(kernel: &Kernel) -> String {
         ),
     };
     format!(
-        "blur of {side}x{side} pixels holds {:.2} % of the light (about {:.2} % falls farther than was looked, {} pixels around); {wavelengths}",
+        "blur of {side}x{side} pixels has {:.2} % of the light (about {:.2} % falls outside of the computed radius of {} pixels); {wavelengths}",
         100.0 * kernel.energy_kept,
         100.0 * kernel.energy_beyond,
         kernel.support / 2

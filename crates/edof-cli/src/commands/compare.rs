@@ -14,10 +14,10 @@ use ndarray::{Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Tell how far one picture is from another: PSNR, SSIM, where they differ most, how sharp an edge is in each
+/// Compare two pictures: PSNR, SSIM, place of the largest difference, sharpness of an edge in each
 ///
-/// Values are compared as the files hold them, full scale 1. With --region only that part is, and where it holds one slanted edge
-/// (1 to 30 degrees off the pixels' rows or columns), its MTF50 in both: the frequency at which contrast has fallen to a half.
+/// The values of the files are compared, full scale 1. --region limits the comparison to a part. If the part contains one slanted edge
+/// (1 to 30 degrees off the pixels' rows or columns), its MTF50 is printed for both: the frequency at which contrast falls to a half.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -25,29 +25,29 @@ Examples:
   edof compare sharp.png reconstructed.png --map errors.png --json
   edof compare sharp.png reconstructed.png --region 200,120,64x64")]
 pub struct Args {
-    /// The truth
+    /// Reference picture (ground truth)
     a: PathBuf,
 
-    /// What is held against it
+    /// Picture to compare with the reference
     b: PathBuf,
 
-    /// Part that is compared: its left column, top row, and size
+    /// Part to compare: left column, top row, and size
     #[arg(long, value_name = "X,Y,WxH")]
     region: Option<Region>,
 
-    /// Pixels that are left out on each side [default: 8, with --region 0]
+    /// Pixels to leave out on each side [default: 8, with --region 0]
     #[arg(long, value_name = "PIXELS")]
     border: Option<usize>,
 
-    /// What the pictures' values are, for the edge: srgb, encoded light, or linear, light itself
+    /// Encoding of the pictures, for the edge: srgb, or linear (linear light)
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
     tone: Tone,
 
-    /// Also write a picture of the differences, grey where there are none
+    /// Also write a map of the differences; grey is no difference
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
 
-    /// How many times as large the map shows differences
+    /// Factor by which the map enlarges differences
     #[arg(long, default_value_t = 8.0, value_name = "FACTOR")]
     map_gain: f32,
 }
@@ -93,7 +93,7 @@ struct Compared {
     mean_difference: [f64; 3],
     /// The largest |b − a| of any colour, and where it is.
     largest: Largest,
-    /// Of the edge in the region, cycles a pixel in a and b.
+    /// Of the edge in the region, cycles per pixel in a and b.
     #[serde(skip_serializing_if = "Option::is_none")]
     mtf50: Option<[f64; 2]>,
 }
@@ -242,8 +242,10 @@ fn tell(compared: &Compared, args: &Args, ui: &Ui) -> Result<(), Error> {
         ))?;
     }
     match (compared.mtf50, args.region) {
-        (Some([of_a, of_b]), _) => ui.say(format!("  MTF50 {of_a:.3} and {of_b:.3} cycles a pixel")),
-        (None, Some(_)) => ui.say("  no MTF50: the region holds no single slanted edge in both"),
+        (Some([of_a, of_b]), _) => ui.say(format!("  MTF50 {of_a:.3} and {of_b:.3} cycles per pixel")),
+        (None, Some(_)) => {
+            ui.say("  no MTF50: the region does not contain a single slanted edge in both pictures")
+        }
         (None, None) => Ok(()),
     }
 }

@@ -38,12 +38,12 @@ const WAVEFORM_CYCLES: u64 = 300;
 
 /// Run the generated Verilog in Verilator and compare every word and cycle with the model
 ///
-/// Patches are windows of a picture behind the network's own camera, or drawn at random with extreme values. Registers and
-/// memories start with random contents. Every stage boundary is compared in every cycle, and the counters at the end; the first
-/// difference ends the run with exit status 1, and is shown in a waveform.
+/// Patches are windows of a picture taken by the network's camera, or random windows with extreme values. Registers and
+/// memories start with random contents. Every stage boundary is compared in every cycle, and the counters at the end. The first
+/// difference ends the run with exit status 1; a waveform shows it.
 ///
-/// With --system it is the whole core that runs, from the receiver's pins to the transmitter's: four clocks that drift, a memory that is
-/// late, and every picture on the screen bit for bit that of edof reconstruct --board.
+/// With --system the whole core runs, from the receiver's pins to the transmitter's, with four drifting clocks and a late
+/// memory. Every picture on the screen must equal that of edof reconstruct --board, bit for bit.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof cosim --design tiny --random 2000 --stalls 0.3
@@ -60,11 +60,11 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     design: String,
 
-    /// Quantized network, by name or file; without it, one with extreme weights is drawn for the design
+    /// Quantized network, by name or file [default: a random one with extreme weights for the design]
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Picture whose windows are used; without it, a built-in scene of dead leaves
+    /// Picture whose windows are used [default: a built-in scene of dead leaves]
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     photo: Option<PathBuf>,
 
@@ -72,19 +72,19 @@ pub struct Args {
     #[arg(long, allow_hyphen_values = true, conflicts_with = "random")]
     psi: Option<Depth>,
 
-    /// Noise of the picture, as edof capture takes it [default: the most that the network was trained for]
+    /// Noise of the picture, in the format of edof capture --noise [default: the strongest noise of the network's training]
     #[arg(long, conflicts_with = "random")]
     noise: Option<Noise>,
 
-    /// Use N drawn windows with extreme values in place of a picture
+    /// Use N random windows with extreme values instead of a picture
     #[arg(long, value_name = "N")]
     random: Option<usize>,
 
-    /// Use windows of the hard cases of edof study stability whose names hold one of these words, or of all; --patches of each at most
+    /// Use windows of the hard cases of edof study stability whose names contain one of these words, or all; at most --patches windows of each
     #[arg(long, value_delimiter = ',', value_name = "WORD,…|all", conflicts_with_all = ["random", "photo", "psi", "noise", "system"])]
     cases: Vec<String>,
 
-    /// Most patches of the picture that are run
+    /// Largest number of patches of the picture to run
     #[arg(long, default_value_t = 500, value_name = "N")]
     patches: usize,
 
@@ -92,27 +92,27 @@ pub struct Args {
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
     stalls: f64,
 
-    /// Leave zeros out, or not [default: as the design says]
+    /// Whether to skip zeros [default: the design's setting]
     #[arg(long, value_parser = ["on", "off"])]
     skip: Option<String>,
 
-    /// Seed of start-up contents, stalls and everything drawn
+    /// Seed of start-up contents, stalls and random windows
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Run the same inputs in Icarus too and compare all outputs, or all pictures; slow
+    /// Also run the same inputs in Icarus and compare all outputs, or all pictures; slow
     #[arg(long)]
     icarus: bool,
 
-    /// Take the Verilog from this folder, as edof generate wrote it or as it was changed since, not fresh from the generator
+    /// Use the Verilog of this folder, written by edof generate and possibly changed since, instead of newly generated Verilog
     #[arg(long, value_name = "DIR")]
     rtl: Option<PathBuf>,
 
-    /// Where the waveform of a difference goes, without extension
+    /// File of the waveform of a difference, without extension
     #[arg(long, default_value = "cosim-difference", value_name = "FILE")]
     waveform: PathBuf,
 
-    /// Write the result as JUnit XML too
+    /// Also write the result as JUnit XML
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 
@@ -285,7 +285,7 @@ fn tell(args: &Args, design: &Design, outcome: &Outcome, seconds: f64, ui: &Ui) 
     let patches = summary.counts.patches;
     if differences == 0 {
         ui.say(format!(
-            "{}: {patches} patches, {} beats at {boundaries} boundaries, {} cycles: no difference; {:.1} cycles a patch, at most {}",
+            "{}: {patches} patches, {} beats at {boundaries} boundaries, {} cycles: no difference; {:.1} cycles per patch, at most {}",
             design.name, outcome.beats, outcome.cycles, summary.cycles_per_patch(), summary.most_cycles
         ))?;
     }

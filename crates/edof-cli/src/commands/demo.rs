@@ -18,9 +18,9 @@ use std::path::PathBuf;
 
 /// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
 ///
-/// Writes report.html with all pictures side by side, the pictures themselves as PNG files, and overview.png with all of
-/// them in one: the scene, then the lenses in the order of the table, three in a row. The sources of a board's bitstream with the
-/// network behind the coded lens go to its folder board, and a crop through their Verilog into the report, where Verilator is installed.
+/// Writes report.html with all pictures side by side, the pictures as PNG files, and overview.png with all of
+/// them in one: the scene, then the lenses in the order of the table, three per row. The folder board gets the sources of a bitstream with the
+/// coded lens's network. If Verilator is installed, the report shows a crop computed by that Verilog.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -32,19 +32,19 @@ pub struct Args {
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
 
-    /// Fixed-point net behind the coded lens, by name or weight file; the default's peer behind the clear lens is trained alike
+    /// Fixed-point network of the coded lens, by name or weight file
     #[arg(long, default_value = "edof-t4w12-outer", value_name = "NET")]
     net: String,
 
-    /// Fixed-point net behind the clear lens
+    /// Fixed-point network of the clear lens focused mid-range, by name or weight file
     #[arg(long, default_value = "edof-t4w12-clear", value_name = "NET")]
     clear_net: String,
 
-    /// chart or leaves
+    /// Scene: chart (resolution charts) or leaves (dead leaves)
     #[arg(long, default_value = "chart", value_name = "SCENE")]
     scene: String,
 
-    /// What is measured: srgb, the picture encoded as it is looked at, or linear, its light; drawn scenes are light in either
+    /// What is measured: srgb (the encoded picture) or linear (linear light); synthetic scenes are linear light in either
     /// case and are shown encoded
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
     tone: Tone,
@@ -54,7 +54,7 @@ pub struct Args {
     #[arg(long, value_name = "NOISE")]
     noise: Option<Noise>,
 
-    /// Board to generate and to try: tiny, paper, kc705, a JSON file, or none [default: kc705, if the network fits it]
+    /// Board to generate and simulate: tiny, paper, kc705, a JSON file, or none [default: kc705, if the network fits it]
     #[arg(long, value_name = "NAME|FILE")]
     design: Option<String>,
 
@@ -180,7 +180,7 @@ fn method(net: &str, ui: &Ui) -> Result<(Camera, GoldenReconstructor), Error> {
 }
 
 impl Args {
-    /// Refuses before the work what could not be written after it.
+    /// Rejects before the work what could not be written after it.
     fn check_files(&self, lenses: &[Lens<'_>], board: Option<&Board>, ui: &Ui) -> Result<(), Error> {
         let names =
             lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));

@@ -20,10 +20,10 @@ use edof_network::network::Form;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Make a design file, or check one: what it promises, and whether a network fits it
+/// Make a design file, or check one: its speed and resources, and whether a network fits it
 ///
-/// A design says what hardware is generated: the form of network, how each stage is folded, the clock, the picture. docs/design.md lists every
-/// field with its units and legal values.
+/// A design defines the generated hardware: the network architecture, the folding of each stage, the clock and the picture. docs/design.md lists
+/// every field with its units and legal values.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
@@ -41,14 +41,14 @@ enum Task {
     Check(Check),
 }
 
-/// Write a design file: of all foldings within the multipliers and an XC7K325T the fastest where no value is zero
+/// Write a design file: the folding that is fastest when no value is zero, within the multipliers and an XC7K325T
 #[derive(clap::Args)]
 struct New {
-    /// Form of the networks that it runs
+    /// Architecture of its networks
     #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "weights", conflicts_with = "weights")]
     form: Option<Form>,
 
-    /// Network that it is to run, by name or file: its form, bits, sums and stride are taken
+    /// Network to run, by name or file: sets architecture, bits, accumulators and stride
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
@@ -56,15 +56,15 @@ struct New {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
-    /// Name of the design [default: OUT without its ending]
+    /// Name of the design [default: OUT without its extension]
     #[arg(long)]
     name: Option<String>,
 
-    /// Clock of the calculator in megahertz, above 0, at most 400; on the KC705 one that an MMCM makes of 200 MHz
+    /// Clock of the calculator in MHz, above 0, at most 400; on the KC705 a rate that an MMCM makes of 200 MHz
     #[arg(long, default_value_t = 200.0, value_name = "MHZ")]
     clock_mhz: f64,
 
-    /// Size of a picture
+    /// Size of a picture in pixels
     #[arg(long, default_value = "1920x1080", value_name = "WIDTHxHEIGHT")]
     size: Size,
 
@@ -72,7 +72,7 @@ struct New {
     #[arg(long, value_name = "PIXELS")]
     stride: Option<usize>,
 
-    /// Multipliers (DSP48E1) that it may take at most
+    /// Largest number of multipliers (DSP48E1)
     #[arg(long, default_value_t = 840, value_name = "N")]
     multipliers: usize,
 }
@@ -84,7 +84,7 @@ struct Check {
     #[arg(value_name = "NAME|FILE")]
     design: String,
 
-    /// Quantized network that is to run on it, by name or file
+    /// Quantized network to run, by name or file
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 }

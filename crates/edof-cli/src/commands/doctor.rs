@@ -12,9 +12,9 @@ use edof_io::photos;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Tell what of the machine edof can use: tools and their versions, devices, photographs, cache, free space
+/// List tools and their versions, devices, photographs, cache and free space
 ///
-/// Nothing is changed or started. What is missing is told with what it is for and how to get it; only those commands need it.
+/// For each missing item, doctor prints which commands need it and how to install it; other commands work without it. Doctor changes nothing.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -25,7 +25,7 @@ pub struct Args {}
 /// A program of others.
 struct Known {
     name: &'static str,
-    /// The option by which it tells its version.
+    /// Option that prints its version.
     option: &'static str,
     needed_by: &'static str,
     /// How to get it on Debian and the like.
@@ -86,7 +86,7 @@ struct Cache {
 }
 
 /// # Errors
-/// When the result cannot be written; what is missing is none.
+/// When the result cannot be written; missing items is none.
 pub fn run(_: Args, ui: &Ui) -> Result<(), Error> {
     Files::new(ui).check()?;
     let found = Found {
@@ -116,7 +116,7 @@ fn version(name: &str, option: &str) -> Option<String> {
     let output = tool::output(tool::command(name, Path::new(".")).arg(option)).ok()?;
     let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     let line = said.iter().flat_map(|text| text.lines()).map(str::trim).find(|line| !line.is_empty());
-    Some(line.unwrap_or("tells no version").to_owned())
+    Some(line.unwrap_or("prints no version").to_owned())
 }
 
 fn cache_at(holds: &'static str, folder: &Path) -> Cache {

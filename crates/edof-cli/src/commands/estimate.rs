@@ -19,11 +19,11 @@ use edof_image::Noise;
 use edof_network::FixedNetwork;
 use std::path::PathBuf;
 
-/// Tell what a design takes: cycles a patch, frames a second, and how much of the FPGA
+/// Estimate a design's cycles per patch, frames per second and FPGA resources
 ///
-/// Without a network every value counts; with one, values that are zero on a picture are left out if the design skips zeros, and
-/// pictures are run through the cycle model, each captured by the network's own camera. A scene with many values takes longer, and
-/// its bits are the same: of several pictures the mean over all patches is told, and the one that takes longest.
+/// Without a network, all values are assumed to be non-zero. With a network, each picture is captured by the network's camera and run through the
+/// cycle model, which leaves out zero values if the design skips zeros. For several pictures, the mean over all patches and the slowest
+/// picture are printed. The picture affects the cycles, not the resources.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof estimate --design paper
@@ -38,11 +38,11 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Picture to measure on, may be given several times; without one, a built-in scene of dead leaves
+    /// Picture to measure on; repeatable [default: a built-in scene of dead leaves]
     #[arg(long, value_name = "FILE", requires = "weights")]
     photo: Vec<PathBuf>,
 
-    /// Depths of the pictures, commas between them: psi in radians, or distances as in 1.5m [default: the far end of the network's range]
+    /// Depths of the pictures, separated by commas: psi (defocus in radians), or distances as in 1.5m [default: the far end of the network's range]
     #[arg(
         long,
         value_delimiter = ',',
@@ -52,7 +52,7 @@ pub struct Args {
     )]
     psi: Vec<Depth>,
 
-    /// Noise of the pictures, as edof capture takes it [default: the most that the network was trained for]
+    /// Noise of the pictures, in the format of edof capture --noise [default: the strongest noise of the network's training]
     #[arg(long, requires = "weights")]
     noise: Option<Noise>,
 }
@@ -93,7 +93,7 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
     ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}  {}", "all", "", "", row(total)))?;
     let (scarcest, share) = total.fullest(&XC7K325T);
     ui.say(format!(
-        "{frames:.1} frames a second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an XC7K325T",
+        "{frames:.1} frames per second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an XC7K325T",
         design.frame.width,
         design.frame.height,
         design.clock_mhz,
@@ -101,7 +101,7 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
         100.0 * share
     ))?;
     ui.say(format!(
-        "from HDMI in to HDMI out: {:.1} frames a second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
+        "from HDMI in to HDMI out: {:.1} frames per second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
         board.frames_per_second,
         1e3 * board.latency[0],
         1e3 * board.latency[1],
@@ -114,7 +114,7 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
     {
         let cycles = summary.cycles_per_patch();
         ui.say(format!(
-            "mean of {} pictures; the slowest is {name}: {cycles:.1} cycles a patch, {:.1} frames a second; {} limits",
+            "mean of {} pictures; the slowest is {name}: {cycles:.1} cycles per patch, {:.1} frames per second; {} limits",
             pictures.len(),
             estimated.rate(cycles),
             names[summary.limiting_stage()]

@@ -21,10 +21,10 @@ use edof_network::FixedNetwork;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Try foldings of networks on real pictures, and print those that nothing beats in quality, cycles, multipliers and block RAM
+/// Measure foldings of networks on pictures, and print those that are Pareto-optimal in quality, cycles, multipliers and block RAM
 ///
-/// Each network is run on every picture at every depth behind its own camera; how many values each stage multiplies of each patch
-/// then decides how many cycles a folding takes. Clock and picture size are those of a design; the device is an XC7K325T.
+/// Each network runs on every picture at every depth with its own camera. The number of values that each stage multiplies per patch
+/// then determines the cycles of a folding. A design sets clock and picture size; the device is an XC7K325T.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof explore --weights edof-t4w12-outer
@@ -34,27 +34,27 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',', required = true)]
     weights: Vec<String>,
 
-    /// Design that gives clock and picture: tiny, paper, kc705, or a JSON file
+    /// Design that sets clock and picture size: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE", default_value = "kc705")]
     design: String,
 
-    /// Frames a second that are wanted; slower foldings are told only where none is as fast
+    /// Required frames per second; slower foldings are listed only if none is fast enough
     #[arg(long, default_value_t = 60.0)]
     fps: f64,
 
-    /// Device that it must fit
+    /// FPGA that the folding must fit
     #[arg(long, value_parser = ["xc7k325t"], default_value = "xc7k325t")]
     device: String,
 
-    /// Picture to measure on, may be given several times; without one, a built-in scene of dead leaves
+    /// Picture to measure on; repeatable [default: a built-in scene of dead leaves]
     #[arg(long, value_name = "FILE")]
     photo: Vec<PathBuf>,
 
-    /// Depths of the pictures, commas between them: psi in radians, or distances as in 1.5m [default: the far end of the network's range]
+    /// Depths of the pictures, separated by commas: psi (defocus in radians), or distances as in 1.5m [default: the far end of the network's range]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     psi: Vec<Depth>,
 
-    /// Noise of the pictures, as edof capture takes it [default: the most that the network was trained for]
+    /// Noise of the pictures, in the format of edof capture --noise [default: the strongest noise of the network's training]
     #[arg(long)]
     noise: Option<Noise>,
 
@@ -111,7 +111,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     if !fast {
         ui.say(format!(
-            "none of them reaches {} frames a second at {} MHz (planned)",
+            "none of them reaches {} frames per second at {} MHz (planned)",
             number(args.fps),
             base.clock_mhz
         ))?;
@@ -170,7 +170,7 @@ impl Args {
     /// What they are measured on, in words.
     pub fn pictures(&self) -> String {
         match self.photo.len() {
-            0 => "a drawn scene of dead leaves".into(),
+            0 => "a synthetic scene of dead leaves".into(),
             1 => "a photograph".into(),
             several => count(several, "photograph"),
         }

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories
 ///
-/// Verilog, memory images, constraints, and a build.tcl for Vivado; a Makefile and a FuseSoC core with test benches that need no more
-/// than a simulator, Verilator or Icarus; the register map; a README. The folder needs nothing else; the manifest holds the SHA-256 of
+/// Writes Verilog, memory images, constraints, and a build.tcl for Vivado. Also writes a Makefile and a FuseSoC core with test benches (for
+/// Verilator or Icarus), the register map, and a README. The folder is self-contained; its manifest lists the SHA-256 of
 /// every file. The same design and network give the same bytes.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -28,11 +28,11 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: String,
 
-    /// Folder to write; what it holds already must come from this command and be as it was written
+    /// Folder to write; its present files must come from this command and be unchanged
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 
-    /// Replace changed or foreign files that are in the way; others stay
+    /// Replace changed or foreign files of the same name; keep others
     #[arg(long)]
     force: bool,
 }

@@ -24,12 +24,14 @@ use ndarray::{Array1, Array2, Array3, Array4, aview1};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Show what a camera's optics do, or design a mask
+/// Compute PSF, MTF and contrast over depth of a camera, or design a mask
 ///
-/// Writes figure1.svg (the paper's Figure 1: response to spatial frequency without the mask, contrast through focus with
-/// and without it), mtf.svg (response without and with the mask), and psf.png (point spread functions as far as they
-/// can be seen, each channel to its own peak, with a scale; first row with the mask, second without). Beside them the same as numbers for NumPy: psf.npz (a PSF
-/// bank, which --psf-bank takes back) and mtf.npz (OTF and MTF; docs/your-own-lens.md lists the arrays).
+/// Writes figure1.svg, the paper's Figure 1 (response to spatial frequency without the mask, contrast through focus with
+/// and without it), and mtf.svg (response without and with the mask). Also writes psf.png, the visible part of the point spread functions
+/// (each channel scaled to its peak; first row with the mask, second without). Writes the same as numbers for NumPy: psf.npz (a PSF
+/// bank, which --psf-bank reads) and mtf.npz (OTF and MTF; docs/your-own-lens.md lists the arrays).
+///
+/// ψ is the defocus in radians: ψ = (πR²/λ)(1/z − 1/z₀), with R the aperture's radius, z the distance and z₀ the distance of ψ = 0.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub struct Args {
@@ -40,7 +42,7 @@ pub struct Args {
     #[arg(default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
-    /// PSFs of one's own in place of the camera's: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    /// PSF bank in place of the camera's computed PSFs: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
     #[arg(long, value_name = "FILE")]
     psf_bank: Option<PathBuf>,
 
@@ -52,7 +54,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     psi: Vec<Depth>,
 
-    /// Also tell each depth's distance when psi 0 lies at this many metres (inf for infinity) [default: what the camera says]
+    /// Distance of psi = 0 in metres (inf for infinity); each depth is then also printed in metres [default: the camera's nominal_m]
     #[arg(long, value_name = "METRES")]
     nominal: Option<f64>,
 
@@ -79,12 +81,11 @@ enum Subtask {
     Design(Design),
 }
 
-/// Search for the mask and focus that serve a range of depths best
+/// Search for the best mask and focus for a range of depths
 ///
-/// Judges each candidate in closed form by the error that the best linear map from a raw window to its colour patch would
-/// have when it must serve all depths alike, and improves a random population by differential evolution; no preset is
-/// among the first. Minutes on two cores. Check a camera that was found by training a network for it:
-/// edof train --camera mine.json
+/// The score of a candidate is computed in closed form: the error of the best linear map from a raw window to its colour patch, one map
+/// for all depths. Differential evolution improves a random population without presets. The search takes minutes on two cores.
+/// Check a camera by training a network for it: edof train --camera mine.json
 #[derive(clap::Args)]
 #[command(after_help = DESIGN_EXAMPLES)]
 struct Design {
@@ -100,11 +101,11 @@ struct Design {
     #[arg(long, default_value_t = 1, value_name = "N")]
     rings: usize,
 
-    /// psi at which the lens must be focused [default: searched within the range]
+    /// psi (radians) of the plane of focus [default: searched within the range]
     #[arg(long, allow_hyphen_values = true, value_name = "PSI")]
     focus: Option<f64>,
 
-    /// Range of psi to serve, or of distances as in 0.7m,3m before a camera that knows its nominal_m [default: the camera's]
+    /// Range of psi, or of distances as in 0.7m,3m if the camera states nominal_m [default: the camera's]
     #[arg(long, value_delimiter = ',', num_args = 1, allow_hyphen_values = true, value_name = "LOW,HIGH")]
     psi_range: Vec<Depth>,
 
@@ -112,19 +113,19 @@ struct Design {
     #[arg(long, value_delimiter = ',', default_value = "0,0.01", value_name = "SIGMA,…")]
     noise: Vec<f64>,
 
-    /// How much the worst depth counts against the average of all, 0 to 1
+    /// Weight of the worst depth against the average over depths, 0 to 1
     #[arg(long, default_value_t = 0.5, value_name = "SHARE")]
     worst_weight: f64,
 
-    /// Side in pixels of the raw window that the estimator sees: 8, 12 or 16
+    /// Side in pixels of the estimator's raw window: 8, 12 or 16
     #[arg(long, default_value_t = 12, value_name = "PIXELS")]
     window: usize,
 
-    /// Largest phase of a ring either way, in radians at the reference wavelength
-    #[arg(long, default_value_t = 10.0, value_name = "RADIANS")]
+    /// Largest absolute phase of a ring, in radians at the reference wavelength
+    #[arg(long = "max-phase", alias = "most-phase", default_value_t = 10.0, value_name = "RADIANS")]
     most_phase: f64,
 
-    /// Candidates in a generation
+    /// Candidates per generation
     #[arg(long, default_value_t = 32, value_name = "N")]
     population: usize,
 
@@ -136,7 +137,7 @@ struct Design {
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
 
-    /// Measure how photographs vary on those of a folder [default: a model of natural pictures]
+    /// Folder of photographs whose statistics are used [default: a model of natural pictures]
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
 

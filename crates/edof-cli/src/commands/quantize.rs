@@ -33,8 +33,8 @@ const BORDER: usize = 8;
 
 /// Turn a float network into the integers that the board computes with
 ///
-/// Ranges of all codes are measured on photographs (or on built-in scenes) behind the network's own camera, at nine depths of
-/// its range, without noise and with the most it was trained for. The same scenes then tell what the integers cost, against the
+/// Ranges of all codes are measured on photographs (or on built-in scenes) with the network's camera, at nine depths of
+/// its range, without noise and with the strongest noise of its training. On the same scenes the loss of the integers is measured, against the
 /// float network in the board's output format (4:2:2, 16-bit luma, 8-bit chroma).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -57,23 +57,23 @@ pub struct Args {
     #[arg(long, value_parser = ["hann", "flat"], default_value = "hann")]
     overlap: String,
 
-    /// How much larger than measured a code may be before it saturates, 1 or more
+    /// Headroom: factor by which a code may exceed its measured range before it saturates, 1 or more
     #[arg(long, default_value_t = 2.0)]
     headroom: f64,
 
-    /// Folder of photographs to measure on; without it, built-in scenes
+    /// Folder of photographs to measure on [default: built-in scenes]
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
 
-    /// Which of them: train, all, or numbers as in 1,2 [default: all but the study's test photos]
+    /// Photographs of the folder to use: train, all, or numbers as in 1,2 [default: all except the study's test photographs]
     #[arg(long)]
     photos: Option<Selection>,
 
-    /// Steps of training with the rounded words themselves; worth while below 12 bits
+    /// Training steps with the rounded words; useful below 12 bits
     #[arg(long, default_value_t = 0, value_name = "STEPS")]
     finetune: u64,
 
-    /// Largest move of a weight in one of these steps, for inputs of variance one and in units of a code's last bit
+    /// Largest change of a weight per fine-tuning step, for inputs of variance one, in LSB of a code
     #[arg(long, default_value_t = FinetuneOptions::default().rate)]
     finetune_rate: f32,
 
@@ -153,7 +153,7 @@ fn of_options(error: &QuantizeError) -> Error {
     }
 }
 
-/// How the integers came to be.
+/// How the integers was made.
 fn quantized(args: &Args, origin: &Origin, windows: u64, ui: &Ui) -> Quantized {
     Quantized {
         headroom: args.headroom,

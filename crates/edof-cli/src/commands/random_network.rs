@@ -1,4 +1,4 @@
-//! `edof random-network`: a drawn network, where there is no trained one.
+//! `edof random-network`: a random network, where there is no trained one.
 
 use crate::designs;
 use crate::error::Error;
@@ -13,29 +13,29 @@ use edof_network::{FixedNetwork, weight_file};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Draw a quantized network at random, to try hardware and other implementations with
+/// Make a random quantized network, to test hardware and other implementations
 ///
-/// It restores no picture. An extreme one has weights and thresholds anywhere in their range, mostly at its ends; a natural one has the
-/// size, sparsity and brightness of a trained one. The same seed draws the same network.
+/// A random network restores no picture. An extreme network has weights and thresholds over their whole range, mostly at its ends; a natural
+/// network has the size, sparsity and brightness of a trained one. The same seed gives the same network.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof random-network --form two-sided,w8,t3,c40,difference --bits 12 --stride 4 --seed 7 --out extreme.fixed.safetensors
   edof random-network --design tiny --out drawn.fixed.safetensors
   edof random-network --kind natural --form edof-t4w12 --stride 2 --out natural.fixed.safetensors")]
 pub struct Args {
-    /// What it is like
+    /// Kind of network
     #[arg(long, value_enum, default_value = "extreme")]
     kind: Kind,
 
-    /// Form of the network
+    /// Architecture of the network
     #[arg(long, value_parser = form::parse, default_value = "edof-t4w12", long_help = form::HELP)]
     form: Form,
 
-    /// Draw an extreme one that fits this design: tiny, paper, kc705, or a JSON file
+    /// Make an extreme network that fits this design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["kind", "form", "bits", "stride"])]
     design: Option<String>,
 
-    /// Bits of weights, thresholds and sparse codes, 8 to 16; natural ones have 16
+    /// Bits of weights, thresholds and sparse codes, 8 to 16; natural networks have 16
     #[arg(long, default_value_t = 16)]
     bits: u32,
 
@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, default_value_t = Stride::PATCH.pixels())]
     stride: usize,
 
-    /// Seed of everything drawn
+    /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
@@ -54,14 +54,14 @@ pub struct Args {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Kind {
-    /// Anything that is legal, mostly at the ends of its range
+    /// Legal values, mostly at the ends of their range
     Extreme,
-    /// As large and as sparse as a trained one
+    /// Sizes and sparsity of a trained network
     Natural,
 }
 
 /// # Errors
-/// A form that cannot be drawn, a network that no accumulator could hold, or a file that cannot be written.
+/// An architecture out of range, a network that no accumulator could hold, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     Files::new(ui).reads_all(&args.design).writes("--out", &args.out).check()?;
     let mut network = match &args.design {
@@ -101,7 +101,7 @@ fn network(args: &Args) -> Result<FixedNetwork, Error> {
             }
             let drawn = form::words(&network.form);
             Err(Error::message(format!(
-                "--kind natural: draws {drawn} of 16 bits only, not {}",
+                "--kind natural: makes {drawn} of 16 bits only, not {}",
                 form::words(&args.form)
             )))
         }

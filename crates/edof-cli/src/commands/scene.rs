@@ -17,9 +17,9 @@ use ndarray::Array2;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Draw a built-in scene: the sharp truth, how it looks on a screen, and its depths
+/// Make a built-in scene: the sharp ground truth, its picture for a screen, and its depths
 ///
-/// Writes sharp.png (16 bits, encoded as --tone says: what edof capture takes for the same scene under the same tone),
+/// Writes sharp.png (16 bits, encoded according to --tone; edof capture of the same scene and tone starts from it),
 /// screen.png (8 bits, sRGB) and depth.png (8 bits, the smallest psi of the range black, the largest white).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -36,21 +36,21 @@ pub struct Args {
     #[command(flatten)]
     drawing: Drawing,
 
-    /// Values of sharp.png: srgb, encoded light, or linear, light itself
+    /// Encoding of sharp.png: srgb, or linear (linear light)
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
     tone: Tone,
 
-    /// Camera whose range of psi the depths are spread over: a preset or a JSON file
+    /// Camera whose range of psi sets the depths: a preset or a JSON file
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 }
 
 /// Size of a built-in scene where none was given.
 const SIZE: Size = Size { width: 768, height: 512 };
-/// Bytes a pixel that drawing, blurring and reconstructing a scene at four depths take: a generous guess, not a measurement.
+/// Bytes per pixel that drawing, blurring and reconstructing a scene at four depths take: a generous guess, not a measurement.
 const BYTES_A_PIXEL: f64 = 200.0;
 
-/// Refuses a scene that this machine has no room for.
+/// Rejects a scene that this machine has no room for.
 ///
 /// # Errors
 /// One line with the size, what it needs and what is free.
@@ -58,7 +58,7 @@ pub fn fits(width: usize, height: usize) -> Result<(), Error> {
     memory::check(&format!("scene {width}x{height}"), BYTES_A_PIXEL * width as f64 * height as f64)
 }
 
-/// How a built-in scene is drawn.
+/// How a built-in scene is made.
 #[derive(clap::Args)]
 pub struct Drawing {
     /// Width and height of a built-in scene in pixels, even and at least 64 [default: 768x512]
@@ -70,11 +70,11 @@ pub struct Drawing {
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     pub psi: Vec<Depth>,
 
-    /// Distance in metres at which psi is 0 (inf for infinity) [default: what the camera says]
+    /// Distance in metres at which psi is 0 (inf for infinity) [default: the camera's nominal_m]
     #[arg(long, value_name = "METRES")]
     pub nominal: Option<f64>,
 
-    /// Seed of everything random: the leaves, and where there is a sensor its noise
+    /// Seed of all random numbers: the leaves, and the sensor's noise
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub seed: u64,
 }

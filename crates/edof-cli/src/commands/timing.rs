@@ -15,11 +15,11 @@ use edof_hdl::board::blocks::{self, Block};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Tell the longest path of logic of every stage of a design and of every other block of its core, and the nets that lead to the most loads
+/// Print the longest logic path of every stage of a design and of every other block of its core, and the nets with the highest fan-out
 ///
-/// Each part is mapped flat for 7-series by Yosys, from the generated files as they are, and timed by Yosys with the delays of its
-/// Xilinx library. A big stage takes minutes; results are kept. Wires take no time in it, so that half of the period must be left to
-/// them, in the block's own clock domain: it tells which paths are too long, not at which clock a board will run.
+/// Yosys maps each part flat for 7-series, from the generated files, and times it with the delays of its
+/// Xilinx library. A large stage takes minutes; results are cached. Wire delays are not included, so logic may take only half of the
+/// period of its clock domain. The result shows paths that are too long, not the clock rate of a board.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof timing --design tiny
@@ -30,16 +30,16 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     design: String,
 
-    /// Quantized network, by name or file; without it, one is drawn for the design
+    /// Quantized network, by name or file [default: a random one for the design]
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Map every stage again, whatever was kept
-    #[arg(long)]
+    /// Ignore cached results and map every stage again
+    #[arg(long = "no-cache", alias = "again")]
     again: bool,
 
     /// Place and route every stage as well, by a nextpnr on the path: xc7k325t (nextpnr-xilinx; EDOF_NEXTPNR_CHIPDB names its chip
-    /// database) or ecp5, another fabric, to try the way
+    /// database) or ecp5, another fabric, for a test of the tools
     #[arg(long, value_name = "FABRIC", num_args = 0..=1, default_missing_value = "xc7k325t")]
     route: Option<Fabric>,
 }

@@ -16,9 +16,9 @@ use edof_quantize::bounds::{self, StageError};
 use edof_storage::provenance::Provenance;
 use serde::Serialize;
 
-/// Show what a weight file holds: form, formats, ranges, accumulators, and how it was made
+/// Print the contents of a weight file: architecture, formats, ranges, accumulators, and how it was made
 ///
-/// A name shows the float network and, where there are any, the integers that belong to it; a file shows what it holds.
+/// A name prints the float network and its integers, if there are any. A file prints its contents.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof weights edof-t4w12-outer
@@ -29,7 +29,7 @@ pub struct Args {
 }
 
 /// # Errors
-/// Nothing of that name, or a file that is no weight file.
+/// Nothing of that name, or a file that is not a weight file.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
     files.reads_all(weights::fixed_file(&args.weights)).check()?;

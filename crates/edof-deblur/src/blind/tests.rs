@@ -5,7 +5,7 @@ fn settings(side: usize) -> Settings {
     Settings { side, ..Settings::default() }
 }
 
-/// A stroke of so many pixels, along rows or falling.
+/// A stroke of N pixels, along rows or falling.
 fn stroke(length: usize, falling: bool) -> Array2<f32> {
     let middle = length / 2;
     Array2::from_shape_fn((length, length), |(r, c)| {

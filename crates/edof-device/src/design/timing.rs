@@ -10,10 +10,10 @@ pub const SUM_LATENCY: u64 = 7;
 pub const RELEASE_LATENCY: u64 = 2;
 /// From a beat that leaves a stage to the first take that its credit allows.
 pub const CREDIT_LATENCY: u64 = 2;
-/// From taking two sums to the first cycle in which their results are valid on the output, but for the cycles that sums take from group to
+/// From taking two sums to the first cycle in which their results are valid on the output, except for the cycles that sums take from group to
 /// group (`StagePlan::drain_latency`).
 pub const DRAIN_LATENCY: u64 = 26;
-/// Beats that may be under way in the drain and its FIFO.
+/// Beats that may be in progress in the drain and its FIFO.
 pub const DRAIN_CREDITS: usize = 128;
 /// Vectors that a stage can hold before they are multiplied.
 pub const SLOTS: usize = 4;

@@ -1,4 +1,4 @@
-//! What the receiver tells a source of itself: 1080p60 alone, in Y'CbCr 4:2:2 and 4:4:4, over HDMI (EDID 1.3, CEA-861).
+//! EDID of the receiver: 1080p60 alone, in Y'CbCr 4:2:2 and 4:4:4, over HDMI (EDID 1.3, CEA-861).
 
 use crate::video::VideoTiming;
 

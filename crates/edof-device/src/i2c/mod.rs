@@ -6,7 +6,7 @@
 //! | the KC705's own bus: the transmitter | [`transmitter`] |
 //! | the FMC-IMAGEON card's bus: the receiver | [`receiver`] |
 //! | why a transfer failed | [`cause`] |
-//! | what the receiver tells a source of itself | [`edid`] |
+//! | EDID of the receiver | [`edid`] |
 //!
 //! Values are those of the makers' programming guides, of drivers and of public board code; nothing here was tried on a board. What is a
 //! guess among them stands in `docs/decisions/0028-video-chips.md`.

@@ -16,7 +16,7 @@ pub struct Entry {
     pub doc: &'static str,
 }
 
-/// What a step does. Device addresses have 7 bits. A program has one byte at hand, the accumulator: what was read last.
+/// What a step does. Device addresses have 7 bits. A program has one byte available, the accumulator: what was read last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
     /// Ends the program.

@@ -1,4 +1,4 @@
-//! What tells one board from another: hashes of its design, and of the network that it computes with.
+//! Identity of a board: hashes of its design, and of the network that it computes with.
 
 use crate::Design;
 use crate::design::memory::{Set, writes};

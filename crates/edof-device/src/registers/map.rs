@@ -50,7 +50,7 @@ pub const COLOUR: u32 = 1 << 1;
 pub const WEIGHT_SET: u32 = 1 << 2;
 /// Bit of `control`: its rise sets up the video chips.
 pub const I2C_RESTART: u32 = 1 << 3;
-/// Bit of `control`: drops the frame that is under way.
+/// Bit of `control`: drops the frame in progress.
 pub const FLUSH: u32 = 1 << 4;
 
 /// Bit of `protection`: the bank in use takes no words.

@@ -156,7 +156,7 @@ impl<W: Stage> Player<W> {
         }
     }
 
-    /// Plays for so many tenths of a second.
+    /// Plays for N tenths of a second.
     pub fn play(&mut self, tenths: u64) {
         let until = self.passed + 100 * tenths;
         for _ in 0..20_000 {

@@ -108,7 +108,7 @@ impl Chain {
         PatchTimes { boundaries, stages: used }
     }
 
-    /// The window's beats: taken when the source presents them and both I and F's ring have room. What is missing is filled up after
+    /// The window's beats: taken when the source presents them and both I and F's ring have room. Missing items is filled up after
     /// them, what is too much is taken whatever room there is. With them the cycle of the beat that makes the window whole.
     fn window_in(&mut self, beats: usize) -> (Vec<u64>, u64) {
         let whole = self.plans[0].beats_in();

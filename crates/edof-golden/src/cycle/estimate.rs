@@ -1,4 +1,4 @@
-//! Cycles a patch before anything runs: from a design alone, or with the mean number of values that each stage multiplies.
+//! Cycles per patch before anything runs: from a design alone, or with the mean number of values that each stage multiplies.
 
 use super::Stalls;
 use super::chain::Chain;
@@ -15,7 +15,7 @@ const SETTLE: usize = 200;
 /// Patches over which its period is taken then: periods of one to six patches divide it, and fractions are well spread.
 const MEASURE: usize = 1200;
 
-/// Cycles a patch that each part of one stage needs by itself in steady state.
+/// Cycles per patch that each part of one stage needs by itself in steady state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StageCycles {
     /// Multipliers: one step after the other.
@@ -65,13 +65,13 @@ fn credit_cycles(stage: &StagePlan) -> f64 {
 pub struct Estimate {
     /// I, each M, F by themselves.
     pub stages: Vec<StageCycles>,
-    /// Cycles a patch of the whole chain in steady state, without stalls, when every patch is like the mean.
+    /// Cycles per patch of the whole chain in steady state, without stalls, when every patch is like the mean.
     pub cycles_per_patch: f64,
     /// Cycles from a patch's first beat in to its last out, in steady state.
     pub latency: u64,
     /// Patches of the design's frame.
     pub patches_per_frame: usize,
-    /// Frames a second at the design's planned clock.
+    /// Frames per second at the design's planned clock.
     pub frames_per_second: f64,
 }
 

@@ -7,8 +7,8 @@ use edof_device::Design;
 use edof_device::design::stage::MOST_ROWS;
 use edof_device::design::{BANK_LANES, StagePlan, StageSize};
 
-/// The foldings worth a look for patches with these mean numbers of pairs: for every number of cycles a patch that some stage can
-/// reach, each stage is the one with the fewest multipliers that is no slower. Cheapest first.
+/// The foldings worth a look for patches with these mean numbers of pairs: for every number of cycles per patch that some stage can
+/// reach, each stage is the one with the fewest multipliers that is fast enough. Cheapest first.
 ///
 /// ```
 /// use edof_golden::cycle::explore::foldings;
@@ -37,7 +37,7 @@ pub fn foldings(design: &Design, pairs: &[f64]) -> Vec<Design> {
     all
 }
 
-/// A size of a stage, and the cycles a patch that it would take alone.
+/// A size of a stage, and the cycles per patch that it would take alone.
 struct Choice {
     size: StageSize,
     dsps: usize,
@@ -67,7 +67,7 @@ fn choices(design: &Design, index: usize, pairs: f64) -> Vec<Choice> {
     all
 }
 
-/// Cycles a patch of a checked design for patches of which each stage keeps so many pairs; 0 for fewer than two.
+/// Cycles per patch of a checked design for patches of which each stage keeps N pairs; 0 for fewer than two.
 #[must_use]
 pub fn cycles_per_patch(design: &Design, patches: &[Vec<usize>]) -> f64 {
     let mut chain = Chain::new(design, Stalls::NEVER);

@@ -8,7 +8,7 @@
 //! | chain | [`chain`] | when a patch's beats pass each boundary |
 //! | beats | [`transfer`] | words and cycles of a patch together |
 //! | run | [`run`] | patches in, [`PatchRun`]s out, one after the other |
-//! | figures | [`summary`] | cycles a patch, latency, counters, which stage limits |
+//! | figures | [`summary`] | cycles per patch, latency, counters, which stage limits |
 //! | ahead | [`mod@estimate`] | the same from a design alone, or with mean numbers of non-zeros |
 //! | search | [`explore`] | foldings of a design, from the cheapest to the fastest |
 //! | proof | [`stepped`] | the same cycles from a machine that steps through every cycle: slow, for tests |

@@ -129,7 +129,7 @@ impl<I: Iterator<Item = Patch>> Iterator for Run<'_, I> {
     }
 }
 
-/// How many pairs of the vector that comes to a stage it multiplies: all, or, but for I, those that are not zero.
+/// How many pairs of the vector that comes to a stage it multiplies: all, or, except for I, those that are not zero.
 #[must_use]
 pub fn kept_pairs(stage: &StagePlan, trace: &Trace, skip_zeros: bool) -> usize {
     match (skip_zeros, stage.index) {

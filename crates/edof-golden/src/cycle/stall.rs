@@ -1,4 +1,4 @@
-//! Stalls that a source and a sink make, the same for this model and for whoever drives a circuit.
+//! Stalls that a source and a sink make, the same for this model and for anybody who drives a circuit.
 
 use edof_image::draw::Draw;
 

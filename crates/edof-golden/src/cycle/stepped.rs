@@ -116,7 +116,7 @@ impl Machine {
         transfers
     }
 
-    /// A beat is sent; tells whether it was its window's last.
+    /// Sends a beat; returns whether it was its window's last.
     fn sent(&mut self) -> bool {
         let Some(left) = self.left.front_mut() else { return false };
         *left -= 1;
@@ -171,7 +171,7 @@ struct Stage {
     full: VecDeque<usize>,
     /// Vectors on their way from the last beat to the sequencer.
     arriving: Delay,
-    /// Vectors of which a pass can start or has started.
+    /// Vectors with a pass that can start or has started.
     known: usize,
     /// Passes over the oldest full slot that are over.
     pass: usize,
@@ -236,7 +236,7 @@ impl Stage {
         self.full.len() < SLOTS
     }
 
-    /// One cycle, with or without a beat in, a beat out and a step; tells whether a vector's last pass finished.
+    /// One cycle, with or without a beat in, a beat out and a step; returns whether a vector's last pass finished.
     fn step(&mut self, beat_in: bool, beat_out: bool, stolen: bool) -> bool {
         let copies = self.sums > 0 && (self.holding == 0 || (self.takes_on && self.holding == 1));
         let begins = self.holding > 0 && !self.takes_on && self.credits >= self.holding;
@@ -299,7 +299,7 @@ impl Stage {
         self.credits += usize::from(self.returning.step(beat_out));
     }
 
-    /// A beat into the slot that fills; tells whether it is full then.
+    /// Adds a beat to the slot that fills; returns whether it is full then.
     fn append(&mut self) -> bool {
         if self.filling.1 == 0 {
             self.bases += 1;

@@ -1,4 +1,4 @@
-//! Figures of a run: cycles a patch, latency, counters, which stage limits.
+//! Figures of a run: cycles per patch, latency, counters, which stage limits.
 
 use super::estimate::{StageCycles, busiest};
 use super::transfer::PatchRun;

@@ -61,7 +61,7 @@ impl Active {
         count as u64
     }
 
-    /// Ends segments of the entries from `start` on before Σ |word| passes `most`, but for the last; tells whether that is possible.
+    /// Ends segments of the entries from `start` on before Σ |word| passes `most`, except for the last; returns whether that is possible.
     fn cut(&mut self, start: usize, most: u64) -> bool {
         let (mut sum, mut fits) = (0, true);
         for (i, two) in self.words[start..self.used].as_chunks::<2>().0.iter().enumerate() {

@@ -55,7 +55,7 @@ pub struct CoreCycles {
 }
 
 impl CoreCycles {
-    /// Of a design whose calculator takes so many cycles a patch, and so many from a patch's first beat to its last: the calculator limits,
+    /// Of a design whose calculator takes N cycles per patch, and N from a patch's first beat to its last: the calculator limits,
     /// a pixel is a cycle; it waits for the rows of its first window, and the last row of patches leaves after it.
     #[must_use]
     pub fn of(design: &Design, cycles_a_patch: f64, patch_latency: f64) -> Self {

@@ -38,7 +38,7 @@ impl VideoOut {
         self.pins[0]
     }
 
-    /// One cycle: the pixel that waits, and whether it is its frame's first. Tells whether it was taken.
+    /// One cycle: the pixel that waits, and whether it is its frame's first. Returns whether it was taken.
     pub fn step(&mut self, front: Option<(u16, bool)>) -> bool {
         let (line, frame) = (self.timing.line, self.timing.frame);
         let (column, row) = self.place;

@@ -82,7 +82,7 @@ impl Bits<'_> {
                 if value >> (bits - 1) == 0 { value - (1 << bits) + 1 } else { value }
             }
         };
-        // Of what is held, the last bits are those that the stream did not hold.
+        // Of what is held, the LSB are those that the stream did not hold.
         if self.missing > self.count { Err(DAMAGED) } else { Ok(value) }
     }
 }

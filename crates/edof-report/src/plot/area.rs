@@ -24,7 +24,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// A square of so many pixels to each side of a point.
+    /// A square of N pixels to each side of a point.
     pub(super) const fn around([x, y]: [f64; 2], reach: f64) -> Self {
         Self { x: [x - reach, x + reach], y: [y - reach, y + reach] }
     }

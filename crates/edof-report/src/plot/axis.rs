@@ -7,7 +7,7 @@ pub struct Axis {
     pub label: String,
     /// How values are laid out.
     pub scale: Scale,
-    /// Ends of the axis; what is missing follows from the data.
+    /// Ends of the axis; missing items follows from the data.
     pub ends: [Option<f64>; 2],
 }
 

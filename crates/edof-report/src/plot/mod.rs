@@ -91,7 +91,7 @@ impl Series {
         self.shape.unwrap_or(by_place)
     }
 
-    /// The same series in a colour of one's own.
+    /// The same series in a colour of the user.
     #[must_use]
     pub fn coloured(mut self, colour: impl Into<String>) -> Self {
         self.colour = Some(colour.into());

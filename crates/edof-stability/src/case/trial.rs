@@ -16,14 +16,14 @@ pub enum Trial {
         /// As it is read.
         read: CfaPhase,
     },
-    /// Methods on a frame of this size, or their refusal.
+    /// Methods on a frame of this size, or their error.
     Size {
         /// Rows.
         height: usize,
         /// Columns.
         width: usize,
     },
-    /// A frame of so many megapixels through the golden pipeline.
+    /// A frame of N megapixels through the golden pipeline.
     Megapixels(usize),
     /// A network of words driven to its ends.
     Words(Words),
@@ -76,7 +76,7 @@ pub enum Trial {
     },
     /// Sums, tables and steps.
     Numbers(Numbers),
-    /// Something that must be refused.
+    /// Something that must be rejected.
     Refusal(Refusal),
 }
 
@@ -133,9 +133,9 @@ const fn twelve() -> u32 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Defects {
-    /// So many, far from each other, at the sensor's largest value.
+    /// N, far from each other, at the sensor's largest value.
     Hot(usize),
-    /// So many at 0.
+    /// N at 0.
     Dead(usize),
     /// A whole column at 0.
     DeadColumn,
@@ -147,7 +147,7 @@ pub enum Defects {
 pub enum Scene {
     /// One colour.
     Flat([f32; 3]),
-    /// Squares of so many pixels, black and white.
+    /// Squares of N pixels, black and white.
     Checkerboard(usize),
     /// A cosine of a period in pixels, turned by degrees from upright.
     Stripes {
@@ -191,7 +191,7 @@ pub struct Words {
 pub enum WordNetwork {
     /// A trained one by its name.
     Trained(String),
-    /// Drawn: weights and thresholds mostly at the ends of their range.
+    /// Random: weights and thresholds mostly at the ends of their range.
     Drawn {
         /// Window side.
         window: usize,
@@ -203,13 +203,13 @@ pub enum WordNetwork {
         flags: [bool; 4],
         /// All shifts zero.
         tight: bool,
-        /// What is put in place of what was drawn.
+        /// Replacement of the random words.
         #[serde(default)]
         with: Option<Instead>,
     },
 }
 
-/// What is put in place of drawn words.
+/// Replacement of random words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Instead {
@@ -225,7 +225,7 @@ pub enum Instead {
     ThresholdsHuge,
     /// Every threshold the least word.
     ThresholdsLeast,
-    /// Fraction bits so many that results are shifted as far as 47 bits allow.
+    /// Enough fraction bits that results are shifted by up to 47 bits.
     LongestShifts,
 }
 
@@ -245,7 +245,7 @@ pub enum Windows {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Atoms {
-    /// Drawn ones of norm 1.
+    /// Random atoms of norm 1.
     Drawn,
     /// All within 10⁻³ of one direction.
     Coherent,
@@ -267,15 +267,15 @@ pub enum Atoms {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Signals {
-    /// Drawn.
+    /// Random.
     Drawn,
     /// Nothing.
     Zero,
     /// Sums of three atoms: after them only rounding is left.
     Exact,
-    /// Drawn, 10¹² long.
+    /// Random, of norm 10¹².
     Huge,
-    /// Drawn, 10⁻¹² long.
+    /// Random, of norm 10⁻¹².
     Tiny,
 }
 
@@ -283,7 +283,7 @@ pub enum Signals {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum System {
-    /// Hilbert's matrix of so many rows, for the Cholesky factor.
+    /// Hilbert's matrix of N rows, for the Cholesky factor.
     Hilbert(usize),
     /// Moments of rank 1, for the factor that lifts pivots.
     RankOneMoments(usize),
@@ -324,9 +324,9 @@ const fn sixteen() -> usize {
 pub enum Kernel {
     /// One pixel.
     Point,
-    /// A square of so many pixels: frequencies of it are exactly nothing.
+    /// A square of N pixels: frequencies of it are exactly nothing.
     Box(usize),
-    /// Nothing is known: the blind method looks for one of so many pixels.
+    /// Nothing is known: the blind method looks for one of N pixels.
     Blind(usize),
 }
 
@@ -334,7 +334,7 @@ pub enum Kernel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Numbers {
-    /// PSNR over a frame of so many megapixels whose error is known.
+    /// PSNR over a frame of N megapixels whose error is known.
     PsnrOfMegapixels(usize),
     /// SSIM of frames of one grey.
     SsimOfFlat,
@@ -370,7 +370,7 @@ pub enum Refusal {
     NegativeThreshold,
     /// Formats that differ in the difference form.
     UnequalFractions,
-    /// A float weight that is no number.
+    /// A float weight that is NaN.
     WeightNoNumber,
     /// An infinite threshold.
     InfiniteThreshold,
@@ -378,7 +378,7 @@ pub enum Refusal {
     FewLayers,
     /// Seven bits.
     FewBits,
-    /// Headroom that is no number.
+    /// Headroom that is NaN.
     Headroom,
     /// A sensor of seven bits.
     SensorBits,
@@ -388,11 +388,11 @@ pub enum Refusal {
     MuchNoise,
     /// A full scale of less than an electron.
     LessThanAnElectron,
-    /// A camera with a number that is none.
+    /// A camera with a NaN.
     CameraNoNumber,
-    /// Depth that is no number.
+    /// Depth that is NaN.
     PsiNoNumber,
-    /// A scene's depth that is no number.
+    /// A scene's depth that is NaN.
     ScenePsiNoNumber,
     /// A kernel that makes light.
     KernelSum,

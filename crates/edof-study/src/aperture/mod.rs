@@ -191,7 +191,7 @@ struct Best {
 }
 
 impl Best {
-    /// What the focus is chosen by: the average over depths and the worst depth count alike.
+    /// What the focus is chosen by: the average over depths and the worst depth have equal weight.
     const fn score(self) -> f64 {
         0.5 * (self.average_db + self.worst_db)
     }

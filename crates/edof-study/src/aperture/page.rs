@@ -2,7 +2,7 @@
 
 use super::{Lens, Row};
 use crate::made::Made;
-use crate::told::{Told, ToldError};
+use crate::study_report::{StudyReport, StudyReportError};
 use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
 use edof_report::{Report, Table};
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub struct Comparison {
     pub electrons: f64,
     /// The coded lens at its full aperture.
     pub coded: Reached,
-    /// The clear lens at the best of its apertures: average and worst depth count alike.
+    /// The clear lens at the best of its apertures: average and worst depth have equal weight.
     pub clear: Reached,
 }
 
@@ -64,10 +64,10 @@ pub struct Aperture {
 
 const TITLE: &str = "A coded lens against a smaller aperture";
 
-impl Told for Aperture {
+impl StudyReport for Aperture {
     type Row = Row;
 
-    fn new(rows: &[Row], _machine: String) -> Result<Self, ToldError> {
+    fn new(rows: &[Row], _machine: String) -> Result<Self, StudyReportError> {
         let mut comparisons: Vec<Comparison> = vec![];
         for row in rows.iter().filter(|row| row.lens == Lens::Coded) {
             let peers = rows.iter().filter(|peer| {

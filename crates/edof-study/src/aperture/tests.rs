@@ -2,7 +2,7 @@ use super::*;
 use crate::experiment::run;
 use crate::journal::{Header, Journal, Program, Shard};
 use crate::made::Made;
-use crate::told::Told;
+use crate::study_report::StudyReport;
 use std::ops::ControlFlow;
 
 fn plan() -> Plan {

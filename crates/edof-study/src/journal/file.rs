@@ -90,7 +90,7 @@ impl Locked {
                 Err(TryLockError::WouldBlock) => return Err(JournalError::Busy(path.to_owned())),
                 Err(TryLockError::Error(error)) => return Err(failed(error).into()),
             }
-            // Whoever had it may have put a finished file in its place meanwhile.
+            // Anybody who had it may have put a finished file in its place meanwhile.
             if is_at(&file, path).map_err(failed)? {
                 let length = file.metadata().map_err(failed)?.len();
                 return Ok(Self { path: path.to_owned(), file, length, is_new });
@@ -117,7 +117,7 @@ impl Locked {
     pub fn append(&mut self, lines: &str) -> Result<(), WriteError> {
         let added = self.file.write_all(lines.as_bytes()).and_then(|()| self.file.sync_data());
         if let Err(source) = added {
-            // Whoever reads a torn line drops it, should this fail too.
+            // Anybody who reads a torn line drops it, should this fail too.
             let _ = self.file.set_len(self.length);
             return Err(WriteError { path: self.path.clone(), source });
         }

@@ -108,13 +108,13 @@ impl Program {
         format!("{cpu}{numbers}{threads}")
     }
 
-    /// Whether another one runs on an equal machine: only there times compare and sums have the same last bits.
+    /// Whether another one runs on an equal machine: only there times compare and sums have the same LSB.
     #[must_use]
     pub fn is_on_the_machine_of(&self, other: &Self) -> bool {
         self.host == other.host
     }
 
-    /// Whether another one was built from the same sources by the same compiler. Nobody knows that of a program from outside of git.
+    /// Whether another one was built from the same sources by the same compiler. This is unknown for a program from outside of git.
     #[must_use]
     pub fn is_built_as(&self, other: &Self) -> bool {
         self.revision != UNKNOWN && self.revision == other.revision && self.compiler == other.compiler

@@ -1,4 +1,4 @@
-//! Rows of an experiment in a file of JSON lines: added as they come, gone on with where they end, shared out among machines and put
+//! Rows of an experiment in a file of JSON lines: added as they come, resumed where they end, shared out among machines and put
 //! together again.
 //!
 //! A line says what the rows below it have in common ([`Header`]): the study, the program's revision and the machine. A row is known by
@@ -90,15 +90,15 @@ pub enum JournalError {
     #[error("{path}: another process is adding rows to this file: wait for it, or name another file", path = .0.display())]
     Busy(PathBuf),
     /// Nothing in it, where rows were asked for.
-    #[error("{path}: holds no rows of a study", path = .0.display())]
+    #[error("{path}: contains no rows of a study", path = .0.display())]
     Empty(PathBuf),
     /// Another file.
     #[error("{path}: line {line}: {reason}", path = path.display())]
     Line { path: PathBuf, line: usize, reason: String },
     /// The same row twice.
-    #[error("{path}: line {line}: is of the same as an earlier line, which says otherwise", path = path.display())]
+    #[error("{path}: line {line}: contradicts an earlier line with the same key", path = path.display())]
     Twice { path: PathBuf, line: usize },
-    /// Rows that cannot stand beside new ones.
+    /// Rows that cannot be mixed with new ones.
     #[error("{path}: its rows are of {found}, this study is of {wanted}: {hint}", path = path.display())]
     Other { path: PathBuf, found: Box<Header>, wanted: Box<Header>, hint: &'static str },
     /// Rows of different studies.
@@ -364,7 +364,7 @@ impl<L: Line> Journal<L> {
 enum Newer {
     /// In one file: it was measured later.
     Replaces,
-    /// In different ones: nobody knows which is right.
+    /// In different ones: it is unknown which is right.
     MustAgree,
 }
 

@@ -123,7 +123,7 @@ fn answers_that_differ_are_refused_and_times_may() {
     assert_eq!(both.rows(), [row("a", 1.0, 0.1)]);
     let other = file(folder.path(), "3", "m", &[row("a", 1.5, 0.1)]);
     let error = merged(&out, &[first, other]).unwrap_err().to_string();
-    assert!(error.ends_with("3: line 2: is of the same as an earlier line, which says otherwise"), "{error}");
+    assert!(error.ends_with("3: line 2: contradicts an earlier line with the same key"), "{error}");
     assert!(!out.exists());
 }
 
@@ -245,10 +245,7 @@ fn a_row_of_other_settings_takes_the_place_of_the_old_one() {
     assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 3);
     let old = file(folder.path(), "old", "m", &[row("a", 1.0, 0.1)]);
     let error = merged(&path, &[path.clone(), old]).unwrap_err().to_string();
-    assert!(
-        error.ends_with("old: line 2: is of the same as an earlier line, which says otherwise"),
-        "{error}"
-    );
+    assert!(error.ends_with("old: line 2: contradicts an earlier line with the same key"), "{error}");
 }
 
 #[test]
@@ -285,7 +282,7 @@ fn two_processes_never_add_to_one_file() {
     assert!(matches!(open(&path, header("m")), Err(JournalError::Busy(_))));
     first.push(row("b", 1.0, 0.1)).unwrap();
     first.finish().unwrap();
-    // A finished file is free although whoever wrote it lives on.
+    // A finished file is free although its writer lives on.
     assert_eq!(open(&path, header("m")).unwrap().rows().len(), 2);
 }
 
@@ -323,7 +320,7 @@ fn infinite_decibels_are_read_back() {
     let rows = [row("black", f64::INFINITY, 0.1)];
     let path = file(folder.path(), "rows", "m", &rows);
     assert_eq!(open(&path, header("m")).unwrap().rows(), rows);
-    // What has no form is refused before it makes the file unreadable.
+    // What has no form is rejected before it makes the file unreadable.
     let mut journal = open(&path, header("m")).unwrap();
     let error = journal.push(row("lost", 1.0, f64::NAN)).unwrap_err().to_string();
     assert!(error.starts_with("a row of test cannot be written so that it is read back: {"), "{error}");
@@ -353,7 +350,7 @@ fn files_of_something_else_are_named_with_their_line_and_left_alone() {
     assert!(matches!(open(folder.path(), header("m")), Err(JournalError::Write { .. })));
     let none = folder.path().join("none");
     let error = merged(&path, &[none]).unwrap_err().to_string();
-    assert!(error.ends_with("none: holds no rows of a study"), "{error}");
+    assert!(error.ends_with("none: contains no rows of a study"), "{error}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use edof_network::{FixedNetwork, Network};
 use edof_optics::capture::Approximation;
 use std::sync::Arc;
 
-/// What can be turned. Knobs are told apart by their names.
+/// What can be turned. Knobs are identified by their names.
 pub struct Knob {
     /// What users call it.
     pub name: &'static str,
@@ -57,7 +57,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The network in so many bits.
+    /// The network in N bits.
     ///
     /// # Panics
     /// If the plan has none of these.

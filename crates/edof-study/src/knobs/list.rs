@@ -159,7 +159,7 @@ pub static KNOBS: [Knob; 14] = [
     },
 ];
 
-/// A knob that nobody knows.
+/// An unknown knob.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("knob '{0}': must be one of {list}", list = KNOBS.each_ref().map(|knob| knob.name).join(", "))]
 pub struct UnknownKnob(String);

@@ -48,7 +48,7 @@ pub struct Row {
     /// PSNR in dB: of the light on the sensor against an exact one for knobs of capturing, of the picture for all others.
     #[serde(with = "edof_metrics::number")]
     pub psnr_db: f64,
-    /// Wall-clock seconds a megapixel, median of the runs.
+    /// Wall-clock seconds per megapixel, median of the runs.
     pub seconds_per_megapixel: f64,
     /// Least and most of the runs; none in rows of layout 1.
     #[serde(default)]
@@ -92,7 +92,7 @@ impl Line for Row {
     }
 }
 
-/// A study that cannot go on.
+/// A failed study.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum KnobsError {
@@ -108,7 +108,7 @@ pub enum KnobsError {
     /// A depth that the camera has no PSFs for.
     #[error(transparent)]
     Psf(#[from] NoPsf),
-    /// A method refused a frame.
+    /// A method rejected a frame.
     #[error("{image}: {source}")]
     Reconstruct { image: String, source: ReconstructError },
     /// A method that cannot be prepared.
@@ -290,7 +290,7 @@ impl Plan {
         Ok((db.min(MOST_DB), cut.seconds, Range { least: cut.seconds, most: cut.seconds }))
     }
 
-    /// The photograph with depths that rise from left to right over the camera's range, in at most so many layers.
+    /// The photograph with depths that rise from left to right over the camera's range, in at most N layers.
     fn ramp(&self, photo: &Photo, layers: usize) -> Result<Scene, KnobsError> {
         let (height, width) = photo.frame.size();
         let [low, high] = self.camera.psi_range;

@@ -2,8 +2,8 @@
 
 use super::{KNOBS, Knob, Row};
 use crate::made::Made;
+use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
-use crate::told::{Told, ToldError};
 use edof_metrics::paired::Paired;
 use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
 use edof_report::{Report, Table};
@@ -26,7 +26,7 @@ pub struct Point {
     pub psnr_db: f64,
     /// That less the default's, on the photographs of both; none where the default was not measured.
     pub to_default: Option<Paired>,
-    /// Mean seconds a megapixel.
+    /// Mean seconds per megapixel.
     pub seconds_per_megapixel: f64,
 }
 
@@ -46,10 +46,10 @@ fn by_photo(rows: &[Row], own: impl Fn(&Row) -> bool) -> BTreeMap<String, f64> {
 
 const TITLE: &str = "What can be left out: speed against error";
 
-impl Told for Knobs {
+impl StudyReport for Knobs {
     type Row = Row;
 
-    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
+    fn new(rows: &[Row], machine: String) -> Result<Self, StudyReportError> {
         let mut points: Vec<Point> = vec![];
         for row in rows {
             let same = |other: &&Row| other.knob == row.knob && other.value == row.value;

@@ -4,7 +4,7 @@ use super::list::keep_bits;
 use super::*;
 use crate::experiment::run;
 use crate::journal::{Header, Journal, Program, Shard};
-use crate::told::Told;
+use crate::study_report::StudyReport;
 use edof_camera::Camera;
 use edof_methods::dictionary::Dictionary;
 use edof_network::FixedNetwork;
@@ -41,7 +41,7 @@ fn rows(knobs: &[&'static Knob]) -> Vec<Row> {
     let plan = plan(knobs, &edof_random::natural(8, 8, 7));
     run(&mut Turning::new(&plan, &[photo()]), Shard::WHOLE, &mut journal, |_| ControlFlow::Continue(()))
         .unwrap();
-    // What was written is read again: nothing in it is no number.
+    // What was written is read again: nothing in it is NaN.
     let keys = |journal: &Journal<Row>| journal.rows().iter().map(Line::key).collect::<Vec<_>>();
     let again = Journal::open(&path, header(), Default::default()).unwrap();
     assert_eq!(keys(&again), keys(&journal));

@@ -1,4 +1,4 @@
-//! Drawn kernels, and how near one kernel comes to another.
+//! Synthetic kernels, and how near one kernel comes to another.
 
 use edof_optics::psf::Psf;
 use ndarray::{Array2, ArrayView2};
@@ -12,7 +12,7 @@ pub struct Blur {
     pub psf: Psf,
 }
 
-/// Side of the drawn kernels, and samples along and across a line of them.
+/// Side of the synthetic kernels, and samples along and across a line of them.
 pub(super) const SIDE: usize = 13;
 const SAMPLES: usize = 400;
 

@@ -1,4 +1,4 @@
-//! Blind deconvolution where the blur is known to whoever judges it: photographs blurred with drawn kernels, which the method has to
+//! Blind deconvolution where the blur is known to anybody who judges it: photographs blurred with synthetic kernels, which the method has to
 //! find. Rows go to a [`Journal`](crate::journal::Journal) as those of other studies.
 
 mod kernels;
@@ -47,7 +47,7 @@ pub struct Row {
     pub halvings: usize,
     /// Shrinkage steps that the kernel took.
     pub steps: usize,
-    /// Wall-clock seconds a megapixel.
+    /// Wall-clock seconds per megapixel.
     pub seconds_per_megapixel: f64,
     /// Seconds that all threads together were on a processor, a megapixel; none where the system does not tell.
     pub cpu_seconds_per_megapixel: Option<f64>,
@@ -83,7 +83,7 @@ impl Line for Row {
     }
 }
 
-/// The experiment: photographs blurred with every drawn kernel.
+/// The experiment: photographs blurred with every synthetic kernel.
 pub struct DrawnBlurs<'a> {
     photos: &'a [Photo],
     settings: Settings,

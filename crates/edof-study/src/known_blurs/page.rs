@@ -2,8 +2,8 @@
 
 use super::Row;
 use crate::made::Made;
+use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
-use crate::told::{Told, ToldError};
 use edof_io::photos::choices;
 use edof_metrics::paired::Paired;
 use edof_report::{Report, Table};
@@ -38,10 +38,10 @@ pub const DIVERGED_DB: f64 = 1.0;
 
 const TITLE: &str = "Blind deconvolution of drawn blurs";
 
-impl Told for KnownBlurs {
+impl StudyReport for KnownBlurs {
     type Row = Row;
 
-    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
+    fn new(rows: &[Row], machine: String) -> Result<Self, StudyReportError> {
         let mean = |of: fn(&Row) -> f64| summary::mean(rows.iter().map(of));
         let least = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::INFINITY, f64::min);
         let gain = |row: &Row| row.restored_db - row.blurred_db;

@@ -3,7 +3,7 @@ use super::*;
 use crate::experiment::{RunError, run};
 use crate::journal::{Header, Journal, Program};
 use crate::made::Made;
-use crate::told::Told;
+use crate::study_report::StudyReport;
 use std::ops::ControlFlow;
 
 /// Cards of many greys on top of each other.

@@ -42,7 +42,7 @@ pub const BLIND: &str = "blind deconvolution";
 /// See [`DEMOSAICED`].
 pub const OMP: &str = "OMP";
 
-/// A drawn scene, by what it is drawn from.
+/// A synthetic scene, by its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
     /// Its name, as in `chart-4`.
@@ -179,7 +179,7 @@ impl Line for Row {
     }
 }
 
-/// A study that cannot go on.
+/// A failed study.
 #[derive(Debug, thiserror::Error)]
 pub enum MultiDepthError {
     /// A scene that nothing draws.
@@ -191,7 +191,7 @@ pub enum MultiDepthError {
     /// A method that cannot be prepared.
     #[error(transparent)]
     Prepare(#[from] PrepareError),
-    /// A method refused the frame.
+    /// A method rejected the frame.
     #[error(transparent)]
     Reconstruct(#[from] ReconstructError),
     /// A scene too small to measure.
@@ -223,7 +223,7 @@ pub struct Scenes<'a> {
 }
 
 impl<'a> Scenes<'a> {
-    /// The plan's scenes, drawn.
+    /// The plan's scenes.
     ///
     /// # Errors
     /// [`DrawError`].

@@ -4,8 +4,8 @@ use super::{BEHIND, BLIND, CODED, Drawn, OMP, Row};
 use crate::demo_report::{figure, figure_at, figure_of_scene};
 use crate::made::Made;
 use crate::pictures::{self, Picture, Truth};
+use crate::study_report::{StudyReport, StudyReportError};
 use crate::tables::noise_words;
-use crate::told::{Told, ToldError};
 use edof_image::{Noise, Tone};
 use edof_report::picture::png;
 use edof_report::{Figure, Layout, Report, Table, csv};
@@ -59,7 +59,7 @@ pub struct Shown {
 
 impl Shown {
     /// Rows of one scene under one noise and tone, at least one, in the order of tables.
-    fn new(first: &Row, rows: &[&Row]) -> Result<Self, ToldError> {
+    fn new(first: &Row, rows: &[&Row]) -> Result<Self, StudyReportError> {
         let Row { drawn, noise, tone, depth, .. } = first;
         let truth = Truth::of(&drawn.draw()?, *tone);
         let mut figures = vec![figure_of_scene("no blur, no noise", png(&truth.light, Tone::Srgb)?)];
@@ -112,10 +112,10 @@ impl<'a> Sheet<'a> {
     }
 }
 
-impl Told for MultiDepth {
+impl StudyReport for MultiDepth {
     type Row = Row;
 
-    fn new(rows: &[Row], machine: String) -> Result<Self, ToldError> {
+    fn new(rows: &[Row], machine: String) -> Result<Self, StudyReportError> {
         let mut rows: Vec<&Row> = rows.iter().collect();
         rows.sort_by_key(|row| row.place);
         let like =

@@ -2,7 +2,7 @@ use super::*;
 use crate::experiment::{RunError, run};
 use crate::journal::{Header, Journal, Program, Shard};
 use crate::made::Made;
-use crate::told::Told;
+use crate::study_report::StudyReport;
 use edof_image::Stride;
 use edof_methods::dictionary::Dictionary;
 use std::ops::ControlFlow;

@@ -19,7 +19,7 @@ const AT_ONCE: usize = 1 << 16;
 /// The first line.
 #[derive(Debug, Serialize, Deserialize)]
 struct Head {
-    /// What tells these blurs from all others.
+    /// Key of these blurs.
     key: String,
     reach: usize,
     turns: Vec<usize>,
@@ -28,7 +28,7 @@ struct Head {
 }
 
 impl Dataset {
-    /// Bytes that [`Dataset::keep`] writes, but for the first line.
+    /// Bytes that [`Dataset::keep`] writes, except for the first line.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let words = |picture: &Picture| picture.sharp.len() * (1 + picture.blurred.len());

@@ -7,14 +7,14 @@ use crate::ui::Ui;
 use edof_board::align::{Alignment, Trial};
 use serde_json::json;
 
-/// Set the receiver's clock to the middle of the window in which its data is sampled well
+/// Set the receiver's clock to the middle of the window of undamaged data
 ///
 /// Tries both polarities and all 32 taps (0.21 ns each) of the receiver's clock and counts damaged sync codes at each. Needs a receiver that is
-/// set up (see 'edof board status'); a source is not needed, as the receiver then sends a picture of its own. The setting is kept for later
+/// set up (see 'edof board status'). A source is not needed, because the receiver then sends its own picture. The setting is used for later
 /// set-ups, until the board is reset.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Undamaged sync codes after which a setting works; a second has 135,000 at 1080p60
+    /// Undamaged sync codes required of a good setting; 1080p60 has 135,000 per second
     #[arg(long, default_value_t = 10_000, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(10..=10_000_000))]
     codes: u32,
 }

@@ -17,21 +17,21 @@ use edof_image::DisplayMode;
 use edof_network::FixedNetwork;
 use serde_json::json;
 
-/// Check that the board computes what the golden model computes, frame by frame, at speed, without a source or a screen
+/// Compare the board with the golden model, frame by frame, at speed, without a source or a screen
 ///
-/// Has the board make raw frames of a pattern itself and compares its CRC-32 of each frame with the golden model's: raw frames out of the
-/// memory, windows, what each stage sends, codes into the memory and out of it. The first boundary that differs is named. Afterwards the
-/// board takes the source's frames again.
+/// The board makes raw frames of a pattern itself. Its CRC-32 of each frame is compared with the golden model's at every boundary: raw frames from the
+/// memory, windows, outputs of each stage, codes into the memory and from it. The first boundary that differs is named. Afterwards the
+/// board uses the source's frames again.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Network in use, by name or file [default: whichever of the program's it is]
+    /// Network in use, by name or file [default: detected among the built-in ones]
     pub(super) weights: Option<String>,
 
     /// Frames to compare per pattern, 1 to 100000
     #[arg(long, default_value_t = 10, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
 
-    /// ramp, chart or noise [default: each of them]
+    /// Pattern: ramp, chart or noise [default: all three, one after the other]
     #[arg(long, value_name = "PATTERN")]
     pattern: Option<Pattern>,
 }

@@ -16,48 +16,49 @@ use edof_network::FixedNetwork;
 use serde_json::json;
 use std::time::Instant;
 
-/// Load a network into the bank that is not in use, check it by the circuit's CRCs, and have frames made with it from the next one on
+/// Load a network into the inactive bank, check it by the circuit's CRCs, and use it from the next frame on
 #[derive(clap::Args)]
 pub struct Load {
     /// Network, by name or file
     pub(super) weights: String,
 
-    /// Into this bank; the bank in use stays in use. Where it is the one in use, the other one is used while it is written
+    /// Bank to write; the active bank stays active. While the active bank is written, the other one is used
     #[arg(long, value_parser = super::bank)]
     bank: Option<Set>,
 
-    /// Send all words, not only those that the board does not have
+    /// Send all words, not only those that differ
     #[arg(long)]
     full: bool,
 
-    /// Read every word back, besides the CRCs
+    /// Also read every word back
     #[arg(long)]
     read_back: bool,
 
-    /// Load the display's tables for this curve, too: linear, srgb or bt709; the picture stands still meanwhile
+    /// Also load the display's tables for this curve: linear, srgb or bt709; the picture is frozen meanwhile
     #[arg(long, value_parser = of_curve, value_name = "CURVE")]
     curve: Option<Curve>,
 
-    /// Write nothing; tell what would be sent and how long it takes. Without --port and with --design: to a board that nobody asked
+    /// Write nothing; print the words that would be sent and the time of the load. With --design and without --port, no board is contacted
+    /// and all words are counted
     #[arg(long)]
     dry_run: bool,
 }
 
-/// Compare what a bank holds with a network, and the display's tables with a curve's, by the circuit's CRCs
+/// Compare a bank with a network, and the display's tables with a curve, by the circuit's CRCs
 #[derive(clap::Args)]
 pub struct Verify {
     /// Network, by name or file
     pub(super) weights: String,
 
-    /// The bank [default: the one in use]
+    /// Bank to compare [default: the active bank]
     #[arg(long, value_parser = super::bank)]
     bank: Option<Set>,
 
-    /// Read every word of the network back, besides
+    /// Also read every word of the network back
     #[arg(long)]
     read_back: bool,
 
-    /// The display's tables must be those of this curve: linear, srgb or bt709 [default: of any of them]
+    /// Curve of the display's tables: linear, srgb or bt709 [default: any of them]
     #[arg(long, value_parser = of_curve, value_name = "CURVE")]
     curve: Option<Curve>,
 }
@@ -192,7 +193,7 @@ fn plan(
         plan.turns
     ))?;
     ui.say(format!(
-        "{:.2} s at {} bits a second, and what the line's bridge takes for each turn",
+        "{:.2} s at {} bits per second, and what the line's bridge takes for each turn",
         plan.seconds, plan.baud
     ))?;
     let mut rates = vec![];

@@ -29,9 +29,9 @@ use edof_network::FixedNetwork;
 use serde_json::json;
 use std::time::Duration;
 
-/// Load weights onto a board, real or simulated, and see how it is
+/// Load weights onto a board, real or simulated, and read its status
 ///
-/// The board is at a serial port; without --port the ports of this machine are tried. docs/host.md tells of the protocol, of the registers,
+/// The board is at a serial port; without --port all ports of this machine are tried. docs/host.md describes the protocol, the registers,
 /// and what to do when a load fails.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -52,24 +52,24 @@ pub struct Args {
     #[arg(long, global = true, value_name = "PATH")]
     port: Option<String>,
 
-    /// Bits a second on the line
+    /// Bits per second on the line
     #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_name = "BITS", value_parser = clap::value_parser!(u32).range(1..))]
     baud: u32,
 
-    /// Seconds that the board may take to answer, beyond the time on the line
-    #[arg(long, global = true, default_value_t = link::PATIENCE.as_secs_f64(), value_name = "SECONDS")]
+    /// Extra response time in seconds, beyond the time on the line
+    #[arg(long = "timeout", alias = "patience", global = true, default_value_t = link::PATIENCE.as_secs_f64(), value_name = "SECONDS")]
     patience: f64,
 
-    /// Design of the board: tiny, paper, kc705, or a JSON file [default: whichever of those it is]
+    /// Design of the board: tiny, paper, kc705, or a JSON file [default: detected]
     #[arg(long, global = true, value_name = "NAME|FILE")]
     design: Option<String>,
 }
 
 #[derive(clap::Subcommand)]
 enum Command {
-    /// Ports of this machine, and at which of them a board answers
+    /// List the ports of this machine, and those at which a board answers
     Find,
-    /// Who the board is: design, picture, clock, and which network each bank holds
+    /// Print design, picture size and clock of the board, and the network in each bank
     Info {
         #[command(flatten)]
         own: Own,
@@ -81,47 +81,47 @@ enum Command {
     Check(check::Args),
     Selftest(selftest::Args),
     Picture(picture::Args),
-    /// The value of a register: scratch, control.run, `stage_counters[4]`
+    /// Print a register: scratch, control.run, `stage_counters[4]`
     Get {
-        /// Its name
+        /// Name of the register or field
         register: String,
     },
-    /// Gives a register a value
+    /// Write a register
     Set {
-        /// Its name
+        /// Name of the register or field
         register: String,
-        /// Decimal, or hexadecimal after 0x
+        /// Value: decimal, or hexadecimal after 0x
         value: String,
     },
-    /// All registers
+    /// Print all registers
     Dump,
-    /// Multiply only what is not zero, or everything
+    /// Set whether only non-zero values are multiplied
     Skip {
-        /// on or off
+        /// on: only non-zero values; off: all values
         #[arg(value_parser = ["on", "off"])]
         what: String,
     },
-    /// How words become codes
+    /// Set how words become codes
     Display {
-        /// colour or luma
+        /// colour: encodes red, green and blue; luma: encodes only luma
         mode: DisplayMode,
     },
-    /// Have frames from the next one on made with the weights of bank a or b
+    /// Use the weights of bank a or b from the next frame on
     Bank {
-        /// a or b
+        /// Bank: a or b
         #[arg(value_parser = bank)]
         bank: Set,
 
         #[command(flatten)]
         own: Own,
     },
-    /// Drop the frame that is under way; everything that was written stays
+    /// Drop the frame in progress; preserve everything that was written
     Flush,
-    /// Begin anew with the bank in use: control and skip as generated, video chips set up once more, counters at zero; weights stay
+    /// Reset the core: control and skip as generated, video chips set up again, counters at zero; the active bank and all weights are preserved
     Reset,
     /// Print the register map
     Map {
-        /// Of which kind
+        /// Format of the map
         #[arg(long, value_parser = ["markdown", "c", "systemrdl", "csr-csv"], default_value = "markdown")]
         format: String,
     },
@@ -131,7 +131,7 @@ enum Command {
 /// Networks by which a bank's words are known, besides those of the program.
 #[derive(clap::Args)]
 struct Own {
-    /// Networks of one's own, by name or file, that a bank may hold; the answer then has their names
+    /// Custom networks, by name or file, to recognise in the banks besides the built-in ones
     #[arg(long, value_name = "NAME|FILE,…", value_delimiter = ',')]
     weights: Vec<String>,
 }
@@ -158,7 +158,7 @@ fn bank(text: &str) -> Result<Set, String> {
 /// A line that fails, something that does not fit, a register that is not there, or Ctrl-C.
 pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let checked = args.check(ui);
-    // The file of --json may be what was refused.
+    // The file of --json may be what was rejected.
     let may_tell = checked.is_ok() || ui.json_file().is_none();
     let done = checked.and_then(|()| carry_out(args, ui));
     match &done {
@@ -239,11 +239,11 @@ fn of(error: edof_board::Error) -> Error {
 }
 
 impl Args {
-    /// What can be refused before a board is asked.
+    /// What can be rejected before a board is asked.
     fn check(&self, ui: &Ui) -> Result<(), Error> {
         if !(self.patience > 0.0 && self.patience <= 3600.0) {
             let given = short(self.patience);
-            return Err(Error::message(format!("--patience {given}: must be above 0, at most 3600")));
+            return Err(Error::message(format!("--timeout {given}: must be above 0, at most 3600")));
         }
         let files = self.files(ui);
         match &self.command {
@@ -313,7 +313,7 @@ fn no_board(ports: &[line::Port]) -> Error {
     Error::message(format!("no board answers at any serial port ({tried}); name one by --port"))
 }
 
-/// Networks that come with the program and fit a design, after those of one's own that do.
+/// Networks that come with the program and fit a design, after those of the user that do.
 fn known(design: &Design, named: &[FixedNetwork]) -> Vec<FixedNetwork> {
     let own = weights::names().into_iter().filter_map(|name| weights::fixed(name).ok());
     named.iter().cloned().chain(own).filter(|network| design.check_network(network).is_ok()).collect()
@@ -366,7 +366,7 @@ fn info(args: &Args, own: &Own, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("design {name} ({:08x}), {}x{}", identity.design_hash, identity.width, identity.height))?;
     let clock = design.as_ref().map(|design| design.clock_mhz);
     let told = clock.map_or("an unknown clock".to_owned(), |mhz| format!("{mhz} MHz"));
-    ui.say(format!("calculator at {told}, line {} bits a second", args.baud))?;
+    ui.say(format!("calculator at {told}, line {} bits per second", args.baud))?;
     let in_use = board.bank()?;
     let mut banks = vec![];
     for bank in [Set::First, Set::Second] {

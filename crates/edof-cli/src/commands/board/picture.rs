@@ -17,7 +17,7 @@ use serde_json::json;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// Send a part of a raw frame to the board over the line, and see what the board makes of it, without a source or a screen
+/// Send a part of a raw frame to the board over the line, and read the board's picture of it, without a source or a screen
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -26,7 +26,7 @@ pub struct Args {
 
 #[derive(clap::Subcommand)]
 enum What {
-    /// Write 64 x 64 pixels of a raw frame to the board, which repeats them over its frames from then on
+    /// Write 64 x 64 pixels of a raw frame to the board; its frames then repeat them
     Put {
         /// Raw frame: red first, 64 x 64 pixels or more
         raw: PathBuf,
@@ -35,7 +35,7 @@ enum What {
         #[arg(long, value_name = "COLUMN,ROW", value_parser = place)]
         at: Option<(usize, usize)>,
     },
-    /// Read 64 x 64 pixels of the picture that the board makes
+    /// Read 64 x 64 pixels of the board's picture
     Get {
         /// Picture file: .png, .tif, .ppm
         out: PathBuf,
@@ -44,12 +44,12 @@ enum What {
         #[arg(long, value_name = "COLUMN,ROW", value_parser = place, default_value = "0,0")]
         at: (usize, usize),
     },
-    /// Compare 64 x 64 pixels of the picture with the golden model's, code by code; the raw frame is the one that was put
+    /// Compare 64 x 64 pixels of the board's picture with the golden model's, code by code
     Compare {
-        /// Raw frame that was put
+        /// Raw frame of the last put
         raw: PathBuf,
 
-        /// Column and row of the first pixel that was put
+        /// Column and row of the first pixel of the last put
         #[arg(long, value_name = "COLUMN,ROW", value_parser = place)]
         put_at: Option<(usize, usize)>,
 
@@ -57,11 +57,11 @@ enum What {
         #[arg(long, value_name = "COLUMN,ROW", value_parser = place, default_value = "0,0")]
         at: (usize, usize),
 
-        /// Network in use, by name or file [default: whichever of the program's it is]
+        /// Network in use, by name or file [default: detected among the built-in ones]
         #[arg(long, value_name = "NAME|FILE")]
         weights: Option<String>,
     },
-    /// Take the source's frames again
+    /// Use the source's frames again
     Off,
 }
 
@@ -79,7 +79,7 @@ impl Args {
     /// Adds what is read and written.
     ///
     /// # Errors
-    /// A picture of a format that there is none of.
+    /// A picture of a format that does not exist.
     pub fn files(&self, files: Files) -> Result<Files, Error> {
         match &self.what {
             What::Put { raw, .. } | What::Compare { raw, .. } => Ok(files.reads(raw)),

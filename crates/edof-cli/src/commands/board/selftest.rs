@@ -9,17 +9,17 @@ use edof_board::self_test::SelfTest;
 use edof_golden::Golden;
 use serde_json::json;
 
-/// Try every part of the board that can be tried without a source and a screen
+/// Test every part of the board that needs neither a source nor a screen
 ///
 /// Bus, weights (CRC), memory of raw frames (each bit as 0 and as 1 in all three buffers, and noise), windows, multipliers of every stage, display,
-/// memory of pictures, both video chips, clocks against each other. Each part is told with what was found; a part that fails makes the command
-/// fail. Takes a minute at 1080p, most of it the golden model's.
+/// memory of pictures, both video chips, clocks against each other. The result of each part is printed; the command fails if a part
+/// fails. Takes a minute at 1080p, mostly for the golden model.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Network in use, by name or file [default: whichever of the program's it is]
+    /// Network in use, by name or file [default: detected among the built-in ones]
     pub(super) weights: Option<String>,
 
-    /// Do not ask for the screen's clock of the design: a simulated circuit has others
+    /// Do not require the design's screen clock: a simulated circuit has another
     #[arg(long)]
     any_clocks: bool,
 }

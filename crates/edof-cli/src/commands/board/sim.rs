@@ -1,4 +1,4 @@
-//! `edof board sim`: a board that is none, for whoever has a client and no board.
+//! `edof board sim`: a simulated board, for users without a board.
 
 use super::of;
 use crate::cosim_system::{crop, size};
@@ -24,34 +24,34 @@ use ndarray::Array2;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// A simulated board behind a pseudo-terminal, until Ctrl-C: registers, memories and pictures as of the real one
+/// Simulate a board behind a pseudo-terminal until Ctrl-C, with the registers, memories and pictures of a real one
 ///
-/// It answers from a model in Rust, as fast as this machine goes: a raw frame goes round in it at the frame rate of the design's video mode,
-/// each picture takes as long as the design's calculator does, and the board's time passes with the wall's and with every byte on the line. With --rtl it is the circuit itself, in Verilator: some hundred thousand of
-/// its cycles a second pass, so a design with small frames (--size) and a fast line (--baud 12500000 is 16 cycles a bit) is best.
+/// The board is a model in Rust. It receives one raw frame repeatedly, at the frame rate of the design's video mode. Each picture takes as long as in the
+/// design's calculator. The board's time advances with wall-clock time and with every byte on the line. With --rtl the board is the circuit itself, in Verilator, at some
+/// hundred thousand cycles per second; use a design with small frames (--size) and a fast line (--baud 12500000 is 16 cycles per bit).
 #[derive(clap::Args)]
 pub struct Args {
-    /// Simulate the Verilog of the whole core, with a serial line at its pins, in place of the model in Rust
+    /// Simulate the Verilog of the whole core, with a serial line at its pins, instead of the model in Rust
     #[arg(long)]
     rtl: bool,
 
-    /// Make this symbolic link to the pseudo-terminal
+    /// Create this symbolic link to the pseudo-terminal
     #[arg(long, value_name = "PATH")]
     link: Option<PathBuf>,
 
-    /// Write the picture that comes out here, whenever it changes: .png, .tif, .ppm, or .yuyv for the codes on the wire
+    /// File for the output picture, written whenever it changes: .png, .tif, .ppm, or .yuyv for the codes on the wire
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
 
-    /// Network that both banks start with [default: one of the program's that fits, else a drawn one]
+    /// Initial network of both banks [default: a built-in one that fits, else a random one]
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Raw frame that goes round, of the design's size or larger [default: a drawn one]
+    /// Raw frame that the board receives repeatedly, of the design's size or larger [default: a synthetic one]
     #[arg(long, value_name = "FILE")]
     frame: Option<PathBuf>,
 
-    /// Size of frames in place of the design's
+    /// Size of frames instead of the design's
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
     size: Option<(usize, usize)>,
 }
@@ -60,7 +60,7 @@ impl Args {
     /// Adds what the simulated board reads and writes.
     ///
     /// # Errors
-    /// A picture of a format that there is none of.
+    /// A picture of a format that does not exist.
     pub fn writes(&self, files: Files) -> Result<Files, Error> {
         let weights = self.weights.as_deref().and_then(weights::fixed_file);
         let files = files.reads_all(&self.frame).reads_all(weights).may_write("--link", self.link.as_ref());
@@ -121,7 +121,7 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     }
     let ([from, to], seconds) = device.carried();
     ui.say(format!(
-        "{from} bytes from the host, {to} to it: {seconds:.3} s on a line of {} bits a second",
+        "{from} bytes from the host, {to} to it: {seconds:.3} s on a line of {} bits per second",
         args.baud
     ))?;
     ui.json(&json!({

@@ -5,19 +5,19 @@ use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::diagnosis::{Finding, findings};
-use edof_board::status::{Look, Report, report};
+use edof_board::status::{Report, StatusSnapshot, report};
 use edof_image::words::number;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Frames a second, late frames, share of busy cycles; non-zeros and saturations of every stage; what the video chips miss
+/// Print frames per second, late frames, share of busy cycles, non-zeros and saturations of every stage, and missing conditions of the video chips
 #[derive(clap::Args)]
 pub struct Args {
-    /// Look again and again, until Ctrl-C; with --json each look is a line of JSON with its time
+    /// Repeat until Ctrl-C; with --json each snapshot is a line of JSON with its time
     #[arg(long)]
     watch: bool,
 
-    /// Seconds from one look to the next
+    /// Seconds between snapshots
     #[arg(long, default_value_t = 1.0, value_name = "SECONDS")]
     seconds: f64,
 }
@@ -82,7 +82,7 @@ fn chip_lines(chips: &[Finding]) -> Vec<String> {
     chips.iter().map(line).collect()
 }
 
-fn lines(now: &Look, report: &Report, clock_mhz: f64) -> Vec<String> {
+fn lines(now: &StatusSnapshot, report: &Report, clock_mhz: f64) -> Vec<String> {
     let flag = |(name, what): &(&str, &str)| {
         if now.value(name) == 1 { (*what).to_owned() } else { format!("NOT {what}") }
     };
@@ -91,13 +91,13 @@ fn lines(now: &Look, report: &Report, clock_mhz: f64) -> Vec<String> {
     let mut lines = vec![
         format!("{}; bank {bank}", FLAGS.iter().map(flag).collect::<Vec<_>>().join(", ")),
         format!(
-            "{:.1} pictures a second of {:.1} frames on the screen, {} late; calculator at {clock_mhz} MHz busy {:.0} %, {cycles} cycles a patch",
+            "{:.1} pictures per second of {:.1} frames on the screen, {} late; calculator at {clock_mhz} MHz busy {:.0} %, {cycles} cycles per patch",
             report.frames_per_second,
             report.screen_frames_per_second,
             report.late_frames,
             100.0 * report.busy_share
         ),
-        "stage  non-zeros a patch  saturated: results  codes  differences".to_owned(),
+        "stage  non-zeros per patch  saturated: results  codes  differences".to_owned(),
     ];
     lines.extend(report.stages.iter().map(|stage| {
         format!(
@@ -110,10 +110,8 @@ fn lines(now: &Look, report: &Report, clock_mhz: f64) -> Vec<String> {
         )
     }));
     if now.value("status.weights_unchecked") == 1 {
-        lines.push(
-            "the calculator's clock was lost: whether the weights are still there, `edof board verify` tells"
-                .to_owned(),
-        );
+        lines
+            .push("the calculator's clock was lost: run `edof board verify` to check the weights".to_owned());
     }
     lines.extend(report.grown.iter().map(|(name, count)| format!("{name}: {count} more")));
     lines

@@ -20,10 +20,10 @@ use edof_image::frame::FrameError;
 use edof_image::overlap::Overlap;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
-use edof_io::doubt::{self, Doubt};
 use edof_io::levels::{Levels, LevelsError};
 use edof_io::picture::Format;
 use edof_io::raw::RawError;
+use edof_io::read_warnings::{ReadWarning, read_warnings};
 use edof_io::record::{self, RawRecord, RecordError, Stated};
 use edof_io::rendering::Rendering;
 use edof_io::{photo, raw};
@@ -42,7 +42,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let jobs = jobs(&args)?;
     check_files(&args, &jobs, ui)?;
     if jobs.len() > 1 {
-        // A frame that cannot be used is told before the first is computed.
+        // An unusable frame is reported before the first is computed.
         jobs.iter().try_for_each(|job| job.open(ui).map(drop))?;
     }
     let mut reports = vec![];
@@ -148,7 +148,7 @@ impl Job<'_> {
         let (height, width) = taken.frame.size();
         let per_megapixel = made.seconds / ((height * width) as f64 / 1e6);
         ui.say(format!(
-            "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s a megapixel)",
+            "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s per megapixel)",
             self.out.display(),
             made.name,
             made.seconds,
@@ -378,7 +378,7 @@ impl Job<'_> {
         Err(Error::message(format!("{problem}; {instead}")))
     }
 
-    /// Tells what a network loses on a frame of a tone that it was not trained on, as the frame's record or the user says.
+    /// Prints what a network loses on a frame of a tone that it was not trained on, as the frame's record or the user says.
     fn suits_tone(&self, origin: &Origin, taken: &Taken, ui: &Ui) {
         let tone = self.tone(taken);
         let is_known = taken.record.is_some() || self.args.tone.is_some();
@@ -402,9 +402,9 @@ impl Job<'_> {
     fn remark(&self, frame: &RawFrame, ui: &Ui) {
         let args = self.args;
         let raw = self.raw.display();
-        for doubt in doubt::doubts(frame) {
-            match doubt {
-                Doubt::Dim(brightest) => {
+        for warning in read_warnings(frame) {
+            match warning {
+                ReadWarning::Dim(brightest) => {
                     let advice = match (args.depth, args.align.as_deref()) {
                         (None, None) if args.size.is_some() => {
                             "if its values have fewer than 16 bits, give --depth"
@@ -417,7 +417,7 @@ impl Job<'_> {
                     };
                     ui.note(format!("{raw}: brightest pixel is {brightest} of 65535; {advice}"));
                 }
-                Doubt::Phase => {
+                ReadWarning::Phase => {
                     let phase = frame.phase();
                     let others = CfaPhase::ALL.into_iter().filter(|p| green_first(*p) != green_first(phase));
                     let others: Vec<String> = others.map(|p| format!("--phase {p}")).collect();

@@ -17,10 +17,10 @@ use std::path::PathBuf;
 
 /// Reconstruct a sharp picture from a raw Bayer frame, or one from each of several
 ///
-/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or as a PGM's maximum says), or a
-/// headerless file with --size. How the frame was taken is read from RAW.json, which 'edof capture' writes, and
-/// contradictions are refused. Of a camera it may be a DNG (a Bayer mosaic, uncompressed or as lossless JPEG), whose levels, white
-/// balance and colour matrix are used; with the optional feature camera-raw also other makers' files. The network runs in the
+/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or according to a PGM's maximum), or a
+/// headerless file with --size. RAW.json, which 'edof capture' writes, states how the frame was taken; options that
+/// contradict it are rejected. RAW may also be a camera's DNG (a Bayer mosaic, uncompressed or as lossless JPEG) with its levels, white
+/// balance and colour matrix; with the optional feature camera-raw also files of other makers. The network runs in the
 /// board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -29,7 +29,7 @@ use std::path::PathBuf;
   edof reconstruct frame.bin --size 1920x1080 --depth 12 --phase gbrg --weights edof-t4w12 --out sharp.png
   edof reconstruct night/*.png --out night-sharp/
   edof reconstruct frame.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out sharp.png
-  edof reconstruct raw.png --board --out board.png     what leaves the HDMI port (board.yuyv) and what a screen shows of it
+  edof reconstruct raw.png --board --out board.png     codes of the HDMI port (board.yuyv) and the screen's picture
   edof reconstruct --video frame.2vuy --size 1920x1080 --board --out board.png
   edof reconstruct raw.png --device gpu --out sharp.png
   edof reconstruct raw.png --words words --json counters.json --out sharp.png")]
@@ -43,12 +43,12 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     pub(super) weights: Option<String>,
 
-    /// Camera that took RAW, a preset or a JSON file: another than RAW.json says, or a network trained for another lens or mask, is
-    /// refused
+    /// Camera that took RAW, a preset or a JSON file. A camera that contradicts RAW.json is rejected, and so is a network trained for
+    /// another lens or mask
     #[arg(long)]
     pub(super) camera: Option<String>,
 
-    /// PSFs of one's own in place of that camera's, as edof capture took them
+    /// PSF bank of the capture, as given to edof capture --psf-bank
     #[arg(long, value_name = "FILE", requires = "camera")]
     pub(super) psf_bank: Option<PathBuf>,
 
@@ -60,20 +60,20 @@ pub struct Args {
     #[arg(long)]
     pub(super) float: bool,
 
-    /// Where the network runs: cpu; gpu, the first device that OpenCL knows; or gpu:N, another one that 'edof doctor' lists. The
-    /// integers are the same everywhere
+    /// Device that runs the network: cpu, gpu (the first OpenCL device) or gpu:N (see 'edof doctor'). The
+    /// integers are the same on all devices
     #[arg(long, default_value_t)]
     pub(super) device: Device,
 
-    /// Pixels from one patch to the next: 2, 4 or 8 [default: 8, or what a fixed network is made for]
+    /// Pixels from one patch to the next: 2, 4 or 8 [default: 8, or the stride of a fixed network]
     #[arg(long)]
     pub(super) stride: Option<usize>,
 
-    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr [default: what RAW.json says, else rggb]
+    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr [default: that of RAW.json, else rggb]
     #[arg(long)]
     pub(super) phase: Option<CfaPhase>,
 
-    /// Bits that the sensor gave, 8 to 16 [default: what RAW.json or the file says, else 16]
+    /// Bits per sensor value, 8 to 16 [default: that of RAW.json or the file, else 16]
     #[arg(long, value_name = "BITS")]
     pub(super) depth: Option<u32>,
 
@@ -81,11 +81,11 @@ pub struct Args {
     #[arg(long, conflicts_with = "packing")]
     pub(super) video: bool,
 
-    /// Size of a headerless file in pixels [default: what RAW.json says]
+    /// Size of a headerless file in pixels [default: that of RAW.json]
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     pub(super) size: Option<Size>,
 
-    /// Where in a word values of fewer than 16 bits lie [default: bottom in headerless files, else top]
+    /// Position of values of fewer than 16 bits in a word [default: bottom in headerless files, else top]
     #[arg(long, value_parser = ["top", "bottom"])]
     pub(super) align: Option<String>,
 
@@ -93,61 +93,61 @@ pub struct Args {
     #[arg(long, value_parser = ["little", "big"], default_value = "little")]
     pub(super) order: String,
 
-    /// How a headerless file's pixels are packed: words (16 bits each), bytes (8), mipi12 (MIPI RAW12), 12p (PFNC), 12packed (GigE
+    /// Packing of a headerless file's pixels: words (16 bits each), bytes (8), mipi12 (MIPI RAW12), 12p (PFNC), 12packed (GigE
     /// Vision) or 2vuy (as --video) [default: words]
     #[arg(long, requires = "size")]
     pub(super) packing: Option<Packing>,
 
-    /// Sensor value of no light; or four, with commas, for the 2x2 pixels from the first on, row by row [default: what RAW.json or a
-    /// DNG says, else 0]
+    /// Sensor value of darkness; or four, with commas, for the 2x2 pixels from the first on, row by row [default: that of RAW.json or a
+    /// DNG, else 0]
     #[arg(long, value_name = "LEVEL")]
     pub(super) black_level: Option<Black>,
 
-    /// Sensor value of full light [default: what RAW.json or a DNG says, else where the sensor's bits end]
+    /// Sensor value of full light [default: that of RAW.json or a DNG, else the largest value of the sensor's bits]
     #[arg(long, value_name = "LEVEL")]
     pub(super) white_level: Option<f64>,
 
-    /// Factors of red, green and blue that make white of what the sensor sees of it, as in 2.1,1,1.6; only their proportions count
-    /// [default: what RAW.json or a DNG says, else none]
+    /// White balance: gains of red, green and blue that make white neutral, as in 2.1,1,1.6; only their ratios matter
+    /// [default: that of RAW.json or a DNG, else none]
     #[arg(long, value_name = "R,G,B", conflicts_with = "board")]
     pub(super) white_balance: Option<WhiteBalance>,
 
-    /// From balanced colours of the sensor to linear sRGB: nine numbers, row by row, each row adding up to 1 [default: what RAW.json
-    /// or a DNG says, else none]
+    /// Matrix from balanced sensor colours to linear sRGB: nine numbers, row by row, each row adding up to 1 [default: that of RAW.json
+    /// or a DNG, else none]
     #[arg(long, value_name = "NUMBERS", conflicts_with = "board", allow_hyphen_values = true)]
     pub(super) colour_matrix: Option<ColourMatrix>,
 
-    /// What the picture's numbers mean: srgb is for looking at; linear writes the network's light as it is, for frames and networks
-    /// that take a photograph's codes for light [default: what RAW.json says of the scene, else srgb: a sensor measures light]
+    /// Encoding of the picture: srgb for viewing; linear for the network's unchanged light, for frames and networks
+    /// in the paper's convention [default: that of RAW.json, else srgb]
     #[arg(long)]
     pub(super) tone: Option<Tone>,
 
-    /// Curve from light to the picture's numbers, and of the board's tables [default: the tone's]
+    /// Transfer curve of the picture and of the board's tables [default: the tone's]
     #[arg(long, value_name = "CURVE")]
     pub(super) gamma: Option<Gamma>,
 
-    /// Bits a sample of the picture: 8 or 16
+    /// Bits per sample of the picture: 8 or 16
     #[arg(long, default_value_t = 8)]
     pub(super) bits: u32,
 
-    /// Write what the board makes of the upper 14 bits of each word, which its cable carries, and sends: the 8-bit Y'CbCr 4:2:2 codes of its HDMI port beside the picture, as .yuyv (bytes Y Cb Y Cr
-    /// for each two pixels), and as picture what a screen shows of them
+    /// Compute the board's output from the upper 14 bits of each word, which the board's cable carries. Writes the 8-bit Y'CbCr 4:2:2 codes of
+    /// the HDMI port as .yuyv (bytes Y Cb Y Cr per two pixels), and the screen's picture of them to --out
     #[arg(long, conflicts_with_all = ["float", "bits"])]
     pub(super) board: bool,
 
-    /// How the board makes codes: colour encodes red, green and blue; luma is the paper's and encodes luma alone
+    /// Encoding of the board's codes: colour encodes red, green and blue; luma encodes only luma, as in the paper
     #[arg(long, default_value_t, conflicts_with = "float")]
     pub(super) display: DisplayMode,
 
-    /// Write the words at every stage boundary to DIR/words.npz, laid out as docs/contract.md says; of one frame
+    /// Write the words at every stage boundary of one frame to DIR/words.npz (layout: docs/contract.md, 8)
     #[arg(long, value_name = "DIR", conflicts_with = "float")]
     pub(super) words: Option<PathBuf>,
 
-    /// Take what options state where RAW.json says otherwise, and a network trained for another lens; each is told
+    /// Accept options that contradict RAW.json, and a network trained for another lens; prints a note for each
     #[arg(long)]
     pub(super) force: bool,
 
-    /// Picture to write: .png, .tif, .tiff or .ppm; or a folder, where pictures are PNG and have their frames' names
+    /// Picture to write: .png, .tif, .tiff or .ppm; or a folder for PNG pictures with the names of their frames
     #[arg(long, value_name = "FILE|DIR")]
     pub(super) out: PathBuf,
 }

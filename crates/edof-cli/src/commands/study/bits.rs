@@ -8,21 +8,21 @@ use crate::ui::Ui;
 use crate::weights;
 use edof_stability::bits;
 
-/// Which layer's bits matter: dB lost against the bits of one stage or of all, and the fewest that lose next to nothing
+/// Effect of each layer's bits: dB lost against the bits of one stage or of all, and the fewest bits that lose next to nothing
 ///
-/// A stage of so many bits has weights that are multiples of a power of two, and results of as many bits fewer in the range that they had.
-/// Both run through the golden pipeline, on drawn scenes behind the network's own camera.
+/// A stage of N bits has weights that are multiples of a power of two, and results with equally fewer bits in their former range.
+/// The golden pipeline computes both, on synthetic scenes with the network's camera.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   edof study bits --report bits.html
   edof study bits --nets edof-t4w12-outer --allowed 0.05 --json bits.json")]
 pub struct Args {
-    /// Fixed networks of the direct form [default: all that come with the program]
+    /// Fixed networks of the direct form [default: all built-in ones]
     #[arg(long, value_delimiter = ',', value_name = "NET,…")]
     nets: Vec<String>,
 
-    /// dB that the fewest bits may lose together
+    /// Largest loss in dB of the fewest bits together
     #[arg(long, default_value_t = 0.02, value_name = "DB")]
     allowed: f64,
 

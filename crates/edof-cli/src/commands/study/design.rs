@@ -9,9 +9,9 @@ use edof_golden::cycle::explore::front;
 use edof_report::csv;
 use edof_study::design::{Folding, Foldings};
 
-/// Foldings of networks that fit the board: dB against cycles, multipliers and frames a second, and those that nothing beats
+/// Foldings of networks that fit the board: dB against cycles, multipliers and frames per second, and the Pareto-optimal ones
 ///
-/// The foldings and figures are those of edof explore; here all that nothing of their own network beats are kept, however slow, and drawn.
+/// The foldings and figures are those of edof explore. All foldings that are Pareto-optimal for their network are kept, however slow, and plotted.
 #[derive(clap::Args)]
 #[group(skip)]
 #[command(after_help = "\

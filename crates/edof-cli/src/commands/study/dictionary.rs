@@ -7,9 +7,9 @@ use crate::ui::Ui;
 use edof_methods::dictionary::{self, Recipe};
 use std::path::PathBuf;
 
-/// Learn the dictionary of 8×8 colour patches that OMP and FISTA reconstruct with, by k-SVD
+/// Learn the dictionary of 8×8 colour patches of OMP and FISTA by k-SVD
 ///
-/// Photographs' values are taken for light. Three of the atoms are one colour each and stay as they are; every patch may use
+/// Photographs' samples are treated as linear light. Three of the atoms are one colour each and are not changed; every patch may use
 /// them. The same photographs, numbers and seed give the same file.
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -28,7 +28,7 @@ pub struct Args {
     #[arg(long, default_value_t = 8, value_name = "N")]
     sparsity: usize,
 
-    /// Patches to learn from, as many of each photograph
+    /// Patches to learn from, the same number from each photograph
     #[arg(long, default_value_t = 40_000, value_name = "N")]
     patches: usize,
 
@@ -36,14 +36,14 @@ pub struct Args {
     #[arg(long, default_value_t = 30, value_name = "N")]
     rounds: usize,
 
-    /// Seed of which patches
+    /// Seed of the choice of patches
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
 
     #[command(flatten)]
     folder: Folder,
 
-    /// train (all but every third number), test, all, or numbers such as 1,2
+    /// Photographs: train (all except every third number), test, all, or numbers as in 1,2
     #[arg(long, default_value = "train")]
     photos: String,
 

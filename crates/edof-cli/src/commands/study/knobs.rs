@@ -12,10 +12,10 @@ use edof_study::knobs::{KNOBS, Knob, Knobs, Plan, Turning};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Speed against error of everything that can be left out, each knob a curve with its default marked
+/// Speed against error of every setting that can be reduced, one curve per knob with its default marked
 ///
 /// Kernel energy, wavelengths and depths of a capture; stride, bits (of all words, or of one matrix) and non-zero budget of a network; layers of
-/// untrained ones; atoms of OMP, steps of FISTA, their window, and the noise that a filter is prepared for. Rows are written to --rows as they come; the same command goes on where it was stopped.
+/// untrained ones; atoms of OMP, steps of FISTA, their window, and the noise that a filter is prepared for. Rows are written to --rows when measured; the same command resumes a stopped study.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -25,20 +25,20 @@ pub struct Args {
     #[command(flatten)]
     rows: Rows,
 
-    /// Which knobs: kernel-energy, wavelengths, depths, stride, bits, analysis-bits, recurrent-bits, dictionary-bits,
+    /// Knobs to measure: kernel-energy, wavelengths, depths, stride, bits, analysis-bits, recurrent-bits, dictionary-bits,
     /// budget, layers, atoms, steps, window, noise-class [default: all]
     #[arg(long, value_delimiter = ',', value_name = "KNOB,…")]
     knobs: Vec<&'static Knob>,
 
-    /// Net of the knobs stride, bits and budget, by name or weight file; its camera is that of all knobs
+    /// Network of the knobs stride, bits and budget, by name or weight file; its camera is used for all knobs
     #[arg(long, default_value = "edof-t4w12", value_name = "NET")]
     net: String,
 
-    /// Depth: the defocus parameter in radians, or a distance as in 1.5m before a camera that knows its nominal_m
+    /// Depth: ψ, the defocus in radians, or a distance as in 1.5m if the camera states nominal_m
     #[arg(long, default_value = "8", allow_hyphen_values = true)]
     psi: Depth,
 
-    /// Noise, where something is reconstructed
+    /// Noise of the knobs that reconstruct
     #[arg(long, default_value = "0.01", value_name = "NOISE")]
     noise: Noise,
 

@@ -13,14 +13,14 @@ use edof_study::setup::{Setup, setups};
 use edof_study::summary::Study;
 use edof_study::trial::usual_noise;
 
-/// Photographs through each net's own camera, reconstructed in float, in the board's format and in fixed point
+/// PSNR and SSIM on photographs, captured by each network's camera, reconstructed in float, in the board's format and in fixed point
 ///
 /// Kernels hold 99.9 % of the energy (all of it with --exact), the sensor has 16 bits. PSNR is over red, green and blue with
-/// peak 1, a border of 8 pixels cropped. With --tone linear a photograph's values are taken as light, and what a method gives is not clipped;
-/// with --tone srgb they are decoded to light, and what is measured is the picture, encoded and clipped to 0…1 as a screen
-/// does, and the light beside it. Any net runs under either. Each net makes rows NAME.float (RGB), NAME.float422 (the same
-/// in the board's 4:2:2 format) and NAME.fixed; demosaic-malvar is the coded frame as a plain camera would show it.
-/// With --rows FILE rows are written as they come; the same command resumes where it was stopped.
+/// peak 1, a border of 8 pixels cropped. With --tone linear a photograph's samples are treated as linear light, and results are not clipped.
+/// With --tone srgb they are decoded to light; the picture is measured after encoding and clipping to 0…1, as a screen
+/// does, and also as light. Each network runs under both tones and makes rows NAME.float (RGB), NAME.float422 (the same
+/// in the board's 4:2:2 format) and NAME.fixed. demosaic-malvar is the coded frame as an ordinary camera would show it.
+/// With --rows FILE rows are written when measured; the same command resumes a stopped study.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -32,15 +32,15 @@ pub struct Args {
     #[command(flatten)]
     rows: MayKeepRows,
 
-    /// Nets by name or weight file, each behind the camera it was trained for
+    /// Networks by name or weight file, each with the camera that it was trained for
     #[arg(long, value_delimiter = ',', required = true, value_name = "NET,…")]
     nets: Vec<String>,
 
-    /// What photographs hold: linear, light itself (the paper's convention), or srgb, encoded light
+    /// Encoding of the photographs: linear (the paper's convention: samples are linear light), or srgb
     #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
     tone: Tone,
 
-    /// Depths: the defocus parameter in radians, or distances as in 1.5m before cameras that know their nominal_m
+    /// Depths: ψ, the defocus in radians, or distances as in 1.5m if the cameras state nominal_m
     #[arg(
         long,
         value_delimiter = ',',

@@ -10,14 +10,14 @@ use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
 use edof_study::multi_depth::MultiDepth;
 use edof_study::speed::Speed;
+use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;
-use edof_study::told::Told;
 use std::path::PathBuf;
 
-/// Put files of rows of one study together, as if one run had measured them
+/// Merge the result files of one study, as if one run had measured all rows
 ///
-/// Rows are known by what they are of (hashes of photographs, weights and camera, and settings), so files may overlap; where they do they
-/// must agree about everything but times. The file that comes out is the one of an uninterrupted study, times aside.
+/// Rows have keys (hashes of photographs, weights and camera, and settings), so files may overlap. Rows with the same key
+/// must be equal except for times. The merged file equals that of an uninterrupted study, except for times.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
@@ -32,11 +32,11 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
-    /// Take rows of different machines, whose times make no comparison; the tables name them all
+    /// Accept rows of different machines, whose times cannot be compared; the tables name all machines
     #[arg(long)]
     any_machine: bool,
 
-    /// Take rows that programs of different revisions or compilers measured; the tables name them all
+    /// Accept rows measured by different revisions or compilers; the tables name all of them
     #[arg(long)]
     any_revision: bool,
 
@@ -65,12 +65,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 /// What a study's files call it.
-const fn study_of<T: Told>() -> &'static str {
+const fn study_of<T: StudyReport>() -> &'static str {
     <T::Row as Line>::STUDY
 }
 
 /// All rows, in a file of their own, and what they say.
-fn merged<T: Told>(args: &Args, ui: &Ui) -> Result<(), Error> {
+fn merged<T: StudyReport>(args: &Args, ui: &Ui) -> Result<(), Error> {
     let mixing = Mixing { any_machine: args.any_machine, any_revision: args.any_revision };
     let mut journal = Journal::merged(&args.out, &args.files, mixing)?;
     journal.notes().iter().for_each(|note| ui.note(note));

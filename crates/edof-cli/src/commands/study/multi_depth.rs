@@ -20,9 +20,9 @@ use std::sync::Arc;
 
 /// Scenes at four depths through the coded lens and two clear ones: the columns of the paper's figure 7, and fairer peers
 ///
-/// The clear lens is focused at the end of the range, as in the paper, and mid-range, with a network of its own. Behind each stand
-/// demosaicing and blind deconvolution, behind the coded one OMP and networks too: in float, and in fixed point where there are
-/// weights for the stride. Depths of the scenes are those of the coded lens's range.
+/// The clear lens is focused at the end of the range, as in the paper, and mid-range, with its own network. Each lens has
+/// demosaicing and blind deconvolution. The coded lens also has OMP and networks, in float, and in fixed point if there are
+/// weights for the stride. The depths of the scenes cover the coded lens's range.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -36,15 +36,15 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', default_value = "chart,leaves", value_name = "SCENE,…")]
     scenes: Vec<String>,
 
-    /// Nets behind the coded lens, all of one camera
+    /// Networks of the coded lens, all for one camera
     #[arg(long, value_delimiter = ',', default_value = "paper-t4,edof-t4w12", value_name = "NET,…")]
     nets: Vec<String>,
 
-    /// Net behind the clear lens focused mid-range
+    /// Network of the clear lens focused mid-range
     #[arg(long, default_value = "edof-t4w12-clear", value_name = "NET")]
     clear_net: String,
 
-    /// What is measured: linear, light, or srgb, the picture encoded as it is looked at; drawn scenes are light in either case
+    /// What is measured: linear (light), or srgb (the encoded picture); synthetic scenes are linear light in either case
     #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
     tone: Tone,
 

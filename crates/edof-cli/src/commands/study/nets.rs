@@ -112,7 +112,7 @@ pub fn methods(
     }
     for fixed in quantized(&float, &sha256, &[bits], &missing, ui)? {
         let stride = fixed.stride.pixels();
-        notes.push(format!("{shown}.fixed at stride {stride}: quantized here, on drawn scenes"));
+        notes.push(format!("{shown}.fixed at stride {stride}: quantized here, on synthetic scenes"));
         let own = words_sha256(&fixed);
         add(fixed, own)?;
     }

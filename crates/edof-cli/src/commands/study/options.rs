@@ -13,7 +13,7 @@ use edof_storage::provenance::Input;
 use edof_study::experiment::{self, Experiment, RunError};
 use edof_study::journal::{Header, Journal, Mixing, Progress, Shard};
 use edof_study::made::machines;
-use edof_study::told::Told;
+use edof_study::study_report::StudyReport;
 use std::path::PathBuf;
 
 /// Where photographs lie.
@@ -67,7 +67,7 @@ pub struct Photographs {
     #[command(flatten)]
     pub folder: Folder,
 
-    /// test (every third number; where no file has a number, all), train (the others), all, or numbers such as 3,6
+    /// Photographs: test (every third number; all, if no file has a number), train (the others), all, or numbers as in 3,6
     #[arg(long, default_value = "test")]
     pub photos: String,
 }
@@ -100,12 +100,12 @@ impl Kernels {
 /// Anybody's programs among the methods.
 #[derive(clap::Args)]
 pub struct Externals {
-    /// A program of your own as a method, with a row of its own; may be given several times. {raw} is a 16-bit PNG of Bayer values, {out}
-    /// the PNG to write: linear light, 8 or 16 bits a colour, as large as the raw frame
+    /// Your program as a further method with its own rows; repeatable. {raw} is a 16-bit PNG of Bayer values, {out}
+    /// the PNG to write: linear light, 8 or 16 bits per colour, as large as the raw frame
     #[arg(long, value_name = "'CMD {raw} {out}'")]
     external: Vec<String>,
 
-    /// Seconds after which a run of such a program is ended
+    /// Seconds after which a run of this program is ended
     #[arg(long, default_value_t = 600, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
     external_seconds: u64,
 }
@@ -121,7 +121,7 @@ impl Externals {
         for (place, method) in all.iter().enumerate() {
             if all[..place].iter().any(|other| other.method() == method.method()) {
                 return Err(Error::message(format!(
-                    "--external: two programs are called {}: tables could not tell them apart; give one another name",
+                    "--external: two programs are called {}, which tables cannot distinguish; rename one",
                     method.method()
                 )));
             }
@@ -133,7 +133,7 @@ impl Externals {
 /// Where rows are kept, and which of them are measured.
 #[derive(clap::Args)]
 pub struct Rows {
-    /// File of rows, JSON lines; gone on with if it is there
+    /// Result file (JSON Lines); an existing file is resumed
     #[arg(long, value_name = "FILE")]
     pub rows: PathBuf,
 
@@ -144,7 +144,7 @@ pub struct Rows {
 /// The same for studies that are short enough to do without a file.
 #[derive(clap::Args)]
 pub struct MayKeepRows {
-    /// File of rows, JSON lines; gone on with if it is there [default: none are kept]
+    /// Result file (JSON Lines); an existing file is resumed [default: none]
     #[arg(long, value_name = "FILE")]
     pub rows: Option<PathBuf>,
 
@@ -168,7 +168,7 @@ impl MayKeepRows {
 /// Which of a study's rows, and which rows that are there stay.
 #[derive(clap::Args)]
 pub struct Part {
-    /// A part of the study, such as 2/8 for the second of eight; edof study merge puts their files together
+    /// Part of the study, as in 2/8 for the second of eight; edof study merge merges the files of all parts
     #[arg(long, default_value_t = Shard::WHOLE, requires = "rows", value_name = "I/N")]
     pub shard: Shard,
 
@@ -223,7 +223,7 @@ where
 ///
 /// # Errors
 /// Rows that no study gave, a file that cannot be written.
-pub fn tell<T: Told>(journal: &Journal<T::Row>, outputs: &Outputs, ui: &Ui) -> Result<(), Error> {
+pub fn tell<T: StudyReport>(journal: &Journal<T::Row>, outputs: &Outputs, ui: &Ui) -> Result<(), Error> {
     let (rows, makers) = (journal.rows(), journal.makers());
     let told = T::new(&rows, machines(&makers))?;
     let made = ui.made(makers);

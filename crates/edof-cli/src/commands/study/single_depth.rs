@@ -14,16 +14,16 @@ use edof_methods::spec::MethodSpec;
 use edof_study::made::machines;
 use edof_study::single_depth::{Plan, SingleDepth};
 use edof_study::speed::Speed;
-use edof_study::told::Told;
+use edof_study::study_report::StudyReport;
 use edof_study::trial::usual_noise;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Speed against error on scenes of one depth: networks, OMP, FISTA, deconvolution and demosaicing on the same frames
 ///
-/// Every method is prepared for the camera, depth and noise (kernels, dictionaries), then timed on each photograph: the median of
-/// three runs after a first one, or one run where that takes longer than half a second. Both times are reported. Rows are written
-/// to --rows as they come; the same command goes on where it was stopped, and further methods, depths or photographs add rows.
+/// Every method is prepared for the camera, depth and noise (kernels, dictionaries), then timed on each photograph. The time is the median of
+/// three runs after a first one, or that of one run longer than half a second. Wall-clock and CPU time are reported. Rows are written
+/// to --rows when measured. The same command resumes a stopped study; further methods, depths or photographs add rows.
 /// The sensor has 16 bits; kernels hold 99.9 % of the energy (all of it with --exact).
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -43,15 +43,15 @@ pub struct Args {
     #[command(flatten)]
     rows: Rows,
 
-    /// Camera by name or file: the one that all nets were trained for
+    /// Camera of all networks, by name or file
     #[arg(long, default_value = "ring-2018", value_name = "CAMERA")]
     camera: String,
 
-    /// Nets by name or weight file; in float, and in fixed point where there are weights for the stride
+    /// Networks by name or weight file; in float, and in fixed point if there are weights for the stride
     #[arg(long, value_delimiter = ',', default_value = "paper-t4,edof-t4w12", value_name = "NET,…")]
     nets: Vec<String>,
 
-    /// Also measure the nets on a device: gpu, the first that OpenCL knows, or gpu:N, another one that 'edof doctor' lists
+    /// Also measure the networks on a device: gpu (the first OpenCL device) or gpu:N (see 'edof doctor')
     #[arg(long, default_value_t)]
     device: Device,
 
@@ -59,7 +59,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "METHOD,…")]
     methods: Vec<String>,
 
-    /// Depths: the defocus parameter in radians, or distances as in 1.5m before a camera that knows its nominal_m
+    /// Depths: ψ, the defocus in radians, or distances as in 1.5m if the camera states nominal_m
     #[arg(
         long,
         value_delimiter = ',',
@@ -69,7 +69,7 @@ pub struct Args {
     )]
     psi: Vec<Depth>,
 
-    /// What photographs hold: linear, light itself (the paper's convention), or srgb, encoded light
+    /// Encoding of the photographs: linear (the paper's convention: samples are linear light), or srgb
     #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
     tone: Tone,
 
@@ -130,7 +130,7 @@ impl Args {
         ui.used(camera.input());
         let strides = self.stride.iter().map(|&step| said::stride(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
-        // What is quick to refuse comes before what takes its time.
+        // What is quick to reject comes before what takes its time.
         let mut others = vec![];
         for name in self.named() {
             others.extend(MethodSpec::named(name, &strides, &dictionary)?);

@@ -1,4 +1,4 @@
-//! `edof study stability`: hard cases, and whether what is promised on each holds.
+//! `edof study stability`: hard cases, and whether each is within its limit.
 
 use super::options::Outputs;
 use crate::error::Error;
@@ -11,11 +11,11 @@ use edof_stability::case::{self, Case};
 use edof_stability::suite::Suite;
 use std::path::PathBuf;
 
-/// Hard cases: what is promised on each, the worst that is seen, and whether it holds
+/// Hard cases: acceptance limit, worst error and result of each
 ///
-/// Cases are data: an intent, what could go wrong, what is run, and the promise: the same result to a stated error, a stated loss at
-/// most, or a refusal. Each runs through every method that it concerns, in f64, f32 and fixed point. A panic, a value that is no number, or
-/// a limit passed is a broken promise, and then the exit status is not 0.
+/// Cases are data: the purpose, the possible fault, the input, and the limit (the result of a reference within an error, a largest loss, or
+/// an error message). Each case runs through every method concerned, in f64, f32 and fixed point. A case fails on a panic, a NaN or
+/// an exceeded limit; the exit status is then not 0.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -28,19 +28,19 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     cases: Option<PathBuf>,
 
-    /// Cases whose names hold one of these words, alone
+    /// Run only cases whose name contains one of these words
     #[arg(long, value_delimiter = ',', value_name = "WORD,…")]
     only: Vec<String>,
 
-    /// Without the cases that take more than moments
+    /// Run only fast cases
     #[arg(long)]
     quick: bool,
 
-    /// Networks, each with its integers [default: all that come with the program]
+    /// Networks, each with its integers [default: all built-in ones]
     #[arg(long, value_delimiter = ',', value_name = "NET,…")]
     nets: Vec<String>,
 
-    /// Random windows that bounds of error are tried on, for each network; about as many more climb towards the bound
+    /// Random windows per network for the test of error bounds; a local search towards the bounds adds about the same number
     #[arg(long, default_value_t = 20_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     windows: u32,
 
@@ -52,7 +52,7 @@ pub struct Args {
 }
 
 /// # Errors
-/// Cases or networks that cannot be read, no case of that name, a broken promise, or Ctrl-C.
+/// Cases or networks that cannot be read, no case of that name, an exceeded limit, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = args.nets.iter().fold(Files::new(ui), |files, net| {
         files.reads_all(weights::float_file(net)).reads_all(weights::fixed_file(net))

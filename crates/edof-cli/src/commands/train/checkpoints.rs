@@ -6,7 +6,7 @@ use crate::weights;
 use edof_train::recipe::Recipe;
 use std::path::{Path, PathBuf};
 
-/// Refuses to begin over what an unfinished run left, and to go on where none left anything.
+/// Rejects a new run where an unfinished one left a checkpoint, and `--resume` without a checkpoint.
 ///
 /// # Errors
 /// Either of these.
@@ -14,11 +14,11 @@ pub(super) fn check(args: &Args, seeds: &[(Recipe, PathBuf)]) -> Result<(), Erro
     let left = seeds.iter().map(|(_, file)| file).find(|file| file.exists());
     match (left, args.resume) {
         (Some(file), false) => Err(Error::message(format!(
-            "{}: left by an earlier run; go on with it by --resume, or delete it",
+            "{}: checkpoint of an unfinished run; continue it with --resume, or delete the file",
             file.display()
         ))),
         (None, true) => Err(Error::message(format!(
-            "--resume: there is no checkpoint {} to go on from{}",
+            "--resume: there is no checkpoint {}{}",
             seeds[0].1.display(),
             instead(args)
         ))),

@@ -81,7 +81,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     tell::tell(&network, &results, seed, &photographs, args, ui)
 }
 
-/// A trained network to go on from.
+/// A trained network to continue from.
 struct Beginning {
     network: Network,
     input: Input,

@@ -13,10 +13,10 @@ use std::time::Duration;
 
 /// Train a float network on photographs seen through a camera
 ///
-/// Without options but --tone this is the one recipe by which scripts/weights.sh makes the program's networks. A block of a quarter of
-/// each side of every photograph is kept for validation, and training stays as far away from it as the blur reaches. A
-/// checkpoint is written beside OUT every minute and when Ctrl-C stops the run; --resume goes on from it and ends with the
-/// same bytes as a run that was never stopped. The same seed and options give the same bytes, whatever --threads.
+/// The defaults, with --tone, are the recipe by which scripts/weights.sh makes the program's networks. A block of a quarter of
+/// each side of every photograph is reserved for validation; training keeps a distance of the blur's radius from it. A
+/// checkpoint is written beside OUT every minute and when Ctrl-C stops the run. --resume continues from it and ends with the
+/// same bytes as an uninterrupted run. The same seed and options give the same bytes, for any --threads.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors
@@ -25,7 +25,7 @@ use std::time::Duration;
   edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors --resume
   edof train --from edof-t4w12-outer --camera my-lens.json --steps 10000 --out weights/mine.safetensors")]
 pub struct Args {
-    /// The network's form: paper-t4, edof-t4w12, or words as in one-sided,w12,t4,c192,r
+    /// Architecture of the network: paper-t4, edof-t4w12, or keywords as in one-sided,w12,t4,c192,r
     #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "from")]
     pub(super) form: Option<Form>,
 
@@ -33,20 +33,20 @@ pub struct Args {
     #[arg(long)]
     pub(super) camera: String,
 
-    /// PSFs of one's own in place of the camera's: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    /// PSF bank in place of the camera's computed PSFs: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
     #[arg(long, value_name = "FILE")]
     pub(super) psf_bank: Option<PathBuf>,
 
-    /// Folder of photographs; may be given several times [default: $EDOF_KODAK and $EDOF_MORE, else the study's and those
+    /// Folder of photographs; repeatable [default: $EDOF_KODAK and $EDOF_MORE, else the study's and those
     /// in shared/data/more beside it]
     #[arg(long, value_name = "DIR")]
     pub(super) images: Vec<PathBuf>,
 
-    /// Which of them: train, all, or numbers as in 1,2 [default: all but the study's test photos]
+    /// Photographs of the folder to use: train, all, or numbers as in 1,2 [default: all except the study's test photographs]
     #[arg(long)]
     pub(super) photos: Option<Selection>,
 
-    /// Photographs to leave out of these, by file name without ending; networks can then be judged on them
+    /// Photographs to exclude, by file name without extension, so that networks can be tested on them
     #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
     pub(super) leave_out: Vec<String>,
 
@@ -54,57 +54,57 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     pub(super) out: PathBuf,
 
-    /// Name of the network [default: OUT without its ending]
+    /// Name of the network [default: OUT without its extension]
     #[arg(long)]
     pub(super) name: Option<String>,
 
-    /// Values of ψ, spread evenly over the camera's range
+    /// Number of depths ψ (defocus in radians), spread evenly over the camera's range
     #[arg(long, default_value_t = 9)]
     pub(super) depths: usize,
 
-    /// Range of ψ, where it is not the camera's, as in 0:8; or distances as in 0.7m:3m before a camera that knows its nominal_m
+    /// Range of ψ as in 0:8, or of distances as in 0.7m:3m if the camera states nominal_m [default: the camera's]
     #[arg(long, value_name = "LOW:HIGH", value_parser = depths, allow_hyphen_values = true)]
     pub(super) psi: Option<DepthRange>,
 
-    /// What a photograph's values are: srgb (codes of light, noise as a sensor has it, errors measured on codes; as edof capture
-    /// takes them), linear (the paper's: light itself), or both, half of the windows each [default: srgb, or with --from what that
-    /// network was trained on]
+    /// Meaning of a photograph's samples: srgb (encoded light, sensor noise, errors measured on encoded values; the default of edof
+    /// capture), linear (the paper's convention: linear light), or both, half of the windows each [default: srgb; with --from
+    /// the tone of that network]
     #[arg(long)]
     pub(super) tone: Option<Tones>,
 
-    /// Largest noise σ of linear windows, in units of full scale; what has seen none loses 6 to 11 dB to σ 0.01 (docs/stability.md)
+    /// Largest noise σ of linear windows, in units of full scale; a network trained without noise loses 6 to 11 dB at σ = 0.01 (docs/stability.md)
     #[arg(long)]
     pub(super) noise: Option<f32>,
 
-    /// Largest gain of the sensor behind srgb windows; 1 is base sensitivity
+    /// Largest sensor gain of srgb windows; 1 is base sensitivity
     #[arg(long)]
     pub(super) gain: Option<f32>,
 
-    /// One window in so many has no noise at all
+    /// One window in N has no noise
     #[arg(long)]
     pub(super) noiseless: Option<usize>,
 
-    /// Factor on the light of each window, least and most; 1:1 leaves it as it is
+    /// Range MIN:MAX of the random factor on the light of each window; 1:1 leaves it unchanged
     #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
     pub(super) exposure: Option<[f64; 2]>,
 
-    /// Pictures of each photograph: itself, and others of drawn saturation, hue and scale; 1 for itself alone
+    /// Pictures per photograph: the photograph, and copies with random saturation, hue and scale; 1 is the photograph only
     #[arg(long)]
     pub(super) variants: Option<usize>,
 
-    /// Saturation of the drawn pictures, least and most; 1:1 leaves it as it is
+    /// Range MIN:MAX of the copies' random saturation; 1:1 leaves it unchanged
     #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
     pub(super) saturation: Option<[f64; 2]>,
 
-    /// Hue of the drawn pictures is turned by up to so many degrees; 0 leaves it as it is
+    /// Largest random hue rotation of the copies in degrees; 0 leaves the hue unchanged
     #[arg(long, value_name = "DEGREES")]
     pub(super) hue: Option<f32>,
 
-    /// Smallest of the drawn pictures, as a share of the photograph's sides; 1 leaves them as they are
+    /// Smallest random scale of the copies, relative to the photograph's sides; 1 leaves the size unchanged
     #[arg(long)]
     pub(super) scale: Option<f32>,
 
-    /// What easy and hard windows weigh: psnr trains the mean PSNR, mse the mean square error, root lies between
+    /// Weights of easy and hard windows: psnr trains the mean PSNR, mse the mean square error, root is between both
     #[arg(long)]
     pub(super) weighting: Option<Weighting>,
 
@@ -112,57 +112,57 @@ pub struct Args {
     #[arg(long)]
     pub(super) steps: Option<u64>,
 
-    /// Stop after so many minutes, wherever the schedule is
+    /// Stop after N minutes, at any step of the schedule
     #[arg(long, value_parser = minutes)]
     pub(super) minutes: Option<Duration>,
 
-    /// Windows a step; a multiple of 8
+    /// Windows per step; a multiple of 8
     #[arg(long)]
     pub(super) batch: Option<usize>,
 
-    /// Adam's largest rate
+    /// Largest learning rate of Adam
     #[arg(long)]
     pub(super) rate: Option<f32>,
 
-    /// Rate of D and R, relative to --rate
+    /// Learning rate of D and R, relative to --rate
     #[arg(long)]
     pub(super) output_rate: Option<f32>,
 
-    /// Rate of the thresholds, relative to --rate
+    /// Learning rate of the thresholds, relative to --rate
     #[arg(long)]
     pub(super) threshold_rate: Option<f32>,
 
-    /// What a unit of |z| costs, one number or one for each shrinkage as in 3e-4,3e-4,1e-3: larger gives fewer non-zeros
+    /// Cost λ of a unit of |z|, one number or one per shrinkage as in 3e-4,3e-4,1e-3; a larger cost gives fewer non-zeros
     #[arg(long, value_delimiter = ',')]
     pub(super) lambda: Vec<f32>,
 
-    /// Mean non-zeros of each shrinkage on busy windows that λ, now only where it starts, is moved to reach, as in 65,65,58;
-    /// none: λ stays
+    /// Target mean non-zeros after each shrinkage on busy windows, as in 65,65,58; training adapts λ to reach it, and --lambda sets
+    /// only the start. none: λ is constant
     #[arg(long, value_name = "N,N,…|none")]
     pub(super) non_zeros: Option<String>,
 
-    /// How fast λ moves toward --non-zeros: at most this share of itself a step
+    /// Speed at which λ adapts to --non-zeros: its largest relative change per step
     #[arg(long)]
     pub(super) budget_rate: Option<f32>,
 
-    /// Go on from a trained network's weights, by name or file, with a new schedule; its form is taken where --form is not given
+    /// Start from a trained network's weights, by name or file, with a new schedule; without --form its architecture is used
     #[arg(long, value_name = "NETWORK", conflicts_with = "start")]
     pub(super) from: Option<String>,
 
-    /// Where to start: whitened inputs, or the paper's ISTA with a learned dictionary
+    /// Initial weights: whitened inputs, or the paper's ISTA with a learned dictionary
     #[arg(long)]
     pub(super) start: Option<Start>,
 
-    /// Seed of everything random; of several, as in 1,2,3, the network that validates best is written
+    /// Seed of all random numbers; with several, as in 1,2,3, the network with the best validation is written
     #[arg(long, value_delimiter = ',')]
     pub(super) seed: Vec<u64>,
 
-    /// Blur the photographs anew, and do not keep them blurred: else the next training on the same ones, behind the same camera, takes them
-    /// from the cache (~/.cache/edof/blurs, the last three data sets of at most 4 GiB each)
+    /// Ignore and do not fill the cache of blurred photographs (~/.cache/edof/blurs, the last three data sets of at most 4 GiB each),
+    /// which the next training on the same photographs and camera reuses
     #[arg(long)]
     pub(super) no_cache: bool,
 
-    /// Threads [default: one for each core, 8 at most: more are of no use]
+    /// Number of threads; more than 8 give no gain [default: one per core, at most 8]
     #[arg(long)]
     pub(super) threads: Option<usize>,
 
@@ -170,11 +170,11 @@ pub struct Args {
     #[arg(long)]
     pub(super) validate_every: Option<u64>,
 
-    /// Validations without a better one after which training stops
+    /// Stop after N validations without improvement
     #[arg(long)]
     pub(super) patience: Option<u32>,
 
-    /// Go on from the checkpoints beside OUT, of which there must be one
+    /// Resume from the checkpoints beside OUT; fails without a checkpoint
     #[arg(long)]
     pub(super) resume: bool,
 

@@ -33,7 +33,7 @@ pub(super) fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &
     })
 }
 
-/// Numbers with so many digits, parted by blanks.
+/// Numbers with N digits, parted by blanks.
 pub(super) fn numbers(values: &[f64], digits: usize) -> String {
     values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ")
 }

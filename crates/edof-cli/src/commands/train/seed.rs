@@ -1,4 +1,4 @@
-//! One seed of `edof train`: begun or gone on with, with a checkpoint every minute.
+//! One seed of `edof train`: begun or resumed, with a checkpoint every minute.
 
 use super::options::Args;
 use super::progress::{moment, summary};
@@ -58,7 +58,7 @@ pub(super) fn one_seed<'a>(
     if let Err(error) = train(&mut trainer, args, file, run, &mut history, ui) {
         if matches!(error, Error::Interrupted) {
             let step = trainer.state.step;
-            ui.note(format!("{}: checkpoint at step {step}; --resume goes on", file.display()));
+            ui.note(format!("{}: checkpoint at step {step}; continue with --resume", file.display()));
         }
         return Err(error);
     }

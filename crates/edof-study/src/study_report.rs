@@ -1,4 +1,4 @@
-//! What a file of rows says: every study that is kept in one is told in the same ways.
+//! Reports of a file of rows, in the same formats for every study.
 
 use crate::journal::Line;
 use crate::made::Made;
@@ -8,15 +8,15 @@ use edof_report::csv;
 use serde::Serialize;
 
 /// A study made from its rows.
-pub trait Told: Serialize + Sized {
+pub trait StudyReport: Serialize + Sized {
     /// What it is made from.
     type Row: Line;
 
     /// What rows say; `machine` names the CPU and threads that times are of.
     ///
     /// # Errors
-    /// [`ToldError`]: rows that no study gave.
-    fn new(rows: &[Self::Row], machine: String) -> Result<Self, ToldError>;
+    /// [`StudyReportError`]: rows that no study gave.
+    fn new(rows: &[Self::Row], machine: String) -> Result<Self, StudyReportError>;
 
     /// Tables for a terminal.
     fn to_text(&self) -> String;
@@ -35,7 +35,7 @@ pub trait Told: Serialize + Sized {
 
 /// Rows that no study gave.
 #[derive(Debug, thiserror::Error)]
-pub enum ToldError {
+pub enum StudyReportError {
     /// A scene that nothing draws.
     #[error("rows of {0}")]
     Scene(#[from] DrawError),

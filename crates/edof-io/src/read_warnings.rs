@@ -7,12 +7,12 @@ use edof_image::{Channel, RawFrame};
 const DIM: u16 = u16::MAX / 16;
 /// Greens of one cell differ by less than this share of the mean light, in whole pictures.
 const GREENS_DIFFER: f64 = 0.02;
-/// And by less than so many times what red and blue do.
+/// And by less than this factor times the difference of red and blue.
 const MORE_THAN_OTHERS: f64 = 4.0;
 
 /// A reason to ask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Doubt {
+pub enum ReadWarning {
     /// The brightest of its pixels, of 65535, lies in the lowest sixteenth of the range.
     Dim(u16),
     /// What its phase takes for the two greens of a cell differ as red and blue do, and those as greens.
@@ -24,14 +24,14 @@ pub enum Doubt {
 /// ```
 /// use edof_image::{CfaPhase, RawFrame};
 /// let frame = RawFrame::from_values(ndarray::Array2::from_elem((4, 6), 900), 16, CfaPhase::Rggb)?;
-/// assert_eq!(edof_io::doubt::doubts(&frame), [edof_io::doubt::Doubt::Dim(900)]);
+/// assert_eq!(edof_io::read_warnings::read_warnings(&frame), [edof_io::read_warnings::ReadWarning::Dim(900)]);
 /// # Ok::<(), edof_image::frame::FrameError>(())
 /// ```
 #[must_use]
-pub fn doubts(frame: &RawFrame) -> Vec<Doubt> {
+pub fn read_warnings(frame: &RawFrame) -> Vec<ReadWarning> {
     let brightest = frame.pixels().iter().copied().max().unwrap_or(0);
-    let dim = (brightest < DIM).then_some(Doubt::Dim(brightest));
-    dim.into_iter().chain(wrong_diagonal(frame).then_some(Doubt::Phase)).collect()
+    let dim = (brightest < DIM).then_some(ReadWarning::Dim(brightest));
+    dim.into_iter().chain(wrong_diagonal(frame).then_some(ReadWarning::Phase)).collect()
 }
 
 fn wrong_diagonal(frame: &RawFrame) -> bool {
@@ -53,13 +53,13 @@ mod tests {
     use ndarray::Array2;
 
     /// A grey-blue picture with some structure behind the filters of one phase, read with another.
-    fn read_as(taken: CfaPhase, stated: CfaPhase) -> Vec<Doubt> {
+    fn read_as(taken: CfaPhase, stated: CfaPhase) -> Vec<ReadWarning> {
         let light = |r: usize, c: usize| 20_000 + 400 * ((r * 7 + c * 13) % 31) as u32;
         let values = Array2::from_shape_fn((40, 60), |(r, c)| {
             let share = [80, 100, 130][taken.channel(r, c).plane()];
             (light(r, c) * share / 100) as u16
         });
-        doubts(&RawFrame::from_values(values, 16, stated).unwrap())
+        read_warnings(&RawFrame::from_values(values, 16, stated).unwrap())
     }
 
     #[test]
@@ -67,7 +67,7 @@ mod tests {
         for taken in CfaPhase::ALL {
             for stated in CfaPhase::ALL {
                 let same = |phase: CfaPhase| phase.channel(0, 0) == Channel::Green;
-                let expected = if same(taken) == same(stated) { vec![] } else { vec![Doubt::Phase] };
+                let expected = if same(taken) == same(stated) { vec![] } else { vec![ReadWarning::Phase] };
                 assert_eq!(read_as(taken, stated), expected, "{taken} as {stated}");
             }
         }
@@ -77,7 +77,7 @@ mod tests {
     fn a_grey_frame_says_nothing_of_its_phase() {
         let values = Array2::from_shape_fn((40, 60), |(r, c)| 20_000 + 100 * ((r * 3 + c) % 17) as u16);
         for phase in CfaPhase::ALL {
-            assert_eq!(doubts(&RawFrame::from_values(values.clone(), 16, phase).unwrap()), []);
+            assert_eq!(read_warnings(&RawFrame::from_values(values.clone(), 16, phase).unwrap()), []);
         }
     }
 }

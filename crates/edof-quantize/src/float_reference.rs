@@ -28,7 +28,7 @@ pub(crate) fn all_ends(fixed: &FixedNetwork) -> Vec<[f64; 2]> {
 
 /// A network ready to run windows in precision `T`.
 #[derive(Debug, Clone)]
-pub struct Twin<T> {
+pub struct FloatReference<T> {
     form: Form,
     analysis: Vec<T>,
     thresholds: Vec<Vec<T>>,
@@ -47,7 +47,7 @@ pub struct Values<T> {
     pub clipped: u64,
 }
 
-impl<T: Real> Twin<T> {
+impl<T: Real> FloatReference<T> {
     /// The network whose real weights are `reference`, with the ranges of `fixed`.
     #[must_use]
     pub fn new(fixed: &FixedNetwork, reference: &Folded) -> Self {
@@ -159,7 +159,7 @@ mod tests {
                 tied: flags[3],
             };
             let fixed = edof_random::extreme(form, 12, Stride::PATCH, true, seed);
-            let twin = Twin::<f64>::new(&fixed, &Folded::of(&fixed));
+            let twin = FloatReference::<f64>::new(&fixed, &Folded::of(&fixed));
             let y = edof_random::extreme_window(&mut Draw::new(seed), 64);
             let (trace, values) = (scalar::run(&fixed, &y), twin.run(&y));
             let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
