@@ -223,7 +223,8 @@ fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
                 "csr-csv" => csr_csv::csr_csv(),
                 _ => markdown::page(),
             };
-            ui.say(&text)?;
+            // LiteX's clients take no line that is empty.
+            ui.say(text.trim_end())?;
             ui.json(&json!({ "format": format, "map": text }))
         }
         Command::Sim(sim) => sim::run(args, sim, ui),
