@@ -81,9 +81,11 @@ def run(task, mode, sources, out, broken=None, patience=1):
     start = time.monotonic()
     tools = [f"--{tool}={os.environ.get(tool.upper(), found)}" for tool, found in
              [("yosys", "yosys"), ("abc", "yosys-abc"), ("smtbmc", "yosys-smtbmc")]]
+    # While it has a free place for a job SymbiYosys does not sleep but asks again and again: no more places than provers.
+    places = 1 if mode != "prove" or len(task.get("engines", "both")) == 1 else 3
     with open(folder / "log", "w") as log:
         # A session of its own: what it has started ends with it, also its solvers, which have process groups of their own.
-        prover = subprocess.Popen(["yowasp-sby", "-f", *tools, "-d", "work", "task.sby"], cwd=folder, stdout=log,
+        prover = subprocess.Popen(["yowasp-sby", "-f", "-j", str(places), *tools, "-d", "work", "task.sby"], cwd=folder, stdout=log,
                                   stderr=subprocess.STDOUT, start_new_session=True)
         RUNNING.add(prover.pid)
         try:

@@ -205,7 +205,11 @@ fn a_drawn_network_that_there_is_none_of() {
     let line = |more: &str| format!("random-network --out net.safetensors {more}");
     refused_without_a_trace(&place, &line("--bits 7"), &["--bits 7: must be 8 to 16"]);
     refused_without_a_trace(&place, &line("--stride 3"), &["stride 3: must be 2, 4 or 8"]);
-    refused_without_a_trace(&place, &line("--kind natural --bits 12"), &["--kind natural", "16 bits only"]);
+    refused_without_a_trace(
+        &place,
+        &line("--kind natural --bits 12"),
+        &["--kind natural", "of --bits 16 only", "of --bits 12"],
+    );
 }
 
 #[test]

@@ -127,16 +127,23 @@ fn networks_of_ones_own_have_names_and_both_banks_have_hashes() {
     assert_ne!(name(0), "");
     assert_eq!(named[1]["hash"], unknown[1]["hash"], "the register holds the hash of the bank in use");
     assert!(named[0]["hash"].is_string() && named[0]["hash"] != named[1]["hash"], "{named}");
+    // Without a name the idle bank is known by a checksum of its words, which is the same when its name is known.
+    let sums = |told: &Value| [0, 1].map(|bank| told[bank]["checksum"].as_str().unwrap().to_owned());
+    assert_eq!(sums(&unknown), sums(&named));
+    assert_ne!(sums(&named)[0], sums(&named)[1]);
     let said = place.edof("board info --port board").done().out;
-    assert!(
-        said.contains(
-            "bank a: hash unknown, a network that the program does not have; name its file by --weights"
-        ),
-        "{said}"
+    let idle = format!(
+        "bank a: checksum {}, a network that the program does not have; name its file by --weights",
+        sums(&named)[0]
     );
+    assert!(said.contains(&idle), "{said}");
     // Switched to by name, the bank has its hash again.
     let told = object(&board(&place, "bank a --weights own.fixed.safetensors").done());
     assert_eq!((&told["weights"], &told["hash"]), (&named[0]["weights"], &named[0]["hash"]));
+    // In the other bank it is the same network.
+    board(&place, "load own.fixed.safetensors").done();
+    let alike = sums(&banks("info"));
+    assert_eq!(alike, [sums(&named)[0].clone(), sums(&named)[0].clone()]);
     sim.end_quietly();
 }
 
@@ -157,6 +164,24 @@ fn how_far_a_load_is_can_be_read_by_a_program() {
 /// Lines of JSON on standard error.
 fn progress(err: &str) -> Vec<Value> {
     err.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {line}"))).collect()
+}
+
+#[test]
+fn captures_and_generated_sources_tell_how_far_they_are() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    drawn(&place, "net", 5);
+    for (command, what) in [
+        ("capture photo.png --psi 4 --out raw.png --measure", "capture"),
+        ("generate --design tiny --weights net.fixed.safetensors --out out", "sources"),
+    ] {
+        let lines = progress(&place.edof(&format!("{command} --progress json")).done().err);
+        let own: Vec<&Value> = lines.iter().filter(|line| line["progress"] == what).collect();
+        let done: Vec<u64> = own.iter().map(|line| line["done"].as_u64().unwrap()).collect();
+        assert!(done.len() >= 3 && done.is_sorted(), "{command}: {lines:?}");
+        assert_eq!(own.last().unwrap()["done"], own.last().unwrap()["total"], "{command}: {lines:?}");
+        assert!(own.iter().any(|line| line["message"].as_str().is_some_and(|m| !m.is_empty())), "{lines:?}");
+    }
 }
 
 #[test]

@@ -290,6 +290,30 @@ fn a_folder_without_the_calculator_is_refused() {
         .refused(&["--rtl empty: has no chain.v", "expected the folder rtl"]);
     place.write("empty/chain.v", "module chain (input wire clock_i);\nendmodule\n");
     place.edof("cosim --design tiny --random 5 --rtl empty").refused(&["empty/chain.v: has no port reset_i"]);
+    place.edof("cosim --system --design tiny --rtl empty").refused(&["--rtl empty: has no edof_core.v"]);
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn the_whole_core_of_a_folder_is_run_as_it_was_edited() {
+    let place = Place::new();
+    place.edof("random-network --design tiny --out drawn.fixed.safetensors").done();
+    place.edof("generate --design tiny --weights drawn.fixed.safetensors --out built").done();
+    let line = "cosim --system --design tiny --weights drawn.fixed.safetensors --rtl built/rtl --frames 1";
+    assert!(place.edof(line).done().out.contains("every code as golden"));
+
+    // A pixel on its way to the memory of pictures loses a bit.
+    let file = place.path("built/rtl/stream_core.v");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let (from, to) = (".pixels_data_o(picture_data_o)", ".pixels_data_o({picture_data_o[15:1], lost})");
+    assert_eq!(text.matches(from).count(), 1);
+    let text = text.replace(from, to).replace(
+        "  display display (",
+        "  wire lost;\n  assign picture_data_o[0] = 1'b0;\n  display display (",
+    );
+    std::fs::write(&file, text).unwrap();
+    let told = place.edof(line);
+    assert!(told.code == Some(1) && told.err.contains("pixels differ from picture"), "{}", told.err);
 }
 
 /// What is stable on paper is so in the circuit: windows of the suite's hard cases, every word and cycle.

@@ -271,7 +271,7 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
     place.write("small.pgm", "P2 2 2 255 1 2 3 4");
     let before = place.files();
     for (line, words) in [
-        ("capture photo.png --out r.png", ["--psi: one value", "one depth"]),
+        ("capture photo.png --out r.png", ["--psi: expected one value", "one depth"]),
         ("capture photo.png --psi 2m --out r.png", ["--psi 2m: camera", "--nominal"]),
         ("capture photo.png --depth-map odd.png --range 8:0 --out r.png", ["odd.png", "expected a grey one"]),
         (

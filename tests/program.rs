@@ -20,6 +20,7 @@ mod provenance;
 mod saturations;
 mod sizes;
 mod stopping;
+mod studies;
 mod support;
 mod tone;
 mod too_big;

@@ -2,10 +2,12 @@
 //! Rust. One row is a command and what its one line must hold.
 
 mod rows;
+mod strange;
 
 use crate::support::{Place, forge};
 use rows::{ARRAYS, FILES, OPTIONS, Row};
 use std::io::Write;
+use strange::{SCENES, STRANGE, USAGE};
 
 /// A camera file of the name `clear`, changed.
 fn camera(from: &str, to: &str) -> String {
@@ -189,19 +191,94 @@ fn of_rust(line: &str) -> Option<&'static str> {
     })
 }
 
+/// Files that are none of what they are given for, and records and scenes that say what cannot be.
+fn strange() -> Place {
+    let place = ready();
+    for folder in ["empty", "folder.png"] {
+        std::fs::create_dir(place.path(folder)).unwrap();
+    }
+    place.photo("other.png", 64, 32);
+    for name in ["empty.json", "empty.png", "empty.safetensors"] {
+        place.write(name, "");
+    }
+    place.write("list.json", "[]");
+    place.write("words.json", "\"x\"");
+    place.write("deep.json", "[".repeat(5000));
+    place.write(
+        "wide.json",
+        "\u{feff}{\"name\":\"x\"}".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
+    );
+    place.write("rows.jsonl", "{\"study\":\"knobs\",\"layout\":1,\"exact\":false,\"machine\":\"m\"}\n");
+    place.write("twice.json", r#"{"layers": [], "layers": []}"#);
+    let layers = |name: &str, layers: &str| place.write(name, format!("{{\"layers\": [{layers}]}}"));
+    layers("s-missing.json", r#"{"picture": "nothere.png", "depth": 1}"#);
+    layers("s-feet.json", r#"{"picture": "photo.png", "depth": "2 feet"}"#);
+    layers("s-bare.json", r#"{"picture": "photo.png", "depth": 1}, {"picture": "other.png", "depth": 2}"#);
+    let matte =
+        r#"{"picture": "photo.png", "depth": 1}, {"picture": "photo.png", "matte": "other.png", "depth": 2}"#;
+    layers("s-matte.json", matte);
+    layers("s-far.json", r#"{"picture": "photo.png", "depth": 1e9}"#);
+    layers("s-nowhere.json", r#"{"picture": "photo.png"}"#);
+    layers("s-many.json", &[r#"{"picture": "photo.png", "depth": 1}"#; 65].join(","));
+    layers("s-folder.json", r#"{"picture": "folder.png", "depth": 1}"#);
+    layers("s-nameless.json", r#"{"picture": "", "depth": 1}"#);
+    layers("s-behind.json", r#"{"picture": "photo.png", "depth": "-1m"}"#);
+    place.edof("capture photo.png --psi 1 --out taken.png").done();
+    let taken: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("taken.png.json")).unwrap()).unwrap();
+    let record = |name: &str, field: &str, value: serde_json::Value| {
+        std::fs::copy(place.path("taken.png"), place.path(name)).unwrap();
+        let mut record = taken.clone();
+        record[field] = value;
+        place.write(&format!("{name}.json"), record.to_string());
+    };
+    record("r-depth.png", "depth", 99.into());
+    record("r-black.png", "black_level", 70000.into());
+    record("r-white.png", "white_level", 0.into());
+    record("r-balance.png", "white_balance", serde_json::json!([1, 2]));
+    record("r-dark.png", "white_balance", serde_json::json!([0, 1, 1]));
+    record("r-matrix.png", "colour_matrix", serde_json::json!([[1, 0, 0]]));
+    record("r-align.png", "alignment", "left".into());
+    record("r-psi.png", "psi", serde_json::json!(["x"]));
+    record("r-hash.png", "sha256", "abc".into());
+    record("r-text.png", "depth", "12".into());
+    for (name, from, to) in [
+        ("g-bits.json", "\"code_bits\": 16", "\"code_bits\": 17"),
+        ("g-sum.json", "\"accumulator_bits\": 48", "\"accumulator_bits\": 64"),
+        ("g-layers.json", "\"layers\": 4", "\"layers\": 1"),
+        ("g-lanes.json", "\"lanes\": 16", "\"lanes\": 0"),
+        ("g-slow.json", "\"clock_mhz\": 100.0", "\"clock_mhz\": -5.0"),
+        ("g-stride.json", "\"stride\": 8", "\"stride\": 3"),
+        ("g-window.json", "\"window\": 8", "\"window\": 9"),
+        ("g-skip.json", "\"skip_zeros\": true", "\"skip_zeros\": \"yes\""),
+    ] {
+        place.write(name, design(from, to));
+    }
+    place
+}
+
 #[track_caller]
 fn every_row_says_what_and_what_to_do(rows: &[Row]) {
-    let place = ready();
+    every_row_ends_with(&ready(), rows, (1, "edof: "));
+}
+
+/// Each ends with a status and one line that begins so, and leaves nothing.
+#[track_caller]
+fn every_row_ends_with(place: &Place, rows: &[Row], (code, beginning): (i32, &str)) {
     let before = place.snapshot();
     let mut wrongly = vec![];
     for (command, options, words) in rows {
-        let line = format!("{command} {options}");
+        // On a slow machine progress would be a line of its own.
+        let line = format!("{command} {options} --quiet");
         let run = place.edof_within_bounds(&line);
         let missing: Vec<&&str> = words.iter().filter(|word| !run.err.contains(**word)).collect();
-        let one = run.err.lines().count() == 1 && run.err.starts_with("edof: ") && run.out.is_empty();
+        // Wrong usage comes with a hint at the right one.
+        let one = (code == 2 || run.err.lines().count() == 1)
+            && run.err.starts_with(beginning)
+            && run.out.is_empty();
         let rust = of_rust(&run.err);
         let left = place.snapshot() != before;
-        if run.code != Some(1) || !one || !missing.is_empty() || rust.is_some() || left {
+        if run.code != Some(code) || !one || !missing.is_empty() || rust.is_some() || left {
             wrongly.push(format!(
                 "{line}: status {:?}, missing {missing:?}, of Rust {rust:?}, files left: {left}\n    {}{}",
                 run.code, run.out, run.err
@@ -224,4 +301,19 @@ fn arrays_of_other_programs_are_refused_by_name() {
 #[test]
 fn a_failure_of_an_option_names_the_option_and_its_limit() {
     every_row_says_what_and_what_to_do(OPTIONS);
+}
+
+#[test]
+fn scenes_and_records_that_say_what_cannot_be_are_named_with_the_place_in_them() {
+    every_row_ends_with(&strange(), SCENES, (1, "edof: "));
+}
+
+#[test]
+fn files_and_folders_that_are_something_else_are_named() {
+    every_row_ends_with(&strange(), STRANGE, (1, "edof: "));
+}
+
+#[test]
+fn wrong_usage_names_the_option_the_value_and_what_is_expected() {
+    every_row_ends_with(&strange(), USAGE, (2, "error: "));
 }

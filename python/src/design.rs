@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// A calculator and the board around it. See `edof.Design` in the type stubs.
 #[pyclass(frozen, name = "Design", module = "edof")]
@@ -100,7 +100,7 @@ impl PyDesign {
         let told = job::run(py, move |stop| {
             let network = golden.network();
             let pictures = frames.iter().enumerate().map(|(index, raw)| {
-                Picture::measure(format!("raw[{index}]"), &design, network, raw, || going(stop))
+                Picture::measure(format!("raw[{index}]"), &design, network, raw, || job::flow(stop))
             });
             let measured = Measured(pictures.collect::<Result<Vec<_>, MeasureError>>()?);
             Ok::<_, MeasureError>(Estimated::new(&design, Some(&measured)).json(Some(&network.origin.name)))
@@ -124,9 +124,9 @@ impl PyDesign {
             let network = golden.network();
             let design = any_folding(&base, network).or_raise()?;
             let model = Cycle::new(&design, [network, network]).or_raise()?;
-            let pairs = |raw| explore::pairs(&model, network, raw, || going(stop)).or_raise();
+            let pairs = |raw| explore::pairs(&model, network, raw, || job::flow(stop)).or_raise();
             let pictures = frames.iter().map(pairs).collect::<PyResult<Vec<_>>>()?;
-            explore::found(&base, network, &pictures, || going(stop)).or_raise()
+            explore::found(&base, network, &pictures, || job::flow(stop)).or_raise()
         };
         let mut found = job::run(py, work)??;
         let fast = found.iter().any(|one| one.frames >= fps);
@@ -202,8 +202,4 @@ impl PyDesign {
             self.0.name, self.0.frame.width, self.0.frame.height, self.0.clock_mhz
         )
     }
-}
-
-fn going(stop: &AtomicBool) -> bool {
-    !stop.load(Ordering::Relaxed)
 }

@@ -302,13 +302,24 @@ impl<L: Line> Board<L> {
         Ok(all.iter().position(|parts| parts.iter().map(|part| part.crc).eq(found.iter().copied())))
     }
 
+    /// A checksum of the words in a bank, made of the circuit's CRCs: equal words have equal ones, in either bank and on every board of the design;
+    /// any network of the design says which parts there are.
+    ///
+    /// # Errors
+    /// As [`Board::crcs`].
+    pub fn checksum(&mut self, design: &Design, any: &FixedNetwork, bank: Set) -> Result<u32, Error> {
+        let crcs = self.crcs(&parts(design, any, bank).iter().collect::<Vec<_>>())?;
+        // FNV-1a: enough to distinguish networks.
+        let bytes = crcs.into_iter().flat_map(u32::to_le_bytes);
+        Ok(bytes.fold(0x811c_9dc5, |sum, byte| (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193)))
+    }
+
     /// Whether both banks hold the same words, by their CRCs; any network of the design says which parts they have.
     ///
     /// # Errors
     /// As [`Board::crcs`].
     pub fn holds_alike(&mut self, design: &Design, any: &FixedNetwork) -> Result<bool, Error> {
-        let mut crcs = |bank| self.crcs(&parts(design, any, bank).iter().collect::<Vec<_>>());
-        Ok(crcs(Set::First)? == crcs(Set::Second)?)
+        Ok(self.checksum(design, any, Set::First)? == self.checksum(design, any, Set::Second)?)
     }
 
     /// Gives commands to read to stages, one to each at a time, and waits for all answers.

@@ -111,6 +111,12 @@ impl Terminal {
                         "{link}: leads to {to}, where another board may answer; end that one, remove the link, or name another path"
                     )));
                 }
+                Err(_) if link.exists() => {
+                    let link = link.display();
+                    return Err(failed(format!(
+                        "{link}: is there already, and no link of a board; name another path, or delete it"
+                    )));
+                }
                 Err(_) => {}
             }
             std::os::unix::fs::symlink(&path, link).map_err(named)?;

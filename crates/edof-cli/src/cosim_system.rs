@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::interrupt;
 use crate::said;
 use crate::ui::Ui;
+use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::system::{self, Begin, Compiled, Rig, recorded, second};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
@@ -14,6 +15,7 @@ use edof_image::{DisplayMode, RawFrame};
 use edof_network::FixedNetwork;
 use ndarray::s;
 use serde_json::json;
+use std::path::Path;
 use std::time::Instant;
 
 /// Pixels by which one frame lies beside the next in the picture.
@@ -27,7 +29,7 @@ pub const BESIDES: usize = 2;
 #[group(skip)]
 pub struct Args {
     /// Run the whole core instead: raw frames at the receiver's pins, pictures at the transmitter's, by way of a memory
-    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "junit", "waveform", "rtl"])]
+    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "junit", "waveform"])]
     pub system: bool,
 
     /// Pictures that must be shown one after the other, each once or more
@@ -39,15 +41,15 @@ pub struct Args {
     display: DisplayMode,
 
     /// Stride between patches in place of the design's: 2, 4 or 8
-    #[arg(long, requires = "system", value_name = "PIXELS")]
+    #[arg(long, requires = "system", conflicts_with = "rtl", value_name = "PIXELS")]
     stride: Option<usize>,
 
     /// Window in place of the design's: 8, 12 or 16; the network is then a random one
-    #[arg(long, requires = "system", conflicts_with = "weights", value_name = "PIXELS")]
+    #[arg(long, requires = "system", conflicts_with_all = ["weights", "rtl"], value_name = "PIXELS")]
     window: Option<usize>,
 
     /// Size of frames instead of the design's
-    #[arg(long, requires = "system", value_name = "WIDTHxHEIGHT", value_parser = size)]
+    #[arg(long, requires = "system", conflicts_with = "rtl", value_name = "WIDTHxHEIGHT", value_parser = size)]
     size: Option<(usize, usize)>,
 }
 
@@ -88,17 +90,27 @@ impl Args {
     }
 }
 
+/// How a core is run.
+pub struct Run<'a> {
+    /// Of everything random.
+    pub seed: u64,
+    /// Whether Icarus runs the same frames.
+    pub icarus: bool,
+    /// The folder of its Verilog, where that is not made afresh.
+    pub rtl: Option<&'a Path>,
+}
+
 /// # Errors
-/// A network or picture that cannot be used, a simulator that is missing, or a picture that is not the golden one.
+/// A network or picture that cannot be used, a folder without a core, a simulator that is missing, or a picture that is not the golden one.
 pub fn run(
     args: &Args,
     design: &Design,
     network: FixedNetwork,
     raw: &RawFrame,
-    seed: u64,
-    icarus: bool,
+    how: &Run<'_>,
     ui: &Ui,
 ) -> Result<(), Error> {
+    let Run { seed, icarus, rtl } = *how;
     let start = Instant::now();
     if args.frames < 1 {
         return Err(Error::message("--frames 0: must be 1 or more, or nothing is compared"));
@@ -106,7 +118,13 @@ pub fn run(
     let network = FixedNetwork { stride: design.frame.stride, ..network };
     let frames = crops(raw, design.frame, args.frames + BESIDES)?;
     let display = Display::new(args.display, Curve::default());
-    let passed = through(design, &network, &display, &frames, seed, ui)?;
+    let project = system::project(design, [&network; 2], &display)?;
+    let project = match rtl {
+        Some(folder) => with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))?,
+        None => project,
+    };
+    let golden = Golden::new(network)?;
+    let passed = through_core(project, (design, &golden, &display), &frames, seed, ui)?;
     let (run, shown) = (passed.in_a_row(), &passed.shown);
     if run < args.frames {
         let problem = format!("{run} pictures were shown one after the other, expected {}", args.frames);
@@ -178,10 +196,21 @@ pub fn through(
     seed: u64,
     ui: &Ui,
 ) -> Result<Passed, Error> {
-    let golden = Golden::new(network.clone())?;
-    let pictures =
-        frames.iter().map(|raw| system::picture(&golden, display, raw)).collect::<Result<Vec<_>, _>>()?;
     let project = system::project(design, [network, network], display)?;
+    let golden = Golden::new(network.clone())?;
+    through_core(project, (design, &golden, display), frames, seed, ui)
+}
+
+/// The same through the core of a project.
+fn through_core(
+    project: Project,
+    (design, golden, display): (&Design, &Golden, &Display),
+    frames: &[RawFrame],
+    seed: u64,
+    ui: &Ui,
+) -> Result<Passed, Error> {
+    let pictures =
+        frames.iter().map(|raw| system::picture(golden, display, raw)).collect::<Result<Vec<_>, _>>()?;
     ui.note(format!("compiling {} modules with Verilator", project.verilog.len()));
     let options = Options { cache: Options::user_cache(), ..Options::default() };
     let compiled = Compiled::new(&project, &options)?;

@@ -23,13 +23,15 @@ pub struct Files {
     written: Vec<(String, PathBuf)>,
     /// How many of these must not be there yet.
     new: usize,
+    /// Folders of results.
+    folders: Vec<(String, PathBuf)>,
 }
 
 impl Files {
     /// Begins with what every command may write: the file of `--json`.
     pub fn new(ui: &Ui) -> Self {
         let json = ui.json_file().map(|file| ("--json".to_owned(), file.to_owned()));
-        Self { read: vec![], written: json.into_iter().collect(), new: 0 }
+        Self { read: vec![], written: json.into_iter().collect(), new: 0, folders: vec![] }
     }
 
     /// A file that is read. What names no file, such as a preset, is no danger.
@@ -74,11 +76,12 @@ impl Files {
 
     /// Files that are written into a folder, which is made if it does not exist.
     pub fn writes_into(
-        self,
+        mut self,
         option: &str,
         folder: &Path,
         names: impl IntoIterator<Item = impl AsRef<Path>>,
     ) -> Self {
+        self.folders.push((option.to_owned(), folder.to_owned()));
         names.into_iter().fold(self, |files, name| files.writes(option, folder.join(name)))
     }
 
@@ -93,6 +96,12 @@ impl Files {
     /// # Errors
     /// An output that is also read, or that is two outputs at once, or that cannot be written, or a result that is there already.
     pub fn check(self) -> Result<(), Error> {
+        if let Some((option, folder)) = self.folders.iter().find(|(_, folder)| folder.is_file()) {
+            return Err(Error::message(format!(
+                "{option} {}: is a file, expected a folder",
+                folder.display()
+            )));
+        }
         let read: Vec<(&PathBuf, PathBuf)> = self.read.iter().map(|file| (file, canonical(file))).collect();
         let mut seen: Vec<(&str, PathBuf)> = vec![];
         for (option, file) in &self.written {

@@ -140,8 +140,13 @@ fn main() -> ExitCode {
     }
 }
 
+/// A number below 0 after an option is its value, which the option may reject, and no option of its own.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    command.allow_negative_numbers(true).mut_subcommands(with_negative_numbers)
+}
+
 fn run() -> Result<(), Error> {
-    let mut command = Cli::command();
+    let mut command = with_negative_numbers(Cli::command());
     let matches = command.get_matches_mut();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     interrupt::install()?;

@@ -22,6 +22,22 @@ fn of_option(error: impl Display) -> Error {
     Error::message(format!("--{error}"))
 }
 
+/// A number that is computed with in single precision, as an option's value: one that single precision does not have is no other one.
+///
+/// # Errors
+/// No number, or one that would become infinite or 0.
+pub fn single(text: &str) -> Result<f32, String> {
+    let whole: f64 = text.trim().parse().map_err(|_| "expected a number".to_owned())?;
+    let value = whole as f32;
+    if whole.is_finite() && value.is_infinite() {
+        return Err(format!("too large: expected a number of at most {:.1e}", f32::MAX));
+    }
+    if whole != 0.0 && value == 0.0 {
+        return Err(format!("too small: expected 0, or a number of at least {:.1e}", f32::MIN_POSITIVE));
+    }
+    Ok(value)
+}
+
 /// The stride of `--stride`.
 ///
 /// # Errors

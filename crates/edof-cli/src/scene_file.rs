@@ -133,7 +133,11 @@ impl SceneFile {
         ui: &Ui,
     ) -> Result<(Layer, Vec<Input>), Error> {
         let file = self.beside(&layer.picture);
-        let mut light = tone.into_decoded(pictures::load(&file, ui)?);
+        let of_layer = |e: Error| Error::message(format!("{}: layer {index}: {e}", self.path.display()));
+        if layer.picture.as_os_str().is_empty() {
+            return Err(of_layer(Error::message("picture: is empty, expected the name of a file")));
+        }
+        let mut light = tone.into_decoded(pictures::load(&file, ui).map_err(of_layer)?);
         let (height, width) = light.size();
         let job = format!("{}: {} layers of {width}x{height}", self.path.display(), self.layers.len());
         memory::check(&job, bytes_a_pixel(self.layers.len() - index) * (width * height) as f64)?;
@@ -142,14 +146,14 @@ impl SceneFile {
             return Ok((Layer { light, matte: None, psi: 0.0 }, vec![picture]));
         };
         let path = self.beside(matte);
-        let whole = photo::load_grey(&path)?;
+        let whole = photo::load_grey(&path).map_err(|e| of_layer(e.into()))?;
         let (rows, columns) = whole.dim();
         if pictures::whole_cells((rows, columns)) != (height, width) {
-            return Err(Error::message(format!(
+            return Err(of_layer(Error::message(format!(
                 "{}: {columns}x{rows}, expected {width}x{height} as {}",
                 path.display(),
                 file.display()
-            )));
+            ))));
         }
         let planes = whole.slice_move(s![..height, ..width]).insert_axis(Axis(0));
         let grey = ColourFrame { planes };

@@ -265,6 +265,13 @@ impl Progress {
         self.set(position);
     }
 
+    /// All of it is done.
+    pub fn finish(self) {
+        let total = self.bar.length().unwrap_or(0);
+        self.message("");
+        self.set(total);
+    }
+
     /// What is being done, or how well, beside the bar.
     pub fn message(&self, text: impl Into<String>) {
         self.bar.set_message(text.into());

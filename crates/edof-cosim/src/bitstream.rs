@@ -22,6 +22,9 @@ const TOP: &str = "kc705_top";
 /// Windows that the test bench tries.
 const TRIED: usize = 12;
 
+/// Steps of making sources.
+const STEPS: usize = 4;
+
 /// Top of the list of files.
 const LIST_HEADER: &str = "\
 Files of the design, for tools that are started in this folder.
@@ -61,7 +64,19 @@ impl Sources {
     /// # Errors
     /// They do not fit each other.
     pub fn of(design: &Design, network: &FixedNetwork) -> Result<Self, BitstreamError> {
-        let project = project(design, network)?;
+        Self::told(design, network, |_, _, _| ())
+    }
+
+    /// The same, with a call before each step: how many are done, of how many, and which is next.
+    ///
+    /// # Errors
+    /// As [`Sources::of`].
+    pub fn told(
+        design: &Design,
+        network: &FixedNetwork,
+        mut told: impl FnMut(usize, usize, &str),
+    ) -> Result<Self, BitstreamError> {
+        let project = project(design, network, &mut told)?;
         let about = json!({
             "design": design,
             "weights": { "name": network.origin.name, "float_sha256": network.float_hash },
@@ -71,6 +86,7 @@ impl Sources {
         let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
         let counts = [core.verilog.len(), verilog, core.memory.len()];
         let mut contents = contents(&project);
+        told(3, STEPS, "what the design promises");
         if let Some(page) = contents.get_mut(Path::new("README.md")) {
             page.push_str(&promise::section(design)?);
         }
@@ -106,7 +122,11 @@ impl Sources {
 }
 
 /// The sources, with the display tables that a board starts with and words that its benches try it with.
-fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, BitstreamError> {
+fn project(
+    design: &Design,
+    network: &FixedNetwork,
+    told: &mut impl FnMut(usize, usize, &str),
+) -> Result<Kc705, BitstreamError> {
     design.check_network(network)?;
     let display = Display::default();
     let words = TableWords::of(&display);
@@ -115,8 +135,11 @@ fn project(design: &Design, network: &FixedNetwork) -> Result<Kc705, BitstreamEr
         weights_hash: identity::weights_hash(design, network),
         frame: (design.frame.width as u16, design.frame.height as u16),
     };
+    told(0, STEPS, "windows of the bench");
     let (windows, patches) = windows(design, network);
+    told(1, STEPS, "pictures of the bench");
     let recorded = Recorded { windows, patches, video: system::recorded(design, network, &display)? };
+    told(2, STEPS, "circuits as Verilog");
     Ok(kc705::project(design, [network, network], &identity, &words.tables(), &recorded)?)
 }
 

@@ -12,6 +12,7 @@ use edof_image::RawFrame;
 use edof_image::geometry::GeometryError;
 use edof_network::FixedNetwork;
 use serde_json::{Value, json};
+use std::ops::ControlFlow;
 
 /// A frame that cannot be measured.
 #[derive(Debug, thiserror::Error)]
@@ -46,14 +47,14 @@ impl Picture {
         design: &Design,
         network: &FixedNetwork,
         raw: &RawFrame,
-        mut go_on: impl FnMut() -> bool,
+        mut go_on: impl FnMut() -> ControlFlow<()>,
     ) -> Result<Self, MeasureError> {
         let model = Cycle::new(design, [network, network])?;
         let patches = windows::all(network, raw)?.map(|window| Patch { window, set: Set::First });
         let mut summary = Summary::new(design);
         for patch in model.run(patches) {
             summary.add(&patch);
-            if !go_on() {
+            if go_on().is_break() {
                 return Err(MeasureError::Interrupted);
             }
         }

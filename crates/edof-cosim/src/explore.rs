@@ -11,6 +11,7 @@ use edof_hdl::resources::{self, Resources, XC7K325T};
 use edof_image::colour::OUTPUTS_422;
 use edof_image::{Geometry, RawFrame};
 use edof_network::FixedNetwork;
+use std::ops::ControlFlow;
 
 /// Of each patch of a picture, the pairs that every stage multiplies.
 pub type Pairs = Vec<Vec<usize>>;
@@ -69,20 +70,20 @@ pub fn pairs(
     model: &Cycle,
     network: &FixedNetwork,
     raw: &RawFrame,
-    mut go_on: impl FnMut() -> bool,
+    mut go_on: impl FnMut() -> ControlFlow<()>,
 ) -> Result<Pairs, MeasureError> {
     let patches = windows::all(network, raw)?.map(|window| Patch { window, set: Set::First });
     let mut pairs = vec![];
     for patch in model.run(patches) {
         pairs.push(patch.times.stages.iter().map(|used| used.pairs as usize).collect());
-        if !go_on() {
+        if go_on().is_break() {
             return Err(MeasureError::Interrupted);
         }
     }
     Ok(pairs)
 }
 
-/// All foldings of a network that fit the device, on pictures whose [`pairs`] were measured, until `go_on` says no.
+/// All foldings of a network that fit the device, on pictures whose [`pairs`] were measured, until `go_on` says to break.
 ///
 /// # Errors
 /// As [`any_folding`].
@@ -90,7 +91,7 @@ pub fn found(
     base: &Design,
     network: &FixedNetwork,
     pictures: &[Pairs],
-    mut go_on: impl FnMut() -> bool,
+    mut go_on: impl FnMut() -> ControlFlow<()>,
 ) -> Result<Vec<Folding>, DesignError> {
     let patches: usize = pictures.iter().map(Vec::len).sum();
     let mean = |stage: usize| {
@@ -99,7 +100,7 @@ pub fn found(
     let pairs: Vec<f64> = (0..network.form.layers).map(mean).collect();
     let mut found = vec![];
     for design in foldings(&any_folding(base, network)?, &pairs) {
-        if !go_on() {
+        if go_on().is_break() {
             break;
         }
         let used = resources::whole(&design);

@@ -1,12 +1,20 @@
 //! The check of frames, the self-test and the window to pictures, on both kinds of a simulated board: the circuit in Verilator, and the model in Rust.
 
+use crate::common::networks;
+use crate::edof_core::design;
 use crate::simulated_board::Setup;
 use edof_board::link::PATIENCE;
 use edof_board::self_test::SelfTest;
 use edof_board::{Board, Line};
+use edof_cosim::system::second::{Step, host_in_icarus};
+use edof_cosim::system::{self, drawn, recorded};
+use edof_device::design::memory::{self, Space};
+use edof_device::design::reading::{CHECK_REGISTER, READ_REGISTER, ReadBack, read_command};
 use edof_device::pattern::{Pattern, TILE_SIDE};
-use edof_golden::Golden;
+use edof_device::registers::map::{self, STAGE_READS, WEIGHTS};
 use edof_golden::video::pattern;
+use edof_golden::{Curve, Display, FrameChecks, Golden};
+use edof_image::DisplayMode;
 use edof_image::cable::carried;
 use edof_image::draw::Draw;
 use ndarray::Array2;
@@ -15,7 +23,7 @@ use std::ops::ControlFlow;
 /// A line so fast that the circuit's cycles between two looks are few.
 const FAST: u32 = 25_000_000;
 /// Frames of each kind that are compared at each run, and in the soak.
-const FRAMES: [u32; 2] = [2, 100];
+const FRAMES: [u32; 2] = [5, 100];
 
 fn frames_are_exact<L: Line>(setup: &Setup, line: L, frames: u32) {
     let golden = Golden::new(setup.sets[0].clone()).unwrap();
@@ -50,6 +58,82 @@ fn a_hundred_frames_are_exact_in_verilog() {
 fn frames_are_exact_in_rust() {
     let setup = Setup::tiny(FAST);
     frames_are_exact(&setup, setup.in_rust(), FRAMES[1]);
+}
+
+/// Pictures after a source was chosen until every boundary but the last has seen it, frames on the slower screen until that has, and the
+/// cycles that a copy of all CRCs takes.
+const SETTLE: usize = 5;
+const SHOWN: usize = 2;
+const COPY: u32 = 120;
+
+/// A host that compares N frames: each with a copy of its own of all CRCs.
+fn comparison(golden: &FrameChecks, frames: usize) -> Vec<Step> {
+    let status = |name: &str| map::register(name).unwrap().address;
+    let mut steps = vec![Step::Changed(status("picture_frames")); SETTLE];
+    steps.extend([Step::Changed(status("output_frames")); SHOWN]);
+    for _ in 0..frames {
+        let of_all = [
+            ("raw", golden.raw),
+            ("windows", golden.windows),
+            ("codes", golden.codes),
+            ("sent", golden.codes),
+        ];
+        steps.extend([
+            Step::Changed(status("picture_frames")),
+            Step::Write(WEIGHTS.word(memory::SNAPSHOT), 0),
+        ]);
+        steps.push(Step::Wait(COPY));
+        steps.extend(of_all.map(|(name, crc)| Step::Expect(status(&format!("check_{name}")), crc)));
+        for (stage, crc) in golden.stages.iter().enumerate() {
+            let register = memory::address(stage, Space::Register { row: READ_REGISTER });
+            let part = |part: ReadBack| STAGE_READS.word(4 * stage as u32 + part as u32);
+            let command = read_command(Space::Register { row: CHECK_REGISTER }, 1);
+            steps.extend([Step::Write(WEIGHTS.word(register), command), Step::Wait(COPY)]);
+            steps.extend([Step::Until(part(ReadBack::Busy), 0), Step::Expect(part(ReadBack::Low), *crc)]);
+        }
+    }
+    steps
+}
+
+/// N frames of each pattern, or of the source, through a core in Icarus: all CRCs as the golden pipeline's.
+fn frames_are_exact_in_icarus(sources: &[(Option<Pattern>, usize)]) {
+    let design = design(8, 8, (16, 16));
+    let sets = networks(&design, 7);
+    let golden = Golden::new(sets[0].clone()).unwrap();
+    let display = Display::new(DisplayMode::Colour, Curve::Srgb);
+    let raw = drawn(design.frame, 1, 5).unwrap().remove(0);
+    let id = map::register("id").unwrap();
+    let mut steps =
+        vec![Step::Expect(id.address, id.reset), Step::Write(map::CONTROL, map::running(display.mode, 0))];
+    for (pattern, frames) in sources {
+        let made = pattern.map_or_else(|| carried(&raw), |one| pattern::frame(one, design.frame).unwrap());
+        steps.push(Step::Write(map::PATTERN, pattern.map_or(0, Pattern::code)));
+        steps.extend(comparison(&golden.checks(&display, &made).unwrap(), *frames));
+    }
+    let project = system::project(&design, sets.each_ref(), &display).unwrap();
+    // As many as the camera sends in this time, and more.
+    let count: usize = sources.iter().map(|(_, frames)| 2 * (frames + SETTLE + SHOWN)).sum();
+    let sent = vec![raw; count + 20];
+    let pictures = vec![vec![0; design.frame.width * design.frame.height]; sent.len()];
+    let video = recorded::video(&design, &sent, pictures, display.mode);
+    println!("{}", host_in_icarus(&project, &video, &steps).unwrap());
+    let wrong = [steps[0], Step::Expect(map::SCRATCH, 1)];
+    let error = host_in_icarus(&project, &video, &wrong).unwrap_err().to_string();
+    assert!(error.contains("step 1: address 00000018 is 00000000, expected 00000001"), "{error}");
+}
+
+#[test]
+fn frames_are_exact_in_icarus_as_well() {
+    frames_are_exact_in_icarus(&[(Some(Pattern::Noise), 2)]);
+}
+
+#[test]
+#[ignore = "half an hour: scripts/soak.sh"]
+fn a_hundred_frames_are_exact_in_icarus() {
+    let patterns =
+        Pattern::ALL.map(|pattern| (Some(pattern), if pattern == Pattern::Noise { 100 } else { 20 }));
+    let sources: Vec<_> = patterns.into_iter().chain([(None, 100)]).collect();
+    frames_are_exact_in_icarus(&sources);
 }
 
 /// Every part passes but the chips and the clocks, which a simulated circuit has otherwise.

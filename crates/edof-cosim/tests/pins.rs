@@ -83,7 +83,11 @@ struct Receiver {
 
 impl Receiver {
     fn new(seed: u64, takes: i64) -> Self {
-        let mut bench = Compiled::new(VideoIn::new(FRAME, PATIENCE), vec![]).start(seed);
+        Self::of(&Compiled::new(VideoIn::new(FRAME, PATIENCE), vec![]), seed, takes)
+    }
+
+    fn of(compiled: &Compiled, seed: u64, takes: i64) -> Self {
+        let mut bench = compiled.start(seed);
         bench.reset();
         let model = InModel::new(FRAME, PATIENCE);
         Self { bench, model, frames: Frames::default(), draw: Draw::new(seed), takes }
@@ -149,8 +153,18 @@ impl Receiver {
 
 #[test]
 fn frames_of_either_polarity_come_whole_and_are_measured() {
+    come_whole_and_are_measured(&Compiled::new(VideoIn::new(FRAME, PATIENCE), vec![]));
+}
+
+#[test]
+#[ignore = "a minute: scripts/soak.sh"]
+fn frames_come_whole_through_the_netlist_of_the_receiver_as_well() {
+    come_whole_and_are_measured(&Compiled::mapped(VideoIn::new(FRAME, PATIENCE)));
+}
+
+fn come_whole_and_are_measured(compiled: &Compiled) {
     for negative in [false, true] {
-        let mut receiver = Receiver::new(1, 16);
+        let mut receiver = Receiver::of(compiled, 1, 16);
         let draw = &mut Draw::new(2);
         let mut expected = vec![];
         for _ in 0..4 {

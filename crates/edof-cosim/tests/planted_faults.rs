@@ -23,7 +23,7 @@ fn found(plant: impl FnOnce(Project) -> Project) -> Difference {
 
 /// Replaces text that is there exactly once in the module of a part, which is named by its instances from the top on. The other instances
 /// of that module stay as they are.
-fn replaced(mut project: Project, part: &str, from: &str, to: &str) -> Project {
+pub fn replaced(mut project: Project, part: &str, from: &str, to: &str) -> Project {
     let top = project.top.clone();
     let module = part.split('.').fold(top, |module, instance| own_module(&mut project, &module, instance));
     let text = text(&mut project, &module);

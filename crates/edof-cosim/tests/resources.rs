@@ -3,13 +3,17 @@
 
 use crate::common::committed;
 use crate::timing::of_stages;
+use edof_cosim::Source;
 use edof_cosim::system;
-use edof_cosim::yosys::Cells;
+use edof_cosim::yosys::{Cells, Options, synthesize};
 use edof_device::Design;
 use edof_device::design::{FrameSize, StageSize};
 use edof_golden::Display;
+use edof_hdl::blocks::frame_check::FrameCheck;
+use edof_hdl::board::{BoardRegisters, CycleCount, Identity, PatternSource, PictureWindow};
 use edof_hdl::resources::{Resources, XC7K325T, stages};
 use edof_network::network::{Form, Recurrence};
+use edof_verilog::describe::Circuit;
 
 /// What of a stage is not as estimated: exactly, or within 15 %.
 fn differences(name: &str, estimated: &Resources, measured: &Cells) -> Vec<String> {
@@ -114,4 +118,48 @@ fn the_whole_core_of_kc705_has_neither_latch_nor_loop_nor_two_drivers_and_fits_t
     assert!((design.stages().map(|plan| plan.dsps()).sum::<usize>()..=840).contains(&cells.dsp48e1()));
     assert!(2 * cells.ramb36e1() + cells.ramb18e1() <= 2 * 445);
     assert!(cells.luts() * 100 <= XC7K325T.lut * 60);
+}
+
+/// 3 % of the 61,000 LUTs and of the 725 halves of block RAMs that `edof_core` of `kc705` takes (docs/hardware.md).
+const OF_SELF_CHECK: [usize; 2] = [1_830, 21];
+
+#[test]
+#[ignore = "a minute: scripts/soak.sh"]
+fn what_only_checks_pictures_takes_less_than_three_percent_of_the_core() {
+    let found = self_check(&committed("kc705"));
+    println!("{} LUTs and {} halves of block RAMs", found[0], found[1]);
+    assert!(found[0] <= OF_SELF_CHECK[0] && found[1] <= OF_SELF_CHECK[1], "{found:?}");
+}
+
+/// LUTs and halves of block RAMs of all that only shows whether pictures are right: CRCs of frames, patterns, the window to pictures, counters
+/// of cycles, and what shows them to the host.
+fn self_check(design: &Design) -> [usize; 2] {
+    let cells = |source: &Source| synthesize(source, &Options::default()).unwrap().cells;
+    let of = |circuit: &mut dyn Circuit| cells(&Source::circuit(circuit).unwrap());
+    let checks = 1 + design.stages.len();
+    let pixels = design.frame.width * design.frame.height;
+    let registers = |remove: &[&str]| {
+        let identity = Identity { design_hash: 1, weights_hash: 2, frame: (1920, 1080) };
+        let mut source = Source::circuit(&mut BoardRegisters::new(design, &identity)).unwrap();
+        let (_, text) = source.files.iter_mut().find(|(name, _)| name == "board_registers.v").unwrap();
+        for word in remove {
+            assert!(text.contains(word), "{word}");
+            let kept = text.lines().filter(|line| !(line.contains("selected_") && line.contains(word)));
+            *text = kept.map(|line| format!("{line}\n")).collect();
+        }
+        cells(&source)
+    };
+    let shown = ["(check_", "(core_cycles_i", "(input_cycles_i", "(screen_cycles_i"];
+    let parts = [
+        (3, of(&mut FrameCheck::<16>::new(pixels))),
+        (checks, of(&mut FrameCheck::<32>::new(pixels / 2))),
+        (1, of(&mut PatternSource::new(design.frame))),
+        (1, of(&mut PictureWindow::new())),
+        (3, of(&mut CycleCount::default())),
+        (1, registers(&[])),
+    ];
+    let sum =
+        |count: fn(&Cells) -> usize| parts.iter().map(|(times, cells)| times * count(cells)).sum::<usize>();
+    let halves = |cells: &Cells| 2 * cells.ramb36e1() + cells.ramb18e1();
+    [sum(Cells::luts) - registers(&shown).luts(), sum(halves)]
 }

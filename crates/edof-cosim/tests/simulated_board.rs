@@ -17,6 +17,7 @@ use edof_device::design::FrameSize;
 use edof_device::design::memory::Set;
 use edof_device::registers::map;
 use edof_golden::{Curve, Display, Golden};
+use edof_hdl::project::Project;
 use edof_image::draw::Draw;
 use edof_image::{DisplayMode, RawFrame, Stride, Window};
 use edof_network::{FixedNetwork, weight_file};
@@ -126,6 +127,13 @@ impl Setup {
         let sets = [&self.sets[0], &self.sets[1]];
         let (with, options) = ((self.speed, seed), support::options());
         VerilogBoard::new(&self.design, sets, &self.display, &self.raw, with, &options).unwrap()
+    }
+
+    /// The circuit after its files were edited.
+    pub fn edited(&self, seed: u64, edit: impl FnOnce(Project) -> Project) -> VerilogBoard {
+        let project = system::project(&self.design, self.sets.each_ref(), &self.display).unwrap();
+        let (with, options) = ((self.speed, seed), support::options());
+        VerilogBoard::of_project(&edit(project), &self.design, &self.raw, with, &options).unwrap()
     }
 
     pub fn in_rust(&self) -> Simulated {

@@ -129,6 +129,9 @@ pub fn open(path: &Path) -> Result<(File, Vec<u8>), PictureError> {
 /// # Errors
 /// What the system says of a folder that cannot be listed.
 pub fn of_folder(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    if folder.is_file() {
+        return Err(std::io::Error::other("is a file, expected a folder of pictures"));
+    }
     let mut files = std::fs::read_dir(folder)?
         .map(|entry| Ok(entry?.path()))
         .collect::<Result<Vec<_>, std::io::Error>>()?;

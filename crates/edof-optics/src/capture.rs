@@ -123,10 +123,24 @@ pub fn capture(
     sensor: &Sensor,
     approximation: &Approximation,
 ) -> Result<Capture, CaptureError> {
+    capture_told(scene, camera, sensor, approximation, |_, _, _| ())
+}
+
+/// The same, with a call before each step: how many are done, of how many, and which is next.
+///
+/// # Errors
+/// As [`capture`].
+pub fn capture_told(
+    scene: &Scene,
+    camera: &Camera,
+    sensor: &Sensor,
+    approximation: &Approximation,
+    told: impl FnMut(usize, usize, &str),
+) -> Result<Capture, CaptureError> {
     check(scene, camera)?;
     sensor.check()?;
     let start = Instant::now();
-    let (light, depths) = light_on_sensor(scene, camera, approximation)?;
+    let (light, depths) = light_on_sensor(scene, camera, approximation, told)?;
     let seconds = start.elapsed().as_secs_f64();
     Ok(Capture { raw: expose(&light, sensor)?, light, depths, seconds })
 }
@@ -141,12 +155,26 @@ pub fn measure_approximation(
     camera: &Camera,
     approximation: &Approximation,
 ) -> Result<Vec<ApproximationCost>, CaptureError> {
+    measure_approximation_told(scene, camera, approximation, |_, _, _| ())
+}
+
+/// The same, with a call before each step, as in [`capture_told`].
+///
+/// # Errors
+/// As [`capture`].
+pub fn measure_approximation_told(
+    scene: &Scene,
+    camera: &Camera,
+    approximation: &Approximation,
+    mut told: impl FnMut(usize, usize, &str),
+) -> Result<Vec<ApproximationCost>, CaptureError> {
     check(scene, camera)?;
     let timed = |approximation: Approximation| {
         let start = Instant::now();
-        let (light, _) = light_on_sensor(scene, camera, &approximation)?;
+        let (light, _) = light_on_sensor(scene, camera, &approximation, |_, _, _| ())?;
         Ok::<_, CaptureError>((light, start.elapsed().as_secs_f64()))
     };
+    told(0, 5, "exact");
     let (exact, exact_seconds) = timed(Approximation::exact())?;
     let whole = Settings { energy: 1.0, wavelength_tolerance: 0.0, exact: false };
     let off = Approximation { psf: whole, depth_tolerance: 0.0 };
@@ -154,7 +182,8 @@ pub fn measure_approximation(
     let wavelength_tolerance = approximation.psf.wavelength_tolerance;
     let wavelengths = Approximation { psf: Settings { wavelength_tolerance, ..whole }, ..off };
     let depths = Approximation { depth_tolerance: approximation.depth_tolerance, ..off };
-    let cost = |(name, part): (&'static str, Approximation)| {
+    let cost = |(place, (name, part)): (usize, (&'static str, Approximation))| {
+        told(1 + place, 5, name);
         let (light, seconds) = timed(part)?;
         let difference = || light.planes.iter().zip(&exact.planes).map(|(a, b)| f64::from(a - b));
         let rms_error = (difference().map(|d| d * d).sum::<f64>() / light.planes.len() as f64).sqrt();
@@ -163,7 +192,7 @@ pub fn measure_approximation(
     };
     let all =
         [("kernels", kernels), ("wavelengths", wavelengths), ("depths", depths), ("all", *approximation)];
-    all.into_iter().map(cost).collect()
+    all.into_iter().enumerate().map(cost).collect()
 }
 
 /// Depths of a scene, each once: ascending, those within `tolerance` of the first of a group represented by the group's middle.
@@ -190,10 +219,16 @@ fn light_on_sensor(
     scene: &Scene,
     camera: &Camera,
     approximation: &Approximation,
+    mut told: impl FnMut(usize, usize, &str),
 ) -> Result<(ColourFrame, Vec<Depth>), NoPsf> {
     let psis = distinct_depths(scene, approximation.depth_tolerance);
-    let psfs: Vec<[Psf; 3]> =
-        psis.iter().map(|&psi| channel_psfs(camera, psi, &approximation.psf)).collect::<Result<_, _>>()?;
+    let steps = psis.len() + 1;
+    let kernels = |(place, &psi): (usize, &f64)| {
+        told(place, steps, &format!("kernels at psi {psi:.2}"));
+        channel_psfs(camera, psi, &approximation.psf)
+    };
+    let psfs: Vec<[Psf; 3]> = psis.iter().enumerate().map(kernels).collect::<Result<_, _>>()?;
+    told(psis.len(), steps, "blur");
     let nearest = |psi: f64| {
         let distance = |i: &usize| (psis[*i] - psi).abs();
         (0..psis.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)

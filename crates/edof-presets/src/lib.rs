@@ -29,7 +29,12 @@ use edof_image::words::number;
 use edof_io::photo::PhotoError;
 use edof_network::weight_file::WeightFileError;
 use edof_optics::psf::NoPsf;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// What is there in place of a file.
+fn found(name: &str) -> &'static str {
+    if Path::new(name).is_dir() { "is a folder" } else { "no such file" }
+}
 
 /// A word that names nothing, or a file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -54,7 +59,7 @@ pub enum PresetError {
     #[error(transparent)]
     Design(#[from] DesignError),
     /// No network of that name.
-    #[error("weights '{name}': no such file, no {under}, and not one of the networks that come with the program ({own})", under = under.display())]
+    #[error("weights '{name}': {found}, no {under}, and not one of the networks that come with the program ({own})", found = found(name), under = under.display())]
     NoWeights { name: String, under: PathBuf, own: String },
     /// No design of that name.
     #[error("design '{name}': no such file, and not one of the designs that come with the program ({own})")]

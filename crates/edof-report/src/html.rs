@@ -47,17 +47,17 @@ impl Report {
 
     /// A heading for what follows.
     pub fn heading(&mut self, text: &str) -> &mut Self {
-        self.add(&html! { h2 { (text) } })
+        self.add(&html! { h2 { (tied(text)) } })
     }
 
     /// A heading within what follows a heading.
     pub fn subheading(&mut self, text: &str) -> &mut Self {
-        self.add(&html! { h3 { (text) } })
+        self.add(&html! { h3 { (tied(text)) } })
     }
 
     /// A paragraph.
     pub fn paragraph(&mut self, text: &str) -> &mut Self {
-        self.add(&html! { p { (text) } })
+        self.add(&html! { p { (tied(text)) } })
     }
 
     /// The command that made it, which breaks between its options alone where there is room for them.
@@ -84,7 +84,7 @@ impl Report {
 
     /// What matters most, in a box.
     pub fn verdict(&mut self, text: &str) -> &mut Self {
-        self.add(&html! { p.verdict { (text) } })
+        self.add(&html! { p.verdict { (tied(text)) } })
     }
 
     /// Words and what they mean.
@@ -133,14 +133,24 @@ impl Report {
                             @for (cell, is_number) in header.iter().zip(&numbers) {
                                 // An equation is one word.
                                 th class=[is_number.then_some("n")] {
-                                    button.sort { (cell.replace(" = ", "\u{a0}=\u{a0}")) }
+                                    @if !cell.is_empty() {
+                                        button.sort { (words(cell, LONGEST_HEAD)) }
+                                    }
                                 }
                             }
                         }
                     }
                     tbody {
                         @for (r, row) in rows.iter().enumerate() {
-                            tr { @for (c, cell) in row.iter().enumerate() { td class=[class(r, c)] { (cell) } } }
+                            tr {
+                                @for (c, cell) in row.iter().enumerate() {
+                                    @if numbers.get(c) == Some(&true) {
+                                        td class=[class(r, c)] { (cell) }
+                                    } @else {
+                                        td class=[(cell.chars().count() > LONG).then_some("t")] { (words(cell, LONGEST_NAME)) }
+                                    }
+                                }
+                            }
                         }
                     }
                 }
@@ -218,6 +228,32 @@ fn legend(plot: &Plot) -> Markup {
     }
 }
 
+/// Letters of the longest name that stays on one line in a cell, and in a column's name.
+const LONGEST_NAME: usize = 24;
+const LONGEST_HEAD: usize = 10;
+/// A cell of more letters than this is a sentence.
+const LONG: usize = 40;
+
+/// A text whose equations, errors and units stay with their numbers.
+fn tied(text: &str) -> String {
+    let tied = [(" = ", "\u{a0}=\u{a0}"), (" ± ", "\u{a0}±\u{a0}"), (" dB", "\u{a0}dB")];
+    tied.iter().fold(text.to_owned(), |text, (loose, tied)| text.replace(loose, tied))
+}
+
+/// A cell's text, which breaks between its words: not within a name of ours such as `edof-t4w12.fixed`, nor before a unit.
+fn words(cell: &str, longest: usize) -> Markup {
+    let joined = tied(cell);
+    let breaks = |word: &str| {
+        word.contains(['-', '/', '\u{a0}', '.']) && (4..=longest).contains(&word.chars().count())
+    };
+    html! {
+        @for (place, word) in joined.split(' ').enumerate() {
+            @if place > 0 { " " }
+            @if breaks(word) { span.word { (word) } } @else { (word) }
+        }
+    }
+}
+
 /// The share of its size below which a plot's text is too small to be read.
 const READABLE: f64 = 0.9;
 /// The share above which it shouts.
@@ -230,9 +266,13 @@ const CUT: &str = include_str!("html/cut.html");
 
 /// Whether a column holds numbers, and dashes where there are none.
 fn is_of_numbers(rows: &[Vec<String>], column: usize) -> bool {
-    // Several in one cell stand as in "31.2 / 30.1" or "+1.15 ± 0.17".
+    // Several in one cell stand as in "31.2 / 30.1", "+1.15 ± 0.17" or "0.02 (0.31)".
     let is_number = |cell: &str| {
         let cell = cell.replace('−', "-").replace(" ± ", " / ");
+        let cell = match cell.strip_suffix(')').and_then(|cell| cell.split_once(" (")) {
+            Some((first, second)) => format!("{first} / {second}"),
+            None => cell,
+        };
         cell.split(" / ").all(|word| word.parse::<f64>().is_ok())
     };
     let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| *cell != "–").peekable();
@@ -289,6 +329,20 @@ mod tests {
             html.contains("<td>2</td><td class=\"n\">−2 / 1</td><td class=\"n\">7</td><td>4</td>"),
             "{html}"
         );
+    }
+
+    #[test]
+    fn cells_break_between_words_alone() {
+        let row = vec!["edof-t4w12.fixed/s8 is faster".into(), "a-very-long-name-of-somebody-elses".into()];
+        let html = Report::new("t").table(&["what", ""], &[row], &[]).to_html();
+        assert!(
+            html.contains("<td><span class=\"word\">edof-t4w12.fixed/s8</span> is faster</td>"),
+            "{html}"
+        );
+        assert!(html.contains("<td>a-very-long-name-of-somebody-elses</td>"), "{html}");
+        assert!(html.contains("<th></th>"), "a column without a name has nothing to click: {html}");
+        let gain = Report::new("t").table(&["here"], &[vec!["+1.15 ± 0.17 dB".into()]], &[]).to_html();
+        assert!(gain.contains("+1.15\u{a0}±\u{a0}0.17\u{a0}dB</span>"), "{gain}");
     }
 
     #[test]

@@ -19,6 +19,9 @@ const SIZE: (usize, usize) = (160, 240);
 /// Of their captures, at nine depths with and without noise, one in N is judged.
 const EVERY: usize = 5;
 
+/// Losses up to this many dB are in the diagram of gains.
+const SMALL_DB: f64 = 0.02;
+
 /// What bits are worth to one network.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bits {
@@ -143,30 +146,43 @@ impl Bits {
         std::iter::once("bits".to_owned()).chain(stages).chain(["all".to_owned()]).collect()
     }
 
-    fn plot(&self) -> Plot {
+    /// Stage by stage and for all, the points that `shown` takes.
+    fn series(&self, shown: impl Fn(f64) -> bool) -> Vec<Series> {
         let line = |label: &str, stage: Option<&str>| {
             let points = (LEAST..=self.most()).map(|bits| [f64::from(bits), self.lost(stage, bits)]);
-            Series::new(label, Mark::Line, points)
+            Series::new(label, Mark::LineAndPoints, points.filter(|[_, db]| shown(*db)))
         };
-        let mut series: Vec<Series> = self.stages.iter().map(|stage| line(stage, Some(stage))).collect();
-        series.push(line("all", None));
-        Plot {
-            title: self.network.clone(),
-            x: Axis::linear("bits of weights and results"),
-            // Below a ten-thousandth of a dB rounding goes either way.
-            y: Axis::log("dB lost").from(1e-4),
-            size: SMALL,
-            series,
-        }
+        let stages = self.stages.iter().map(|stage| line(stage, Some(stage)));
+        stages.chain([line("all", None)]).collect()
     }
 
-    /// Where fewer bits gain: a logarithmic scale of losses has no place for it.
+    /// Losses in decades, and what is next to nothing, gains among it, on a linear scale.
+    fn plots(&self) -> [Plot; 2] {
+        let whole = Plot {
+            title: self.network.clone(),
+            x: Axis::linear("bits of weights and results"),
+            y: Axis::log("dB lost"),
+            size: SMALL,
+            // Below a ten-thousandth of a dB rounding goes either way.
+            series: self.series(|db| db >= 1e-4),
+        };
+        let near = Plot {
+            title: format!("{}: gains, and losses up to {SMALL_DB} dB", self.network),
+            x: Axis::linear("bits of weights and results"),
+            y: Axis::linear("dB lost; below 0 gained"),
+            size: SMALL,
+            series: self.series(|db| db <= SMALL_DB),
+        };
+        [whole, near]
+    }
+
+    /// Where fewer bits gain, in words.
     fn gains(&self) -> Option<String> {
         let own = self.points.iter().filter(|point| point.lost_db < 0.0);
         let most = own.clone().min_by(|a, b| a.lost_db.total_cmp(&b.lost_db))?;
         let who = most.stage.as_deref().unwrap_or("all");
         Some(format!(
-            "{}: {} of {} points gain, and are not in the diagram; the most is {:.4} dB, {who} at {} bits.",
+            "{}: {} of {} points gain, which the second diagram alone shows; the most is {:.4} dB, {who} at {} bits.",
             self.network,
             own.count(),
             self.points.len(),
@@ -208,7 +224,7 @@ pub fn report(all: &[Bits], command: &str) -> Report {
         "Weights of a stage are multiples of a power of two, and its results have as many bits fewer, in the range that they had; F's \
          results keep their 16. Drawn scenes behind each network's own camera.",
     );
-    report.plots(&all.iter().map(Bits::plot).collect::<Vec<_>>());
+    report.plots(&all.iter().flat_map(Bits::plots).collect::<Vec<_>>());
     all.iter().filter_map(Bits::gains).for_each(|gains| {
         report.paragraph(&gains);
     });

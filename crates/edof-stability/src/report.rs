@@ -143,7 +143,8 @@ impl Suite {
     pub fn report(&self, command: &str) -> Report {
         let mut report = Report::new("Hard cases");
         report.verdict(&self.verdict()).verdict(&self.matters()).made_by(command).paragraph(
-            "Cases that use most of their limits come first. Every case says what could go wrong, what is promised, why the limit is \
+            "Broken promises come first, then cases in which quality may be lost, then all others; among these, those that use most of their \
+             limits. Every case says what could go wrong, what is promised, why the limit is \
              what it is, and the worst that was seen of every method, solver or network.",
         );
         let bounds = self.bounds();
@@ -155,7 +156,14 @@ impl Suite {
             );
             report.table(&STAGE_HEADER, &bounds, &[]);
         }
-        for outcome in &self.cases {
+        let mut cases: Vec<&Outcome> = self.cases.iter().collect();
+        // Stable: those nearest to their limits stay first in each group.
+        cases.sort_by_key(|outcome| match outcome.case.promise {
+            _ if !outcome.held => 0,
+            Promise::Graceful { .. } => 1,
+            _ => 2,
+        });
+        for outcome in cases {
             card(&mut report, outcome);
         }
         report
@@ -195,7 +203,7 @@ fn stage_row(seen: &Measurement) -> Option<Vec<String>> {
         format!("{:.4}", seen.worst),
         bits(stage.largest_bound),
         bits(stage.furthest),
-        stage.statistical.map_or_else(|| "-".to_owned(), bits),
+        stage.statistical.map_or_else(|| "–".to_owned(), bits),
         format!("{} in {} windows", stage.violations, stage.windows),
     ])
 }

@@ -3,7 +3,7 @@
 use crate::made::Made;
 use edof_report::Report;
 use edof_report::Table;
-use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
+use edof_report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
 use serde::Serialize;
 
 /// A folding of a network.
@@ -123,16 +123,19 @@ impl Foldings {
 
     /// dB against one figure, a series for each network; rings around dots would say no more than the table does.
     fn plot(&self, label: &str, figure: impl Fn(&Folding) -> f64) -> Plot {
-        let series = |name: &&str| {
+        let series = |(place, name): (usize, &&str)| {
             let own = self.foldings.iter().filter(|f| f.network == **name && f.on_front);
-            Series::new(*name, Mark::Points, own.map(|f| [figure(f), f.psnr_db]).collect::<Vec<_>>())
+            let points: Vec<[f64; 2]> = own.map(|f| [figure(f), f.psnr_db]).collect();
+            // Without points there is no entry in the legend. The colour is that of all diagrams.
+            let colour = PALETTE[place % PALETTE.len()];
+            (!points.is_empty()).then(|| Series::new(*name, Mark::Points, points).coloured(colour))
         };
         Plot {
             title: format!("dB against {label}: the front"),
             x: Axis::log(label),
             y: Axis::linear("PSNR (dB)").from((self.least_db() - 0.5).floor()),
-            size: USUAL,
-            series: self.networks().iter().map(series).collect(),
+            size: SMALL,
+            series: self.networks().iter().enumerate().filter_map(series).collect(),
         }
     }
 
@@ -150,8 +153,8 @@ impl Foldings {
         Plot {
             title: "Frames a second against multipliers".into(),
             x: Axis::log("multipliers (DSP48E1)"),
-            y: Axis::linear(format!("frames a second, cycles at {} MHz", self.clock_mhz)).from(0.0),
-            size: USUAL,
+            y: Axis::linear(format!("frames a second at {} MHz", self.clock_mhz)).from(0.0),
+            size: SMALL,
             series: self.networks().iter().map(series).collect(),
         }
     }
@@ -195,5 +198,10 @@ mod tests {
         let html = study.report("edof study design").to_html();
         assert_eq!(html.matches("class=\"plot\"").count(), 4);
         assert!(html.contains("b: 500, 40"), "{html}");
+        assert_eq!(
+            html.matches("</svg>b</li>").count(),
+            1,
+            "where nothing of it is drawn, the legend is silent"
+        );
     }
 }

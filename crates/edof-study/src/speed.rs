@@ -170,9 +170,10 @@ impl Speed {
 
     /// PSNR against time; the strides of one method are joined, and the layers of untrained networks.
     fn plot(&self, of: &Claims) -> Plot {
-        let own: Vec<&Point> = self.points.iter().filter(|p| of.hold(p)).collect();
+        let least = self.floor(of);
+        let shown = |p: &&Point| of.hold(p) && least.is_none_or(|least| p.psnr_db >= least);
         let mut series: Vec<Series> = vec![];
-        for point in &own {
+        for point in self.points.iter().filter(shown) {
             let label = if point.identity.is_untrained() {
                 name(&Method { layers: None, ..point.identity.clone() })
             } else {
@@ -190,7 +191,7 @@ impl Speed {
         }
         // From cheap to dear: strides come in the order of their keys.
         series.iter_mut().for_each(|s| s.points.sort_by(|a, b| a[0].total_cmp(&b[0])));
-        let (least, axis) = (self.floor(of), Axis::linear("PSNR (dB)"));
+        let axis = Axis::linear("PSNR (dB)");
         Plot {
             title: format!("Error against speed: {}", of.title()),
             x: Axis::log(if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
@@ -204,10 +205,12 @@ impl Speed {
         }
     }
 
-    /// PSNR at which a diagram begins. What nobody trained may lie so deep that nothing else could be told apart.
+    /// PSNR at which a diagram begins. Untrained networks may be so far below that all others would be one point.
     fn floor(&self, of: &Claims) -> Option<f64> {
-        let own = self.points.iter().filter(|p| of.hold(p) && !p.identity.is_untrained());
-        own.map(|p| p.psnr_db).reduce(f64::min).map(|least| (least - 2.0).floor())
+        let own = || self.points.iter().filter(|p| of.hold(p));
+        let of_trained = own().filter(|p| !p.identity.is_untrained()).map(|p| p.psnr_db).reduce(f64::min)?;
+        let near = own().map(|p| p.psnr_db).filter(|db| *db >= of_trained - FAR_BELOW_DB);
+        near.reduce(f64::min).map(|least| (least - 0.5).floor())
     }
 
     /// What a diagram does not show, in a sentence.
@@ -240,6 +243,8 @@ impl Speed {
 }
 
 const TITLE: &str = "Speed against error at one depth";
+/// Untrained networks are left out of a diagram where they are this many dB below all others.
+const FAR_BELOW_DB: f64 = 6.0;
 
 impl Claims {
     /// Whether they are of the same scenes as a point.

@@ -6,11 +6,12 @@ use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary::{self, Crop, DepthCurve, MethodSummary, Study, Summary};
 use crate::trial::{Measured, Work};
 use edof_image::noise::SensorNoise;
+use edof_image::words::count;
 use edof_image::{Noise, Tone};
 use edof_io::photos::choices;
-use edof_methods::method::{Format, Method};
+use edof_methods::method::{Family, Format, Method};
 use edof_report::picture::Encoded;
-use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
+use edof_report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
 use edof_report::{Figure, Layout, Report, Table, csv};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -108,9 +109,9 @@ impl Study {
             Tone::Srgb => "measured on the encoded picture, clipped to 0…1 as a screen does",
         };
         format!(
-            "Means over {} photographs. PSNR in dB over red, green and blue, peak {}, border {} cropped, {measured}; SSIM is the mean of \
+            "Means over {}. PSNR in dB over red, green and blue, peak {}, border {} cropped, {measured}; SSIM is the mean of \
              the colours. Each cell: at ψ = {} / at the worst ψ / average over ψ; SSIM over all.{}",
-            self.rows.iter().map(|r| &r.image).collect::<BTreeSet<_>>().len(),
+            count(self.rows.iter().map(|r| &r.image).collect::<BTreeSet<_>>().len(), "photograph"),
             self.measure.peak,
             self.measure.border,
             self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]),
@@ -270,6 +271,9 @@ impl Study {
     }
 }
 
+/// What has a colour of its own: a method, or a network in all formats, behind a camera.
+type Kind<'a> = (Family, Option<&'a str>, &'a str);
+
 impl Summary {
     /// One line for each method and camera, two columns for each noise level. `float422` is left out: it lies on the fixed line.
     fn quality(&self, course: impl Fn(&MethodSummary) -> &DepthCurve) -> Table {
@@ -293,18 +297,30 @@ impl Summary {
         Table { header, rows: rows.collect() }
     }
 
-    /// PSNR against ψ, one diagram for each noise level; solid lines are float, dotted ones fixed point, dashed ones the rest.
+    /// PSNR against ψ, one diagram for each noise level; solid lines are float, dotted ones fixed point in the colour of their float, dashed
+    /// ones the rest.
     /// `float422` is left out: it lies on the fixed line.
     #[must_use]
     pub fn plots(&self) -> Vec<Plot> {
+        let mut kinds: Vec<Kind<'_>> = vec![];
+        for (method, camera) in self.subjects() {
+            let kind = (method.family, method.network.as_deref(), camera);
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+            }
+        }
         let line = |m: &MethodSummary| {
+            let kind: Kind<'_> = (m.identity.family, m.identity.network.as_deref(), &m.camera);
+            let place = kinds.iter().position(|known| *known == kind).unwrap_or(0);
             let mark = match m.identity.format {
                 Some(Format::Float422) => return None,
                 Some(Format::Float | Format::FloatGpu) => Mark::LineAndPoints,
                 Some(Format::Fixed | Format::Board | Format::FixedGpu) => Mark::Dotted,
                 None => Mark::Dashed,
             };
-            Some(Series::new(format!("{}, {}", m.method, m.camera), mark, m.picture.psi_db.iter().copied()))
+            let series =
+                Series::new(format!("{}, {}", m.method, m.camera), mark, m.picture.psi_db.iter().copied());
+            Some(series.coloured(PALETTE[place % PALETTE.len()]))
         };
         let plot = |noise: Noise| Plot {
             title: noise_words(noise),
@@ -388,6 +404,14 @@ mod tests {
             page.contains("| n | clear | no noise | 0.250 (0.250) | 0.2500 (0.2500) | – | – | – | – |"),
             "{page}"
         );
+    }
+
+    #[test]
+    fn a_network_has_one_colour_whatever_its_format() {
+        let plots = study(Tone::Linear).summary.plots();
+        let colours: Vec<&str> = plots[0].series.iter().map(|s| s.colour.as_deref().unwrap()).collect();
+        assert_eq!(colours, [PALETTE[0], PALETTE[1], PALETTE[1]], "{:?}", plots[0].series);
+        assert_eq!(plots[0].series[2].mark, Mark::Dotted);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use edof_io::raw::{Alignment, Size};
 use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
 use edof_optics::capture::{
-    Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture, measure_approximation,
+    Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture_told, measure_approximation_told,
 };
 use edof_optics::depth::{distance_m, psi_at};
 use edof_optics::draw::parse_name;
@@ -184,22 +184,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     let camera = args.drawing.before(camera)?;
     let listed = args.listed()?;
-    let mut files = Files::new(ui)
-        .reads(&args.scene)
-        .reads_all(listed.iter().flat_map(SceneFile::files))
-        .reads_all(&args.depth_map)
-        .reads_all(files)
-        .writes("--out", &args.out);
-    files = files.writes("the record beside --out", record::path_of(&args.out));
-    files = files
-        .may_write("--video", args.video.as_ref())
-        .may_write("the record beside --video", args.video.as_deref().map(record::path_of));
-    for (option, file) in [("--sharp", &args.sharp), ("--light", &args.light)] {
-        if let Some(file) = file {
-            files = files.writes_picture(option, file)?;
-        }
-    }
-    files.check()?;
+    args.files(listed.as_ref(), files, ui)?.check()?;
     let sensor = Sensor {
         depth: args.depth,
         phase: args.phase,
@@ -213,7 +198,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => open(&args, &camera, ui)?,
     };
     let approximation = args.approximation()?;
-    let shot = capture(&scene, &camera, &sensor, &approximation).map_err(|e| args.of_scene(&e))?;
+    let progress = ui.progress(1, "capture");
+    let told = |before: usize| {
+        let progress = &progress;
+        move |done: usize, of: usize, next: &str| {
+            progress.message(next);
+            progress.of((before + done) as u64, (before + of) as u64);
+        }
+    };
+    let shot = capture_told(&scene, &camera, &sensor, &approximation, told(0));
+    let shot = shot.map_err(|e| args.of_scene(&e))?;
+    let steps = shot.depths.len() + 1;
     raw::save(&args.out, &shot.raw)?;
     let record = record_of(&args, &camera, &scene, &shot.raw, ui);
     record::save(&args.out, &record)?;
@@ -230,8 +225,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let costs = if !args.measure || args.exact || args.no_measure || camera.psf_bank.is_some() {
         vec![]
     } else {
-        measure_approximation(&scene, &camera, &approximation)?
+        measure_approximation_told(&scene, &camera, &approximation, told(steps))?
     };
+    progress.finish();
     tell(&scene, &camera, &shot, &costs, ui)?;
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
@@ -388,6 +384,26 @@ impl MapOf {
 }
 
 impl Args {
+    /// What is read and written.
+    fn files(&self, listed: Option<&SceneFile>, lens: Vec<PathBuf>, ui: &Ui) -> Result<Files, Error> {
+        let mut files = Files::new(ui)
+            .reads(&self.scene)
+            .reads_all(listed.into_iter().flat_map(SceneFile::files))
+            .reads_all(&self.depth_map)
+            .reads_all(lens)
+            .writes("--out", &self.out);
+        files = files.writes("the record beside --out", record::path_of(&self.out));
+        files = files
+            .may_write("--video", self.video.as_ref())
+            .may_write("the record beside --video", self.video.as_deref().map(record::path_of));
+        for (option, file) in [("--sharp", &self.sharp), ("--light", &self.light)] {
+            if let Some(file) = file {
+                files = files.writes_picture(option, file)?;
+            }
+        }
+        Ok(files)
+    }
+
     /// A failure of a scene that is in a file, by the file's name.
     fn of_scene(&self, error: &CaptureError) -> Error {
         if Path::new(&self.scene).exists() {

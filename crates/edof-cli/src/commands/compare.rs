@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::pictures;
+use crate::said;
 use crate::ui::Ui;
 use edof_image::words::number;
 use edof_image::{ColourFrame, Tone};
@@ -48,7 +49,7 @@ pub struct Args {
     map: Option<PathBuf>,
 
     /// Factor by which the map enlarges differences
-    #[arg(long, default_value_t = 8.0, value_name = "FACTOR")]
+    #[arg(long, default_value_t = 8.0, value_name = "FACTOR", value_parser = said::single)]
     map_gain: f32,
 }
 

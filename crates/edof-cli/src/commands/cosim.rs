@@ -54,6 +54,7 @@ const WAVEFORM_CYCLES: u64 = 300;
   edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml
   edof cosim --system --design tiny --window 12 --stride 4 --size 32x16 --display luma
   edof cosim --system --design tiny --size 32x16 --icarus
+  edof cosim --system --design tiny --weights tiny.fixed.safetensors --rtl build/tiny/rtl
   edof cosim --system --design kc705 --weights edof-t4w12-outer --photo photo.png --size 256x256 --frames 1")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
@@ -154,7 +155,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         let shot = args.shot();
         let raw = shot.frame(&network, ui)?;
         args.system.has_room(&design, &raw).map_err(|e| shot.failed(e))?;
-        return cosim_system::run(&args.system, &design, network, &raw, args.seed, args.icarus, ui);
+        let how = cosim_system::Run { seed: args.seed, icarus: args.icarus, rtl: args.rtl.as_deref() };
+        return cosim_system::run(&args.system, &design, network, &raw, &how, ui);
     }
     let trial =
         Trial { patches: patches(&args, &design, &network, ui)?, design, network, drive: drive(&args)? };

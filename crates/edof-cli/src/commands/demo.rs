@@ -70,14 +70,18 @@ pub struct Args {
 /// # Errors
 /// No weights, settings out of range, a folder that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    // What is quick to reject comes before what takes its time.
+    if args.out.is_file() {
+        return Err(Error::message(format!("--out {}: is a file, expected a folder", args.out.display())));
+    }
     let (camera, coded) = method(&args.net, ui)?;
     let (clear_camera, clear) = method(&args.clear_net, ui)?;
-    super::scene::fits(args.width, args.height)?;
+    let sides = format!("--width {} --height {}", args.width, args.height);
+    super::scene::fits(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let kind = args.scene.parse::<Builtin>()?;
     let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
     let scene = draw(kind, args.height, args.width, &four_depths(camera.psi_range), 1);
-    let scene =
-        scene.map_err(|e| Error::message(format!("--width {} --height {}: {e}", args.width, args.height)))?;
+    let scene = scene.map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
 
     let malvar = Malvar::default();

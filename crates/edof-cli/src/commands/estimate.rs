@@ -131,8 +131,7 @@ fn measured(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Re
     let mut pictures = vec![];
     for shot in &shots {
         let raw = shot.frame(network, ui)?;
-        let picture =
-            Picture::measure(shot.name(network)?, design, network, &raw, || interrupt::check().is_ok());
+        let picture = Picture::measure(shot.name(network)?, design, network, &raw, interrupt::flow);
         interrupt::check()?;
         pictures.push(picture.map_err(|e| shot.failed(e))?);
         bar.set(pictures.len() as u64);

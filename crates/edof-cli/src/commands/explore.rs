@@ -186,7 +186,7 @@ fn of_network(
     ui: &Ui,
 ) -> Result<Vec<Found>, Error> {
     let (db, pictures) = measure(args, network, &any_folding(base, network)?, ui)?;
-    let found = explore::found(base, network, &pictures, || interrupt::check().is_ok())?;
+    let found = explore::found(base, network, &pictures, interrupt::flow)?;
     interrupt::check()?;
     let found = found.into_iter().map(|Folding { words, cycles, worst_cycles, frames, used, .. }| Found {
         network: name.into(),
@@ -218,7 +218,7 @@ fn measure(
         let (scene, raw) = shot.taken(network, ui)?;
         let frame = golden.frame(&raw).map_err(|e| shot.failed(e))?.colour();
         db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
-        let pairs = explore::pairs(&model, network, &raw, || interrupt::check().is_ok());
+        let pairs = explore::pairs(&model, network, &raw, interrupt::flow);
         interrupt::check()?;
         pictures.push(pairs.map_err(|e| shot.failed(e))?);
         bar.set(pictures.len() as u64);

@@ -49,7 +49,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.used(weights::fixed_input(&args.weights)?);
     designs::fits_given(&design, &args.design, &network)?;
     board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
-    let sources = Sources::of(&design, &network)?;
+    let progress = ui.progress(1, "sources");
+    let sources = Sources::told(&design, &network, |done, of, next| {
+        progress.message(next);
+        progress.of(done as u64, of as u64);
+    })?;
+    progress.finish();
     let files = Files::new(ui).reads(&args.design).reads_all(weights::fixed_file(&args.weights));
     files.writes_into("--out", &args.out, sources.names()).check()?;
     let manifest = sources.write(&args.out, args.force).map_err(Error::of_folder)?;

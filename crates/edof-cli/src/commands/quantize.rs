@@ -74,7 +74,7 @@ pub struct Args {
     finetune: u64,
 
     /// Largest change of a weight per fine-tuning step, for inputs of variance one, in LSB of a code
-    #[arg(long, default_value_t = FinetuneOptions::default().rate)]
+    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single)]
     finetune_rate: f32,
 
     /// Weight file to write [default: the float network's name with .fixed.safetensors]

@@ -101,8 +101,9 @@ fn network(args: &Args) -> Result<FixedNetwork, Error> {
             }
             let drawn = form::words(&network.form);
             Err(Error::message(format!(
-                "--kind natural: makes {drawn} of 16 bits only, not {}",
-                form::words(&args.form)
+                "--kind natural: makes {drawn} of --bits 16 only, not {} of --bits {}",
+                form::words(&args.form),
+                args.bits
             )))
         }
     }

@@ -25,6 +25,9 @@ pub struct Traffic {
     pub most_late: u64,
 }
 
+/// What a faulty memory makes of a word that is read: the word's number, and the word in parts of 32 bits, the lowest first.
+pub type WordFault = fn(u64, &mut [u32]);
+
 /// A word, and which of its bytes are written.
 type Strobed = (Vec<u32>, u64);
 
@@ -63,6 +66,8 @@ pub struct Memory {
     starves_until: u64,
     /// How it behaves.
     pub behaviour: Behaviour,
+    /// A fault of its cells or of its data lines, for tests.
+    pub fault: Option<WordFault>,
     /// What was written.
     pub written: Traffic,
     /// What was read.
@@ -99,6 +104,7 @@ impl Memory {
             cycle: 0,
             starves_until: 0,
             behaviour,
+            fault: None,
             written: Traffic::default(),
             read: Traffic::default(),
         })
@@ -393,7 +399,11 @@ impl Memory {
             let bytes = self.word_bytes();
             let burst = &mut side.asked[at];
             let flip = if fails { u32::MAX } else { 0 };
-            let word: Vec<u32> = self.word(burst.address / bytes).iter().map(|part| part ^ flip).collect();
+            let index = burst.address / bytes;
+            let mut word: Vec<u32> = self.word(index).iter().map(|part| part ^ flip).collect();
+            if let Some(fault) = self.fault {
+                fault(index, &mut word);
+            }
             burst.address += bytes;
             burst.words -= 1;
             side.answers = true;

@@ -25,7 +25,20 @@ impl Compiled {
     /// # Errors
     /// A tool is missing or refuses the text, or a file cannot be written.
     pub fn new(project: &Project, stages: usize, options: &Options) -> Result<Self, Error> {
-        let library = Library::build(&Source::from(project), options)?;
+        Self::of_source(&Source::from(project), project, stages, options)
+    }
+
+    /// Compiles what was made of a chain's files.
+    ///
+    /// # Errors
+    /// As [`Compiled::new`].
+    pub fn of_source(
+        source: &Source,
+        project: &Project,
+        stages: usize,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let library = Library::build(source, options)?;
         let images = work::folder()?;
         write_images(project, images.path())?;
         Ok(Self { library, images, stages })

@@ -5,7 +5,7 @@ use super::pictures::sent;
 use super::rig::{Begin, Compiled, Rig, project};
 use super::uart::Uart;
 use crate::Source;
-use crate::bench::{Actor, ClockId};
+use crate::bench::{Actor, ClockId, Memory};
 use crate::verilator::{Model, Options};
 use edof_board::Error;
 use edof_board::faulty::Resettable;
@@ -15,6 +15,7 @@ use edof_device::Design;
 use edof_device::board::CORE_KILOHERTZ;
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Display, Golden};
+use edof_hdl::project::Project;
 use edof_image::RawFrame;
 use edof_network::FixedNetwork;
 use std::io;
@@ -121,7 +122,21 @@ impl VerilogBoard {
     ) -> Result<Self, Error> {
         sets.iter().try_for_each(|network| Golden::new((*network).clone()).map(drop))?;
         let project = project(design, sets, display).map_err(stopped)?;
-        let compiled = Compiled::new(&project, options).map_err(stopped)?;
+        Self::of_project(&project, design, raw, (speed, seed), options)
+    }
+
+    /// The same from the files of a core, which may have been edited.
+    ///
+    /// # Errors
+    /// As [`VerilogBoard::new`].
+    pub fn of_project(
+        project: &Project,
+        design: &Design,
+        raw: &RawFrame,
+        (speed, seed): (Speed, u64),
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let compiled = Compiled::new(project, options).map_err(stopped)?;
         let line = (speed.cycles_per_bit, speed.time_out);
         let begin = Begin::leisurely(design, seed);
         let around = |source: &Source, clock| {
@@ -165,6 +180,11 @@ impl VerilogBoard {
             self.steps(AT_ONCE)?;
         }
         Ok(())
+    }
+
+    /// The memory of frames.
+    pub const fn memory(&mut self) -> &mut Memory {
+        &mut self.rig.memory
     }
 
     /// The video chips.

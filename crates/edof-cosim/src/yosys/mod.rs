@@ -1,6 +1,7 @@
 //! What a design becomes on a 7-series FPGA, according to Yosys.
 
 pub mod fan_out;
+mod mapped;
 mod netlist;
 mod output_registers;
 pub mod route;
@@ -8,6 +9,7 @@ pub mod timing;
 
 use crate::error::{Error, at};
 use crate::{Source, tool, work};
+pub use mapped::mapped;
 use netlist::Netlist;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -138,10 +140,7 @@ fn lut_sites(cell: &str) -> usize {
 pub fn synthesize(source: &Source, options: &Options) -> Result<Report, Error> {
     let work = work::folder()?;
     source.write(work.path())?;
-    let script = work.path().join("synthesize.ys");
-    std::fs::write(&script, commands(source, options, work.path())).map_err(at(&script))?;
-    let dir = options.memory_dir.as_deref().unwrap_or(Path::new("."));
-    tool::run(tool::command("yosys", dir).arg("-q").arg("-s").arg(&script))?;
+    run_script(&commands(source, options, work.path()), options, work.path())?;
     let path = work.path().join("netlist.json");
     let file = std::fs::File::open(&path).map_err(at(&path))?;
     let unexpected = |problem: String| Error::Output { tool: "yosys".into(), problem };
@@ -150,15 +149,32 @@ pub fn synthesize(source: &Source, options: &Options) -> Result<Report, Error> {
     netlist.report().ok_or_else(|| unexpected("no top in the netlist".into()))
 }
 
-/// Modules are elaborated once their parameters are known: before, a memory image may have no name.
-fn commands(source: &Source, options: &Options, work: &Path) -> String {
+/// Runs commands of Yosys; relative paths of memory images start where the options say.
+fn run_script(commands: &str, options: &Options, work: &Path) -> Result<(), Error> {
+    let script = work.join("commands.ys");
+    std::fs::write(&script, commands).map_err(at(&script))?;
+    let dir = options.memory_dir.as_deref().unwrap_or(Path::new("."));
+    tool::run(tool::command("yosys", dir).arg("-q").arg("-s").arg(&script)).map(drop)
+}
+
+/// The files of a design that was written to `work`, as Yosys is given them.
+fn files(source: &Source, work: &Path) -> String {
     let files = source.file_names().filter(|name| !name.ends_with(".vh"));
     let files: Vec<String> = files.map(|name| format!("\"{}\"", work.join(name).display())).collect();
-    let parameters = options.parameters.iter().map(|(name, value)| format!(" -chparam {name} {value}"));
+    files.join(" ")
+}
+
+/// The parameters of the top, as `hierarchy` is given them.
+fn parameters(options: &Options) -> String {
+    options.parameters.iter().map(|(name, value)| format!(" -chparam {name} {value}")).collect()
+}
+
+/// Modules are elaborated once their parameters are known: before, a memory image may have no name.
+fn commands(source: &Source, options: &Options, work: &Path) -> String {
     let language = if source.file_names().any(|name| name.ends_with(".sv")) { "-sv " } else { "" };
     [
-        format!("read_verilog {language}-defer {}\n", files.join(" ")),
-        format!("hierarchy -top {}{}\n", source.top, parameters.collect::<String>()),
+        format!("read_verilog {language}-defer {}\n", files(source, work)),
+        format!("hierarchy -top {}{}\n", source.top, parameters(options)),
         "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf\n".into(),
         format!("write_json \"{}\"\n", work.join("netlist.json").display()),
     ]

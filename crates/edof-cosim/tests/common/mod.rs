@@ -2,9 +2,10 @@
 pub mod traffic;
 
 use crate::support;
-use edof_cosim::Error;
-use edof_cosim::chain::verilated::{Compiled, Verilated};
+use edof_cosim::chain::verilated::{Compiled, Verilated, write_images};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
+use edof_cosim::verilator::Options;
+use edof_cosim::{Error, Source, yosys};
 use edof_device::Design;
 use edof_device::design::memory::{SNAPSHOT, Set};
 use edof_golden::cycle::{Cycle, Patch};
@@ -150,6 +151,21 @@ impl Setup {
     ) -> Self {
         let project = project::calculator(&design, [&networks[0], &networks[1]]).unwrap();
         let compiled = Compiled::new(&alter(project), design.stages.len(), &support::options()).unwrap();
+        Self { design, networks, compiled }
+    }
+
+    /// The design as Yosys maps it to the cells of an FPGA.
+    pub fn mapped(design: Design, networks: [FixedNetwork; 2]) -> Self {
+        let project = project::calculator(&design, [&networks[0], &networks[1]]).unwrap();
+        let images = tempfile::tempdir().unwrap();
+        write_images(&project, images.path()).unwrap();
+        let memory_dir = Some(images.path().into());
+        let options = yosys::Options { memory_dir, ..yosys::Options::default() };
+        let source = yosys::mapped(&Source::from(&project), &options).unwrap();
+        let stages = design.stages.len();
+        // Verilator makes fifty megabytes of C++ of 35,000 cells, and a run is of a few thousand cycles.
+        let options = Options { optimize: 0, ..support::options() };
+        let compiled = Compiled::of_source(&source, &project, stages, &options).unwrap();
         Self { design, networks, compiled }
     }
 

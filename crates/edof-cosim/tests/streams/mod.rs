@@ -1,8 +1,8 @@
 //! A block in Verilator, its streams fed and emptied with random pauses, and every stream held to its rule: valid never falls, nor do
 //! the words change, without a transfer.
 use crate::support;
-use edof_cosim::Source;
 use edof_cosim::verilator::{Library, Model, Start};
+use edof_cosim::{Source, yosys};
 use edof_hdl::describe::Circuit;
 use edof_hdl::project;
 use edof_image::draw::Draw;
@@ -70,6 +70,13 @@ pub struct Compiled {
 }
 
 impl Compiled {
+    /// The block as Yosys maps it to the cells of an FPGA.
+    pub fn mapped(mut block: impl Circuit) -> Self {
+        let source = Source::from(&project::of_circuit(&mut block, vec![]).unwrap());
+        let source = yosys::mapped(&source, &yosys::Options::default()).unwrap();
+        Self { library: Library::build(&source, &support::options()).unwrap(), source, images: vec![] }
+    }
+
     pub fn new(mut block: impl Circuit, images: Vec<(String, String)>) -> Self {
         let project = project::of_circuit(&mut block, images).unwrap();
         let source = Source::from(&project);

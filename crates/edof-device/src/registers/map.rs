@@ -1,87 +1,12 @@
-//! The registers and windows of the board.
+//! The registers and windows of the board; their addresses, bits and checked words by name are in `words.rs`.
+
+mod words;
+
+pub use words::*;
 
 use super::{Access, Field, Register, Window};
 use crate::design::memory::ADDRESS_BITS;
-use edof_image::display::{DisplayMode, LUMA_ENTRIES};
-
-/// `EDOF` in ASCII: what `id` reads.
-pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
-/// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0002_0002;
-
-/// Address of `weights_hash`.
-pub const WEIGHTS_HASH: u32 = 0x10;
-/// Address of `control`.
-pub const CONTROL: u32 = 0x14;
-/// Address of `scratch`.
-pub const SCRATCH: u32 = 0x18;
-/// Address of `protection`.
-pub const PROTECTION: u32 = 0x1c;
-/// Address of `status`.
-pub const STATUS: u32 = 0x20;
-/// Address of `uart_broken`.
-pub const UART_BROKEN: u32 = 0x90;
-/// Address of `video_setup`.
-pub const VIDEO_SETUP: u32 = 0xa0;
-/// Address of `chip_access`.
-pub const CHIP_ACCESS: u32 = 0xa4;
-/// Address of `chip_answer`.
-pub const CHIP_ANSWER: u32 = 0xa8;
-/// Address of `input_codes`; `input_malformed` is the next word.
-pub const INPUT_CODES: u32 = 0x98;
-/// Address of `pattern`.
-pub const PATTERN: u32 = 0xb0;
-/// Address of `check_raw`; `check_windows`, `check_codes`, `check_sent` and `check_frames` are the next words.
-pub const CHECK_RAW: u32 = 0xb4;
-/// Address of `core_cycles`; `input_cycles` and `screen_cycles` are the next words.
-pub const CORE_CYCLES: u32 = 0xc8;
-/// Address of `picture_corner`.
-pub const PICTURE_CORNER: u32 = 0xd4;
-/// `video_setup` after reset: RGB to the screen, the receiver's output clock inverted, tap 0.
-pub const VIDEO_SETUP_RESET: u32 = 0x00a1_8000;
-/// Address of `writes_refused`.
-pub const WRITES_REFUSED: u32 = 0x94;
-
-/// Bit of `control`: frames are reconstructed.
-pub const RUN: u32 = 1;
-/// Bit of `control`: display in colour.
-pub const COLOUR: u32 = 1 << 1;
-/// Bit of `control`: the set of weights.
-pub const WEIGHT_SET: u32 = 1 << 2;
-/// Bit of `control`: its rise sets up the video chips.
-pub const I2C_RESTART: u32 = 1 << 3;
-/// Bit of `control`: drops the frame in progress.
-pub const FLUSH: u32 = 1 << 4;
-
-/// Bit of `protection`: the bank in use takes no words.
-pub const PROTECT_BANK: u32 = 1;
-/// Bit of `protection`: `control` takes checked words alone.
-pub const PROTECT_CONTROL: u32 = 1 << 1;
-
-/// A word of 16 bits with its complement above it, as `protection` and, under protection, `control` want it: one that lost, doubled or
-/// changed a byte on its way is none.
-///
-/// ```
-/// use edof_device::registers::map::{checked, is_checked};
-/// assert_eq!(checked(0x0007), 0xfff8_0007);
-/// assert!(is_checked(checked(0x0007)) && !is_checked(0x0007) && !is_checked(checked(0x0007) << 8));
-/// ```
-#[must_use]
-pub const fn checked(word: u32) -> u32 {
-    (word & 0xffff) | !word << 16
-}
-
-/// Whether a word is as [`checked`] makes it.
-#[must_use]
-pub const fn is_checked(word: u32) -> bool {
-    word == checked(word)
-}
-
-/// The word of `control` with which frames are reconstructed, shown in that mode, with that set of weights.
-#[must_use]
-pub fn running(mode: DisplayMode, set: usize) -> u32 {
-    RUN | if mode == DisplayMode::Colour { COLOUR } else { 0 } | if set == 0 { 0 } else { WEIGHT_SET }
-}
+use edof_image::display::LUMA_ENTRIES;
 
 const fn constant(
     name: &'static str,

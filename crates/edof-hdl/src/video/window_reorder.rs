@@ -318,7 +318,8 @@ impl Logic for WindowReorder {
         self.in_last_column.d.next = self.patch_column.q.val() == self.last_patch_column.val();
         self.stripe_ends.next = self.window_ends.val() && self.in_last_column.q.val();
         self.frame_ends.next = self.stripe_ends.val() && self.in_last_row.q.val();
-        if self.fresh.q.val() {
+        // From the frame's first pair on the set stands.
+        if self.fresh.q.val() && !self.steps.val() {
             self.set_q.d.next = self.set.val();
         }
         if self.steps.val() {

@@ -16,6 +16,34 @@ pub(super) fn along(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     corners.windows(2).flat_map(between).collect()
 }
 
+/// The part of a text that is nearest to its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Anchor {
+    /// As SVG calls it.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Middle => "middle",
+            Self::End => "end",
+        }
+    }
+
+    /// Where in an area that is as wide as the text at most its anchor is.
+    pub(super) fn of(self, area: &Area) -> f64 {
+        match self {
+            Self::Start => area.x[0],
+            Self::Middle => 0.5 * (area.x[0] + area.x[1]),
+            Self::End => area.x[1],
+        }
+    }
+}
+
 /// An upright rectangle, in pixels from the upper left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
@@ -29,16 +57,28 @@ impl Area {
         Self { x: [x - reach, x + reach], y: [y - reach, y + reach] }
     }
 
-    /// Places of so much width and height around a point, the usual ones first: right, left, above, below, then aslant and further off.
-    pub(super) fn beside([x, y]: [f64; 2], [width, height]: [f64; 2]) -> impl Iterator<Item = Self> {
-        let at = move |left: f64, top: f64| Self { x: [left, left + width], y: [top, top + height] };
-        let (right, left, middle) = (x + 6.0, x - 6.0 - width, x - 0.5 * width);
+    /// Places of so much width and height around a point, the usual ones first: right, left, above, below, then aslant and further off; and which end
+    /// of a text there is at the point.
+    pub(super) fn beside(
+        [x, y]: [f64; 2],
+        [width, height]: [f64; 2],
+    ) -> impl Iterator<Item = (Self, Anchor)> {
+        let at = move |(anchor, top): (Anchor, f64)| {
+            let left = match anchor {
+                Anchor::Start => x + 6.0,
+                Anchor::Middle => x - 0.5 * width,
+                Anchor::End => x - 6.0 - width,
+            };
+            (Self { x: [left, left + width], y: [top, top + height] }, anchor)
+        };
         let level = y - 0.5 * height;
-        let near = [(right, level), (left, level), (middle, y - 5.0 - height), (middle, y + 5.0)];
+        let (above, below) = (y - 5.0 - height, y + 5.0);
+        let near =
+            [(Anchor::Start, level), (Anchor::End, level), (Anchor::Middle, above), (Anchor::Middle, below)];
         let far = [12.0, -12.0, 24.0, -24.0]
             .into_iter()
-            .flat_map(move |off| [(right, level + off), (left, level + off)]);
-        near.into_iter().chain(far).map(move |(left, top)| at(left, top))
+            .flat_map(move |off| [(Anchor::Start, level + off), (Anchor::End, level + off)]);
+        near.into_iter().chain(far).map(at)
     }
 
     /// Pixels that both cover.

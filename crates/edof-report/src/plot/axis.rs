@@ -82,12 +82,13 @@ impl Ruler {
                 linear_ticks(low, high, step)
             }
             Scale::Log => {
-                low = fixed_low.unwrap_or_else(|| 10f64.powf(low.log10().floor()));
-                high = fixed_high.unwrap_or_else(|| 10f64.powf(high.log10().ceil()));
+                let factors = log_factors(low, high);
+                low = fixed_low.unwrap_or_else(|| round_below(low, factors));
+                high = fixed_high.unwrap_or_else(|| round_above(high, factors));
                 if high <= low {
                     high = low * 10.0;
                 }
-                log_ticks(low, high)
+                log_ticks(low, high, factors)
             }
         };
         Self { scale: axis.scale, low, high, start, end, ticks }
@@ -119,9 +120,26 @@ fn linear_ticks(low: f64, high: f64, step: f64) -> Vec<(f64, String)> {
         .collect()
 }
 
-fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
-    let decades = (high / low).log10();
-    let factors: &[f64] = if decades < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+/// What ticks of a logarithmic axis are of a power of ten.
+fn log_factors(low: f64, high: f64) -> &'static [f64] {
+    if (high / low).log10() < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] }
+}
+
+/// The largest factor times a power of ten that is at most `value`.
+fn round_below(value: f64, factors: &[f64]) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    let ticks = factors.iter().map(|factor| factor * power);
+    ticks.filter(|tick| *tick <= value * (1.0 + 1e-9)).fold(power, f64::max)
+}
+
+/// The smallest factor times a power of ten that is at least `value`.
+fn round_above(value: f64, factors: &[f64]) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    let ticks = factors.iter().map(|factor| factor * power);
+    ticks.filter(|tick| *tick >= value * (1.0 - 1e-9)).fold(10.0 * power, f64::min)
+}
+
+fn log_ticks(low: f64, high: f64, factors: &[f64]) -> Vec<(f64, String)> {
     let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
     powers
         .flat_map(|p| factors.iter().map(move |f| f * 10f64.powi(p)))

@@ -19,7 +19,7 @@ mod palette;
 pub use axis::{Axis, Scale};
 pub use palette::{PALETTE, sequential};
 
-use area::{Area, along};
+use area::{Anchor, Area, along};
 use axis::Ruler;
 use std::fmt::Write;
 
@@ -268,18 +268,22 @@ impl Plot {
             let size = [series.label.chars().count() as f64 * LETTER[0], LETTER[1]];
             // The last point first: there a line ends.
             let spots = placed(series).into_iter().rev().flat_map(|at| Area::beside(at, size));
-            let covered = |area: &Area| {
+            let covered = |(area, _): &(Area, Anchor)| {
                 let outside = size[0] * size[1] - area.shared(&frame);
                 taken.iter().map(|other| area.shared(other)).sum::<f64>() + 10.0 * outside
             };
-            let Some(best) = spots.min_by(|a, b| covered(a).total_cmp(&covered(b))) else { continue };
+            let Some((best, anchor)) = spots.min_by(|a, b| covered(a).total_cmp(&covered(b))) else {
+                continue;
+            };
+            // `color` is what a page's style makes darker or lighter than the points: text is thin.
             let _ = writeln!(
                 svg,
-                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" fill=\"{}\">{}</text>",
-                best.x[0],
+                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{}\" color=\"{own}\" fill=\"{own}\">{}</text>",
+                anchor.of(&best),
                 best.y[1] - 3.0,
-                colour(series, index),
-                escape(&series.label)
+                anchor.name(),
+                escape(&series.label),
+                own = colour(series, index)
             );
             taken.push(best);
         }

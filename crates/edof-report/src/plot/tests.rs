@@ -39,6 +39,13 @@ fn names_beside_points_cover_neither_points_nor_each_other() {
         .map(|line| {
             let [x, y] = ["x", "y"].map(|name| number(line, &format!(" {name}")));
             let width = "method 0".len() as f64 * LETTER[0];
+            let share = match line.split("text-anchor=\"").nth(1).unwrap().split('"').next().unwrap() {
+                "start" => 0.0,
+                "middle" => 0.5,
+                "end" => 1.0,
+                other => panic!("{other}"),
+            };
+            let x = x - share * width;
             Area { x: [x, x + width], y: [y + 3.0 - LETTER[1], y + 3.0] }
         })
         .collect();
@@ -54,6 +61,32 @@ fn names_beside_points_cover_neither_points_nor_each_other() {
         assert!(others.chain(&dots).all(|other| name.shared(other) < 1.0), "{name:?} {svg}");
     }
     assert_eq!(svg.matches("method 0").count(), 2, "its name and what hovering tells: none in the legend");
+}
+
+#[test]
+fn a_name_left_of_its_point_ends_at_it_whatever_the_font() {
+    // A point at the right end: there is no room but on its left.
+    let plot = Plot {
+        series: vec![Series::new("a long name", Mark::Points, [[1.0, 1.0]]).named_at_points()],
+        ..plot(Axis::linear("x").from(0.0).to(1.0), &[])
+    };
+    let svg = plot.to_svg();
+    let dot = svg.lines().find(|line| line.starts_with("<circle")).unwrap();
+    let name = svg.lines().find(|line| line.contains("class=\"name\"")).unwrap();
+    let x = |line: &str, name: &str| -> f64 {
+        line.split(name).nth(1).unwrap().split('"').nth(1).unwrap().parse().unwrap()
+    };
+    assert!(name.contains("text-anchor=\"end\""), "{name}");
+    assert!((x(dot, " cx=") - x(name, " x=") - 6.0).abs() < 0.2, "{dot} {name}");
+}
+
+#[test]
+fn a_logarithmic_axis_of_few_decades_ends_near_its_data() {
+    let svg = plot(Axis::log("x"), &[[0.65, 0.0], [0.9, 1.0]]).to_svg();
+    assert!(
+        svg.contains(">0.5</text>") && svg.contains(">1</text>") && !svg.contains(">0.1</text>"),
+        "{svg}"
+    );
 }
 
 #[test]

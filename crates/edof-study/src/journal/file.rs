@@ -60,7 +60,10 @@ fn lines(file: impl Read, max_line: u64) -> std::io::Result<Text> {
             return Ok(text);
         }
         text.whole += bytes.len() as u64 + 1;
-        let line = String::from_utf8(bytes).map_err(|_| std::io::Error::from(ErrorKind::InvalidData))?;
+        let line = String::from_utf8(bytes).map_err(|_| {
+            let why = format!("line {} is no text: expected rows of a study", text.lines.len() + 1);
+            std::io::Error::new(ErrorKind::InvalidData, why)
+        })?;
         text.lines.push(line);
     }
 }

@@ -139,7 +139,9 @@ impl Header {
     /// # Errors
     /// [`JournalError::Read`], [`JournalError::Empty`] or [`JournalError::Line`].
     pub fn read(path: &Path) -> Result<Self, JournalError> {
-        let text = super::file::read(path)?.unwrap_or_default();
+        let missing =
+            || JournalError::Read { path: path.to_owned(), source: std::io::Error::from_raw_os_error(2) };
+        let text = super::file::read(path)?.ok_or_else(missing)?;
         let first = text.lines.first().ok_or_else(|| JournalError::Empty(path.to_owned()))?;
         super::parsed(path, 1, first)
     }

@@ -22,6 +22,8 @@ pub struct Knob {
     pub why: &'static str,
     /// What runs where it stands at a value.
     pub apply: fn(&Plan, f64) -> Work,
+    /// Whether its curve is plotted against time. Where the knob does not change what a program does, times differ only by chance.
+    pub takes_time: bool,
     /// Numbers of bits in which it needs the plan's network.
     pub bits: &'static [u32],
 }

@@ -25,8 +25,9 @@ pub static KNOBS: [Knob; 14] = [
         values: &[0.9, 0.99, 0.999, 0.9999],
         default: |_| Settings::default().energy,
         why: "Kernels are cut to the smallest square that keeps a share of their energy. Error of the light on the sensor against whole kernels. \
-                 0.999: the error is far below a sensor's noise, and the kernels here are 159 to 299 pixels wide.",
+                 0.999: the error is far below a sensor's noise, and kernels are still smaller than the support that they are cut from (1024 pixels at most).",
         apply: kernel_energy,
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -37,6 +38,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Of a colour with a spectrum (here bands of 60 nm around the camera's lines), wavelengths are added until the kernel moves by less than a share of \
                  its energy. Error of the light against the most wavelengths. 0.01: below what the kernels' cut costs.",
         apply: wavelengths,
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -47,6 +49,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "A scene whose depth rises evenly over the camera's range, cut into so many layers of one kernel each. Error of the light against 64 layers. 16: half a \
                  radian a layer, half of the 1 rad between the depths that networks are trained for.",
         apply: depths,
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -57,6 +60,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Patches of the float network overlap at strides 4 and 2 and are averaged. 8: four and sixteen times the work for what the curve shows; 60 frames \
                  a second are within reach at stride 8 alone.",
         apply: |plan, value| float(plan, FloatSettings::at(stride(value))),
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -67,6 +71,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Weights and codes of the fixed network, quantized for so many bits with nothing trained after. 16: what the board's multipliers take without \
                  costing more of them. Time is that of the software model, which does not depend on bits; what it saves is memory on the board.",
         apply: |plan, value| fixed("bits", plan.in_bits(value as u32).clone()),
+        takes_time: false,
         bits: &[8, 9, 10, 12, WORD_BITS],
     },
     Knob {
@@ -77,6 +82,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Words of A and of the linear path R of the fixed network rounded to so many bits, all else 16. 16: as for all words. Where the curve is flat the board's memory \
                  holds bits that no picture needs.",
         apply: analysis_bits,
+        takes_time: false,
         bits: &[WORD_BITS],
     },
     Knob {
@@ -86,6 +92,7 @@ pub static KNOBS: [Knob; 14] = [
         default: |_| f64::from(WORD_BITS),
         why: "Words of every S of the fixed network rounded to so many bits, all else 16. 16: as for all words. S is most of the network's memory.",
         apply: recurrent_bits,
+        takes_time: false,
         bits: &[WORD_BITS],
     },
     Knob {
@@ -95,6 +102,7 @@ pub static KNOBS: [Knob; 14] = [
         default: |_| f64::from(WORD_BITS),
         why: "Words of D of the fixed network rounded to so many bits, all else 16. 16: as for all words.",
         apply: dictionary_bits,
+        takes_time: false,
         bits: &[WORD_BITS],
     },
     Knob {
@@ -105,6 +113,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Sparse codes of a patch that may be other than 0 after each shrinkage of the float network, the largest; all others are dropped. 192: all, no budget. A board that \
                  skips zeros takes cycles by the non-zeros of the busiest stage, so a budget bounds its time; here time is that of a program that skips nothing.",
         apply: budget,
+        takes_time: false,
         bits: &[],
     },
     Knob {
@@ -115,6 +124,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "T of the paper's network before training, each colour's mean taken out: ISTA in the pursuits' dictionary, cut off. 4: what the board runs. Networks trained for \
                  other T stand in docs/results/layers.md; the curve says what a layer adds where training has not made up for it.",
         apply: untrained,
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -125,6 +135,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Atoms that orthogonal matching pursuit may use in a patch, ψ known. 16: chosen without noise (docs/decisions/0015-single-depth.md); with noise \
                  fewer may be better.",
         apply: |plan, value| pursuit(plan, usual(Pursuit::Omp { atoms: value as usize })),
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -135,6 +146,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Steps of FISTA in the dictionary, ψ known: what a network of so many layers would do without having been trained. 100: where it stands \
                  still. A trained network does it in four.",
         apply: |plan, value| pursuit(plan, usual(Pursuit::FISTA.in_steps(value as usize))),
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -145,6 +157,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Side of the raw window that OMP sees around a patch, ψ known. 8: the paper's, which all pursuits of the studies keep. A wider window sees the light that a blur \
                  carries across a patch's border, and much that no atom of the patch explains, at which the pursuit spends its atoms: it is worse.",
         apply: |plan, value| pursuit(plan, PursuitSettings { window: window(value), ..usual(Pursuit::OMP) }),
+        takes_time: true,
         bits: &[],
     },
     Knob {
@@ -155,6 +168,7 @@ pub static KNOBS: [Knob; 14] = [
         why: "Wiener's filter, ψ known, prepared for a σ that is not always the one that there is. The default is the noise itself: networks have two banks for \
                  the same reason. Less may be better on photographs that vary more than the filter takes for granted.",
         apply: noise_class,
+        takes_time: false,
         bits: &[],
     },
 ];

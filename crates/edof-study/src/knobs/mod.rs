@@ -53,6 +53,9 @@ pub struct Row {
     /// Least and most of the runs; none in rows of layout 1.
     #[serde(default)]
     pub seconds_range: Option<Range>,
+    /// Sides in pixels of the smallest and the largest kernel of a capture; none where something is reconstructed, and in older rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kernel_sides: Option<[usize; 2]>,
     /// Hashes of inputs and settings.
     #[serde(flatten)]
     pub proof: Proof,
@@ -211,6 +214,14 @@ impl Experiment for Turning<'_> {
     }
 }
 
+/// What was measured on one photograph.
+struct Measurement {
+    psnr_db: f64,
+    seconds: f64,
+    range: Range,
+    kernel_sides: Option<[usize; 2]>,
+}
+
 /// Light that is the same to the last bit counts as so far from an exact one.
 const MOST_DB: f64 = 160.0;
 /// What several values of a knob share.
@@ -231,7 +242,7 @@ impl Plan {
         captures: &mut Captures,
     ) -> Result<Row, KnobsError> {
         let Turned { knob, value, work, .. } = turned;
-        let (psnr_db, seconds, range) = match work {
+        let Measurement { psnr_db, seconds, range, kernel_sides } = match work {
             Work::Capture(shortened) => {
                 captures.exact.retain(|(of, _), _| of == knob);
                 self.captured(knob, shortened, photo, captures)?
@@ -250,6 +261,7 @@ impl Plan {
             psnr_db,
             seconds_per_megapixel: seconds / megapixels,
             seconds_range: Some(range.over(megapixels)),
+            kernel_sides,
             proof: proof.clone(),
         })
     }
@@ -262,14 +274,14 @@ impl Plan {
         }
     }
 
-    /// PSNR in dB and seconds of a capture.
+    /// A capture against an exact one.
     fn captured(
         &self,
         knob: &'static Knob,
         how: &Shortened,
         photo: &Photo,
         captures: &mut Captures,
-    ) -> Result<(f64, f64, Range), KnobsError> {
+    ) -> Result<Measurement, KnobsError> {
         let image = || photo.name.clone();
         let scene = |layers: Option<usize>| match layers {
             Some(layers) => self.ramp(photo, layers),
@@ -287,7 +299,13 @@ impl Plan {
         let cut = taken(how.layers.map(|l| l[0]), &how.cut)?;
         let quality = Quality::of(exact, &cut.light, BORDER);
         let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
-        Ok((db.min(MOST_DB), cut.seconds, Range { least: cut.seconds, most: cut.seconds }))
+        let sides = || cut.depths.iter().flat_map(|depth| &depth.channels).map(|kernel| kernel.side);
+        Ok(Measurement {
+            psnr_db: db.min(MOST_DB),
+            seconds: cut.seconds,
+            range: Range { least: cut.seconds, most: cut.seconds },
+            kernel_sides: sides().min().zip(sides().max()).map(<[usize; 2]>::from),
+        })
     }
 
     /// The photograph with depths that rise from left to right over the camera's range, in at most N layers.
@@ -301,13 +319,13 @@ impl Plan {
             .map_err(|source| KnobsError::Layers { image: photo.name.clone(), source })
     }
 
-    /// PSNR in dB and seconds of a method.
+    /// What a method gives.
     fn reconstructed(
         &self,
         spec: &MethodSpec,
         photo: &Photo,
         captures: &mut Captures,
-    ) -> Result<(f64, f64, Range), KnobsError> {
+    ) -> Result<Measurement, KnobsError> {
         let image = || photo.name.clone();
         let raw = match captures.raw.entry(image()) {
             Entry::Occupied(known) => known.into_mut(),
@@ -319,7 +337,7 @@ impl Plan {
             .map_err(|source| KnobsError::Reconstruct { image: image(), source })?;
         let quality = Quality::of(&photo.frame, &timed.result.frame, BORDER);
         let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
-        Ok((db, timed.result.seconds, timed.range))
+        Ok(Measurement { psnr_db: db, seconds: timed.result.seconds, range: timed.range, kernel_sides: None })
     }
 
     /// The photograph at the plan's depth, behind its camera.

@@ -28,6 +28,8 @@ pub struct Point {
     pub to_default: Option<Paired>,
     /// Mean seconds per megapixel.
     pub seconds_per_megapixel: f64,
+    /// Sides in pixels of the smallest and the largest kernel, where the knob is one of capturing.
+    pub kernel_sides: Option<[usize; 2]>,
 }
 
 /// All curves.
@@ -42,6 +44,11 @@ pub struct Knobs {
 /// PSNR of each photograph's row.
 fn by_photo(rows: &[Row], own: impl Fn(&Row) -> bool) -> BTreeMap<String, f64> {
     rows.iter().filter(|row| own(row)).map(|row| (row.image.clone(), row.psnr_db)).collect()
+}
+
+/// The smallest and the largest of both.
+fn widest(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
+    [a[0].min(b[0]), a[1].max(b[1])]
 }
 
 const TITLE: &str = "What can be left out: speed against error";
@@ -69,6 +76,7 @@ impl StudyReport for Knobs {
                     &by_photo(rows, |other| other.knob == row.knob && other.is_default),
                 ),
                 seconds_per_megapixel: mean(|row| row.seconds_per_megapixel),
+                kernel_sides: own.iter().filter_map(|row| row.kernel_sides).reduce(widest),
             });
         }
         Ok(Self { points, machine })
@@ -114,11 +122,12 @@ impl Knobs {
 
     fn tables(&self) -> Vec<(&'static Knob, Table)> {
         let of = |knob: &'static Knob| {
-            let own = self.points.iter().filter(move |p| *p.knob == *knob);
+            let own = || self.points.iter().filter(move |p| *p.knob == *knob);
+            let has_kernels = own().any(|p| p.kernel_sides.is_some());
             let row = |p: &Point| {
                 let mark = if p.is_default { "default" } else { "" };
                 let value = p.value.to_string();
-                vec![
+                let mut cells = vec![
                     value,
                     mark.into(),
                     format!("{:.2}", p.psnr_db),
@@ -128,21 +137,24 @@ impl Knobs {
                     },
                     format!("{:.4}", p.seconds_per_megapixel),
                     p.photos.to_string(),
-                ]
+                ];
+                let sides = p.kernel_sides.map(|[least, most]| format!("{least} to {most}"));
+                cells.extend(has_kernels.then(|| sides.unwrap_or_else(|| "–".to_owned())));
+                cells
             };
-            let header = [knob.unit, "", "PSNR dB", "to the default", "seconds a megapixel", "photos"]
-                .map(str::to_owned)
-                .to_vec();
-            (knob, Table { header, rows: own.map(row).collect() })
+            let header = [knob.unit, "", "PSNR dB", "to the default", "seconds a megapixel", "photos"];
+            let kernels = has_kernels.then_some("kernels, pixels");
+            let header = header.into_iter().chain(kernels).map(str::to_owned).collect();
+            (knob, Table { header, rows: own().map(row).collect() })
         };
         KNOBS.iter().map(of).filter(|(_, table)| !table.rows.is_empty()).collect()
     }
 
-    /// PSNR against time: the curve, and its default.
+    /// PSNR against time, or against the knob where it does not change the time: the curve, and its default.
     fn plot(&self, knob: &Knob) -> Plot {
         let own = || self.points.iter().filter(move |p| *p.knob == *knob);
         // The time of one photograph is one measurement: no curve.
-        let has_time = own().any(|p| p.photos > 1);
+        let has_time = knob.takes_time && own().any(|p| p.photos > 1);
         let at = |p: &Point| [if has_time { p.seconds_per_megapixel } else { p.value }, p.psnr_db];
         let each = own().map(|p| {
             let label = format!("{} {}", p.value, if p.is_default { "(default)" } else { "" });

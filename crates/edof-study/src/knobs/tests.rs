@@ -53,7 +53,7 @@ fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
     let plan = plan(&[], &edof_random::natural(8, 8, 7));
     let mut captures = Captures::default();
     let mut db = |knob: &'static Knob, value: f64| match (knob.apply)(&plan, value) {
-        Work::Capture(how) => plan.captured(knob, &how, &photo(), &mut captures).unwrap().0,
+        Work::Capture(how) => plan.captured(knob, &how, &photo(), &mut captures).unwrap().psnr_db,
         Work::Method(_) => panic!("{knob:?} captures"),
     };
     // The coarsest and a fine value, and what lies between them at least.
@@ -108,4 +108,33 @@ fn knobs_are_known_by_name() {
     assert!(KNOBS.is_sorted());
     let error = "gain".parse::<&Knob>().unwrap_err().to_string();
     assert!(error.starts_with("knob 'gain': must be one of kernel-energy, wavelengths, "), "{error}");
+}
+
+#[test]
+fn the_page_tells_how_large_kernels_are_that_were_measured() {
+    let knob: &Knob = "kernel-energy".parse().unwrap();
+    let study = Knobs::new(&rows(&[knob]), "m".into()).unwrap();
+    let settings = edof_optics::psf::Settings::default();
+    let camera = Camera::resolve("ring-2018").unwrap();
+    let sides =
+        edof_optics::psf::channel_psfs(&camera, 4.0, &settings).unwrap().map(|psf| psf.side().to_string());
+    let page = study.to_markdown(&crate::made::Made::by("edof study knobs"));
+    let [red, _, blue] = sides;
+    assert!(page.contains(&format!(" | 1 | {red} to {blue} |")), "{page}");
+    // Where nothing is captured there is no such column.
+    let others = Knobs::new(&rows(&["noise-class".parse().unwrap()]), "m".into()).unwrap();
+    assert!(!others.to_markdown(&crate::made::Made::by("edof study knobs")).contains("kernels, pixels"));
+}
+
+#[test]
+fn a_curve_is_drawn_against_time_where_the_knob_changes_it_and_there_are_photographs_enough() {
+    let twice = |name: &str| {
+        let rows = rows(&[name.parse().unwrap()]);
+        let others = rows.iter().map(|row| Row { image: "q".into(), ..row.clone() });
+        let all: Vec<Row> = rows.iter().cloned().chain(others).collect();
+        let of = |rows: &[Row]| Knobs::new(rows, "m".into()).unwrap().report("edof").to_html();
+        [of(&rows), of(&all)].map(|html| html.contains(">seconds a megapixel</text>"))
+    };
+    assert_eq!(twice("atoms"), [false, true]);
+    assert_eq!(twice("noise-class"), [false, false]);
 }

@@ -62,26 +62,27 @@ impl StudyReport for KnownBlurs {
     }
 
     fn to_text(&self) -> String {
-        format!("{}{}", self.table().to_text(), self.sentence())
+        format!("{}{} {}", self.table().to_text(), self.verdict(), self.method())
     }
 
     fn to_markdown(&self, made: &Made) -> String {
-        format!("# {TITLE}\n\n{made}\n\n{}\n\n{}", self.sentence(), self.table().to_markdown())
+        let (verdict, method) = (self.verdict(), self.method());
+        format!("# {TITLE}\n\n{made}\n\n{verdict} {method}\n\n{}", self.table().to_markdown())
     }
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.verdict(&self.sentence()).made_by(command);
+        report.verdict(&self.verdict()).made_by(command).method(&self.method());
         self.table().add_to(&mut report, &[]);
         report
     }
 }
 
 impl KnownBlurs {
-    fn sentence(&self) -> String {
+    fn verdict(&self) -> String {
         format!(
             "Over {} blurred photographs: {} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
-             average, at least by {:.3}. Lost more than {DIVERGED_DB} dB: {}. Seconds are wall-clock and of all threads together on {}.{}",
+             average, at least by {:.3}. Lost more than {DIVERGED_DB} dB: {}.",
             self.rows.len(),
             self.gain.map_or_else(|| "–".to_owned(), |gain| gain.to_string()),
             self.mean_known_gain_db,
@@ -92,6 +93,12 @@ impl KnownBlurs {
                 0 => "none".to_owned(),
                 count => count.to_string(),
             },
+        )
+    }
+
+    fn method(&self) -> String {
+        format!(
+            "Seconds are wall-clock and of all threads together on {}.{}",
             self.machine,
             choices(self.rows.iter().map(|row| row.image.as_str()))
         )

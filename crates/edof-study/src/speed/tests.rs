@@ -78,3 +78,19 @@ fn the_diagram_joins_the_strides_of_a_method_and_tells_its_numbers() {
             || html.matches("http://").count() == html.matches("http://www.w3.org/2000/svg").count()
     );
 }
+
+#[test]
+fn what_is_far_below_all_others_is_named_and_not_drawn_beyond_the_axes() {
+    let untrained = |layers, db| timed(&Method::untrained(Family::Untrained, 8, layers), "a", db, 0.2);
+    let net = timed(&Method::network("n", Format::Float, 8, 4), "a", 31.0, 0.1);
+    let speed = Speed::new(&[net, untrained(8, 26.75), untrained(10, 7.0)], "m".into()).unwrap();
+    let plot = speed.plot(&speed.claims[0]);
+    let drawn: Vec<[f64; 2]> = plot.series.iter().flat_map(|series| series.points.clone()).collect();
+    assert_eq!(drawn, [[0.1, 31.0], [0.2, 26.75]]);
+    assert_eq!(plot.y.ends[0], Some(26.0), "a point that is drawn is above the end of its axis");
+    let html = speed.report("edof study single-depth").to_html().replace('\u{a0}', " ");
+    assert!(
+        html.contains("Not in the diagram, which begins at 26 dB: untrained-t10.float/s8 (7.0 dB)."),
+        "{html}"
+    );
+}

@@ -223,7 +223,8 @@ fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
                 "csr-csv" => csr_csv::csr_csv(),
                 _ => markdown::page(),
             };
-            ui.say(&text)?;
+            // LiteX's clients take no line that is empty.
+            ui.say(text.trim_end())?;
             ui.json(&json!({ "format": format, "map": text }))
         }
         Command::Sim(sim) => sim::run(args, sim, ui),
@@ -375,9 +376,20 @@ fn info(args: &Args, own: &Own, ui: &Ui) -> Result<(), Error> {
         let told =
             held.as_deref().unwrap_or("a network that the program does not have; name its file by --weights");
         let hash = (hash != 0).then(|| format!("{hash:08x}"));
-        let shown = hash.as_deref().unwrap_or("unknown");
-        ui.say(format!("bank {}: hash {shown}{used}, {told}", letter(bank)))?;
-        banks.push(json!({ "bank": letter(bank), "weights": held, "hash": hash, "in_use": bank == in_use }));
+        // The board keeps one hash, that of the bank in use; what the words are known by is there for both.
+        let any = design.as_ref().map(|design| (design, edof_random::for_design(design, 1)));
+        let checksum = any.map(|(design, any)| board.checksum(design, &any, bank)).transpose().map_err(of)?;
+        let checksum = checksum.map(|sum| format!("{sum:08x}"));
+        let shown = match (&hash, &checksum) {
+            (Some(hash), Some(sum)) => format!("hash {hash}, checksum {sum}"),
+            (Some(hash), None) => format!("hash {hash}"),
+            (None, Some(sum)) => format!("checksum {sum}"),
+            (None, None) => "hash unknown".to_owned(),
+        };
+        ui.say(format!("bank {}: {shown}{used}, {told}", letter(bank)))?;
+        banks.push(json!({
+            "bank": letter(bank), "weights": held, "hash": hash, "checksum": checksum, "in_use": bank == in_use,
+        }));
     }
     let curve = load::curve_of(&mut board)?;
     ui.say(format!("display tables: {}", curve.unwrap_or("of none of the program's curves")))?;

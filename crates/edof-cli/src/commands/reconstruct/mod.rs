@@ -254,6 +254,11 @@ impl Job<'_> {
             (RawError::Frame { source: FrameError::Depth(_), .. }, Some(depth)) => {
                 Error::message(format!("--depth {depth}: {error}"))
             }
+            (RawError::Frame { source: source @ FrameError::Depth(_), .. }, None)
+                if record::path_of(self.raw).exists() =>
+            {
+                self.of_record(&source.to_string())
+            }
             (RawError::NoSize { .. }, _) => Error::message(format!("{error}: --size 1920x1080, say")),
             _ => error.into(),
         }
@@ -265,12 +270,27 @@ impl Job<'_> {
             let text = error.to_string();
             if given { text.replacen(what, option, 1) } else { text }
         };
-        let text = match error {
-            LevelsError::White { .. } => of("--white-level", self.args.white_level.is_some(), "white level"),
-            LevelsError::Black { .. } => of("--black-level", self.args.black_level.is_some(), "black level"),
-            error => error.to_string(),
+        let (given, text) = match error {
+            LevelsError::White { .. } => {
+                let given = self.args.white_level.is_some();
+                (given, of("--white-level", given, "white level"))
+            }
+            LevelsError::Black { .. } => {
+                let given = self.args.black_level.is_some();
+                (given, of("--black-level", given, "black level"))
+            }
+            error => (true, error.to_string()),
         };
+        if !given && record::path_of(self.raw).exists() {
+            return self.of_record(&text);
+        }
         self.failed(text)
+    }
+
+    /// What the record beside the frame says wrongly.
+    fn of_record(&self, why: &str) -> Error {
+        let path = record::path_of(self.raw);
+        Error::message(format!("{}: {why}; fix or delete the file", path.display()))
     }
 
     /// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.

@@ -59,6 +59,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui).reads_all(&args.dictionary), std::slice::from_ref(&args.net));
     let files = files.reads_pictures_of(args.photographs.folder.path()?).writes("--rows", &args.rows.rows);
     args.outputs.of(files).check()?;
+    args.rows.check::<edof_study::knobs::Row>()?;
     let (photos, notes) = args.photographs.load(ui)?;
     let plan = args.plan(ui)?;
     notes.iter().for_each(|note| ui.note(note));

@@ -11,7 +11,7 @@ use edof_camera::Camera;
 use edof_image::{Noise, Tone};
 use edof_methods::dictionary::Dictionary;
 use edof_methods::spec::MethodSpec;
-use edof_optics::draw::{Builtin, four_depths};
+use edof_optics::draw::{Builtin, DrawError, four_depths};
 use edof_study::multi_depth::{
     BEHIND, BLIND, CODED, DEMOSAICED, Drawn, Lens, MIDDLE, MultiDepth, OMP, Plan, Scenes,
 };
@@ -88,9 +88,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui).reads_all(&args.dictionary), &args.nets);
     let files = nets::read(files, std::slice::from_ref(&args.clear_net));
     args.rows.of(args.outputs.of(files)).check()?;
-    scene::fits(args.width, args.height)?;
+    args.rows.check::<edof_study::multi_depth::Row>()?;
+    let sides = format!("--width {} --height {}", args.width, args.height);
+    scene::fits(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let plan = args.plan(ui)?;
-    let mut experiment = Scenes::new(&plan)?;
+    let mut experiment = Scenes::new(&plan).map_err(|e| match e {
+        DrawError::Size { .. } => Error::message(format!("{sides}: {e}")),
+        e => e.into(),
+    })?;
     let journal = measured(&mut experiment, args.rows.rows.as_ref(), &args.rows.part, ui)?;
     tell::<MultiDepth>(&journal, &args.outputs, ui)
 }

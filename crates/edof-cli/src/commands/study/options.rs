@@ -11,7 +11,7 @@ use edof_optics::psf::Settings;
 use edof_report::Report;
 use edof_storage::provenance::Input;
 use edof_study::experiment::{self, Experiment, RunError};
-use edof_study::journal::{Header, Journal, Mixing, Progress, Shard};
+use edof_study::journal::{Header, Journal, Line, Mixing, Progress, Shard};
 use edof_study::made::machines;
 use edof_study::study_report::StudyReport;
 use std::path::PathBuf;
@@ -141,6 +141,35 @@ pub struct Rows {
     pub part: Part,
 }
 
+impl Rows {
+    /// Rejects a file of something else, before anything is computed.
+    ///
+    /// # Errors
+    /// As [`rows_of`].
+    pub fn check<R: Line>(&self) -> Result<(), Error> {
+        rows_of::<R>(Some(&self.rows))
+    }
+}
+
+/// Rejects an existing file without rows of a study.
+///
+/// # Errors
+/// A file that cannot be read, or that is of something else.
+fn rows_of<R: Line>(file: Option<&PathBuf>) -> Result<(), Error> {
+    let Some(file) = file.filter(|file| std::fs::metadata(file).is_ok_and(|what| what.len() > 0)) else {
+        return Ok(());
+    };
+    let found = Header::read(file)?.study;
+    if found == R::STUDY {
+        return Ok(());
+    }
+    Err(Error::message(format!(
+        "--rows {}: holds rows of edof study {found}, not of {}; name another file",
+        file.display(),
+        R::STUDY
+    )))
+}
+
 /// The same for studies that are short enough to do without a file.
 #[derive(clap::Args)]
 pub struct MayKeepRows {
@@ -156,6 +185,14 @@ pub struct MayKeepRows {
 }
 
 impl MayKeepRows {
+    /// Rejects a file of something else, before anything is computed.
+    ///
+    /// # Errors
+    /// As [`rows_of`].
+    pub fn check<R: Line>(&self) -> Result<(), Error> {
+        rows_of::<R>(self.rows.as_ref())
+    }
+
     /// Adds the rows to what a command writes. Where they are kept, all other outputs are made of them in a moment and may be replaced.
     pub fn of(&self, files: Files) -> Files {
         match &self.rows {

@@ -110,8 +110,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(files, &args.nets).reads_pictures_of(args.photographs.folder.path()?);
     let files = files.writes("--rows", &args.rows.rows).may_write("--plot", args.plot.as_ref());
     args.outputs.of(files).check()?;
+    // What is quick to reject comes before what takes its time.
+    args.rows.check::<edof_study::single_depth::Row>()?;
+    let externals = args.externals.methods()?;
     let (photos, skipped) = args.photographs.load(ui)?;
-    let (plan, notes) = args.plan(ui)?;
+    let (plan, notes) = args.plan(externals, ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));
 
     let mut experiment = SingleDepth::new(&plan, &photos);
@@ -125,12 +128,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 impl Args {
     /// What is to be measured, and what was left out, one line each.
-    fn plan(&self, ui: &Ui) -> Result<(Plan, Vec<String>), Error> {
+    fn plan(&self, externals: Vec<MethodSpec>, ui: &Ui) -> Result<(Plan, Vec<String>), Error> {
         let camera = lens::resolve(&self.camera, None)?.camera;
         ui.used(camera.input());
         let strides = self.stride.iter().map(|&step| said::stride(step)).collect::<Result<Vec<_>, _>>()?;
         let dictionary = Arc::new(Dictionary::load(self.dictionary.as_deref())?);
-        // What is quick to reject comes before what takes its time.
         let mut others = vec![];
         for name in self.named() {
             others.extend(MethodSpec::named(name, &strides, &dictionary)?);
@@ -145,7 +147,7 @@ impl Args {
         methods.extend(on_device);
         notes.extend(note);
         methods.extend(others);
-        methods.extend(self.externals.methods()?);
+        methods.extend(externals);
         let noise =
             if self.noise.is_empty() { usual_noise(self.tone)[..2].to_vec() } else { self.noise.clone() };
         let (psi, optics) = (said::psis(&self.psi, &camera)?, self.kernels.settings());

@@ -3,6 +3,7 @@
 use crate::files::Force;
 use crate::form;
 use crate::lens::{Depth, DepthRange};
+use crate::said::single;
 use clap::ValueEnum;
 use edof_image::Tone;
 use edof_io::photos::Selection;
@@ -73,11 +74,11 @@ pub struct Args {
     pub(super) tone: Option<Tones>,
 
     /// Largest noise σ of linear windows, in units of full scale; a network trained without noise loses 6 to 11 dB at σ = 0.01 (docs/stability.md)
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) noise: Option<f32>,
 
     /// Largest sensor gain of srgb windows; 1 is base sensitivity
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) gain: Option<f32>,
 
     /// One window in N has no noise
@@ -85,7 +86,7 @@ pub struct Args {
     pub(super) noiseless: Option<usize>,
 
     /// Range MIN:MAX of the random factor on the light of each window; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
     pub(super) exposure: Option<[f64; 2]>,
 
     /// Pictures per photograph: the photograph, and copies with random saturation, hue and scale; 1 is the photograph only
@@ -93,15 +94,15 @@ pub struct Args {
     pub(super) variants: Option<usize>,
 
     /// Range MIN:MAX of the copies' random saturation; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
     pub(super) saturation: Option<[f64; 2]>,
 
     /// Largest random hue rotation of the copies in degrees; 0 leaves the hue unchanged
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", value_parser = single)]
     pub(super) hue: Option<f32>,
 
     /// Smallest random scale of the copies, relative to the photograph's sides; 1 leaves the size unchanged
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) scale: Option<f32>,
 
     /// Weights of easy and hard windows: psnr trains the mean PSNR, mse the mean square error, root is between both
@@ -121,19 +122,19 @@ pub struct Args {
     pub(super) batch: Option<usize>,
 
     /// Largest learning rate of Adam
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) rate: Option<f32>,
 
     /// Learning rate of D and R, relative to --rate
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) output_rate: Option<f32>,
 
     /// Learning rate of the thresholds, relative to --rate
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) threshold_rate: Option<f32>,
 
     /// Cost λ of a unit of |z|, one number or one per shrinkage as in 3e-4,3e-4,1e-3; a larger cost gives fewer non-zeros
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = single)]
     pub(super) lambda: Vec<f32>,
 
     /// Target mean non-zeros after each shrinkage on busy windows, as in 65,65,58; training adapts λ to reach it, and --lambda sets
@@ -142,7 +143,7 @@ pub struct Args {
     pub(super) non_zeros: Option<String>,
 
     /// Speed at which λ adapts to --non-zeros: its largest relative change per step
-    #[arg(long)]
+    #[arg(long, value_parser = single)]
     pub(super) budget_rate: Option<f32>,
 
     /// Start from a trained network's weights, by name or file, with a new schedule; without --form its architecture is used
@@ -292,6 +293,13 @@ fn minutes(text: &str) -> Result<Duration, String> {
     let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);
     let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
     time.ok_or_else(|| "expected a number of minutes above 0".to_owned())
+}
+
+/// Factors that are computed with in single precision.
+fn factors(text: &str) -> Result<[f64; 2], String> {
+    let ends = range(text)?;
+    text.split(':').try_for_each(|word| single(word).map(drop))?;
+    Ok(ends)
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {

@@ -4,6 +4,7 @@ use super::options::{Args, Start, Tones, Weighting};
 use crate::error::Error;
 use crate::form;
 use crate::provenance::CommandLine;
+use crate::said;
 use clap::ValueEnum;
 use edof_image::Tone;
 use edof_network::network::Network;
@@ -67,9 +68,9 @@ fn budget(args: &Args, usual: Option<Budget>) -> Result<Option<Budget>, Error> {
         None => usual,
         Some("none") => None,
         Some(text) => {
-            let numbers = text.split(',').map(|n| n.trim().parse()).collect::<Result<Vec<f32>, _>>();
-            let non_zeros = numbers.map_err(|_| {
-                Error::message(format!("--non-zeros {text}: expected numbers as in 65,65,58, or none"))
+            let numbers = text.split(',').map(said::single).collect::<Result<Vec<f32>, _>>();
+            let non_zeros = numbers.map_err(|why| {
+                Error::message(format!("--non-zeros {text}: {why}; numbers as in 65,65,58, or none"))
             })?;
             Some(Budget { non_zeros, rate: usual.map_or(Budget::RATE, |b| b.rate) })
         }

@@ -1,0 +1,349 @@
+//! Studies, by the real binary on small inputs: rows that are kept, resumed and shared out, and what they say.
+
+use crate::support::{Place, network};
+use edof_network::weight_file;
+use std::process::Stdio;
+
+#[test]
+fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.edof("study dictionary --images photos --photos all --atoms 12 --patches 400 --rounds 2 --out d.safetensors").done();
+    let study = |more: &str| {
+        let line = "study single-depth --rows rows.jsonl --camera clear --nets net.safetensors --images photos --psi 2 --noise none \
+                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --csv rows.csv --plot p.svg --methods ";
+        let out = place.edof(&format!("{line}{more}")).done().out;
+        let rows = std::fs::read_to_string(place.path("rows.jsonl")).unwrap();
+        (out, rows)
+    };
+    let (_, first) = study("malvar,omp");
+    let (out, rows) = study("malvar,omp,wiener");
+    assert!(first.lines().all(|line| rows.lines().any(|other| other == line)), "what is there stays: {rows}");
+    assert_eq!(rows.lines().count(), first.lines().count() + 1, "{rows}");
+    assert!(out.contains("net.float/s8 is faster than omp/s8") && out.contains("wiener"), "{out}");
+    let page = std::fs::read_to_string(place.path("m.md")).unwrap();
+    assert!(page.contains("| net.float/s8 less omp/s8 | at least 0 dB |"), "{page}");
+    let report = std::fs::read_to_string(place.path("r.html")).unwrap();
+    assert!(report.contains("<svg") && !report.contains("src=\"http"));
+    assert!(std::fs::read_to_string(place.path("p.svg")).unwrap().starts_with("<svg"));
+    let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
+    assert!(csv.starts_with("method,family,") && csv.lines().count() == rows.lines().count(), "{csv}");
+    let refused = |options: &str, words: &str| {
+        let line = "study single-depth --rows other.jsonl --images photos";
+        place.edof(&format!("{line} {options}")).refused(&[words]);
+    };
+    refused(
+        "--camera ring-outer --nets net.safetensors",
+        "net 'net.safetensors': was trained for camera clear, not ring-outer",
+    );
+    refused("--camera clear --nets net.safetensors --methods magic", "method 'magic': must be one of malvar");
+    refused("--camera clear --nets net.safetensors --stride 3", "stride 3: must be 2, 4 or 8");
+    refused("--camera clear --nets net.safetensors --psi 900", "psi 900: must lie within");
+}
+
+/// Rows of a file without their times, which no two runs agree about.
+fn timeless(file: &std::path::Path) -> Vec<String> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let line = |line: &str| {
+        let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
+        let fields = row.as_object_mut().unwrap();
+        for time in [
+            "seconds_per_megapixel",
+            "seconds_range",
+            "cpu_seconds_range",
+            "cpu_seconds_per_megapixel",
+            "prepare_seconds",
+            "repetitions",
+            "peak_memory_bytes",
+            "seconds",
+            "cpu_seconds",
+        ] {
+            fields.remove(time);
+        }
+        row.to_string()
+    };
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn a_study_in_parts_one_of_them_killed_gives_the_same_file_as_a_whole_one() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.float_network("net.safetensors");
+    let line = |rows: &str, shard: &str| {
+        format!(
+            "study single-depth --rows {rows} --shard {shard} --camera clear --nets net.safetensors --images photos --psi 2,3.9634806967355276,6 \
+             --noise none,0.01 --stride 8 --methods malvar,wiener"
+        )
+    };
+    place.edof(&line("whole", "1/1")).done();
+    let all = timeless(&place.path("whole")).len();
+    let rows = || std::fs::read_to_string(place.path("1")).map_or(0, |text| text.lines().count());
+    let mut part =
+        place.command(&line("1", "1/2")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while rows() < 3 && part.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    part.kill().unwrap();
+    part.wait().unwrap();
+    let there = rows();
+    assert!((3..all / 2).contains(&there), "{there} of {all} lines: killed too late");
+    place.edof(&line("1", "1/2")).done();
+    place.edof(&line("2", "2/2")).done();
+    place.edof("study merge --out together 2 1 --csv together.csv").done();
+    assert_eq!(timeless(&place.path("together")), timeless(&place.path("whole")));
+    assert_eq!(std::fs::read_to_string(place.path("together.csv")).unwrap().lines().count(), all);
+    let text = std::fs::read_to_string(place.path("2")).unwrap();
+    std::fs::write(place.path("2"), text.replacen("\"psnr_db\":", "\"psnr_db\":9", 1)).unwrap();
+    std::fs::copy(place.path("whole"), place.path("3")).unwrap();
+    place
+        .edof("study merge --out wrong 2 3")
+        .refused(&["3: line ", "contradicts an earlier line with the same key, which says otherwise"]);
+    place.edof("study merge --out wrong photos/p03.png").refused(&["photos/p03.png: cannot read"]);
+}
+
+#[test]
+fn the_main_experiment_keeps_rows_resumes_and_is_shared_out() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    // Nothing but black: its PSNR has no end.
+    place.black_photo("photos/p06.png", 64, 48);
+    let line = "study kodak --nets net.safetensors --images photos --psi 0,2 --noise none";
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    place.edof(&format!("{line} --rows whole --markdown whole.md")).done();
+    place.edof("study merge 1 2 --out merged --markdown merged.md").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    // Two photographs, two depths, demosaicing and the network in two formats.
+    let whole = std::fs::read_to_string(place.path("whole")).unwrap();
+    assert_eq!(whole.lines().count(), 1 + 2 * 2 * 3);
+    assert!(whole.contains("\"psnr_db\":\"inf\""), "{whole}");
+    for part in ["\"revision\":", "\"compiler\":\"rustc ", "\"isa\":", "\"threads\":"] {
+        assert!(whole.lines().next().unwrap().contains(part), "{whole}");
+    }
+    place.edof(&format!("{line} --rows whole")).done();
+    assert_eq!(std::fs::read_to_string(place.path("whole")).unwrap(), whole, "nothing is measured twice");
+    // The page names the very command, which makes it again.
+    let page = std::fs::read_to_string(place.path("whole.md")).unwrap();
+    let command = page.split("Made by `edof ").nth(1).unwrap().split('`').next().unwrap();
+    assert!(command.contains("--rows whole") && command.contains("--markdown whole.md"), "{command}");
+    place.edof(command).done();
+    assert_eq!(std::fs::read_to_string(place.path("whole.md")).unwrap(), page);
+    assert!(page.contains("NO net.fixed ROWS"), "{page}");
+
+    // Rows of another program stay only where asked, and the page names both.
+    let revision = whole.split("\"revision\":\"").nth(1).unwrap().split('"').next().unwrap();
+    std::fs::write(place.path("old"), whole.replacen(revision, "0123abcd", 1)).unwrap();
+    let refused = place.edof(&format!("{line} --rows old"));
+    assert_eq!((refused.code, refused.out.as_str()), (Some(1), ""), "{}", refused.err);
+    let words = ["old: its rows are of kodak 2 (", "by --any-revision"];
+    assert!(words.iter().all(|word| refused.err.contains(word)), "{}", refused.err);
+    place.edof(&format!("{line},0.01 --rows old --any-revision --markdown old.md")).done();
+    let page = std::fs::read_to_string(place.path("old.md")).unwrap();
+    assert!(page.contains("(rows of 2 programs: revision `0123abcd`, ") && page.contains(revision), "{page}");
+    // What a machine left that stopped is dropped, and told.
+    std::fs::write(place.path("torn"), &whole[..whole.len() - 20]).unwrap();
+    let run = place.edof(&format!("{line} --rows torn")).done();
+    assert!(run.err.contains("torn: dropped the last "), "{}", run.err);
+    assert_eq!(timeless(&place.path("torn")), timeless(&place.path("whole")));
+}
+
+#[test]
+fn scenes_at_four_depths_fill_the_papers_columns() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    let line = "study multi-depth --scenes chart --height 64 --width 96 --nets net.safetensors --clear-net net.safetensors";
+    let outputs = "--rows whole --report r.html --markdown m.md --csv c.csv --json j.json";
+    let run = place.edof(&format!("{line} {outputs}")).done();
+    assert!(run.out.contains("coded lens, net.float"), "{}", run.out);
+    let page = std::fs::read_to_string(place.path("m.md")).unwrap();
+    for column in
+        ["clear lens, focused on the background, blind deconvolution | 17.95 |", "coded lens, OMP | 24.78 |"]
+    {
+        assert!(page.contains(column), "{page}");
+    }
+    assert_eq!(std::fs::read_to_string(place.path("c.csv")).unwrap().lines().count(), 1 + 2 + 3 + 4);
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("j.json")).unwrap()).unwrap();
+    assert_eq!(json["scenes"][0]["pictures"].as_array().unwrap().len(), 9);
+
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    place.edof("study merge 2 1 --out merged --report merged.html --csv merged.csv").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    let [from_parts, from_one] =
+        ["merged.html", "r.html"].map(|f| std::fs::read_to_string(place.path(f)).unwrap());
+    assert_eq!(from_parts.matches("<figure>").count(), from_one.matches("<figure>").count());
+    let whole = std::fs::read_to_string(place.path("whole")).unwrap();
+    place.edof(&format!("{line} --rows whole")).done();
+    assert_eq!(std::fs::read_to_string(place.path("whole")).unwrap(), whole, "nothing is measured twice");
+    let wrong = place.edof(&format!("{line} --shard 1/2"));
+    assert!(wrong.code == Some(2) && wrong.err.contains("--rows"), "{}", wrong.err);
+}
+
+#[test]
+fn studies_take_distances_before_cameras_that_know_their_focus() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.float_network("net.safetensors");
+    for nominal in [5.0, 10.0] {
+        let mut network = network();
+        network.origin.camera.nominal_m = Some(nominal);
+        place.write(&format!("from-{nominal}m.json"), network.origin.camera.to_json());
+        weight_file::save_network(&place.path(&format!("from-{nominal}m.safetensors")), &network).unwrap();
+    }
+    let study =
+        |options: &str| place.edof(&format!("study {options} --images photos --psi 3.1109m --noise none"));
+    study("kodak --nets from-10m.safetensors --csv kodak").done();
+    study("single-depth --camera from-10m.json --nets from-10m.safetensors --stride 8 --methods malvar --rows r --csv single").done();
+    study("knobs --net from-10m.safetensors --knobs noise-class --rows k --csv knobs").done();
+    for rows in ["kodak", "single", "knobs"] {
+        let text = std::fs::read_to_string(place.path(rows)).unwrap();
+        let (header, row) = text.split_once('\n').unwrap();
+        let column = header.split(',').position(|field| field == "psi").unwrap();
+        let psi: f64 = row.split(',').nth(column).unwrap().parse().unwrap();
+        assert!((psi - 8.0).abs() < 1e-3, "{rows}: {psi}");
+    }
+    study("kodak --nets net.safetensors").refused(&["--psi 3.1109m: camera clear does not know"]);
+    study("kodak --nets from-10m.safetensors,from-5m.safetensors")
+        .refused(&["--psi 3.1109m: is psi 8.001 before camera clear, ", "study their nets one by one"]);
+}
+
+#[test]
+fn blind_deconvolution_is_tried_on_drawn_blurs() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    let run = place.edof("study blind --images photos --side 7 --csv rows.csv").done();
+    assert!(run.out.contains("Over 3 blurred photographs: "), "{}", run.out);
+    let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
+    assert!(csv.starts_with("image,blur,side,blurred_db,") && csv.lines().count() == 4, "{csv}");
+    let line = "study blind --images photos --side 7 --rows";
+    place.edof(&format!("{line} 1 --shard 1/2")).done();
+    place.edof(&format!("{line} 2 --shard 2/2")).done();
+    place.edof(&format!("{line} whole")).done();
+    let merged = place.edof("study merge 1 2 --out merged").done();
+    assert!(merged.out.contains("Over 3 blurred photographs: "), "{}", merged.out);
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    place.edof("study blind --images photos --side 4").refused(&["--side 4: must be odd"]);
+}
+
+#[test]
+fn hard_cases_are_run_and_a_broken_promise_is_a_failure_that_names_them() {
+    let place = Place::new();
+    let run = place
+        .edof("study stability --only gamma-index,refuse-psi --report r.html --markdown m.md --json j.json")
+        .done();
+    assert!(run.out.contains("All 2 promises hold"), "{}", run.out);
+    let page = std::fs::read_to_string(place.path("r.html")).unwrap();
+    assert!(page.contains("gamma-index: held") && page.contains("<dt>Danger</dt>"), "{page}");
+    assert!(std::fs::read_to_string(place.path("m.md")).unwrap().contains("| `refuse-psi-nan` |"));
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("j.json")).unwrap()).unwrap();
+    assert_eq!((&json["broken"], json["cases"].as_array().unwrap().len()), (&0.into(), 2));
+
+    std::fs::create_dir(place.path("cases")).unwrap();
+    let case = |id: &str, error: f64| {
+        format!(
+            r#"{{"id": "{id}", "intent": "i", "danger": "d", "trial": {{"numbers": "gradient-in-single"}}, "promise": {{"same": {{"error": {error}, "because": "b"}}}}}}"#
+        )
+    };
+    place.write("cases/a.json", format!("[{}, {}]", case("fair", 1e-3), case("unfair", 1e-30)));
+    let run = place.edof("study stability --cases cases");
+    assert_eq!(run.code, Some(1), "{}", run.err);
+    assert!(run.err.contains("1 of 2 promises are broken: unfair."), "{}", run.err);
+    assert!(run.out.lines().next().unwrap().starts_with("BROKEN  beyond  unfair"), "{}", run.out);
+    place
+        .edof("study stability --only nothing-of-the-kind")
+        .refused(&["--only nothing-of-the-kind: no case"]);
+}
+
+#[test]
+fn bits_of_each_stage_are_told_and_the_fewest_that_lose_next_to_nothing() {
+    let place = Place::new();
+    place.fixed_network("net.fixed.safetensors");
+    let run = place
+        .edof("study bits --nets net.fixed.safetensors --report b.html --markdown b.md --json b.json")
+        .done();
+    assert!(
+        run.out.starts_with("small: I ") && run.out.contains(" dB together, of 0.02 allowed"),
+        "{}",
+        run.out
+    );
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("b.json")).unwrap()).unwrap();
+    let network = &json["networks"][0];
+    assert!(network["fewest_lost_db"].as_f64().unwrap() <= 0.02, "{network}");
+    // Three stages and all of them, from 5 to 16 bits.
+    assert_eq!(network["points"].as_array().unwrap().len(), 12 * 4);
+    assert!(
+        std::fs::read_to_string(place.path("b.md"))
+            .unwrap()
+            .contains("| 16 | 0.0000 | 0.0000 | 0.0000 | 0.0000 |")
+    );
+    assert!(std::fs::read_to_string(place.path("b.html")).unwrap().contains("<svg"));
+    place.edof("study bits --allowed nan").refused(&["--allowed NaN: must be 0 or more"]);
+}
+
+#[test]
+fn knobs_and_foldings_are_drawn_with_their_defaults_and_fronts() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    let line = "study knobs --net net.safetensors --images photos --psi 2 --knobs stride,kernel-energy";
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    place.edof(&format!("{line} --rows whole --markdown k.md")).done();
+    place.edof("study merge 1 2 --out merged --report k.html").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    let page = std::fs::read_to_string(place.path("k.md")).unwrap();
+    let defaults: Vec<&str> = page.lines().filter(|line| line.contains("| default |")).collect();
+    assert!(
+        defaults.len() == 2 && defaults[0].starts_with("| 0.999 |") && defaults[1].starts_with("| 8 |"),
+        "{page}"
+    );
+    let wrong = place.edof(&format!("{line} --rows other --knobs magic"));
+    assert_eq!(wrong.code, Some(2));
+    assert!(wrong.err.contains("knob 'magic': must be one of kernel-energy, "), "{}", wrong.err);
+    place.edof("study merge 1 photos/p03.png --out wrong").refused(&["p03.png: cannot read"]);
+
+    let run = place.edof("study design --weights paper-t4 --csv f.csv --report f.html").done();
+    assert!(run.out.contains("paper-t4") && run.out.contains("ring-2018"), "{}", run.out);
+    let csv = std::fs::read_to_string(place.path("f.csv")).unwrap();
+    assert!(
+        csv.starts_with("network,camera,psnr_db,stages,cycles_per_patch,") && csv.lines().count() > 3,
+        "{csv}"
+    );
+}
+
+#[test]
+fn a_coded_lens_is_held_against_smaller_apertures() {
+    let place = Place::new();
+    let line = "study aperture --psi-ranges 8 --stops 0,1 --electrons 10000,100 --window 8";
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    let whole =
+        place.edof(&format!("{line} --rows whole --markdown a.md --report a.html --csv a.csv")).done();
+    assert!(whole.out.contains("ψ 0 to 8: at the worst depth the coded lens "), "{}", whole.out);
+    place.edof("study merge 1 2 --out merged").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    let page = std::fs::read_to_string(place.path("a.md")).unwrap();
+    assert!(page.contains("## Verdict") && page.contains("| clear, F/4.9 | "), "{page}");
+    for (options, words) in [
+        ("--camera clear", "--camera clear: has no mask, expected a coded lens such as ring-outer"),
+        ("--stops=-1", "--stops -1: must be from 0 to 8"),
+        ("--electrons 0", "--electrons 0: must be from 1 to 1000000000"),
+        ("--mean-light nan", "--mean-light NaN: must be from 0 to 1"),
+        ("--psi-ranges 0", "--psi-ranges 0: must be from 0.1 to 100"),
+        ("--window 9", "--window 9: must be"),
+    ] {
+        place.edof(&format!("study aperture {options}")).refused(&[words]);
+    }
+}
