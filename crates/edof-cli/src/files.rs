@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     fn files() -> Files {
-        Files { read: vec![], written: vec![], new: 0 }
+        Files { read: vec![], written: vec![], new: 0, folders: vec![] }
     }
 
     #[test]
