@@ -83,6 +83,8 @@ pub struct Checked {
 
 /// Frames after a change of what comes in until every boundary has seen it: three buffers each way, and those in flight.
 const SETTLE: u32 = 12;
+/// Looks after one that differs. The boundaries of one look may show different frames, of which only those of one buffer may be wrong.
+const LOOKS_UPSTREAM: u32 = 12;
 /// Looks that find no new frame at a boundary before it is given up.
 const MOST_LOOKS: usize = 3_000;
 
@@ -151,14 +153,13 @@ impl<L: Line> Board<L> {
     ) -> Result<Checked, Error> {
         let expected = expected(golden);
         let stages = golden.stages.len();
-        let difference = |shown: &Shown| {
-            let mut pairs = expected.iter().zip(&shown.crcs);
-            let first = pairs.find(|((_, expected), found)| expected != *found);
-            first.map(|((boundary, expected), found)| Difference {
-                boundary: *boundary,
-                expected: *expected,
-                found: *found,
-            })
+        // The place of the first boundary that differs.
+        let differs =
+            |shown: &Shown| expected.iter().zip(&shown.crcs).position(|((_, crc), found)| crc != found);
+        let difference = |shown: &Shown, place: usize| Difference {
+            boundary: expected[place].0,
+            expected: expected[place].1,
+            found: shown.crcs[place],
         };
         // Counters of frames at zero; what is in flight is dropped.
         self.flush()?;
@@ -168,13 +169,22 @@ impl<L: Line> Board<L> {
                 return Err(Error::Interrupted);
             }
             let shown = self.next_frames(stages, last.as_ref())?;
-            let found = difference(&shown);
-            if found.is_some() && compared == 0 && settled < SETTLE {
-                settled += 1;
-            } else {
-                compared += 1;
-                if found.is_some() {
-                    return Ok(Checked { frames: compared, difference: found });
+            match differs(&shown) {
+                Some(_) if compared == 0 && settled < SETTLE => settled += 1,
+                None => compared += 1,
+                Some(place) => {
+                    let (mut first, mut at) = (place, shown.clone());
+                    let mut last = shown;
+                    for _ in 0..LOOKS_UPSTREAM {
+                        if first == 0 {
+                            break;
+                        }
+                        last = self.next_frames(stages, Some(&last))?;
+                        if let Some(place) = differs(&last).filter(|place| *place < first) {
+                            (first, at) = (place, last.clone());
+                        }
+                    }
+                    return Ok(Checked { frames: compared + 1, difference: Some(difference(&at, first)) });
                 }
             }
             last = Some(shown);

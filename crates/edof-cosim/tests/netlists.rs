@@ -1,7 +1,6 @@
 //! What Yosys maps, simulated with models of an FPGA's cells: the same words in the same cycles as the text that it was mapped from. So what a
 //! tool makes of the text is tried as well, and the initial contents of its block RAMs.
 
-use crate::agents;
 use crate::common::{Setup, committed, expect_clean, moderate, patches};
 use crate::support;
 use edof_cosim::chain::Drive;
@@ -22,13 +21,6 @@ fn the_netlist_of_tinys_chain_gives_the_models_words_in_the_models_cycles() {
         expect_clean(&outcome);
         println!("{} beats in {} cycles", outcome.beats, outcome.cycles);
     }
-}
-
-#[test]
-#[ignore = "minutes: scripts/soak.sh"]
-fn frames_come_out_whole_and_in_order_of_the_netlist_of_the_agents() {
-    let source = yosys::mapped(&agents::plain(), &yosys::Options::default()).unwrap();
-    agents::whole_frames_come_out_in_order(&source, 0..2);
 }
 
 /// A memory as `ram_style` asks for block RAM, of one width and depth, and what is read from it where a write goes to the same row or not.

@@ -230,7 +230,7 @@ fn wrong_options_and_empty_calibrations_are_refused() {
     assert!(matches!(error, QuantizeError::Network(NetworkError::Count { what: "thresholds", .. })));
     let mut large = good;
     large.dictionary.fill(1e9);
-    assert!(refused(&large, &options(16), &seen).starts_with("dictionary: holds "));
+    assert!(refused(&large, &options(16), &seen).starts_with("dictionary: value "));
 }
 
 #[test]
