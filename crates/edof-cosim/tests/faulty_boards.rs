@@ -29,8 +29,7 @@ fn with_memory(fault: WordFault, seed: u64) -> VerilogBoard {
 }
 
 /// The boundary at which noise differs first.
-fn first(line: VerilogBoard) -> Boundary {
-    let setup = setup();
+fn first(setup: &Setup, line: VerilogBoard) -> Boundary {
     let raw = pattern::frame(Pattern::Noise, setup.design.frame).unwrap();
     let golden = Golden::new(setup.sets[0].clone()).unwrap().checks(&setup.display, &raw).unwrap();
     let mut board = Board::open(line, PATIENCE).unwrap();
@@ -40,8 +39,7 @@ fn first(line: VerilogBoard) -> Boundary {
 }
 
 /// Parts that a self-test finds at fault except for the chips, which a core by itself has not, and what is said of the first.
-fn failing(line: VerilogBoard) -> (Vec<&'static str>, String) {
-    let setup = setup();
+fn failing(setup: &Setup, line: VerilogBoard) -> (Vec<&'static str>, String) {
     let golden = Golden::new(setup.sets[0].clone()).unwrap();
     let test = SelfTest { design: &setup.design, golden: &golden, display: &setup.display, clocks: false };
     let mut board = Board::open(line, PATIENCE).unwrap();
@@ -92,32 +90,31 @@ fn exchanged_bytes_of_pictures(word: u64, parts: &mut [u32]) {
 
 #[test]
 fn a_cell_that_is_stuck_is_named_by_row_column_and_bit() {
-    let (parts, told) = failing(with_memory(stuck_cell, 41));
+    let (parts, told) = failing(&setup(), with_memory(stuck_cell, 41));
     assert_eq!(parts, ["raw memory"], "{told}");
     assert!(told.ends_with("; one bit is wrong: bit 9 of row 7, column 11"), "{told}");
 }
 
 #[test]
 fn exchanged_bytes_are_found_on_the_way_to_the_calculator_and_to_the_screen() {
-    assert_eq!(first(with_memory(exchanged_bytes_of_raw_frames, 42)), Boundary::Raw);
-    assert_eq!(first(with_memory(exchanged_bytes_of_pictures, 43)), Boundary::Sent);
+    assert_eq!(first(&setup(), with_memory(exchanged_bytes_of_raw_frames, 42)), Boundary::Raw);
+    assert_eq!(first(&setup(), with_memory(exchanged_bytes_of_pictures, 43)), Boundary::Sent);
 }
 
 #[test]
 #[ignore = "a minute: scripts/soak.sh"]
 fn a_stuck_data_line_and_exchanged_bytes_are_found_by_a_self_test() {
-    let (parts, told) = failing(with_memory(stuck_line, 44));
+    let (parts, told) = failing(&setup(), with_memory(stuck_line, 44));
     assert_eq!(parts, ["raw memory"], "{told}");
     assert!(!told.contains("one bit is wrong"), "{told}");
-    assert_eq!(failing(with_memory(exchanged_bytes_of_raw_frames, 45)).0, ["raw memory"]);
-    assert_eq!(failing(with_memory(exchanged_bytes_of_pictures, 46)).0, ["picture memory"]);
+    assert_eq!(failing(&setup(), with_memory(exchanged_bytes_of_raw_frames, 45)).0, ["raw memory"]);
+    assert_eq!(failing(&setup(), with_memory(exchanged_bytes_of_pictures, 46)).0, ["picture memory"]);
 }
 
 /// What an edit of a stage's part does to boards: the stage's name at the boundary, and the part that a self-test names.
-fn is_named(stage: usize, name: &'static str, edit: impl Fn(Project) -> Project) {
-    let setup = setup();
-    assert_eq!(first(setup.edited(47, &edit)), Boundary::Stage(stage, name));
-    let (parts, told) = failing(setup.edited(48, &edit));
+fn is_named(setup: &Setup, stage: usize, name: &'static str, edit: impl Fn(Project) -> Project) {
+    assert_eq!(first(setup, setup.edited(47, &edit)), Boundary::Stage(stage, name));
+    let (parts, told) = failing(setup, setup.edited(48, &edit));
     assert_eq!(parts, ["multipliers"], "{told}");
     assert!(told.contains(&format!("what stage {stage} ({name}) sends differ first")), "{told}");
 }
@@ -129,7 +126,7 @@ fn multipliers_that_ignore_a_are_named_by_their_stage() {
     let ignores = ".value_i(bank == 1 ? {(25 * ROWS){1'b0}} : steps[bank/8][25*ROWS:1])";
     for (stage, name) in [(0, "I"), (2, "M"), (3, "F")] {
         let part = format!("core.calculator.stages_{stage}.macc");
-        is_named(stage, name, |project| replaced(project, &part, value, ignores));
+        is_named(&setup(), stage, name, |project| replaced(project, &part, value, ignores));
     }
 }
 
@@ -138,7 +135,7 @@ fn multipliers_that_ignore_a_are_named_by_their_stage() {
 fn a_stage_that_is_a_bit_off_is_named() {
     let (round, down) = ("half_1_q <= (ONE << result_shift_i) >> 1;", "half_1_q <= 48'd0;");
     let part = "core.calculator.stages_3.results.requantize_even";
-    is_named(3, "F", |project| replaced(project, part, round, down));
+    is_named(&Setup::moderate(FAST), 3, "F", |project| replaced(project, part, round, down));
 }
 
 #[test]
@@ -153,7 +150,7 @@ fn exchanged_halves_of_a_word_are_found_where_they_are_exchanged() {
             ".out_pixels_o({out_pixels[15:0], out_pixels[31:16]})",
         )
     };
-    assert_eq!(first(setup.edited(49, windows)), Boundary::Windows);
+    assert_eq!(first(&setup, setup.edited(49, windows)), Boundary::Windows);
     let codes = |project| {
         replaced(
             project,
@@ -162,5 +159,5 @@ fn exchanged_halves_of_a_word_are_found_where_they_are_exchanged() {
             ".pixels_data_o({picture_data_o[7:0], picture_data_o[15:8]})",
         )
     };
-    assert_eq!(first(setup.edited(50, codes)), Boundary::Codes);
+    assert_eq!(first(&setup, setup.edited(50, codes)), Boundary::Codes);
 }
