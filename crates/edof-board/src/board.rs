@@ -6,7 +6,7 @@ use crate::line::Line;
 use crate::link::Link;
 use crate::names::Place;
 use edof_device::design::memory::{self, CONTROL_SKIP, Set, Space};
-use edof_device::design::reading::{READ_REGISTER, ReadBack};
+use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
 use edof_device::design::{Design, FrameSize};
 use edof_device::registers::identity::design_hash;
 use edof_device::registers::map::{self, STAGE_READS, WEIGHTS};
@@ -302,16 +302,18 @@ impl<L: Line> Board<L> {
         Ok(all.iter().position(|parts| parts.iter().map(|part| part.crc).eq(found.iter().copied())))
     }
 
-    /// A checksum of the words in a bank, made of the circuit's CRCs: equal words have equal ones, in either bank and on every board of the design;
+    /// The CRC of each part of a bank; any network of the design says which parts there are.
+    fn crcs_of_bank(&mut self, design: &Design, any: &FixedNetwork, bank: Set) -> Result<Vec<u32>, Error> {
+        self.crcs(&parts(design, any, bank).iter().collect::<Vec<_>>())
+    }
+
+    /// A checksum of the words in a bank, the CRC of its parts' CRCs: equal words have equal ones, in either bank and on every board of the design;
     /// any network of the design says which parts there are.
     ///
     /// # Errors
     /// As [`Board::crcs`].
     pub fn checksum(&mut self, design: &Design, any: &FixedNetwork, bank: Set) -> Result<u32, Error> {
-        let crcs = self.crcs(&parts(design, any, bank).iter().collect::<Vec<_>>())?;
-        // FNV-1a: enough to distinguish networks.
-        let bytes = crcs.into_iter().flat_map(u32::to_le_bytes);
-        Ok(bytes.fold(0x811c_9dc5, |sum, byte| (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193)))
+        Ok(crc(self.crcs_of_bank(design, any, bank)?.into_iter().map(u64::from)))
     }
 
     /// Whether both banks hold the same words, by their CRCs; any network of the design says which parts they have.
@@ -319,7 +321,7 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// As [`Board::crcs`].
     pub fn holds_alike(&mut self, design: &Design, any: &FixedNetwork) -> Result<bool, Error> {
-        Ok(self.checksum(design, any, Set::First)? == self.checksum(design, any, Set::Second)?)
+        Ok(self.crcs_of_bank(design, any, Set::First)? == self.crcs_of_bank(design, any, Set::Second)?)
     }
 
     /// Gives commands to read to stages, one to each at a time, and waits for all answers.

@@ -106,7 +106,7 @@ fn source() -> Source {
     plain().watched("reset_i", &[mark(0), mark(1)].concat())
 }
 
-fn plain() -> Source {
+pub fn plain() -> Source {
     let sets = [0, 1];
     let mut agents = Agents::from_parts(AgentsParts {
         writers: sets.map(|set| WriteAgent::new(&frames(set))),
@@ -223,7 +223,7 @@ fn what_comes_out_are_whole_frames_in_order_and_counters_are_right() {
 }
 
 /// Frames through the agents, some of them broken; and what the counters say of them.
-fn whole_frames_come_out_in_order(source: &Source, seeds: std::ops::Range<u64>) {
+pub fn whole_frames_come_out_in_order(source: &Source, seeds: std::ops::Range<u64>) {
     for seed in seeds {
         let mut rig = Rig::new(source, Behaviour::hard(seed), seed).unwrap();
         let draw = &mut Draw::new(seed);

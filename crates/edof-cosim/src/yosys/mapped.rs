@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 /// Functional models of block RAMs, in place of Yosys' empty ones.
 const BLOCK_RAM: &str = include_str!("../../../../sim/cells/block_ram.v");
 
+/// A model of the carry chain that Verilator computes correctly, in place of Yosys' own.
+const CARRY: &str = include_str!("../../../../sim/cells/carry.v");
+
 /// Yosys 0.23 finds no cell for a ROM that must not be a block RAM; without the attribute it uses logic, as Vivado does.
 const ROM_STYLE: &str = "(* rom_style = \"distributed\" *)";
 
@@ -33,6 +36,7 @@ pub fn mapped(source: &Source, options: &Options) -> Result<Source, Error> {
         ("netlist.v", with_known_contents(&text)),
         ("cells.v", cells()?),
         ("block_ram.v", BLOCK_RAM.to_owned()),
+        ("carry.v", CARRY.to_owned()),
     ];
     let files = files.map(|(name, text)| (name.to_owned(), text)).to_vec();
     Ok(Source { files, ..source.clone() })
@@ -49,12 +53,12 @@ fn with_known_contents(text: &str) -> String {
     text.lines().map(known).collect()
 }
 
-/// Yosys' models without what is about time alone, and without block RAMs.
+/// Yosys' models without what is about time alone, and without those of [`BLOCK_RAM`] and [`CARRY`].
 fn cells() -> Result<String, Error> {
     let path = models()?;
     let text = std::fs::read_to_string(&path).map_err(at(&path))?;
     let timeless = without(&text, "specify", "endspecify");
-    let models = ["module RAMB18E1 ", "module RAMB36E1 "];
+    let models = ["module RAMB18E1 ", "module RAMB36E1 ", "module CARRY4("];
     Ok(models.iter().fold(timeless, |text, start| without(&text, start, "endmodule")))
 }
 

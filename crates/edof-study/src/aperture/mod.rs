@@ -191,10 +191,14 @@ struct Best {
 }
 
 impl Best {
-    /// What the focus is chosen by: the average over depths and the worst depth have equal weight.
     const fn score(self) -> f64 {
-        0.5 * (self.average_db + self.worst_db)
+        score(self.average_db, self.worst_db)
     }
+}
+
+/// The figure by which focus and aperture are chosen, in dB: the average over depths and the worst depth have equal weight.
+const fn score(average_db: f64, worst_db: f64) -> f64 {
+    0.5 * (average_db + worst_db)
 }
 
 impl Plan {

@@ -28,7 +28,7 @@ impl Reached {
     }
 
     const fn score(self) -> f64 {
-        0.5 * (self.average_db + self.worst_db)
+        super::score(self.average_db, self.worst_db)
     }
 }
 
