@@ -20,7 +20,7 @@ export EDOF
 
 environment=$CARGO_TARGET_DIR/python
 say "lints of the extension"
-(cd python && cargo fmt --check && cargo clippy -q --locked -- --deny warnings)
+(cd python && cargo fmt --check && CARGO_TARGET_DIR=$CARGO_TARGET_DIR/lints cargo clippy -q --locked -- --deny warnings)
 say "installing the package under $environment"
 python3 -m venv --clear "$environment"
 python=$environment/bin/python
