@@ -108,6 +108,7 @@ pub struct Stage {
     thresholds_2: DFF<Bit>,
     previous_2: DFF<Bit>,
     registers_2: DFF<Bit>,
+    command_2: DFF<Bit>,
     address_2: DFF<Bits<19>>,
     data_2: DFF<Bits<32>>,
     snapshot_2: DFF<Bit>,
@@ -183,6 +184,7 @@ impl Logic for Stage {
             thresholds_2,
             previous_2,
             registers_2,
+            command_2,
             address_2,
             data_2,
             snapshot_2,
@@ -385,6 +387,9 @@ impl Logic for Stage {
         self.thresholds_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 1);
         self.previous_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 2);
         self.registers_2.d.next = self.selected.val() && (self.address_1.q.val().get_bits::<2>(19) == 3);
+        self.command_2.d.next = self.selected.val()
+            && (self.address_1.q.val().get_bits::<2>(19) == 3)
+            && (self.address_1.q.val().get_bits::<12>(1) == self.read_register.val());
         self.address_2.d.next = self.address_1.q.val().get_bits::<19>(0);
         self.data_2.d.next = self.data_1.q.val();
         // A row is read back in a cycle without a write, whatever that would write.
@@ -429,8 +434,7 @@ impl Logic for Stage {
         self.check.snapshot.next = self.snapshot_2.q.val();
 
         // Reads back.
-        self.reader.starts.next = self.registers_2.q.val()
-            && (self.address_2.q.val().get_bits::<12>(1) == self.read_register.val());
+        self.reader.starts.next = self.command_2.q.val();
         self.reader.command.next = self.data_2.q.val();
         self.reader.taken.next = self.reads.val();
         self.reader.weights.next = self.macc.read_data.val();

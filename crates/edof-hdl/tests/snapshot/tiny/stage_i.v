@@ -59,44 +59,42 @@ module stage_i (
   wire [19:0] shifts_0, shifts_1;
   wire [5:0] reader_bank;
   reg [31:0] reader_register, status_q, data_1_q, data_2_q;
-  reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, snapshot_2_q, read_2_q, steal_2_q;
+  reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, command_2_q, snapshot_2_q, read_2_q;
+  reg steal_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_later;
 
-  // stage.rs:205: Each part has a register for its reset.
+  // stage.rs:207: Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
 
-  // stage.rs:257: In: vectors, bases, windows.
+  // stage.rs:259: In: vectors, bases, windows.
   assign window_ready_o = 1'b1;
 
-  // stage.rs:335: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
+  // stage.rs:337: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
   // set, then which.
   wire [10:0] marks = {drain_beat, taken_set, drain_last, drain_take};
 
-  // stage.rs:351: Out.
+  // stage.rs:353: Out.
   wire [33:0] finished_word = {results_data, results_done};
   assign out_data_o = fifo_front_data[33:2];
   assign out_last_o = fifo_front_data[0];
   assign out_set_o = fifo_front_data[1];
   wire base_fifo_front_ready = out_valid_o && out_ready_i;
 
-  // stage.rs:382: The host. A weight that both ports read, or a row that is read back, takes the place of a
+  // stage.rs:384: The host. A weight that both ports read, or a row that is read back, takes the place of a
   // step, four cycles after that was due.
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
-  // stage.rs:391: A row is read back in a cycle without a write, whatever that would write.
+  // stage.rs:396: A row is read back in a cycle without a write, whatever that would write.
   wire reads = wants_weights && !write_1_q;
 
-  // stage.rs:405: Bit 0 writes, bit 1 reads.
+  // stage.rs:410: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
   wire [52:0] weights_to_5_now = weights_word | weights_marks;
 
-  // stage.rs:432: Reads back.
-  wire reader_starts = registers_2_q && (address_2_q[12:1] == READ_REGISTER);
-
-  // stage.rs:443: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs:447: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   always @* begin
     reader_register = {12'd0, shifts_0};
     if (reader_row[2]) begin
@@ -110,7 +108,7 @@ module stage_i (
     end
   end
 
-  // stage.rs:459: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs:463: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   wire [31:0] asked = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
 
@@ -211,7 +209,7 @@ module stage_i (
   );
 
   reader reader (
-    .clock_i(clock_i), .reset_i(reset_parts_later[6]), .starts_i(reader_starts), .command_i(data_2_q),
+    .clock_i(clock_i), .reset_i(reset_parts_later[6]), .starts_i(command_2_q), .command_i(data_2_q),
     .wants_weights_o(wants_weights), .taken_i(reads), .bank_o(reader_bank), .row_o(reader_row),
     .weights_i(read_data), .wants_thresholds_o(wants_thresholds), .thresholds_valid_i(read_valid),
     .thresholds_i(read_thresholds), .previous_i(read_previous), .register_i(reader_register),
@@ -223,7 +221,7 @@ module stage_i (
   );
 
   always @(posedge clock_i) begin
-    // stage.rs:379: The host. A weight that both ports read, or a row that is read back, takes the place of a
+    // stage.rs:381: The host. A weight that both ports read, or a row that is read back, takes the place of a
     // step, four cycles after that was due.
     write_1_q <= write_valid_i;
     address_1_q <= write_address_i;
@@ -232,14 +230,15 @@ module stage_i (
     thresholds_2_q <= selected && (address_1_q[20:19] == 2'd1);
     previous_2_q <= selected && (address_1_q[20:19] == 2'd2);
     registers_2_q <= selected && (address_1_q[20:19] == 2'd3);
+    command_2_q <= selected && (address_1_q[20:19] == 2'd3) && (address_1_q[12:1] == READ_REGISTER);
     address_2_q <= address_1_q[18:0];
     data_2_q <= data_1_q;
-    // stage.rs:392: A row is read back in a cycle without a write, whatever that would write.
+    // stage.rs:397: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
     steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
-    // stage.rs:463: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+    // stage.rs:467: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
     if (status_address_i[5:2] == ID) status_q <= asked;
   end
