@@ -86,7 +86,6 @@ def test_an_edited_stage_is_found_by_stage_and_element(generated: Path, tmp_path
     assert re.search(r"Mismatch: stage M1 \(M1 to M2\), patch 0, element 1, cycle \d+: expected -?\d+, got -?\d+", said), said[-4000:]
 
 
-@pytest.mark.skipif("EDOF_COCOTB_CORE" not in os.environ, reason="minutes; set EDOF_COCOTB_CORE to run it")
 def test_edof_core_shows_golden_pictures_with_pauses_on_all_channels(generated: Path, tmp_path: Path) -> None:
     pytest.importorskip("cocotbext.axi")
     names = (generated / "tiny" / "sim" / "core_bench.f").read_text().split()
