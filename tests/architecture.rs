@@ -404,6 +404,9 @@ fn with(from: &str, to: &str, kind: Kind) -> Vec<Package> {
     packages
 }
 
+/// Crate and dependency that are there for the dependency's features alone (docs/decisions/0044-python.md).
+const FOR_FEATURES: [(&str, &str); 1] = [("edof-cli", "once_cell")];
+
 /// Dependencies that no source of their crate mentions, where their kind would have it.
 fn unused(packages: &[Package]) -> Vec<String> {
     let mut found = vec![];
@@ -425,7 +428,8 @@ fn unused(packages: &[Package]) -> Vec<String> {
                     }
                 }
             };
-            if !sources(package).iter().any(|(path, text)| mentions(path, text)) {
+            let is_for_features = FOR_FEATURES.contains(&(&package.name, &dependency.name));
+            if !is_for_features && !sources(package).iter().any(|(path, text)| mentions(path, text)) {
                 found.push(format!("{}: {} ({:?})", package.name, dependency.name, dependency.kind));
             }
         }
