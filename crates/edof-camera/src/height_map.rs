@@ -37,7 +37,7 @@ impl PartialEq for HeightMap {
     }
 }
 
-/// A picture that is no surface.
+/// A picture that is not a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum HeightMapError {
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_of_another_shape_or_content_is_refused() {
+    fn a_picture_of_another_shape_or_content_is_rejected() {
         assert_eq!(
             read(Array2::zeros((4, 6))).unwrap_err(),
             "m.png: 6x4, expected a square height map of 2 to 4096 pixels a side"

@@ -9,7 +9,7 @@ use std::fs;
 /// # Errors
 /// One line with both sizes.
 pub fn check(job: &str, bytes: f64) -> Result<(), Error> {
-    let free = free().unwrap_or(MOST_OF_ANY);
+    let free = free().unwrap_or(MAX_OF_ANY);
     if bytes <= free {
         return Ok(());
     }
@@ -17,7 +17,7 @@ pub fn check(job: &str, bytes: f64) -> Result<(), Error> {
 }
 
 /// More than machines of today have.
-const MOST_OF_ANY: f64 = 1e13;
+const MAX_OF_ANY: f64 = 1e13;
 
 fn gigabytes(bytes: f64) -> String {
     format!("{:.1} GB", bytes / 1e9)
@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_job_that_no_machine_can_hold_is_refused_with_its_size() {
+    fn a_job_that_no_machine_can_hold_is_rejected_with_its_size() {
         let error = check("scene 60000x60000 (--size)", 1e15).unwrap_err().to_string();
         assert!(error.starts_with("scene 60000x60000 (--size): needs about 1000000.0 GB, and "), "{error}");
         check("a small one", 1e6).unwrap();

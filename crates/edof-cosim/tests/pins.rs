@@ -1,5 +1,4 @@
-//! The blocks at the pins, cycle by cycle against their models, and the promises that their users build on: frames come whole or are
-//! seen to be broken, whatever happens to the cable.
+//! The blocks at the pins, cycle by cycle against their models, and what their users rely on: frames arrive whole or are marked as broken, whatever happens to the cable.
 
 use crate::streams::{Bench, Compiled};
 use edof_device::design::FrameSize;
@@ -77,7 +76,7 @@ struct Receiver {
     model: InModel,
     frames: Frames,
     draw: Draw,
-    /// Whether the pixels are taken, in so many of 16 cycles.
+    /// Cycles of 16 in which the pixels are accepted.
     takes: i64,
 }
 
@@ -185,7 +184,7 @@ fn come_whole_and_are_measured(compiled: &Compiled) {
 }
 
 #[test]
-fn another_resolution_is_told_and_gives_no_frame() {
+fn another_resolution_is_reported_and_gives_no_frame() {
     for (width, height) in [(16, 12), (20, 12), (18, 10), (12, 8)] {
         let mut receiver = Receiver::new(3, 16);
         let draw = &mut Draw::new(4);
@@ -228,7 +227,7 @@ fn a_frame_with_a_code_that_carries_nothing_is_counted_and_never_comes_whole() {
         *data = *data & !(0xff << shift) | code << shift;
         receiver.send(&pins);
         let measured = receiver.model.measured();
-        // Its size is right nevertheless.
+        // The size is correct nevertheless.
         assert_eq!(
             (measured.range_frames, measured.fits, measured.wrong_frames),
             (count as u64 + 1, true, 0)

@@ -25,8 +25,8 @@ pub enum GeometryError {
     #[error("frame {width}x{height}: both sides must be even, so that it holds whole 2x2 Bayer cells")]
     OddFrame { height: usize, width: usize },
     /// Mirroring needs at least one window of pixels.
-    #[error("frame {width}x{height}: both sides must be at least {least} pixels for a window of {window}")]
-    SmallFrame { height: usize, width: usize, least: usize, window: usize },
+    #[error("frame {width}x{height}: both sides must be at least {min} pixels for a window of {window}")]
+    SmallFrame { height: usize, width: usize, min: usize, window: usize },
 }
 
 /// Side w of the raw window that a network sees: 8, 12 or 16 pixels.
@@ -172,9 +172,9 @@ impl Geometry {
         if !height.is_multiple_of(2) || !width.is_multiple_of(2) {
             return Err(GeometryError::OddFrame { height, width });
         }
-        let least = self.reach() + 2;
-        if height < least || width < least {
-            return Err(GeometryError::SmallFrame { height, width, least, window: self.window.0 });
+        let min = self.reach() + 2;
+        if height < min || width < min {
+            return Err(GeometryError::SmallFrame { height, width, min, window: self.window.0 });
         }
         Ok(())
     }
@@ -204,7 +204,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_window_moved_by_an_odd_stride_is_refused() {
+    fn a_window_moved_by_an_odd_stride_is_rejected() {
         assert_eq!(
             Stride::new(3).unwrap_err().to_string(),
             "stride 3: must be 2, 4 or 8, so that every window starts at the same Bayer phase"
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn an_odd_or_small_frame_is_refused() {
+    fn an_odd_or_small_frame_is_rejected() {
         let g = Geometry::new(Window(12), Stride(8));
         assert!(matches!(g.check_frame((31, 40)), Err(GeometryError::OddFrame { .. })));
         assert!(matches!(g.check_frame((8, 40)), Err(GeometryError::SmallFrame { .. })));

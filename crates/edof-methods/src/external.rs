@@ -24,7 +24,7 @@ pub struct ExternalSettings {
 /// A command that cannot be a method.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExternalError {
-    /// It would not know a file.
+    /// The command line names no file.
     #[error("external command '{command}': contains no {place}; write it as in 'CMD {{raw}} {{out}}'")]
     Place {
         /// The command.
@@ -32,7 +32,7 @@ pub enum ExternalError {
         /// Missing items.
         place: &'static str,
     },
-    /// It names no program.
+    /// The command line names no program.
     #[error("external command '{0}': names no program; give it as in 'CMD {{raw}} {{out}}'")]
     Program(String),
 }
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_that_names_no_files_or_no_program_is_refused() {
+    fn a_command_that_names_no_files_or_no_program_is_rejected() {
         let error = |command| ExternalSettings::new(command, 1).unwrap_err().to_string();
         assert_eq!(
             error("mine {raw}"),

@@ -10,7 +10,7 @@ t2…t10 (layers), c1…c1024 (codes), r (linear path), tied, difference";
 /// Reads a form. It starts as the paper's (two-sided, window 8, T = 4, 192 codes); each word changes it.
 ///
 /// # Errors
-/// One line naming the first word that is none, or a window or number of layers that no form has.
+/// One line naming the first unknown word, or a window or number of layers that no form has.
 pub fn parse(text: &str) -> Result<Form, String> {
     let mut form = Form {
         window: Window::new(8).map_err(|e| e.to_string())?,
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_form_that_no_network_has_is_refused() {
+    fn a_form_that_no_network_has_is_rejected() {
         assert_eq!(parse("w9").unwrap_err(), "window 9: must be 8, 12 or 16");
         assert_eq!(parse("t11").unwrap_err(), "layers 11: must be 2 to 10");
         assert!(parse("w8,three").unwrap_err().starts_with("unknown keyword 'three'"));

@@ -1,5 +1,4 @@
-//! Random numbers that a seed, a step and a share of the batch decide alone, on every machine alike: no library's logarithm or
-//! cosine has a say in them.
+//! Random numbers that a seed, a step and a share of the batch decide alone, with equal values on every machine: no library's logarithm or cosine is used.
 
 use rand::Rng;
 use rand_pcg::Pcg64Mcg;
@@ -144,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_drawn_one_after_the_other_know_nothing_of_each_other() {
+    fn numbers_random_one_after_the_other_know_nothing_of_each_other() {
         let values = drawn(2, 1_000_000);
         for lag in [1, 2, 3, 12, 64, 144, 256] {
             let pairs = values.iter().zip(&values[lag..]).map(|(a, b)| a * b);

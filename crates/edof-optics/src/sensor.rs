@@ -153,8 +153,8 @@ mod tests {
     fn light_beyond_full_scale_and_below_zero_saturates() {
         for depth in 8..=16 {
             let sensor = Sensor { depth, ..Sensor::default() };
-            let most = ((1u32 << depth) - 1) as u16;
-            assert!(expose(&flat(1.5), &sensor).unwrap().values().iter().all(|&c| c == most));
+            let max = ((1u32 << depth) - 1) as u16;
+            assert!(expose(&flat(1.5), &sensor).unwrap().values().iter().all(|&c| c == max));
             assert!(expose(&flat(-0.5), &sensor).unwrap().values().iter().all(|&c| c == 0));
         }
     }
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_sensors_are_refused() {
+    fn impossible_sensors_are_rejected() {
         let refused = |sensor: Sensor| expose(&flat(0.1), &sensor).unwrap_err().to_string();
         assert_eq!(refused(Sensor { depth: 20, ..Sensor::default() }), "bit depth 20: must be 8 to 16");
         assert_eq!(

@@ -19,7 +19,7 @@ struct Counter {
 
 impl Logic for Counter {
     fn update(&mut self) {
-        // As the kernel below says, but for what is planted.
+        // The plan of the kernel below, with the injected fault.
         self.count_q.clock.next = self.clock.val();
         self.count_q.d.next = self.count_q.q.val();
         if self.enable.val() {
@@ -197,7 +197,7 @@ fn ten_thousand_random_circuits_mean_what_rust_means() {
 }
 
 #[test]
-fn a_bench_that_a_simulator_does_not_take_is_told() {
+fn a_bench_that_a_simulator_does_not_take_is_reported() {
     let mut counter = counter(1_000);
     counter.connect_all();
     let mut emitted = emit(&counter).unwrap();

@@ -50,7 +50,7 @@ impl Design {
         (output, fs::read_to_string(&log).unwrap_or_default())
     }
 
-    /// It must fail, and say so, before there is a bitstream.
+    /// Asserts that the build fails with a message before the bitstream.
     fn fails(&self, fault: &str, words: &str) {
         let (output, commands) = self.build(fault);
         assert!(!output.status.success(), "{fault}{words}: nobody missed it");
@@ -139,7 +139,7 @@ fn any_constraint_that_is_taken_away_is_missed() {
 }
 
 #[test]
-fn any_image_that_is_missing_or_not_hexadecimal_alone_is_told() {
+fn any_image_that_is_missing_or_not_hexadecimal_alone_is_reported() {
     let design = Design::tiny();
     let images: Vec<PathBuf> =
         fs::read_dir(design.folder.join("mem")).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -11,7 +11,7 @@ use std::collections::{BTreeSet, VecDeque};
 /// Who takes a stage's results.
 #[derive(Debug, Clone, Copy)]
 pub struct Receiver {
-    /// First cycle in which it has room for this vector; from then on it has, to the vector's end.
+    /// First cycle in which the receiver has space for the whole vector.
     pub from: u64,
     /// Cycles in which it takes nothing all the same.
     pub stalls: StallPattern,
@@ -32,7 +32,7 @@ pub struct StageUse {
 
 /// A stage between two vectors.
 ///
-/// Its base ring never makes it wait: with all slots full and three passes in DSPs and drain, fewer than `BASE_VECTORS` bases are
+/// The base ring never makes a stage wait: with all slots full and three passes in DSPs and drain, fewer than `BASE_VECTORS` bases are
 /// held. Every field is the first cycle in which something is free: mostly one more than the cycle that the contract's recurrences name.
 #[derive(Debug, Clone)]
 pub struct StageClock {

@@ -57,12 +57,12 @@ fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
         Work::Method(_) => panic!("{knob:?} captures"),
     };
     // The coarsest and a fine value, and what lies between them at least.
-    for (knob, coarse, fine, least) in
+    for (knob, coarse, fine, min) in
         [("kernel-energy", 0.9, 0.9999, 5.0), ("wavelengths", 0.3, 0.003, -0.1), ("depths", 2.0, 16.0, 2.0)]
     {
         let knob: &Knob = knob.parse().unwrap();
         let (coarse, fine) = (db(knob, coarse), db(knob, fine));
-        assert!(coarse + least < fine, "{}: {coarse} dB, {fine} dB", knob.name);
+        assert!(coarse + min < fine, "{}: {coarse} dB, {fine} dB", knob.name);
     }
 }
 
@@ -127,7 +127,7 @@ fn the_page_tells_how_large_kernels_are_that_were_measured() {
 }
 
 #[test]
-fn a_curve_is_drawn_against_time_where_the_knob_changes_it_and_there_are_photographs_enough() {
+fn a_curve_is_random_against_time_where_the_knob_changes_it_and_there_are_photographs_enough() {
     let twice = |name: &str| {
         let rows = rows(&[name.parse().unwrap()]);
         let others = rows.iter().map(|row| Row { image: "q".into(), ..row.clone() });

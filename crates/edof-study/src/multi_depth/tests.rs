@@ -58,12 +58,12 @@ fn in_memory(shard: &str) -> Journal<Row> {
     journal
 }
 
-fn go(shard: &str, path: &Path, most: usize) -> Journal<Row> {
+fn go(shard: &str, path: &Path, max: usize) -> Journal<Row> {
     let mut journal = Journal::open(path, header(), Default::default()).unwrap();
     let mut told = 0;
     let tell = |_| {
         told += 1;
-        if told == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if told == max { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     match run(&mut Scenes::new(&plan()).unwrap(), shard.parse().unwrap(), &mut journal, tell) {
         Ok(()) | Err(RunError::Stopped) => journal,
@@ -123,7 +123,7 @@ fn a_study_that_was_stopped_and_shared_out_is_the_one_of_a_whole_run() {
 }
 
 #[test]
-fn rows_of_a_scene_that_nothing_draws_are_refused() {
+fn rows_of_a_scene_that_nothing_draws_are_rejected() {
     let journal = in_memory("1/14");
     let mut rows = journal.rows().to_vec();
     rows[0].drawn.scene = "sea".into();

@@ -22,7 +22,7 @@ pub fn path(text: &str) -> Result<(u64, Vec<Step>), String> {
     if steps.is_empty() {
         return Err("a timing report without a path".into());
     }
-    // A cell's net is the one that it is entered by; told is the one that it is left by.
+    // The report states the net at a cell's input; listed is the net at its output.
     for i in (1..steps.len()).rev() {
         steps[i].net = steps[i - 1].net.clone();
     }
@@ -59,7 +59,7 @@ mod tests {
         303 $auto$ff (FDRE.C->Q)\n       0   \\clock_i (<primary input>)\n\nArrival histogram:\n";
 
     #[test]
-    fn a_path_is_told_from_its_register_on() {
+    fn a_path_is_reported_from_its_register_on() {
         let (delay, path) = path(TEXT).unwrap();
         assert_eq!(delay, 1541);
         let told: Vec<_> = path.iter().map(|s| (s.arrival_ps, s.cell.as_str(), s.net.as_str())).collect();
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_report_without_a_path_is_refused() {
+    fn a_report_without_a_path_is_rejected() {
         assert_eq!(path("nothing").unwrap_err(), "no 'Latest arrival time' in the timing report");
         let cut = TEXT.split("    1541").next().unwrap();
         assert_eq!(path(cut).unwrap_err(), "a timing report without a path");
