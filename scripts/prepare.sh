@@ -48,6 +48,19 @@ need_provers() {
     PATH=$environment/bin:$PATH
 }
 
+# Installs LiteX, LiteDRAM and litex-boards in an environment of their own: `$litex/bin/python` finds them.
+need_litex() {
+    need_python
+    local pins=project/litex/requirements.txt
+    litex=$(realpath -m "${CARGO_TARGET_DIR:-target}/litex")
+    if ! cmp -s "$pins" "$litex/requirements.txt"; then
+        say "installing LiteX under $litex"
+        python3 -m venv --clear "$litex"
+        "$litex/bin/pip" install -q -r "$pins"
+        cp "$pins" "$litex/requirements.txt"
+    fi
+}
+
 # Writes the directory of `tiny`, with a random network whose results mostly fit, to a folder. The program is built if it is not given as EDOF.
 generate_tiny() {
     if [ -z "${EDOF:-}" ]; then

@@ -5,19 +5,13 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_simulators
-need_python
+need_litex
 
 if [ -z "${EDOF:-}" ]; then
     cargo build -q -p edof-cli --locked
     EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
 fi
 EDOF=$(realpath "$EDOF")
-environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/litex")
-if ! [ -x "$environment/bin/litex_server" ]; then
-    say "installing LiteX under $environment"
-    python3 -m venv --clear "$environment"
-    "$environment/bin/pip" install -q -r tests/litex/requirements.txt
-fi
 work=$(mktemp -d)
 board=
 trap 'kill $board 2>/dev/null || true; rm -rf "$work"' EXIT
@@ -25,7 +19,7 @@ trap 'kill $board 2>/dev/null || true; rm -rf "$work"' EXIT
 
 # try KIND BAUD OPTION...: a board of that kind, and the clients at its line.
 try() {
-    local kind=$1 baud=$2 python=$environment/bin/python
+    local kind=$1 baud=$2 python=$litex/bin/python
     shift 2
     "$EDOF" board sim -q --design tiny --baud "$baud" --link "$work/$kind" "$@" >"$work/said.txt" 2>&1 &
     board=$!

@@ -12,6 +12,7 @@ mod first_steps;
 mod happy;
 mod hardware;
 mod kept;
+mod litex_shell;
 mod optics;
 mod overwriting;
 mod playout;

@@ -10,6 +10,7 @@ use edof_golden::scalar;
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705};
+use edof_hdl::litex;
 use edof_hdl::project::ProjectError;
 use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
@@ -47,6 +48,15 @@ pub enum BitstreamError {
     Folder(#[from] FolderError),
 }
 
+/// What stands around the core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shell {
+    /// `kc705_top`, with Xilinx' MIG.
+    Mig,
+    /// The same, and beside it a LiteX target with LiteDRAM (`litex/`).
+    Litex,
+}
+
 /// The files of a folder, in memory.
 #[derive(Debug, Clone)]
 pub struct Sources {
@@ -59,24 +69,25 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Those of a design; both sets of weights start with the network.
+    /// Those of a design with [`Shell::Mig`]; both sets of weights start with the network.
     ///
     /// # Errors
     /// Design and network do not fit each other.
     pub fn of(design: &Design, network: &FixedNetwork) -> Result<Self, BitstreamError> {
-        Self::told(design, network, |_, _, _| ())
+        Self::told(design, network, Shell::Mig, |_, _, _| ())
     }
 
-    /// The same, with a call before each step: how many are done, of how many, and which is next.
+    /// Those of a design and a shell, with a call before each step: how many are done, of how many, and which is next.
     ///
     /// # Errors
     /// As [`Sources::of`].
     pub fn told(
         design: &Design,
         network: &FixedNetwork,
+        shell: Shell,
         mut told: impl FnMut(usize, usize, &str),
     ) -> Result<Self, BitstreamError> {
-        let project = project(design, network, &mut told)?;
+        let project = project(design, network, shell, &mut told)?;
         let about = json!({
             "design": design,
             "weights": { "name": network.origin.name, "float_sha256": network.float_hash },
@@ -125,6 +136,7 @@ impl Sources {
 fn project(
     design: &Design,
     network: &FixedNetwork,
+    shell: Shell,
     told: &mut impl FnMut(usize, usize, &str),
 ) -> Result<Kc705, BitstreamError> {
     design.check_network(network)?;
@@ -140,7 +152,11 @@ fn project(
     told(1, STEPS, "pictures of the bench");
     let recorded = Recorded { windows, patches, video: system::recorded(design, network, &display)? };
     told(2, STEPS, "circuits as Verilog");
-    Ok(kc705::project(design, [network, network], &identity, &words.tables(), &recorded)?)
+    let mut project = kc705::project(design, [network, network], &identity, &words.tables(), &recorded)?;
+    if shell == Shell::Litex {
+        project.files.extend(litex::files(design, &recorded.video)?);
+    }
+    Ok(project)
 }
 
 /// Windows for the calculator's bench, and the patches that they become: some at the ends of their range, some of dim noise.

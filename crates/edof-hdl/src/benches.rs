@@ -161,6 +161,19 @@ pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, Stri
         "dram_ready_i" | "i2c_done_i" => "1'b1",
         _ => "",
     };
+    let text = with_numbers(CORE_BENCH, recorded).replace("@ports@", &pins(core, value));
+    let codes = |pixel: &u16| u16::from_le_bytes(cable::codes(*pixel));
+    let on_the_bus: Vec<Vec<u16>> =
+        recorded.frames.iter().map(|frame| frame.iter().map(codes).collect()).collect();
+    vec![
+        ("sim/core_bench.sv".into(), text),
+        (RECORDED[2].into(), lines(&on_the_bus)),
+        (RECORDED[3].into(), lines(&recorded.pictures)),
+    ]
+}
+
+/// A bench's text with the numbers of frames, their timing and their pace in place of their names.
+pub(crate) fn with_numbers(text: &str, recorded: &RecordedVideo) -> String {
     let timing = VideoTiming::of_frame(recorded.size);
     let numbers = [
         ("@frames@", recorded.frames.len()),
@@ -177,20 +190,11 @@ pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, Stri
         ("@calculator_units@", (CORE_UNITS * u64::from(CORE_KILOHERTZ) / recorded.calculator_khz) as usize),
     ];
     let hexadecimal = |word: u32| format!("{word:08x}");
-    let text = CORE_BENCH
+    let text = text
         .replace("@control_address@", &hexadecimal(map::CONTROL))
         .replace("@control@", &hexadecimal(map::running(recorded.mode, 0)))
-        .replace("@black@", &format!("{:02x}{:02x}", CHROMA_ZERO, BLACK))
-        .replace("@ports@", &pins(core, value));
-    let text = numbers.iter().fold(text, |text, (name, number)| text.replace(name, &number.to_string()));
-    let codes = |pixel: &u16| u16::from_le_bytes(cable::codes(*pixel));
-    let on_the_bus: Vec<Vec<u16>> =
-        recorded.frames.iter().map(|frame| frame.iter().map(codes).collect()).collect();
-    vec![
-        ("sim/core_bench.sv".into(), text),
-        (RECORDED[2].into(), lines(&on_the_bus)),
-        (RECORDED[3].into(), lines(&recorded.pictures)),
-    ]
+        .replace("@black@", &format!("{:02x}{:02x}", CHROMA_ZERO, BLACK));
+    numbers.iter().fold(text, |text, (name, number)| text.replace(name, &number.to_string()))
 }
 
 /// What a bench connects to each port; other inputs are 0, other outputs open.

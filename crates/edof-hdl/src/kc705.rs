@@ -153,7 +153,7 @@ const CORE_PERIOD_NS: f64 = 1e6 / CORE_KILOHERTZ as f64;
 const INPUT_CHANGES_NS: [f64; 2] = [1.367, 1.133];
 
 /// A text with a design's clocks in place of their names.
-fn with_clocks(text: &str, Clocks { calculator, screen }: Clocks) -> String {
+pub(crate) fn with_clocks(text: &str, Clocks { calculator, screen }: Clocks) -> String {
     let mhz = |khz: u64| (khz as f64 / 1e3).to_string();
     let falls = screen.period_ns() / 2.0;
     let [before, after] = INPUT_CHANGES_NS;

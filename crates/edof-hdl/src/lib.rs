@@ -11,6 +11,7 @@
 //! | block | [`board`] | memory, host, and all of it together |
 //! | print | [`verilog`] | Verilog-2001 that means exactly what the Rust means |
 //! | all | [`project`], [`kc705`] | the files of a generated design, and of a board's |
+//! | around | [`litex`] | LiteX around the core, in place of the board's own shell |
 //! | find | [`places`] | the Rust behind a line of the Verilog |
 //! | try | [`benches`] | what a generated design tries itself with, in Verilog alone |
 //! | place | [`floorplan`] | where the stages may be on the KC705's part |
@@ -23,6 +24,7 @@ pub mod crossing;
 pub mod floorplan;
 pub mod kc705;
 pub mod leaves;
+pub mod litex;
 pub mod places;
 pub mod ports;
 pub mod project;

@@ -6,7 +6,8 @@ use crate::files::Files;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
-use edof_cosim::bitstream::Sources;
+use clap::ValueEnum;
+use edof_cosim::bitstream::{self, Sources};
 use edof_device::board;
 use std::path::PathBuf;
 
@@ -18,7 +19,8 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof generate --design paper --weights paper-t4 --out build/paper
-  edof generate --design my-design.json --weights mine.fixed.safetensors --out build/mine --json")]
+  edof generate --design my-design.json --weights mine.fixed.safetensors --out build/mine --json
+  edof generate --design kc705 --weights edof-t4w12-outer --shell litex --out build/litex")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]
@@ -28,6 +30,10 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: String,
 
+    /// What stands around the core
+    #[arg(long, value_name = "SHELL", value_enum, default_value_t = Shell::Mig)]
+    shell: Shell,
+
     /// Folder to write; its present files must come from this command and be unchanged
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -35,6 +41,24 @@ pub struct Args {
     /// Replace changed or foreign files of the same name; keep others
     #[arg(long)]
     force: bool,
+}
+
+/// Values of `--shell`.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Shell {
+    /// Xilinx' MIG as DRAM controller, a serial line of the core's own
+    Mig,
+    /// The same, and a LiteX target in litex/: LiteDRAM, LiteX's bus and UARTBone
+    Litex,
+}
+
+impl From<Shell> for bitstream::Shell {
+    fn from(shell: Shell) -> Self {
+        match shell {
+            Shell::Mig => Self::Mig,
+            Shell::Litex => Self::Litex,
+        }
+    }
 }
 
 /// # Errors
@@ -50,7 +74,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     designs::fits_given(&design, &args.design, &network)?;
     board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
     let progress = ui.progress(1, "sources");
-    let sources = Sources::told(&design, &network, |done, of, next| {
+    let sources = Sources::told(&design, &network, args.shell.into(), |done, of, next| {
         progress.message(next);
         progress.of(done as u64, of as u64);
     })?;
