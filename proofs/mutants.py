@@ -2,8 +2,9 @@
 """Mutants of the circuit: small faults in its Verilog, each of which a test must see.
 
 Without --draw those of mutants.json, each with the test that must see it. With --draw as many as are asked for, at random: what may see one is the
-bench of the calculator (`bench`), then the proofs of the blocks that it is in, then, with --core, the bench of the whole core. A mutant that nothing sees
-is tried for equivalence with the original; what is left is listed as survived.
+bench of the calculator (`bench`), then a co-simulation with stalls and random contents at the start, where skipping of zeros is on and off (`cosim`),
+then the proofs of the blocks that it is in, then, with --core, the bench of the whole core. A mutant that nothing sees is tried for equivalence
+with the original; what is left is listed as survived.
 """
 
 import argparse
@@ -120,6 +121,24 @@ def bench_of(generated, mutant, bench, limit, out):
             return "PASS" not in said.read(1 << 20)
 
 
+# What a co-simulation draws: stalls, start-up contents, windows with extreme values or a picture's, and whether zeros are skipped.
+COSIMS = [["--patches", "24", "--stalls", "0.3", "--seed", "1"], ["--random", "24", "--stalls", "0.6", "--seed", "2", "--skip", "off"]]
+
+
+def cosim_of(options, mutant, limit, out):
+    """Whether `edof cosim` sees the mutant: words and cycles at every boundary, and the counters. What Verilator does not take is seen, too."""
+    with tempfile.TemporaryDirectory(dir=out) as folder:
+        folder = pathlib.Path(folder)
+        shutil.copytree(options.generated / "rtl", folder / "rtl")
+        (folder / "rtl" / mutant.file).write_text(mutant.text)
+        for draw in COSIMS:
+            command = [options.edof.resolve(), "cosim", "-q", "--design", "tiny", "--weights", options.weights.resolve(), "--rtl", folder / "rtl", *draw]
+            with open(folder / "said", "w") as said:
+                if run(command, folder, said, limit) != 0:
+                    return True
+    return False
+
+
 def proof_of(generated, mutant, task, out, patience):
     """Whether a proof sees the mutant, to the depth of its broken copies."""
     with tempfile.TemporaryDirectory(dir=out) as folder:
@@ -177,7 +196,7 @@ class Tests:
 
     def __init__(self, options, out):
         self.generated, self.out, self.patience, self.core = options.generated.resolve(), out, options.patience, options.core
-        self.limit = options.limit
+        self.limit, self.options = options.limit, options
         table = json.loads((HERE / "proofs.json").read_text())
         self.tasks = {task["name"]: task for task in table}
         self.of_file = collections.defaultdict(list)
@@ -204,10 +223,12 @@ class Tests:
     def sees(self, name, mutant):
         if name in self.in_bench:
             return bench_of(self.generated, mutant, name, self.limit * (40 if name == "core_bench" else 1), self.out)
+        if name == "cosim":
+            return cosim_of(self.options, mutant, 4 * self.limit, self.out)
         return proof_of(self.generated, mutant, self.tasks[name], self.out, self.patience)
 
     def names(self, file):
-        benches = [bench for bench in ("bench",) if file in self.in_bench[bench]]
+        benches = ["bench", "cosim"] if file in self.in_bench["bench"] else []
         return benches + self.of_file[file] + (["core_bench"] if self.core and file in self.in_bench["core_bench"] else [])
 
     def verdict(self, mutant):
@@ -223,9 +244,11 @@ class Tests:
 
 def score(results, out):
     """A table by block, and whoever survived."""
-    blocks = collections.defaultdict(collections.Counter)
+    blocks, by = collections.defaultdict(collections.Counter), collections.Counter()
     for mutant, verdict in results:
         blocks[mutant.file.removesuffix(".v")][verdict.split(" by ")[0]] += 1
+        if verdict.startswith("seen by "):
+            by[verdict.removeprefix("seen by ")] += 1
     lines = ["| block | drawn | seen | equivalent | survived |", "|---|---|---|---|---|"]
     total = collections.Counter()
     for block, counts in sorted(blocks.items()):
@@ -233,7 +256,8 @@ def score(results, out):
         lines.append(f"| `{block}` | {sum(counts.values())} | {counts['seen']} | {counts['equivalent']} | {counts['survived']} |")
     lines.append(f"| all | {sum(total.values())} | {total['seen']} | {total['equivalent']} | {total['survived']} |")
     others = total["seen"] + total["survived"]
-    lines += ["", f"{total['seen']} of {others} that are no equivalents were seen, {100 * total['seen'] / max(1, others):.1f} %."]
+    lines += ["", f"{total['seen']} of {others} that are no equivalents were seen, {100 * total['seen'] / max(1, others):.1f} %: "
+              + ", ".join(f"{count} by {name}" for name, count in by.most_common()) + "."]
     lines += [f"- survived: `{mutant.name}`: `{mutant.what}`" for mutant, verdict in results if verdict == "survived"]
     (out / "score.md").write_text("\n".join(lines) + "\n")
     print("\n".join(lines), flush=True)
@@ -242,6 +266,8 @@ def score(results, out):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--generated", type=pathlib.Path, required=True, help="directory that `edof generate --design tiny` wrote")
+    parser.add_argument("--edof", type=pathlib.Path, required=True, help="the program")
+    parser.add_argument("--weights", type=pathlib.Path, required=True, help="the network that the directory was generated with")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for what is made on the way, and for score.md")
     parser.add_argument("--draw", type=int, metavar="N", help="draw N mutants in place of those of mutants.json")
     parser.add_argument("--seed", type=int, default=1)
@@ -258,10 +284,11 @@ def main():
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, prove.stop)
     start = time.monotonic()
-    # A bench that the original does not pass in time would see every mutant.
+    # What the original does not pass in time would see every mutant.
     file = "chain.v"
-    if tests.sees("bench", Mutant("none", file, (tests.generated / "rtl" / file).read_text(), "")) is not False:
-        sys.exit(f"mutants.py: the bench does not pass without a fault in {options.limit:.0f} s; give it longer by --limit")
+    for name in ["bench"] if options.draw is None else ["bench", "cosim"]:
+        if tests.sees(name, Mutant("none", file, (tests.generated / "rtl" / file).read_text(), "")) is not False:
+            sys.exit(f"mutants.py: {name} does not pass without a fault in time; give it longer than {options.limit:.0f} s by --limit")
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         if options.draw is None:
             rows = [row for row in curated(tests.generated) if not options.block or row[0].file.removesuffix(".v") in options.block]

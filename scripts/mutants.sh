@@ -9,4 +9,5 @@ need_provers
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 generate_tiny "$work"
-python3 -B proofs/mutants.py --generated "$work/tiny" --out "$(realpath -m "${CARGO_TARGET_DIR:-target}")/mutants" "$@"
+python3 -B proofs/mutants.py --generated "$work/tiny" --edof "$EDOF" --weights "$work/moderate.fixed.safetensors" \
+    --out "$(realpath -m "${CARGO_TARGET_DIR:-target}")/mutants" "$@"

@@ -1,10 +1,16 @@
 //! The style of what is printed (docs/verilog-style.md), and that it means what the kernels say word by word.
 
 use crate::common::committed;
+use edof_cosim::system::TableWords;
+use edof_cosim::system::cables::PACE;
 use edof_cosim::tool;
+use edof_golden::{Curve, Display};
 use edof_hdl::blocks::chain::Chain;
+use edof_hdl::board::{EdofCore, Identity, Kc705Core};
 use edof_hdl::leaves::LEAVES;
+use edof_hdl::project::spacious;
 use edof_hdl::verilog::{Emitted, Module, emit, emit_literally};
+use edof_image::DisplayMode;
 use rust_hdl::prelude::Block;
 use std::fs;
 use std::path::Path;
@@ -145,7 +151,8 @@ fn prove_equal(one: &Emitted, other: &Emitted) {
 fn prove(dir: &Path, name: &str, names: &[&str], leaves: &[String]) {
     let others = names.iter().filter(|other| *other != &name).map(|other| format!("gate/{other}.v"));
     let boxes: Vec<String> = others.chain(leaves.iter().cloned()).collect();
-    let side = |side: &str| format!("read_verilog {side}/{name}.v; proc; opt_clean; rename {name} {side}; ");
+    let side =
+        |side: &str| format!("read_verilog {side}/{name}.v; proc -norom; opt_clean; rename {name} {side}; ");
     let script = format!(
         "read_verilog -lib {}; {}{}equiv_make gold gate equal; opt_clean; \
          equiv_struct; equiv_simple; equiv_induct -seq 4; equiv_status -assert",
@@ -168,6 +175,24 @@ fn what_is_printed_equals_what_the_kernels_say() {
 fn what_is_printed_of_kc705_equals_what_the_kernels_say() {
     let chain = chain("kc705");
     prove_equal(&emit_literally(&chain).unwrap(), &emit(&chain).unwrap());
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn what_is_printed_of_the_board_equals_what_the_kernels_say() {
+    let design = committed("tiny");
+    let network = edof_random::for_design(&design, 1);
+    let display = Display::new(DisplayMode::Colour, Curve::Srgb);
+    let (literal, printed) = spacious(|| {
+        let words = TableWords::of(&display);
+        let tables = words.tables();
+        let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
+        let core = EdofCore::new(&design, [&network, &network], &identity, tables.luma, tables.colours);
+        let mut top = Kc705Core::new(core.unwrap(), &PACE);
+        top.connect_all();
+        (emit_literally(&top).unwrap(), emit(&top).unwrap())
+    });
+    prove_equal(&literal, &printed);
 }
 
 #[test]

@@ -1,0 +1,118 @@
+//! Parsers of files.
+
+use edof_camera::Camera;
+use edof_camera::psf_bank::Kernels;
+use edof_device::Design;
+use edof_image::CfaPhase;
+use edof_io::packing::{ByteOrder, Packing};
+use edof_io::raw::{Alignment, RawOptions, Size};
+use edof_network::weight_file::{WeightFileError, parse_fixed, parse_network};
+use std::path::{Path, PathBuf};
+
+/// A file with these bytes, in the folder for temporary files.
+pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = std::env::temp_dir().join(name);
+    std::fs::write(&path, bytes).expect("a file for the input");
+    path
+}
+
+/// Both kinds of weight files. A changed file has another hash than it states; the right one is put in, so that what follows is tried, too.
+pub fn weights(bytes: &[u8]) {
+    let path = Path::new("w.safetensors");
+    let found = match parse_network(bytes.to_vec(), path) {
+        Err(WeightFileError::Hash { found, stated, .. }) if found.len() == stated.len() => {
+            let at = bytes.windows(stated.len()).rposition(|text| text == stated.as_bytes());
+            at.map(|at| [&bytes[..at], found.as_bytes(), &bytes[at + found.len()..]].concat())
+        }
+        _ => None,
+    };
+    let bytes = found.unwrap_or_else(|| bytes.to_vec());
+    let _ = parse_network(bytes.clone(), path);
+    if let Ok(network) = parse_fixed(bytes, path) {
+        network.check().expect("a network that was read is legal");
+    }
+}
+
+/// Designs, and what is worked out of each.
+pub fn design(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(design) = Design::from_json(text) {
+        let _ = design.patches_per_frame();
+        for stage in design.stages() {
+            let _ = stage.drain_latency();
+            let _ = edof_device::design::memory::rows_of_a_set(&stage);
+        }
+    }
+}
+
+/// Cameras.
+pub fn camera(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(camera) = Camera::from_json(text, "camera.json") {
+        let _ = camera.f_number();
+    }
+}
+
+/// Arrays of NPZ, NPY and safetensors files.
+pub fn arrays(bytes: &[u8]) {
+    let _ = edof_storage::arrays::read(&file("arrays", bytes));
+}
+
+/// Banks of PSFs: the first byte chooses NPZ, or NPY with its ψ beside it.
+pub fn bank(bytes: &[u8]) {
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    if first % 2 == 0 {
+        let _ = Kernels::load(&file("bank.npz", bytes));
+    } else {
+        let (psi, psf) = bytes.split_at(bytes.len() / 2);
+        file("psi.npy", psi);
+        let _ = Kernels::load(&file("psf.npy", psf));
+    }
+}
+
+/// DNG.
+pub fn dng(bytes: &[u8]) {
+    let _ = edof_io::dng::decode(bytes, Path::new("shot.dng"));
+}
+
+/// PNG, TIFF, JPEG, BMP, WebP, PGM and PPM as photographs.
+pub fn picture(bytes: &[u8]) {
+    let _ = edof_io::picture::decode(bytes, Path::new("picture"));
+}
+
+/// PGM and PPM.
+pub fn pnm(bytes: &[u8]) {
+    if let Ok(samples) = edof_io::pnm::decode(bytes) {
+        let again = edof_io::pnm::decode(&edof_io::pnm::encode(&samples)).expect("what was written is read");
+        assert_eq!(again.planes, samples.planes);
+    }
+}
+
+/// Raw frames in picture files and headerless ones: five bytes of options, then the file.
+pub fn raw(bytes: &[u8]) {
+    let Some((options, bytes)) = bytes.split_first_chunk::<5>() else { return };
+    let [kind, packing, depth, width, height] = *options;
+    let options = RawOptions {
+        phase: [CfaPhase::Rggb, CfaPhase::Grbg, CfaPhase::Gbrg, CfaPhase::Bggr][usize::from(kind & 3)],
+        depth: (kind & 4 != 0).then_some(u32::from(depth)),
+        size: (kind & 8 != 0)
+            .then_some(Size { width: usize::from(width).max(1), height: usize::from(height).max(1) }),
+        alignment: (kind & 16 != 0).then_some(if kind & 32 != 0 {
+            Alignment::Top
+        } else {
+            Alignment::Bottom
+        }),
+        order: if kind & 64 != 0 { ByteOrder::Big } else { ByteOrder::Little },
+        packing: Packing::ALL[usize::from(packing) % Packing::ALL.len()],
+    };
+    let _ = edof_io::raw::open(&file("frame", bytes), &options);
+}
+
+/// Records beside raw frames.
+pub fn record(bytes: &[u8]) {
+    let raw = file("raw.pgm", b"");
+    file("raw.json", bytes);
+    let at = edof_io::record::path_of(&raw);
+    std::fs::write(at, bytes).expect("a file for the input");
+    let _ = edof_io::record::load(&raw);
+}
