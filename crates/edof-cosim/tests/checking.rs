@@ -60,10 +60,10 @@ fn frames_are_exact_in_rust() {
     frames_are_exact(&setup, setup.in_rust(), FRAMES[1]);
 }
 
-/// Pictures after a source was chosen until every boundary but the last has seen it, frames on the slower screen until that has, and the
+/// Pictures after a source was chosen until every boundary but the last has seen it, frames on the slower screen (counted when they begin) until that has, and the
 /// cycles that a copy of all CRCs takes.
 const SETTLE: usize = 5;
-const SHOWN: usize = 2;
+const SHOWN: usize = 3;
 const COPY: u32 = 120;
 
 /// A host that compares N frames: each with a copy of its own of all CRCs.
