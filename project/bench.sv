@@ -17,7 +17,7 @@ module edof_bench;
     initial $readmemh("sim/windows.hex", windows);
     initial $readmemh("sim/patches.hex", patches);
 
-    // It rises after the start: a block that waits for a change of its inputs must see one.
+    // Reset rises after the start: a block that waits for a change of its inputs must see one.
     reg reset = 1'b0;
     reg window_valid = 1'b0;
     wire window_ready;

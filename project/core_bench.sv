@@ -2,7 +2,7 @@
 // that is late. Needs nothing but this directory: start it there.
 //
 // Frames of @width@x@height@: what knows the size of a frame is in sim/rtl, in place of the modules of that name in rtl. The camera sends each
-// frame once and then goes on with the last one. Every frame on the screen must be black or one of the pictures, these in order and none
+// frame once and then repeats the last one. Every frame on the screen must be black or one of the pictures, these in order and none
 // left out. It ends with PASS, or with the first frame that is wrong.
 `default_nettype none
 
@@ -62,16 +62,16 @@ module edof_core_bench;
     end
 
     // The host writes how the board shall run, once.
-    reg asks = 1'b0;
-    reg tells = 1'b0;
-    wire asked, told;
+    reg aw_request = 1'b0;
+    reg w_request = 1'b0;
+    wire aw_grant, w_grant;
     always @(posedge clock) begin
         if (cycle == 400) begin
-            asks <= 1'b1;
-            tells <= 1'b1;
+            aw_request <= 1'b1;
+            w_request <= 1'b1;
         end else begin
-            if (asked) asks <= 1'b0;
-            if (told) tells <= 1'b0;
+            if (aw_grant) aw_request <= 1'b0;
+            if (w_grant) w_request <= 1'b0;
         end
     end
 
@@ -159,7 +159,7 @@ module edof_core_bench;
         end
     end
 
-    // The row of a byte address: buffers of 4 MiB, of which a frame takes the first WORDS words.
+    // The row of a byte address: buffers of 4 MiB; a frame uses the first WORDS words of its buffer.
     function [15:0] place(input [31:0] address);
         place = address[24:22] * WORDS + address[21:6];
     endfunction

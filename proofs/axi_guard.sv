@@ -1,8 +1,7 @@
 // axi_guard at the memory's port: the rules of AXI4 hold whatever those behind it do, resets at any moment; every burst that was announced
 // gets all its words, the last one marked; after a reset nothing that belongs to the time before reaches those behind it.
 //
-// Those behind it end their bursts with `last` at the right word while they are not in reset. The memory answers what was asked, and no
-// more. Data are as wide as in the board; of the wide words one bit stands for all.
+// Those behind it end their bursts with `last` at the right word while they are not in reset. The memory answers the requests and nothing else. Data are as wide as in the board; of the wide words one bit stands for all.
 module prove (
     input wire         clock_i,
     input wire         reset_i,
@@ -63,7 +62,7 @@ module prove (
     // Behind it: bursts of at most four words, so that the prover's state is small; the guard's counter is the same for all lengths.
     // left: words that those behind it still owe.
     reg [2:0] left = 0;
-    // Answers that the memory owes: bursts whose last word it took and whose address it took; words of reads likewise.
+    // Answers that the memory owes: bursts whose last word it took and whose address it took; and words of reads.
     reg [2:0] announced = 0, ended = 0, answered = 0, asked = 0;
     // The burst at the memory's port: words that still pass, of this one and of one that was announced after it.
     reg [2:0] now = 0, next = 0;

@@ -1,6 +1,5 @@
 // axi_pair, two writers and two readers on one memory: addresses, words and requests stand until they are taken; a burst's words are its
-// writer's, in the order of the addresses; an answer reaches whom it belongs to, and nobody else; nobody waits for ever while the memory
-// and the other writer go on.
+// writer's, in the order of the addresses; an answer reaches only its master; nobody waits for ever while the memory and the other writer continue.
 //
 // Bursts have two words here (axi_guard.sv has other lengths). Words of writer 0 have bit 0 clear, those of writer 1 have it set; what
 // fills up a burst after a reset has no byte enabled. Each side obeys the rules itself, resets come at any moment.

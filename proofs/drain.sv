@@ -21,10 +21,10 @@ module prove #(
     wire may_start, copy, take, last, taken_set;
     wire [7:0] beat;
     drain #(
-        .BEFORE_LAST_TAKE(B - 1), .RELEASE_AT(AFTER_RELEASE), .LAST_BEAT(VECTOR - 1), .WANTED_CREDITS(B)
+        .BEFORE_LAST_TAKE(B - 1), .RELEASE_AT(AFTER_RELEASE), .LAST_BEAT(VECTOR - 1), .NEEDED_CREDITS(B)
     ) dut (
-        .clock_i(clock_i), .reset_i(reset_i), .begins_i(begins_i), .pass_issued_i(pass_issued_i), .set_i(set_i), .returned_i(returned_i),
-        .may_start_o(may_start), .copy_o(copy), .take_o(take), .beat_o(beat), .last_o(last), .taken_set_o(taken_set)
+        .clock_i(clock_i), .reset_i(reset_i), .begins_i(begins_i), .pass_issued_i(pass_issued_i), .set_i(set_i), .credit_return_i(returned_i),
+        .may_start_o(may_start), .copy_o(copy), .take_o(take), .beat_o(beat), .last_o(last), .take_set_o(taken_set)
     );
 
     (* anyseq *) wire again;
@@ -40,7 +40,7 @@ module prove #(
     reg [1:0] standing = 0, open = 0;
     reg stood_set = 0, now_set = 0;
     reg [4:0] left = 0;
-    // Passes of which a first sum came, less copies.
+    // Passes whose first sum came, minus copies.
     reg [1:0] landed = 0;
     reg [4:0] place = 0;
     // Takes that the receiver has not returned; the same, with returns two cycles late.
@@ -82,7 +82,7 @@ module prove #(
             one_stands: assert (stand_now < 2);
             not_overwritten: assert (landed + began[8] < 2);
             copies: assert (copy == (stand_now != 0 && (left == 0 || (left == 1 && take))));
-            // A drain begins with all its credits, as the receiver had returned them two cycles ago, and then goes on.
+            // A drain begins with all its credits, as the receiver had returned them two cycles ago, and then does not pause.
             takes: assert (take == (left == B ? used + B <= CREDITS : left != 0));
             credits: assert (used + take <= CREDITS);
             counted: assert (!take || (beat == place && last == (place == VECTOR - 1)));

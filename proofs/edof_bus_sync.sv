@@ -19,7 +19,7 @@ module prove (
         .to_clock_i(to_clock), .to_reset_i(to_reset_i), .valid_o(valid), .word_o(word)
     );
     (* hierconn *) wire [1:0] \dut.held_q ;
-    (* hierconn *) wire \dut.arrives ;
+    (* hierconn *) wire \dut.arrival ;
     (* hierconn *) wire \dut.to_open ;
 
     reg push_was = 0, pop_was = 0, from_reset_was = 0, to_reset_was = 0, arrives_was = 0, open_was = 0;
@@ -41,7 +41,7 @@ module prove (
         from_reset_was <= from_reset_i;
         to_reset_was <= to_reset_i;
         // From the edge before the one that samples it to that one.
-        arrives_was <= \dut.arrives ;
+        arrives_was <= \dut.arrival ;
         held_was <= \dut.held_q ;
         if (to_rises) held_at_edge <= held_was;
         if (to_rises && to_on && arrives_was) held_stands: assert (held_was == held_at_edge);

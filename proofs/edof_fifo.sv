@@ -28,7 +28,7 @@ module prove #(
     reg [1:0] waited = 0;
     always @(posedge clock_i) begin
         started <= 1;
-        // Whoever pushes counts credits: DEPTH words. A pushed word is not pushed in reset.
+        // The producer counts credits: DEPTH words. A pushed word is not pushed in reset.
         assume (started || reset_i);
         assume (!push_i || (inside != DEPTH && !reset_i));
         inside <= reset_i ? 0 : inside + push - pop;

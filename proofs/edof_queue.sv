@@ -1,4 +1,4 @@
-// edof_queue: nothing lost, doubled, reordered, while the pusher goes on for at most SLACK words after room_o has fallen.
+// edof_queue: nothing lost, doubled, reordered, while the producer continues for at most SLACK words after space_o has fallen.
 module prove #(
     parameter DEPTH = 8,
     parameter SLACK = 3
@@ -9,10 +9,10 @@ module prove #(
     input wire [1:0] data_i,
     input wire       ready_i
 );
-    wire room_o, valid_o;
+    wire space_o, valid_o;
     wire [1:0] data_o;
     edof_queue #(.WIDTH(2), .DEPTH(DEPTH), .SLACK(SLACK)) dut (
-        .clock_i(clock_i), .reset_i(reset_i), .push_i(push_i), .data_i(data_i), .room_o(room_o),
+        .clock_i(clock_i), .reset_i(reset_i), .push_i(push_i), .data_i(data_i), .space_o(space_o),
         .valid_o(valid_o), .ready_i(ready_i), .data_o(data_o)
     );
 
@@ -24,12 +24,12 @@ module prove #(
         .lost_i(reset_i), .emptied_i(reset_i), .second_popped_o(second_popped)
     );
 
-    // A pipeline of SLACK - 2 stages between taking in and pushing, as the module's head says: it takes in only while room_o.
+    // A pipeline of SLACK - 2 stages between taking in and pushing, as the module's head says: it takes in only while space_o.
     localparam STAGES = SLACK - 2;
     reg [STAGES:0] stages = 0;
     wire [STAGES:0] line = {stages[STAGES-1:0], 1'b0};
     (* anyseq *) wire takes;
-    wire [STAGES:0] now = line | {{STAGES{1'b0}}, takes && room_o};
+    wire [STAGES:0] now = line | {{STAGES{1'b0}}, takes && space_o};
 
     reg started = 0;
     reg [$clog2(DEPTH)+1:0] inside = 0;

@@ -1,4 +1,4 @@
-// i2c_master: a line that is stuck and a chip that does not answer are never success, whatever else happens on the lines; a transfer ends
+// i2c_master: a line that is stuck and a chip that does not answer are never success, whatever happens on the lines; a transfer ends
 // after at most 204 steps; lines are let go when it ends.
 //
 // A step takes QUARTER + 2 cycles and the cycles in which a chip holds the clock line, of which there are HOLD + 1 in a transfer at most.

@@ -31,7 +31,7 @@ module prove #(
     );
 
     reg started = 0;
-    // Vectors that have arrived and of which a pass is still to begin, the oldest lowest: steps before the last, empty, odd, set.
+    // Vectors that have arrived and have a pass still to begin, the oldest lowest: steps before the last, empty, odd, set.
     reg [4:0] waits_0, waits_1, waits_2, waits_3;
     reg [2:0] waiting = 0, waiting_late = 0, held = 0;
     reg [2:0] pass = 0;

@@ -1,6 +1,6 @@
 // What a stream of words must keep, seen from outside: two words are marked among all that pass.
 //
-// The prover draws when they are pushed. A word's tag is 0 but for these two, 1 and 2 in the order of pushing, so that every word is a
+// The prover draws when they are pushed. A word's tag is 0 except for these two, 1 and 2 in the order of pushing, so that every word is a
 // marked one in some run. Circuits that carry a word do not look at it, so two bits stand for any width.
 //
 // With MANY_CLOCKS defined a step is one of the prover's time, else a cycle. Events are for one step each: pushed and popped with the word's tag; lost: what is inside or comes in may be dropped (a reset of either
@@ -48,7 +48,7 @@ module tags (
             second_once: assert (pop_tag_i != 2 || (second_pushed && !second_popped && !second_emptied));
             // In order.
             in_order: assert (pop_tag_i != 1 || !second_popped);
-            // Nothing lost: the second comes after the first, but for a reset between.
+            // Nothing lost: the second comes after the first, unless a reset is between.
             none_lost: assert (pop_tag_i != 2 || first_popped || lost_since_first);
         end
     end

@@ -1,4 +1,4 @@
-// uart_bus, whatever bytes come and however the bus answers: the rules of AXI4-Lite, one transfer at a time, no write but for a command to
+// uart_bus, whatever bytes come and however the bus answers: the rules of AXI4-Lite, one transfer at a time, no write without a command to
 // write, with the four bytes that came last; a frame that pauses is given up in time, and a frame that is done ends.
 module prove #(
     parameter TIME_OUT = 6

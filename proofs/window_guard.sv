@@ -1,5 +1,5 @@
-// window_guard: whatever the sender says of its windows, each that goes on has all its beats, one `last` at its end, and one set of weights;
-// a beat stands while the receiver stalls; a window that is right passes whole; too short and too long are told.
+// window_guard: whatever the sender marks, each window that leaves has all its beats, one `last` at its end, and one set of weights;
+// a beat stands while the receiver stalls; a window that is right passes whole; too short and too long are reported.
 module prove #(
     parameter BEATS = 32
 ) (
@@ -42,7 +42,7 @@ module prove #(
 
         if (started && !reset_i) begin
             last_at_the_end: assert (!out_valid || out_last == (beat == BEATS - 1));
-            // Up to the first wrong window a beat goes on as it comes, in its cycle.
+            // Up to the first wrong window a beat passes unchanged, in its cycle.
             if (!wrong) as_it_comes: assert (out_valid == valid_i && ready == out_ready_i && (!out_valid || out_data == data_i));
             if ($past(started && !reset_i && out_valid && !out_ready_i)) begin
                 stands: assert (out_valid && $stable(out_data) && $stable(out_last) && $stable(out_set));

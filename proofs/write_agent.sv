@@ -62,7 +62,7 @@ module prove (
         accepted <= !started ? 0 : accepted + (aw_valid && aw_ready_i) - b_valid_i;
         written <= !started ? 0 : written + (w_passes && w_last) - b_valid_i;
         assume (!b_valid_i || (accepted != 0 && written != 0));
-        // The reader goes on to the newest buffer, whenever it likes.
+        // The reader changes to the newest buffer at any time.
         if (started && reader_moves_i) reading <= newest;
         words <= between || !started ? 0 : words + w_passes;
 

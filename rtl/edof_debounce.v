@@ -1,4 +1,4 @@
-// The level of a push button or the like, which bounces: level_o follows line_i, which is of no clock, once that has stood for
+// Debounces an asynchronous input such as a push button: level_o follows line_i once line_i has been stable for
 // 2^LOG_CYCLES cycles of clock_i (5.2 ms at 200 MHz). Low at first.
 `default_nettype none
 
@@ -13,12 +13,12 @@ module edof_debounce #(
 
     wire line;
     reg level_q = 1'b0;
-    reg [LOG_CYCLES-1:0] stood_q = {LOG_CYCLES{1'b0}};
+    reg [LOG_CYCLES-1:0] stable_q = {LOG_CYCLES{1'b0}};
 
     always @(posedge clock_i) begin
-        if (line == level_q) stood_q <= {LOG_CYCLES{1'b0}};
-        else stood_q <= stood_q + ONE;
-        if (&stood_q) level_q <= line;
+        if (line == level_q) stable_q <= {LOG_CYCLES{1'b0}};
+        else stable_q <= stable_q + ONE;
+        if (&stable_q) level_q <= line;
     end
 
     assign level_o = level_q;

@@ -1,5 +1,5 @@
-// What came in CYCLES ago. The last register is one of its own: it is neither merged with others that hold the same nor, with those
-// before it, made a shift register in LUTs, whose output is four times as slow.
+// data_o is data_i of CYCLES cycles ago. The last register is kept: tools neither merge it with registers of the same value nor make it
+// part of a shift register in LUTs, whose output is four times as slow.
 `ifndef EDOF_KEEP_IN_YOSYS
 `ifdef YOSYS
 `define EDOF_KEEP_IN_YOSYS (* keep *)
@@ -14,18 +14,18 @@ module edof_delay #(
     parameter CYCLES = 1
 ) (
     input  wire             clock_i,
-    input  wire [WIDTH-1:0] now_i,
-    output wire [WIDTH-1:0] later_o
+    input  wire [WIDTH-1:0] data_i,
+    output wire [WIDTH-1:0] data_o
 );
     wire [WIDTH-1:0] tail;
     generate
         if (CYCLES == 1) begin : one
-            assign tail = now_i;
+            assign tail = data_i;
         end else begin : more
             reg [WIDTH-1:0] row_q [0:CYCLES-2];
             integer i;
             always @(posedge clock_i) begin
-                row_q[0] <= now_i;
+                row_q[0] <= data_i;
                 for (i = 1; i < CYCLES - 1; i = i + 1) row_q[i] <= row_q[i-1];
             end
             assign tail = row_q[CYCLES-2];
@@ -34,7 +34,7 @@ module edof_delay #(
 
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg [WIDTH-1:0] last_q;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) last_q <= tail;
-    assign later_o = last_q;
+    assign data_o = last_q;
 endmodule
 
 `default_nettype wire

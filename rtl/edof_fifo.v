@@ -1,8 +1,8 @@
-// Words that wait for their receiver: DEPTH in LUT RAM, a power of two, and one in the register that is the output. With DEPTH 0 there
-// is nothing, and the output is 0.
+// A FIFO: DEPTH words in LUT RAM, a power of two, and one word in the output register. With DEPTH 0 there is no memory, and the output
+// is 0.
 //
-// A word stands on the output two cycles after push_i at the earliest, and until ready_i; room is the pusher's concern (it counts
-// credits). The pointers are registers of their own, so that no more loads hang on them than this FIFO has.
+// A word is valid on the output two cycles after push_i at the earliest, and held until ready_i. The producer must ensure free space (it
+// counts credits). The pointers are separate registers, so that they drive only the loads of this FIFO.
 `ifndef EDOF_KEEP_IN_YOSYS
 `ifdef YOSYS
 `define EDOF_KEEP_IN_YOSYS (* keep *)
@@ -38,16 +38,16 @@ module edof_fifo #(
             (* keep = "true", dont_touch = "true" *) reg valid_q;
             reg [WIDTH-1:0] front_q;
 
-            wire moves = !valid_q || ready_i;
-            wire waits = pushed_q != popped_q;
+            wire advance = !valid_q || ready_i;
+            wire not_empty = pushed_q != popped_q;
 
             always @(posedge clock_i) if (push_i) memory[pushed_q[BITS-1:0]] <= data_i;
 
-            // What stands here in reset is of no meaning, nor in the cycle after it; with three inputs the enable is too large for Yosys to
-            // take it, and with it ready_i, into the logic before each bit.
+            // The word is undefined in reset and in the cycle after it. With three inputs the enable is too large for Yosys to merge it,
+            // and ready_i with it, into the logic before each bit.
             (* keep = "true", dont_touch = "true" *) reg reset_q;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) reset_q <= reset_i;
-            always @(posedge clock_i) if (moves || reset_q) front_q <= memory[popped_q[BITS-1:0]];
+            always @(posedge clock_i) if (advance || reset_q) front_q <= memory[popped_q[BITS-1:0]];
 
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 if (reset_i) pushed_q <= {(BITS + 1){1'b0}};
@@ -56,12 +56,12 @@ module edof_fifo #(
 
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 if (reset_i) popped_q <= {(BITS + 1){1'b0}};
-                else if (moves && waits) popped_q <= popped_q + {{BITS{1'b0}}, 1'b1};
+                else if (advance && not_empty) popped_q <= popped_q + {{BITS{1'b0}}, 1'b1};
             end
 
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 if (reset_i) valid_q <= 1'b0;
-                else if (moves) valid_q <= waits;
+                else if (advance) valid_q <= not_empty;
             end
 
             assign valid_o = valid_q;

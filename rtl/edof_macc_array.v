@@ -71,24 +71,24 @@ module edof_macc_array #(
     // Values come two cycles after their row's address, writes a cycle after they are due.
     edof_delay #(.WIDTH(25 * ROWS + 1), .CYCLES(2)) step_enters (
         .clock_i(clock_i),
-        .now_i({values[25*ROWS-1:0], first_i}),
-        .later_o(steps[GROUPS])
+        .data_i({values[25*ROWS-1:0], first_i}),
+        .data_o(steps[GROUPS])
     );
     assign address[GROUPS] = addresses[PORTS*BITS-1:0];
     assign control[GROUPS] = {copy_i, shift_i};
-    // A write begins as none, so that no image is corrupted before reset has come through.
+    // Write enables power up as 0, so that no write corrupts the memory image before reset arrives.
     (* keep = "true", dont_touch = "true" *) reg enters_q = 1'b0;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) enters_q <= write_enable_i;
     assign writes[GROUPS] = enters_q;
     edof_delay #(.WIDTH(20), .CYCLES(1)) place_enters (
         .clock_i(clock_i),
-        .now_i({read_enable_i, write_bank_i, write_half_i, write_row_i}),
-        .later_o({reads[GROUPS], places[GROUPS]})
+        .data_i({read_enable_i, write_bank_i, write_half_i, write_row_i}),
+        .data_o({reads[GROUPS], places[GROUPS]})
     );
     edof_delay #(.WIDTH(32), .CYCLES(2)) data_enters (
         .clock_i(clock_i),
-        .now_i(write_data_i),
-        .later_o(written[GROUPS])
+        .data_i(write_data_i),
+        .data_o(written[GROUPS])
     );
 
     genvar group;
@@ -96,37 +96,37 @@ module edof_macc_array #(
         for (group = 0; group < GROUPS; group = group + 1) begin : groups
             edof_delay #(.WIDTH(25 * ROWS + 1), .CYCLES(1)) step (
                 .clock_i(clock_i),
-                .now_i(steps[group+1]),
-                .later_o(steps[group])
+                .data_i(steps[group+1]),
+                .data_o(steps[group])
             );
             edof_delay #(.WIDTH(PORTS * BITS), .CYCLES(1)) row (
                 .clock_i(clock_i),
-                .now_i(address[group+1]),
-                .later_o(address[group])
+                .data_i(address[group+1]),
+                .data_o(address[group])
             );
-            edof_delay #(.WIDTH(2), .CYCLES(1)) moves (
+            edof_delay #(.WIDTH(2), .CYCLES(1)) control_delay (
                 .clock_i(clock_i),
-                .now_i(control[group+1]),
-                .later_o(control[group])
+                .data_i(control[group+1]),
+                .data_o(control[group])
             );
             (* keep = "true", dont_touch = "true" *) reg write_q = 1'b0;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) write_q <= writes[group+1];
             assign writes[group] = write_q;
             edof_delay #(.WIDTH(20), .CYCLES(1)) place (
                 .clock_i(clock_i),
-                .now_i({reads[group+1], places[group+1]}),
-                .later_o({reads[group], places[group]})
+                .data_i({reads[group+1], places[group+1]}),
+                .data_o({reads[group], places[group]})
             );
             edof_delay #(.WIDTH(32), .CYCLES(1)) data (
                 .clock_i(clock_i),
-                .now_i(written[group+1]),
-                .later_o(written[group])
+                .data_i(written[group+1]),
+                .data_o(written[group])
             );
             // What was read, when the row is there: bit 18 that it was, 17 to 12 bank, 11 to 0 row.
             edof_delay #(.WIDTH(19), .CYCLES(2)) place_later (
                 .clock_i(clock_i),
-                .now_i({reads[group], places[group][18:13], places[group][11:0]}),
-                .later_o(places_later[group])
+                .data_i({reads[group], places[group][18:13], places[group][11:0]}),
+                .data_o(places_later[group])
             );
         end
     endgenerate

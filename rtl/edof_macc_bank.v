@@ -3,18 +3,18 @@
 // DENSE = 1: a row is ROWS words of four weights, and the lanes add word k x value k of all of them. DENSE = 0: a row is one word;
 // with ROWS = 2 both ports of the memory read, and the lanes add word a x value 0 and word b x value 1. first_i starts the sums anew
 // with this product. A cycle without work has values 0. Counted from address_*_i, value_i and first_i follow two cycles later;
-// six cycles later the product is in its sum. copy_i copies the sums to the holding registers two cycles later, of which shift_i
-// likewise hands on two lanes towards drain_*_o, and takes two from drain_*_i: one holding register for each multiplier, so that
-// nothing is added here. Half a word is written where write_i is high; with two ports that needs a cycle whose values are 0, as read_i
-// does everywhere: it reads a row for the host. Of what was read, the words that back_i marks (word a, or each) stand on back_o a cycle later,
-// in a register of this bank's own; else 0.
+// six cycles later the product is in its sum. copy_i copies the sums to the holding registers two cycles later. shift_i, with the same
+// latency, shifts two lanes out of the holding registers to drain_*_o, and two in from drain_*_i. Each multiplier has one holding register,
+// so this bank adds nothing. write_i writes half a word. With two ports a write needs a cycle whose values are 0; read_i, which reads a row
+// for the host, always does. The words that back_i selects (word a, or each) are valid on back_o one cycle later, in a register of this
+// bank; else back_o is 0.
 //
 // The register behind a memory is the block RAM's own output register to Vivado, which is left free to take it. Yosys has none, and
 // would make it a second input register of the multiplier, to which the way from the memory is too long: `EDOF_KEEP_IN_YOSYS stops it,
 // and stands before processes, too, whose registers Yosys would merge: Vivado is told so at the registers, and sees nothing at a process.
-// A write begins as none, so that no image is spoilt before reset has come through. Control comes in registers of this bank's own,
-// for first, copy and shift even of each multiplier's: `keep` and its like stop Yosys and Vivado from merging them. Where images
-// lie: edof_ram.v.
+// Write enables power up as 0, so that no write corrupts the memory image before reset arrives. Control signals have registers in this
+// bank; first, copy and shift have one per multiplier. `keep` and similar attributes stop Yosys and Vivado from merging them. For the
+// location of images see edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif

@@ -1,8 +1,8 @@
-// Block RAM with one write port and one read port, one clock. What is read stands on the output two cycles after its address, and is
-// what lay there before a write in the cycle of the address: the second register is the one that a block RAM has inside.
+// Block RAM with one write port and one read port, one clock. The output is valid two cycles after its address, and is
+// the word before a write in the cycle of the address: the second register is the one that a block RAM has inside.
 //
 // INIT names a $readmemh image, "" leaves the start-up contents open. Addresses are 16 bits wide whatever the depth, so that one port
-// fits all; the memory uses as many bits as it has rows. Where images lie: edof_ram.v.
+// fits all; the memory uses as many bits as it has rows. For the location of images see edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif

@@ -1,4 +1,4 @@
-// Tells the first reset of a domain from later ones: first_o is high from configuration until reset_i falls for the first time.
+// Distinguishes the first reset of a domain from later ones: first_o is high from configuration until reset_i falls for the first time.
 `default_nettype none
 
 module edof_power_on (

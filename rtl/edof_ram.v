@@ -1,9 +1,9 @@
-// Memory with one write port and one read port, one clock; a read gives what lay there before a write in the same cycle.
+// Memory with one write port and one read port, one clock; a read returns the word before a write in the same cycle.
 //
-// BLOCK = 1 asks for block RAM, 2 for block RAM and its output register, without which it is slow to leave, 0 for LUT RAM. What is read
-// stands on the output one cycle after its address, with that register two. INIT names a $readmemh image, ""
+// BLOCK = 1 asks for block RAM, 2 for block RAM and its output register, without which its output is slow, 0 for LUT RAM. read_data_o is
+// valid one cycle after its address, with the output register two. INIT names a $readmemh image, ""
 // leaves the start-up contents open. Addresses are 12 bits wide whatever the depth, so that one port fits all; the memory uses as
-// many bits as it has rows. Images lie in mem/ below `EDOF_DIR, which ends in a slash: the working directory, unless it is
+// many bits as it has rows. Images are in mem/ below `EDOF_DIR, which ends in a slash: the working directory, unless it is
 // defined. With EDOF_IMAGES_BY_NAME defined the tool finds them by their names, as Vivado does among the files of its project.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
@@ -31,7 +31,7 @@ module edof_ram #(
 `endif
 
 `ifndef SYNTHESIS
-    // Icarus would go on with unknown words; Verilator stops by itself.
+    // Icarus would continue with unknown words; Verilator stops by itself.
     integer image;
     initial if (INIT != "") begin
         image = $fopen(IMAGE, "r");

@@ -1,6 +1,6 @@
-// Two words that nobody writes, from the $readmemh image INIT: what registers begin with. They are no part of the text, so that one text
-// serves every network. A ROM with one port is read by turns: both words are there from the fourth cycle after power-up on, sooner than any
-// reset ends. Where images lie: edof_ram.v.
+// Two constant words from the $readmemh image INIT: start values of registers. The values are not part of the Verilog text, so one text
+// serves every network. A ROM with one port is read alternately: both words are valid from the fourth cycle after power-up on, before any
+// reset ends. For the location of images see edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
@@ -29,7 +29,7 @@ module edof_start #(
     initial $readmemh(IMAGE, words);
 
 `ifndef SYNTHESIS
-    // Icarus would go on with unknown words; Verilator stops by itself.
+    // Icarus would continue with unknown words; Verilator stops by itself.
     integer image;
     initial begin
         image = $fopen(IMAGE, "r");

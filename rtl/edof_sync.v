@@ -1,8 +1,8 @@
 // Brings bits into the clock domain of clock_i, each by itself, through two flip-flops.
 //
-// A change arrives in the second or third cycle; bits that change together may arrive a cycle apart. So the bits are levels that
-// do not belong together, or a Gray code; each comes straight from a register. Nothing is reset: what stands at from_i counts.
-// With EDOF_METASTABLE (simulation) a bit that changes is seen in this cycle or in the next, by lot.
+// A change arrives in the second or third cycle; bits that change together may arrive one cycle apart. So the bits are
+// independent levels or a Gray code; each comes straight from a register. There is no reset: to_o follows the level of from_i.
+// With EDOF_METASTABLE (simulation) a bit that changes is seen in this cycle or in the next, at random.
 `default_nettype none
 
 module edof_sync #(

@@ -1,8 +1,8 @@
-// Block RAM with one read port and one port that writes or looks, one clock. Both show two cycles after an address what lay there before
-// a write in the cycle of the address: the second register is the one that a block RAM has inside.
+// Block RAM with one read port and one port that writes or reads, one clock. Both outputs are valid two cycles after an address and
+// show the word before a write in the cycle of the address: the second register is the one that a block RAM has inside.
 //
 // INIT names a $readmemh image. Addresses are 16 bits wide whatever the depth, so that one port fits all; the memory uses as many bits as
-// it has rows. Where images lie: edof_ram.v.
+// it has rows. For the location of images see edof_ram.v.
 `ifndef EDOF_DIR
 `define EDOF_DIR "./"
 `endif
@@ -32,7 +32,7 @@ module edof_table #(
     initial if (INIT != "") $readmemh(IMAGE, words);
 
 `ifndef SYNTHESIS
-    // Icarus would go on with unknown words; Verilator stops by itself.
+    // Icarus would continue with unknown words; Verilator stops by itself.
     integer image;
     initial if (INIT != "") begin
         image = $fopen(IMAGE, "r");

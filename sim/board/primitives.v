@@ -32,8 +32,7 @@ module ODDR #(parameter DDR_CLK_EDGE = "OPPOSITE_EDGE") (
     always @(negedge C) if (CE) Q <= later_q;
 endmodule
 
-// Locks some cycles after its reset; before that its clock runs wild. It refuses what the FPGA cannot do: an input of another period than
-// it is told, and an oscillator outside of 600 to 1440 MHz or a phase detector outside of 10 to 500 MHz (DS182, speed grade -2).
+// Locks some cycles after its reset; before that its clock runs wild. It rejects what the FPGA cannot do: an input of another period than its parameter states, and an oscillator outside of 600 to 1440 MHz or a phase detector outside of 10 to 500 MHz (DS182, speed grade -2).
 module MMCME2_BASE #(
     parameter real CLKIN1_PERIOD = 0.0,
     parameter integer DIVCLK_DIVIDE = 1,

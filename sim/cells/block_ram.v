@@ -2,7 +2,7 @@
 //
 // Both ports have the width of their memory's words; what else there is (words of two widths, cascades, error correction, inverted clocks)
 // stops the simulation. A port that reads a row while the other one writes it gets the row as it was where the writer is READ_FIRST, and the
-// row inverted where it is not: the data sheet promises nothing there.
+// row inverted where it is not: the data sheet guarantees nothing there.
 
 module edof_block_ram #(
     parameter BITS = 15,

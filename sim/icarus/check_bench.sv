@@ -1,7 +1,7 @@
 // A host at the core of edof_core_bench: it carries out the steps of sim/steps.hex one after the other and ends with PASS, or with the first
 // register that is not as expected. What the other bench does with the screen's pixels is off.
 //
-// A step is four words, the highest first: what, byte address, mask, word. 0 writes the word; 1 reads and expects it; 2 waits so many cycles;
+// A step is four words, the highest first: what, byte address, mask, word. 0 writes the word; 1 reads and expects it; 2 waits that number of cycles;
 // 3 reads until it comes; 4 reads until it is another one than at the last step of this kind.
 `default_nettype none
 

@@ -62,7 +62,7 @@ impl Sources {
     /// Those of a design; both sets of weights start with the network.
     ///
     /// # Errors
-    /// They do not fit each other.
+    /// Design and network do not fit each other.
     pub fn of(design: &Design, network: &FixedNetwork) -> Result<Self, BitstreamError> {
         Self::told(design, network, |_, _, _| ())
     }

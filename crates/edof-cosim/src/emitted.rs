@@ -11,7 +11,7 @@ impl Source {
     /// A circuit by itself, with the leaves of `rtl/` that it stands on.
     ///
     /// # Errors
-    /// It has no exact Verilog.
+    /// The circuit has no exact Verilog.
     pub fn circuit(circuit: &mut dyn Circuit) -> Result<Self, Error> {
         circuit.connect_all();
         let refuse =

@@ -12,7 +12,7 @@ pub enum Error {
         package(tool)
     )]
     ToolMissing { tool: String },
-    /// A program refused its input; the lines are its own, with file and line where it gave them.
+    /// A program rejected its input; the lines are its own, with file and line where it gave them.
     #[error("{tool} failed: {}", lines.join("; "))]
     ToolFailed { tool: String, lines: Vec<String> },
     /// Verilator has something to say about the text of the design.

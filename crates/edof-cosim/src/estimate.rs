@@ -33,7 +33,7 @@ pub enum MeasureError {
 pub struct Picture {
     /// What results call it.
     pub name: String,
-    /// Its cycles and values.
+    /// Cycles and values of the picture.
     pub summary: Summary,
 }
 
@@ -75,7 +75,7 @@ impl Measured {
         sum / f64::max(patches, 1.0)
     }
 
-    /// Cycles a patch, mean over all.
+    /// Cycles per patch, mean over all.
     #[must_use]
     pub fn cycles_per_patch(&self) -> f64 {
         self.mean(Summary::cycles_per_patch)
@@ -93,14 +93,14 @@ impl Measured {
         self.stages().map(|stage| self.mean(|summary| summary.mean_pairs()[stage])).collect()
     }
 
-    fn most_cycles(&self) -> u64 {
-        self.0.iter().map(|picture| picture.summary.most_cycles).max().unwrap_or(0)
+    fn max_cycles(&self) -> u64 {
+        self.0.iter().map(|picture| picture.summary.max_cycles).max().unwrap_or(0)
     }
 
     /// The stage that would have needed the most cycles alone, all pictures together.
     fn limiting_stage(&self) -> usize {
         let alone = |stage: usize| -> f64 { self.0.iter().map(|p| p.summary.stages[stage].alone).sum() };
-        self.stages().fold(0, |most, stage| if alone(stage) > alone(most) { stage } else { most })
+        self.stages().fold(0, |max, stage| if alone(stage) > alone(max) { stage } else { max })
     }
 
     /// The picture that takes longest, the first of equal ones.
@@ -121,7 +121,7 @@ pub struct Estimated<'a> {
     pub pairs: Option<Vec<f64>>,
     /// By formula.
     pub ahead: Estimate,
-    /// Cycles a patch.
+    /// Cycles per patch.
     pub cycles: f64,
     /// The stage that limits.
     pub limiting: usize,
@@ -155,7 +155,7 @@ impl<'a> Estimated<'a> {
         }
     }
 
-    /// Frames a second at so many cycles a patch.
+    /// Frames per second at the given cycles per patch.
     #[must_use]
     pub fn rate(&self, cycles: f64) -> f64 {
         self.design.clock_mhz * 1e6 / (cycles * self.ahead.patches_per_frame as f64)
@@ -171,7 +171,7 @@ impl<'a> Estimated<'a> {
                 "picture": name,
                 "patches": summary.counts.patches,
                 "cycles_per_patch": summary.cycles_per_patch(),
-                "most_cycles_per_patch": summary.most_cycles,
+                "most_cycles_per_patch": summary.max_cycles,
                 "frames_per_second": self.rate(summary.cycles_per_patch()),
                 "limiting_stage": names[summary.limiting_stage()],
                 "pairs_per_patch": summary.mean_pairs(),
@@ -196,7 +196,7 @@ impl<'a> Estimated<'a> {
             "ff": total.ff,
             "clock_mhz": design.clock_mhz,
             "cycles_per_patch": cycles,
-            "most_cycles_per_patch": measured.map(Measured::most_cycles),
+            "most_cycles_per_patch": measured.map(Measured::max_cycles),
             "frames_per_second": self.rate(*cycles),
             "limiting_stage": names[self.limiting],
             "board": {

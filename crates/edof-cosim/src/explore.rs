@@ -23,11 +23,11 @@ pub struct Folding {
     pub design: Design,
     /// Lanes and rows of each stage, as in `48x4 24x8`.
     pub words: String,
-    /// Cycles a patch, mean over all patches of all pictures.
+    /// Cycles per patch, mean over all patches of all pictures.
     pub cycles: f64,
-    /// Cycles a patch of the picture that takes longest.
+    /// Cycles per patch of the slowest picture.
     pub worst_cycles: f64,
-    /// Frames a second at the design's clock.
+    /// Frames per second at the design's clock.
     pub frames: f64,
     /// Cells.
     pub used: Resources,

@@ -15,7 +15,7 @@ pub struct Finding {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Findings(pub Vec<Finding>);
 
-/// So many are shown.
+/// Number of findings that are printed.
 const SHOWN: usize = 5;
 
 impl fmt::Display for Findings {

@@ -64,7 +64,7 @@ pub struct Difference {
 /// in `memory_dir`, or else in the working directory of the process.
 ///
 /// # Errors
-/// Icarus is missing or refuses the design, a memory image is missing, or a row has another width.
+/// Icarus is missing or rejects the design, a memory image is missing, or a row has another width.
 pub fn run(source: &Source, stimulus: &Rows, memory_dir: Option<&Path>) -> Result<Observed, Error> {
     let (inputs, outputs) = (Layout::inputs(source), Layout::outputs(source));
     if stimulus.width() != inputs.words() {
@@ -92,7 +92,7 @@ fn compile(source: &Source, bench: &str, work: &WorkFolder) -> Result<(), Error>
     tool::run(command.args(source.file_names().filter(|name| !name.ends_with(".vh")))).map(drop)
 }
 
-/// Icarus goes on without a memory image; we do not.
+/// Icarus continues without a memory image; here that is an error.
 fn simulate(work: &Path, dir: &Path) -> Result<(), Error> {
     let output = tool::run(tool::command("vvp", dir).arg("-n").arg(work.join("bench.vvp")))?;
     let is_error = |line: &&str| line.contains("ERROR:") || line.contains("Unable to open");

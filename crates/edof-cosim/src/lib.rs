@@ -1,4 +1,4 @@
-//! The generated Verilog, run by Verilator and Icarus, and held to the golden model bit for bit and cycle for cycle.
+//! The generated Verilog, run by Verilator and Icarus, and compared with the golden model bit for bit and cycle for cycle.
 //!
 //! | step | module | gives |
 //! |---|---|---|
@@ -11,7 +11,7 @@
 //! | compare | [`chain`] | the calculator against the cycle model, at every boundary |
 //! | surround | [`bench`](mod@bench) | any block with streams and AXI ports, in several clock domains |
 //! | everything | [`system`] | the whole core, from the receiver's pins to the transmitter's |
-//! | foresee | [`estimate`] | cycles, frames a second and cells of a design |
+//! | foresee | [`estimate`] | cycles, frames per second and cells of a design |
 //! | | [`explore`] | the foldings of a network that fit a device |
 //! | | [`promise`] | the same before any network or picture |
 //! | build | [`bitstream`] | every file that a board's bitstream is made from |

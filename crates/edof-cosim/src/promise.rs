@@ -1,4 +1,4 @@
-//! What a design promises before any network or picture is known: the worst case in which no value is zero.
+//! Guaranteed speed of a design, for every network and picture: the worst case in which no value is zero.
 
 use crate::estimate::Estimated;
 use edof_device::Design;
@@ -66,7 +66,7 @@ impl Promise {
             None => "no video mode: for simulation alone".to_owned(),
         };
         let [written, read] = self.memory.map(|bytes| bytes / 1e6);
-        let [least, most] = self.latency.map(|seconds| 1e3 * seconds);
+        let [min, max] = self.latency.map(|seconds| 1e3 * seconds);
         vec![
             (
                 "frame",
@@ -94,7 +94,7 @@ impl Promise {
                     "{written:.0} MB/s written and {read:.0} MB/s read through a port of {WORD_BITS} bits, a burst within {MEMORY_LATE} cycles"
                 ),
             ),
-            ("latency", format!("{least:.1} to {most:.1} ms from input to output, nothing skipped")),
+            ("latency", format!("{min:.1} to {max:.1} ms from input to output, nothing skipped")),
         ]
     }
 }

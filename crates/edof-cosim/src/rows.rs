@@ -103,7 +103,7 @@ impl Layout {
     }
 }
 
-/// The words of a value of so many bits.
+/// The words of a value of `bits` bits.
 pub(crate) fn put(words: &mut [u32], value: u64, bits: usize) {
     let halves = [value as u32, (value >> 32) as u32];
     words.iter_mut().enumerate().for_each(|(i, word)| *word = halves.get(i).copied().unwrap_or(0));
@@ -140,13 +140,13 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// No rows yet, each to be of so many words.
+    /// An empty list of rows with the given words per row.
     #[must_use]
     pub const fn new(width: usize) -> Self {
         Self { width, len: 0, words: vec![] }
     }
 
-    /// So many rows of zeros.
+    /// The given number of rows of zeros.
     #[must_use]
     pub fn zeros(width: usize, len: usize) -> Self {
         Self { width, len, words: vec![0; width * len] }
@@ -181,7 +181,7 @@ impl Rows {
     /// A row.
     ///
     /// # Panics
-    /// There are not so many.
+    /// The index is out of range.
     #[must_use]
     pub fn row(&self, index: usize) -> &[u32] {
         &self.words[index * self.width..][..self.width]
@@ -190,7 +190,7 @@ impl Rows {
     /// A row, to be changed.
     ///
     /// # Panics
-    /// There are not so many.
+    /// The index is out of range.
     pub fn row_mut(&mut self, index: usize) -> &mut [u32] {
         &mut self.words[index * self.width..][..self.width]
     }

@@ -16,11 +16,11 @@ pub enum Direction {
 /// A port of the top module.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
-    /// Its name in Verilog.
+    /// Name of the port in Verilog.
     pub name: String,
     /// Which way it goes.
     pub direction: Direction,
-    /// Its width, at least 1.
+    /// Width of the port, at least 1.
     pub bits: usize,
     /// Whether `tick` and `rise` move it.
     pub is_clock: bool,
@@ -91,7 +91,7 @@ impl Source {
         self.files.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Refuses what the tools would misunderstand.
+    /// Rejects text that the tools would misunderstand.
     fn check(&self) -> Result<(), Error> {
         let refuse = |problem: String| Err(Error::Source { top: self.top.clone(), problem });
         if !is_identifier(&self.top) {

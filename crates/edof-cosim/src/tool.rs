@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// So many lines of a program's complaint are kept.
+/// Lines of a program's error output that are kept.
 const KEPT_LINES: usize = 6;
 
 /// A command that runs in `dir` and speaks English, whatever the environment says.
@@ -68,7 +68,7 @@ pub fn stop_all() {
     std::mem::forget(running);
 }
 
-/// Runs to the end and gives standard output; an exit status other than zero is an error that tells why.
+/// Runs to the end and returns standard output; an exit status other than zero is an error with the reason.
 pub fn run(command: &mut Command) -> Result<String, Error> {
     let tool = command.get_program().to_string_lossy().into_owned();
     let output = output(command)?;

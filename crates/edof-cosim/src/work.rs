@@ -3,7 +3,7 @@
 use crate::error::{Error, at};
 use edof_storage::atomic::{self, WorkFolder};
 
-/// A fresh folder among the system's temporary ones. (Not in a user's own: make refuses paths with spaces.)
+/// A fresh folder among the system's temporary ones. (Not in a user's own: make rejects paths with spaces.)
 pub fn folder() -> Result<WorkFolder, Error> {
     let temporary = std::env::temp_dir();
     atomic::work_folder(&temporary).map_err(at(&temporary))

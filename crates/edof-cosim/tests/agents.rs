@@ -4,7 +4,7 @@
 //! broken or answered by an error never comes out; the counters say how many there were of each. The memory lives through every reset.
 
 use crate::support;
-use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Coupling, Mark, Memory, Pace, Receiver, Sender};
+use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Coupling, Mark, Memory, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source, lint};
 use edof_device::fifos::agent_words;
@@ -149,7 +149,7 @@ impl Rig {
         let library = Library::build(source, &support::options())?;
         let mut bench = Bench::new(library.start(&Start { seed, ..Start::default() })?, seed);
         let clock = bench.clock("clock_i", 5_000)?;
-        let pace = |i: u64| Pace::drawn(seed + i);
+        let pace = |i: u64| Throttle::drawn(seed + i);
         let sender = |i| Sender::new(source, ["from_0", "from_1"][i], clock, "reset_i", pace(i as u64));
         let receiver = |i| Receiver::new(source, ["to_0", "to_1"][i], clock, "reset_i", pace(2 + i as u64));
         let bundles = (Some("dram_write"), Some("dram_read"));
@@ -275,7 +275,7 @@ pub fn whole_frames_come_out_in_order(source: &Source, seeds: std::ops::Range<u6
                 .chain(&rig.memory.read.bursts)
                 .all(|(_, len)| lengths.contains(len))
         );
-        assert!(rig.memory.written.most_outstanding >= 3 && rig.memory.read.most_outstanding >= 4);
+        assert!(rig.memory.written.max_outstanding >= 3 && rig.memory.read.max_outstanding >= 4);
     }
 }
 
@@ -356,7 +356,7 @@ fn a_late_memory_repeats_frames_and_tears_none() {
         rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
         rig.memory.behaviour = match number % 3 {
             0 => Behaviour { latency: (900, 2_500), ..Behaviour::ideal() },
-            1 => Behaviour { pace: Pace::percent(4, number), ..Behaviour::hard(number) },
+            1 => Behaviour { pace: Throttle::percent(4, number), ..Behaviour::hard(number) },
             _ => Behaviour::ideal(),
         };
         rig.steps(2_000).unwrap();
@@ -369,25 +369,25 @@ fn a_late_memory_repeats_frames_and_tears_none() {
     }
 }
 
-/// A word of four pixels a cycle apart, in memories that are more and more often late.
+/// Words of four pixels one cycle apart, in memories that are more and more often late.
 #[test]
 fn agents_hold_no_more_than_the_model_says_for_a_memory_that_late() {
     let (source, mut beyond_a_burst) = (source(), false);
     for (seed, percent, latency) in [(1, 100, (1, 1)), (2, 90, (1, 10)), (3, 80, (5, 20))] {
-        let pace = Pace::percent(percent, seed);
+        let pace = Throttle::percent(percent, seed);
         let mut rig = Rig::new(&source, Behaviour { pace, latency, ..Behaviour::hard(seed) }, seed).unwrap();
         for number in 1..30 {
             rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
         }
         rig.finish().unwrap();
-        let late = rig.memory.written.most_late;
+        let late = rig.memory.written.max_late;
         let limit = agent_words(BURST, late, 4);
         for i in 0..2 {
-            let most = rig.count(&format!("most_writer_{i}_o")) as usize;
-            assert!(most >= BURST && most <= limit.min(DEPTH), "{most} of {limit}, {late} cycles late");
-            beyond_a_burst |= most > agent_words(BURST, 0, 4);
-            let most = rig.count(&format!("most_reader_{i}_o")) as usize;
-            assert!(most > BURST && most <= DEPTH, "{most}");
+            let max = rig.count(&format!("max_writer_{i}_o")) as usize;
+            assert!(max >= BURST && max <= limit.min(DEPTH), "{max} of {limit}, {late} cycles late");
+            beyond_a_burst |= max > agent_words(BURST, 0, 4);
+            let max = rig.count(&format!("max_reader_{i}_o")) as usize;
+            assert!(max > BURST && max <= DEPTH, "{max}");
         }
     }
     assert!(beyond_a_burst, "how late the memory is made no difference");
@@ -414,7 +414,7 @@ fn every_slave_that_the_standard_allows_is_served() {
     }
 }
 
-/// Frames, a reset of the agents (and, if told, of the memory) at a random moment, and the same frames once more.
+/// Frames, a reset of the agents (with `memory_too`, of the memory) at a random moment, and the same frames once more.
 fn reset_in_between(source: &Source, behaviour: Behaviour, seed: u64, memory_too: bool) -> Result<(), Error> {
     let mut rig = Rig::new(source, behaviour, seed)?;
     let draw = &mut Draw::new(seed);

@@ -46,9 +46,9 @@ const RESET: u64 = 48;
 #[circuit(default)]
 struct LeavesTop {
     pub clock: Signal<In, Clock>,
-    pub now: Signal<In, Bits<7>>,
-    pub one_later: Signal<Out, Bits<7>>,
-    pub five_later: Signal<Out, Bits<7>>,
+    pub data: Signal<In, Bits<7>>,
+    pub one_delayed: Signal<Out, Bits<7>>,
+    pub five_delayed: Signal<Out, Bits<7>>,
     pub a: Signal<In, Bits<48>>,
     pub b: Signal<In, Bits<48>>,
     pub sum: Signal<Out, Bits<48>>,
@@ -61,11 +61,11 @@ impl Logic for LeavesTop {
     #[hdl_gen]
     fn update(&mut self) {
         self.one.clock.next = self.clock.val();
-        self.one.now.next = self.now.val();
-        self.one_later.next = self.one.later.val();
+        self.one.data.next = self.data.val();
+        self.one_delayed.next = self.one.delayed.val();
         self.five.clock.next = self.clock.val();
-        self.five.now.next = self.now.val();
-        self.five_later.next = self.five.later.val();
+        self.five.data.next = self.data.val();
+        self.five_delayed.next = self.five.delayed.val();
         self.add.clock.next = self.clock.val();
         self.add.a.next = self.a.val();
         self.add.b.next = self.b.val();
@@ -123,7 +123,7 @@ fn frame_check() {
 #[test]
 fn delay_and_add() {
     agree(LeavesTop::default(), 9, &[], |b, draw, _| {
-        b.now.next = word(draw);
+        b.data.next = word(draw);
         b.a.next = if bit(draw) { word(draw) } else { any_sum(draw) };
         b.b.next = if bit(draw) { word(draw) } else { any_sum(draw) };
     });
@@ -133,8 +133,8 @@ fn delay_and_add() {
 fn difference() {
     for bits in [16, 11] {
         agree(Difference::new(bits), 5, &[], move |b, draw, _| {
-            b.now.next = extreme(draw, bits);
-            b.before.next = extreme(draw, bits);
+            b.current.next = extreme(draw, bits);
+            b.previous.next = extreme(draw, bits);
         });
     }
 }
@@ -183,9 +183,9 @@ fn reader() {
         b.reset.next = last.cycle < RESET || draw.whole(0, 1500) == 0;
         b.starts.next = last.cycle == RESET + 2 || last.cycle > RESET && draw.whole(0, 500) == 0;
         b.command.next = (draw.bits() >> 44 << 12 | draw.whole(0, 2) as u64).into();
-        b.taken.next = last.is("wants_weights") && draw.whole(0, 3) == 0;
+        b.grant.next = last.is("request_weights") && draw.whole(0, 3) == 0;
         b.weights.next = if draw.whole(0, 100) == 0 { word(draw) } else { 0.into() };
-        b.thresholds_valid.next = last.is("wants_thresholds") && draw.whole(0, 30) == 0;
+        b.thresholds_valid.next = last.is("request_thresholds") && draw.whole(0, 30) == 0;
         b.thresholds.next = word(draw);
         b.previous.next = word(draw);
         b.register.next = word(draw);
@@ -294,7 +294,7 @@ fn window_ring() {
         b.last.next = beat % beats == beats - 1;
         b.pixels.next = word(draw);
         b.read_pair.next = (draw.whole(0, beats as i64 - 1) as u64).into();
-        // It fills before anything is compared.
+        // The memory fills before anything is compared.
         b.finished.next = beat / beats > freed
             && (beat / beats > places / 2 || last.cycle > 1400)
             && last.cycle > 1200
@@ -321,7 +321,8 @@ fn drain() {
         let mut under_way = 0;
         agree(Drain::new(&stage), 3 * RESET as usize, &[], move |b, draw, last| {
             b.reset.next = last.cycle < RESET;
-            let outside = last.count(|last| last.is("take")) - last.count_too(|last| last.is("returned"));
+            let outside =
+                last.count(|last| last.is("take")) - last.count_too(|last| last.is("credit_return"));
             // A pass begins when one may, and its last step is issued some cycles later.
             b.begins.next = last.cycle > 2 * RESET && under_way == 0 && b.may_start.val() && bit(draw);
             b.pass_issued.next = under_way == 1;
@@ -331,7 +332,7 @@ fn drain() {
                 left => left - 1,
             };
             b.set.next = bit(draw);
-            b.returned.next = outside > 0 && draw.whole(0, 3) > 0;
+            b.credit_return.next = outside > 0 && draw.whole(0, 3) > 0;
         });
     }
 }

@@ -25,7 +25,7 @@ impl Place {
     }
 }
 
-/// The sources of a design with a drawn network.
+/// The sources of a design with a random network.
 pub fn project(design: &str) -> Kc705 {
     let design = committed(design);
     let network = edof_random::for_design(&design, 1);

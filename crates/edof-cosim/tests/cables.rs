@@ -1,5 +1,5 @@
 //! Cable to cable: raw words leave a source, pictures are seen on a screen, and between them is the whole core with both set-ups running on
-//! models of the chips that know nothing of them. Where no picture comes, the board's registers say what is missing.
+//! models of the chips that know nothing of them. If no picture arrives, the board's registers state the reason.
 
 use crate::common::{committed, networks};
 use crate::support;

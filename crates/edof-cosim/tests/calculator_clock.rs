@@ -1,5 +1,4 @@
-//! The core while one of its clocks stands still or is lost: pictures are whole, the host is answered, what was refused is not written later, and
-//! the other domains go on.
+//! The core while one of its clocks stands still or is lost: pictures are whole, the host is answered, rejected words are not written later, and the other domains continue.
 
 use crate::edof_core::{Setup, design};
 use edof_cosim::bench::axi_lite::Access;
@@ -78,7 +77,7 @@ fn a_calculator_whose_clock_stands_is_told_and_begins_anew_when_it_comes_back() 
     for round in 0..3 {
         trial.rig.steps(draw.whole(1, 10_000) as usize).unwrap();
         trial.rig.bench.run_clock(trial.rig.calculator, false);
-        // An access that is under way when the clock is given up, and some after it.
+        // An access in progress when the clock stops, and some after it.
         let (address, word) = weight(&trial);
         let table = DISPLAY_TABLES.word(0x8000 + 5);
         let shown = STAGE_READS.word(read_back_address(1, ReadBack::Crc) & !READ_BACK);
@@ -88,7 +87,7 @@ fn a_calculator_whose_clock_stands_is_told_and_begins_anew_when_it_comes_back() 
             assert!(refused.to_string().contains("was refused"), "{refused}");
         }
         assert_eq!(trial.told(), [0, 1], "round {round}");
-        // The screen goes on with the last picture.
+        // The screen keeps showing the last picture.
         trial.rig.show(2).unwrap();
         let before = trial.rig.screen.frames.len();
         trial.rig.show(2).unwrap();
@@ -100,7 +99,7 @@ fn a_calculator_whose_clock_stands_is_told_and_begins_anew_when_it_comes_back() 
         trial.rig.bench.run_clock(trial.rig.calculator, true);
         trial.recovers("clock of the calculator");
         assert_eq!(trial.told(), [1, 1], "in doubt until the host says that it has looked");
-        // What was refused is not there.
+        // The rejected words are absent.
         let [found, expected] = trial.crcs();
         assert_eq!(found, expected, "round {round}: a word that was refused was written");
         trial.rig.access(Access::Write(map::WEIGHTS_HASH, 5)).unwrap();

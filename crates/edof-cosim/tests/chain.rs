@@ -13,7 +13,7 @@ use edof_network::network::Recurrence::{self, Difference, Direct};
 use edof_network::network::Shrinkage::{self, OneSided, TwoSided};
 use std::collections::BTreeSet;
 
-/// A design of 16 codes, but for which its stages are 16, 8 or 4 lanes wide, and F 128, 64 or 32.
+/// A design of 16 codes whose stages are 16, 8 or 4 lanes wide, and F 128, 64 or 32.
 struct Small {
     shrinkage: Shrinkage,
     recurrence: Recurrence,

@@ -31,7 +31,7 @@ fn after_a_flush_windows_of_any_length_give_what_the_model_says() {
     let sets = networks.each_ref();
     let mut device = Simulated::new(Chain::checked(&design, sets).unwrap());
     for (seed, cycles) in [(1, 0), (2, 250)] {
-        // A beat that is no window's last in every cycle; at first registers hold anything.
+        // In every cycle a beat that is not the last of a window; at first registers hold anything.
         let beat = Beat { words: [seed as i16, 9], base: [0; 2], last: false, set: Set::Second };
         let inputs = Inputs { window: Some(beat), ..Inputs::default() };
         (0..cycles).for_each(|_| device.cycle(&inputs, &mut Outputs::default()).unwrap());

@@ -1,7 +1,7 @@
-//! The ways between clock domains: clocks that have nothing to do with each other, changes seen an edge later by lot, resets at any time.
+//! Clock-domain crossings: unrelated clocks, changes seen one edge later at random, resets at any time.
 
 use crate::support;
-use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Pace, Receiver, Sender};
+use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
@@ -30,7 +30,7 @@ fn beats(count: usize, seed: u64) -> Vec<Beat> {
     (0..count).map(beat).collect()
 }
 
-/// Sends beats through the FIFO of `source`, with a reset before and, if told, one in between; gives what was sent after the last
+/// Sends beats through the FIFO of `source`, with a reset before and, if `again`, one in between; gives what was sent after the last
 /// reset, and what came then.
 fn through_fifo(
     source: &Source,
@@ -41,8 +41,8 @@ fn through_fifo(
     let mut bench = bench(source, seed);
     let from = bench.clock("from_clock_i", periods.0)?;
     let to = bench.clock("to_clock_i", periods.1)?;
-    let mut sender = Sender::new(source, "from", from, "from_reset_i", Pace::drawn(seed))?;
-    let mut receiver = Receiver::new(source, "to", to, "to_reset_i", Pace::drawn(seed + 1))?;
+    let mut sender = Sender::new(source, "from", from, "from_reset_i", Throttle::drawn(seed))?;
+    let mut receiver = Receiver::new(source, "to", to, "to_reset_i", Throttle::drawn(seed + 1))?;
     let reset = |bench: &mut Bench, sender: &mut Sender, receiver: &mut Receiver| {
         for level in [1, 0] {
             bench.set("from_reset_i", level)?;
@@ -193,25 +193,25 @@ impl Logic for LevelTop {
 }
 
 /// Gives pulses, with a word where the leaf takes one, when it likes; a word that nobody takes changes in the next cycle.
-pub struct Talker {
+pub struct PulseSource {
     clock: ClockId,
     /// Valid, ready, reset.
     ports: [usize; 3],
     word: Option<usize>,
     draw: Draw,
-    /// Whether it still gives.
+    /// Whether the source still sends.
     pub talks: bool,
     /// What was taken.
     pub taken: Vec<u64>,
 }
 
-impl Talker {
+impl PulseSource {
     pub fn new(clock: ClockId, ports: [usize; 3], word: Option<usize>, seed: u64) -> Self {
         Self { clock, ports, word, draw: Draw::new(seed), talks: true, taken: vec![] }
     }
 }
 
-impl Actor for Talker {
+impl Actor for PulseSource {
     fn clock(&self) -> ClockId {
         self.clock
     }
@@ -275,7 +275,7 @@ fn through_handshake(source: &Source, offer: &str, periods: (u64, u64), seed: u6
     let to = bench.clock("to_clock_i", periods.1).unwrap();
     let ports = [port(offer), port("ready_o"), port("from_reset_i")];
     let word = source.port("word_i").ok();
-    let mut talker = Talker::new(from, ports, word, seed);
+    let mut talker = PulseSource::new(from, ports, word, seed);
     let (ports, word) = ([port("arrives_o"), port("to_reset_i")], source.port("arrived_o").ok());
     let mut listener = Listener::new(to, ports, word);
     for (reset, talks, edges) in [(1, true, 200), (0, true, 20_000), (0, false, 300)] {
@@ -309,7 +309,7 @@ fn words_arrive_whole_and_once() {
 
 #[test]
 fn a_word_that_is_not_held_is_found_out() {
-    let held = [("if (arrives) word_q <= held_q;", "if (arrives) word_q <= word_i;")];
+    let held = [("if (arrival) word_q <= held_q;", "if (arrival) word_q <= word_i;")];
     let source = altered(source(BusTop::default()), "edof_bus_sync.v", &held);
     let (taken, came) = through_handshake(&source, "valid_i", PERIODS[0], 1);
     assert_ne!(came, taken);
@@ -321,7 +321,7 @@ fn a_word_that_is_synchronised_bit_by_bit_is_found_out_by_lot_alone() {
     edof_sync #(.WIDTH(WIDTH)) words (.clock_i(to_clock_i), .from_i(held_q), .to_o(word_seen));
     assign word_o = word_q;";
     let replace = [
-        ("if (arrives) word_q <= held_q;", "if (arrives) word_q <= word_seen;"),
+        ("if (arrival) word_q <= held_q;", "if (arrival) word_q <= word_seen;"),
         ("assign word_o = word_q;", seen),
     ];
     let source = altered(source(BusTop::default()), "edof_bus_sync.v", &replace);

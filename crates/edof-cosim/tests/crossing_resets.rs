@@ -1,9 +1,9 @@
 //! Resets of clock-domain crossings while a clock stands still: of either domain or of both, in any order, and never a phantom word.
 
-use crate::crossing::{Listener, PERIODS, Talker, altered};
+use crate::crossing::{Listener, PERIODS, PulseSource, altered};
 use crate::support;
 use edof_cosim::Source;
-use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Pace, Receiver, Sender};
+use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Start};
 use edof_hdl::crossing::{BusSync, PixelFifo, PulseSync, ResetSync};
 use edof_hdl::ports::{StreamIn, StreamOut};
@@ -89,7 +89,7 @@ struct Rig {
     clocks: [ClockId; 2],
     sender: Sender,
     receiver: Receiver,
-    talkers: [Talker; 2],
+    talkers: [PulseSource; 2],
     listeners: [Listener; 2],
     /// At each rise of the receiver's reset: what had been taken and what had arrived by then.
     marks: Vec<Counts>,
@@ -102,12 +102,17 @@ impl Rig {
         let periods = PERIODS[seed as usize % PERIODS.len()];
         let from = bench.clock("from_clock_i", periods.0).unwrap();
         let to = bench.clock("to_clock_i", periods.1).unwrap();
-        let mut sender = Sender::new(source, "from", from, "from_reset_o", Pace::drawn(seed)).unwrap();
+        let mut sender = Sender::new(source, "from", from, "from_reset_o", Throttle::drawn(seed)).unwrap();
         sender.beats = (0..60_000).map(|data| Beat { data, user: false, last: false }).collect();
-        let receiver = Receiver::new(source, "to", to, "to_reset_o", Pace::drawn(seed + 1)).unwrap();
+        let receiver = Receiver::new(source, "to", to, "to_reset_o", Throttle::drawn(seed + 1)).unwrap();
         let port = |name: &str| source.port(name).unwrap();
         let talker = |names: [&str; 2], word: Option<&str>| {
-            Talker::new(from, [port(names[0]), port(names[1]), port("from_reset_o")], word.map(port), seed)
+            PulseSource::new(
+                from,
+                [port(names[0]), port(names[1]), port("from_reset_o")],
+                word.map(port),
+                seed,
+            )
         };
         let listener = |name: &str, word: Option<&str>| {
             Listener::new(to, [port(name), port("to_reset_o")], word.map(port))
@@ -211,7 +216,7 @@ impl Rig {
     }
 }
 
-/// The first fault of so many runs, each with its own seed.
+/// The first fault of a number of runs, each with its own seed.
 fn first_fault(source: &Source, runs: u64) -> Option<String> {
     let library = Library::build(source, &support::options()).unwrap();
     (0..runs).find_map(|seed| {
@@ -250,8 +255,8 @@ fn a_crossing_stays_closed_while_the_other_clock_stands_after_a_reset() {
 fn a_crossing_that_clears_before_the_other_side_is_closed_is_found_out() {
     for (from, to) in [
         ("assign from_clear_o = cleared_q[0];", "assign from_clear_o = from_reset_i;"),
-        ("assign to_clear_o = answers_q;", "assign to_clear_o = to_reset_i;"),
-        ("(restarts || !answers_seen) ? 4'd0", "restarts ? 4'd0"),
+        ("assign to_clear_o = ack_q;", "assign to_clear_o = to_reset_i;"),
+        ("(restart || !ack_seen) ? 4'd0", "restart ? 4'd0"),
     ] {
         let broken = altered(source(), "edof_clear.v", &[(from, to)]);
         let fault = first_fault(&broken, 400);

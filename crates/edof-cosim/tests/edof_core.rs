@@ -1,5 +1,5 @@
-//! The whole board but for its pins: frames from an HDMI bus through DRAM, calculator and DRAM to another HDMI bus, four clocks that drift,
-//! synchronisers that see changes by lot, a memory that is as hard to please as AXI allows. Every picture that is shown is, bit for bit, what
+//! The whole board without its pins: frames from an HDMI bus through DRAM, calculator and DRAM to another HDMI bus, four clocks that drift,
+//! synchronisers that see changes late at random, a memory that is as hard to please as AXI allows. Every picture that is shown is, bit for bit, what
 //! `edof reconstruct --board` writes for one of the frames.
 
 use crate::common::{committed, networks};
@@ -7,7 +7,7 @@ use crate::support;
 use edof_cosim::bench::Behaviour;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::chain::device::status_address;
-use edof_cosim::system::{self, Begin, Compiled, Rig, compare, drawn, longest_run};
+use edof_cosim::system::{self, Compiled, Rig, RigConfig, compare, drawn, longest_run};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::design::memory::{self, Set, Shifts, Space, TABLES};
@@ -56,8 +56,8 @@ impl Setup {
         frames.iter().map(|raw| system::picture(&golden, &display, raw).unwrap()).collect()
     }
 
-    fn begin(&self, seed: u64) -> Begin {
-        Begin::leisurely(&self.design, seed)
+    fn begin(&self, seed: u64) -> RigConfig {
+        RigConfig::leisurely(&self.design, seed)
     }
 
     pub fn start(&self, frames: &[RawFrame], seed: u64) -> Rig {
@@ -99,7 +99,7 @@ fn frames_are_shown(window: usize, stride: usize, size: (usize, usize)) {
         }
         assert_eq!(rig.register("input_size").unwrap(), size.0 as u32 | (size.1 as u32) << 16);
         for fifo in rig.fifos(&setup.begin(seed)).unwrap() {
-            assert!(fifo.most > 0 && fifo.most <= fifo.limit && fifo.limit <= fifo.depth, "{fifo:?}");
+            assert!(fifo.max > 0 && fifo.max <= fifo.limit && fifo.limit <= fifo.depth, "{fifo:?}");
         }
         // The memory is ready, the signal is there and fits, and pictures leave.
         assert_eq!(rig.register("status").unwrap() & 0b1111, 0b1111);
@@ -338,7 +338,8 @@ fn the_figures_stated_ahead_are_those_of_the_run() {
     // A little faster than the calculator: of a much faster camera the reader would hold several of these small frames ahead.
     let hurried = Periods { input: leisurely.calculator, output: leisurely.calculator, ..leisurely };
     for periods in [leisurely, hurried] {
-        let begin = Begin { periods, behaviour: Behaviour::ideal(), ..Begin::leisurely(&setup.design, 3) };
+        let begin =
+            RigConfig { periods, behaviour: Behaviour::ideal(), ..RigConfig::leisurely(&setup.design, 3) };
         let sent = frames.iter().map(system::sent).collect();
         let mut rig = Rig::start(&setup.compiled, &begin, sent).unwrap();
         rig.send(2).unwrap();
@@ -350,8 +351,8 @@ fn the_figures_stated_ahead_are_those_of_the_run() {
         let near = |found: f64, ahead: f64| (found / ahead - 1.0).abs() < 0.1;
         assert!(near(found.frames_per_second, ahead.frames_per_second), "{found:?} {ahead:?}");
         assert!(near(found.written, ahead.written) && near(found.read, ahead.read), "{found:?} {ahead:?}");
-        let [least, most] = ahead.latency;
-        let within = |seconds: &f64| (0.95 * least..1.05 * most).contains(seconds);
+        let [min, max] = ahead.latency;
+        let within = |seconds: &f64| (0.95 * min..1.05 * max).contains(seconds);
         assert!(!found.latency.is_empty() && found.latency.iter().all(within), "{found:?} {ahead:?}");
     }
 }

@@ -95,7 +95,7 @@ fn codes_are_counted_as_the_model_counts_them() {
     let library = Library::build(&source, &support::options()).unwrap();
     let port = |name: &str| source.port(name).unwrap();
     let [reset, data, codes, malformed] = ["reset_i", "data_i", "codes_o", "malformed_o"].map(port);
-    let mut most = 0;
+    let mut max = 0;
     for seed in 0..40 {
         let mut circuit = library.start(&Start { seed, ..Start::default() }).unwrap();
         let mut model = SyncCodes::default();
@@ -111,7 +111,7 @@ fn codes_are_counted_as_the_model_counts_them() {
         }
         let found = [codes, malformed].map(|port| circuit.peek(port).unwrap() as u32);
         assert_eq!(found, [model.codes, model.malformed], "seed {seed}");
-        most = most.max(model.malformed);
+        max = max.max(model.malformed);
     }
-    assert!(most > 10, "{most} were damaged");
+    assert!(max > 10, "{max} were damaged");
 }

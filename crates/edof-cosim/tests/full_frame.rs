@@ -2,7 +2,7 @@
 //! calculator alone is a small one, so that a simulation ends.
 
 use crate::common::{committed, networks};
-use edof_cosim::system::{self, Begin, Compiled, Rig, compare, drawn, sent};
+use edof_cosim::system::{self, Compiled, Rig, RigConfig, compare, drawn, sent};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_golden::{Curve, Display, Golden};
@@ -75,7 +75,7 @@ fn a_frame_of_1080p_passes_the_files_of_the_bitstream_bit_for_bit() {
     // A run of minutes: the compiler's time is won back.
     let options = Options { optimize: 2, ..crate::support::options() };
     let compiled = Compiled::new(&core(&design), &options).unwrap();
-    let begin = Begin::leisurely(&design, 1);
+    let begin = RigConfig::leisurely(&design, 1);
     let mut rig = Rig::start(&compiled, &begin, vec![sent(&frame)]).unwrap();
     rig.control(DisplayMode::Colour, 0).unwrap();
     let is_picture = |rig: &Rig| {
@@ -94,6 +94,6 @@ fn a_frame_of_1080p_passes_the_files_of_the_bitstream_bit_for_bit() {
         assert_eq!(rig.register(name).unwrap(), 0, "{name}");
     }
     for fifo in rig.fifos(&begin).unwrap() {
-        assert!(fifo.most > 0 && fifo.most <= fifo.limit && fifo.limit <= fifo.depth, "{fifo:?}");
+        assert!(fifo.max > 0 && fifo.max <= fifo.limit && fifo.limit <= fifo.depth, "{fifo:?}");
     }
 }

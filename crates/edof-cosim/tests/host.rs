@@ -3,7 +3,7 @@
 use crate::common::committed;
 use crate::support;
 use edof_cosim::bench::axi_lite::{Access, Answer};
-use edof_cosim::bench::{Actor, Bench, ClockId, Host, Pace, Serial};
+use edof_cosim::bench::{Actor, Bench, ClockId, Host, Serial, Throttle};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_device::Design;
@@ -34,7 +34,7 @@ fn bench(source: &Source, seed: u64) -> (Bench, ClockId) {
 struct Words {
     clock: ClockId,
     ports: [usize; 4],
-    pace: Pace,
+    pace: Throttle,
     taken: Vec<(u32, u32)>,
 }
 
@@ -42,7 +42,7 @@ impl Words {
     fn new(source: &Source, name: &str, clock: ClockId, seed: u64) -> Self {
         let ports = ["valid_o", "ready_i", "address_o", "data_o"]
             .map(|end| source.port(&format!("{name}_{end}")).unwrap());
-        Self { clock, ports, pace: Pace::drawn(seed), taken: vec![] }
+        Self { clock, ports, pace: Throttle::drawn(seed), taken: vec![] }
     }
 }
 
@@ -173,7 +173,7 @@ fn stage_counter(index: u32) -> u32 {
 struct Stages {
     clock: ClockId,
     ports: [usize; 2],
-    /// Cycles until the answer has come, drawn for each; the port that says so.
+    /// Cycles until the answer arrives, random for each access; the port that signals the answer.
     ready: (usize, bool, Draw),
 }
 
@@ -232,7 +232,7 @@ fn registers_answer_as_their_map_says() {
         let (mut bench, clock) = bench(&source, seed);
         let draw = &mut Draw::new(seed);
         let mut model = Registers::new();
-        let mut host = Host::new(&source, "bus", clock, "reset_i", Pace::drawn(seed)).unwrap();
+        let mut host = Host::new(&source, "bus", clock, "reset_i", Throttle::drawn(seed)).unwrap();
         let mut tables = Words::new(&source, "table", clock, seed);
         let mut weights = Words::new(&source, "weight", clock, seed + 1);
         let ports = ["stage_address_o", "stage_counter_i"].map(|port| source.port(port).unwrap());
@@ -277,7 +277,7 @@ fn registers_answer_as_their_map_says() {
         }
         assert!(model.refused > 20, "{} words were kept out", model.refused);
         // A later reset leaves the bank in use; all else begins anew.
-        bench.set("keeps_i", 1).unwrap();
+        bench.set("preserve_i", 1).unwrap();
         bench.set("reset_i", 1).unwrap();
         bench.steps(5, &mut [&mut host, &mut tables, &mut weights, &mut stages]).unwrap();
         bench.set("reset_i", 0).unwrap();
@@ -323,7 +323,7 @@ impl Logic for Line {
         self.registers.weight_ready.next = self.weight_ready.val();
         self.weight_address.next = self.registers.weight_address.val();
         self.weight_data.next = self.registers.weight_data.val();
-        self.registers.keeps.next = false;
+        self.registers.preserve.next = false;
         self.registers.table_ready.next = true;
         self.registers.stage_counter.next = 0.into();
         self.registers.stage_ready.next = true;
@@ -424,7 +424,7 @@ impl Rig {
         let (mut bench, clock) = bench(&source, seed);
         let ports = ["receive_i", "transmit_o"].map(|port| source.port(port).unwrap());
         let terminal = Terminal { clock, ports, serial: Serial::new(BIT) };
-        let weights = Words { pace: Pace::steady(), ..Words::new(&source, "weight", clock, seed) };
+        let weights = Words { pace: Throttle::steady(), ..Words::new(&source, "weight", clock, seed) };
         bench.set("reset_i", 1).unwrap();
         bench.set("receive_i", 1).unwrap();
         let mut rig = Self { bench, terminal, weights };
@@ -538,10 +538,10 @@ fn a_broken_frame_is_given_up_after_the_time_out_and_counted() {
 #[test]
 fn a_frame_that_overtakes_its_words_is_passed_over() {
     let mut rig = Rig::new(4);
-    rig.weights.pace = Pace::percent(0, 1);
+    rig.weights.pace = Throttle::percent(0, 1);
     rig.terminal.serial.send(frame(1, WEIGHTS.word(BANK_B), &[1, 2, 3], 3));
     rig.steps(18 * 10 * usize::from(BIT));
-    rig.weights.pace = Pace::steady();
+    rig.weights.pace = Throttle::steady();
     rig.steps(4 * TIME_OUT as usize);
     assert_eq!((rig.weights.taken.clone(), rig.broken()), (vec![(BANK_B, 1)], 1));
     assert_eq!(rig.read("id"), registers::map::ID);

@@ -1,5 +1,4 @@
-//! Set-up and polling of chips on an I2C bus: what they get is what the model gives, whatever they refuse; lines that are stuck, other masters
-//! and chips that are missing are told from success, and the host gets at every register.
+//! Set-up and polling of chips on an I2C bus: what they get is what the model gives, whatever they reject; stuck lines, other masters and missing chips are distinguished from success, and the host gets at every register.
 
 use crate::support;
 use edof_board::simulated::setup::{ChipBus, Setup};
@@ -98,13 +97,13 @@ struct Wire {
     ports: [usize; 4],
     chips: Chips,
     draw: Draw,
-    /// Of a hundred bytes, how many are refused.
+    /// Rejected bytes, in percent.
     refuses: i64,
     refused: usize,
-    /// Holds the clock down: for so many cycles after a byte.
+    /// Cycles for which the clock is held low after a byte.
     stretch: u32,
     held: u32,
-    /// Holds the data line down until so many clocks have passed.
+    /// Clocks for which the data line is held low.
     stuck: u32,
     /// Of a hundred thousand cycles, in how many another master pulls the data line down for a bit.
     disturbs: i64,
@@ -332,7 +331,7 @@ fn chips_get_what_the_model_gives_whatever_they_refuse() {
         };
         let (found, expected) = (ours(&rig.wire.chips.log), ours(&model.bus.log));
         let both = found.len().min(expected.len());
-        // A refused byte of the EDID may hide that the screen takes HDMI.
+        // A rejected byte of the EDID may hide that the screen accepts HDMI.
         let differs = (0..both).find(|at| found[*at] != expected[*at]);
         assert!(
             differs.is_none_or(|at| found[at].1 == 0xaf),
@@ -484,7 +483,7 @@ fn a_chip_that_is_missing_is_told_and_taken_up_when_it_comes() {
     rig.wire.chips.missing.clear();
     rig.until("done", |rig| rig.get("done_o") == 1);
     assert_eq!(rig.get("failed_o"), 0);
-    // An expander that does not keep what it is told.
+    // An expander that does not keep the words written to it.
     let entries = rig.wire.chips.writes(0x20, 1);
     rig.bench.set("restart_i", 1).unwrap();
     rig.until("a restart", |rig| rig.wire.chips.writes(0x20, 1) > entries);

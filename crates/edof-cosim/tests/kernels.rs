@@ -259,7 +259,7 @@ impl Logic for Adder {
 
 /// Takes data where it may.
 ///
-/// Its one match drives a part by what another output of the part says.
+/// A block whose only match drives a part by what another output of the part says.
 #[derive(Circuit)]
 #[circuit(default)]
 struct Machine {

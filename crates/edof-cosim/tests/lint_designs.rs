@@ -1,4 +1,4 @@
-//! All emitted files of the committed designs are clean, but for what `rtl/waivers.vlt` lists.
+//! All emitted files of the committed designs are clean, except for what `rtl/waivers.vlt` lists.
 
 use crate::common::{committed, root};
 use edof_cosim::{Source, lint};

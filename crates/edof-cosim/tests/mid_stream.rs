@@ -109,7 +109,7 @@ fn counters_are_read_and_cleared_as_one_set_and_lose_nothing() {
         traffic.cycle(&mut device, draw, Some((SNAPSHOT, snapshots)), 0);
         (0..6).for_each(|_| drop(traffic.cycle(&mut device, draw, None, 0)));
         let first = shown(&mut device, &mut traffic, draw, stages);
-        // They stand still while the stream goes on.
+        // The counters are held while the stream continues.
         assert_eq!(shown(&mut device, &mut traffic, draw, stages), first);
         sums.iter_mut().zip(&first).for_each(|(sum, count)| *sum += count);
         snapshots += 1;

@@ -70,8 +70,8 @@ fn read(source: &Source, width: usize, depth: usize) -> Vec<u64> {
     let mut found = vec![];
     for cycle in 0..4_000 {
         // All rows at first, then few, so that a row is often written while it is read.
-        let most = if cycle < 2_000 { depth } else { 4 } as i64 - 1;
-        let inputs = [draw.whole(0, 1) as u64, draw.whole(0, most) as u64, draw.whole(0, most) as u64];
+        let max = if cycle < 2_000 { depth } else { 4 } as i64 - 1;
+        let inputs = [draw.whole(0, 1) as u64, draw.whole(0, max) as u64, draw.whole(0, max) as u64];
         for (port, value) in (1..).zip(inputs) {
             model.poke(port, value).unwrap();
         }

@@ -1,5 +1,4 @@
-//! The blocks at the pins, cycle by cycle against their models, and the promises that their users build on: frames come whole or are
-//! seen to be broken, whatever happens to the cable.
+//! The blocks at the pins, cycle by cycle against their models, and what their users rely on: frames arrive whole or are marked as broken, whatever happens to the cable.
 
 use crate::streams::{Bench, Compiled};
 use edof_device::design::FrameSize;
@@ -77,7 +76,7 @@ struct Receiver {
     model: InModel,
     frames: Frames,
     draw: Draw,
-    /// Whether the pixels are taken, in so many of 16 cycles.
+    /// Cycles of 16 in which the pixels are accepted.
     takes: i64,
 }
 
@@ -228,7 +227,7 @@ fn a_frame_with_a_code_that_carries_nothing_is_counted_and_never_comes_whole() {
         *data = *data & !(0xff << shift) | code << shift;
         receiver.send(&pins);
         let measured = receiver.model.measured();
-        // Its size is right nevertheless.
+        // The size is correct nevertheless.
         assert_eq!(
             (measured.range_frames, measured.fits, measured.wrong_frames),
             (count as u64 + 1, true, 0)

@@ -1,4 +1,4 @@
-//! Faults planted in the generated files, each found where it is.
+//! Faults injected into the generated files, each found at its place.
 
 use crate::common::{Setup, committed, moderate, patches};
 use edof_cosim::chain::{Difference, Drive, Fault};

@@ -45,11 +45,11 @@ impl Host {
     fn read(&mut self, stage: usize, from: Space, rows: usize) -> (u32, u64) {
         self.command(stage, from, rows);
         let waits_for_pauses = matches!(from, Space::Thresholds { .. } | Space::PreviousThresholds { .. });
-        let most = READ_LATENCY + rows as u64 * READ_PERIOD + if waits_for_pauses { 2000 } else { 0 };
+        let max = READ_LATENCY + rows as u64 * READ_PERIOD + if waits_for_pauses { 2000 } else { 0 };
         let mut cycles = 4;
         while self.shown(stage, ReadBack::Busy) == 1 {
             cycles += 2;
-            assert!(cycles <= most, "stage {stage}: {from:?} takes longer than it may");
+            assert!(cycles <= max, "stage {stage}: {from:?} takes longer than it may");
         }
         let word =
             u64::from(self.shown(stage, ReadBack::Low)) | u64::from(self.shown(stage, ReadBack::High)) << 32;
@@ -77,7 +77,7 @@ fn any_row(draw: &mut Draw, stage: &StagePlan) -> usize {
     ((row as usize) << memory::row_bits(stage)) | draw.whole(0, stage.row_words() as i64 - 1) as usize
 }
 
-/// Weights, thresholds and registers with words that are drawn, each read back at once: with nothing else to do, and in windows that
+/// Weights, thresholds and registers with random words, each read back at once: with nothing else to do, and in windows that
 /// never pause.
 #[test]
 fn every_word_that_can_be_written_can_be_read_back() {
@@ -167,12 +167,12 @@ fn a_bank_has_its_crc_at_full_load() {
     let commands = stages.iter().chain(&stages).map(command);
     let writes = memory::writes(&setup.design, &second, Set::Second);
     let drive = Drive { writes_while_running: commands.chain(writes).collect(), ..Drive::default() };
-    let most = stages.iter().map(|stage| rows(stage).len()).max().unwrap() as u64 * READ_PERIOD;
+    let max = stages.iter().map(|stage| rows(stage).len()).max().unwrap() as u64 * READ_PERIOD;
     let mut device = setup.start(1);
-    let patches = for_set(Set::First, patches(&setup.design, most as usize / 70, 1));
+    let patches = for_set(Set::First, patches(&setup.design, max as usize / 70, 1));
     let outcome = drive.run(setup.model(), patches, &mut device, &mut |_| ()).unwrap();
     expect_clean(&outcome);
-    assert!(outcome.cycles > most + READ_LATENCY, "{} cycles", outcome.cycles);
+    assert!(outcome.cycles > max + READ_LATENCY, "{} cycles", outcome.cycles);
     let mut host = Host { device, traffic: Traffic::none(), draw: Draw::new(1) };
     for stage in &stages {
         assert_eq!(host.shown(stage.index, ReadBack::Busy), 0);

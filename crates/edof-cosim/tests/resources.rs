@@ -1,5 +1,4 @@
-//! What Yosys makes of the stages of the committed designs, each mapped flat from the files as they are emitted, against what was estimated
-//! before it ran. It is the mapping that their timing is told from, made once for both.
+//! What Yosys makes of the stages of the committed designs, each mapped flat from the files as they are emitted, against the estimate. Their timing is computed from the same mapping, which is made once for both.
 
 use crate::common::committed;
 use crate::timing::of_stages;

@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 
 /// A simulated board of either kind.
 trait Kind: Resettable {
-    /// Lets so many frames pass.
+    /// Simulates the given number of frames.
     fn show(&mut self, frames: u64);
     /// Pictures on the screen, each once where it came several times in a row; one of words of two networks is empty.
     fn shown(&self) -> Vec<Vec<u16>>;
@@ -166,7 +166,7 @@ fn open<K: Kind>(board: &mut K) -> Board<&mut K> {
     Board::open(board, PATIENCE).unwrap()
 }
 
-/// A load of all words into the bank that is not in use: as long as told ahead, and seen on the screen at a frame boundary. A reset then leaves
+/// A load of all words into the bank that is not in use: takes the predicted time, and shows on the screen at a frame boundary. A reset then leaves
 /// it in use.
 fn a_load_is_seen_whole<K: Kind>(setup: &Setup, mut board: K, new: &FixedNetwork) {
     board.show(3);
@@ -264,7 +264,7 @@ fn wait<K: Kind>(board: &mut K, name: &str, value: u32) {
     panic!("{name} never is {value}");
 }
 
-/// Set-up, what is missing in words, and the receiver's clock where it samples well.
+/// Set-up, missing signals in words, and the receiver's clock where it samples well.
 fn the_receiver_is_set_up_and_aligned<K: Kind>(mut board: K, seeds: std::ops::Range<u64>) {
     wait(&mut board, "status.i2c_done", 1);
     for seed in seeds {

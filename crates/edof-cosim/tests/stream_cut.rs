@@ -1,7 +1,7 @@
 //! Registers in a stream: every beat once and in order, and what the bench says of a stream that takes its offers back.
 
 use crate::support;
-use edof_cosim::bench::{Beat, Bench, Pace, Receiver, Sender};
+use edof_cosim::bench::{Beat, Bench, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::ports::StreamCut;
@@ -22,8 +22,8 @@ fn through(source: &Source, seed: u64) -> Result<Vec<Beat>, Error> {
     let library = Library::build(source, &support::options())?;
     let mut bench = Bench::new(library.start(&Start { seed, ..Start::default() })?, seed);
     let clock = bench.clock("clock_i", 5_000)?;
-    let mut sender = Sender::new(source, "from", clock, "reset_i", Pace::drawn(seed))?;
-    let mut receiver = Receiver::new(source, "to", clock, "reset_i", Pace::drawn(seed + 1))?;
+    let mut sender = Sender::new(source, "from", clock, "reset_i", Throttle::drawn(seed))?;
+    let mut receiver = Receiver::new(source, "to", clock, "reset_i", Throttle::drawn(seed + 1))?;
     sender.beats = beats(seed).into();
     for (level, steps) in [(1, 5), (0, 20_000)] {
         bench.set("reset_i", level)?;

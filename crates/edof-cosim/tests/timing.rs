@@ -45,7 +45,7 @@ fn keeps_its_limits(name: &str) {
         assert!(stage.control_loads <= CONTROL_LOADS, "{told}");
         let dsps = [stage.dsps, stage.registered_dsps, stage.free_operations];
         assert_eq!(dsps, [plan.dsps(); 3], "{told}");
-        // `sta` and the search agree, but for memories whose output register `sta` has taken in; neither the start of a sum nor what is read back is among the longest kinds of paths, and no net spans the stage.
+        // `sta` and the search agree, except for memories whose output register `sta` has taken in; neither the start of a sum nor what is read back is among the longest kinds of paths, and no net spans the stage.
         assert!(stage.kinds.iter().any(|kind| kind.delay_ps == stage.delay_ps), "{told}");
         let is_free = |kind: &Kind| {
             ![&kind.from, &kind.to].iter().any(|name| SHORT.iter().any(|part| name.contains(part)))
@@ -64,7 +64,7 @@ fn tiny_is_short_of_path_and_load() {
     keeps_its_limits("tiny");
 }
 
-/// The only logic between two boundaries' registers, and all of a calculator that is no stage.
+/// The only logic between two boundaries' registers, and all of a calculator except its stages.
 #[test]
 fn what_makes_windows_whole_is_short_of_path_and_load_and_as_estimated() {
     let design = committed("kc705");
@@ -118,7 +118,7 @@ fn kc705_is_short_of_path_and_load() {
     keeps_its_limits("kc705");
 }
 
-/// The core of a design with a drawn network.
+/// The core of a design with a random network.
 fn core(name: &str) -> project::Project {
     let design = committed(name);
     let network = edof_random::for_design(&design, 1);

@@ -43,7 +43,7 @@ fn random_frame(draw: &mut Draw, (height, width): (usize, usize)) -> Frame422 {
 
 /// A frame whose colours mostly can be shown.
 fn moderate_frame(draw: &mut Draw, (height, width): (usize, usize)) -> Frame422 {
-    let mut some = |least, most, size| Array2::from_shape_simple_fn(size, || draw.whole(least, most) as i16);
+    let mut some = |min, max, size| Array2::from_shape_simple_fn(size, || draw.whole(min, max) as i16);
     let luma = some(-500, 17000, (height, width));
     let chroma = [some(-3000, 3000, (height, width / 2)), some(-3000, 3000, (height, width / 2))];
     Frame422 { luma, chroma }

@@ -44,7 +44,7 @@ struct QueueTop {
     pub reset: Signal<In, Bit>,
     pub push: Signal<In, Bit>,
     pub data: Signal<In, Bits<34>>,
-    pub room: Signal<Out, Bit>,
+    pub space: Signal<Out, Bit>,
     pub valid: Signal<Out, Bit>,
     pub ready: Signal<In, Bit>,
     pub front: Signal<Out, Bits<34>>,
@@ -58,7 +58,7 @@ impl Logic for QueueTop {
         self.queue.reset.next = self.reset.val();
         self.queue.push.next = self.push.val();
         self.queue.data.next = self.data.val();
-        self.room.next = self.queue.room.val();
+        self.space.next = self.queue.space.val();
         self.valid.next = self.queue.front_valid.val();
         self.queue.front_ready.next = self.ready.val();
         self.front.next = self.queue.front_data.val();
@@ -71,7 +71,7 @@ fn queue() {
     agree(top, RESET as usize, &[("front", "valid")], |b, draw, last| {
         b.reset.next = last.cycle < RESET;
         // A pipeline of five cycles: what it took in while there was room comes out whatever happens.
-        let takes = last.cycle > RESET && last.is("room") && draw.whole(0, 9) > 0;
+        let takes = last.cycle > RESET && last.is("space") && draw.whole(0, 9) > 0;
         b.push.next = takes;
         b.data.next = word(draw);
         b.ready.next = draw.whole(0, 9) > (last.cycle as i64 / 100) % 10;
@@ -196,7 +196,7 @@ fn display() {
     });
 }
 
-/// A bus on which lines and frames come and go by lot, mostly of the right size.
+/// A bus with random lines and frames, mostly of the right size.
 struct Bus {
     column: i64,
     row: i64,

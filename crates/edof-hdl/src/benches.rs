@@ -1,4 +1,4 @@
-//! Test benches in Verilog alone, with what they try a design with: for whoever has a simulator and no Rust.
+//! Test benches in Verilog alone, with what they try a design with: for users with a simulator and without Rust.
 
 use crate::project::Project;
 use crate::verilog::{Direction, Port};
@@ -31,7 +31,7 @@ pub struct Recorded {
 /// Frames from bus to bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordedVideo {
-    /// Their size: small, for a simulator takes its time.
+    /// Frame size: small, because a simulator is slow.
     pub size: FrameSize,
     /// Pixel words of each.
     pub frames: Vec<Vec<u16>>,
@@ -151,12 +151,12 @@ pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, Stri
         "dram_read_r_valid_i" => "r_valid",
         "dram_read_r_ready_o" => "r_ready",
         "host_aw_addr_i" => "CONTROL_ADDRESS",
-        "host_aw_valid_i" => "asks",
-        "host_aw_ready_o" => "asked",
+        "host_aw_valid_i" => "aw_request",
+        "host_aw_ready_o" => "aw_grant",
         "host_w_data_i" => "CONTROL",
         "host_w_strb_i" => "4'hf",
-        "host_w_valid_i" => "tells",
-        "host_w_ready_o" => "told",
+        "host_w_valid_i" => "w_request",
+        "host_w_ready_o" => "w_grant",
         "host_b_ready_i" => "1'b1",
         "dram_ready_i" | "i2c_done_i" => "1'b1",
         _ => "",

@@ -1,4 +1,4 @@
-//! A floorplan of the calculator's stages on the KC705's part, for whoever needs one: no step of the build reads it.
+//! A floorplan of the calculator's stages on the KC705's part, for users who need one; no step of the build reads the file.
 
 use crate::board::blocks;
 use edof_device::Design;

@@ -29,7 +29,7 @@ const BUILD_FILES: [(&str, &str); 3] = [
     ("Makefile", include_str!("../../../project/Makefile")),
     ("README.md", include_str!("../../../project/README.md")),
 ];
-/// Its core for FuseSoC, without the lists of files.
+/// The core file for FuseSoC, without the lists of files.
 const FUSESOC: &str = include_str!("../../../project/edof.core");
 
 /// The display tables that a design starts with: luma codes; encoded red, green and blue.

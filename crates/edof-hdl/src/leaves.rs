@@ -30,7 +30,7 @@ pub const LEAVES: &[(&str, &str)] = &[
 ];
 
 /// An instance of a leaf of `rtl/`, without parameters and ports; its text holds what it instantiates, and where it may connect clock domains
-/// its ports' clocks are set. A module that is not in `rtl/` has no text, which the backend refuses.
+/// its ports' clocks are set. A module that is not in `rtl/` has no text, which the backend rejects.
 #[must_use]
 pub fn leaf(module: &str) -> Leaf {
     let parts = with_parts(&BTreeSet::from([module.to_owned()]));

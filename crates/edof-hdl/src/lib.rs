@@ -5,7 +5,7 @@
 //! | name | [`describe`] | the name, source, header and comments of a block |
 //! | leaf | [`leaf`], [`leaves`] | an instance of a hand-written Verilog leaf, and those of `rtl/` |
 //! | bundle | [`ports`] | streams, memory and registers as ports |
-//! | cross | [`crossing`] | the ways between clock domains |
+//! | cross | [`crossing`] | the clock-domain crossings |
 //! | block | [`blocks`] | the circuits of the calculator |
 //! | block | [`video`] | the circuits around it, from pixels to pixels |
 //! | block | [`board`] | memory, host, and all of it together |

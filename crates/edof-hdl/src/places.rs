@@ -8,7 +8,7 @@ use std::fmt::{self, Write};
 pub struct Place {
     /// File and line, for instance `stage_i.v:77`.
     pub verilog: String,
-    /// The same in Rust; without a line where an instance drives it.
+    /// Rust source line; empty if an instance drives the signal.
     pub rust: String,
 }
 

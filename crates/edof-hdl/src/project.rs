@@ -15,7 +15,7 @@ use std::fmt::Write;
 pub struct Project {
     /// Name of the top module.
     pub top: String,
-    /// Its ports.
+    /// Ports of the top module.
     pub ports: Vec<Port>,
     /// File name and text of each module, parts before what they are parts of.
     pub verilog: Vec<(String, String)>,
@@ -78,7 +78,7 @@ pub fn spacious<T: Send>(work: impl Fn() -> T + Sync) -> T {
 /// A circuit with the leaves that it stands on and its memory images.
 ///
 /// # Errors
-/// It has no exact Verilog.
+/// The circuit has no exact Verilog.
 pub fn of_circuit(circuit: &mut dyn Circuit, memory: Vec<(String, String)>) -> Result<Project, EmitError> {
     circuit.connect_all();
     let emitted = emit(circuit)?;

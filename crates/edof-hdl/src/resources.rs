@@ -45,7 +45,7 @@ impl Resources {
             ("lut", share(self.lut, device.lut)),
             ("ff", share(self.ff, device.ff)),
         ];
-        kinds.into_iter().fold(kinds[0], |most, kind| if kind.1 > most.1 { kind } else { most })
+        kinds.into_iter().fold(kinds[0], |max, kind| if kind.1 > max.1 { kind } else { max })
     }
 }
 
@@ -210,7 +210,7 @@ fn results(plan: &StagePlan) -> Resources {
         parts.push(Resources::logic(196, 144) + lut_ram(32, plan.outputs));
     }
     if !plan.shrinks() || plan.feeds_m && (plan.sends_difference || !plan.has_base()) {
-        // The result goes on, as what is sent or beside it.
+        // The result leaves the stage, as the sent word or next to it.
         parts.push(Resources::logic(32, 32));
     }
     parts.into_iter().sum()

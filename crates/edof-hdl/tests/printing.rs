@@ -23,7 +23,7 @@ enum Phase {
 
 /// Fills for 16 cycles, drains for one.
 ///
-/// Starts when it is told to.
+/// A pulse starts the count.
 #[derive(Circuit)]
 struct Sequencer {
     pub clock: Signal<In, Clock>,
@@ -72,7 +72,7 @@ fn a_whole_module_reads_like_this() {
 const SEQUENCER: &str = "\
 // Fills for 16 cycles, drains for one.
 //
-// Starts when it is told to.
+// A pulse starts the count.
 //
 // No output follows an input within the cycle.
 //

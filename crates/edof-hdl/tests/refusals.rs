@@ -1,4 +1,4 @@
-//! Each thing that the backend refuses, and the words in which it does.
+//! Each construct that the backend rejects, with the error message.
 
 use edof_hdl::crossing::{PixelFifo, Sync};
 use edof_hdl::describe::Circuit;
@@ -7,7 +7,7 @@ use edof_hdl::ports::{StreamIn, StreamOut};
 use edof_hdl::verilog;
 use rust_hdl::prelude::*;
 
-/// The refusal of a circuit.
+/// The error with which the backend rejects a circuit.
 fn refusal<B: Circuit + Default>() -> String {
     let mut top = B::default();
     top.connect_all();
@@ -17,7 +17,7 @@ fn refusal<B: Circuit + Default>() -> String {
 /// A block of the given ports whose kernel is the given statements.
 macro_rules! block {
     ($name:ident { $($field:ident: $ty:ty),* } $($kernel:tt)*) => {
-        /// A block to refuse.
+        /// A block that the backend rejects.
         #[derive(Circuit)]
         #[circuit(default)]
         struct $name { $(pub $field: $ty),* }
@@ -359,7 +359,7 @@ const BRIDGE: &str =
     assign y_o = q;
 endmodule";
 
-/// A leaf of two clocks that is no crossing.
+/// A leaf with two clocks that is not a crossing.
 #[derive(Circuit)]
 struct Bridge {
     pub fast: Signal<In, Clock>,

@@ -5,7 +5,7 @@
 
 mod ports;
 
-use super::{Actor, Behaviour, ClockId, Coupling, Standing, rule_broken};
+use super::{Actor, Behaviour, ClockId, Coupling, StabilityCheck, rule_broken};
 use crate::verilator::Model;
 use crate::{Error, Source};
 use edof_image::draw::Draw;
@@ -17,12 +17,12 @@ use std::collections::{BTreeMap, VecDeque};
 pub struct Traffic {
     /// Bursts announced: address and words of each.
     pub bursts: Vec<(u64, u64)>,
-    /// Answers that told of an error.
+    /// Answers with an error response.
     pub errors: usize,
     /// Most bursts that were not answered at a time.
-    pub most_outstanding: usize,
+    pub max_outstanding: usize,
     /// Most cycles from the offer of a burst's address to its last word.
-    pub most_late: u64,
+    pub max_late: u64,
 }
 
 /// What a faulty memory makes of a word that is read: the word's number, and the word in parts of 32 bits, the lowest first.
@@ -34,7 +34,7 @@ type Strobed = (Vec<u32>, u64);
 struct Writing {
     name: String,
     ports: WritePorts,
-    standing: [Standing; 2],
+    standing: [StabilityCheck; 2],
     offered: Option<u64>,
     announced: VecDeque<Burst>,
     words: VecDeque<(Vec<u32>, u64, bool)>,
@@ -45,7 +45,7 @@ struct Writing {
 struct Reading {
     name: String,
     ports: ReadPorts,
-    standing: Standing,
+    standing: StabilityCheck,
     offered: Option<u64>,
     asked: VecDeque<Burst>,
     answers: bool,
@@ -146,8 +146,8 @@ impl Memory {
     }
 
     fn due(&mut self) -> u64 {
-        let (least, most) = self.behaviour.latency;
-        self.cycle + self.draw.whole(least, most) as u64
+        let (min, max) = self.behaviour.latency;
+        self.cycle + self.draw.whole(min, max) as u64
     }
 
     fn errs(&mut self, of_a_thousand: i64) -> bool {
@@ -161,15 +161,15 @@ impl Memory {
 
     /// A pause begins now and then.
     fn starve(&mut self) {
-        let (least, most) = self.behaviour.starves;
-        if most > 0 && self.cycle >= self.starves_until && self.draw.whole(0, 1_999) == 0 {
-            self.starves_until = self.cycle + self.draw.whole(least, most) as u64;
+        let (min, max) = self.behaviour.starves;
+        if max > 0 && self.cycle >= self.starves_until && self.draw.whole(0, 1_999) == 0 {
+            self.starves_until = self.cycle + self.draw.whole(min, max) as u64;
         }
     }
 
     fn reset(&mut self) {
         if let Some(side) = &mut self.writing {
-            side.standing.iter_mut().for_each(Standing::forget);
+            side.standing.iter_mut().for_each(StabilityCheck::forget);
             side.offered = None;
             side.announced.clear();
             side.words.clear();
@@ -219,7 +219,7 @@ impl Reading {
         Ok(Self {
             name: name.into(),
             ports,
-            standing: Standing::default(),
+            standing: StabilityCheck::default(),
             offered: None,
             asked: VecDeque::new(),
             answers: false,
@@ -306,7 +306,7 @@ impl Memory {
         }
         self.complete(model, side)?;
         let outstanding = side.announced.len() + side.complete.len() + usize::from(side.answers);
-        self.written.most_outstanding = self.written.most_outstanding.max(outstanding);
+        self.written.max_outstanding = self.written.max_outstanding.max(outstanding);
         Ok(())
     }
 
@@ -325,7 +325,7 @@ impl Memory {
             if side.words.len() < count {
                 break;
             }
-            self.written.most_late = self.written.most_late.max(self.cycle - burst.offered);
+            self.written.max_late = self.written.max_late.max(self.cycle - burst.offered);
             let words = side.words.drain(..count).map(|(word, strobe, _)| (word, strobe)).collect();
             let due = self.due();
             if let Some(burst) = side.announced.pop_front() {
@@ -384,7 +384,7 @@ impl Memory {
             let due = self.due();
             side.asked.push_back(Burst { due, offered, ..burst });
         }
-        self.read.most_outstanding = self.read.most_outstanding.max(side.asked.len());
+        self.read.max_outstanding = self.read.max_outstanding.max(side.asked.len());
         Ok(())
     }
 
@@ -410,7 +410,7 @@ impl Memory {
             model.poke(p.r_id, burst.id)?;
             model.poke(p.r_last, (burst.words == 0).into())?;
             if burst.words == 0 {
-                self.read.most_late = self.read.most_late.max(self.cycle - burst.offered);
+                self.read.max_late = self.read.max_late.max(self.cycle - burst.offered);
                 side.asked.remove(at);
             }
             model.poke(p.r_resp, if fails { 2 } else { 0 })?;
@@ -419,7 +419,7 @@ impl Memory {
         model.poke(p.r_valid, side.answers.into())
     }
 
-    /// Which burst goes on: the oldest of any id, or, where nothing is reordered, the oldest.
+    /// The burst that continues: the oldest one of any id; without reordering, the oldest of all.
     fn choose<'a>(&mut self, bursts: impl Iterator<Item = &'a Burst>) -> Option<usize> {
         let mut ids = vec![];
         let mut open = vec![];

@@ -1,6 +1,6 @@
 //! A host behind an AXI4-Lite port: writes and reads words, one after the other.
 
-use super::{Actor, ClockId, Pace, Standing, rule_broken};
+use super::{Actor, ClockId, StabilityCheck, Throttle, rule_broken};
 use crate::verilator::Model;
 use crate::{Error, Source};
 use std::collections::VecDeque;
@@ -30,8 +30,8 @@ pub struct Host {
     clock: ClockId,
     name: String,
     ports: Ports,
-    pace: Pace,
-    standing: [Standing; 2],
+    pace: Throttle,
+    standing: [StabilityCheck; 2],
     /// Address and word are offered, or not yet, or taken.
     offers: [Offer; 2],
     /// What it still wants.
@@ -61,7 +61,13 @@ impl Host {
     ///
     /// # Errors
     /// There are no such ports.
-    pub fn new(source: &Source, name: &str, clock: ClockId, reset: &str, pace: Pace) -> Result<Self, Error> {
+    pub fn new(
+        source: &Source,
+        name: &str,
+        clock: ClockId,
+        reset: &str,
+        pace: Throttle,
+    ) -> Result<Self, Error> {
         let port = |signal| source.signal(name, signal);
         let ports = Ports {
             reset: source.port(reset)?,
@@ -107,7 +113,7 @@ impl Actor for Host {
     fn before(&mut self, model: &mut Model) -> Result<(), Error> {
         if model.peek(self.ports.reset)? == 1 {
             self.offers = [Offer::NotYet; 2];
-            self.standing.iter_mut().for_each(Standing::forget);
+            self.standing.iter_mut().for_each(StabilityCheck::forget);
             return Ok(());
         }
         let (b, r) = (self.ports.b, self.ports.r);

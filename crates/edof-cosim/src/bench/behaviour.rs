@@ -1,6 +1,6 @@
 //! How a memory behaves.
 
-use super::Pace;
+use super::Throttle;
 
 /// Which of a burst's address and words a memory waits for before it accepts the other, as AXI4 allows a slave to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub enum Coupling {
 #[derive(Debug, Clone)]
 pub struct Behaviour {
     /// When it accepts addresses and words, and when it sends.
-    pub pace: Pace,
+    pub pace: Throttle,
     /// Least and most cycles from a burst's address (or last word) to its answer.
     pub latency: (i64, i64),
     /// Of a thousand bursts that are written, how many are answered by an error and not stored.
@@ -37,7 +37,7 @@ impl Behaviour {
     #[must_use]
     pub const fn ideal() -> Self {
         Self {
-            pace: Pace::steady(),
+            pace: Throttle::steady(),
             latency: (1, 1),
             errors: 0,
             read_errors: [0; 2],
@@ -50,7 +50,7 @@ impl Behaviour {
     /// Random latency, stalls and order.
     #[must_use]
     pub const fn hard(seed: u64) -> Self {
-        Self { pace: Pace::drawn(seed), latency: (1, 80), reorders: true, ..Self::ideal() }
+        Self { pace: Throttle::drawn(seed), latency: (1, 80), reorders: true, ..Self::ideal() }
     }
 
     /// As [`Behaviour::hard`], answers and words up to thousands of cycles late, and pauses of thousands of cycles.

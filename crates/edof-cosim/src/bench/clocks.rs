@@ -1,4 +1,4 @@
-//! Clocks that rise when they like.
+//! Independent clocks with random phase, drift and jitter.
 
 use super::Actor;
 use crate::Error;
@@ -34,7 +34,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// A model without clocks yet; drift, jitter and phases are drawn by the seed.
+    /// A model without clocks yet; the seed decides drift, jitter and phases.
     #[must_use]
     pub const fn new(model: Model, seed: u64) -> Self {
         Self { model, clocks: vec![], draw: Draw::new(seed), now: 0 }
@@ -113,7 +113,7 @@ impl Bench {
         Ok(())
     }
 
-    /// [`Bench::step`], so many times.
+    /// [`Bench::step`], that many times.
     ///
     /// # Errors
     /// As [`Bench::step`].

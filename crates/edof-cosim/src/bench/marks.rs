@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// Something to watch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mark {
-    /// What it is called: the output of the watched design is `most_NAME_o`.
+    /// What it is called: the output of the watched design is `max_NAME_o`.
     pub name: String,
     /// The port of the clock at whose edges it is looked at.
     pub clock: &'static str,
@@ -18,7 +18,7 @@ pub struct Mark {
 pub const BITS: usize = 16;
 
 impl Mark {
-    /// What was put into a FIFO and not taken out of it, by its two counters of so many bits.
+    /// Fill of a FIFO, from its two counters of `bits` bits.
     #[must_use]
     pub fn between(name: &str, clock: &'static str, [put, taken]: [&str; 2], bits: usize) -> Self {
         let value = format!("(dut.{put} - dut.{taken}) & {BITS}'d{}", (1_u64 << bits) - 1);
@@ -33,10 +33,10 @@ impl Mark {
         self
     }
 
-    /// Its output.
+    /// Name of the output port of the mark.
     #[must_use]
     pub fn port(&self) -> String {
-        format!("most_{}_o", self.name)
+        format!("max_{}_o", self.name)
     }
 }
 
@@ -66,9 +66,9 @@ impl Source {
         for Mark { name, clock, value } in marks {
             let _ = writeln!(
                 text,
-                "    wire [{0}:0] is_{name} = {value};\n    reg [{0}:0] most_{name};\n    \
-                 always @(posedge {clock}) most_{name} <= {reset} ? {BITS}'d0 : is_{name} > most_{name} ? is_{name} : most_{name};\n    \
-                 assign most_{name}_o = most_{name};",
+                "    wire [{0}:0] is_{name} = {value};\n    reg [{0}:0] max_{name};\n    \
+                 always @(posedge {clock}) max_{name} <= {reset} ? {BITS}'d0 : is_{name} > max_{name} ? is_{name} : max_{name};\n    \
+                 assign max_{name}_o = max_{name};",
                 BITS - 1
             );
         }

@@ -9,10 +9,10 @@
 //! | [`Behaviour`] | [`behaviour`] | how late, how coupled and how starved a memory is |
 //! | [`Host`] | [`axi_lite`] | AXI4-Lite |
 //! | [`Serial`] | [`serial`] | a serial line, cycle by cycle |
-//! | [`Pace`] | [`pace`] | when one of them pauses |
+//! | [`Throttle`] | [`throttle`] | when one of them pauses |
 //! | [`Mark`] | [`marks`] | the most that something inside ever was |
 //!
-//! Whoever lives beside the block is an [`Actor`] of one clock: it reads the ports right before its clock rises, and drives them right
+//! Every model next to the block is an [`Actor`] of one clock: it reads the ports right before its clock rises, and drives them right
 //! after. The transaction model is the test's own: what the receivers and the memory have got is compared with it.
 
 pub mod axi;
@@ -20,28 +20,28 @@ pub mod axi_lite;
 pub mod behaviour;
 pub mod clocks;
 pub mod marks;
-pub mod pace;
 pub mod serial;
-mod standing;
+mod stability_check;
 pub mod stream;
+pub mod throttle;
 
 pub use axi::Memory;
 pub use axi_lite::Host;
 pub use behaviour::{Behaviour, Coupling};
 pub use clocks::{Bench, ClockId};
 pub use marks::Mark;
-pub use pace::Pace;
 pub use serial::Serial;
 pub use stream::{Beat, Receiver, Sender};
+pub use throttle::Throttle;
 
-pub(crate) use standing::Standing;
+pub(crate) use stability_check::StabilityCheck;
 
 use crate::verilator::Model;
 use crate::{Direction, Error, Source};
 
 /// Someone beside the block, in one clock domain.
 pub trait Actor {
-    /// Its clock.
+    /// Clock of the actor.
     fn clock(&self) -> ClockId;
 
     /// Reads ports as they are right before the clock rises.
@@ -58,7 +58,7 @@ pub trait Actor {
 }
 
 impl Source {
-    /// The same design, each of its synchronisers seeing a change an edge later by lot (`rtl/edof_sync.v`).
+    /// The same design, each of its synchronisers seeing a change one edge later at random (`rtl/edof_sync.v`).
     #[must_use]
     pub fn metastable(mut self) -> Self {
         for (_, text) in self.files.iter_mut().filter(|(name, _)| name == "edof_sync.v") {

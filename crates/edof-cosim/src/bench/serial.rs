@@ -25,7 +25,7 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// For a line of so many cycles a bit.
+    /// A sender and receiver for a line with the given cycles per bit.
     #[must_use]
     pub const fn new(cycles_per_bit: u16) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl Serial {
         }
     }
 
-    /// Sends bytes, each after a pause of so many bits.
+    /// Sends bytes, each after a pause of that many bits.
     pub fn send(&mut self, bytes: impl IntoIterator<Item = (u32, u8)>) {
         self.out.extend(bytes);
     }

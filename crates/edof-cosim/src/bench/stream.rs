@@ -1,6 +1,6 @@
 //! AXI4-Stream beside a block: who sends beats into it, and who takes its beats.
 
-use super::{Actor, ClockId, Pace, Standing};
+use super::{Actor, ClockId, StabilityCheck, Throttle};
 use crate::verilator::Model;
 use crate::{Error, Source};
 use std::collections::VecDeque;
@@ -57,7 +57,7 @@ impl Ports {
 pub struct Sender {
     clock: ClockId,
     ports: Ports,
-    pace: Pace,
+    pace: Throttle,
     offers: bool,
     /// Beats that were not taken yet.
     pub beats: VecDeque<Beat>,
@@ -70,7 +70,13 @@ impl Sender {
     ///
     /// # Errors
     /// There are no such ports.
-    pub fn new(source: &Source, name: &str, clock: ClockId, reset: &str, pace: Pace) -> Result<Self, Error> {
+    pub fn new(
+        source: &Source,
+        name: &str,
+        clock: ClockId,
+        reset: &str,
+        pace: Throttle,
+    ) -> Result<Self, Error> {
         let ports = Ports::of(source, name, reset)?;
         Ok(Self { clock, ports, pace, offers: false, beats: VecDeque::new(), sent: 0 })
     }
@@ -110,8 +116,8 @@ pub struct Receiver {
     clock: ClockId,
     ports: Ports,
     /// When it takes.
-    pub pace: Pace,
-    standing: Standing,
+    pub pace: Throttle,
+    standing: StabilityCheck,
     resets: bool,
     /// Beats that were taken.
     pub beats: Vec<Beat>,
@@ -122,9 +128,15 @@ impl Receiver {
     ///
     /// # Errors
     /// There are no such ports.
-    pub fn new(source: &Source, name: &str, clock: ClockId, reset: &str, pace: Pace) -> Result<Self, Error> {
+    pub fn new(
+        source: &Source,
+        name: &str,
+        clock: ClockId,
+        reset: &str,
+        pace: Throttle,
+    ) -> Result<Self, Error> {
         let ports = Ports::of(source, name, reset)?;
-        Ok(Self { clock, ports, pace, standing: Standing::default(), resets: false, beats: vec![] })
+        Ok(Self { clock, ports, pace, standing: StabilityCheck::default(), resets: false, beats: vec![] })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What should pass each boundary, and the first thing that did not; and that what waits there does not change.
 
 use super::device::{Beat, Offer, join};
-use crate::bench::Standing;
+use crate::bench::StabilityCheck;
 use edof_golden::cycle::{PatchRun, Transfer};
 use edof_hdl::places::Place;
 use edof_hdl::project::Project;
@@ -13,9 +13,9 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fault {
-    /// It passes before the cycle in which it should.
+    /// The beat passes before its expected cycle.
     Early,
-    /// It does not pass in the cycle in which it should.
+    /// The beat does not pass in its expected cycle.
     Late,
     /// A word to be multiplied, or of a result.
     Word,
@@ -122,7 +122,7 @@ pub struct Boundary {
     /// Beats that passed as they should.
     pub passed: u64,
     /// What was offered and not taken.
-    standing: Standing,
+    standing: StabilityCheck,
     stood: Option<Beat>,
     /// Whether base words mean something here.
     has_base: bool,
@@ -137,7 +137,7 @@ impl Boundary {
             stage,
             expected: VecDeque::new(),
             passed: 0,
-            standing: Standing::default(),
+            standing: StabilityCheck::default(),
             stood: None,
             has_base: (1..stages - 1).contains(&boundary),
         };

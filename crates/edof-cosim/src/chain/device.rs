@@ -11,7 +11,7 @@ pub struct Beat {
     pub words: [i16; BEAT],
     /// The two words that the receiver adds to; no meaning unless it is an M.
     pub base: [i16; BEAT],
-    /// Whether it is its vector's last.
+    /// The beat is the last of its vector.
     pub last: bool,
     /// The set it is for.
     pub set: Set,

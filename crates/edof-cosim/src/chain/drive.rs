@@ -11,13 +11,13 @@ use std::collections::VecDeque;
 
 /// Cycles of reset: enough for every pipeline to run dry.
 const RESET_CYCLES: usize = 48;
-/// The cycle of a flush in which the counters start anew: what was under way has been counted.
+/// The cycle of a flush in which the counters restart: what was in progress has been counted.
 const COUNTED: usize = RESET_CYCLES - 4;
 /// Cycles after a write until all that it changes is changed.
 const SETTLE_CYCLES: usize = 8;
 /// Cycles after reset or flush until windows are taken.
 const IDLE_CYCLES: usize = 2;
-/// While patches run, a word is written every so many cycles.
+/// While patches run, a word is written once in this number of cycles.
 const WRITE_EVERY: u64 = 3;
 /// Cycles after the last patch in which nothing may come.
 const QUIET_CYCLES: u64 = 50;
@@ -83,7 +83,7 @@ impl Drive {
             boundaries: Boundary::all(stages),
             summary: Summary::new(&design),
             runs: model.run(patches),
-            ahead: 2 + design.stages().map(|stage| most_held(&stage)).sum::<usize>(),
+            ahead: 2 + design.stages().map(|stage| max_held(&stage)).sum::<usize>(),
             held: 0,
             progress,
         };
@@ -113,7 +113,7 @@ impl Drive {
         Ok(Outcome { summary: reference.summary, beats, lead, cycles: cycle, difference })
     }
 
-    /// Resets or flushes the circuit and writes what is to be written; tells how many cycles that took.
+    /// Resets or flushes the circuit and writes the pending words; returns the cycles that took.
     fn begin(&self, stages: usize, device: &mut impl Device) -> Result<u64, Error> {
         let mut outputs = Outputs::default();
         let mut cycles = RESET_CYCLES as u64;
@@ -206,7 +206,7 @@ fn counted(summary: &Summary) -> Vec<Counted> {
 }
 
 /// More vectors than a stage ever holds: in its slots, three in its multipliers and drain, and what its credits let out.
-const fn most_held(stage: &StagePlan) -> usize {
+const fn max_held(stage: &StagePlan) -> usize {
     timing::SLOTS + 4 + timing::DRAIN_CREDITS.div_ceil(stage.beats_out())
 }
 
@@ -232,7 +232,7 @@ impl Source {
     }
 }
 
-/// What the circuit is held to: the model, and the source that feeds both.
+/// The reference of the circuit: the model, and the source that feeds both.
 struct Reference<'a, 'p, I> {
     source: Source,
     boundaries: Vec<Boundary>,

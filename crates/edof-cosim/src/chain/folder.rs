@@ -43,7 +43,7 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
     Ok(Project { verilog, sources, ..project })
 }
 
-/// Refuses a folder without the top module: most likely that one was meant which `edof generate` puts Verilog into.
+/// Rejects a folder without the top module; most likely the user meant the folder that `edof generate` puts Verilog into.
 fn check(top: &str, folder: &Path) -> Result<(), Error> {
     let file = format!("{top}.v");
     if folder.join(&file).is_file() {

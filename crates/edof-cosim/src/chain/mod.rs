@@ -1,8 +1,8 @@
-//! The whole calculator held to the cycle model: every word and every cycle at every boundary.
+//! The whole calculator compared with the cycle model: every word and every cycle at every boundary.
 //!
 //! | step | module | gives |
 //! |---|---|---|
-//! | circuit | [`device`] | what a chain shows and takes in one cycle, whoever simulates it |
+//! | circuit | [`device`] | outputs and inputs of a chain in one cycle, for every simulator |
 //! | | [`simulated`] | the chain in rust-hdl's own simulator |
 //! | | [`verilated`] | the chain as Verilog, in Verilator |
 //! | | [`folder`] | the Verilog of a folder in place of what is generated |

@@ -37,7 +37,7 @@ impl<D: Device> Device for Recorded<D> {
 /// Runs recorded inputs in Verilator and in Icarus; gives the first output that differs among those that Icarus knows.
 ///
 /// # Errors
-/// A tool is missing or refuses the text, or the simulation stops.
+/// A tool is missing or rejects the text, or the simulation stops.
 pub fn icarus(
     project: &Project,
     compiled: &verilated::Compiled,

@@ -7,7 +7,7 @@ use edof_hdl::blocks::chain::Chain;
 use rust_hdl::prelude::{Block, Clock, simulate};
 
 /// Rounds after which a circuit that still changes is said to oscillate.
-const MOST_ROUNDS: usize = 100;
+const MAX_ROUNDS: usize = 100;
 
 /// A chain, connected and ready to run.
 pub struct Simulated {
@@ -23,7 +23,7 @@ impl Simulated {
     }
 
     fn settle(&mut self) -> Result<(), Error> {
-        let settled = simulate(&mut self.chain, MOST_ROUNDS);
+        let settled = simulate(&mut self.chain, MAX_ROUNDS);
         if settled { Ok(()) } else { Err(Error::Stopped("the circuit does not settle".into())) }
     }
 }

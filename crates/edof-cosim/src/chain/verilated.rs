@@ -23,7 +23,7 @@ impl Compiled {
     /// Compiles a chain of `stages` stages.
     ///
     /// # Errors
-    /// A tool is missing or refuses the text, or a file cannot be written.
+    /// A tool is missing or rejects the text, or a file cannot be written.
     pub fn new(project: &Project, stages: usize, options: &Options) -> Result<Self, Error> {
         Self::of_source(&Source::from(project), project, stages, options)
     }

@@ -2,7 +2,7 @@
 
 use super::chips::Chips;
 use super::pictures::sent;
-use super::rig::{Begin, Compiled, Rig, project};
+use super::rig::{Compiled, Rig, RigConfig, project};
 use super::uart::Uart;
 use crate::Source;
 use crate::bench::{Actor, ClockId, Memory};
@@ -26,31 +26,26 @@ use std::time::Duration;
 pub struct Speed {
     /// Cycles of the core's clock that a bit takes.
     pub cycles_per_bit: u16,
-    /// Cycles of a pause after which a frame is given up. On the board 100 ms; a simulation takes a minute for so many.
+    /// Cycles of a pause after which a frame is given up. On the board 100 ms; a simulation takes a minute for that.
     pub time_out: u32,
 }
 
 impl Speed {
-    /// A line of so many bits a second, whose time-out a host on the other side of a pseudo-terminal does not wait for in vain: what such a
-    /// host takes for a silence is some ten thousand cycles of a simulation.
+    /// A line with the given bits per second. Its time-out fits a host on the other side of a pseudo-terminal: the pause that such a host makes is some ten thousand cycles of a simulation.
     ///
     /// # Errors
     /// A speed that the core's clock cannot make.
     pub fn of(baud: u32) -> Result<Self, Error> {
         let clock = 1000 * CORE_KILOHERTZ;
         let cycles = clock.checked_div(baud).unwrap_or(0);
-        if !(LEAST_CYCLES..=MOST_CYCLES).contains(&cycles) {
-            return Err(Error::Speed {
-                baud,
-                least: clock.div_ceil(MOST_CYCLES),
-                most: clock / LEAST_CYCLES,
-            });
+        if !(MIN_CYCLES..=MAX_CYCLES).contains(&cycles) {
+            return Err(Error::Speed { baud, min: clock.div_ceil(MAX_CYCLES), max: clock / MIN_CYCLES });
         }
         let time_out = TIME_OUT.max(BYTES_OF_TIME_OUT * BITS_PER_BYTE * cycles);
         Ok(Self { cycles_per_bit: cycles as u16, time_out })
     }
 
-    /// Bits a second.
+    /// Bits per second.
     #[must_use]
     pub fn baud(self) -> u32 {
         1000 * CORE_KILOHERTZ / u32::from(self.cycles_per_bit)
@@ -58,8 +53,8 @@ impl Speed {
 }
 
 /// Fewer, and the receiver does not find the middle of a bit.
-const LEAST_CYCLES: u32 = 8;
-const MOST_CYCLES: u32 = 1 << 14;
+const MIN_CYCLES: u32 = 8;
+const MAX_CYCLES: u32 = 1 << 14;
 /// Least cycles of the time-out, and least bytes in it.
 const TIME_OUT: u32 = 16_000;
 const BYTES_OF_TIME_OUT: u32 = 4;
@@ -108,7 +103,7 @@ fn stopped(error: impl std::error::Error + Send + Sync + 'static) -> Error {
 }
 
 impl VerilogBoard {
-    /// The core of a design whose sets start with these networks; everything that is drawn is drawn by the seed.
+    /// The core of a design whose sets start with these networks; the seed decides everything random.
     ///
     /// # Errors
     /// What does not fit, or a simulator that is missing.
@@ -138,7 +133,7 @@ impl VerilogBoard {
     ) -> Result<Self, Error> {
         let compiled = Compiled::new(project, options).map_err(stopped)?;
         let line = (speed.cycles_per_bit, speed.time_out);
-        let begin = Begin::leisurely(design, seed);
+        let begin = RigConfig::leisurely(design, seed);
         let around = |source: &Source, clock| {
             Ok(Around {
                 uart: Uart::new(source, clock, line, seed, options)?,
@@ -149,7 +144,7 @@ impl VerilogBoard {
         Ok(Self { rig, speed, shown: vec![], frames: 0, bytes: [0; 2] })
     }
 
-    /// Lets so many edges of its clocks pass.
+    /// Simulates the given number of clock edges.
     ///
     /// # Errors
     /// A rule of a port was broken, or the simulation stops.
@@ -170,7 +165,7 @@ impl VerilogBoard {
         Ok(())
     }
 
-    /// Lets time pass until so many more frames were on the screen.
+    /// Simulates until the given number of further frames was on the screen.
     ///
     /// # Errors
     /// As [`VerilogBoard::steps`].
@@ -222,9 +217,9 @@ impl VerilogBoard {
         self.rig.host.uart.terminal.send(bytes.iter().map(|byte| (0, *byte)));
     }
 
-    fn take(&mut self, most: usize) -> Vec<u8> {
+    fn take(&mut self, max: usize) -> Vec<u8> {
         let came = &mut self.rig.host.uart.terminal.came;
-        let bytes: Vec<u8> = came.drain(..most.min(came.len())).collect();
+        let bytes: Vec<u8> = came.drain(..max.min(came.len())).collect();
         self.bytes[1] += bytes.len() as u64;
         bytes
     }
@@ -258,12 +253,12 @@ impl Line for VerilogBoard {
         Ok(())
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
         let until = self.seconds() + patience.as_secs_f64();
         while self.rig.host.uart.terminal.came.is_empty() && self.seconds() < until && !self.rests() {
             self.steps(AT_ONCE).map_err(io::Error::other)?;
         }
-        Ok(self.take(most))
+        Ok(self.take(max))
     }
 }
 

@@ -55,10 +55,10 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// Compiles a core, its synchronisers by lot an edge late.
+    /// Compiles a core, its synchronisers one edge late at random.
     ///
     /// # Errors
-    /// A tool is missing or refuses the text, or a file cannot be written.
+    /// A tool is missing or rejects the text, or a file cannot be written.
     pub fn new(project: &Project, options: &Options) -> Result<Self, Error> {
         let library = Library::build(&Source::from(project).metastable(), options)?;
         let images = work::folder()?;
@@ -251,7 +251,7 @@ impl Cables {
         Ok(())
     }
 
-    /// So many edges of the clocks; the receiver's runs as the chip gives it.
+    /// Simulates the given number of clock edges; the receiver's runs as the chip gives it.
     ///
     /// # Errors
     /// A rule of a port was broken, or the simulation stops.
@@ -272,7 +272,7 @@ impl Cables {
         Ok(())
     }
 
-    /// Until something is so, within so many million edges. Returns whether it came to be.
+    /// Simulates until a condition holds, at most the given million edges. Returns whether the condition holds.
     ///
     /// # Errors
     /// As [`Cables::steps`].
@@ -321,7 +321,7 @@ impl Line for Cables {
         Ok(())
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
         let rests = 2 * u64::from(PACE.uart_time_out);
         let until = self.time() + patience;
         let nothing = |cables: &Self| cables.terminal.serial.came.is_empty();
@@ -329,6 +329,6 @@ impl Line for Cables {
             self.steps(AT_ONCE).map_err(io::Error::other)?;
         }
         let came = &mut self.terminal.serial.came;
-        Ok(came.drain(..most.min(came.len())).collect())
+        Ok(came.drain(..max.min(came.len())).collect())
     }
 }

@@ -106,7 +106,7 @@ impl Chips {
     /// Beside a core whose frames have this timing.
     ///
     /// # Errors
-    /// A tool is missing or refuses the text, or the core lacks a port.
+    /// A tool is missing or rejects the text, or the core lacks a port.
     pub fn new(
         core: &Source,
         clock: ClockId,

@@ -13,7 +13,7 @@ pub struct Fifo {
     /// What it is called here.
     pub name: String,
     /// Most words that were in it.
-    pub most: usize,
+    pub max: usize,
     /// Most that the model says.
     pub limit: usize,
     /// Words that it has.
@@ -58,7 +58,7 @@ pub(super) fn marks(core: &Project) -> Vec<Mark> {
     crossings.chain(agents).chain(QUEUES.iter().filter(there).map(queue)).collect()
 }
 
-/// What the model says that a FIFO holds at most, and what it has room for, with these clocks and a memory that was so many cycles late.
+/// Largest fill of a FIFO by the model, and its capacity, with these clocks and a memory that was `late` cycles late.
 pub(super) fn limit(name: &str, periods: Periods, late: u64) -> (usize, usize) {
     let pixel_cycles = |period: u64| (period / periods.core).max(1);
     let word = |pixel_cycles: u64| WORD_PIXELS as u64 * pixel_cycles;
@@ -69,7 +69,7 @@ pub(super) fn limit(name: &str, periods: Periods, late: u64) -> (usize, usize) {
         "output_fifo" | "raw_fifo" | "picture_fifo" => (CROSSING_PIXELS, CROSSING_PIXELS),
         "raw_writer" => (writer(pixel_cycles(periods.input)), AGENT_WORDS),
         "picture_writer" => (writer(1), AGENT_WORDS),
-        // They ask for as much as they have room for.
+        // Readers request as much as they have space for.
         "raw_reader" | "picture_reader" => (AGENT_WORDS, AGENT_WORDS),
         _ => (queue::DEPTH, queue::DEPTH),
     }

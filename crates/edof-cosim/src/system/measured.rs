@@ -1,6 +1,6 @@
 //! What a run of a core reached.
 
-use super::rig::{Begin, Rig};
+use super::rig::{Rig, RigConfig};
 use crate::Error;
 use serde::Serialize;
 
@@ -46,7 +46,7 @@ impl Rig {
     pub fn measured(
         &mut self,
         since: &Moment,
-        begin: &Begin,
+        begin: &RigConfig,
         shown: &[Option<usize>],
     ) -> Result<Measured, Error> {
         let now = self.moment()?;
@@ -61,7 +61,7 @@ impl Rig {
     }
 
     /// A frame on the screen is complete with the sync after it.
-    fn latencies(&self, begin: &Begin, shown: &[Option<usize>]) -> Vec<f64> {
+    fn latencies(&self, begin: &RigConfig, shown: &[Option<usize>]) -> Vec<f64> {
         let (line, frame) = (begin.timing.line, begin.timing.frame);
         let picture = ((frame.active + frame.front) * line.total()) as u64 * begin.periods.output;
         let first = |(number, sent): (usize, &u64)| {

@@ -9,7 +9,7 @@
 //! | set up | [`chips`] | the engines and models of the video chips, and who counts sync codes |
 //! | talk to it | [`uart`], [`board`] | a serial line at its pins, and all of it as a board that any host of `edof-board` knows |
 //! | between cables | [`mod@cables`] | the KC705's core with models of the chips around it, from a source's cable to a screen |
-//! | measure | [`measured`], [`fifos`] | frames a second, what passed through the memory, latency; how full FIFOs got |
+//! | measure | [`measured`], [`fifos`] | frames per second, memory traffic, latency; largest fill of each FIFO |
 //! | run again | [`mod@recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
 pub mod board;
@@ -29,4 +29,4 @@ pub use measured::Measured;
 pub use pictures::{PictureError, TableWords, Torn, compare, drawn, longest_run, picture, sent};
 pub use pins::{Camera, Screen};
 pub use recorded::recorded;
-pub use rig::{Begin, Compiled, Rig, leisurely, project};
+pub use rig::{Compiled, Rig, RigConfig, leisurely, project};

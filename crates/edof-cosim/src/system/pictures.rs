@@ -50,7 +50,7 @@ impl TableWords {
     }
 }
 
-/// So many raw frames of a size: slopes with an edge and noise.
+/// Raw frames of one size: slopes with an edge and noise.
 ///
 /// # Errors
 /// A size that no raw frame has.

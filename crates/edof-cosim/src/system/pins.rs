@@ -100,7 +100,7 @@ impl Actor for Camera {
     }
 }
 
-/// Collects the frames that are on a bus, and refuses what no screen would show: lines and frames of another size.
+/// Collects the frames that are on a bus, and rejects what no screen would show: lines and frames of another size.
 pub struct Screen {
     clock: ClockId,
     ports: [usize; 4],
@@ -118,7 +118,7 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// At the bus of that name, for frames of so many rows and columns; while the port `reset` is high it sees nothing.
+    /// A collector at the bus of that name, for frames of the given rows and columns; while the port `reset` is high it sees nothing.
     ///
     /// # Errors
     /// There is none.
@@ -134,7 +134,7 @@ impl Screen {
         Ok(Self { clock, ports, reset, size, open, line: 0, vs: false, follows: false, cycle: 0, frames })
     }
 
-    /// Nothing of what came so far counts, nor the frame that is under way.
+    /// Drops all frames so far, and the frame in progress.
     pub fn forget(&mut self) {
         (self.open, self.line, self.follows) = (vec![], 0, false);
         self.frames.clear();

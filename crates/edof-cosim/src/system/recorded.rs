@@ -11,10 +11,10 @@ use edof_network::FixedNetwork;
 
 /// Frames of a generated design's bench.
 const FRAMES: usize = 5;
-/// Their size: four patches, and whole words of memory. Icarus takes three seconds for a thousand cycles of the smallest core.
+/// Size of the frames: four patches, and whole words of memory. Icarus takes three seconds for a thousand cycles of the smallest core.
 const SIZE: (usize, usize) = (16, 16);
 
-/// Drawn frames of a small size, and the pictures that a design with this network makes of them.
+/// Random frames of a small size, and the pictures that a design with this network makes of them.
 ///
 /// # Errors
 /// A network that cannot run exactly, or windows that are larger than the frames.

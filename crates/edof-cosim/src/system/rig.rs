@@ -5,7 +5,7 @@ use super::pictures::TableWords;
 use super::pins::{Camera, Screen};
 use super::recorded::cycles;
 use crate::bench::axi_lite::Access;
-use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Mark, Memory, Pace};
+use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Mark, Memory, Throttle};
 use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Options, Start};
 use crate::{Error, Source, work};
@@ -63,10 +63,10 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// Compiles a core, its synchronisers by lot an edge late, its FIFOs watched.
+    /// Compiles a core, its synchronisers one edge late at random, its FIFOs watched.
     ///
     /// # Errors
-    /// A tool is missing or refuses the text, or a file cannot be written.
+    /// A tool is missing or rejects the text, or a file cannot be written.
     pub fn new(project: &Project, options: &Options) -> Result<Self, Error> {
         let marks = fifos::marks(project);
         let source = Source::from(project).metastable().watched("reset_i", &marks);
@@ -79,7 +79,7 @@ impl Compiled {
 
 /// What a rig is started with.
 #[derive(Debug, Clone)]
-pub struct Begin {
+pub struct RigConfig {
     /// Timing of the receiver and the transmitter.
     pub timing: VideoTiming,
     /// The clocks.
@@ -90,7 +90,7 @@ pub struct Begin {
     pub seed: u64,
 }
 
-impl Begin {
+impl RigConfig {
     /// [`leisurely`] clocks, and a memory as hard to please as AXI allows.
     #[must_use]
     pub fn leisurely(design: &Design, seed: u64) -> Self {
@@ -139,9 +139,9 @@ impl Rig {
     ///
     /// # Errors
     /// The ports are not those of a core, or the simulation stops.
-    pub fn start(compiled: &Compiled, begin: &Begin, frames: Vec<Vec<u16>>) -> Result<Self, Error> {
+    pub fn start(compiled: &Compiled, begin: &RigConfig, frames: Vec<Vec<u16>>) -> Result<Self, Error> {
         Self::start_with(compiled, begin, frames, |source, clock| {
-            Host::new(source, "host", clock, "reset_i", Pace::drawn(begin.seed))
+            Host::new(source, "host", clock, "reset_i", Throttle::drawn(begin.seed))
         })
     }
 }
@@ -153,7 +153,7 @@ impl<H: Actor> Rig<H> {
     /// As [`Rig::start`].
     pub fn start_with(
         compiled: &Compiled,
-        begin: &Begin,
+        begin: &RigConfig,
         frames: Vec<Vec<u16>>,
         host: impl FnOnce(&Source, ClockId) -> Result<H, Error>,
     ) -> Result<Self, Error> {
@@ -195,7 +195,7 @@ impl<H: Actor> Rig<H> {
         Ok(rig)
     }
 
-    /// Resets the core; camera, screen and memory go on.
+    /// Resets the core; camera, screen and memory continue.
     ///
     /// # Errors
     /// As [`Rig::steps`].
@@ -207,7 +207,7 @@ impl<H: Actor> Rig<H> {
         self.steps(RESET)
     }
 
-    /// So many edges of the clocks.
+    /// Simulates the given number of clock edges.
     ///
     /// # Errors
     /// A rule of a port was broken, or the simulation stops.
@@ -235,7 +235,7 @@ impl<H: Actor> Rig<H> {
         Err(Error::Stopped(format!("{what}: not within {PATIENCE} edges")))
     }
 
-    /// Until so many more frames were shown.
+    /// Simulates until the given number of further frames was shown.
     ///
     /// # Errors
     /// As [`Rig::until`].
@@ -256,13 +256,13 @@ impl<H: Actor> Rig<H> {
     ///
     /// # Errors
     /// The simulation stops.
-    pub fn fifos(&mut self, begin: &Begin) -> Result<Vec<Fifo>, Error> {
-        let late = self.memory.written.most_late.max(self.memory.read.most_late);
+    pub fn fifos(&mut self, begin: &RigConfig) -> Result<Vec<Fifo>, Error> {
+        let late = self.memory.written.max_late.max(self.memory.read.max_late);
         let mut found = vec![];
         for mark in self.marks.clone() {
-            let most = self.bench.get(&mark.port())? as usize;
+            let max = self.bench.get(&mark.port())? as usize;
             let (limit, depth) = fifos::limit(&mark.name, begin.periods, late);
-            found.push(Fifo { name: mark.name, most, limit, depth });
+            found.push(Fifo { name: mark.name, max, limit, depth });
         }
         Ok(found)
     }
@@ -288,7 +288,7 @@ impl Rig {
     /// The host reads or writes; what it reads, or 0.
     ///
     /// # Errors
-    /// The board refuses, or as [`Rig::until`].
+    /// The board rejects the access, or as [`Rig::until`].
     pub fn access(&mut self, access: Access) -> Result<u32, Error> {
         let before = self.host.answers.len();
         self.host.wanted.push_back(access);

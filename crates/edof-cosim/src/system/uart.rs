@@ -15,7 +15,7 @@ const WANTS: usize = 5;
 
 /// `uart_bus` between a terminal and a core.
 ///
-/// It is a model of its own that rises with the core's clock, so that a core is compiled once whatever stands at its host's port.
+/// The UART is a separate model that rises with the core's clock, so that a core is compiled once whatever stands at its host's port.
 pub struct Uart {
     clock: ClockId,
     model: Model,
@@ -36,10 +36,10 @@ pub struct Uart {
 }
 
 impl Uart {
-    /// A line of so many cycles a bit, on which a frame is given up after a pause of `time_out` cycles.
+    /// A line with the given cycles per bit, on which a frame is dropped after a pause of `time_out` cycles.
     ///
     /// # Errors
-    /// A tool is missing or refuses the text, or the core has no host's port.
+    /// A tool is missing or rejects the text, or the core has no host's port.
     pub fn new(
         core: &Source,
         clock: ClockId,
@@ -89,7 +89,7 @@ impl Actor for Uart {
         let [reset, receive, transmit, _] = self.ports;
         self.model.poke(reset, u64::from(self.held > 0))?;
         self.held = self.held.saturating_sub(1);
-        // It looks at what it is given only while it wants something.
+        // The UART samples its inputs only while it requests something.
         if self.wants {
             for (here, there) in self.given[0].iter().zip(self.given[1]) {
                 self.model.poke(*here, core.peek(there)?)?;

@@ -22,7 +22,7 @@ pub struct Options {
     pub cache: Option<PathBuf>,
     /// Compilers at work at the same time.
     pub jobs: usize,
-    /// Whether Verilator's headers are compiled once and kept in the cache, 60 MB: for whoever builds many small models.
+    /// Whether Verilator's headers are compiled once and kept in the cache, 60 MB: useful where many small models are built.
     pub precompile: bool,
 }
 

@@ -25,7 +25,7 @@ impl Library {
     /// Compiles the design, unless that was done before, and loads it.
     ///
     /// # Errors
-    /// A tool is missing or refuses the design, or a file cannot be written.
+    /// A tool is missing or rejects the design, or a file cannot be written.
     pub fn build(source: &Source, options: &Options) -> Result<Self, Error> {
         let product = build(source, options)?;
         let refuse =

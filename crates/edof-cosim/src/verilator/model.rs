@@ -10,7 +10,7 @@ use std::ptr::NonNull;
 /// How an instance starts.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Start {
-    /// What registers and memories hold is drawn by this seed (with [`super::Unknowns::Random`]).
+    /// Seed of the start values of registers and memories (with [`super::Unknowns::Random`]).
     pub seed: u64,
     /// Where relative paths of `$readmemh` start; without it, in the working directory of the process.
     pub memory_dir: Option<PathBuf>,
@@ -274,7 +274,7 @@ fn c_path(path: &Path) -> Result<CString, Error> {
     CString::new(path.as_os_str().as_encoded_bytes()).map_err(invalid)
 }
 
-/// Verilator draws alike for seeds that are alike, and at random for 0: the seed is stirred and never 0.
+/// Verilator gives similar values for similar seeds, and random ones for 0: the seed is mixed and never 0.
 const fn start_seed(seed: u64) -> i32 {
     let stirred = (seed ^ (seed >> 31)).wrapping_add(1).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let folded = (stirred ^ (stirred >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb);

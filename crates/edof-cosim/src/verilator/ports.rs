@@ -1,4 +1,4 @@
-//! The ports as Verilator found them in the text, held against those that we were told of.
+//! The ports as Verilator found them in the text, compared with the ports of the design.
 
 use super::shim::member;
 use crate::error::{Error, at};

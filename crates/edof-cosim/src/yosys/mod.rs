@@ -41,7 +41,7 @@ pub struct Report {
 /// How one DSP48E1 is used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Dsp {
-    /// Its name in the netlist.
+    /// Name of the DSP in the netlist.
     pub name: String,
     /// The result is registered inside (PREG).
     pub registers_result: bool,
@@ -136,7 +136,7 @@ fn lut_sites(cell: &str) -> usize {
 /// Maps the design flat by `synth_xilinx -family xc7`, without buffers for pins and clocks.
 ///
 /// # Errors
-/// Yosys is missing or refuses the design.
+/// Yosys is missing or rejects the design.
 pub fn synthesize(source: &Source, options: &Options) -> Result<Report, Error> {
     let work = work::folder()?;
     source.write(work.path())?;

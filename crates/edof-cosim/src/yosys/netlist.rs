@@ -89,7 +89,7 @@ impl Netlist {
         Some(report)
     }
 
-    /// Registers of a flat top that lead to banks of more than one group of so many neighbours; none where there is no top.
+    /// Registers of a flat top that drive banks of more than one group of `group` neighbours; empty without a top.
     pub fn strays(&self, group: usize) -> Option<Vec<String>> {
         Some(self.modules.values().find(|module| module.attributes.contains_key("top"))?.strays(group))
     }
@@ -137,7 +137,7 @@ fn is_control(cell: &Cell, pin: &str) -> bool {
 }
 
 impl Module {
-    /// The loads of every net that is no clock.
+    /// The loads of every net except clocks.
     fn loads(&self) -> BTreeMap<u64, Loads> {
         let mut loads: BTreeMap<u64, Loads> = BTreeMap::new();
         let mut clocks = BTreeSet::new();

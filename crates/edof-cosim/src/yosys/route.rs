@@ -23,7 +23,7 @@ pub enum Fabric {
 }
 
 impl Fabric {
-    /// Its name, as an option.
+    /// Name of the fabric, as an option.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -145,7 +145,7 @@ pub struct Routed {
 pub struct RoutedStep {
     /// `clk-to-q`, `logic`, `routing` or `setup`.
     pub kind: String,
-    /// Its delay in nanoseconds.
+    /// Delay of the step in nanoseconds.
     pub delay_ns: f64,
     /// Of a wire the net in the source's own name, of a cell its name in the netlist.
     pub name: String,
@@ -153,10 +153,10 @@ pub struct RoutedStep {
     pub span: Option<(u64, u64)>,
 }
 
-/// Places and routes the part at that path (names of instances from the top down, `/` between them), for a clock of so many MHz.
+/// Places and routes the part at that path (names of instances from the top down, `/` between them), for a clock in MHz.
 ///
 /// # Errors
-/// A tool is missing or refuses its input, the part does not fit the FPGA, or there is none.
+/// A tool is missing or rejects its input, the part does not fit the FPGA, or there is none.
 pub fn part(project: &Project, path: &str, router: &Router, mhz: f64) -> Result<Routed, Error> {
     let work = work::folder()?;
     let dir = work.path();

@@ -2,7 +2,7 @@
 //!
 //! Each part is mapped flat from the emitted files as they are, and Yosys' own `sta` adds the delays that its Xilinx library states
 //! for cells, with set-up and clock-to-output. There is no placement, so that wires take no time, the clock no skew and a net of a
-//! thousand loads no longer than one of two. Registers behind block RAMs are taken into them, as every tool but Yosys does. Such a figure tells which paths are long, not at which clock a board runs.
+//! thousand loads no longer than one of two. Registers behind block RAMs are taken into them, as every tool but Yosys does. Such a figure shows which paths are long, not at which clock a board runs.
 
 mod report;
 
@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Nets of highest fan-out that are told of each stage.
+/// Nets of highest fan-out that are listed per stage.
 pub const NETS: usize = 10;
-/// Kinds of paths that are told of each stage.
+/// Kinds of paths that are listed per stage.
 pub const KINDS: usize = 10;
 /// Parts that are mapped at once, at most: a big one takes 400 MB.
 const AT_ONCE: usize = 2;
@@ -40,7 +40,7 @@ pub fn user_cache() -> Option<PathBuf> {
 /// One part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PartTiming {
-    /// Its module.
+    /// Module of the part.
     pub module: String,
     /// Delay of the worst path in picoseconds, from clock edge to set-up. A port counts as a register.
     pub delay_ps: u64,
@@ -86,10 +86,10 @@ pub fn stages(count: usize) -> Vec<String> {
 }
 
 /// Parts of a generated design, each by the names of instances from the top down to it, with `/` between them. Equal ones are mapped once.
-/// `cache` keeps results under the hash of everything that went in; `done` is told how many of how many there are.
+/// `cache` keeps results under the hash of everything that went in; `done` gets the number of finished parts and of all parts.
 ///
 /// # Errors
-/// Yosys is missing, refuses the design, or tells what cannot be read; there is no such part.
+/// Yosys is missing, rejects the design, or prints what cannot be read; there is no such part.
 pub fn parts(
     project: &Project,
     paths: &[String],

@@ -37,8 +37,8 @@ pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
     let last = network.code_fractions[network.code_fractions.len() - 1];
     network.code_fractions.fill(last);
     let draw = &mut Draw::new(seed);
-    let most = 1 << (design.code_bits - 5);
-    network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|_| draw.whole(0, most) as i16));
+    let max = 1 << (design.code_bits - 5);
+    network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|_| draw.whole(0, max) as i16));
     let windows: Vec<Vec<i16>> =
         (0..8).map(|_| natural_window(draw, design.form.window.side(), 15)).collect();
     for stage in 0..design.form.layers {
@@ -78,12 +78,12 @@ fn scaled_down(network: &FixedNetwork, stage: usize) -> FixedNetwork {
 
 /// A window as a camera sees it: a slope with noise.
 pub fn natural_window(draw: &mut Draw, side: usize, bits: u32) -> Vec<i16> {
-    let most = (1i64 << bits) - 1;
-    let (level, right, down) = (draw.whole(0, most), draw.whole(-most, most), draw.whole(-most, most));
+    let max = (1i64 << bits) - 1;
+    let (level, right, down) = (draw.whole(0, max), draw.whole(-max, max), draw.whole(-max, max));
     let pixel = |draw: &mut Draw, i: usize| {
         let (column, row) = ((i % side) as i64, (i / side) as i64);
         let slope = (right * column + down * row) / (2 * side as i64);
-        (level + slope + draw.whole(-200, 200)).clamp(0, most) as i16
+        (level + slope + draw.whole(-200, 200)).clamp(0, max) as i16
     };
     (0..side * side).map(|i| pixel(draw, i)).collect()
 }
@@ -197,7 +197,7 @@ pub struct Recorded<D> {
     pub inputs: Vec<Inputs>,
     /// Words of patches that were taken.
     pub words: Vec<i16>,
-    /// Cycle of the last write, but for those that only look at the counters.
+    /// Cycle of the last write, except for accesses that only read the counters.
     pub last_write: usize,
 }
 

@@ -1,4 +1,4 @@
-//! A block in Verilator, its streams fed and emptied with random pauses, and every stream held to its rule: valid never falls, nor do
+//! A block in Verilator, its streams fed and emptied with random pauses, and every stream checked against its rule: valid never falls, nor do
 //! the words change, without a transfer.
 use crate::support;
 use edof_cosim::verilator::{Library, Model, Start};
@@ -14,7 +14,7 @@ pub const RESET: u64 = 64;
 /// The values of a stream's fields in one transfer.
 pub type Beat = Vec<u64>;
 
-/// How often a side pauses: in so many of 16 cycles.
+/// Cycles of 16 in which a side pauses.
 #[derive(Debug, Clone, Copy)]
 pub struct Pauses(pub i64);
 
@@ -198,7 +198,7 @@ impl Bench {
         self.cycle += 1;
     }
 
-    /// Runs until so many beats have left by the first output, and a while longer, in which nothing may come; gives them.
+    /// Runs until the given number of beats has left the first output, and a while longer, in which nothing may arrive; returns the beats.
     pub fn run(&mut self, beats: usize) -> Vec<Beat> {
         self.run_timed(beats).into_iter().map(|(_, beat)| beat).collect()
     }
@@ -220,7 +220,7 @@ impl Bench {
     }
 }
 
-/// The first beat that is not as expected is told with its place.
+/// The first unexpected beat is reported with its place.
 #[track_caller]
 pub fn assert_beats(what: &str, found: &[Beat], expected: &[Beat]) {
     assert_eq!(found.len(), expected.len(), "{what}: beats");

@@ -7,7 +7,7 @@ pub use edof_verilog_diff::Simulator;
 
 pub const BOTH: [Simulator; 2] = [Simulator::Icarus, Simulator::Verilator];
 
-/// Emits a circuit, and fails the test where it is refused.
+/// Emits a circuit, and fails the test if the circuit is rejected.
 pub fn emit(top: &mut dyn Circuit) -> Emitted {
     top.connect_all();
     edof_hdl::verilog::emit(top).unwrap_or_else(|error| panic!("{error}"))

@@ -1,6 +1,6 @@
 //! Random typed expressions: what the kernel's syntax tree would be, and what Rust would compute.
 //!
-//! The value comes from the types that the tree was drawn with, by rules written down here and nowhere else.
+//! The value comes from the types that the random tree was made with, by rules written down here and nowhere else.
 
 use edof_hdl::describe::{Circuit, Description, Descriptions};
 use proptest::prelude::*;
@@ -198,7 +198,7 @@ impl Draw<'_> {
         from[self.below(from.len())]
     }
 
-    /// A signal, cast to the type where there is none of it.
+    /// A signal, cast to the type if no signal has the type.
     fn leaf(&mut self, ty: Ty) -> Tree {
         let fitting: Vec<usize> = (0..SIGNALS.len()).filter(|signal| SIGNALS[*signal].1 == ty).collect();
         if !fitting.is_empty() {
@@ -233,7 +233,7 @@ impl Draw<'_> {
         Tree { ty, node: Node::Literal(if negative { -i128::from(magnitude) } else { magnitude.into() }) }
     }
 
-    /// An operand whose peer has told the type: a literal or an open cast will do.
+    /// An operand whose peer determines the type: a literal or an open cast will do.
     fn peer(&mut self, ty: Ty, depth: usize) -> Tree {
         match self.below(6) {
             1 => self.literal(ty),
@@ -263,7 +263,7 @@ impl Draw<'_> {
         if ty.signed && self.below(5) == 4 { self.open(ty, 3) } else { self.tree(ty, 4) }
     }
 
-    /// A tree that tells its own type.
+    /// A tree that determines its own type.
     fn tree(&mut self, ty: Ty, depth: usize) -> Tree {
         if depth == 0 {
             return self.leaf(ty);

@@ -50,7 +50,7 @@ impl Design {
         (output, fs::read_to_string(&log).unwrap_or_default())
     }
 
-    /// It must fail, and say so, before there is a bitstream.
+    /// Asserts that the build fails with a message before the bitstream.
     fn fails(&self, fault: &str, words: &str) {
         let (output, commands) = self.build(fault);
         assert!(!output.status.success(), "{fault}{words}: nobody missed it");

@@ -401,7 +401,7 @@ impl<'a> Flat<'a> {
                 self.write_derived(name, cell, tcl);
             }
             let Some(clock) = &clocks[index] else { continue };
-            // Beside every synchroniser, whoever feeds it.
+            // Next to every synchroniser, whatever feeds it.
             let synchronisers = self.names_of(index).into_iter().filter(|name| name.contains("/first_q_reg"));
             folders.extend(synchronisers.map(|name| folder(&name).to_owned()));
             let pins: &[&str] =

@@ -10,11 +10,11 @@ use rust_hdl::prelude::*;
 pub struct Add {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// One number.
+    /// First summand.
     pub a: Signal<In, Sum>,
     /// The other.
     pub b: Signal<In, Sum>,
-    /// Their sum, in two's complement.
+    /// Sum of `a` and `b`, in two's complement.
     pub sum: Signal<Out, Sum>,
     _row: [Sum; 2],
 }

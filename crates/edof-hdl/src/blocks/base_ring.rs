@@ -7,17 +7,17 @@ use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
 
 /// Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as their sums are taken.
-/// It never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain. Vector v lies from row
+/// The ring never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain. Vector v lies from row
 /// 128 v on.
 #[derive(Circuit)]
 pub struct BaseRing {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Empties it.
+    /// Empties the memory.
     pub reset: Signal<In, Bit>,
     /// A beat arrives.
     pub write: Signal<In, Bit>,
-    /// Its two base words.
+    /// Two base words of the beat.
     pub words: Signal<In, Pair>,
     /// Moves on to the next two.
     pub read: Signal<In, Bit>,

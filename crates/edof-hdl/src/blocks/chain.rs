@@ -17,49 +17,49 @@ pub struct Chain {
     pub clock: Signal<In, Clock>,
     /// Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
     pub reset: Signal<In, Bit>,
-    /// Forgets every vector and nothing else; held likewise.
+    /// Drops every vector and nothing else; held for as long as `reset`.
     pub flush: Signal<In, Bit>,
-    /// Two pixels of a window stand on the input.
+    /// Two input pixels of a window are valid.
     pub window_valid: Signal<In, Bit>,
-    /// They are taken in this cycle, if there are any.
+    /// The chain accepts a valid window beat in this cycle.
     pub window_ready: Signal<Out, Bit>,
-    /// They, the even one low.
+    /// Two pixels, the even one low.
     pub window_data: Signal<In, Pair>,
-    /// Whether they are their window's last.
+    /// The beat is the last of its window.
     pub window_last: Signal<In, Bit>,
     /// The set of weights for this window.
     pub window_set: Signal<In, Bit>,
-    /// Two words of a patch stand on the output.
+    /// Two output words of a patch are valid.
     pub patch_valid: Signal<Out, Bit>,
-    /// The receiver takes them.
+    /// The receiver accepts the output in this cycle.
     pub patch_ready: Signal<In, Bit>,
-    /// They.
+    /// Two words of the patch, the even one low.
     pub patch_data: Signal<Out, Pair>,
-    /// Whether they are their patch's last.
+    /// The beat is the last of its patch.
     pub patch_last: Signal<Out, Bit>,
     /// The set that it was made with.
     pub patch_set: Signal<Out, Bit>,
-    /// A word is to be written (`edof_device::design::memory::address`).
+    /// The word to write is valid (`edof_device::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
-    /// Where.
+    /// Address of the word to write.
     pub write_address: Signal<In, Bits<25>>,
-    /// What.
+    /// Word to write.
     pub write_data: Signal<In, Bits<32>>,
     /// What to show: bit 6 counters or what was read back, then stage (4 bits; 15 for the windows that come in), then which (2 bits).
     pub status_address: Signal<In, Bits<7>>,
-    /// It, a cycle later; counters as the last snapshot found them.
+    /// Word that `status_address` selected, one cycle later; counters have the values of the last snapshot.
     pub status: Signal<Out, Bits<32>>,
     /// A window was too short or too long, since the last reset or snapshot of the counters.
     pub window_fault: Signal<Out, Bit>,
-    /// This stage offers a beat to the next (observation only).
+    /// A stage offers a beat to the next (observation only).
     pub between_valid: Vec<Signal<Out, Bit>>,
     /// The next takes it.
     pub between_ready: Vec<Signal<Out, Bit>>,
-    /// Its two words.
+    /// Two words of the beat, the even one low.
     pub between_data: Vec<Signal<Out, Pair>>,
-    /// Their base words.
+    /// Base words of the same two elements.
     pub between_base: Vec<Signal<Out, Pair>>,
-    /// Whether it is its vector's last.
+    /// The beat is the last of its vector.
     pub between_last: Vec<Signal<Out, Bit>>,
     /// The vector's set.
     pub between_set: Vec<Signal<Out, Bit>>,
@@ -71,7 +71,7 @@ pub struct Chain {
     guard_snapshot_1: DFF<Bit>,
     guard_snapshot: DFF<Bit>,
     guard_status: DFF<Bits<32>>,
-    shown: Signal<Local, Bits<32>>,
+    status_word: Signal<Local, Bits<32>>,
     _count: usize,
 }
 
@@ -196,10 +196,10 @@ impl Logic for Chain {
                 self.guard_status.d.next = self.guard.too_long.val();
             }
         }
-        self.shown.next = self.guard_status.q.val();
+        self.status_word.next = self.guard_status.q.val();
         for i in 0..self._count {
-            self.shown.next = self.shown.val() | self.stages[i].status.val();
+            self.status_word.next = self.status_word.val() | self.stages[i].status.val();
         }
-        self.status.next = self.shown.val();
+        self.status.next = self.status_word.val();
     }
 }

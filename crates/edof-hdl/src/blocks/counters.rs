@@ -4,35 +4,34 @@ use super::delay::Delay;
 use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
-/// Counts up to two a cycle, and shows what it had counted when it was last told to. Reset and snapshot come through registers of
-/// their own.
+/// Counts up to two events per cycle. `count` is the value at the last snapshot. Reset and snapshot pass through registers.
 #[derive(Circuit)]
 #[circuit(default)]
 pub struct Counter {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Back to zero.
+    /// Sets the count to zero.
     pub reset: Signal<In, Bit>,
-    /// Whether to count.
+    /// Events are counted in this cycle.
     pub enable: Signal<In, Bit>,
-    /// What: as many as there are ones.
+    /// Number of events in this cycle: the count of set bits.
     pub events: Signal<In, Bits<2>>,
-    /// Shows what was counted so far, and counts anew.
+    /// Copies the count to `count` and restarts from zero.
     pub snapshot: Signal<In, Bit>,
-    /// How many there were between the last two snapshots; before the second, since reset.
+    /// Events between the last two snapshots; before the second snapshot, events since reset.
     pub count: Signal<Out, Bits<32>>,
     marks_q: Delay<4, 1>,
-    more: DFF<Bits<2>>,
+    increment: DFF<Bits<2>>,
     count_q: DFF<Bits<32>>,
-    shown: DFF<Bits<32>>,
+    latched: DFF<Bits<32>>,
     marks: Signal<Local, Bits<4>>,
-    kept: Signal<Local, Bits<32>>,
+    base_count: Signal<Local, Bits<32>>,
 }
 
 impl Logic for Counter {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, more, count_q, shown);
+        dff_setup!(self, clock, increment, count_q, latched);
         // Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
         self.marks_q.clock.next = self.clock.val();
         self.marks.next = 0.into();
@@ -42,27 +41,27 @@ impl Logic for Counter {
         if self.snapshot.val() {
             self.marks.next = self.marks.val() | 10;
         }
-        self.marks_q.now.next = self.marks.val();
-        self.more.d.next = 0.into();
+        self.marks_q.data.next = self.marks.val();
+        self.increment.d.next = 0.into();
         if self.enable.val() {
-            self.more.d.next = bit_cast::<2, 1>(self.events.val().get_bits::<1>(0))
+            self.increment.d.next = bit_cast::<2, 1>(self.events.val().get_bits::<1>(0))
                 + bit_cast::<2, 1>(self.events.val().get_bits::<1>(1));
         }
-        self.kept.next = self.count_q.q.val();
-        if self.marks_q.later.val().get_bit(1) {
-            self.kept.next = 0.into();
+        self.base_count.next = self.count_q.q.val();
+        if self.marks_q.delayed.val().get_bit(1) {
+            self.base_count.next = 0.into();
         }
-        self.count_q.d.next = self.kept.val() + bit_cast::<32, 2>(self.more.q.val());
-        if self.marks_q.later.val().get_bit(0) {
+        self.count_q.d.next = self.base_count.val() + bit_cast::<32, 2>(self.increment.q.val());
+        if self.marks_q.delayed.val().get_bit(0) {
             self.count_q.d.next = 0.into();
         }
-        if self.marks_q.later.val().get_bit(3) {
-            self.shown.d.next = self.count_q.q.val();
+        if self.marks_q.delayed.val().get_bit(3) {
+            self.latched.d.next = self.count_q.q.val();
         }
-        if self.marks_q.later.val().get_bit(2) {
-            self.shown.d.next = 0.into();
+        if self.marks_q.delayed.val().get_bit(2) {
+            self.latched.d.next = 0.into();
         }
-        self.count.next = self.shown.q.val();
+        self.count.next = self.latched.q.val();
     }
 }
 
@@ -72,7 +71,7 @@ impl Logic for Counter {
 pub struct Counters {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Back to zero.
+    /// Sets the count to zero.
     pub reset: Signal<In, Bit>,
     /// A beat enters the FIFO.
     pub enable: Signal<In, Bit>,
@@ -88,7 +87,7 @@ pub struct Counters {
     pub snapshot: Signal<In, Bit>,
     /// Which counter to show: 0 non-zeros, 1 results, 2 codes, 3 differences.
     pub select: Signal<In, Bits<2>>,
-    /// It.
+    /// Value of the selected counter.
     pub value: Signal<Out, Bits<32>>,
     count_nonzero: Counter,
     count_results: Counter,

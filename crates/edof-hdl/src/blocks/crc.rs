@@ -12,7 +12,7 @@ pub struct Crc<const W: usize> {
     pub clock: Signal<In, Clock>,
     /// There was a beat in the cycle before.
     pub valid: Signal<In, Bit>,
-    /// It was its frame's first.
+    /// The beat of the cycle before was the first of its frame.
     pub first: Signal<In, Bit>,
     /// A beat, if there is one.
     pub data: Signal<In, Bits<W>>,

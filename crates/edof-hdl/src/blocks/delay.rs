@@ -5,15 +5,15 @@ use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
-/// What came in `N` cycles ago.
+/// The input of `N` cycles ago.
 #[derive(Circuit)]
 pub struct Delay<const W: usize, const N: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// In.
-    pub now: Signal<In, Bits<W>>,
-    /// Out.
-    pub later: Signal<Out, Bits<W>>,
+    /// Input.
+    pub data: Signal<In, Bits<W>>,
+    /// Input, N cycles later.
+    pub delayed: Signal<Out, Bits<W>>,
     _row: VecDeque<Bits<W>>,
 }
 
@@ -26,14 +26,14 @@ impl<const W: usize, const N: usize> Default for Delay<W, N> {
 impl<const W: usize, const N: usize> Logic for Delay<W, N> {
     fn update(&mut self) {
         if self.clock.pos_edge() {
-            self._row.push_back(self.now.val());
+            self._row.push_back(self.data.val());
             self._row.pop_front();
         }
-        self.later.next = self._row.front().copied().unwrap_or_default();
+        self.delayed.next = self._row.front().copied().unwrap_or_default();
     }
 
     fn connect(&mut self) {
-        self.later.connect();
+        self.delayed.connect();
     }
 
     fn hdl(&self) -> Verilog {
@@ -41,26 +41,26 @@ impl<const W: usize, const N: usize> Logic for Delay<W, N> {
             .parameter("WIDTH", W)
             .parameter("CYCLES", N)
             .port("clock_i", "clock")
-            .port("now_i", "now")
-            .port("later_o", "later")
+            .port("data_i", "data")
+            .port("data_o", "delayed")
             .verilog()
     }
 }
 
-/// What came in a number of cycles ago that a design decides: [`Delay`] with its length in the value.
+/// A [`Delay`] whose length the design decides.
 #[derive(Circuit)]
 pub struct DelayOf<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// In.
-    pub now: Signal<In, Bits<W>>,
-    /// Out.
-    pub later: Signal<Out, Bits<W>>,
+    /// Input.
+    pub data: Signal<In, Bits<W>>,
+    /// Input, N cycles later.
+    pub delayed: Signal<Out, Bits<W>>,
     _row: VecDeque<Bits<W>>,
 }
 
 impl<const W: usize> DelayOf<W> {
-    /// A delay of so many cycles, one or more.
+    /// A delay of one or more cycles.
     #[must_use]
     pub fn new(cycles: usize) -> Self {
         Self::from_parts(DelayOfParts { _row: VecDeque::from(vec![Bits::default(); cycles.max(1)]) })
@@ -70,14 +70,14 @@ impl<const W: usize> DelayOf<W> {
 impl<const W: usize> Logic for DelayOf<W> {
     fn update(&mut self) {
         if self.clock.pos_edge() {
-            self._row.push_back(self.now.val());
+            self._row.push_back(self.data.val());
             self._row.pop_front();
         }
-        self.later.next = self._row.front().copied().unwrap_or_default();
+        self.delayed.next = self._row.front().copied().unwrap_or_default();
     }
 
     fn connect(&mut self) {
-        self.later.connect();
+        self.delayed.connect();
     }
 
     fn hdl(&self) -> Verilog {
@@ -85,8 +85,8 @@ impl<const W: usize> Logic for DelayOf<W> {
             .parameter("WIDTH", W)
             .parameter("CYCLES", self._row.len())
             .port("clock_i", "clock")
-            .port("now_i", "now")
-            .port("later_o", "later")
+            .port("data_i", "data")
+            .port("data_o", "delayed")
             .verilog()
     }
 }

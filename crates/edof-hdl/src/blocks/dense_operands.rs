@@ -13,7 +13,7 @@ pub struct DenseOperands {
     pub clock: Signal<In, Clock>,
     /// There is a step.
     pub valid: Signal<In, Bit>,
-    /// It is the first of its pass.
+    /// The step is the first of its pass.
     pub first: Signal<In, Bit>,
     /// The odd one of two elements is meant.
     pub odd: Signal<In, Bit>,
@@ -78,22 +78,22 @@ impl Logic for DenseOperands {
         if self.odd.val() {
             self.flags.next = self.flags.val() | 4;
         }
-        self.flags_to_2.now.next = self.flags.val();
+        self.flags_to_2.data.next = self.flags.val();
         self.row.d.next = self.base.val() + self.offset.val();
-        self.row_to_4.now.next = self.row.q.val();
+        self.row_to_4.data.next = self.row.q.val();
 
         // Cycle 3: the element of two.
         self.value_a_3.d.next = self.pair_a.val().get_bits::<16>(0);
         self.value_b_3.d.next = self.pair_b.val().get_bits::<16>(0);
         self.value_c_3.d.next = self.pair_c.val().get_bits::<16>(0);
         self.value_d_3.d.next = self.pair_d.val().get_bits::<16>(0);
-        if self.flags_to_2.later.val().get_bit(2) {
+        if self.flags_to_2.delayed.val().get_bit(2) {
             self.value_a_3.d.next = self.pair_a.val().get_bits::<16>(16);
             self.value_b_3.d.next = self.pair_b.val().get_bits::<16>(16);
             self.value_c_3.d.next = self.pair_c.val().get_bits::<16>(16);
             self.value_d_3.d.next = self.pair_d.val().get_bits::<16>(16);
         }
-        if !self.flags_to_2.later.val().get_bit(1) {
+        if !self.flags_to_2.delayed.val().get_bit(1) {
             self.value_a_3.d.next = 0.into();
             self.value_b_3.d.next = 0.into();
             self.value_c_3.d.next = 0.into();
@@ -117,10 +117,10 @@ impl Logic for DenseOperands {
         if self.value_d_3.q.val().get_bit(15) {
             self.value_d_4.d.next = bit_cast::<25, 16>(self.value_d_3.q.val()) | 0x1ff_0000;
         }
-        self.first_to_4.now.next = self.flags_to_2.later.val().get_bits::<1>(0);
+        self.first_to_4.data.next = self.flags_to_2.delayed.val().get_bits::<1>(0);
 
-        self.step_first.next = self.first_to_4.later.val().get_bit(0);
-        self.address.next = self.row_to_4.later.val();
+        self.step_first.next = self.first_to_4.delayed.val().get_bit(0);
+        self.address.next = self.row_to_4.delayed.val();
         self.value_a.next = self.value_a_4.q.val();
         self.value_b.next = self.value_b_4.q.val();
         self.value_c.next = self.value_c_4.q.val();

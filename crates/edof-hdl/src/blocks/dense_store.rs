@@ -15,11 +15,11 @@ pub struct DenseStore {
     pub clock: Signal<In, Clock>,
     /// Empties all slots.
     pub reset: Signal<In, Bit>,
-    /// A beat stands on the input.
+    /// The input beat is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// Its two elements.
+    /// Two elements of the beat, the even one low.
     pub data: Signal<In, Pair>,
     /// Whether the beat is its vector's last.
     pub last: Signal<In, Bit>,
@@ -31,7 +31,7 @@ pub struct DenseStore {
     pub descriptor: Signal<Out, Descriptor>,
     /// Which two elements of each part to read.
     pub read_row: Signal<In, Bits<9>>,
-    /// They, two cycles later: of the first part.
+    /// Two elements of the first part, two cycles after their address.
     pub pair_a: Signal<Out, Pair>,
     /// Of the second.
     pub pair_b: Signal<Out, Pair>,

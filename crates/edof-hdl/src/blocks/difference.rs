@@ -10,33 +10,33 @@ pub struct Difference {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// z of this layer.
-    pub now: Signal<In, Word>,
+    pub current: Signal<In, Word>,
     /// z of the layer before.
-    pub before: Signal<In, Word>,
-    /// Their difference.
+    pub previous: Signal<In, Word>,
+    /// `current` minus `previous`, clamped to the bits of a code.
     pub result: Signal<Out, Word>,
-    /// Whether it did not fit.
+    /// The result did not fit and is clamped.
     pub saturated: Signal<Out, Bits<1>>,
-    most: Constant<Bits<17>>,
-    least: Constant<Bits<17>>,
+    max: Constant<Bits<17>>,
+    min: Constant<Bits<17>>,
     change_1: DFF<Bits<17>>,
     change_2: DFF<Word>,
     too_large: DFF<Bit>,
     too_small: DFF<Bit>,
     result_q: DFF<Word>,
     saturated_q: DFF<Bit>,
-    wide_now: Signal<Local, Bits<17>>,
-    wide_before: Signal<Local, Bits<17>>,
+    wide_current: Signal<Local, Bits<17>>,
+    wide_previous: Signal<Local, Bits<17>>,
 }
 
 impl Difference {
     /// For codes of `bits` bits.
     #[must_use]
     pub fn new(bits: u32) -> Self {
-        let most = (1u64 << (bits - 1)) - 1;
+        let max = (1u64 << (bits - 1)) - 1;
         Self::from_parts(DifferenceParts {
-            most: Constant::new(most.into()),
-            least: Constant::new((0x1_ffff & !most).into()),
+            max: Constant::new(max.into()),
+            min: Constant::new((0x1_ffff & !max).into()),
         })
     }
 }
@@ -46,27 +46,26 @@ impl Logic for Difference {
     fn update(&mut self) {
         dff_setup!(self, clock, change_1, change_2, too_large, too_small, result_q, saturated_q);
 
-        self.wide_now.next = bit_cast::<17, 16>(self.now.val());
-        if self.now.val().get_bit(15) {
-            self.wide_now.next = bit_cast::<17, 16>(self.now.val()) | 0x1_0000;
+        self.wide_current.next = bit_cast::<17, 16>(self.current.val());
+        if self.current.val().get_bit(15) {
+            self.wide_current.next = bit_cast::<17, 16>(self.current.val()) | 0x1_0000;
         }
-        self.wide_before.next = bit_cast::<17, 16>(self.before.val());
-        if self.before.val().get_bit(15) {
-            self.wide_before.next = bit_cast::<17, 16>(self.before.val()) | 0x1_0000;
+        self.wide_previous.next = bit_cast::<17, 16>(self.previous.val());
+        if self.previous.val().get_bit(15) {
+            self.wide_previous.next = bit_cast::<17, 16>(self.previous.val()) | 0x1_0000;
         }
-        self.change_1.d.next = self.wide_now.val() - self.wide_before.val();
+        self.change_1.d.next = self.wide_current.val() - self.wide_previous.val();
 
         self.change_2.d.next = self.change_1.q.val().get_bits::<16>(0);
         self.too_large.d.next =
-            !self.change_1.q.val().get_bit(16) && (self.change_1.q.val() > self.most.val());
-        self.too_small.d.next =
-            self.change_1.q.val().get_bit(16) && (self.change_1.q.val() < self.least.val());
+            !self.change_1.q.val().get_bit(16) && (self.change_1.q.val() > self.max.val());
+        self.too_small.d.next = self.change_1.q.val().get_bit(16) && (self.change_1.q.val() < self.min.val());
 
         self.result_q.d.next = self.change_2.q.val();
         if self.too_large.q.val() {
-            self.result_q.d.next = self.most.val().get_bits::<16>(0);
+            self.result_q.d.next = self.max.val().get_bits::<16>(0);
         } else if self.too_small.q.val() {
-            self.result_q.d.next = self.least.val().get_bits::<16>(0);
+            self.result_q.d.next = self.min.val().get_bits::<16>(0);
         }
         self.saturated_q.d.next = self.too_large.q.val() || self.too_small.q.val();
 

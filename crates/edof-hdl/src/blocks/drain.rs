@@ -21,10 +21,10 @@ pub struct Drain {
     pub begins: Signal<In, Bit>,
     /// The last step of a pass is issued.
     pub pass_issued: Signal<In, Bit>,
-    /// Its vector's set.
+    /// Set of the vector of that pass.
     pub set: Signal<In, Bit>,
     /// A beat has left the stage.
-    pub returned: Signal<In, Bit>,
+    pub credit_return: Signal<In, Bit>,
     /// Whether the next pass may begin.
     pub may_start: Signal<Out, Bit>,
     /// Copies the sums of a pass.
@@ -33,37 +33,37 @@ pub struct Drain {
     pub take: Signal<Out, Bit>,
     /// Which two of the vector they are.
     pub beat: Signal<Out, Bits<8>>,
-    /// Whether they are its last.
+    /// The two sums are the last of their vector.
     pub last: Signal<Out, Bit>,
-    /// Its set.
-    pub taken_set: Signal<Out, Bit>,
+    /// Set of the vector of the two sums.
+    pub take_set: Signal<Out, Bit>,
     before_last_take: Constant<Bits<8>>,
     release_at: Constant<Bits<8>>,
     last_beat: Constant<Bits<8>>,
     all_credits: Constant<Bits<8>>,
-    wanted_credits: Constant<Bits<8>>,
-    on_the_way: Delay<2, 6>,
+    needed_credits: Constant<Bits<8>>,
+    in_flight: Delay<2, 6>,
     sum_ready: DFF<Bit>,
     sum_set: DFF<Bit>,
     open: DFF<Bits<2>>,
     busy: DFF<Bit>,
     loaded: DFF<Bit>,
-    on: DFF<Bit>,
-    rest: DFF<Bits<8>>,
+    is_active: DFF<Bit>,
+    remaining: DFF<Bits<8>>,
     at_last: DFF<Bit>,
     beat_q: DFF<Bits<8>>,
     drain_set: DFF<Bit>,
     credits: DFF<Bits<8>>,
-    enough: DFF<Bit>,
+    has_credits: DFF<Bit>,
     copy_q: DFF<Bit>,
     take_q: DFF<Bit>,
     taken_beat: DFF<Bits<8>>,
     last_q: DFF<Bit>,
     set_q: DFF<Bit>,
-    copies: Signal<Local, Bit>,
+    copy_now: Signal<Local, Bit>,
     pop: Signal<Local, Bit>,
-    releases: Signal<Local, Bit>,
-    passed: Signal<Local, Bits<2>>,
+    release_pass: Signal<Local, Bit>,
+    issued: Signal<Local, Bits<2>>,
 }
 
 impl Drain {
@@ -77,7 +77,7 @@ impl Drain {
             release_at: Constant::new((beats - 1 - released_at).into()),
             last_beat: Constant::new((stage.beats_out() as u64 - 1).into()),
             all_credits: Constant::new((timing::DRAIN_CREDITS as u64).into()),
-            wanted_credits: Constant::new(beats.into()),
+            needed_credits: Constant::new(beats.into()),
         })
     }
 }
@@ -86,31 +86,48 @@ impl Logic for Drain {
     #[kernel]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, sum_ready, sum_set, open, busy, loaded, on, rest, at_last, beat_q, drain_set,
-            credits, enough, copy_q, take_q, taken_beat, last_q, set_q
+            self,
+            clock,
+            sum_ready,
+            sum_set,
+            open,
+            busy,
+            loaded,
+            is_active,
+            remaining,
+            at_last,
+            beat_q,
+            drain_set,
+            credits,
+            has_credits,
+            copy_q,
+            take_q,
+            taken_beat,
+            last_q,
+            set_q
         );
-        self.on_the_way.clock.next = self.clock.val();
+        self.in_flight.clock.next = self.clock.val();
 
-        self.passed.next = 0.into();
+        self.issued.next = 0.into();
         if self.pass_issued.val() && self.set.val() {
-            self.passed.next = 3.into();
+            self.issued.next = 3.into();
         } else if self.pass_issued.val() {
-            self.passed.next = 1.into();
+            self.issued.next = 1.into();
         }
-        self.on_the_way.now.next = self.passed.val();
-        self.copies.next =
-            self.sum_ready.q.val() && (!self.busy.q.val() || (self.on.q.val() && self.at_last.q.val()));
-        self.pop.next = self.on.q.val() || (self.loaded.q.val() && self.enough.q.val());
-        self.releases.next = self.pop.val() && (self.rest.q.val() == self.release_at.val());
+        self.in_flight.data.next = self.issued.val();
+        self.copy_now.next = self.sum_ready.q.val()
+            && (!self.busy.q.val() || (self.is_active.q.val() && self.at_last.q.val()));
+        self.pop.next = self.is_active.q.val() || (self.loaded.q.val() && self.has_credits.q.val());
+        self.release_pass.next = self.pop.val() && (self.remaining.q.val() == self.release_at.val());
 
         // A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of the next.
         if self.pop.val() {
             self.loaded.d.next = false;
-            self.on.d.next = true;
-            self.rest.d.next = self.rest.q.val() - 1;
-            self.at_last.d.next = self.rest.q.val() == 1;
+            self.is_active.d.next = true;
+            self.remaining.d.next = self.remaining.q.val() - 1;
+            self.at_last.d.next = self.remaining.q.val() == 1;
             if self.at_last.q.val() {
-                self.on.d.next = false;
+                self.is_active.d.next = false;
                 self.busy.d.next = false;
             }
             self.beat_q.d.next = self.beat_q.q.val() + 1;
@@ -118,37 +135,37 @@ impl Logic for Drain {
                 self.beat_q.d.next = 0.into();
             }
         }
-        if self.copies.val() {
+        if self.copy_now.val() {
             self.sum_ready.d.next = false;
             self.busy.d.next = true;
             self.loaded.d.next = true;
-            self.rest.d.next = self.before_last_take.val();
+            self.remaining.d.next = self.before_last_take.val();
             self.at_last.d.next = !self.before_last_take.val().any();
             self.drain_set.d.next = self.sum_set.q.val();
         }
-        if self.on_the_way.later.val().get_bit(0) {
+        if self.in_flight.delayed.val().get_bit(0) {
             self.sum_ready.d.next = true;
-            self.sum_set.d.next = self.on_the_way.later.val().get_bit(1);
+            self.sum_set.d.next = self.in_flight.delayed.val().get_bit(1);
         }
 
         // Passes that have begun and are not released; room in the FIFO.
-        if self.begins.val() && !self.releases.val() {
+        if self.begins.val() && !self.release_pass.val() {
             self.open.d.next = self.open.q.val() + 1;
-        } else if self.releases.val() && !self.begins.val() {
+        } else if self.release_pass.val() && !self.begins.val() {
             self.open.d.next = self.open.q.val() - 1;
         }
-        if self.pop.val() && !self.returned.val() {
+        if self.pop.val() && !self.credit_return.val() {
             self.credits.d.next = self.credits.q.val() - 1;
-        } else if self.returned.val() && !self.pop.val() {
+        } else if self.credit_return.val() && !self.pop.val() {
             self.credits.d.next = self.credits.q.val() + 1;
         }
         // A drain may begin in the cycle after the last take of the one before: that one's credit is spent.
-        self.enough.d.next = (self.credits.q.val() > self.wanted_credits.val())
-            || ((self.credits.q.val() == self.wanted_credits.val()) && !self.pop.val());
+        self.has_credits.d.next = (self.credits.q.val() > self.needed_credits.val())
+            || ((self.credits.q.val() == self.needed_credits.val()) && !self.pop.val());
         self.may_start.next = !self.open.q.val().get_bit(1);
 
         // A cycle later.
-        self.copy_q.d.next = self.copies.val();
+        self.copy_q.d.next = self.copy_now.val();
         self.take_q.d.next = self.pop.val();
         self.taken_beat.d.next = self.beat_q.q.val();
         self.last_q.d.next = self.beat_q.q.val() == self.last_beat.val();
@@ -157,14 +174,14 @@ impl Logic for Drain {
         self.take.next = self.take_q.q.val();
         self.beat.next = self.taken_beat.q.val();
         self.last.next = self.last_q.q.val();
-        self.taken_set.next = self.set_q.q.val();
+        self.take_set.next = self.set_q.q.val();
 
         if self.reset.val() {
             self.sum_ready.d.next = false;
             self.open.d.next = 0.into();
             self.busy.d.next = false;
             self.loaded.d.next = false;
-            self.on.d.next = false;
+            self.is_active.d.next = false;
             self.beat_q.d.next = 0.into();
             self.credits.d.next = self.all_credits.val();
         }

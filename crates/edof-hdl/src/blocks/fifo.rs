@@ -11,17 +11,17 @@ use std::collections::VecDeque;
 pub struct Fifo<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Empties it.
+    /// Empties the memory.
     pub reset: Signal<In, Bit>,
-    /// Takes the word below.
+    /// Pushes `data`.
     pub push: Signal<In, Bit>,
-    /// The word.
+    /// Word to push.
     pub data: Signal<In, Bits<W>>,
-    /// Whether a word stands on the output.
+    /// The output word is valid.
     pub front_valid: Signal<Out, Bit>,
-    /// Whether the receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub front_ready: Signal<In, Bit>,
-    /// It.
+    /// Oldest word, valid while `front_valid`.
     pub front_data: Signal<Out, Bits<W>>,
     _depth: usize,
     _words: VecDeque<Bits<W>>,

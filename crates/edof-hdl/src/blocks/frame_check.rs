@@ -16,7 +16,7 @@ pub struct FrameCheck<const W: usize> {
     pub reset: Signal<In, Bit>,
     /// A beat passes in this cycle.
     pub valid: Signal<In, Bit>,
-    /// It.
+    /// The beat.
     pub data: Signal<In, Bits<W>>,
     /// Copies CRC and number.
     pub snapshot: Signal<In, Bit>,
@@ -27,20 +27,20 @@ pub struct FrameCheck<const W: usize> {
     last_beat: Constant<Bits<28>>,
     // Two registers of their own, a cycle after the reset: it leads to few registers each time.
     resets: Delay<2, 1>,
-    made: Crc<W>,
+    frame_crc: Crc<W>,
     valid_q: DFF<Bit>,
-    fresh: DFF<Bit>,
-    left: DFF<Bits<28>>,
+    is_first: DFF<Bit>,
+    remaining: DFF<Bits<28>>,
     at_end: DFF<Bit>,
     ends: DFF<Bit>,
     whole: DFF<Bits<32>>,
     frames_q: DFF<Bits<8>>,
-    shown: DFF<Bits<32>>,
-    shown_frames: DFF<Bits<8>>,
+    latched: DFF<Bits<32>>,
+    latched_frames: DFF<Bits<8>>,
 }
 
 impl<const W: usize> FrameCheck<W> {
-    /// Of frames of so many beats, two or more.
+    /// A check of frames with the given number of beats, two or more.
     #[must_use]
     pub fn new(beats: usize) -> Self {
         Self::from_parts(FrameCheckParts { last_beat: Constant::new((beats as u64 - 1).into()) })
@@ -50,53 +50,65 @@ impl<const W: usize> FrameCheck<W> {
 impl<const W: usize> Logic for FrameCheck<W> {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, valid_q, fresh, left, at_end, ends, whole, frames_q, shown, shown_frames);
-        self.made.clock.next = self.clock.val();
+        dff_setup!(
+            self,
+            clock,
+            valid_q,
+            is_first,
+            remaining,
+            at_end,
+            ends,
+            whole,
+            frames_q,
+            latched,
+            latched_frames
+        );
+        self.frame_crc.clock.next = self.clock.val();
         self.resets.clock.next = self.clock.val();
-        self.resets.now.next = 0.into();
+        self.resets.data.next = 0.into();
         if self.reset.val() {
-            self.resets.now.next = 3.into();
+            self.resets.data.next = 3.into();
         }
         self.valid_q.d.next = self.valid.val();
-        self.made.valid.next = self.valid_q.q.val();
-        self.made.first.next = self.fresh.q.val();
-        self.made.data.next = self.data.val();
+        self.frame_crc.valid.next = self.valid_q.q.val();
+        self.frame_crc.first.next = self.is_first.q.val();
+        self.frame_crc.data.next = self.data.val();
 
         // Which beat it is; the CRC is made a cycle after its last one.
         self.ends.d.next = self.valid_q.q.val() && self.at_end.q.val();
         if self.valid_q.q.val() {
-            self.fresh.d.next = self.at_end.q.val();
-            self.left.d.next = self.left.q.val() - 1;
-            self.at_end.d.next = self.left.q.val() == 1;
+            self.is_first.d.next = self.at_end.q.val();
+            self.remaining.d.next = self.remaining.q.val() - 1;
+            self.at_end.d.next = self.remaining.q.val() == 1;
             if self.at_end.q.val() {
-                self.left.d.next = self.last_beat.val();
+                self.remaining.d.next = self.last_beat.val();
             }
         }
         if self.ends.q.val() {
-            self.whole.d.next = self.made.crc.val();
+            self.whole.d.next = self.frame_crc.crc.val();
             self.frames_q.d.next = self.frames_q.q.val() + 1;
         }
         if self.snapshot.val() {
-            self.shown.d.next = self.whole.q.val();
-            self.shown_frames.d.next = self.frames_q.q.val();
+            self.latched.d.next = self.whole.q.val();
+            self.latched_frames.d.next = self.frames_q.q.val();
         }
-        self.crc.next = self.shown.q.val();
-        self.frames.next = self.shown_frames.q.val();
+        self.crc.next = self.latched.q.val();
+        self.frames.next = self.latched_frames.q.val();
 
         if self.reset.val() {
             self.valid_q.d.next = false;
-            self.fresh.d.next = true;
-            self.left.d.next = self.last_beat.val();
+            self.is_first.d.next = true;
+            self.remaining.d.next = self.last_beat.val();
             self.at_end.d.next = false;
             self.ends.d.next = false;
         }
-        if self.resets.later.val().get_bit(0) {
+        if self.resets.delayed.val().get_bit(0) {
             self.whole.d.next = 0.into();
             self.frames_q.d.next = 0.into();
         }
-        if self.resets.later.val().get_bit(1) {
-            self.shown.d.next = 0.into();
-            self.shown_frames.d.next = 0.into();
+        if self.resets.delayed.val().get_bit(1) {
+            self.latched.d.next = 0.into();
+            self.latched_frames.d.next = 0.into();
         }
     }
 }

@@ -48,7 +48,7 @@ pub struct MaccArray {
     pub write_data: Signal<In, Bits<32>>,
     /// Reads that row of that bank for the host, in place of the step's; not in a cycle of a write.
     pub read_enable: Signal<In, Bit>,
-    /// Its word for one cycle, 6 cycles and as many as there are groups later; else 0.
+    /// Row that the host read, for one cycle, 6 cycles plus one per group after the request; else 0.
     pub read_data: Signal<Out, Bits<64>>,
     _sizes: Sizes,
     _state: State,

@@ -8,7 +8,7 @@
 //! | [`sequencer`] | which step of which pass is next |
 //! | [`pair_operands`], [`dense_operands`] | addresses and values for the multipliers |
 //! | [`drain`] | when sums are copied and taken |
-//! | [`requantize`], [`shrink`], [`difference`] | from a sum to the words that go on |
+//! | [`requantize`], [`shrink`], [`difference`] | from a sum to the output words |
 //! | [`results`] | the pipeline of these, with bases and thresholds |
 //! | [`counters`], [`registers`] | what the host sees and sets |
 //! | [`reader`] | what the host reads back, and its CRC |
@@ -65,7 +65,7 @@ pub type Index = Bits<9>;
 /// An element's index above its value.
 pub type IndexedValue = Bits<25>;
 
-/// What tells stages apart, in the names of their modules.
+/// Suffix of a stage's module names, by its kind.
 fn role(stage: &StagePlan) -> String {
     match stage.kind {
         Kind::I => "i",

@@ -17,9 +17,9 @@ pub struct PairOperands {
     pub valid_a: Signal<In, Bit>,
     /// With a second one.
     pub valid_b: Signal<In, Bit>,
-    /// It is the first of its pass.
+    /// The step is the first of its pass.
     pub first: Signal<In, Bit>,
-    /// It is one of the window's.
+    /// The step belongs to the window (linear path).
     pub linear: Signal<In, Bit>,
     /// The odd one of two elements is meant.
     pub odd: Signal<In, Bit>,
@@ -33,7 +33,7 @@ pub struct PairOperands {
     pub even_pair: Signal<In, IndexedValue>,
     /// The odd one.
     pub odd_pair: Signal<In, IndexedValue>,
-    /// Two pixels, likewise.
+    /// Two pixels, in the same way.
     pub pixels: Signal<In, Pair>,
     /// Left shifts of set 0: of codes, of pixels.
     pub shifts_0: Signal<In, Bits<8>>,
@@ -124,14 +124,14 @@ impl Logic for PairOperands {
         if self.set.val() {
             self.flags.next = self.flags.val() | 32;
         }
-        self.flags_to_2.now.next = self.flags.val();
-        self.rows_to_2.now.next =
+        self.flags_to_2.data.next = self.flags.val();
+        self.rows_to_2.data.next =
             (bit_cast::<24, 12>(self.base.val()) << 12) | bit_cast::<24, 12>(self.offset.val());
 
         // Cycle 3: the pair or pixel.
         self.pair_a.next = self.even_pair.val();
         self.pixel_a.next = self.pixels.val().get_bits::<16>(0);
-        if self.flags_to_2.later.val().get_bit(4) {
+        if self.flags_to_2.delayed.val().get_bit(4) {
             self.pair_a.next = self.odd_pair.val();
             self.pixel_a.next = self.pixels.val().get_bits::<16>(16);
         }
@@ -140,27 +140,27 @@ impl Logic for PairOperands {
         self.offset_a_3.d.next = bit_cast::<12, 9>(self.pair_a.val().get_bits::<9>(16));
         self.offset_b_3.d.next = bit_cast::<12, 9>(self.odd_pair.val().get_bits::<9>(16));
         self.shifts.next = self.shifts_0.val();
-        if self.flags_to_2.later.val().get_bit(5) {
+        if self.flags_to_2.delayed.val().get_bit(5) {
             self.shifts.next = self.shifts_1.val();
         }
         self.shift_3.d.next = self.shifts.val().get_bits::<4>(0);
-        if self.flags_to_2.later.val().get_bit(3) {
+        if self.flags_to_2.delayed.val().get_bit(3) {
             self.value_a_3.d.next = self.pixel_a.val();
             self.value_b_3.d.next = self.pixels.val().get_bits::<16>(16);
-            self.offset_a_3.d.next = self.rows_to_2.later.val().get_bits::<12>(0);
-            self.offset_b_3.d.next = self.rows_to_2.later.val().get_bits::<12>(0) | 1;
+            self.offset_a_3.d.next = self.rows_to_2.delayed.val().get_bits::<12>(0);
+            self.offset_b_3.d.next = self.rows_to_2.delayed.val().get_bits::<12>(0) | 1;
             self.shift_3.d.next = self.shifts.val().get_bits::<4>(4);
         }
         // Without work the row is one that there is, not what an unwritten pair says.
-        if !self.flags_to_2.later.val().get_bit(1) {
+        if !self.flags_to_2.delayed.val().get_bit(1) {
             self.value_a_3.d.next = 0.into();
             self.offset_a_3.d.next = 0.into();
         }
-        if !(self.two_rows.val() && self.flags_to_2.later.val().get_bit(2)) {
+        if !(self.two_rows.val() && self.flags_to_2.delayed.val().get_bit(2)) {
             self.value_b_3.d.next = 0.into();
             self.offset_b_3.d.next = 0.into();
         }
-        self.base_3.d.next = self.rows_to_2.later.val().get_bits::<12>(12);
+        self.base_3.d.next = self.rows_to_2.delayed.val().get_bits::<12>(12);
 
         // Cycle 4: aligned, and its row.
         self.wide_a.next = bit_cast::<25, 16>(self.value_a_3.q.val());
@@ -179,9 +179,9 @@ impl Logic for PairOperands {
         }
         self.address_a_4.d.next = self.base_3.q.val() + self.offset_a_3.q.val();
         self.address_b_4.d.next = self.base_3.q.val() + self.offset_b_3.q.val();
-        self.first_to_4.now.next = self.flags_to_2.later.val().get_bits::<1>(0);
+        self.first_to_4.data.next = self.flags_to_2.delayed.val().get_bits::<1>(0);
 
-        self.step_first.next = self.first_to_4.later.val().get_bit(0);
+        self.step_first.next = self.first_to_4.delayed.val().get_bit(0);
         self.address_a.next = self.address_a_4.q.val();
         self.address_b.next = self.address_b_4.q.val();
         self.value_a.next = self.value_a_4.q.val();

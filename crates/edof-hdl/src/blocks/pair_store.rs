@@ -8,7 +8,7 @@ use rust_hdl::prelude::*;
 
 /// From dense vectors to (index, value) pairs: four slots, one fills while others wait and one is read, as often as there are passes.
 /// Ready while fewer than four are full. With skip_zeros only non-zero elements are kept. Pair 2r of slot s lies at row 128 s + r of
-/// the even memory, pair 2r + 1 likewise in the odd one; both are read two cycles after read_row. A vector's descriptor comes three
+/// the even memory, pair 2r + 1 at the same row of the odd one; both are read two cycles after read_row. A vector's descriptor comes three
 /// cycles after its last beat.
 #[derive(Circuit)]
 pub struct PairStore {
@@ -18,9 +18,9 @@ pub struct PairStore {
     pub reset: Signal<In, Bit>,
     /// Whether zeros are left out.
     pub skip_zeros: Signal<In, Bit>,
-    /// A beat stands on the input.
+    /// The input beat is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
     /// Element of even index.
     pub even: Signal<In, Word>,
@@ -58,8 +58,8 @@ pub struct PairStore {
     set_1: DFF<Bit>,
     // Two cycles after.
     valid_2: DFF<Bit>,
-    keep_even_2: DFF<Bit>,
-    keep_odd_2: DFF<Bit>,
+    store_even_2: DFF<Bit>,
+    store_odd_2: DFF<Bit>,
     even_2: DFF<Word>,
     odd_2: DFF<Word>,
     last_2: DFF<Bit>,
@@ -77,8 +77,8 @@ pub struct PairStore {
     arrived_3: DFF<Bit>,
     count_3: DFF<Index>,
     set_3: DFF<Bit>,
-    keep_one: Signal<Local, Bit>,
-    keep_both: Signal<Local, Bit>,
+    store_one: Signal<Local, Bit>,
+    store_both: Signal<Local, Bit>,
     arrived_even: Signal<Local, IndexedValue>,
     arrived_odd: Signal<Local, IndexedValue>,
     arrived_first: Signal<Local, IndexedValue>,
@@ -117,8 +117,8 @@ impl Logic for PairStore {
             last_1,
             set_1,
             valid_2,
-            keep_even_2,
-            keep_odd_2,
+            store_even_2,
+            store_odd_2,
             even_2,
             odd_2,
             last_2,
@@ -158,44 +158,45 @@ impl Logic for PairStore {
         self.last_1.d.next = self.last.val();
         self.set_1.d.next = self.set.val();
         self.valid_2.d.next = self.valid_1.q.val();
-        self.keep_even_2.d.next =
+        self.store_even_2.d.next =
             self.valid_1.q.val() && (!self.skip_zeros.val() || self.even_1.q.val().any());
-        self.keep_odd_2.d.next = self.valid_1.q.val() && (!self.skip_zeros.val() || self.odd_1.q.val().any());
+        self.store_odd_2.d.next =
+            self.valid_1.q.val() && (!self.skip_zeros.val() || self.odd_1.q.val().any());
         self.even_2.d.next = self.even_1.q.val();
         self.odd_2.d.next = self.odd_1.q.val();
         self.last_2.d.next = self.last_1.q.val();
         self.set_2.d.next = self.set_1.q.val();
 
         // Where they go.
-        self.keep_one.next = self.keep_even_2.q.val() || self.keep_odd_2.q.val();
-        self.keep_both.next = self.keep_even_2.q.val() && self.keep_odd_2.q.val();
+        self.store_one.next = self.store_even_2.q.val() || self.store_odd_2.q.val();
+        self.store_both.next = self.store_even_2.q.val() && self.store_odd_2.q.val();
         self.arrived_even.next =
             (bit_cast::<25, 8>(self.beat.q.val()) << 17) | bit_cast::<25, 16>(self.even_2.q.val());
         self.arrived_odd.next =
             (bit_cast::<25, 8>(self.beat.q.val()) << 17) | bit_cast::<25, 16>(self.odd_2.q.val()) | 0x1_0000;
         self.arrived_first.next = self.arrived_odd.val();
-        if self.keep_even_2.q.val() {
+        if self.store_even_2.q.val() {
             self.arrived_first.next = self.arrived_even.val();
         }
         self.row.next = (bit_cast::<12, 2>(self.write_slot.q.val()) << 7)
             | (bit_cast::<12, 8>(self.stored.q.val().get_bits::<8>(1)));
-        self.even_write_3.d.next = self.keep_one.val();
+        self.even_write_3.d.next = self.store_one.val();
         self.even_row_3.d.next = self.row.val();
         self.even_data_3.d.next = self.arrived_first.val();
-        self.odd_write_3.d.next = self.keep_both.val();
+        self.odd_write_3.d.next = self.store_both.val();
         self.odd_row_3.d.next = self.row.val();
         self.odd_data_3.d.next = self.arrived_odd.val();
         if self.stored.q.val().get_bit(0) {
-            self.even_write_3.d.next = self.keep_both.val();
+            self.even_write_3.d.next = self.store_both.val();
             self.even_row_3.d.next = self.row.val() + 1;
             self.even_data_3.d.next = self.arrived_odd.val();
-            self.odd_write_3.d.next = self.keep_one.val();
+            self.odd_write_3.d.next = self.store_one.val();
             self.odd_data_3.d.next = self.arrived_first.val();
         }
         self.stored_next.next = self.stored.q.val();
-        if self.keep_both.val() {
+        if self.store_both.val() {
             self.stored_next.next = self.stored.q.val() + 2;
-        } else if self.keep_one.val() {
+        } else if self.store_one.val() {
             self.stored_next.next = self.stored.q.val() + 1;
         }
         if self.valid_2.q.val() {
@@ -255,8 +256,8 @@ impl Logic for PairStore {
             self.ready_q.d.next = false;
             self.valid_1.d.next = false;
             self.valid_2.d.next = false;
-            self.keep_even_2.d.next = false;
-            self.keep_odd_2.d.next = false;
+            self.store_even_2.d.next = false;
+            self.store_odd_2.d.next = false;
             self.beat.d.next = 0.into();
             self.stored.d.next = 0.into();
             self.write_slot.d.next = 0.into();

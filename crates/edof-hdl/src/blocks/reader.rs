@@ -19,36 +19,36 @@ pub struct Reader {
     pub reset: Signal<In, Bit>,
     /// A command comes (`edof_device::design::reading::read_command`).
     pub starts: Signal<In, Bit>,
-    /// It: space (2 bits), bank (6), first row (12), rows after it (12).
+    /// The command: space (2 bits), bank (6), first row (12), rows after it (12).
     pub command: Signal<In, Bits<32>>,
-    /// A row of weights is asked for.
-    pub wants_weights: Signal<Out, Bit>,
-    /// It will be read.
-    pub taken: Signal<In, Bit>,
-    /// Its bank.
+    /// A row of weights is requested.
+    pub request_weights: Signal<Out, Bit>,
+    /// The requested row of weights will be read.
+    pub grant: Signal<In, Bit>,
+    /// Bank of the requested row.
     pub bank: Signal<Out, Bits<6>>,
     /// Row of weights or thresholds, or register.
     pub row: Signal<Out, Row>,
-    /// A row of weights is back; 0 where none is.
+    /// The requested row of weights; 0 in other cycles.
     pub weights: Signal<In, Bits<64>>,
-    /// Two thresholds are asked for.
-    pub wants_thresholds: Signal<Out, Bit>,
-    /// They are here.
+    /// Two thresholds are requested.
+    pub request_thresholds: Signal<Out, Bit>,
+    /// The two thresholds are valid.
     pub thresholds_valid: Signal<In, Bit>,
-    /// They.
+    /// The two thresholds.
     pub thresholds: Signal<In, Bits<32>>,
-    /// Those of the stage before.
+    /// Thresholds of the stage before.
     pub previous: Signal<In, Bits<32>>,
     /// The register of that row.
     pub register: Signal<In, Bits<32>>,
     /// What to show: 0 CRC-32 of all rows, 1 and 2 the halves of the row that was read last, 3 whether it still reads.
     pub select: Signal<In, Bits<2>>,
-    /// It.
+    /// Word that `select` selects.
     pub value: Signal<Out, Bits<32>>,
     polynomial: Constant<Bits<32>>,
     ones: Constant<Bits<32>>,
     top: Constant<Bits<64>>,
-    on: DFF<Bit>,
+    is_active: DFF<Bit>,
     fresh: DFF<Bit>,
     request: DFF<Bit>,
     space: DFF<Bits<2>>,
@@ -57,16 +57,16 @@ pub struct Reader {
     remaining: DFF<Row>,
     cycle: DFF<Bits<8>>,
     at_end: DFF<Bit>,
-    clears_word: DFF<Bit>,
-    clears_crc: DFF<Bit>,
+    clear_word: DFF<Bit>,
+    clear_crc: DFF<Bit>,
     shifts: Delay<2, 1>,
-    came: DFF<Bits<32>>,
+    read_word: DFF<Bits<32>>,
     word: DFF<Bits<64>>,
     crc: DFF<Bits<32>>,
     advance: Signal<Local, Bit>,
-    again: Signal<Local, Bit>,
-    turned: Signal<Local, Bits<64>>,
-    shown: Signal<Local, Bits<32>>,
+    restart: Signal<Local, Bit>,
+    rotated: Signal<Local, Bits<64>>,
+    status_word: Signal<Local, Bits<32>>,
 }
 
 impl Reader {
@@ -92,43 +92,29 @@ impl Logic for Reader {
     #[kernel]
     fn update(&mut self) {
         dff_setup!(
-            self,
-            clock,
-            on,
-            fresh,
-            request,
-            space,
-            bank_q,
-            row_q,
-            remaining,
-            cycle,
-            at_end,
-            clears_word,
-            clears_crc,
-            came,
-            word,
-            crc
+            self, clock, is_active, fresh, request, space, bank_q, row_q, remaining, cycle, at_end,
+            clear_word, clear_crc, read_word, word, crc
         );
         self.shifts.clock.next = self.clock.val();
 
         // A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes through the CRC in the last 64.
         self.advance.next = self.request.q.val()
-            && (self.taken.val()
+            && (self.grant.val()
                 || (self.thresholds_valid.val() && self.space.q.val().any())
                 || (self.space.q.val() == 3));
-        if self.on.q.val() && (!self.request.q.val() || self.advance.val()) {
+        if self.is_active.q.val() && (!self.request.q.val() || self.advance.val()) {
             self.cycle.d.next = self.cycle.q.val() + 1;
         }
-        self.at_end.d.next = self.on.q.val() && (self.cycle.q.val() == 254);
-        self.shifts.now.next = 0.into();
-        if self.on.q.val() && (self.cycle.q.val().get_bits::<2>(6) == 3) {
-            self.shifts.now.next = 3.into();
+        self.at_end.d.next = self.is_active.q.val() && (self.cycle.q.val() == 254);
+        self.shifts.data.next = 0.into();
+        if self.is_active.q.val() && (self.cycle.q.val().get_bits::<2>(6) == 3) {
+            self.shifts.data.next = 3.into();
         }
-        self.again.next = self.at_end.q.val() && (self.fresh.q.val() || self.remaining.q.val().any());
+        self.restart.next = self.at_end.q.val() && (self.fresh.q.val() || self.remaining.q.val().any());
         if self.advance.val() {
             self.request.d.next = false;
         }
-        if self.again.val() {
+        if self.restart.val() {
             self.request.d.next = true;
         }
         if self.at_end.q.val() && !self.fresh.q.val() {
@@ -137,10 +123,10 @@ impl Logic for Reader {
         }
         if self.at_end.q.val() {
             self.fresh.d.next = false;
-            self.on.d.next = self.again.val();
+            self.is_active.d.next = self.restart.val();
         }
         if self.starts.val() {
-            self.on.d.next = true;
+            self.is_active.d.next = true;
             self.fresh.d.next = true;
             self.request.d.next = false;
             self.at_end.d.next = false;
@@ -150,59 +136,60 @@ impl Logic for Reader {
             self.row_q.d.next = self.command.val().get_bits::<12>(12);
             self.remaining.d.next = self.command.val().get_bits::<12>(0);
         }
-        self.clears_word.d.next = self.again.val() || self.reset.val();
-        self.clears_crc.d.next = (self.at_end.q.val() && self.fresh.q.val()) || self.reset.val();
+        self.clear_word.d.next = self.restart.val() || self.reset.val();
+        self.clear_crc.d.next = (self.at_end.q.val() && self.fresh.q.val()) || self.reset.val();
 
         // What comes is gathered by or; 64 turns later the row is as it was.
-        self.came.d.next = 0.into();
+        self.read_word.d.next = 0.into();
         if self.advance.val() && (self.space.q.val() == 1) {
-            self.came.d.next = self.thresholds.val();
+            self.read_word.d.next = self.thresholds.val();
         } else if self.advance.val() && (self.space.q.val() == 2) {
-            self.came.d.next = self.previous.val();
+            self.read_word.d.next = self.previous.val();
         } else if self.advance.val() && (self.space.q.val() == 3) {
-            self.came.d.next = self.register.val();
+            self.read_word.d.next = self.register.val();
         }
-        self.turned.next = self.word.q.val() >> 1;
+        self.rotated.next = self.word.q.val() >> 1;
         if self.word.q.val().get_bit(0) {
-            self.turned.next = (self.word.q.val() >> 1) | self.top.val();
+            self.rotated.next = (self.word.q.val() >> 1) | self.top.val();
         }
-        self.word.d.next = self.word.q.val() | self.weights.val() | bit_cast::<64, 32>(self.came.q.val());
-        if self.shifts.later.val().get_bit(0) {
-            self.word.d.next = self.turned.val();
+        self.word.d.next =
+            self.word.q.val() | self.weights.val() | bit_cast::<64, 32>(self.read_word.q.val());
+        if self.shifts.delayed.val().get_bit(0) {
+            self.word.d.next = self.rotated.val();
         }
-        if self.clears_word.q.val() {
+        if self.clear_word.q.val() {
             self.word.d.next = 0.into();
         }
-        if self.shifts.later.val().get_bit(1) {
+        if self.shifts.delayed.val().get_bit(1) {
             self.crc.d.next = self.crc.q.val() >> 1;
             if self.crc.q.val().get_bit(0) != self.word.q.val().get_bit(0) {
                 self.crc.d.next = (self.crc.q.val() >> 1) ^ self.polynomial.val();
             }
         }
-        if self.clears_crc.q.val() {
+        if self.clear_crc.q.val() {
             self.crc.d.next = self.ones.val();
         }
 
-        self.wants_weights.next = self.request.q.val() && (self.space.q.val() == 0);
-        self.wants_thresholds.next =
+        self.request_weights.next = self.request.q.val() && (self.space.q.val() == 0);
+        self.request_thresholds.next =
             self.request.q.val() && ((self.space.q.val() == 1) || (self.space.q.val() == 2));
         self.bank.next = self.bank_q.q.val();
         self.row.next = self.row_q.q.val();
-        self.shown.next = !self.crc.q.val();
+        self.status_word.next = !self.crc.q.val();
         if self.select.val() == 1 {
-            self.shown.next = self.word.q.val().get_bits::<32>(0);
+            self.status_word.next = self.word.q.val().get_bits::<32>(0);
         } else if self.select.val() == 2 {
-            self.shown.next = self.word.q.val().get_bits::<32>(32);
+            self.status_word.next = self.word.q.val().get_bits::<32>(32);
         } else if self.select.val() == 3 {
-            self.shown.next = 0.into();
-            if self.on.q.val() {
-                self.shown.next = 1.into();
+            self.status_word.next = 0.into();
+            if self.is_active.q.val() {
+                self.status_word.next = 1.into();
             }
         }
-        self.value.next = self.shown.val();
+        self.value.next = self.status_word.val();
 
         if self.reset.val() {
-            self.on.d.next = false;
+            self.is_active.d.next = false;
             self.request.d.next = false;
             self.at_end.d.next = false;
             self.cycle.d.next = 0.into();

@@ -17,7 +17,7 @@ pub struct Registers {
     pub write_enable: Signal<In, Bit>,
     /// Which: 0 and 1 are the shifts of each set, 2 is control.
     pub write_row: Signal<In, Row>,
-    /// Its new value.
+    /// New value of the register.
     pub write_data: Signal<In, Bits<32>>,
     /// Shifts of set 0 (`edof_device::design::memory::Shifts::word`).
     pub shifts_0: Signal<Out, Bits<20>>,

@@ -1,4 +1,4 @@
-//! From sums to the words that go on.
+//! From sums to output words.
 
 use super::base_ring::BaseRing;
 use super::delay::Delay;
@@ -13,7 +13,7 @@ use edof_device::design::{Design, StagePlan, memory};
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
-/// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
+/// From sums to output words, two elements per cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
 /// shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
 #[derive(Circuit)]
 #[circuit(default(Delay), role(_role))]
@@ -26,9 +26,9 @@ pub struct Results {
     pub take: Signal<In, Bit>,
     /// Which two of their vector.
     pub beat: Signal<In, Bits<8>>,
-    /// Whether they are its last.
+    /// The two sums are the last of their vector.
     pub last: Signal<In, Bit>,
-    /// Its set.
+    /// Set of the vector of the two sums.
     pub set: Signal<In, Bit>,
     /// The even sum, seven cycles after `take`.
     pub sum_even: Signal<In, Sum>,
@@ -40,35 +40,35 @@ pub struct Results {
     pub shifts_1: Signal<In, Bits<20>>,
     /// A beat with base words arrives at the stage.
     pub base_write: Signal<In, Bit>,
-    /// They.
+    /// Two base words of the beat.
     pub base_words: Signal<In, Pair>,
     /// Writes two thresholds.
     pub write_thresholds: Signal<In, Bit>,
     /// Writes two thresholds of the stage before.
     pub write_previous: Signal<In, Bit>,
-    /// Where.
+    /// Address of the word to write.
     pub write_row: Signal<In, Row>,
-    /// What.
+    /// Word to write.
     pub write_data: Signal<In, Bits<32>>,
     /// Two thresholds are to be read back in a cycle in which no beat needs any.
     pub read_wanted: Signal<In, Bit>,
-    /// Which.
+    /// Row of the two thresholds to read.
     pub read_row: Signal<In, Row>,
-    /// They are here.
+    /// The two thresholds that were read are valid.
     pub read_valid: Signal<Out, Bit>,
-    /// They.
+    /// The two thresholds that were read.
     pub read_thresholds: Signal<Out, Bits<32>>,
-    /// Those of the stage before.
+    /// Thresholds of the stage before.
     pub read_previous: Signal<Out, Bits<32>>,
     /// A beat is done, 23 cycles after `take`.
     pub push: Signal<Out, Bit>,
-    /// Its two words.
+    /// Two words of the beat, the even one low.
     pub data: Signal<Out, Pair>,
     /// Bit 0 whether it is its vector's last, bit 1 its set.
     pub done: Signal<Out, Bits<2>>,
     /// Base words for the next stage are done, no later than their beat.
     pub base_push: Signal<Out, Bit>,
-    /// They.
+    /// Base words for the next stage.
     pub base: Signal<Out, Pair>,
     /// Which words are not zero.
     pub nonzero: Signal<Out, Bits<2>>,
@@ -178,13 +178,13 @@ impl Logic for Results {
         self.marks.next = (bit_cast::<3, 1>(self.set.val().into()) << 2)
             | (bit_cast::<3, 1>(self.last.val().into()) << 1)
             | bit_cast::<3, 1>(self.take.val().into());
-        self.marks_to_5.now.next = self.marks.val();
-        self.marks_to_6.now.next = self.marks_to_5.later.val();
-        self.marks_to_23.now.next = self.marks_to_6.later.val();
+        self.marks_to_5.data.next = self.marks.val();
+        self.marks_to_6.data.next = self.marks_to_5.delayed.val();
+        self.marks_to_23.data.next = self.marks_to_6.delayed.val();
         self.place.next = (bit_cast::<10, 1>(self.take.val().into()) << 9)
             | (bit_cast::<10, 1>(self.set.val().into()) << 8)
             | bit_cast::<10, 8>(self.beat.val());
-        self.place_to_15.now.next = self.place.val();
+        self.place_to_15.data.next = self.place.val();
 
         // Cycles 7 to 17: base and rounding.
         self.base_word.next = 0.into();
@@ -193,11 +193,11 @@ impl Logic for Results {
             self.base_ring[i].reset.next = self.reset.val();
             self.base_ring[i].write.next = self.base_write.val();
             self.base_ring[i].words.next = self.base_words.val();
-            self.base_ring[i].read.next = self.marks_to_5.later.val().get_bit(0);
+            self.base_ring[i].read.next = self.marks_to_5.delayed.val().get_bit(0);
             self.base_word.next = self.base_ring[i].front.val();
         }
         self.shifts.d.next = self.shifts_0.val().get_bits::<12>(0);
-        if self.marks_to_6.later.val().get_bit(2) {
+        if self.marks_to_6.delayed.val().get_bit(2) {
             self.shifts.d.next = self.shifts_1.val().get_bits::<12>(0);
         }
         self.requantize_even.sum.next = self.sum_even.val();
@@ -210,18 +210,18 @@ impl Logic for Results {
         self.requantize_odd.result_shift.next = self.shifts.q.val().get_bits::<6>(0);
         self.result.next = (bit_cast::<32, 16>(self.requantize_odd.result.val()) << 16)
             | bit_cast::<32, 16>(self.requantize_even.result.val());
-        self.result_flags.now.next = (bit_cast::<2, 1>(self.requantize_odd.saturated.val().into()) << 1)
+        self.result_flags.data.next = (bit_cast::<2, 1>(self.requantize_odd.saturated.val().into()) << 1)
             | bit_cast::<2, 1>(self.requantize_even.saturated.val().into());
-        self.result_saturated.next = self.result_flags.later.val();
+        self.result_saturated.next = self.result_flags.delayed.val();
 
         // Cycles 18 to 20: thresholds, read in cycle 17.
-        self.threshold_row.d.next = bit_cast::<12, 8>(self.place_to_15.later.val().get_bits::<8>(0));
-        if self.place_to_15.later.val().get_bit(8) {
+        self.threshold_row.d.next = bit_cast::<12, 8>(self.place_to_15.delayed.val().get_bits::<8>(0));
+        if self.place_to_15.delayed.val().get_bit(8) {
             self.threshold_row.d.next =
-                bit_cast::<12, 8>(self.place_to_15.later.val().get_bits::<8>(0)) + self.set_rows.val();
+                bit_cast::<12, 8>(self.place_to_15.delayed.val().get_bits::<8>(0)) + self.set_rows.val();
         }
         self.read_16.d.next = self.read_wanted.val();
-        if self.place_to_15.later.val().get_bit(9) {
+        if self.place_to_15.delayed.val().get_bit(9) {
             self.read_16.d.next = false;
         } else {
             self.threshold_row.d.next = self.read_row.val();
@@ -259,14 +259,14 @@ impl Logic for Results {
         self.code.next =
             (bit_cast::<32, 16>(self.code_odd.val()) << 16) | bit_cast::<32, 16>(self.code_even.val());
         for i in 0..self.thresholds.count() {
-            self.code_flags[i].now.next = self.code_flag.val();
-            self.code_saturated.next = self.code_flags[i].later.val();
+            self.code_flags[i].data.next = self.code_flag.val();
+            self.code_saturated.next = self.code_flags[i].delayed.val();
         }
         self.sent.next = 0.into();
         for i in 0..self.codes_to_23.count() {
             self.codes_to_23[i].clock.next = self.clock.val();
-            self.codes_to_23[i].now.next = self.code.val();
-            self.sent.next = self.codes_to_23[i].later.val();
+            self.codes_to_23[i].data.next = self.code.val();
+            self.sent.next = self.codes_to_23[i].delayed.val();
         }
 
         // Cycles 21 to 23: the difference to the z before, made again from the base and the thresholds before.
@@ -286,7 +286,7 @@ impl Logic for Results {
             (bit_cast::<32, 16>(self.change_odd.val()) << 16) | bit_cast::<32, 16>(self.change_even.val());
         for i in 0..self.difference_even.count() {
             self.base_to_17[i].clock.next = self.clock.val();
-            self.base_to_17[i].now.next = self.base_word.val();
+            self.base_to_17[i].data.next = self.base_word.val();
             self.previous_thresholds[i].clock.next = self.clock.val();
             self.previous_thresholds[i].read_address.next = self.threshold_row.q.val();
             self.read_previous.next = self.previous_thresholds[i].read_data.val();
@@ -294,45 +294,45 @@ impl Logic for Results {
             self.previous_thresholds[i].write_address.next = self.write_row.val();
             self.previous_thresholds[i].write_data.next = self.write_data.val();
             self.previous_even[i].clock.next = self.clock.val();
-            self.previous_even[i].code.next = self.base_to_17[i].later.val().get_bits::<16>(0);
+            self.previous_even[i].code.next = self.base_to_17[i].delayed.val().get_bits::<16>(0);
             self.previous_even[i].threshold.next =
                 self.previous_thresholds[i].read_data.val().get_bits::<16>(0);
             self.previous_odd[i].clock.next = self.clock.val();
-            self.previous_odd[i].code.next = self.base_to_17[i].later.val().get_bits::<16>(16);
+            self.previous_odd[i].code.next = self.base_to_17[i].delayed.val().get_bits::<16>(16);
             self.previous_odd[i].threshold.next =
                 self.previous_thresholds[i].read_data.val().get_bits::<16>(16);
             self.difference_even[i].clock.next = self.clock.val();
-            self.difference_even[i].now.next = self.code_even.val();
-            self.difference_even[i].before.next = self.previous_even[i].result.val();
+            self.difference_even[i].current.next = self.code_even.val();
+            self.difference_even[i].previous.next = self.previous_even[i].result.val();
             self.difference_odd[i].clock.next = self.clock.val();
-            self.difference_odd[i].now.next = self.code_odd.val();
-            self.difference_odd[i].before.next = self.previous_odd[i].result.val();
+            self.difference_odd[i].current.next = self.code_odd.val();
+            self.difference_odd[i].previous.next = self.previous_odd[i].result.val();
             self.sent.next = self.change.val();
         }
 
-        // What goes on.
-        self.base_push.next = self.marks_to_23.later.val().get_bit(0);
+        // Output words.
+        self.base_push.next = self.marks_to_23.delayed.val().get_bit(0);
         self.base.next = 0.into();
         for i in 0..self.result_to_23.count() {
             self.result_to_23[i].clock.next = self.clock.val();
-            self.result_to_23[i].now.next = self.result.val();
-            self.sent.next = self.result_to_23[i].later.val();
+            self.result_to_23[i].data.next = self.result.val();
+            self.sent.next = self.result_to_23[i].delayed.val();
         }
         for i in 0..self.base_to_23.count() {
             self.base_to_23[i].clock.next = self.clock.val();
-            self.base_to_23[i].now.next = self.result.val();
-            self.base.next = self.base_to_23[i].later.val();
+            self.base_to_23[i].data.next = self.result.val();
+            self.base.next = self.base_to_23[i].delayed.val();
         }
         // Base words that only pass through wait where all do, in the FIFO behind.
         for i in 0..self.base_mark.count() {
             self.base_mark[i].clock.next = self.clock.val();
-            self.base_mark[i].now.next = self.marks_to_6.later.val().get_bits::<1>(0);
-            self.base_push.next = self.base_mark[i].later.val().get_bit(0);
+            self.base_mark[i].data.next = self.marks_to_6.delayed.val().get_bits::<1>(0);
+            self.base_push.next = self.base_mark[i].delayed.val().get_bit(0);
             self.base.next = self.base_word.val();
         }
         self.data.next = self.sent.val();
-        self.push.next = self.marks_to_23.later.val().get_bit(0);
-        self.done.next = self.marks_to_23.later.val().get_bits::<2>(1);
+        self.push.next = self.marks_to_23.delayed.val().get_bit(0);
+        self.done.next = self.marks_to_23.delayed.val().get_bits::<2>(1);
         self.nonzero.next = (bit_cast::<2, 1>(self.sent.val().get_bits::<16>(16).any().into()) << 1)
             | bit_cast::<2, 1>(self.sent.val().get_bits::<16>(0).any().into());
     }

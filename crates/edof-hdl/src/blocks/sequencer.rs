@@ -7,7 +7,7 @@ use rust_hdl::prelude::*;
 
 /// Which step of which pass is next: over a vector's pairs first, then over the window (F), once a pass, one step a cycle.
 /// What a pass must know is looked up before it begins, so that the next begins in the cycle after the last step of the one before;
-/// all that a step reads comes out of registers. In a cycle of `steal` there is no step, and nothing moves.
+/// all that a step reads comes out of registers. While `steal` is high, no step is issued and the current pass is held.
 #[derive(Circuit)]
 pub struct Sequencer {
     /// Clock.
@@ -28,9 +28,9 @@ pub struct Sequencer {
     pub valid_a: Signal<Out, Bit>,
     /// With a second one.
     pub valid_b: Signal<Out, Bit>,
-    /// It is the first of its pass.
+    /// The step is the first of its pass.
     pub first: Signal<Out, Bit>,
-    /// It is one of the window's.
+    /// The step belongs to the window (linear path).
     pub linear: Signal<Out, Bit>,
     /// The odd one of two elements that are read is meant (where one is taken a cycle).
     pub odd: Signal<Out, Bit>,
@@ -42,11 +42,11 @@ pub struct Sequencer {
     pub read_pixels: Signal<Out, Bits<7>>,
     /// Row of weights of input 0 in this pass.
     pub base: Signal<Out, Row>,
-    /// What the step's row of weights is after `base`, but for a pair's.
+    /// Offset of the step's row of weights after `base`; for a pair, its index is added.
     pub offset: Signal<Out, Row>,
-    /// It is the last of its pass.
+    /// The step is the last of its pass.
     pub pass_issued: Signal<Out, Bit>,
-    /// It is the last of its vector.
+    /// The step is the last of its vector.
     pub finished: Signal<Out, Bit>,
     two_rows: Constant<Bit>,
     has_linear: Constant<Bit>,
@@ -67,7 +67,7 @@ pub struct Sequencer {
     slot: DFF<Bits<2>>,
     pass: DFF<Bits<6>>,
     pass_row: DFF<Row>,
-    known: DFF<Bit>,
+    next_known: DFF<Bit>,
     job: DFF<Descriptor>,
     job_row: DFF<Row>,
     job_slot: DFF<Bits<2>>,
@@ -127,7 +127,7 @@ impl Logic for Sequencer {
             slot,
             pass,
             pass_row,
-            known,
+            next_known,
             job,
             job_row,
             job_slot,
@@ -151,7 +151,7 @@ impl Logic for Sequencer {
         self.pass_done.next =
             self.step_valid.val() && self.at_end.q.val() && (self.linear_q.q.val() || !self.has_linear.val());
         self.grant.next =
-            self.known.q.val() && self.may_start.val() && (!self.active.q.val() || self.pass_done.val());
+            self.next_known.q.val() && self.may_start.val() && (!self.active.q.val() || self.pass_done.val());
         self.pop.next = self.grant.val() && self.job_is_last.q.val();
         self.begins.next = self.grant.val();
         self.pass_issued.next = self.pass_done.val();
@@ -194,7 +194,7 @@ impl Logic for Sequencer {
         } else if self.slot.q.val() == 3 {
             self.next.next = self.descriptor_3.q.val();
         }
-        self.known.d.next = self.waiting.q.val().any() && !self.grant.val();
+        self.next_known.d.next = self.waiting.q.val().any() && !self.grant.val();
         self.job.d.next = self.next.val();
         self.job_slot.d.next = self.slot.q.val();
         self.job_is_last.d.next = self.pass.q.val() == self.last_pass.val();
@@ -259,7 +259,7 @@ impl Logic for Sequencer {
             self.slot.d.next = 0.into();
             self.pass.d.next = 0.into();
             self.pass_row.d.next = 0.into();
-            self.known.d.next = false;
+            self.next_known.d.next = false;
             self.active.d.next = false;
         }
     }

@@ -16,10 +16,10 @@ pub struct Shrink {
     pub threshold: Signal<In, Word>,
     /// z.
     pub result: Signal<Out, Word>,
-    /// Whether it did not fit (a negative θ).
+    /// The result did not fit and is clamped (a negative θ).
     pub saturated: Signal<Out, Bits<1>>,
     two_sided: Constant<Bit>,
-    most: Constant<Bits<17>>,
+    max: Constant<Bits<17>>,
     above_1: DFF<Bits<17>>,
     below_1: DFF<Bits<17>>,
     above_2: DFF<Word>,
@@ -39,7 +39,7 @@ impl Shrink {
     pub fn new(shrinkage: Shrinkage, bits: u32) -> Self {
         Self::from_parts(ShrinkParts {
             two_sided: Constant::new(shrinkage == Shrinkage::TwoSided),
-            most: Constant::new(((1u64 << (bits - 1)) - 1).into()),
+            max: Constant::new(((1u64 << (bits - 1)) - 1).into()),
         })
     }
 }
@@ -78,7 +78,7 @@ impl Logic for Shrink {
         self.below_2.d.next = self.below_1.q.val().get_bits::<16>(0);
         self.is_above.d.next = self.above_1.q.val().any() && !self.above_1.q.val().get_bit(16);
         self.is_below.d.next = self.two_sided.val() && self.below_1.q.val().get_bit(16);
-        self.too_large.d.next = self.above_1.q.val() > self.most.val();
+        self.too_large.d.next = self.above_1.q.val() > self.max.val();
 
         // Cycle 3: the result.
         self.result_q.d.next = 0.into();
@@ -86,7 +86,7 @@ impl Logic for Shrink {
         if self.is_above.q.val() {
             self.result_q.d.next = self.above_2.q.val();
             if self.too_large.q.val() {
-                self.result_q.d.next = self.most.val().get_bits::<16>(0);
+                self.result_q.d.next = self.max.val().get_bits::<16>(0);
                 self.saturated_q.d.next = true;
             }
         } else if self.is_below.q.val() {

@@ -33,49 +33,49 @@ pub struct Stage {
     pub clock: Signal<In, Clock>,
     /// Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until something can be taken.
     pub reset: Signal<In, Bit>,
-    /// Forgets every vector and nothing else; held likewise.
+    /// Drops every vector and nothing else; held for as long as `reset`.
     pub flush: Signal<In, Bit>,
-    /// A beat stands on the input.
+    /// The input beat is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// Its two words.
+    /// Two words of the beat, the even one low.
     pub data: Signal<In, Pair>,
-    /// Their base words (M).
+    /// Base words of the same two elements (M).
     pub base: Signal<In, Pair>,
-    /// Whether it is its vector's last.
+    /// The beat is the last of its vector.
     pub last: Signal<In, Bit>,
     /// The vector's set.
     pub set: Signal<In, Bit>,
-    /// Two pixels stand on the window input (F with a linear path).
+    /// Two pixels on the window input are valid (F with a linear path).
     pub window_valid: Signal<In, Bit>,
-    /// They are taken in this cycle, if there are any.
+    /// The block accepts a valid input in this cycle.
     pub window_ready: Signal<Out, Bit>,
-    /// They.
+    /// Two pixels of the window, the left one low.
     pub window_data: Signal<In, Pair>,
-    /// Whether they are their window's last.
+    /// The beat is the last of its window.
     pub window_last: Signal<In, Bit>,
-    /// A beat stands on the output.
+    /// The output beat is valid.
     pub out_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub out_ready: Signal<In, Bit>,
-    /// Its two words.
+    /// Two words of the beat, the even one low.
     pub out_data: Signal<Out, Pair>,
-    /// Their base words.
+    /// Base words of the same two elements.
     pub out_base: Signal<Out, Pair>,
-    /// Whether it is its vector's last.
+    /// The beat is the last of its vector.
     pub out_last: Signal<Out, Bit>,
     /// The vector's set.
     pub out_set: Signal<Out, Bit>,
-    /// A word is to be written (`edof_device::design::memory::address`).
+    /// The word to write is valid (`edof_device::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
-    /// Where.
+    /// Address of the word to write.
     pub write_address: Signal<In, Bits<25>>,
-    /// What.
+    /// Word to write.
     pub write_data: Signal<In, Bits<32>>,
     /// What to show: bit 6 counters or what was read back, then stage (4 bits), then which (2 bits).
     pub status_address: Signal<In, Bits<7>>,
-    /// It, a cycle later; 0 from all other stages.
+    /// Word that `status_address` selected, one cycle later; 0 from all other stages.
     pub status: Signal<Out, Bits<32>>,
     id: Constant<Bits<4>>,
     whole_chain: Constant<Bits<4>>,
@@ -132,7 +132,7 @@ pub struct Stage {
     reads: Signal<Local, Bit>,
     weights_word: Signal<Local, Bits<53>>,
     weights_marks: Signal<Local, Bits<53>>,
-    asked: Signal<Local, Bits<32>>,
+    read_word: Signal<Local, Bits<32>>,
     _role: String,
 }
 
@@ -199,7 +199,7 @@ impl Logic for Stage {
         self.registers.clock.next = self.clock.val();
         self.counters.clock.next = self.clock.val();
         self.check.clock.next = self.clock.val();
-        self.check.reset.next = self.reset_parts.later.val().get_bit(7);
+        self.check.reset.next = self.reset_parts.delayed.val().get_bit(7);
         self.weights_to_5.clock.next = self.clock.val();
         self.reader.clock.next = self.clock.val();
 
@@ -209,16 +209,16 @@ impl Logic for Stage {
             self.resets.next = 0xff.into();
         }
         self.reset_parts.clock.next = self.clock.val();
-        self.reset_parts.now.next = self.resets.val();
+        self.reset_parts.data.next = self.resets.val();
         self.reset_registers.clock.next = self.clock.val();
-        self.reset_registers.now.next = self.reset.val().into();
-        self.reader.reset.next = self.reset_parts.later.val().get_bit(6);
-        self.sequencer.reset.next = self.reset_parts.later.val().get_bit(2);
-        self.drain.reset.next = self.reset_parts.later.val().get_bit(3);
-        self.results.reset.next = self.reset_parts.later.val().get_bit(4);
-        self.fifo.reset.next = self.reset_parts.later.val().get_bit(5);
-        self.registers.reset.next = self.reset_registers.later.val().get_bit(0);
-        self.counters.reset.next = self.reset_registers.later.val().get_bit(0);
+        self.reset_registers.data.next = self.reset.val().into();
+        self.reader.reset.next = self.reset_parts.delayed.val().get_bit(6);
+        self.sequencer.reset.next = self.reset_parts.delayed.val().get_bit(2);
+        self.drain.reset.next = self.reset_parts.delayed.val().get_bit(3);
+        self.results.reset.next = self.reset_parts.delayed.val().get_bit(4);
+        self.fifo.reset.next = self.reset_parts.delayed.val().get_bit(5);
+        self.registers.reset.next = self.reset_registers.delayed.val().get_bit(0);
+        self.counters.reset.next = self.reset_registers.delayed.val().get_bit(0);
 
         // In: vectors, bases, windows.
         self.ready_in.next = false;
@@ -227,7 +227,7 @@ impl Logic for Stage {
         for i in 0..self.pairs.count() {
             self.pair_operands[i].pixels.next = 0.into();
             self.pairs[i].clock.next = self.clock.val();
-            self.pairs[i].reset.next = self.reset_parts.later.val().get_bit(0);
+            self.pairs[i].reset.next = self.reset_parts.delayed.val().get_bit(0);
             self.pairs[i].skip_zeros.next = self.registers.skip_zeros.val();
             self.pairs[i].valid.next = self.valid.val();
             self.pairs[i].even.next = self.data.val().get_bits::<16>(0);
@@ -242,7 +242,7 @@ impl Logic for Stage {
         }
         for i in 0..self.vectors.count() {
             self.vectors[i].clock.next = self.clock.val();
-            self.vectors[i].reset.next = self.reset_parts.later.val().get_bit(0);
+            self.vectors[i].reset.next = self.reset_parts.delayed.val().get_bit(0);
             self.vectors[i].valid.next = self.valid.val();
             self.vectors[i].data.next = self.data.val();
             self.vectors[i].last.next = self.last.val();
@@ -259,7 +259,7 @@ impl Logic for Stage {
         self.window_ready.next = true;
         for i in 0..self.ring.count() {
             self.ring[i].clock.next = self.clock.val();
-            self.ring[i].reset.next = self.reset_parts.later.val().get_bit(1);
+            self.ring[i].reset.next = self.reset_parts.delayed.val().get_bit(1);
             self.ring[i].valid.next = self.window_valid.val();
             self.ring[i].pixels.next = self.window_data.val();
             self.ring[i].last.next = self.window_last.val();
@@ -335,15 +335,15 @@ impl Logic for Stage {
         self.macc.shift.next = self.drain.take.val();
         // What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2 set, then which.
         self.marks.next = (bit_cast::<11, 8>(self.drain.beat.val()) << 3)
-            | (bit_cast::<11, 1>(self.drain.taken_set.val().into()) << 2)
+            | (bit_cast::<11, 1>(self.drain.take_set.val().into()) << 2)
             | (bit_cast::<11, 1>(self.drain.last.val().into()) << 1)
             | bit_cast::<11, 1>(self.drain.take.val().into());
         self.marks_to_groups.clock.next = self.clock.val();
-        self.marks_to_groups.now.next = self.marks.val();
-        self.results.take.next = self.marks_to_groups.later.val().get_bit(0);
-        self.results.last.next = self.marks_to_groups.later.val().get_bit(1);
-        self.results.set.next = self.marks_to_groups.later.val().get_bit(2);
-        self.results.beat.next = self.marks_to_groups.later.val().get_bits::<8>(3);
+        self.marks_to_groups.data.next = self.marks.val();
+        self.results.take.next = self.marks_to_groups.delayed.val().get_bit(0);
+        self.results.last.next = self.marks_to_groups.delayed.val().get_bit(1);
+        self.results.set.next = self.marks_to_groups.delayed.val().get_bit(2);
+        self.results.beat.next = self.marks_to_groups.delayed.val().get_bits::<8>(3);
         self.results.sum_even.next = self.macc.sum_even.val();
         self.results.sum_odd.next = self.macc.sum_odd.val();
         self.results.shifts_0.next = self.registers.shifts_0.val();
@@ -355,7 +355,7 @@ impl Logic for Stage {
         self.fifo.push.next = self.results.push.val();
         self.fifo.data.next = self.finished_word.val();
         self.fifo.front_ready.next = self.out_ready.val();
-        self.drain.returned.next = self.fifo.front_valid.val() && self.out_ready.val();
+        self.drain.credit_return.next = self.fifo.front_valid.val() && self.out_ready.val();
         self.out_valid.next = self.fifo.front_valid.val();
         self.check.valid.next = self.fifo.front_valid.val() && self.out_ready.val();
         self.check.data.next = self.fifo.front_data.val().get_bits::<32>(2);
@@ -365,7 +365,7 @@ impl Logic for Stage {
         self.out_base.next = 0.into();
         for i in 0..self.base_fifo.count() {
             self.base_fifo[i].clock.next = self.clock.val();
-            self.base_fifo[i].reset.next = self.reset_parts.later.val().get_bit(5);
+            self.base_fifo[i].reset.next = self.reset_parts.delayed.val().get_bit(5);
             self.base_fifo[i].push.next = self.results.base_push.val();
             self.base_fifo[i].data.next = self.results.base.val();
             self.base_fifo[i].front_ready.next = self.fifo.front_valid.val() && self.out_ready.val();
@@ -393,7 +393,7 @@ impl Logic for Stage {
         self.address_2.d.next = self.address_1.q.val().get_bits::<19>(0);
         self.data_2.d.next = self.data_1.q.val();
         // A row is read back in a cycle without a write, whatever that would write.
-        self.reads.next = self.reader.wants_weights.val() && !self.write_1.q.val();
+        self.reads.next = self.reader.request_weights.val() && !self.write_1.q.val();
         self.read_2.d.next = self.reads.val();
         if self.reads.val() {
             self.address_2.d.next = (bit_cast::<19, 6>(self.reader.bank.val()) << 13)
@@ -415,14 +415,14 @@ impl Logic for Stage {
         } else if self.read_2.q.val() {
             self.weights_marks.next = 2.into();
         }
-        self.weights_to_5.now.next = self.weights_word.val() | self.weights_marks.val();
+        self.weights_to_5.data.next = self.weights_word.val() | self.weights_marks.val();
         // What registers hold at first is nothing that was written.
-        self.macc.write_enable.next = self.weights_to_5.later.val().get_bit(0) && !self.reset.val();
-        self.macc.read_enable.next = self.weights_to_5.later.val().get_bit(1);
-        self.macc.write_bank.next = self.weights_to_5.later.val().get_bits::<6>(47);
-        self.macc.write_row.next = self.weights_to_5.later.val().get_bits::<12>(35);
-        self.macc.write_half.next = self.weights_to_5.later.val().get_bit(34);
-        self.macc.write_data.next = self.weights_to_5.later.val().get_bits::<32>(2);
+        self.macc.write_enable.next = self.weights_to_5.delayed.val().get_bit(0) && !self.reset.val();
+        self.macc.read_enable.next = self.weights_to_5.delayed.val().get_bit(1);
+        self.macc.write_bank.next = self.weights_to_5.delayed.val().get_bits::<6>(47);
+        self.macc.write_row.next = self.weights_to_5.delayed.val().get_bits::<12>(35);
+        self.macc.write_half.next = self.weights_to_5.delayed.val().get_bit(34);
+        self.macc.write_data.next = self.weights_to_5.delayed.val().get_bits::<32>(2);
         self.results.write_thresholds.next = self.thresholds_2.q.val() && !self.reset.val();
         self.results.write_previous.next = self.previous_2.q.val() && !self.reset.val();
         self.results.write_row.next = self.address_2.q.val().get_bits::<12>(1);
@@ -436,9 +436,9 @@ impl Logic for Stage {
         // Reads back.
         self.reader.starts.next = self.command_2.q.val();
         self.reader.command.next = self.data_2.q.val();
-        self.reader.taken.next = self.reads.val();
+        self.reader.grant.next = self.reads.val();
         self.reader.weights.next = self.macc.read_data.val();
-        self.results.read_wanted.next = self.reader.wants_thresholds.val();
+        self.results.read_wanted.next = self.reader.request_thresholds.val();
         self.results.read_row.next = self.reader.row.val();
         self.reader.thresholds_valid.next = self.results.read_valid.val();
         self.reader.thresholds.next = self.results.read_thresholds.val();
@@ -460,13 +460,13 @@ impl Logic for Stage {
         }
         self.reader.select.next = self.status_address.val().get_bits::<2>(0);
         self.counters.select.next = self.status_address.val().get_bits::<2>(0);
-        self.asked.next = self.counters.value.val();
+        self.read_word.next = self.counters.value.val();
         if self.status_address.val().get_bit(6) {
-            self.asked.next = self.reader.value.val();
+            self.read_word.next = self.reader.value.val();
         }
         self.status_q.d.next = 0.into();
         if self.status_address.val().get_bits::<4>(2) == self.id.val() {
-            self.status_q.d.next = self.asked.val();
+            self.status_q.d.next = self.read_word.val();
         }
         self.status.next = self.status_q.q.val();
     }

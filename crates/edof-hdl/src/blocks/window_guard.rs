@@ -6,9 +6,9 @@ use crate::describe::{Circuit, kernel};
 use edof_device::design::StagePlan;
 use rust_hdl::prelude::*;
 
-/// Hands on whole windows only. One whose `last` comes too early is filled up with zeros, a beat a cycle; of one whose `last` comes
-/// too late the rest is thrown away. Each is counted, and the beat after its `last` is the first of the next window. A window that is
-/// right passes within the cycle.
+/// Passes whole windows only. A window whose `last` is early is filled with zeros, one beat per cycle. If `last` is late, the excess
+/// beats are discarded. Both kinds are counted, and the beat after `last` is the first of the next window. A correct window passes
+/// within the cycle.
 #[derive(Circuit)]
 #[circuit(default(Counter))]
 pub struct WindowGuard {
@@ -18,23 +18,23 @@ pub struct WindowGuard {
     pub reset: Signal<In, Bit>,
     /// Counters back to zero.
     pub reset_counters: Signal<In, Bit>,
-    /// A beat stands on the input.
+    /// The input beat is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// Its two pixels.
+    /// Two pixels of the beat, the left one low.
     pub data: Signal<In, Pair>,
-    /// Whether the sender says that it is its window's last.
+    /// The sender marks the beat as the last of its window.
     pub last: Signal<In, Bit>,
     /// The set of weights for this window.
     pub set: Signal<In, Bit>,
-    /// A beat stands on the output.
+    /// The output beat is valid.
     pub out_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub out_ready: Signal<In, Bit>,
-    /// Its two pixels.
+    /// Two pixels of the beat, the left one low.
     pub out_data: Signal<Out, Pair>,
-    /// Whether it is its window's last.
+    /// The beat is the last of its window.
     pub out_last: Signal<Out, Bit>,
     /// The window's set.
     pub out_set: Signal<Out, Bit>,
@@ -49,17 +49,17 @@ pub struct WindowGuard {
     before_last: Constant<Bits<7>>,
     beat: DFF<Bits<7>>,
     at_end: DFF<Bit>,
-    fills: DFF<Bit>,
-    drops: DFF<Bit>,
+    fill: DFF<Bit>,
+    drop: DFF<Bit>,
     set_q: DFF<Bit>,
     fault_q: DFF<Bit>,
     short_q: DFF<Bit>,
     long_q: DFF<Bit>,
     count_short: Counter,
     count_long: Counter,
-    offers: Signal<Local, Bit>,
-    passes: Signal<Local, Bit>,
-    comes: Signal<Local, Bit>,
+    is_available: Signal<Local, Bit>,
+    advance: Signal<Local, Bit>,
+    accept: Signal<Local, Bit>,
 }
 
 impl WindowGuard {
@@ -75,18 +75,18 @@ impl WindowGuard {
 impl Logic for WindowGuard {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, beat, at_end, fills, drops, set_q, fault_q, short_q, long_q);
+        dff_setup!(self, clock, beat, at_end, fill, drop, set_q, fault_q, short_q, long_q);
         self.count_short.clock.next = self.clock.val();
         self.count_long.clock.next = self.clock.val();
 
-        self.offers.next = self.fills.q.val() || (self.valid.val() && !self.drops.q.val());
-        self.passes.next = self.offers.val() && self.out_ready.val();
-        self.comes.next = self.passes.val() && !self.fills.q.val();
-        self.ready.next = self.drops.q.val() || (self.out_ready.val() && !self.fills.q.val());
-        self.out_valid.next = self.offers.val();
+        self.is_available.next = self.fill.q.val() || (self.valid.val() && !self.drop.q.val());
+        self.advance.next = self.is_available.val() && self.out_ready.val();
+        self.accept.next = self.advance.val() && !self.fill.q.val();
+        self.ready.next = self.drop.q.val() || (self.out_ready.val() && !self.fill.q.val());
+        self.out_valid.next = self.is_available.val();
         self.out_data.next = self.data.val();
         self.out_set.next = self.set.val();
-        if self.fills.q.val() {
+        if self.fill.q.val() {
             self.out_data.next = 0.into();
             self.out_set.next = self.set_q.q.val();
         }
@@ -94,23 +94,23 @@ impl Logic for WindowGuard {
 
         self.short_q.d.next = false;
         self.long_q.d.next = false;
-        if self.passes.val() {
+        if self.advance.val() {
             self.beat.d.next = self.beat.q.val() + 1;
             self.at_end.d.next = self.beat.q.val() == self.before_last.val();
             if self.at_end.q.val() {
                 self.beat.d.next = 0.into();
-                self.fills.d.next = false;
+                self.fill.d.next = false;
             }
         }
-        if self.comes.val() {
+        if self.accept.val() {
             self.set_q.d.next = self.set.val();
-            self.fills.d.next = self.last.val() && !self.at_end.q.val();
+            self.fill.d.next = self.last.val() && !self.at_end.q.val();
             self.short_q.d.next = self.last.val() && !self.at_end.q.val();
-            self.drops.d.next = self.at_end.q.val() && !self.last.val();
+            self.drop.d.next = self.at_end.q.val() && !self.last.val();
             self.long_q.d.next = self.at_end.q.val() && !self.last.val();
         }
-        if self.drops.q.val() && self.valid.val() && self.last.val() {
-            self.drops.d.next = false;
+        if self.drop.q.val() && self.valid.val() && self.last.val() {
+            self.drop.d.next = false;
         }
         self.fault_q.d.next = self.fault_q.q.val() || self.short_q.q.val() || self.long_q.q.val();
 
@@ -129,8 +129,8 @@ impl Logic for WindowGuard {
         if self.reset.val() {
             self.beat.d.next = 0.into();
             self.at_end.d.next = false;
-            self.fills.d.next = false;
-            self.drops.d.next = false;
+            self.fill.d.next = false;
+            self.drop.d.next = false;
             self.short_q.d.next = false;
             self.long_q.d.next = false;
         }

@@ -12,26 +12,26 @@ use rust_hdl::prelude::*;
 pub struct WindowRing {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Empties it.
+    /// Empties the memory.
     pub reset: Signal<In, Bit>,
-    /// A beat stands on the input.
+    /// The input beat is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// Its two pixels.
+    /// Two pixels of the beat, the left one low.
     pub pixels: Signal<In, Pair>,
-    /// Whether it is its window's last.
+    /// The beat is the last of its window.
     pub last: Signal<In, Bit>,
     /// Which two pixels of the oldest window to read.
     pub read_pair: Signal<In, Bits<7>>,
-    /// They, two cycles later.
+    /// Two pixels, two cycles after their address.
     pub read_pixels: Signal<Out, Pair>,
     /// Frees the oldest window.
     pub finished: Signal<In, Bit>,
     ram: Ram<32>,
     large: Constant<Bit>,
     last_window: Constant<Bits<5>>,
-    most: Constant<Bits<6>>,
+    max_windows: Constant<Bits<6>>,
     write_q: DFF<Bit>,
     pixels_q: DFF<Pair>,
     last_q: DFF<Bit>,
@@ -55,7 +55,7 @@ impl WindowRing {
             ram: Ram::new(Shape::registered(rows * windows), &[]),
             large: Constant::new(rows > SMALL_ROWS),
             last_window: Constant::new((windows as u64 - 1).into()),
-            most: Constant::new((windows as u64).into()),
+            max_windows: Constant::new((windows as u64).into()),
         })
     }
 }
@@ -79,7 +79,7 @@ impl Logic for WindowRing {
             self.held_next.next = self.held.q.val() - 1;
         }
         self.held.d.next = self.held_next.val();
-        self.ready_q.d.next = self.held_next.val() != self.most.val();
+        self.ready_q.d.next = self.held_next.val() != self.max_windows.val();
 
         self.write_q.d.next = self.accept.val();
         self.pixels_q.d.next = self.pixels.val();

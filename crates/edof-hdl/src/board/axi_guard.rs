@@ -4,7 +4,7 @@ use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiReadMaster, AxiReadSlave, AxiWriteMaster, AxiWriteSlave};
 use rust_hdl::prelude::*;
 
-/// Stands at the memory's port and keeps the port's promises when those behind it are reset: each burst that was accepted is completed.
+/// Guards the memory's port while the masters behind it are reset: each accepted burst is completed.
 ///
 /// After a reset it closes: what is left of a burst is written with no byte enabled, answers and words that are still to come are taken and
 /// dropped, however late they are, and then it opens again. Only a reset of the memory itself forgets them. An address and a word are held
@@ -14,7 +14,7 @@ use rust_hdl::prelude::*;
 pub struct AxiGuard<const W: usize, const S: usize> {
     /// Clock, the memory's.
     pub clock: Signal<In, Clock>,
-    /// Those behind it are reset.
+    /// The masters behind the guard are reset.
     pub reset: Signal<In, Bit>,
     /// The memory is reset: nothing is in flight.
     pub memory_reset: Signal<In, Bit>,
@@ -90,7 +90,7 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
             self.aw_burst.d.next = self.write.aw_burst.val();
         }
 
-        // Their words; where nobody is left who has them, words of which no byte is written.
+        // Words of the bursts; after a reset of their master, words without byte enables.
         self.advance.next = !self.w_valid.q.val() || self.dram_write.w_ready.val();
         self.write.w_ready.next = self.advance.val() && self.open.q.val() && !self.closed.q.val();
         self.push_word.next =
@@ -112,7 +112,7 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
             }
         }
 
-        // Their answers.
+        // Responses to the bursts.
         self.write.b_id.next = self.dram_write.b_id.val();
         self.write.b_resp.next = self.dram_write.b_resp.val();
         self.write.b_valid.next = self.dram_write.b_valid.val() && !self.closed.q.val();

@@ -35,7 +35,7 @@ pub struct AxiPair<const W: usize, const S: usize> {
     read_turn: DFF<Bit>,
     // Whose address was taken last: the words are that writer's.
     owner: DFF<Bit>,
-    announces: Signal<Local, Bit>,
+    address_valid: Signal<Local, Bit>,
     request: Signal<Local, Bit>,
 }
 
@@ -55,7 +55,7 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
         self.guard.write.aw_len.next = self.write_0.aw_len.val();
         self.guard.write.aw_size.next = self.write_0.aw_size.val();
         self.guard.write.aw_burst.next = self.write_0.aw_burst.val();
-        self.announces.next = self.write_0.aw_valid.val();
+        self.address_valid.next = self.write_0.aw_valid.val();
         self.write_0.aw_ready.next = self.guard.write.aw_ready.val();
         self.write_1.aw_ready.next = false;
         if self.write_turn.q.val() {
@@ -64,23 +64,23 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
             self.guard.write.aw_len.next = self.write_1.aw_len.val();
             self.guard.write.aw_size.next = self.write_1.aw_size.val();
             self.guard.write.aw_burst.next = self.write_1.aw_burst.val();
-            self.announces.next = self.write_1.aw_valid.val();
+            self.address_valid.next = self.write_1.aw_valid.val();
             self.write_0.aw_ready.next = false;
             self.write_1.aw_ready.next = self.guard.write.aw_ready.val();
         }
-        self.guard.write.aw_valid.next = self.announces.val();
-        if self.guard.write.aw_ready.val() || !self.announces.val() {
+        self.guard.write.aw_valid.next = self.address_valid.val();
+        if self.guard.write.aw_ready.val() || !self.address_valid.val() {
             if self.write_turn.q.val() && self.write_0.aw_valid.val() {
                 self.write_turn.d.next = false;
             } else if !self.write_turn.q.val() && self.write_1.aw_valid.val() {
                 self.write_turn.d.next = true;
             }
         }
-        if self.guard.write.aw_ready.val() && self.announces.val() {
+        if self.guard.write.aw_ready.val() && self.address_valid.val() {
             self.owner.d.next = self.write_turn.q.val();
         }
 
-        // Their words: those of the burst that the guard waits for.
+        // Words of the burst that the guard waits for.
         self.guard.write.w_data.next = self.write_0.w_data.val();
         self.guard.write.w_strb.next = self.write_0.w_strb.val();
         self.guard.write.w_last.next = self.write_0.w_last.val();
@@ -96,7 +96,7 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
             self.write_1.w_ready.next = self.guard.write.w_ready.val();
         }
 
-        // Their answers, by id.
+        // Responses, by id.
         self.write_0.b_id.next = 0.into();
         self.write_1.b_id.next = 0.into();
         self.write_0.b_resp.next = self.guard.write.b_resp.val();

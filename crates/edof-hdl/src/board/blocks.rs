@@ -8,7 +8,7 @@ use edof_image::Stride;
 pub enum Domain {
     /// Memory, host.
     Core,
-    /// The calculator, at so many picoseconds a cycle.
+    /// The calculator, with its clock period in picoseconds.
     Calculator(u64),
     /// Incoming pixels, or the screen's.
     Pixel,
@@ -32,7 +32,7 @@ impl Domain {
 pub struct Block {
     /// The names of instances from [`super::EdofCore`] down to it, with `/` between them.
     pub path: String,
-    /// Its clock; of one that has two, the faster one, and the calculator's where that is one of them.
+    /// Clock of the instance; with two clocks the faster one, and the calculator's clock if it is one of them.
     pub domain: Domain,
 }
 

@@ -22,43 +22,43 @@ pub struct CalculatorPort {
     pub weight_valid: Signal<In, Bit>,
     /// A word for a display table is offered.
     pub table_valid: Signal<In, Bit>,
-    /// What a stage shows is asked for.
+    /// A status word of a stage is requested.
     pub stage_valid: Signal<In, Bit>,
-    /// Where: of the calculator; or table (2 bits) and entry (15); or what to show (7 bits).
+    /// Address in the calculator; or table (2 bits) and entry (15); or status word (7 bits).
     pub address: Signal<In, Bits<25>>,
-    /// What.
+    /// Word to write.
     pub data: Signal<In, Bits<32>>,
     /// The access has ended.
     pub ready: Signal<Out, Bit>,
-    /// It was not carried out.
-    pub fails: Signal<Out, Bit>,
-    /// What the stage shows.
-    pub shown: Signal<Out, Bits<32>>,
+    /// The access ended without being carried out.
+    pub error: Signal<Out, Bit>,
+    /// Status word of the stage, valid with `ready`.
+    pub read_value: Signal<Out, Bits<32>>,
     /// Clock of the calculator.
     pub to_clock: Signal<In, Clock>,
-    /// Reset of its domain.
+    /// Reset of the calculator's domain.
     pub to_reset: Signal<In, Bit>,
     /// A word is to be written into the calculator.
     pub write_weight: Signal<Out, Bit>,
     /// A word is to be written into a display table.
     pub write_table: Signal<Out, Bit>,
-    /// Where; it stands until the next access.
+    /// Address of the access, held until the next one.
     pub to_address: Signal<Out, Bits<25>>,
-    /// What.
+    /// Word to write.
     pub to_data: Signal<Out, Bits<32>>,
-    /// What is shown, two cycles after its address came.
+    /// Status word, two cycles after its address.
     pub status: Signal<In, Bits<32>>,
-    ask: BusSync<59>,
+    request_sync: BusSync<59>,
     answer: BusSync<32>,
     is_weight: DFF<Bit>,
     is_table: DFF<Bit>,
-    asks: DFF<Bit>,
-    waits: DFF<Bit>,
+    request: DFF<Bit>,
+    is_waiting: DFF<Bit>,
     ready_q: DFF<Bit>,
-    fails_q: DFF<Bit>,
-    looks: DFF<Bits<3>>,
-    answers: DFF<Bit>,
-    wanted: Signal<Local, Bit>,
+    error_q: DFF<Bit>,
+    read_delay: DFF<Bits<3>>,
+    answer_valid: DFF<Bit>,
+    is_requested: Signal<Local, Bit>,
     word: Signal<Local, Bits<59>>,
 }
 
@@ -66,40 +66,40 @@ impl Logic for CalculatorPort {
     #[kernel]
     fn update(&mut self) {
         // The host's side.
-        dff_setup!(self, clock, is_weight, is_table, asks, waits, ready_q, fails_q);
-        self.wanted.next = self.weight_valid.val() || self.table_valid.val() || self.stage_valid.val();
+        dff_setup!(self, clock, is_weight, is_table, request, is_waiting, ready_q, error_q);
+        self.is_requested.next = self.weight_valid.val() || self.table_valid.val() || self.stage_valid.val();
         self.ready_q.d.next = false;
-        self.fails_q.d.next = false;
-        if self.waits.q.val() {
-            if self.ask.ready.val() {
-                self.asks.d.next = false;
+        self.error_q.d.next = false;
+        if self.is_waiting.q.val() {
+            if self.request_sync.ready.val() {
+                self.request.d.next = false;
             }
             if self.answer.arrives.val() {
-                self.waits.d.next = false;
+                self.is_waiting.d.next = false;
                 self.ready_q.d.next = true;
             }
-        } else if self.wanted.val() && !self.ready_q.q.val() {
-            self.asks.d.next = true;
-            self.waits.d.next = true;
+        } else if self.is_requested.val() && !self.ready_q.q.val() {
+            self.request.d.next = true;
+            self.is_waiting.d.next = true;
             self.is_weight.d.next = self.weight_valid.val();
             self.is_table.d.next = self.table_valid.val();
         }
         if self.is_down.val() {
-            self.ready_q.d.next = self.wanted.val() && !self.ready_q.q.val();
-            self.fails_q.d.next = true;
+            self.ready_q.d.next = self.is_requested.val() && !self.ready_q.q.val();
+            self.error_q.d.next = true;
         }
         if self.reset.val() || self.is_down.val() {
-            self.asks.d.next = false;
-            self.waits.d.next = false;
+            self.request.d.next = false;
+            self.is_waiting.d.next = false;
         }
         self.ready.next = self.ready_q.q.val();
-        self.fails.next = self.fails_q.q.val();
-        self.shown.next = self.answer.arrived.val();
+        self.error.next = self.error_q.q.val();
+        self.read_value.next = self.answer.arrived.val();
 
         // Both ways.
-        self.ask.from_clock.next = self.clock.val();
-        self.ask.from_reset.next = self.reset.val();
-        self.ask.valid.next = self.asks.q.val();
+        self.request_sync.from_clock.next = self.clock.val();
+        self.request_sync.from_reset.next = self.reset.val();
+        self.request_sync.valid.next = self.request.q.val();
         self.word.next = bit_cast::<59, 25>(self.address.val()) | (bit_cast::<59, 32>(self.data.val()) << 25);
         if self.is_weight.q.val() {
             self.word.next = self.word.val() | (bit_cast::<59, 2>(1.into()) << 57);
@@ -107,37 +107,39 @@ impl Logic for CalculatorPort {
         if self.is_table.q.val() {
             self.word.next = self.word.val() | (bit_cast::<59, 2>(2.into()) << 57);
         }
-        self.ask.word.next = self.word.val();
-        self.ask.to_clock.next = self.to_clock.val();
-        self.ask.to_reset.next = self.to_reset.val();
+        self.request_sync.word.next = self.word.val();
+        self.request_sync.to_clock.next = self.to_clock.val();
+        self.request_sync.to_reset.next = self.to_reset.val();
         self.answer.from_clock.next = self.to_clock.val();
         self.answer.from_reset.next = self.to_reset.val();
-        self.answer.valid.next = self.answers.q.val();
+        self.answer.valid.next = self.answer_valid.q.val();
         self.answer.word.next = self.status.val();
         self.answer.to_clock.next = self.clock.val();
         self.answer.to_reset.next = self.reset.val();
 
         // The calculator's side: a word is written as it comes, and what is shown has come three cycles later.
-        self.looks.clock.next = self.to_clock.val();
-        self.answers.clock.next = self.to_clock.val();
-        self.write_weight.next = self.ask.arrives.val() && self.ask.arrived.val().get_bit(57);
-        self.write_table.next = self.ask.arrives.val() && self.ask.arrived.val().get_bit(58);
-        self.to_address.next = self.ask.arrived.val().get_bits::<25>(0);
-        self.to_data.next = self.ask.arrived.val().get_bits::<32>(25);
-        self.looks.d.next = self.looks.q.val() << 1;
-        if self.ask.arrives.val() {
-            self.looks.d.next = (self.looks.q.val() << 1) | 1;
+        self.read_delay.clock.next = self.to_clock.val();
+        self.answer_valid.clock.next = self.to_clock.val();
+        self.write_weight.next =
+            self.request_sync.arrives.val() && self.request_sync.arrived.val().get_bit(57);
+        self.write_table.next =
+            self.request_sync.arrives.val() && self.request_sync.arrived.val().get_bit(58);
+        self.to_address.next = self.request_sync.arrived.val().get_bits::<25>(0);
+        self.to_data.next = self.request_sync.arrived.val().get_bits::<32>(25);
+        self.read_delay.d.next = self.read_delay.q.val() << 1;
+        if self.request_sync.arrives.val() {
+            self.read_delay.d.next = (self.read_delay.q.val() << 1) | 1;
         }
-        self.answers.d.next = self.answers.q.val();
-        if self.looks.q.val().get_bit(2) {
-            self.answers.d.next = true;
+        self.answer_valid.d.next = self.answer_valid.q.val();
+        if self.read_delay.q.val().get_bit(2) {
+            self.answer_valid.d.next = true;
         } else if self.answer.ready.val() {
-            self.answers.d.next = false;
+            self.answer_valid.d.next = false;
         }
 
         if self.to_reset.val() {
-            self.looks.d.next = 0.into();
-            self.answers.d.next = false;
+            self.read_delay.d.next = 0.into();
+            self.answer_valid.d.next = false;
         }
     }
 }

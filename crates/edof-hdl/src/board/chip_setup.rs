@@ -51,7 +51,7 @@ pub struct ChipSetup {
     pub clock: Signal<In, Clock>,
     /// Begins anew.
     pub reset: Signal<In, Bit>,
-    /// Its rise begins anew.
+    /// A rising edge starts the set-up again.
     pub restart: Signal<In, Bit>,
     /// Slots 12 to 15: register `video_setup`.
     pub settings: Signal<In, Bits<32>>,
@@ -79,16 +79,16 @@ pub struct ChipSetup {
     attempts: Constant<Bits<4>>,
     pause: Constant<Bits<16>>,
     poll: Constant<Bits<16>>,
-    rest: Constant<Bits<16>>,
+    idle_ms: Constant<Bits<16>>,
     is_card: Constant<Bits<1>>,
     numbers: [Constant<Bits<4>>; 15],
     program: Ram<32>,
     master: I2cMaster,
     phase: DFF<Phase>,
-    settles: DFF<Bits<2>>,
+    settle_count: DFF<Bits<2>>,
     entry: DFF<Bits<10>>,
     // The entries around it, known before they are chosen from.
-    following: DFF<Bits<10>>,
+    next_entry: DFF<Bits<10>>,
     beyond: DFF<Bits<10>>,
     previous: DFF<Bits<10>>,
     instruction: DFF<Bits<32>>,
@@ -96,7 +96,7 @@ pub struct ChipSetup {
     is_kind: [DFF<Bit>; 15],
     accumulator: DFF<Bits<8>>,
     index: DFF<Bits<8>>,
-    tries: DFF<Bits<8>>,
+    try_count: DFF<Bits<8>>,
     spent: DFF<Bit>,
     matches: DFF<Bit>,
     has_more: DFF<Bit>,
@@ -116,22 +116,22 @@ pub struct ChipSetup {
     failure: DFF<Bits<20>>,
     word_q: DFF<Bits<32>>,
     restart_q: DFF<Bit>,
-    again: DFF<Bit>,
+    restart_pending: DFF<Bit>,
     sequence: DFF<Bits<4>>,
     access_q: DFF<Bits<32>>,
-    wanted: DFF<Bit>,
+    access_pending: DFF<Bit>,
     answer_q: DFF<Bits<32>>,
     kind: Signal<Local, Bits<4>>,
     first: Signal<Local, Bits<8>>,
     second: Signal<Local, Bits<8>>,
     third: Signal<Local, Bits<8>>,
     selected: Signal<Local, Bits<8>>,
-    stores: Signal<Local, Bit>,
-    stored: Signal<Local, Bits<8>>,
-    fails: Signal<Local, Bit>,
-    failing: Signal<Local, Bits<3>>,
-    of_host: Signal<Local, Bit>,
-    shown: Signal<Local, Bits<32>>,
+    store: Signal<Local, Bit>,
+    store_value: Signal<Local, Bits<8>>,
+    fail: Signal<Local, Bit>,
+    fail_cause: Signal<Local, Bits<3>>,
+    is_host_access: Signal<Local, Bit>,
+    status_word: Signal<Local, Bits<32>>,
 }
 
 impl ChipSetup {
@@ -148,7 +148,7 @@ impl ChipSetup {
             attempts: Constant::new((ATTEMPTS - 1).into()),
             pause: constant(PAUSE_MS),
             poll: constant(POLL_MS),
-            rest: constant(REST_MS),
+            idle_ms: constant(REST_MS),
             is_card: Constant::new(u64::from(is_card).into()),
             numbers: std::array::from_fn(|number| Constant::new((number as u64).into())),
             program: Ram::new(shape, &words),
@@ -164,15 +164,15 @@ impl Logic for ChipSetup {
             self,
             clock,
             phase,
-            settles,
+            settle_count,
             entry,
-            following,
+            next_entry,
             beyond,
             previous,
             instruction,
             accumulator,
             index,
-            tries,
+            try_count,
             spent,
             matches,
             has_more,
@@ -191,10 +191,10 @@ impl Logic for ChipSetup {
             failure,
             word_q,
             restart_q,
-            again,
+            restart_pending,
             sequence,
             access_q,
-            wanted,
+            access_pending,
             answer_q
         );
         for i in 0..12 {
@@ -215,13 +215,13 @@ impl Logic for ChipSetup {
             self.is_kind[i].clock.next = self.clock.val();
             self.is_kind[i].d.next = self.kind.val() == self.numbers[i].val();
         }
-        self.spent.d.next = self.tries.q.val() == self.first.val();
-        self.following.d.next = self.entry.q.val() + 1;
+        self.spent.d.next = self.try_count.q.val() == self.first.val();
+        self.next_entry.d.next = self.entry.q.val() + 1;
         self.beyond.d.next = self.entry.q.val() + 2;
         self.previous.d.next = self.entry.q.val() - 1;
 
         // The bus: the program's transfer, or the host's.
-        self.of_host.next =
+        self.is_host_access.next =
             (self.phase.q.val() == Phase::HostBegin) || (self.phase.q.val() == Phase::HostTransfer);
         self.master.clock.next = self.clock.val();
         self.master.reset.next = self.reset.val();
@@ -242,7 +242,7 @@ impl Logic for ChipSetup {
         if self.kind.val() == 13 {
             self.master.register.next = self.index.q.val();
         }
-        if self.of_host.val() {
+        if self.is_host_access.val() {
             self.master.device.next = self.access_q.q.val().get_bits::<7>(16);
             self.master.register.next = self.access_q.q.val().get_bits::<8>(8);
             self.master.write_value.next = self.access_q.q.val().get_bits::<8>(0);
@@ -251,20 +251,20 @@ impl Logic for ChipSetup {
         }
 
         // What the host wants: a number that is new; that of another bus is only noted.
-        if !self.of_host.val() {
+        if !self.is_host_access.val() {
             self.access_q.d.next = self.access.val();
         }
-        self.wanted.d.next = false;
+        self.access_pending.d.next = false;
         if self.access_q.q.val().get_bits::<4>(28) != self.sequence.q.val() {
             if self.access_q.q.val().get_bits::<1>(25) == self.is_card.val() {
-                self.wanted.d.next = true;
+                self.access_pending.d.next = true;
             } else {
                 self.sequence.d.next = self.access_q.q.val().get_bits::<4>(28);
             }
         }
         self.restart_q.d.next = self.restart.val();
         if self.restart.val() && !self.restart_q.q.val() {
-            self.again.d.next = true;
+            self.restart_pending.d.next = true;
         }
 
         // Slots: the program's, and the host's settings after them.
@@ -296,25 +296,25 @@ impl Logic for ChipSetup {
             self.tick.d.next = self.wait_cycle.q.val() == self.millisecond.val();
         }
 
-        self.stores.next = false;
-        self.stored.next = self.loaded.q.val();
-        self.fails.next = false;
-        self.failing.next = self.cause.q.val();
+        self.store.next = false;
+        self.store_value.next = self.loaded.q.val();
+        self.fail.next = false;
+        self.fail_cause.next = self.cause.q.val();
         match self.phase.q.val() {
             Phase::Fetch => {
-                self.settles.d.next = self.settles.q.val() + 1;
+                self.settle_count.d.next = self.settle_count.q.val() + 1;
                 self.stall.d.next = false;
-                if self.again.q.val() {
-                    self.again.d.next = false;
-                    self.settles.d.next = 0.into();
+                if self.restart_pending.q.val() {
+                    self.restart_pending.d.next = false;
+                    self.settle_count.d.next = 0.into();
                     self.entry.d.next = 0.into();
                     self.attempt.d.next = 0.into();
-                    self.tries.d.next = 0.into();
+                    self.try_count.d.next = 0.into();
                     self.done_q.d.next = false;
-                } else if (self.settles.q.val() == 2) && self.wanted.q.val() {
-                    self.settles.d.next = 0.into();
+                } else if (self.settle_count.q.val() == 2) && self.access_pending.q.val() {
+                    self.settle_count.d.next = 0.into();
                     self.phase.d.next = Phase::HostBegin;
-                } else if self.settles.q.val() == 3 {
+                } else if self.settle_count.q.val() == 3 {
                     self.instruction.d.next = self.program.read_data.val();
                     self.phase.d.next = Phase::Decode;
                 }
@@ -340,15 +340,15 @@ impl Logic for ChipSetup {
             }
             Phase::Execute => {
                 self.phase.d.next = Phase::Fetch;
-                self.entry.d.next = self.following.q.val();
+                self.entry.d.next = self.next_entry.q.val();
                 if self.is_kind[5].q.val() {
-                    self.tries.d.next = 0.into();
+                    self.try_count.d.next = 0.into();
                     if !self.matches.q.val() {
                         if self.spent.q.val() {
-                            self.fails.next = true;
-                            self.failing.next = 5.into();
+                            self.fail.next = true;
+                            self.fail_cause.next = 5.into();
                         } else {
-                            self.tries.d.next = self.tries.q.val() + 1;
+                            self.try_count.d.next = self.try_count.q.val() + 1;
                             self.entry.d.next = self.previous.q.val();
                             self.advance.d.next = false;
                             self.milliseconds.d.next = self.poll.val();
@@ -364,8 +364,8 @@ impl Logic for ChipSetup {
                 } else if self.is_kind[9].q.val() {
                     self.accumulator.d.next = self.loaded.q.val();
                 } else if self.is_kind[10].q.val() {
-                    self.stores.next = true;
-                    self.stored.next = self.second.val();
+                    self.store.next = true;
+                    self.store_value.next = self.second.val();
                 } else if self.is_kind[11].q.val() {
                     self.done_q.d.next = true;
                     self.failed_q.d.next = false;
@@ -392,7 +392,7 @@ impl Logic for ChipSetup {
             Phase::Judge => {
                 self.attempt.d.next = 0.into();
                 self.phase.d.next = Phase::Fetch;
-                self.entry.d.next = self.following.q.val();
+                self.entry.d.next = self.next_entry.q.val();
                 if self.is_kind[13].q.val() {
                     // What nobody answers is 0.
                     self.index.d.next = self.index.q.val() + 1;
@@ -403,10 +403,10 @@ impl Logic for ChipSetup {
                 } else if !self.cause.q.val().any() {
                     if self.is_kind[4].q.val() {
                         self.accumulator.d.next = self.loaded.q.val();
-                        self.stores.next = true;
+                        self.store.next = true;
                     }
                 } else if self.attempt.q.val() == self.attempts.val() {
-                    self.fails.next = true;
+                    self.fail.next = true;
                 } else {
                     self.attempt.d.next = self.attempt.q.val() + 1;
                     self.retries.d.next = self.retries.q.val() + 1;
@@ -417,16 +417,16 @@ impl Logic for ChipSetup {
                 }
             }
             Phase::Wait => {
-                if self.again.q.val() {
+                if self.restart_pending.q.val() {
                     self.phase.d.next = Phase::Fetch;
                 } else if self.tick.q.val() {
                     self.milliseconds.d.next = self.milliseconds.q.val() - 1;
                     if self.milliseconds.q.val() == 1 {
                         self.phase.d.next = Phase::Fetch;
                         if self.advance.q.val() {
-                            self.entry.d.next = self.following.q.val();
+                            self.entry.d.next = self.next_entry.q.val();
                         }
-                    } else if self.wanted.q.val() {
+                    } else if self.access_pending.q.val() {
                         self.stall.d.next = true;
                         self.phase.d.next = Phase::HostBegin;
                     }
@@ -449,39 +449,39 @@ impl Logic for ChipSetup {
             }
         }
         for i in 0..12 {
-            if self.stores.val() && (self.third.val().get_bits::<4>(0) == self.numbers[i].val()) {
-                self.file[i].d.next = self.stored.val();
+            if self.store.val() && (self.third.val().get_bits::<4>(0) == self.numbers[i].val()) {
+                self.file[i].d.next = self.store_value.val();
             }
         }
-        if self.fails.val() {
+        if self.fail.val() {
             self.failure.d.next = bit_cast::<20, 10>(self.entry.q.val())
                 | (bit_cast::<20, 7>(self.device.q.val()) << 10)
-                | (bit_cast::<20, 3>(self.failing.val()) << 17);
+                | (bit_cast::<20, 3>(self.fail_cause.val()) << 17);
             self.failed_q.d.next = true;
             self.done_q.d.next = false;
             self.entry.d.next = 0.into();
             self.attempt.d.next = 0.into();
-            self.tries.d.next = 0.into();
-            self.milliseconds.d.next = self.rest.val();
+            self.try_count.d.next = 0.into();
+            self.milliseconds.d.next = self.idle_ms.val();
             self.advance.d.next = false;
             self.phase.d.next = Phase::Wait;
         }
-        if self.fails.val() || self.again.q.val() || self.reset.val() {
+        if self.fail.val() || self.restart_pending.q.val() || self.reset.val() {
             for i in 0..12 {
                 self.file[i].d.next = 0.into();
             }
         }
         if self.reset.val() {
             self.phase.d.next = Phase::Fetch;
-            self.settles.d.next = 0.into();
+            self.settle_count.d.next = 0.into();
             self.entry.d.next = 0.into();
             self.attempt.d.next = 0.into();
-            self.tries.d.next = 0.into();
+            self.try_count.d.next = 0.into();
             self.retries.d.next = 0.into();
             self.device.d.next = 0.into();
             self.done_q.d.next = false;
             self.failed_q.d.next = false;
-            self.again.d.next = false;
+            self.restart_pending.d.next = false;
             self.restart_q.d.next = true;
             self.sequence.d.next = 0.into();
             self.access_q.d.next = 0.into();
@@ -489,15 +489,15 @@ impl Logic for ChipSetup {
         }
 
         // What the host reads.
-        self.shown.next =
+        self.status_word.next =
             bit_cast::<32, 10>(self.entry.q.val()) | (bit_cast::<32, 7>(self.device.q.val()) << 10);
         if self.failed_q.q.val() {
-            self.shown.next = bit_cast::<32, 20>(self.failure.q.val()) | 0x20_0000;
+            self.status_word.next = bit_cast::<32, 20>(self.failure.q.val()) | 0x20_0000;
         }
         if self.done_q.q.val() {
-            self.shown.next = self.shown.val() | 0x10_0000;
+            self.status_word.next = self.status_word.val() | 0x10_0000;
         }
-        self.word_q.d.next = self.shown.val() | (bit_cast::<32, 10>(self.retries.q.val()) << 22);
+        self.word_q.d.next = self.status_word.val() | (bit_cast::<32, 10>(self.retries.q.val()) << 22);
         self.word.next = self.word_q.q.val();
         self.done.next = self.done_q.q.val();
         self.failed.next = self.failed_q.q.val();

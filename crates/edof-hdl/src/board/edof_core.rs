@@ -30,7 +30,7 @@ use rust_hdl::prelude::*;
 /// Four clocks: that of the incoming pixels, that of memory and host, that of the calculator and all that stands with it between raw and
 /// picture ([`StreamCore`]), that of the screen. `reset` may come at any time; each domain has its own that follows it. A clock that was lost
 /// resets its own domain alone: the screen's (`screen_reset`), the calculator's (`calculator_reset`, or when it is seen to stand still), whose
-/// frame is dropped on both sides. But for the first one a reset leaves what the host wrote into the calculator, and which bank is in use. The
+/// frame is dropped on both sides. Every reset except the first preserves what the host wrote into the calculator, and which bank is in use. The
 /// memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor
 /// or a board.
 #[derive(Circuit)]
@@ -44,27 +44,27 @@ pub struct EdofCore {
     pub input_clock: Signal<In, Clock>,
     /// Clock of the screen.
     pub screen_clock: Signal<In, Clock>,
-    /// Begins anew, of no clock.
+    /// Asynchronous reset of all domains.
     pub reset: Signal<In, Bit>,
-    /// Begins the calculator's domain anew, in `clock`: its clock does not run, or is not yet what it should be.
+    /// Resets the calculator's domain, in `clock`: the calculator's clock is not running or not yet locked.
     pub calculator_reset: Signal<In, Bit>,
-    /// Begins the screen's domain anew, in `clock`, likewise.
+    /// Resets the screen's domain, in `clock`: the screen's clock is not running or not yet locked.
     pub screen_reset: Signal<In, Bit>,
     /// Horizontal sync of the incoming video.
     pub input_hs: Signal<In, Bit>,
     /// Vertical sync.
     pub input_vs: Signal<In, Bit>,
-    /// A pixel lies on the bus.
+    /// A pixel is on the bus.
     pub input_de: Signal<In, Bit>,
-    /// It: Y low, C high, each with seven bits of a raw pixel word.
+    /// Bits of the pixel: Y low, C high, each with seven bits of a raw pixel word.
     pub input_data: Signal<In, Bits<16>>,
     /// Horizontal sync of the screen.
     pub screen_hs: Signal<Out, Bit>,
     /// Vertical sync.
     pub screen_vs: Signal<Out, Bit>,
-    /// A pixel lies on the bus.
+    /// A pixel is on the bus.
     pub screen_de: Signal<Out, Bit>,
-    /// It: Y' low, Cb' or Cr' high.
+    /// Codes of the pixel: Y' low, Cb' or Cr' high.
     pub screen_data: Signal<Out, Bits<16>>,
     /// Writes to the memory.
     pub dram_write: AxiWriteMaster<512, 64>,
@@ -76,7 +76,7 @@ pub struct EdofCore {
     pub dram_ready: Signal<In, Bit>,
     /// The video chips are set up.
     pub i2c_done: Signal<In, Bit>,
-    /// One of them did not answer.
+    /// A video chip did not answer.
     pub i2c_failed: Signal<In, Bit>,
     /// How each bus's set-up stands (registers `i2c_board`, `i2c_card`).
     pub i2c: [Signal<In, Bits<32>>; 2],
@@ -96,7 +96,7 @@ pub struct EdofCore {
     pub i2c_restart: Signal<Out, Bit>,
     /// Frames on the host's line that were given up.
     pub uart_broken: Signal<In, Bits<32>>,
-    /// The register `status`, for lamps.
+    /// The register `status`, for LEDs.
     pub status: Signal<Out, Bits<8>>,
     resets: [ResetSync; 4],
     calculator_flush: ResetSync,
@@ -128,27 +128,27 @@ pub struct EdofCore {
     screen_status: BusSync<96>,
     memory: AxiPair<512, 64>,
     registers: BoardRegisters,
-    seen: Signal<Local, Bits<224>>,
-    shown: Signal<Local, Bits<96>>,
-    made: Signal<Local, Bits<232>>,
+    input_word: Signal<Local, Bits<224>>,
+    screen_word: Signal<Local, Bits<96>>,
+    calculator_word: Signal<Local, Bits<232>>,
     state: Signal<Local, Bits<32>>,
-    runs: Signal<Local, Bit>,
-    flushes: Signal<Local, Bit>,
-    skips: Signal<Local, Bit>,
-    realigns: DFF<Bit>,
+    run: Signal<Local, Bit>,
+    flush: Signal<Local, Bit>,
+    skip: Signal<Local, Bit>,
+    realign: DFF<Bit>,
     // CRCs of frames: raw ones taken, pictures made, pictures that leave.
     checks: [FrameCheck<16>; 3],
     snapshot: DFF<Bit>,
     snapshot_register: Constant<Bits<6>>,
     check_frames: Signal<Local, Bits<32>>,
     // What leads to asynchronous sets, and to nothing else: why a domain begins anew.
-    restarts_screen: DFF<Bit>,
-    restarts_calculator: DFF<Bit>,
-    asks_for_flush: DFF<Bit>,
-    begins: DFF<Bit>,
-    drops: DFF<Bit>,
+    restart_screen: DFF<Bit>,
+    restart_calculator: DFF<Bit>,
+    flush_request: DFF<Bit>,
+    power_up: DFF<Bit>,
+    calculator_lost_q: DFF<Bit>,
     is_down: DFF<Bit>,
-    clears_calculator: Signal<Local, Bit>,
+    clear_calculator: Signal<Local, Bit>,
 }
 
 impl EdofCore {
@@ -203,12 +203,12 @@ impl Logic for EdofCore {
         dff_setup!(
             self,
             clock,
-            realigns,
-            restarts_screen,
-            restarts_calculator,
-            asks_for_flush,
-            begins,
-            drops,
+            realign,
+            restart_screen,
+            restart_calculator,
+            flush_request,
+            power_up,
+            calculator_lost_q,
             is_down,
             snapshot
         );
@@ -223,25 +223,25 @@ impl Logic for EdofCore {
         self.resets[0].reset.next = self.reset.val();
         self.resets[1].clock.next = self.clock.val();
         self.resets[1].reset.next = self.reset.val();
-        self.restarts_screen.d.next = self.resets[1].domain_reset.val() || self.screen_reset.val();
+        self.restart_screen.d.next = self.resets[1].domain_reset.val() || self.screen_reset.val();
         self.resets[2].clock.next = self.screen_clock.val();
-        self.resets[2].reset.next = self.restarts_screen.q.val();
+        self.resets[2].reset.next = self.restart_screen.q.val();
         self.is_down.d.next = self.calculator_reset.val() || self.calculator_watch.stopped.val();
-        self.drops.d.next = self.resets[1].domain_reset.val()
+        self.calculator_lost_q.d.next = self.resets[1].domain_reset.val()
             || self.calculator_reset.val()
             || self.calculator_watch.stopped.val();
-        self.restarts_calculator.d.next = self.resets[1].domain_reset.val()
+        self.restart_calculator.d.next = self.resets[1].domain_reset.val()
             || self.calculator_reset.val()
             || self.calculator_watch.stopped.val();
         self.resets[3].clock.next = self.calculator_clock.val();
-        self.resets[3].reset.next = self.restarts_calculator.q.val();
+        self.resets[3].reset.next = self.restart_calculator.q.val();
         self.calculator_flush.clock.next = self.calculator_clock.val();
-        self.asks_for_flush.d.next = self.registers.control.val().get_bit(4);
-        self.calculator_flush.reset.next = self.asks_for_flush.q.val();
+        self.flush_request.d.next = self.registers.control.val().get_bit(4);
+        self.calculator_flush.reset.next = self.flush_request.q.val();
         // What looks at a clock is reset by the first reset alone: a longer one is no clock that stands still.
         self.first_reset.clock.next = self.calculator_clock.val();
-        self.begins.d.next = self.power_on.first.val();
-        self.first_reset.reset.next = self.begins.q.val();
+        self.power_up.d.next = self.power_on.first.val();
+        self.first_reset.reset.next = self.power_up.q.val();
         self.calculator_watch.clock.next = self.clock.val();
         self.calculator_watch.reset.next = self.power_on.first.val();
         self.calculator_watch.watched.next = self.calculator_clock.val();
@@ -268,14 +268,14 @@ impl Logic for EdofCore {
         self.core.reset.next = self.resets[3].domain_reset.val();
         self.calculator_power_on.clock.next = self.calculator_clock.val();
         self.calculator_power_on.reset.next = self.resets[3].domain_reset.val();
-        self.core.keeps.next = !self.calculator_power_on.first.val();
+        self.core.preserve.next = !self.calculator_power_on.first.val();
         self.calculator_first.clock.next = self.clock.val();
-        self.calculator_first.reset.next = self.drops.q.val();
+        self.calculator_first.reset.next = self.calculator_lost_q.q.val();
         self.registers.calculator_lost.next = self.is_down.q.val() && !self.calculator_first.first.val();
         // What the host wrote, and which bank is in use, outlive a reset: a bank that is half written comes into use by none.
         self.power_on.clock.next = self.clock.val();
         self.power_on.reset.next = self.resets[1].domain_reset.val();
-        self.registers.keeps.next = !self.power_on.first.val();
+        self.registers.preserve.next = !self.power_on.first.val();
         self.picture_writer.clock.next = self.clock.val();
         self.picture_writer.reset.next = self.resets[1].domain_reset.val();
         self.picture_reader.clock.next = self.clock.val();
@@ -312,40 +312,40 @@ impl Logic for EdofCore {
         StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.patterns.source);
         StreamOut::<16>::join(&mut self.patterns.pixels, &mut self.raw_writer.pixels);
 
-        self.flushes.next = self.registers.control.val().get_bit(4) || self.drops.q.val();
+        self.flush.next = self.registers.control.val().get_bit(4) || self.calculator_lost_q.q.val();
         // Through the memory to the calculator, as long as the host lets it run. What is in flight between the two domains goes with a flush, or
         // with a reset of either.
-        self.clears_calculator.next =
+        self.clear_calculator.next =
             self.resets[3].domain_reset.val() || self.calculator_flush.domain_reset.val();
         self.raw_fifo.from_clock.next = self.clock.val();
-        self.raw_fifo.from_reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+        self.raw_fifo.from_reset.next = self.resets[1].domain_reset.val() || self.flush.val();
         self.raw_fifo.to_clock.next = self.calculator_clock.val();
-        self.raw_fifo.to_reset.next = self.clears_calculator.val();
+        self.raw_fifo.to_reset.next = self.clear_calculator.val();
         self.picture_fifo.from_clock.next = self.calculator_clock.val();
-        self.picture_fifo.from_reset.next = self.clears_calculator.val();
+        self.picture_fifo.from_reset.next = self.clear_calculator.val();
         self.picture_fifo.to_clock.next = self.clock.val();
-        self.picture_fifo.to_reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+        self.picture_fifo.to_reset.next = self.resets[1].domain_reset.val() || self.flush.val();
         self.raw_writer.corrupted.next = false;
         self.raw_writer.reading.next = self.raw_reader.reading.val();
         self.raw_reader.newest.next = self.raw_writer.newest.val();
-        self.runs.next = self.registers.control.val().get_bit(0);
+        self.run.next = self.registers.control.val().get_bit(0);
         // After a flush what is left of the frame is thrown away.
-        self.skips.next = self.flushes.val() || (self.realigns.q.val() && !self.raw_reader.pixels.user.val());
-        if self.flushes.val() {
-            self.realigns.d.next = true;
+        self.skip.next = self.flush.val() || (self.realign.q.val() && !self.raw_reader.pixels.user.val());
+        if self.flush.val() {
+            self.realign.d.next = true;
         } else if self.raw_reader.pixels.valid.val() && self.raw_reader.pixels.user.val() {
-            self.realigns.d.next = false;
+            self.realign.d.next = false;
         }
         if self.resets[1].domain_reset.val() {
-            self.realigns.d.next = false;
+            self.realign.d.next = false;
         }
         self.raw_fifo.from.valid.next =
-            self.raw_reader.pixels.valid.val() && self.runs.val() && !self.skips.val();
+            self.raw_reader.pixels.valid.val() && self.run.val() && !self.skip.val();
         self.raw_fifo.from.data.next = self.raw_reader.pixels.data.val();
         self.raw_fifo.from.user.next = false;
         self.raw_fifo.from.last.next = false;
         self.raw_reader.pixels.ready.next =
-            self.skips.val() || (self.raw_fifo.from.ready.val() && self.runs.val());
+            self.skip.val() || (self.raw_fifo.from.ready.val() && self.run.val());
         self.core.flush.next = self.calculator_flush.domain_reset.val();
         self.core.pixels_valid.next = self.raw_fifo.to.valid.val();
         self.core.pixels_data.next = self.raw_fifo.to.data.val();
@@ -383,7 +383,7 @@ impl Logic for EdofCore {
 
         // The host's window: a tile that the pattern repeats, and a part of the codes.
         self.window.clock.next = self.clock.val();
-        self.window.reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+        self.window.reset.next = self.resets[1].domain_reset.val() || self.flush.val();
         self.window.tile_address.next = self.patterns.tile_address.val();
         self.patterns.tile_pixel.next = self.window.tile_pixel.val();
         self.window.write.next = self.registers.tile_write.val();
@@ -401,7 +401,7 @@ impl Logic for EdofCore {
         for i in 0..3 {
             self.checks[i].clock.next = self.clock.val();
             self.checks[i].snapshot.next = self.snapshot.q.val();
-            self.checks[i].reset.next = self.resets[1].domain_reset.val() || self.flushes.val();
+            self.checks[i].reset.next = self.resets[1].domain_reset.val() || self.flush.val();
         }
         self.checks[2].reset.next = self.resets[1].domain_reset.val();
         self.checks[0].valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
@@ -434,7 +434,7 @@ impl Logic for EdofCore {
         AxiReadMaster::<512>::link(&mut self.dram_read, &mut self.memory.dram_read);
 
         // What the other domains say, again and again.
-        self.seen.next = (bit_cast::<224, 32>(self.video_in.overruns.val()))
+        self.input_word.next = (bit_cast::<224, 32>(self.video_in.overruns.val()))
             | (bit_cast::<224, 32>(self.video_in.wrong_frames.val()) << 32)
             | (bit_cast::<224, 13>(self.video_in.width.val()) << 64)
             | (bit_cast::<224, 13>(self.video_in.height.val()) << 80)
@@ -443,23 +443,23 @@ impl Logic for EdofCore {
             | (bit_cast::<224, 32>(self.video_in.range_frames.val()) << 160)
             | (bit_cast::<224, 32>(self.cycles[1].count.val()) << 192);
         if self.video_in.present.val() {
-            self.seen.next = self.seen.val() | (bit_cast::<224, 13>(1.into()) << 77);
+            self.input_word.next = self.input_word.val() | (bit_cast::<224, 13>(1.into()) << 77);
         }
         if self.video_in.fits.val() {
-            self.seen.next = self.seen.val() | (bit_cast::<224, 13>(1.into()) << 78);
+            self.input_word.next = self.input_word.val() | (bit_cast::<224, 13>(1.into()) << 78);
         }
-        self.input_status.word.next = self.seen.val();
+        self.input_status.word.next = self.input_word.val();
         self.input_status.valid.next = true;
-        self.shown.next = bit_cast::<96, 32>(self.video_out.late_pixels.val())
+        self.screen_word.next = bit_cast::<96, 32>(self.video_out.late_pixels.val())
             | (bit_cast::<96, 32>(self.video_out.shown_frames.val()) << 32)
             | (bit_cast::<96, 32>(self.cycles[2].count.val()) << 64);
-        self.screen_status.word.next = self.shown.val();
+        self.screen_status.word.next = self.screen_word.val();
         self.screen_status.valid.next = true;
         self.calculator_status.from_clock.next = self.calculator_clock.val();
         self.calculator_status.from_reset.next = self.resets[3].domain_reset.val();
         self.calculator_status.to_clock.next = self.clock.val();
         self.calculator_status.to_reset.next = self.resets[1].domain_reset.val();
-        self.made.next = bit_cast::<232, 32>(self.core.saturated_sums.val())
+        self.calculator_word.next = bit_cast::<232, 32>(self.core.saturated_sums.val())
             | (bit_cast::<232, 32>(self.core.clamped_chroma.val()) << 32)
             | (bit_cast::<232, 32>(self.core.out_of_gamut.val()) << 64)
             | (bit_cast::<232, 32>(self.core.patches.val()) << 96)
@@ -467,18 +467,18 @@ impl Logic for EdofCore {
             | (bit_cast::<232, 32>(self.core.window_crc.val()) << 192)
             | (bit_cast::<232, 8>(self.core.window_frames.val()) << 224);
         if self.core.set_used.val() {
-            self.made.next = self.made.val() | (bit_cast::<232, 2>(1.into()) << 160);
+            self.calculator_word.next = self.calculator_word.val() | (bit_cast::<232, 2>(1.into()) << 160);
         }
         if self.core.window_fault.val() {
-            self.made.next = self.made.val() | (bit_cast::<232, 2>(2.into()) << 160);
+            self.calculator_word.next = self.calculator_word.val() | (bit_cast::<232, 2>(2.into()) << 160);
         }
-        self.calculator_status.word.next = self.made.val();
+        self.calculator_status.word.next = self.calculator_word.val();
         self.calculator_status.valid.next = true;
 
         // The host.
         AxiLiteSlave::link(&mut self.host, &mut self.registers.bus);
         self.access.clock.next = self.clock.val();
-        self.access.reset.next = self.drops.q.val();
+        self.access.reset.next = self.calculator_lost_q.q.val();
         self.access.is_down.next = self.is_down.q.val();
         self.access.weight_valid.next = self.registers.weight_valid.val();
         self.access.table_valid.next = self.registers.table_valid.val();
@@ -491,8 +491,8 @@ impl Logic for EdofCore {
         self.registers.weight_ready.next = self.access.ready.val();
         self.registers.table_ready.next = self.access.ready.val();
         self.registers.stage_ready.next = self.access.ready.val();
-        self.registers.unreached.next = self.access.fails.val();
-        self.registers.stage_counter.next = self.access.shown.val();
+        self.registers.unreached.next = self.access.error.val();
+        self.registers.stage_counter.next = self.access.read_value.val();
         self.access.to_clock.next = self.calculator_clock.val();
         self.access.to_reset.next = self.resets[3].domain_reset.val();
         self.access.status.next = self.core.status.val();

@@ -20,9 +20,9 @@ pub struct EmbeddedSyncs {
     pub hs: Signal<Out, Bit>,
     /// Vertical blanking.
     pub vs: Signal<Out, Bit>,
-    /// A pixel lies on the output.
+    /// The output pixel is valid.
     pub de: Signal<Out, Bit>,
-    /// It.
+    /// The pixel.
     pub pixel: Signal<Out, Bits<16>>,
     /// Whole codes.
     pub codes: Signal<Out, Bits<32>>,
@@ -42,7 +42,7 @@ pub struct EmbeddedSyncs {
     kinds: [DFF<Bits<5>>; 4],
     inside: DFF<Bits<2>>,
     ended: DFF<Bit>,
-    knows: DFF<Bit>,
+    is_known: DFF<Bit>,
     codes_q: DFF<Bits<32>>,
     malformed_q: DFF<Bits<32>>,
     found: Signal<Local, Bit>,
@@ -69,7 +69,7 @@ impl Logic for EmbeddedSyncs {
             pixel_q,
             inside,
             ended,
-            knows,
+            is_known,
             codes_q,
             malformed_q
         );
@@ -139,9 +139,9 @@ impl Logic for EmbeddedSyncs {
         if self.whole.val() {
             self.inside.d.next = 3.into();
             self.ended.d.next = self.kinds[0].q.val().get_bit(4);
-            self.knows.d.next = true;
+            self.is_known.d.next = true;
             self.codes_q.d.next = self.codes_q.q.val() + 1;
-            if self.knows.q.val() && (self.ended.q.val() == self.kinds[0].q.val().get_bit(4)) {
+            if self.is_known.q.val() && (self.ended.q.val() == self.kinds[0].q.val().get_bit(4)) {
                 self.damaged.next = true;
             }
         }
@@ -152,7 +152,7 @@ impl Logic for EmbeddedSyncs {
         self.malformed.next = self.malformed_q.q.val();
         if self.reset.val() {
             self.inside.d.next = 3.into();
-            self.knows.d.next = false;
+            self.is_known.d.next = false;
             self.codes_q.d.next = 0.into();
             self.malformed_q.d.next = 0.into();
             self.line.d.next = false;

@@ -17,7 +17,7 @@ pub struct Frames {
 
 impl Frames {
     /// # Panics
-    /// For what the agents cannot do: whoever makes a design checks it (`edof_device::board`).
+    /// For what the agents cannot do: the check of a design excludes it (`edof_device::board`).
     pub(super) fn check(&self, word_bits: usize) {
         let pixels = word_bits / 16;
         assert!(

@@ -76,7 +76,7 @@ pub struct I2cMaster {
     pub sda_low: Signal<Out, Bit>,
     /// A transfer is in flight.
     pub busy: Signal<Out, Bit>,
-    /// It ends in this cycle.
+    /// The transfer ends in this cycle.
     pub done: Signal<Out, Bit>,
     /// How.
     pub cause: Signal<Out, Bits<3>>,
@@ -109,7 +109,7 @@ pub struct I2cMaster {
 }
 
 impl I2cMaster {
-    /// With so many cycles in a quarter of a bit, at least 4.
+    /// A master with the given cycles per quarter of a bit, at least 4.
     #[must_use]
     pub fn new(quarter: u32) -> Self {
         let quarter = u64::from(quarter.max(4));

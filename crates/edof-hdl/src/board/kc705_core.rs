@@ -37,9 +37,9 @@ pub struct Kc705Core {
     pub screen_hs: Signal<Out, Bit>,
     /// Vertical sync.
     pub screen_vs: Signal<Out, Bit>,
-    /// A pixel lies on the bus.
+    /// A pixel is on the bus.
     pub screen_de: Signal<Out, Bit>,
-    /// It: Y' low, Cb' or Cr' high.
+    /// Codes of the pixel: Y' low, Cb' or Cr' high.
     pub screen_data: Signal<Out, Bits<16>>,
     /// Writes to the DRAM.
     pub dram_write: AxiWriteMaster<512, 64>,
@@ -70,7 +70,7 @@ pub struct Kc705Core {
     reset_of_core: ResetSync,
     swapped: Signal<Local, Bits<16>>,
     blink: DFF<Bits<27>>,
-    shown: Signal<Local, Bits<7>>,
+    led_levels: Signal<Local, Bits<7>>,
 }
 
 impl Kc705Core {
@@ -159,13 +159,13 @@ impl Logic for Kc705Core {
 
         dff_setup!(self, clock, blink);
         self.blink.d.next = self.blink.q.val() + 1;
-        self.shown.next = self.core.status.val().get_bits::<7>(0) & 0x3f;
+        self.led_levels.next = self.core.status.val().get_bits::<7>(0) & 0x3f;
         if self.chips[1].slots[0].val().get_bit(8) && self.blink.q.val().get_bit(26) {
-            self.shown.next = self.shown.val() | 2;
+            self.led_levels.next = self.led_levels.val() | 2;
         }
         if self.chips[0].slots[0].val().get_bit(6) {
-            self.shown.next = self.shown.val() | 0x40;
+            self.led_levels.next = self.led_levels.val() | 0x40;
         }
-        self.leds.next = self.shown.val();
+        self.leds.next = self.led_levels.val();
     }
 }

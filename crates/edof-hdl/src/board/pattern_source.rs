@@ -21,7 +21,7 @@ pub struct PatternSource {
     pub select: Signal<In, Bits<3>>,
     /// Pixel of the tile: row (6 bits), column (6).
     pub tile_address: Signal<Out, Row>,
-    /// It, two cycles later.
+    /// Pixel of the tile, two cycles after its address.
     pub tile_pixel: Signal<In, Bits<16>>,
     /// The source's pixels.
     pub source: StreamIn<16>,

@@ -16,38 +16,38 @@ pub struct PictureWindow {
     pub reset: Signal<In, Bit>,
     /// Pixel of the tile: row (6 bits), column (6).
     pub tile_address: Signal<In, Row>,
-    /// It, two cycles later.
+    /// Pixel of the tile, two cycles after its address.
     pub tile_pixel: Signal<Out, Bits<16>>,
     /// Writes a pixel of the tile.
     pub write: Signal<In, Bit>,
-    /// Which.
+    /// Pixel of the tile to write: row (6 bits), column (6).
     pub write_address: Signal<In, Row>,
     /// Raw pixel word.
     pub write_data: Signal<In, Bits<16>>,
     /// A pixel of codes passes in this cycle.
     pub valid: Signal<In, Bit>,
-    /// It.
+    /// Codes of the pixel.
     pub data: Signal<In, Bits<16>>,
-    /// Whether it is its frame's first.
+    /// The pixel is the first of its frame.
     pub user: Signal<In, Bit>,
-    /// Whether it is its line's last.
+    /// The pixel is the last of its line.
     pub last: Signal<In, Bit>,
     /// Column (bits 12 to 0) and row (28 to 16) of the first pixel that is kept.
     pub corner: Signal<In, Bits<32>>,
     /// Pixel that is read: row (6 bits), column (6).
     pub read_address: Signal<In, Row>,
-    /// It, two cycles later.
+    /// Codes of the pixel that is read, two cycles after its address.
     pub read_data: Signal<Out, Bits<16>>,
     tile: Ram<16>,
-    kept: Ram<16>,
+    picture_words: Ram<16>,
     valid_1: DFF<Bit>,
     data_1: DFF<Bits<16>>,
     column: DFF<Bits<13>>,
     row: DFF<Bits<13>>,
     valid_2: DFF<Bit>,
     data_2: DFF<Bits<16>>,
-    right: DFF<Bits<13>>,
-    down: DFF<Bits<13>>,
+    column_offset: DFF<Bits<13>>,
+    row_offset: DFF<Bits<13>>,
     ends: DFF<Bit>,
 }
 
@@ -56,7 +56,10 @@ impl PictureWindow {
     #[must_use]
     pub fn new() -> Self {
         let shape = || Shape::registered(TILE_PIXELS);
-        Self::from_parts(PictureWindowParts { tile: Ram::new(shape(), &[]), kept: Ram::new(shape(), &[]) })
+        Self::from_parts(PictureWindowParts {
+            tile: Ram::new(shape(), &[]),
+            picture_words: Ram::new(shape(), &[]),
+        })
     }
 }
 
@@ -69,7 +72,19 @@ impl Default for PictureWindow {
 impl Logic for PictureWindow {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, valid_1, data_1, column, row, valid_2, data_2, right, down, ends);
+        dff_setup!(
+            self,
+            clock,
+            valid_1,
+            data_1,
+            column,
+            row,
+            valid_2,
+            data_2,
+            column_offset,
+            row_offset,
+            ends
+        );
         self.tile.clock.next = self.clock.val();
         self.tile.read_address.next = self.tile_address.val();
         self.tile_pixel.next = self.tile.read_data.val();
@@ -95,17 +110,18 @@ impl Logic for PictureWindow {
         // And from the corner that is kept.
         self.valid_2.d.next = self.valid_1.q.val();
         self.data_2.d.next = self.data_1.q.val();
-        self.right.d.next = self.column.q.val() - self.corner.val().get_bits::<13>(0);
-        self.down.d.next = self.row.q.val() - self.corner.val().get_bits::<13>(16);
-        self.kept.clock.next = self.clock.val();
-        self.kept.write_enable.next = self.valid_2.q.val()
-            && !self.right.q.val().get_bits::<7>(6).any()
-            && !self.down.q.val().get_bits::<7>(6).any();
-        self.kept.write_address.next = (bit_cast::<12, 6>(self.down.q.val().get_bits::<6>(0)) << 6)
-            | bit_cast::<12, 6>(self.right.q.val().get_bits::<6>(0));
-        self.kept.write_data.next = self.data_2.q.val();
-        self.kept.read_address.next = self.read_address.val();
-        self.read_data.next = self.kept.read_data.val();
+        self.column_offset.d.next = self.column.q.val() - self.corner.val().get_bits::<13>(0);
+        self.row_offset.d.next = self.row.q.val() - self.corner.val().get_bits::<13>(16);
+        self.picture_words.clock.next = self.clock.val();
+        self.picture_words.write_enable.next = self.valid_2.q.val()
+            && !self.column_offset.q.val().get_bits::<7>(6).any()
+            && !self.row_offset.q.val().get_bits::<7>(6).any();
+        self.picture_words.write_address.next = (bit_cast::<12, 6>(self.row_offset.q.val().get_bits::<6>(0))
+            << 6)
+            | bit_cast::<12, 6>(self.column_offset.q.val().get_bits::<6>(0));
+        self.picture_words.write_data.next = self.data_2.q.val();
+        self.picture_words.read_address.next = self.read_address.val();
+        self.read_data.next = self.picture_words.read_data.val();
 
         if self.reset.val() {
             self.valid_1.d.next = false;

@@ -4,15 +4,15 @@ use crate::describe::Circuit;
 use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
-/// Tells the first reset from later ones, after which what the host wrote must stand: `first` is high from configuration until `reset`
-/// falls for the first time.
+/// Distinguishes the first reset from later ones, which must preserve what the host wrote: `first` is high from configuration until
+/// `reset` falls for the first time.
 #[derive(Circuit)]
 pub struct PowerOn {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// The domain's reset.
     pub reset: Signal<In, Bit>,
-    /// Whether it is the first.
+    /// The reset is the first one since configuration.
     pub first: Signal<Out, Bit>,
     _was: bool,
     _ended: bool,

@@ -30,7 +30,7 @@ pub struct ReadAgent<const W: usize> {
     pub pixels: StreamOut<16>,
     /// Frames that were begun.
     pub frames: Signal<Out, Bits<32>>,
-    /// Of these, how many were sent again.
+    /// Frames counted in `frames` that repeat an earlier one.
     pub late: Signal<Out, Bits<32>>,
     /// Words that came with an error.
     pub errors: Signal<Out, Bits<32>>,
@@ -41,7 +41,7 @@ pub struct ReadAgent<const W: usize> {
     last_row: Constant<Bits<12>>,
     before_last_lane: Constant<Bits<6>>,
     burst: Constant<Row>,
-    room: Constant<Row>,
+    max_held: Constant<Row>,
     row_mask: Constant<Row>,
     frame_words: Constant<Bits<24>>,
     burst_words: Constant<Bits<24>>,
@@ -54,23 +54,23 @@ pub struct ReadAgent<const W: usize> {
     busy: DFF<Bit>,
     reading_q: DFF<Buffer>,
     // Words of this frame that are still to be asked for: any, and fewer than a burst, a cycle later.
-    missing: DFF<Bits<24>>,
-    some_miss: DFF<Bit>,
-    few_miss: DFF<Bit>,
+    remaining: DFF<Bits<24>>,
+    any_remaining: DFF<Bit>,
+    is_last_burst: DFF<Bit>,
     request: DFF<Bit>,
     // A burst was just accepted: what depends on it follows.
-    settles: DFF<Bit>,
+    settle: DFF<Bit>,
     address: DFF<Bits<32>>,
     request_address: DFF<Bits<32>>,
     request_words: DFF<Row>,
     // Words: asked for, come, taken out of the RAM (and the one after). How many are asked for and not taken, two cycles later.
     reserved: DFF<Row>,
     held: DFF<Row>,
-    has_room: DFF<Bit>,
+    has_space: DFF<Bit>,
     write_ptr: DFF<Row>,
     read_ptr: DFF<Row>,
     read_ptr_next: DFF<Row>,
-    came: DFF<Row>,
+    received: DFF<Row>,
     has_word: DFF<Bit>,
     full: DFF<Bit>,
     is_last_lane: DFF<Bit>,
@@ -88,7 +88,7 @@ pub struct ReadAgent<const W: usize> {
     marks: Ram<1>,
     begins: Signal<Local, Bit>,
     words: Signal<Local, Row>,
-    taken: Signal<Local, Bit>,
+    pop: Signal<Local, Bit>,
     advance: Signal<Local, Bit>,
     next_read_ptr: Signal<Local, Row>,
     is_line_end: Signal<Local, Bit>,
@@ -98,7 +98,7 @@ impl<const W: usize> ReadAgent<W> {
     /// An agent for these frames. With `repeats`, a frame that is late is sent again.
     ///
     /// # Panics
-    /// For frames that no agent can do: whoever makes a design checks it (`edof_device::board`).
+    /// For frames that no agent supports; the check of a design excludes them (`edof_device::board`).
     #[must_use]
     pub fn new(frames: &Frames, repeats: bool) -> Self {
         frames.check(W);
@@ -111,7 +111,7 @@ impl<const W: usize> ReadAgent<W> {
             last_row: Constant::new((frames.height as u64 - 1).into()),
             before_last_lane: Constant::new((W as u64 / 16 - 2).into()),
             burst: row(frames.burst),
-            room: row(frames.depth - frames.burst),
+            max_held: row(frames.depth - frames.burst),
             row_mask: row(frames.depth - 1),
             frame_words: Constant::new((words as u64).into()),
             burst_words: Constant::new((frames.burst as u64).into()),
@@ -135,21 +135,21 @@ impl<const W: usize> Logic for ReadAgent<W> {
             clock,
             busy,
             reading_q,
-            missing,
-            some_miss,
-            few_miss,
+            remaining,
+            any_remaining,
+            is_last_burst,
             request,
-            settles,
+            settle,
             address,
             request_address,
             request_words,
             reserved,
             held,
-            has_room,
+            has_space,
             write_ptr,
             read_ptr,
             read_ptr_next,
-            came,
+            received,
             has_word,
             full,
             is_last_lane,
@@ -177,7 +177,7 @@ impl<const W: usize> Logic for ReadAgent<W> {
             if self.newest.val() == self.reading_q.q.val() {
                 self.late_q.d.next = self.late_q.q.val() + 1;
             }
-            self.missing.d.next = self.frame_words.val();
+            self.remaining.d.next = self.frame_words.val();
             self.address.d.next = self.base_0.val();
             if self.newest.val() == 1 {
                 self.address.d.next = self.base_1.val();
@@ -187,32 +187,36 @@ impl<const W: usize> Logic for ReadAgent<W> {
         }
 
         // Bursts: asked for when there is room for them. What the last one changed is known two cycles after it was accepted.
-        self.some_miss.d.next = self.missing.q.val().any();
-        self.few_miss.d.next = self.missing.q.val() < self.burst_words.val();
+        self.any_remaining.d.next = self.remaining.q.val().any();
+        self.is_last_burst.d.next = self.remaining.q.val() < self.burst_words.val();
         self.held.d.next = self.reserved.q.val() - self.read_ptr.q.val();
-        self.has_room.d.next = self.held.q.val() <= self.room.val();
+        self.has_space.d.next = self.held.q.val() <= self.max_held.val();
         self.words.next = self.burst.val();
-        if self.few_miss.q.val() {
-            self.words.next = self.missing.q.val().get_bits::<12>(0);
+        if self.is_last_burst.q.val() {
+            self.words.next = self.remaining.q.val().get_bits::<12>(0);
         }
-        self.settles.d.next = self.request.q.val();
+        self.settle.d.next = self.request.q.val();
         if self.request.q.val() && self.dram.ar_ready.val() {
             self.request.d.next = false;
         }
-        if !self.request.q.val() && !self.settles.q.val() && self.some_miss.q.val() && self.has_room.q.val() {
+        if !self.request.q.val()
+            && !self.settle.q.val()
+            && self.any_remaining.q.val()
+            && self.has_space.q.val()
+        {
             self.request.d.next = true;
             self.request_address.d.next = self.address.q.val();
             self.request_words.d.next = self.words.val();
             self.address.d.next = self.address.q.val() + self.burst_bytes.val();
-            self.missing.d.next = self.missing.q.val() - self.burst_words.val();
-            if self.few_miss.q.val() {
-                self.missing.d.next = 0.into();
+            self.remaining.d.next = self.remaining.q.val() - self.burst_words.val();
+            if self.is_last_burst.q.val() {
+                self.remaining.d.next = 0.into();
             }
             self.reserved.d.next = self.reserved.q.val() + self.words.val();
         }
 
         // Words into the RAM; on its output two cycles later.
-        self.came.d.next = self.write_ptr.q.val();
+        self.received.d.next = self.write_ptr.q.val();
         self.corrupted_q.d.next = self.dram.r_valid.val() && self.dram.r_resp.val().any();
         if self.dram.r_valid.val() {
             self.write_ptr.d.next = self.write_ptr.q.val() + 1;
@@ -228,15 +232,15 @@ impl<const W: usize> Logic for ReadAgent<W> {
         self.ram.write_data.next = self.dram.r_data.val();
 
         // Words out of it, and their pixels.
-        self.taken.next = self.full.q.val() && self.pixels.ready.val();
-        if self.taken.val() {
+        self.pop.next = self.full.q.val() && self.pixels.ready.val();
+        if self.pop.val() {
             self.word.d.next = self.word.q.val() >> 16;
             self.lane.d.next = self.lane.q.val() + 1;
             self.is_last_lane.d.next = self.lane.q.val() == self.before_last_lane.val();
         }
         self.advance.next = !self.full.q.val() || (self.is_last_lane.q.val() && self.pixels.ready.val());
         self.next_read_ptr.next = self.read_ptr.q.val();
-        self.has_word.d.next = self.read_ptr.q.val() != self.came.q.val();
+        self.has_word.d.next = self.read_ptr.q.val() != self.received.q.val();
         if self.advance.val() {
             self.full.d.next = self.has_word.q.val();
             self.word.d.next = self.ram.read_data.val();
@@ -248,7 +252,7 @@ impl<const W: usize> Logic for ReadAgent<W> {
                 }
                 self.next_read_ptr.next = self.read_ptr_next.q.val();
                 self.read_ptr_next.d.next = self.read_ptr_next.q.val() + 1;
-                self.has_word.d.next = self.read_ptr_next.q.val() != self.came.q.val();
+                self.has_word.d.next = self.read_ptr_next.q.val() != self.received.q.val();
             }
         }
         self.read_ptr.d.next = self.next_read_ptr.val();
@@ -256,7 +260,7 @@ impl<const W: usize> Logic for ReadAgent<W> {
         self.ram.read_address.next = self.next_read_ptr.val() & self.row_mask.val();
         self.marks.read_address.next = self.next_read_ptr.val() & self.row_mask.val();
         self.is_line_end.next = self.column.q.val() == self.last_column.val();
-        if self.taken.val() {
+        if self.pop.val() {
             self.column.d.next = self.column.q.val() + 1;
             if self.is_line_end.val() {
                 self.column.d.next = 0.into();
@@ -271,17 +275,17 @@ impl<const W: usize> Logic for ReadAgent<W> {
         if self.reset.val() {
             self.busy.d.next = false;
             self.reading_q.d.next = 3.into();
-            self.missing.d.next = 0.into();
-            self.some_miss.d.next = false;
+            self.remaining.d.next = 0.into();
+            self.any_remaining.d.next = false;
             self.request.d.next = false;
-            self.settles.d.next = false;
+            self.settle.d.next = false;
             self.reserved.d.next = 0.into();
             self.held.d.next = 0.into();
-            self.has_room.d.next = false;
+            self.has_space.d.next = false;
             self.write_ptr.d.next = 0.into();
             self.read_ptr.d.next = 0.into();
             self.read_ptr_next.d.next = 1.into();
-            self.came.d.next = 0.into();
+            self.received.d.next = 0.into();
             self.has_word.d.next = false;
             self.full.d.next = false;
             self.is_last_lane.d.next = false;

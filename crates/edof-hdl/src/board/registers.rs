@@ -20,7 +20,7 @@ enum Phase {
     Judge,
     /// Writes a register, or waits until a window has taken the word.
     Write,
-    /// Tells how the write went.
+    /// Sends the response to the write.
     WriteAnswer,
     /// Finds the register, or waits for what a stage shows.
     Read,
@@ -42,7 +42,7 @@ pub struct BoardRegisters {
     /// Back to what the design was generated with.
     pub reset: Signal<In, Bit>,
     /// A reset leaves the bank in use and the hash of its network.
-    pub keeps: Signal<In, Bit>,
+    pub preserve: Signal<In, Bit>,
     /// The host.
     pub bus: AxiLiteSlave,
     /// How the board is.
@@ -57,7 +57,7 @@ pub struct BoardRegisters {
     pub receiver: Signal<In, Bits<32>>,
     /// The size that it measures.
     pub receiver_size: Signal<In, Bits<32>>,
-    /// What it makes of the source's signal.
+    /// What the receiver makes of the source's signal.
     pub receiver_format: Signal<In, Bits<32>>,
     /// The transmitter.
     pub transmitter: Signal<In, Bits<32>>,
@@ -73,7 +73,7 @@ pub struct BoardRegisters {
     pub input_write_errors: Signal<In, Bits<32>>,
     /// Raw frames that were begun to be read.
     pub raw_frames: Signal<In, Bits<32>>,
-    /// Of these, how many were read again for want of a newer one.
+    /// Reads counted in `raw_frames` that repeat a frame because no newer one was complete.
     pub raw_late: Signal<In, Bits<32>>,
     /// Words of raw frames that came with an error.
     pub raw_read_errors: Signal<In, Bits<32>>,
@@ -95,7 +95,7 @@ pub struct BoardRegisters {
     pub picture_write_errors: Signal<In, Bits<32>>,
     /// Pictures that were begun to be read.
     pub output_frames: Signal<In, Bits<32>>,
-    /// Of these, how many were read again for want of a newer one.
+    /// Reads counted in `output_frames` that repeat a picture because no newer one was complete.
     pub output_late: Signal<In, Bits<32>>,
     /// Words of pictures that came with an error.
     pub output_read_errors: Signal<In, Bits<32>>,
@@ -129,11 +129,11 @@ pub struct BoardRegisters {
     pub screen_cycles: Signal<In, Bits<32>>,
     /// The first pixel of codes that the host can read.
     pub window_corner: Signal<Out, Bits<32>>,
-    /// Writes a pixel of the tile, of which the word is that of `weight_data`.
+    /// Writes a pixel of the tile; the pixel is in `weight_data`.
     pub tile_write: Signal<Out, Bit>,
-    /// Which, or which pixel of codes is read.
+    /// Pixel of the tile to write, or pixel of codes to read.
     pub tile_address: Signal<Out, Bits<12>>,
-    /// It, two cycles later.
+    /// Pixel of codes that is read, two cycles after its address.
     pub window_pixel: Signal<In, Bits<16>>,
     /// What the board makes in place of raw frames.
     pub pattern: Signal<Out, Bits<32>>,
@@ -149,11 +149,11 @@ pub struct BoardRegisters {
     pub scratch: Signal<Out, Bits<32>>,
     /// What of the calculator's stages to show: bit 6 what was read back, or a counter; stage (4 bits); which (2).
     pub stage_address: Signal<Out, Bits<7>>,
-    /// It is wanted.
+    /// A status word is requested.
     pub stage_valid: Signal<Out, Bit>,
-    /// It has come.
+    /// The requested status word is valid.
     pub stage_ready: Signal<In, Bit>,
-    /// It.
+    /// The requested status word.
     pub stage_counter: Signal<In, Bits<32>>,
     /// With `stage_ready`, `table_ready` or `weight_ready`: nothing was read or written, for the calculator's clock stands still.
     pub unreached: Signal<In, Bit>,
@@ -161,7 +161,7 @@ pub struct BoardRegisters {
     pub calculator_lost: Signal<In, Bit>,
     /// A word for a display table is offered.
     pub table_valid: Signal<Out, Bit>,
-    /// It is taken.
+    /// The word for a display table is accepted.
     pub table_ready: Signal<In, Bit>,
     /// Table (2 bits) and entry (15).
     pub table_address: Signal<Out, Bits<17>>,
@@ -169,11 +169,11 @@ pub struct BoardRegisters {
     pub table_data: Signal<Out, Bits<12>>,
     /// A word for the calculator is offered.
     pub weight_valid: Signal<Out, Bit>,
-    /// It is taken.
+    /// The word for the calculator is accepted.
     pub weight_ready: Signal<In, Bit>,
     /// Where (`edof_device::design::memory::address`).
     pub weight_address: Signal<Out, Bits<25>>,
-    /// What.
+    /// Word to write.
     pub weight_data: Signal<Out, Bits<32>>,
     indices: Vec<Constant<Bits<6>>>,
     masks: Vec<Constant<Bits<32>>>,
@@ -191,11 +191,11 @@ pub struct BoardRegisters {
     at_weights: DFF<Bit>,
     at_tile: DFF<Bit>,
     is_picture: DFF<Bit>,
-    waits: DFF<Bit>,
+    is_waiting: DFF<Bit>,
     guard: BankGuard,
     is_checked: DFF<Bit>,
-    refuses: DFF<Bit>,
-    refused: DFF<Bits<32>>,
+    reject: DFF<Bit>,
+    rejected_words: DFF<Bits<32>>,
     unchecked: DFF<Bit>,
     // A quarter of the registers each: one multiplexer for all is too long a path.
     found: [DFF<Bits<32>>; 4],
@@ -204,12 +204,12 @@ pub struct BoardRegisters {
     result: DFF<Bits<32>>,
     values: Vec<Signal<Local, Bits<32>>>,
     selected: [Signal<Local, Bits<32>>; 4],
-    known: Signal<Local, Bit>,
+    is_mapped: Signal<Local, Bit>,
     written: Signal<Local, Bit>,
     may_write: [Signal<Local, Bit>; 8],
     control_words: [Signal<Local, Bits<32>>; 8],
-    bars: Signal<Local, Bit>,
-    kept_out: Signal<Local, Bit>,
+    is_control_locked: Signal<Local, Bit>,
+    is_protected: Signal<Local, Bit>,
     bank_only: Constant<Bits<32>>,
     in_area: Signal<Local, Bit>,
     in_window: [Signal<Local, Bit>; 6],
@@ -263,8 +263,24 @@ impl Logic for BoardRegisters {
     #[kernel]
     fn update(&mut self) {
         dff_setup!(
-            self, clock, phase, address, word, is_bad, found_any, is_stage, result, is_checked, refuses,
-            refused, unchecked, at_tables, at_weights, at_tile, is_picture, waits
+            self,
+            clock,
+            phase,
+            address,
+            word,
+            is_bad,
+            found_any,
+            is_stage,
+            result,
+            is_checked,
+            reject,
+            rejected_words,
+            unchecked,
+            at_tables,
+            at_weights,
+            at_tile,
+            is_picture,
+            is_waiting
         );
         for i in 0..8 {
             self.controls[i].clock.next = self.clock.val();
@@ -336,7 +352,7 @@ impl Logic for BoardRegisters {
         self.values[34].next = self.output_read_errors.val();
         self.values[35].next = self.output_underruns.val();
         self.values[36].next = self.uart_broken.val();
-        self.values[37].next = self.refused.q.val();
+        self.values[37].next = self.rejected_words.q.val();
         self.values[38].next = self.input_codes.val();
         self.values[39].next = self.input_malformed.val();
         self.values[40].next = self.controls[4].q.val();
@@ -353,35 +369,35 @@ impl Logic for BoardRegisters {
         self.values[51].next = self.input_cycles.val();
         self.values[52].next = self.screen_cycles.val();
         self.values[53].next = self.controls[7].q.val();
-        self.known.next = false;
+        self.is_mapped.next = false;
         for i in 0..14 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[0].next = self.selected[0].val() | (self.values[i].val() & self.masks[i].val());
-                self.known.next = true;
+                self.is_mapped.next = true;
             }
         }
         for i in 14..28 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[1].next = self.selected[1].val() | (self.values[i].val() & self.masks[i].val());
-                self.known.next = true;
+                self.is_mapped.next = true;
             }
         }
         for i in 28..41 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[2].next = self.selected[2].val() | (self.values[i].val() & self.masks[i].val());
-                self.known.next = true;
+                self.is_mapped.next = true;
             }
         }
         for i in 41..self._count {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
                 self.selected[3].next = self.selected[3].val() | (self.values[i].val() & self.masks[i].val());
-                self.known.next = true;
+                self.is_mapped.next = true;
             }
         }
         for i in 0..4 {
             self.found[i].d.next = self.selected[i].val();
         }
-        self.found_any.d.next = self.known.val() && self.in_area.val();
+        self.found_any.d.next = self.is_mapped.val() && self.in_area.val();
         self.is_picture.d.next = self.in_window[5].val();
         self.is_stage.d.next = self.in_window[0].val() || self.in_window[3].val();
 
@@ -418,12 +434,12 @@ impl Logic for BoardRegisters {
         self.at_tile.d.next = self.in_window[4].val();
         self.at_tables.d.next = self.in_window[1].val();
         self.at_weights.d.next = self.in_window[2].val();
-        self.bars.next = self.controls[3].q.val().get_bit(0)
+        self.is_control_locked.next = self.controls[3].q.val().get_bit(0)
             && ((self.at_tables.q.val() && self.controls[1].q.val().get_bit(0))
                 || (self.at_weights.q.val() && self.guard.hits.val()));
-        self.kept_out.next = false;
-        if self.refuses.q.val() {
-            self.refused.d.next = self.refused.q.val() + 1;
+        self.is_protected.next = false;
+        if self.reject.q.val() {
+            self.rejected_words.d.next = self.rejected_words.q.val() + 1;
         }
 
         self.written.next = false;
@@ -448,8 +464,8 @@ impl Logic for BoardRegisters {
             Phase::Write => {
                 if self.is_bad.q.val() {
                     self.phase.d.next = Phase::WriteAnswer;
-                } else if self.bars.val() {
-                    self.kept_out.next = true;
+                } else if self.is_control_locked.val() {
+                    self.is_protected.next = true;
                     self.phase.d.next = Phase::WriteAnswer;
                 } else if self.at_tables.q.val() {
                     self.table_valid.next = true;
@@ -477,7 +493,7 @@ impl Logic for BoardRegisters {
                                     self.unchecked.d.next = false;
                                 }
                             } else {
-                                self.kept_out.next = true;
+                                self.is_protected.next = true;
                             }
                         }
                     }
@@ -491,9 +507,9 @@ impl Logic for BoardRegisters {
             }
             Phase::Read => {
                 // A pixel of codes comes a cycle later than all else.
-                self.waits.d.next = self.in_window[5].val();
-                if self.waits.q.val() || !self.in_window[5].val() {
-                    self.waits.d.next = false;
+                self.is_waiting.d.next = self.in_window[5].val();
+                if self.is_waiting.q.val() || !self.in_window[5].val() {
+                    self.is_waiting.d.next = false;
                     self.phase.d.next = Phase::ReadJoin;
                 }
             }
@@ -526,16 +542,16 @@ impl Logic for BoardRegisters {
                 }
             }
         }
-        self.refuses.d.next = self.kept_out.val();
-        if self.kept_out.val() {
+        self.reject.d.next = self.is_protected.val();
+        if self.is_protected.val() {
             self.is_bad.d.next = true;
         }
         if self.reset.val() {
             self.phase.d.next = Phase::Idle;
-            self.refuses.d.next = false;
-            self.waits.d.next = false;
-            self.refused.d.next = 0.into();
-            self.unchecked.d.next = self.keeps.val() && self.unchecked.q.val();
+            self.reject.d.next = false;
+            self.is_waiting.d.next = false;
+            self.rejected_words.d.next = 0.into();
+            self.unchecked.d.next = self.preserve.val() && self.unchecked.q.val();
             for i in 4..8 {
                 self.controls[i - 4].d.next = self.start[i].val();
             }
@@ -544,7 +560,7 @@ impl Logic for BoardRegisters {
             }
             self.controls[6].d.next = self.start[44].val();
             self.controls[7].d.next = self.start[53].val();
-            if self.keeps.val() {
+            if self.preserve.val() {
                 self.controls[0].d.next = self.controls[0].q.val();
                 self.controls[1].d.next =
                     self.start[5].val() | (self.controls[1].q.val() & self.bank_only.val());

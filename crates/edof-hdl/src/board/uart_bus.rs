@@ -33,9 +33,9 @@ enum Phase {
 ///
 /// A frame: command (1 write, 2 read, 3 and 4 the same at a fixed address), number of words, address of the first *word* (four bytes,
 /// the most significant first), and for a write the words in the same order. A read is answered by its words; one that the
-/// registers answer with an error reads 0. What goes wrong is counted. A byte that is no command is passed over; a frame that pauses
-/// longer than the time-out is given up, and the next byte is a command; of a frame that goes on before its word is written the rest is
-/// passed over, up to a pause of the time-out.
+/// registers answer with an error reads 0. Faults are counted. A byte that is not a command is skipped. A frame that pauses
+/// longer than the time-out is dropped, and the next byte is a command. If a frame continues before its word is written, the rest of the
+/// frame is skipped, up to a pause of the time-out.
 #[derive(Circuit)]
 pub struct UartBus {
     /// Clock.
@@ -61,19 +61,19 @@ pub struct UartBus {
     word: DFF<Bits<32>>,
     byte_number: DFF<Bits<2>>,
     pause: DFF<Bits<32>>,
-    offers_address: DFF<Bit>,
-    offers_word: DFF<Bit>,
+    address_valid: DFF<Bit>,
+    word_valid: DFF<Bit>,
     is_late: DFF<Bit>,
     broken_q: DFF<Bits<32>>,
     has_byte: Signal<Local, Bit>,
     byte: Signal<Local, Bits<8>>,
     stall: Signal<Local, Bit>,
-    gives_up: Signal<Local, Bit>,
+    abort: Signal<Local, Bit>,
     word_ends: Signal<Local, Bit>,
 }
 
 impl UartBus {
-    /// For a line of so many cycles a bit; a frame is given up after a pause of `time_out` cycles.
+    /// A block for a line with the given cycles per bit; a frame is dropped after a pause of `time_out` cycles.
     #[must_use]
     pub fn new(cycles_per_bit: u16, time_out: u32) -> Self {
         Self::from_parts(UartBusParts {
@@ -98,8 +98,8 @@ impl Logic for UartBus {
             word,
             byte_number,
             pause,
-            offers_address,
-            offers_word,
+            address_valid,
+            word_valid,
             is_late,
             broken_q
         );
@@ -116,7 +116,7 @@ impl Logic for UartBus {
             || (self.phase.q.val() == Phase::Address)
             || (self.phase.q.val() == Phase::Data)
             || (self.phase.q.val() == Phase::Skip);
-        self.gives_up.next =
+        self.abort.next =
             self.stall.val() && !self.has_byte.val() && (self.pause.q.val() == self.time_out.val());
         self.pause.d.next = self.pause.q.val() + 1;
         if self.has_byte.val() || !self.stall.val() {
@@ -165,26 +165,26 @@ impl Logic for UartBus {
                     self.byte_number.d.next = self.byte_number.q.val() + 1;
                     if self.byte_number.q.val() == 3 {
                         self.phase.d.next = Phase::Write;
-                        self.offers_address.d.next = true;
-                        self.offers_word.d.next = true;
+                        self.address_valid.d.next = true;
+                        self.word_valid.d.next = true;
                         self.is_late.d.next = false;
                     }
                 }
             }
             Phase::Write => {
                 if self.bus.aw_ready.val() {
-                    self.offers_address.d.next = false;
+                    self.address_valid.d.next = false;
                 }
                 if self.bus.w_ready.val() {
-                    self.offers_word.d.next = false;
+                    self.word_valid.d.next = false;
                 }
                 self.is_late.d.next = self.is_late.q.val() || self.has_byte.val();
                 self.word_ends.next = self.bus.b_valid.val();
             }
             Phase::Ask => {
-                self.offers_address.d.next = true;
-                if self.offers_address.q.val() && self.bus.ar_ready.val() {
-                    self.offers_address.d.next = false;
+                self.address_valid.d.next = true;
+                if self.address_valid.q.val() && self.bus.ar_ready.val() {
+                    self.address_valid.d.next = false;
                     self.phase.d.next = Phase::Read;
                 }
             }
@@ -221,7 +221,7 @@ impl Logic for UartBus {
                 self.broken_q.d.next = self.broken_q.q.val() + 1;
             }
         }
-        if self.gives_up.val() {
+        if self.abort.val() {
             self.phase.d.next = Phase::Command;
             if self.phase.q.val() != Phase::Skip {
                 self.broken_q.d.next = self.broken_q.q.val() + 1;
@@ -230,20 +230,20 @@ impl Logic for UartBus {
         if self.reset.val() {
             self.phase.d.next = Phase::Command;
             self.pause.d.next = 0.into();
-            self.offers_address.d.next = false;
-            self.offers_word.d.next = false;
+            self.address_valid.d.next = false;
+            self.word_valid.d.next = false;
             self.broken_q.d.next = 0.into();
         }
 
         self.sender.byte.next = self.word.q.val().get_bits::<8>(24);
         self.bus.aw_addr.next = self.address.q.val() << 2;
-        self.bus.aw_valid.next = self.offers_address.q.val() && (self.phase.q.val() == Phase::Write);
+        self.bus.aw_valid.next = self.address_valid.q.val() && (self.phase.q.val() == Phase::Write);
         self.bus.w_data.next = self.word.q.val();
         self.bus.w_strb.next = 15.into();
-        self.bus.w_valid.next = self.offers_word.q.val() && (self.phase.q.val() == Phase::Write);
+        self.bus.w_valid.next = self.word_valid.q.val() && (self.phase.q.val() == Phase::Write);
         self.bus.b_ready.next = self.phase.q.val() == Phase::Write;
         self.bus.ar_addr.next = self.address.q.val() << 2;
-        self.bus.ar_valid.next = self.offers_address.q.val() && (self.phase.q.val() == Phase::Ask);
+        self.bus.ar_valid.next = self.address_valid.q.val() && (self.phase.q.val() == Phase::Ask);
         self.bus.r_ready.next = self.phase.q.val() == Phase::Read;
         self.broken.next = self.broken_q.q.val();
     }

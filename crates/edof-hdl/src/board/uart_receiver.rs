@@ -18,7 +18,7 @@ pub struct UartReceiver {
     pub line: Signal<In, Bit>,
     /// A byte has come.
     pub valid: Signal<Out, Bit>,
-    /// It.
+    /// The received byte.
     pub byte: Signal<Out, Bits<8>>,
     last_cycle: Constant<Bits<16>>,
     half: Constant<Bits<16>>,
@@ -33,7 +33,7 @@ pub struct UartReceiver {
 }
 
 impl UartReceiver {
-    /// For a line of so many cycles a bit.
+    /// A receiver for a line with the given cycles per bit.
     #[must_use]
     pub fn new(cycles_per_bit: u16) -> Self {
         Self::from_parts(UartReceiverParts {

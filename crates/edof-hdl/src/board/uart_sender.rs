@@ -10,11 +10,11 @@ pub struct UartSender {
     pub clock: Signal<In, Clock>,
     /// Ends the byte; the line is at rest.
     pub reset: Signal<In, Bit>,
-    /// A byte is offered.
+    /// The byte is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken.
+    /// The byte is accepted.
     pub ready: Signal<Out, Bit>,
-    /// It.
+    /// Byte to send.
     pub byte: Signal<In, Bits<8>>,
     /// The line.
     pub line: Signal<Out, Bit>,
@@ -27,7 +27,7 @@ pub struct UartSender {
 }
 
 impl UartSender {
-    /// For a line of so many cycles a bit.
+    /// A sender for a line with the given cycles per bit.
     #[must_use]
     pub fn new(cycles_per_bit: u16) -> Self {
         let last_cycle = Constant::new((u64::from(cycles_per_bit) - 1).into());

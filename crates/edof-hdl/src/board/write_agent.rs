@@ -58,7 +58,7 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     top_lane: Constant<Bits<12>>,
     burst: Constant<Row>,
     last_word: Constant<Row>,
-    most: Constant<Row>,
+    max_held: Constant<Row>,
     row_mask: Constant<Row>,
     burst_bytes: Constant<Bits<32>>,
     word_size: Constant<Bits<3>>,
@@ -66,7 +66,7 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     base_0: Constant<Bits<32>>,
     base_1: Constant<Bits<32>>,
     base_2: Constant<Bits<32>>,
-    outstanding_most: Constant<Bits<4>>,
+    max_outstanding: Constant<Bits<4>>,
     phase: DFF<Phase>,
     column: DFF<Bits<12>>,
     row: DFF<Bits<12>>,
@@ -80,7 +80,7 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     // How many the RAM holds and whether there is room for more, how many wait to be announced, whether any may be sent: each from the
     // counts of the cycle before.
     held: DFF<Row>,
-    has_room: DFF<Bit>,
+    has_space: DFF<Bit>,
     waiting: DFF<Row>,
     has_word: DFF<Bit>,
     push: DFF<Bit>,
@@ -91,20 +91,20 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     address: DFF<Bits<32>>,
     request_address: DFF<Bits<32>>,
     request_words: DFF<Row>,
-    sends: DFF<Bit>,
+    word_valid: DFF<Bit>,
     sent_word: DFF<Bits<W>>,
     sent_last: DFF<Bit>,
     outstanding: DFF<Bits<4>>,
     failed: DFF<Bit>,
     // Frames that are to be held back.
-    doubtful: DFF<Bits<2>>,
+    suspect_frames: DFF<Bits<2>>,
     target: DFF<Buffer>,
     newest_q: DFF<Buffer>,
     frames_q: DFF<Bits<32>>,
     broken_q: DFF<Bits<32>>,
     errors_q: DFF<Bits<32>>,
     ram: Ram<W>,
-    takes: Signal<Local, Bit>,
+    accept: Signal<Local, Bit>,
     is_short: Signal<Local, Bit>,
     advance: Signal<Local, Bit>,
     sent_then: Signal<Local, Row>,
@@ -120,7 +120,7 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
     /// An agent for these frames.
     ///
     /// # Panics
-    /// For frames that no agent can do: whoever makes a design checks it (`edof_device::board`).
+    /// For frames that no agent supports; the check of a design excludes them (`edof_device::board`).
     #[must_use]
     pub fn new(frames: &Frames) -> Self {
         frames.check(W);
@@ -133,7 +133,7 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
             top_lane: Constant::new((W as u64 - 16).into()),
             burst: row(frames.burst),
             last_word: row(frames.burst - 1),
-            most: row(frames.depth - 3),
+            max_held: row(frames.depth - 3),
             row_mask: row(frames.depth - 1),
             burst_bytes: Constant::new((frames.burst as u64 * W as u64 / 8).into()),
             word_size: Constant::new(u64::from((W / 8).ilog2()).into()),
@@ -141,7 +141,7 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
             base_0: base[0],
             base_1: base[1],
             base_2: base[2],
-            outstanding_most: Constant::new(OUTSTANDING.into()),
+            max_outstanding: Constant::new(OUTSTANDING.into()),
             ram: Ram::new(Shape::distributed(frames.depth), &[]),
         })
     }
@@ -163,7 +163,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             sent,
             sent_next,
             held,
-            has_room,
+            has_space,
             waiting,
             has_word,
             push,
@@ -173,12 +173,12 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             address,
             request_address,
             request_words,
-            sends,
+            word_valid,
             sent_word,
             sent_last,
             outstanding,
             failed,
-            doubtful,
+            suspect_frames,
             target,
             newest_q,
             frames_q,
@@ -189,20 +189,20 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
 
         // Pixels into words, words into the RAM a cycle later.
         self.held.d.next = self.write_ptr.q.val() - self.sent.q.val();
-        self.has_room.d.next = self.held.q.val() <= self.most.val();
-        self.takes.next = false;
+        self.has_space.d.next = self.held.q.val() <= self.max_held.val();
+        self.accept.next = false;
         self.pixels.ready.next = false;
         if self.phase.q.val() == Phase::Between {
             self.pixels.ready.next = true;
-            self.takes.next = self.pixels.valid.val() && self.pixels.user.val();
+            self.accept.next = self.pixels.valid.val() && self.pixels.user.val();
         } else if self.phase.q.val() == Phase::Frame {
-            self.pixels.ready.next = self.has_room.q.val() && !self.pixels.user.val();
-            self.takes.next = self.pixels.valid.val() && self.has_room.q.val() && !self.pixels.user.val();
+            self.pixels.ready.next = self.has_space.q.val() && !self.pixels.user.val();
+            self.accept.next = self.pixels.valid.val() && self.has_space.q.val() && !self.pixels.user.val();
         }
         self.is_line_end.next = self.column.q.val() == self.last_column.val();
         self.push.d.next = false;
         self.push_row.d.next = self.write_ptr.q.val() & self.row_mask.val();
-        if self.takes.val() {
+        if self.accept.val() {
             self.word.d.next = (self.word.q.val() >> 16)
                 | (bit_cast::<W, 16>(self.pixels.data.val()) << self.top_lane.val());
             self.lane.d.next = self.lane.q.val() + 1;
@@ -231,7 +231,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.request.d.next = false;
         }
         if !self.request.q.val()
-            && (self.outstanding.q.val() != self.outstanding_most.val())
+            && (self.outstanding.q.val() != self.max_outstanding.val())
             && (((self.phase.q.val() == Phase::Frame) && !self.is_short.val())
                 || ((self.phase.q.val() == Phase::Complete)
                     && self.is_whole.q.val()
@@ -248,12 +248,12 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             }
         }
 
-        // Their words, by way of a register; they do not wait for the address to be accepted.
-        self.advance.next = !self.sends.q.val() || self.dram.w_ready.val();
+        // Words of the burst pass a register and do not wait for the address to be accepted.
+        self.advance.next = !self.word_valid.q.val() || self.dram.w_ready.val();
         self.sent_then.next = self.sent.q.val();
         self.has_word.d.next = self.sent.q.val() != self.announced.q.val();
         if self.advance.val() {
-            self.sends.d.next = self.has_word.q.val();
+            self.word_valid.d.next = self.has_word.q.val();
             self.sent_word.d.next = self.ram.read_data.val();
             self.sent_last.d.next = ((self.sent.q.val() & self.last_word.val()) == self.last_word.val())
                 || ((self.phase.q.val() == Phase::Complete)
@@ -289,7 +289,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             }
         }
         self.is_quiet.next = !self.request.q.val()
-            && !self.sends.q.val()
+            && !self.word_valid.q.val()
             && !self.push.q.val()
             && !self.has_word.q.val()
             && !self.outstanding.q.val().any();
@@ -300,7 +300,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
                     && !self.waiting.q.val().any()));
         match self.phase.q.val() {
             Phase::Between => {
-                if self.takes.val() {
+                if self.accept.val() {
                     self.phase.d.next = Phase::Frame;
                     self.failed.d.next = false;
                     self.target.d.next = self.free.val();
@@ -316,7 +316,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
                 if self.pixels.valid.val() && self.pixels.user.val() {
                     self.phase.d.next = Phase::Broken;
                 }
-                if self.takes.val() {
+                if self.accept.val() {
                     if self.pixels.last.val() != self.is_line_end.val() {
                         self.phase.d.next = Phase::Broken;
                     } else if self.is_line_end.val() && (self.row.q.val() == self.last_row.val()) {
@@ -327,7 +327,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             Phase::Complete => {
                 if self.is_over.val() {
                     self.phase.d.next = Phase::Between;
-                    if self.failed.q.val() || self.doubtful.q.val().any() {
+                    if self.failed.q.val() || self.suspect_frames.q.val().any() {
                         self.broken_q.d.next = self.broken_q.q.val() + 1;
                     } else {
                         self.frames_q.d.next = self.frames_q.q.val() + 1;
@@ -342,11 +342,11 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
                 }
             }
         }
-        if self.is_over.val() && self.doubtful.q.val().any() {
-            self.doubtful.d.next = self.doubtful.q.val() - 1;
+        if self.is_over.val() && self.suspect_frames.q.val().any() {
+            self.suspect_frames.d.next = self.suspect_frames.q.val() - 1;
         }
         if self.corrupted.val() {
-            self.doubtful.d.next = 2.into();
+            self.suspect_frames.d.next = 2.into();
         }
         if self.is_over.val() || self.reset.val() {
             self.column.d.next = 0.into();
@@ -357,7 +357,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.sent.d.next = 0.into();
             self.sent_next.d.next = 1.into();
             self.held.d.next = 0.into();
-            self.has_room.d.next = true;
+            self.has_space.d.next = true;
             self.waiting.d.next = 0.into();
             self.has_word.d.next = false;
         }
@@ -365,9 +365,9 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.phase.d.next = Phase::Between;
             self.push.d.next = false;
             self.request.d.next = false;
-            self.sends.d.next = false;
+            self.word_valid.d.next = false;
             self.outstanding.d.next = 0.into();
-            self.doubtful.d.next = 0.into();
+            self.suspect_frames.d.next = 0.into();
             self.newest_q.d.next = 3.into();
             self.frames_q.d.next = 0.into();
             self.broken_q.d.next = 0.into();
@@ -383,7 +383,7 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
         self.dram.w_data.next = self.sent_word.q.val();
         self.dram.w_strb.next = self.all_bytes.val();
         self.dram.w_last.next = self.sent_last.q.val();
-        self.dram.w_valid.next = self.sends.q.val();
+        self.dram.w_valid.next = self.word_valid.q.val();
         self.dram.b_ready.next = true;
         self.newest.next = self.newest_q.q.val();
         self.frames.next = self.frames_q.q.val();

@@ -15,21 +15,21 @@ pub struct AsyncFifo<const W: usize> {
     pub write_clock: Signal<In, Clock>,
     /// Reset of the writer's domain: empties the FIFO.
     pub write_reset: Signal<In, Bit>,
-    /// A word is offered.
+    /// The word is valid.
     pub write_valid: Signal<In, Bit>,
-    /// It is taken, if there is one.
+    /// The FIFO accepts a valid word in this cycle.
     pub write_ready: Signal<Out, Bit>,
-    /// The word.
+    /// Word to push.
     pub write_data: Signal<In, Bits<W>>,
     /// Clock of the reader.
     pub read_clock: Signal<In, Clock>,
     /// Reset of the reader's domain: empties the FIFO and the output.
     pub read_reset: Signal<In, Bit>,
-    /// A word stands on the output.
+    /// The output word is valid.
     pub read_valid: Signal<Out, Bit>,
-    /// It is taken.
+    /// The receiver accepts the word.
     pub read_ready: Signal<In, Bit>,
-    /// The word.
+    /// Word to push.
     pub read_data: Signal<Out, Bits<W>>,
     _log_depth: usize,
     _words: VecDeque<Bits<W>>,
@@ -48,7 +48,7 @@ struct Pointers {
 }
 
 impl<const W: usize> AsyncFifo<W> {
-    /// A FIFO of so many words, as a power of two.
+    /// A FIFO with 2^`log_depth` words.
     #[must_use]
     pub fn new(log_depth: usize) -> Self {
         Self::from_parts(AsyncFifoParts {

@@ -13,11 +13,11 @@ pub struct BusSync<const W: usize> {
     pub from_clock: Signal<In, Clock>,
     /// Reset of the sender's domain: drops a word in flight.
     pub from_reset: Signal<In, Bit>,
-    /// A word is offered.
+    /// The word is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken, if there is one.
+    /// The crossing accepts a valid word in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// The word.
+    /// Word to push.
     pub word: Signal<In, Bits<W>>,
     /// Clock of the receiver.
     pub to_clock: Signal<In, Clock>,

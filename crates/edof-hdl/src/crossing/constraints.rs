@@ -1,4 +1,4 @@
-//! What Vivado must know of each way between clock domains.
+//! Timing constraints of each clock-domain crossing, for Vivado.
 
 use crate::verilog::Crossing;
 use std::fmt::Write;
@@ -66,11 +66,14 @@ fn of_leaf(leaf: &str, path: &str, period: f64) -> Vec<String> {
             limit("words_reg*", "word_q_reg[*]"),
         ],
         "edof_pulse_sync" => {
-            vec![synchronised("asked_q_reg", "to_receiver"), synchronised("told_q_reg", "to_sender")]
+            vec![
+                synchronised("req_toggle_q_reg", "to_receiver"),
+                synchronised("ack_toggle_q_reg", "to_sender"),
+            ]
         }
         "edof_bus_sync" => vec![
-            synchronised("asked_q_reg", "to_receiver"),
-            synchronised("told_q_reg", "to_sender"),
+            synchronised("req_toggle_q_reg", "to_receiver"),
+            synchronised("ack_toggle_q_reg", "to_sender"),
             limit("held_q_reg[*]", "word_q_reg[*]"),
         ],
         _ => vec![],
@@ -79,8 +82,8 @@ fn of_leaf(leaf: &str, path: &str, period: f64) -> Vec<String> {
     let clears = match leaf {
         "edof_async_fifo" | "edof_pulse_sync" | "edof_bus_sync" => vec![
             synchronised("clear/clear_q_reg", "clear/to_receiver"),
-            synchronised("clear/asks_q_reg", "clear/asks_sync"),
-            synchronised("clear/answers_q_reg", "clear/answers_sync"),
+            synchronised("clear/request_q_reg", "clear/request_sync"),
+            synchronised("clear/ack_q_reg", "clear/ack_sync"),
         ],
         _ => vec![],
     };

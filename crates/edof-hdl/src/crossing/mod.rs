@@ -1,4 +1,4 @@
-//! The only ways from one clock domain to another: the backend refuses every other one.
+//! The only clock-domain crossings: the backend rejects every other connection of two domains.
 //!
 //! | leaf | carries |
 //! |---|---|
@@ -9,13 +9,13 @@
 //! | [`async_fifo`] | a word a cycle |
 //! | [`pixel_fifo`] | the same as a block: a stream of pixels |
 //!
-//! [`constraints`] tells Vivado of each.
+//! [`constraints`] writes the constraints of each.
 //!
 //! Each side of a crossing takes the reset of its own domain and nothing more: resets need no overlap, no order, and no second clock. Those
 //! that carry words or pulses are empty after a reset of either side, and closed until both clocks have run (`rtl/edof_clear.v`).
 //!
 //! Each but the last is a leaf of `rtl/`, and here as its model. A model sees every change at the first edge after it; in Verilog, with
-//! `EDOF_METASTABLE` defined, each bit is seen then or an edge later, by lot, as on a real chip.
+//! `EDOF_METASTABLE` defined, each bit is seen then or an edge later, at random, as on a real chip.
 
 pub mod async_fifo;
 pub mod bus_sync;

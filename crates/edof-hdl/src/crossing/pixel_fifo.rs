@@ -21,14 +21,14 @@ pub struct PixelFifo {
     pub to_clock: Signal<In, Clock>,
     /// The receiver's reset.
     pub to_reset: Signal<In, Bit>,
-    /// The same pixels.
+    /// Pixels in the receiver's clock domain.
     pub to: StreamOut<16>,
     fifo: AsyncFifo<18>,
     marks: Signal<Local, Bits<18>>,
 }
 
 impl PixelFifo {
-    /// For so many pixels, as a power of two.
+    /// A FIFO with 2^`log_depth` pixels.
     #[must_use]
     pub fn new(log_depth: usize) -> Self {
         Self::from_parts(PixelFifoParts { fifo: AsyncFifo::new(log_depth) })

@@ -15,7 +15,7 @@ pub struct PulseSync {
     pub from_reset: Signal<In, Bit>,
     /// A pulse.
     pub pulse: Signal<In, Bit>,
-    /// It is taken, if there is one.
+    /// The crossing accepts a pulse in this cycle.
     pub ready: Signal<Out, Bit>,
     /// Clock of the receiver.
     pub to_clock: Signal<In, Clock>,

@@ -4,14 +4,14 @@ use crate::describe::Circuit;
 use crate::leaves::leaf;
 use rust_hdl::prelude::*;
 
-/// Two flip-flops a bit. A change arrives in the second or third cycle; bits that change together may arrive a cycle apart.
+/// Two flip-flops per bit. A change arrives in the second or third cycle; bits that change together may arrive one cycle apart.
 #[derive(Circuit)]
 pub struct Sync<const W: usize> {
     /// Clock of the receiver.
     pub clock: Signal<In, Clock>,
     /// Straight from registers of another domain.
     pub from: Signal<In, Bits<W>>,
-    /// The same in the receiver's.
+    /// Bits in the receiver's clock domain.
     pub to: Signal<Out, Bits<W>>,
     _first: Bits<W>,
 }

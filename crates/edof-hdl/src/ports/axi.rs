@@ -1,7 +1,7 @@
 //! AXI4 (ARM IHI 0022): bursts of words of `W` bits, `S` = `W`/8 bytes each. Writes and reads are bundles of their own, since each
 //! agent does only one of the two.
 //!
-//! Left out, for whoever connects a memory to set: lock, cache, prot, qos and region, all 0.
+//! Not among the ports, and set to 0 where a memory is connected: lock, cache, prot, qos and region.
 
 #![allow(missing_docs, reason = "rust-hdl's derive writes `join` without documentation")]
 
@@ -22,27 +22,27 @@ pub struct AxiWriteMaster<const W: usize, const S: usize> {
     pub aw_size: Signal<Out, Bits<3>>,
     /// 1: the address grows.
     pub aw_burst: Signal<Out, Bits<2>>,
-    /// A burst is announced.
+    /// The address of a burst is valid.
     pub aw_valid: Signal<Out, Bit>,
-    /// It is accepted.
+    /// The address is accepted in this cycle.
     pub aw_ready: Signal<In, Bit>,
     /// A word.
     pub w_data: Signal<Out, Bits<W>>,
     /// Which of its bytes are to be written.
     pub w_strb: Signal<Out, Bits<S>>,
-    /// It is the last of its burst.
+    /// The word is the last of its burst.
     pub w_last: Signal<Out, Bit>,
-    /// A word is offered.
+    /// The word is valid.
     pub w_valid: Signal<Out, Bit>,
-    /// It is accepted.
+    /// The word is accepted in this cycle.
     pub w_ready: Signal<In, Bit>,
     /// Whose burst is written.
     pub b_id: Signal<In, Bits<1>>,
     /// 0: all went well.
     pub b_resp: Signal<In, Bits<2>>,
-    /// A burst is written.
+    /// The response to a written burst is valid.
     pub b_valid: Signal<In, Bit>,
-    /// That is noted.
+    /// The response is accepted in this cycle.
     pub b_ready: Signal<Out, Bit>,
 }
 
@@ -62,27 +62,27 @@ pub struct AxiWriteSlave<const W: usize, const S: usize> {
     pub aw_size: Signal<In, Bits<3>>,
     /// 1: the address grows.
     pub aw_burst: Signal<In, Bits<2>>,
-    /// A burst is announced.
+    /// The address of a burst is valid.
     pub aw_valid: Signal<In, Bit>,
-    /// It is accepted.
+    /// The address is accepted in this cycle.
     pub aw_ready: Signal<Out, Bit>,
     /// A word.
     pub w_data: Signal<In, Bits<W>>,
     /// Which of its bytes are to be written.
     pub w_strb: Signal<In, Bits<S>>,
-    /// It is the last of its burst.
+    /// The word is the last of its burst.
     pub w_last: Signal<In, Bit>,
-    /// A word is offered.
+    /// The word is valid.
     pub w_valid: Signal<In, Bit>,
-    /// It is accepted.
+    /// The word is accepted in this cycle.
     pub w_ready: Signal<Out, Bit>,
     /// Whose burst is written.
     pub b_id: Signal<Out, Bits<1>>,
     /// 0: all went well.
     pub b_resp: Signal<Out, Bits<2>>,
-    /// A burst is written.
+    /// The response to a written burst is valid.
     pub b_valid: Signal<Out, Bit>,
-    /// That is noted.
+    /// The response is accepted in this cycle.
     pub b_ready: Signal<In, Bit>,
 }
 
@@ -102,9 +102,9 @@ pub struct AxiReadMaster<const W: usize> {
     pub ar_size: Signal<Out, Bits<3>>,
     /// 1: the address grows.
     pub ar_burst: Signal<Out, Bits<2>>,
-    /// A burst is asked for.
+    /// The address of a burst is valid.
     pub ar_valid: Signal<Out, Bit>,
-    /// It is accepted.
+    /// The address is accepted in this cycle.
     pub ar_ready: Signal<In, Bit>,
     /// Whose word it is.
     pub r_id: Signal<In, Bits<1>>,
@@ -112,11 +112,11 @@ pub struct AxiReadMaster<const W: usize> {
     pub r_data: Signal<In, Bits<W>>,
     /// 0: it is right.
     pub r_resp: Signal<In, Bits<2>>,
-    /// It is the last of its burst.
+    /// The word is the last of its burst.
     pub r_last: Signal<In, Bit>,
-    /// A word is offered.
+    /// The word is valid.
     pub r_valid: Signal<In, Bit>,
-    /// It is accepted.
+    /// The word is accepted in this cycle.
     pub r_ready: Signal<Out, Bit>,
 }
 
@@ -136,9 +136,9 @@ pub struct AxiReadSlave<const W: usize> {
     pub ar_size: Signal<In, Bits<3>>,
     /// 1: the address grows.
     pub ar_burst: Signal<In, Bits<2>>,
-    /// A burst is asked for.
+    /// The address of a burst is valid.
     pub ar_valid: Signal<In, Bit>,
-    /// It is accepted.
+    /// The address is accepted in this cycle.
     pub ar_ready: Signal<Out, Bit>,
     /// Whose word it is.
     pub r_id: Signal<Out, Bits<1>>,
@@ -146,11 +146,11 @@ pub struct AxiReadSlave<const W: usize> {
     pub r_data: Signal<Out, Bits<W>>,
     /// 0: it is right.
     pub r_resp: Signal<Out, Bits<2>>,
-    /// It is the last of its burst.
+    /// The word is the last of its burst.
     pub r_last: Signal<Out, Bit>,
-    /// A word is offered.
+    /// The word is valid.
     pub r_valid: Signal<Out, Bit>,
-    /// It is accepted.
+    /// The word is accepted in this cycle.
     pub r_ready: Signal<In, Bit>,
 }
 

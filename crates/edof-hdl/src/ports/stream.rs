@@ -13,9 +13,9 @@ pub struct StreamOut<const W: usize> {
     pub valid: Signal<Out, Bit>,
     /// The beat.
     pub data: Signal<Out, Bits<W>>,
-    /// It is the first of a frame.
+    /// The beat is the first of a frame.
     pub user: Signal<Out, Bit>,
-    /// It is the last of a line, of a window or of a patch.
+    /// The beat is the last of a line, of a window or of a patch.
     pub last: Signal<Out, Bit>,
     /// The receiver takes what is offered.
     pub ready: Signal<In, Bit>,
@@ -29,9 +29,9 @@ pub struct StreamIn<const W: usize> {
     pub valid: Signal<In, Bit>,
     /// The beat.
     pub data: Signal<In, Bits<W>>,
-    /// It is the first of a frame.
+    /// The beat is the first of a frame.
     pub user: Signal<In, Bit>,
-    /// It is the last of a line, of a window or of a patch.
+    /// The beat is the last of a line, of a window or of a patch.
     pub last: Signal<In, Bit>,
     /// The block takes what is offered.
     pub ready: Signal<Out, Bit>,

@@ -6,7 +6,7 @@ use rust_hdl::prelude::*;
 
 /// Registers in a stream: no path leads through it, neither with the beats nor against them.
 ///
-/// Latency one cycle, one beat a cycle; two beats fit inside. A stall holds everything.
+/// Latency one cycle, one beat per cycle; two beats fit inside. A stall holds everything.
 #[derive(Circuit)]
 pub struct StreamCut<const W: usize> {
     /// Clock.
@@ -15,7 +15,7 @@ pub struct StreamCut<const W: usize> {
     pub reset: Signal<In, Bit>,
     /// Beats.
     pub from: StreamIn<W>,
-    /// The same beats.
+    /// Beats, one cycle later.
     pub to: StreamOut<W>,
     full: DFF<Bit>,
     data: DFF<Bits<W>>,

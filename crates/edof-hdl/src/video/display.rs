@@ -28,29 +28,29 @@ pub struct Display {
     pub clock: Signal<In, Clock>,
     /// Forgets the picture; tables stay.
     pub reset: Signal<In, Bit>,
-    /// A pair of pixels stands on the input.
+    /// The input pair of pixels is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// Its luma words, the left one low.
+    /// Luma words of the pair, the left pixel low.
     pub luma: Signal<In, Pair>,
-    /// Its chroma words, Cb low.
+    /// Chroma words of the pair, Cb low.
     pub chroma: Signal<In, Pair>,
-    /// Whether it is its frame's first.
+    /// The pixel is the first of its frame.
     pub first: Signal<In, Bit>,
-    /// Whether it is its line's last.
+    /// The pixel is the last of its line.
     pub last: Signal<In, Bit>,
     /// Colour, or luma only.
     pub colour: Signal<In, Bit>,
-    /// A pixel stands on the output.
+    /// The output pixel is valid.
     pub pixels_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub pixels_ready: Signal<In, Bit>,
-    /// It: Y' low; high Cb' of the left pixel of a pair, Cr' of the right one.
+    /// Codes of the pixel: Y' low; high Cb' of the left pixel of a pair, Cr' of the right one.
     pub pixels_data: Signal<Out, Word>,
-    /// Whether it is its frame's first.
+    /// The pixel is the first of its frame.
     pub pixels_user: Signal<Out, Bit>,
-    /// Whether it is its line's last.
+    /// The pixel is the last of its line.
     pub pixels_last: Signal<Out, Bit>,
     /// Writes an entry of a table.
     pub table_write: Signal<In, Bit>,
@@ -135,7 +135,7 @@ pub struct Display {
     cb_19: DFF<Bits<8>>,
     index_1: DFF<Bits<15>>,
     luma_table: Table<8>,
-    looked_at: Delay<2, 2>,
+    lookup: Delay<2, 2>,
     luma_to_4: Delay<8, 1>,
     luma_to_16: Delay<8, 12>,
     rounded_1: [DFF<Bits<17>>; 2],
@@ -156,7 +156,7 @@ pub struct Display {
     accept: Signal<Local, Bit>,
     step_even: Signal<Local, Bit>,
     step_odd: Signal<Local, Bit>,
-    moves: Signal<Local, Bit>,
+    advance: Signal<Local, Bit>,
     colour_now: Signal<Local, Bit>,
     neighbour: Signal<Local, Pair>,
     marks: Signal<Local, Bits<6>>,

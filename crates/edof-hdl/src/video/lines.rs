@@ -17,23 +17,23 @@ pub struct Lines {
     pub clock: Signal<In, Clock>,
     /// Forgets the picture.
     pub reset: Signal<In, Bit>,
-    /// Two words of a patch stand on the input.
+    /// Two input words of a patch are valid.
     pub valid: Signal<In, Bit>,
-    /// They are taken in this cycle, if there are any.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// They.
+    /// Two words of a patch, the even one low.
     pub data: Signal<In, Pair>,
     /// A pair of pixels stands on the output.
     pub out_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub out_ready: Signal<In, Bit>,
-    /// Its luma words, the left one low.
+    /// Luma words of the pair, the left pixel low.
     pub out_luma: Signal<Out, Pair>,
-    /// Its chroma words, Cb low.
+    /// Chroma words of the pair, Cb low.
     pub out_chroma: Signal<Out, Pair>,
-    /// Whether it is its frame's first.
+    /// The pair is the first of its frame.
     pub out_first: Signal<Out, Bit>,
-    /// Whether it is its line's last.
+    /// The pair is the last of its line.
     pub out_last: Signal<Out, Bit>,
     /// Sets the counter to zero.
     pub clear: Signal<In, Bit>,

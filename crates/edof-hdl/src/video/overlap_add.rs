@@ -21,21 +21,21 @@ pub struct OverlapAdd {
     pub clock: Signal<In, Clock>,
     /// Forgets the picture.
     pub reset: Signal<In, Bit>,
-    /// A pair stands on the input.
+    /// The input pair is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// Its luma words, the left one low.
+    /// Luma words of the pair, the left pixel low.
     pub luma: Signal<In, Pair>,
-    /// Its chroma words, Cb low.
+    /// Chroma words of the pair, Cb low.
     pub chroma: Signal<In, Pair>,
-    /// A pair stands on the output.
+    /// The output pair is valid.
     pub out_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub out_ready: Signal<In, Bit>,
-    /// Its luma words.
+    /// Luma words of the pair.
     pub out_luma: Signal<Out, Pair>,
-    /// Its chroma words.
+    /// Chroma words of the pair.
     pub out_chroma: Signal<Out, Pair>,
     /// Sets the counter to zero.
     pub clear: Signal<In, Bit>,
@@ -63,10 +63,10 @@ pub struct OverlapAdd {
     words_1: DFF<Bits<64>>,
     valid_2: DFF<Bit>,
     place_2: DFF<Place>,
-    seen_2: DFF<Bit>,
+    visible_2: DFF<Bit>,
     fresh_to_4: Delay<1, 3>,
     done_to_4: Delay<1, 3>,
-    seen_to_4: Delay<1, 2>,
+    visible_to_4: Delay<1, 2>,
     valid_to_4: Delay<1, 2>,
     place_to_4: Delay<16, 2>,
     words_to_3: Delay<64, 2>,
@@ -76,7 +76,7 @@ pub struct OverlapAdd {
     place_5: DFF<Place>,
     valid_5: DFF<Bit>,
     done_5: DFF<Bit>,
-    seen_5: DFF<Bit>,
+    visible_5: DFF<Bit>,
     sums_5: [DFF<Bits<20>>; 4],
     push_6: DFF<Bit>,
     words_6: [DFF<Bits<16>>; 4],
@@ -92,7 +92,7 @@ pub struct OverlapAdd {
     complete: Signal<Local, Bit>,
     fresh: Signal<Local, Bits<1>>,
     done: Signal<Local, Bits<1>>,
-    seen: Signal<Local, Bits<1>>,
+    visible: Signal<Local, Bits<1>>,
     in_2: Signal<Local, Bits<1>>,
     word: [Signal<Local, Bits<20>>; 4],
     old: [Signal<Local, Bits<20>>; 4],
@@ -148,19 +148,19 @@ impl Logic for OverlapAdd {
             words_1,
             valid_2,
             place_2,
-            seen_2,
+            visible_2,
             place_5,
             words_4,
             valid_5,
             done_5,
-            seen_5,
+            visible_5,
             push_6,
             over_8,
             saturated_q
         );
         self.fresh_to_4.clock.next = self.clock.val();
         self.done_to_4.clock.next = self.clock.val();
-        self.seen_to_4.clock.next = self.clock.val();
+        self.visible_to_4.clock.next = self.clock.val();
         self.valid_to_4.clock.next = self.clock.val();
         self.place_to_4.clock.next = self.clock.val();
         self.words_to_3.clock.next = self.clock.val();
@@ -170,8 +170,8 @@ impl Logic for OverlapAdd {
         self.queue.reset.next = self.reset.val();
 
         // Which pair of which patch comes. Lines and pairs are counted from where the first patch starts.
-        self.ready.next = self.queue.room.val();
-        self.accept.next = self.valid.val() && self.queue.room.val();
+        self.ready.next = self.queue.space.val();
+        self.accept.next = self.valid.val() && self.queue.space.val();
         self.patch_ends.next = self.accept.val() && (self.step.q.val() == 31);
         if self.accept.val() {
             self.step.d.next = self.step.q.val() + 1;
@@ -211,21 +211,21 @@ impl Logic for OverlapAdd {
         self.place_2.d.next = (bit_cast::<16, 13>(self.pair_1.q.val()) << 3)
             | bit_cast::<16, 3>(self.line_1.q.val().get_bits::<3>(0));
         self.valid_2.d.next = self.valid_1.q.val();
-        self.seen_2.d.next =
+        self.visible_2.d.next =
             (self.pair_1.q.val() < self.frame_pairs.val()) && (self.line_1.q.val() < self.frame_rows.val());
         self.luma_sums.read_address.next = self.place_2.q.val();
         self.chroma_sums.read_address.next = self.place_2.q.val();
         self.fresh.next = self.fresh_1.q.val().into();
         self.done.next = self.done_1.q.val().into();
-        self.seen.next = self.seen_2.q.val().into();
+        self.visible.next = self.visible_2.q.val().into();
         self.in_2.next = self.valid_2.q.val().into();
-        self.fresh_to_4.now.next = self.fresh.val();
-        self.done_to_4.now.next = self.done.val();
-        self.seen_to_4.now.next = self.seen.val();
-        self.valid_to_4.now.next = self.in_2.val();
-        self.place_to_4.now.next = self.place_2.q.val();
-        self.words_to_3.now.next = self.words_1.q.val();
-        self.words_4.d.next = self.words_to_3.later.val();
+        self.fresh_to_4.data.next = self.fresh.val();
+        self.done_to_4.data.next = self.done.val();
+        self.visible_to_4.data.next = self.visible.val();
+        self.valid_to_4.data.next = self.in_2.val();
+        self.place_to_4.data.next = self.place_2.q.val();
+        self.words_to_3.data.next = self.words_1.q.val();
+        self.words_4.d.next = self.words_to_3.delayed.val();
 
         // Cycle 4: added; cycle 5: written; cycle 6: saturated.
         self.old[0].next = self.luma_sums.read_data.val().get_bits::<20>(0);
@@ -251,7 +251,7 @@ impl Logic for OverlapAdd {
         for i in 0..4 {
             self.sums_5[i].clock.next = self.clock.val();
             self.sums_5[i].d.next = self.old[i].val() + self.word[i].val();
-            if self.fresh_to_4.later.val().any() {
+            if self.fresh_to_4.delayed.val().any() {
                 self.sums_5[i].d.next = self.word[i].val();
             }
             self.words_6[i].clock.next = self.clock.val();
@@ -261,17 +261,17 @@ impl Logic for OverlapAdd {
             if self.sums_5[i].q.val().get_bit(19) {
                 if !self.sums_5[i].q.val().get_bits::<4>(15).all() {
                     self.words_6[i].d.next = 0x8000.into();
-                    self.over_6[i].d.next = self.done_5.q.val() && self.seen_5.q.val();
+                    self.over_6[i].d.next = self.done_5.q.val() && self.visible_5.q.val();
                 }
             } else if self.sums_5[i].q.val().get_bits::<4>(15).any() {
                 self.words_6[i].d.next = 0x7fff.into();
-                self.over_6[i].d.next = self.done_5.q.val() && self.seen_5.q.val();
+                self.over_6[i].d.next = self.done_5.q.val() && self.visible_5.q.val();
             }
         }
-        self.place_5.d.next = self.place_to_4.later.val();
-        self.valid_5.d.next = self.valid_to_4.later.val().any();
-        self.done_5.d.next = self.valid_to_4.later.val().any() && self.done_to_4.later.val().any();
-        self.seen_5.d.next = self.seen_to_4.later.val().any();
+        self.place_5.d.next = self.place_to_4.delayed.val();
+        self.valid_5.d.next = self.valid_to_4.delayed.val().any();
+        self.done_5.d.next = self.valid_to_4.delayed.val().any() && self.done_to_4.delayed.val().any();
+        self.visible_5.d.next = self.visible_to_4.delayed.val().any();
         self.luma_sums.write_enable.next = self.valid_5.q.val();
         self.luma_sums.write_address.next = self.place_5.q.val();
         self.luma_sums.write_data.next =

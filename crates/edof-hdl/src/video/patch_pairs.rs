@@ -15,19 +15,19 @@ pub struct PatchPairs {
     pub clock: Signal<In, Clock>,
     /// Forgets both patches.
     pub reset: Signal<In, Bit>,
-    /// Two words of a patch stand on the input.
+    /// Two input words of a patch are valid.
     pub valid: Signal<In, Bit>,
-    /// They are taken in this cycle, if there are any.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// They.
+    /// Two words of a patch, the even one low.
     pub data: Signal<In, Pair>,
     /// A pair of pixels stands on the output.
     pub out_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub out_ready: Signal<In, Bit>,
-    /// Its luma words, the left one low.
+    /// Luma words of the pair, the left pixel low.
     pub out_luma: Signal<Out, Pair>,
-    /// Its chroma words, Cb low.
+    /// Chroma words of the pair, Cb low.
     pub out_chroma: Signal<Out, Pair>,
     luma_words: Ram<32>,
     cb_words: Ram<32>,
@@ -101,7 +101,7 @@ impl Logic for PatchPairs {
         }
 
         // Out: the chroma of two pairs lies in one row.
-        self.steps.next = self.full.q.val().any() && self.queue.room.val();
+        self.steps.next = self.full.q.val().any() && self.queue.space.val();
         self.finished.next = self.steps.val() && (self.step.q.val() == 31);
         self.read_bit.next = self.read_slot.q.val().into();
         self.luma_words.read_address.next =

@@ -8,37 +8,37 @@ use std::collections::VecDeque;
 /// Words in the leaf's LUT RAM; one more stands on the output.
 pub const DEPTH: usize = 32;
 
-/// Thirty-two words that wait for their receiver, and one on the output. A pipeline that ends here takes in only while there is room:
-/// so many words as there is slack may follow, and nothing in the pipeline has to stall.
+/// A FIFO of 32 words and an output register at the end of a pipeline. The pipeline accepts input only while `space` is high. After
+/// `space` falls, as many words as the slack may follow, so no stage of the pipeline has to stall.
 #[derive(Circuit)]
 pub struct Queue<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
-    /// Empties it.
+    /// Empties the memory.
     pub reset: Signal<In, Bit>,
-    /// Takes the word below.
+    /// Pushes `data`.
     pub push: Signal<In, Bit>,
-    /// It.
+    /// Word to push.
     pub data: Signal<In, Bits<W>>,
-    /// Whether the pipeline may take in more.
-    pub room: Signal<Out, Bit>,
-    /// Whether a word stands on the output.
+    /// The pipeline may accept input in this cycle.
+    pub space: Signal<Out, Bit>,
+    /// The output word is valid.
     pub front_valid: Signal<Out, Bit>,
-    /// Whether the receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub front_ready: Signal<In, Bit>,
-    /// It.
+    /// Oldest word, valid while `front_valid`.
     pub front_data: Signal<Out, Bits<W>>,
     _slack: usize,
     _words: VecDeque<Bits<W>>,
     _front: Option<Bits<W>>,
-    _room: bool,
+    _space: bool,
 }
 
 impl<const W: usize> Queue<W> {
-    /// For a pipeline of which `slack` words may come after it was told to stop: its latency and two more at one word a cycle.
+    /// A queue for a pipeline that pushes up to `slack` words after `space` fell: the latency plus two at one word per cycle.
     #[must_use]
     pub fn new(slack: usize) -> Self {
-        Self::from_parts(QueueParts { _slack: slack, _words: VecDeque::new(), _front: None, _room: false })
+        Self::from_parts(QueueParts { _slack: slack, _words: VecDeque::new(), _front: None, _space: false })
     }
 }
 
@@ -48,9 +48,9 @@ impl<const W: usize> Logic for Queue<W> {
             if self.reset.val() {
                 self._words.clear();
                 self._front = None;
-                self._room = false;
+                self._space = false;
             } else {
-                self._room = self._words.len() <= DEPTH - self._slack;
+                self._space = self._words.len() <= DEPTH - self._slack;
                 if self._front.is_none() || self.front_ready.val() {
                     self._front = self._words.pop_front();
                 }
@@ -59,13 +59,13 @@ impl<const W: usize> Logic for Queue<W> {
                 }
             }
         }
-        self.room.next = self._room;
+        self.space.next = self._space;
         self.front_valid.next = self._front.is_some();
         self.front_data.next = self._front.unwrap_or_default();
     }
 
     fn connect(&mut self) {
-        self.room.connect();
+        self.space.connect();
         self.front_valid.connect();
         self.front_data.connect();
     }
@@ -79,7 +79,7 @@ impl<const W: usize> Logic for Queue<W> {
             .port("reset_i", "reset")
             .port("push_i", "push")
             .port("data_i", "data")
-            .port("room_o", "room")
+            .port("space_o", "space")
             .port("valid_o", "front_valid")
             .port("ready_i", "front_ready")
             .port("data_o", "front_data")

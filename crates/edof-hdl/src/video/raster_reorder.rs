@@ -19,25 +19,25 @@ pub struct RasterReorder {
     pub clock: Signal<In, Clock>,
     /// Forgets the picture.
     pub reset: Signal<In, Bit>,
-    /// A pair of a block stands on the input.
+    /// The input pair of a block is valid.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub ready: Signal<Out, Bit>,
-    /// Its luma words, the left one low.
+    /// Luma words of the pair, the left pixel low.
     pub luma: Signal<In, Pair>,
-    /// Its chroma words, Cb low.
+    /// Chroma words of the pair, Cb low.
     pub chroma: Signal<In, Pair>,
     /// A pair of a line stands on the output.
     pub out_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub out_ready: Signal<In, Bit>,
-    /// Its luma words.
+    /// Luma words of the pair.
     pub out_luma: Signal<Out, Pair>,
-    /// Its chroma words.
+    /// Chroma words of the pair.
     pub out_chroma: Signal<Out, Pair>,
-    /// Whether it is its frame's first.
+    /// The pair is the first of its frame.
     pub out_first: Signal<Out, Bit>,
-    /// Whether it is its line's last.
+    /// The pair is the last of its line.
     pub out_last: Signal<Out, Bit>,
     last_pair_of_block: Constant<Bits<2>>,
     last_row_of_block: Constant<Bits<3>>,
@@ -50,7 +50,7 @@ pub struct RasterReorder {
     chroma_words: Memory<32>,
     in_pair: DFF<Bits<2>>,
     in_row: DFF<Bits<3>>,
-    left: DFF<Coordinate>,
+    block_column: DFF<Coordinate>,
     write_slot: DFF<Bit>,
     write_1: DFF<Bit>,
     pair_1: DFF<Coordinate>,
@@ -117,7 +117,7 @@ impl Logic for RasterReorder {
             clock,
             in_pair,
             in_row,
-            left,
+            block_column,
             write_slot,
             write_1,
             pair_1,
@@ -148,7 +148,7 @@ impl Logic for RasterReorder {
         self.accept.next = self.valid.val() && !self.full.q.val().get_bit(1);
         self.row_ends.next = self.accept.val() && (self.in_pair.q.val() == self.last_pair_of_block.val());
         self.block_ends.next = self.row_ends.val() && (self.in_row.q.val() == self.last_row_of_block.val());
-        self.arrives.next = self.block_ends.val() && (self.left.q.val() == self.last_block.val());
+        self.arrives.next = self.block_ends.val() && (self.block_column.q.val() == self.last_block.val());
         if self.accept.val() {
             self.in_pair.d.next = self.in_pair.q.val() + 1;
         }
@@ -158,15 +158,15 @@ impl Logic for RasterReorder {
         }
         if self.block_ends.val() {
             self.in_row.d.next = 0.into();
-            self.left.d.next = self.left.q.val() + self.block_pairs.val();
+            self.block_column.d.next = self.block_column.q.val() + self.block_pairs.val();
         }
         if self.arrives.val() {
-            self.left.d.next = 0.into();
+            self.block_column.d.next = 0.into();
             self.write_slot.d.next = !self.write_slot.q.val();
         }
         self.write_bit.next = self.write_slot.q.val().into();
         self.write_1.d.next = self.accept.val();
-        self.pair_1.d.next = self.left.q.val() + bit_cast::<13, 2>(self.in_pair.q.val());
+        self.pair_1.d.next = self.block_column.q.val() + bit_cast::<13, 2>(self.in_pair.q.val());
         self.row_1.d.next =
             (bit_cast::<4, 1>(self.write_bit.val()) << 3) | bit_cast::<4, 3>(self.in_row.q.val());
         self.words_1.d.next =
@@ -183,7 +183,7 @@ impl Logic for RasterReorder {
         self.chroma_words.write_data.next = self.words_2.q.val().get_bits::<32>(32);
 
         // Out: line by line, up to the frame's last.
-        self.steps.next = self.full.q.val().any() && self.queue.room.val();
+        self.steps.next = self.full.q.val().any() && self.queue.space.val();
         self.line_ends.next = self.steps.val() && self.pair_is_last.q.val();
         self.row_is_last.d.next = self.row.q.val() == self.last_row.val();
         self.slot_ends.d.next = self.row_in_slot.q.val() == self.last_row_of_block.val();
@@ -224,9 +224,9 @@ impl Logic for RasterReorder {
             }
         }
         self.marks_1.d.next = self.marks.val();
-        self.marks_to_3.now.next = self.marks_1.q.val();
-        self.queue.push.next = self.marks_to_3.later.val().get_bit(0);
-        self.queue.data.next = (bit_cast::<66, 2>(self.marks_to_3.later.val().get_bits::<2>(1)) << 64)
+        self.marks_to_3.data.next = self.marks_1.q.val();
+        self.queue.push.next = self.marks_to_3.delayed.val().get_bit(0);
+        self.queue.data.next = (bit_cast::<66, 2>(self.marks_to_3.delayed.val().get_bits::<2>(1)) << 64)
             | (bit_cast::<66, 32>(self.chroma_words.read_data.val()) << 32)
             | bit_cast::<66, 32>(self.luma_words.read_data.val());
         self.queue.front_ready.next = self.out_ready.val();
@@ -246,7 +246,7 @@ impl Logic for RasterReorder {
         if self.reset.val() {
             self.in_pair.d.next = 0.into();
             self.in_row.d.next = 0.into();
-            self.left.d.next = 0.into();
+            self.block_column.d.next = 0.into();
             self.write_slot.d.next = false;
             self.write_1.d.next = false;
             self.full.d.next = 0.into();

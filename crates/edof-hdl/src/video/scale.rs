@@ -12,7 +12,7 @@ pub struct Scale {
     pub clock: Signal<In, Clock>,
     /// Value.
     pub value: Signal<In, Factor>,
-    /// What it is multiplied by.
+    /// Factor of `value`.
     pub factor: Signal<In, Factor>,
     /// What is added, a cycle later.
     pub addend: Signal<In, Wide>,

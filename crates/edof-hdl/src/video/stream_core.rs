@@ -23,14 +23,14 @@ pub struct StreamCore {
     /// Forgets the picture, and of what was written the calculator's registers; weights and tables stay. Held for 48 cycles or more.
     pub reset: Signal<In, Bit>,
     /// A reset leaves the calculator's registers and counters, too.
-    pub keeps: Signal<In, Bit>,
-    /// Forgets the picture too, but nothing that was written and no counter of the calculator. Held likewise.
+    pub preserve: Signal<In, Bit>,
+    /// Forgets the picture too, but nothing that was written and no counter of the calculator. Held for as long as `reset`.
     pub flush: Signal<In, Bit>,
-    /// A raw pixel word stands on the input.
+    /// The input raw pixel word is valid.
     pub pixels_valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub pixels_ready: Signal<Out, Bit>,
-    /// It.
+    /// The raw pixel word.
     pub pixels_data: Signal<In, Word>,
     /// The set of weights, looked at with each frame's first window.
     pub set: Signal<In, Bit>,
@@ -38,23 +38,23 @@ pub struct StreamCore {
     pub colour: Signal<In, Bit>,
     /// A pixel of codes stands on the output.
     pub picture_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub picture_ready: Signal<In, Bit>,
-    /// It: Y' low; high Cb' of the left pixel of a pair, Cr' of the right one.
+    /// Codes of the pixel: Y' low; high Cb' of the left pixel of a pair, Cr' of the right one.
     pub picture_data: Signal<Out, Word>,
-    /// Whether it is its frame's first.
+    /// The pixel is the first of its frame.
     pub picture_user: Signal<Out, Bit>,
-    /// Whether it is its line's last.
+    /// The pixel is the last of its line.
     pub picture_last: Signal<Out, Bit>,
     /// A word of the calculator is to be written (`edof_device::design::memory::address`).
     pub write_valid: Signal<In, Bit>,
-    /// Where.
+    /// Address of the word to write.
     pub write_address: Signal<In, Bits<25>>,
-    /// What.
+    /// Word to write.
     pub write_data: Signal<In, Bits<32>>,
     /// What of the calculator to show.
     pub status_address: Signal<In, Bits<7>>,
-    /// It, a cycle later.
+    /// Status word of the calculator, one cycle after its address.
     pub status: Signal<Out, Bits<32>>,
     /// A window was too short or too long.
     pub window_fault: Signal<Out, Bit>,
@@ -64,7 +64,7 @@ pub struct StreamCore {
     pub table_select: Signal<In, Bits<2>>,
     /// Entry.
     pub table_address: Signal<In, Bits<15>>,
-    /// What.
+    /// Word to write.
     pub table_data: Signal<In, Bits<12>>,
     /// Sets the three counters below to zero.
     pub clear: Signal<In, Bit>,
@@ -84,7 +84,7 @@ pub struct StreamCore {
     pub window_frames: Signal<Out, Bits<8>>,
     /// The set of weights of the last patch.
     pub set_used: Signal<Out, Bit>,
-    forgets: Signal<Local, Bit>,
+    clear_state: Signal<Local, Bit>,
     set_q: DFF<Bit>,
     patch_done: DFF<Bit>,
     busy: DFF<Bit>,
@@ -130,12 +130,12 @@ impl Logic for StreamCore {
         self.calculator.clock.next = self.clock.val();
         self.lines.clock.next = self.clock.val();
         self.display.clock.next = self.clock.val();
-        self.forgets.next = self.reset.val() || self.flush.val();
-        self.windows.reset.next = self.forgets.val();
-        self.calculator.reset.next = self.reset.val() && !self.keeps.val();
-        self.calculator.flush.next = self.forgets.val();
-        self.lines.reset.next = self.forgets.val();
-        self.display.reset.next = self.forgets.val();
+        self.clear_state.next = self.reset.val() || self.flush.val();
+        self.windows.reset.next = self.clear_state.val();
+        self.calculator.reset.next = self.reset.val() && !self.preserve.val();
+        self.calculator.flush.next = self.clear_state.val();
+        self.lines.reset.next = self.clear_state.val();
+        self.display.reset.next = self.clear_state.val();
 
         self.windows.pixels_valid.next = self.pixels_valid.val();
         self.pixels_ready.next = self.windows.pixels_ready.val();
@@ -149,7 +149,7 @@ impl Logic for StreamCore {
         self.calculator.window_set.next = self.windows.out_set.val();
 
         self.check.clock.next = self.clock.val();
-        self.check.reset.next = self.forgets.val();
+        self.check.reset.next = self.clear_state.val();
         self.check.valid.next = self.windows.out_valid.val() && self.calculator.window_ready.val();
         self.check.data.next = self.windows.out_pixels.val();
         // The write that copies the counters of the stages copies this, too.

@@ -23,13 +23,13 @@ pub struct TableReader {
     pub host_select: Signal<In, Bits<2>>,
     /// Entry.
     pub host_address: Signal<In, Bits<15>>,
-    /// What.
+    /// Word to write.
     pub host_data: Signal<In, Bits<12>>,
-    /// The same a cycle later, or an entry to be looked at.
+    /// Write enable of a table, one cycle later; or an entry to read.
     pub table_write: Signal<Out, Bit>,
-    /// Its table.
+    /// Table of the entry.
     pub table_select: Signal<Out, Bits<2>>,
-    /// Its number.
+    /// Number of the entry.
     pub table_address: Signal<Out, Bits<15>>,
     /// What is written.
     pub table_data: Signal<Out, Bits<12>>,
@@ -39,11 +39,11 @@ pub struct TableReader {
     pub write_valid: Signal<In, Bit>,
     /// Where (`edof_device::design::memory::address`).
     pub write_address: Signal<In, Bits<25>>,
-    /// What.
+    /// Word to write.
     pub write_data: Signal<In, Bits<32>>,
     /// What to show: bit 6 what was read back, stage (4 bits), which (2 bits).
     pub status_address: Signal<In, Bits<7>>,
-    /// It, a cycle later; 0 where something else is meant.
+    /// Entry that was read, one cycle after its address; 0 if something else is selected.
     pub status: Signal<Out, Bits<32>>,
     of_tables: Constant<Bits<4>>,
     shown_at: Constant<Bits<5>>,
@@ -57,11 +57,11 @@ pub struct TableReader {
     select_q: DFF<Bits<2>>,
     address_q: DFF<Bits<15>>,
     data_q: DFF<Bits<12>>,
-    coming: Delay<3, 3>,
+    read_tag: Delay<3, 3>,
     row: DFF<Bits<64>>,
     status_q: DFF<Bits<32>>,
-    looks: Signal<Local, Bit>,
-    came: Signal<Local, Bits<64>>,
+    lookup: Signal<Local, Bit>,
+    read_word: Signal<Local, Bits<64>>,
 }
 
 impl TableReader {
@@ -90,7 +90,7 @@ impl Logic for TableReader {
         );
         self.reader.clock.next = self.clock.val();
         self.reader.reset.next = self.reset.val();
-        self.coming.clock.next = self.clock.val();
+        self.read_tag.clock.next = self.clock.val();
 
         // A command.
         self.starts.d.next = self.write_valid.val()
@@ -102,12 +102,12 @@ impl Logic for TableReader {
         self.reader.command.next = self.command.q.val();
 
         // The four entries of a row, one after the other, in cycles in which the host writes none.
-        self.reader.taken.next = self.reader.wants_weights.val() && !self.active.q.val();
-        self.looks.next = self.active.q.val() && !self.host_write.val();
-        if self.reader.wants_weights.val() && !self.active.q.val() {
+        self.reader.grant.next = self.reader.request_weights.val() && !self.active.q.val();
+        self.lookup.next = self.active.q.val() && !self.host_write.val();
+        if self.reader.request_weights.val() && !self.active.q.val() {
             self.active.d.next = true;
             self.entry.d.next = 0.into();
-        } else if self.looks.val() {
+        } else if self.lookup.val() {
             self.entry.d.next = self.entry.q.val() + 1;
             if self.entry.q.val() == 3 {
                 self.active.d.next = false;
@@ -130,21 +130,21 @@ impl Logic for TableReader {
         self.table_data.next = self.data_q.q.val();
 
         // What comes, to its place in the row.
-        self.coming.now.next = bit_cast::<3, 2>(self.entry.q.val());
-        if self.looks.val() {
-            self.coming.now.next = bit_cast::<3, 2>(self.entry.q.val()) | 4;
+        self.read_tag.data.next = bit_cast::<3, 2>(self.entry.q.val());
+        if self.lookup.val() {
+            self.read_tag.data.next = bit_cast::<3, 2>(self.entry.q.val()) | 4;
         }
-        self.came.next = 0.into();
-        if self.coming.later.val() == 4 {
-            self.came.next = bit_cast::<64, 12>(self.table_word.val());
-        } else if self.coming.later.val() == 5 {
-            self.came.next = bit_cast::<64, 12>(self.table_word.val()) << 16;
-        } else if self.coming.later.val() == 6 {
-            self.came.next = bit_cast::<64, 12>(self.table_word.val()) << 32;
-        } else if self.coming.later.val() == 7 {
-            self.came.next = bit_cast::<64, 12>(self.table_word.val()) << 48;
+        self.read_word.next = 0.into();
+        if self.read_tag.delayed.val() == 4 {
+            self.read_word.next = bit_cast::<64, 12>(self.table_word.val());
+        } else if self.read_tag.delayed.val() == 5 {
+            self.read_word.next = bit_cast::<64, 12>(self.table_word.val()) << 16;
+        } else if self.read_tag.delayed.val() == 6 {
+            self.read_word.next = bit_cast::<64, 12>(self.table_word.val()) << 32;
+        } else if self.read_tag.delayed.val() == 7 {
+            self.read_word.next = bit_cast::<64, 12>(self.table_word.val()) << 48;
         }
-        self.row.d.next = self.came.val();
+        self.row.d.next = self.read_word.val();
         self.reader.weights.next = self.row.q.val();
         // There is nothing else to read here.
         self.reader.thresholds_valid.next = true;

@@ -22,19 +22,19 @@ pub struct VideoIn {
     pub hs: Signal<In, Bit>,
     /// Vertical sync.
     pub vs: Signal<In, Bit>,
-    /// A pixel lies on the bus.
+    /// A pixel is on the bus.
     pub de: Signal<In, Bit>,
-    /// It: Y low, C high, each with seven bits of a raw pixel word.
+    /// Bits of the pixel: Y low, C high, each with seven bits of a raw pixel word.
     pub data: Signal<In, Bits<16>>,
     /// A raw pixel word stands on the output.
     pub pixels_valid: Signal<Out, Bit>,
-    /// The receiver takes it.
+    /// The receiver accepts the output in this cycle.
     pub pixels_ready: Signal<In, Bit>,
-    /// It.
+    /// The raw pixel word.
     pub pixels_data: Signal<Out, Bits<16>>,
-    /// Whether it is its frame's first.
+    /// The pixel is the first of its frame.
     pub pixels_user: Signal<Out, Bit>,
-    /// Whether it is its line's last.
+    /// The pixel is the last of its line.
     pub pixels_last: Signal<Out, Bit>,
     /// Pixels of the last line.
     pub width: Signal<Out, Coordinate>,
@@ -56,10 +56,10 @@ pub struct VideoIn {
     pub range_frames: Signal<Out, Bits<32>>,
     /// Frames given up because a pixel was not taken in time.
     pub overruns: Signal<Out, Bits<32>>,
-    wanted_width: Constant<Coordinate>,
-    wanted_height: Constant<Coordinate>,
+    expected_width: Constant<Coordinate>,
+    expected_height: Constant<Coordinate>,
     last_column: Constant<Coordinate>,
-    patience: Constant<Bits<24>>,
+    max_wait: Constant<Bits<24>>,
     hs_1: DFF<Bit>,
     vs_1: DFF<Bit>,
     de_1: DFF<Bit>,
@@ -77,8 +77,8 @@ pub struct VideoIn {
     row: DFF<Coordinate>,
     begins: DFF<Bit>,
     malformed: DFF<Bit>,
-    strays: DFF<Bit>,
-    known: DFF<Bit>,
+    stray: DFF<Bit>,
+    size_known: DFF<Bit>,
     sending: DFF<Bit>,
     pixel_3: DFF<Bits<16>>,
     send_3: DFF<Bit>,
@@ -94,7 +94,7 @@ pub struct VideoIn {
     line_cycles_q: DFF<Coordinate>,
     syncs: DFF<Coordinate>,
     lines_q: DFF<Coordinate>,
-    waited: DFF<Bits<24>>,
+    wait_count: DFF<Bits<24>>,
     present_q: DFF<Bit>,
     fits_q: DFF<Bit>,
     right_q: DFF<Bits<32>>,
@@ -103,22 +103,22 @@ pub struct VideoIn {
     overruns_q: DFF<Bits<32>>,
     row_now: Signal<Local, Coordinate>,
     column_now: Signal<Local, Coordinate>,
-    sends: Signal<Local, Bit>,
+    send: Signal<Local, Bit>,
     ends: Signal<Local, Bit>,
-    stuck: Signal<Local, Bit>,
-    as_wanted: Signal<Local, Bit>,
+    is_stalled: Signal<Local, Bit>,
+    size_matches: Signal<Local, Bit>,
 }
 
 impl VideoIn {
     /// For frames of one size. After `patience` cycles (at most 2²⁴ − 1) without an edge of the vertical sync there is no signal.
     #[must_use]
-    pub fn new(frame: FrameSize, patience: u32) -> Self {
+    pub fn new(frame: FrameSize, max_wait: u32) -> Self {
         let number = |value: usize| Constant::new((value as u64).into());
         Self::from_parts(VideoInParts {
-            wanted_width: number(frame.width),
-            wanted_height: number(frame.height),
+            expected_width: number(frame.width),
+            expected_height: number(frame.height),
             last_column: number(frame.width - 1),
-            patience: Constant::new(u64::from(patience).into()),
+            max_wait: Constant::new(u64::from(max_wait).into()),
         })
     }
 }
@@ -146,8 +146,8 @@ impl Logic for VideoIn {
             row,
             begins,
             malformed,
-            strays,
-            known,
+            stray,
+            size_known,
             sending,
             pixel_3,
             send_3,
@@ -163,7 +163,7 @@ impl Logic for VideoIn {
             line_cycles_q,
             syncs,
             lines_q,
-            waited,
+            wait_count,
             present_q,
             fits_q,
             right_q,
@@ -210,7 +210,7 @@ impl Logic for VideoIn {
         }
         if self.line_ends_2.q.val() {
             self.width_q.d.next = self.column.q.val();
-            if self.column.q.val() != self.wanted_width.val() {
+            if self.column.q.val() != self.expected_width.val() {
                 self.malformed.d.next = true;
                 self.sending.d.next = false;
             }
@@ -220,35 +220,35 @@ impl Logic for VideoIn {
         }
 
         // Cycle 3: whether it is sent. A line's last pixel must be its last on the bus, too.
-        self.sends.next = self.sending.q.val();
+        self.send.next = self.sending.q.val();
         if self.line_begins_2.q.val() && self.begins.q.val() {
-            self.sends.next = true;
+            self.send.next = true;
             self.sending.d.next = true;
         }
         self.ends.next = self.column_now.val() == self.last_column.val();
         if self.de_2.q.val() && !self.in_range_2.q.val() {
-            self.strays.d.next = true;
+            self.stray.d.next = true;
             self.sending.d.next = false;
         }
         self.send_3.d.next = self.de_2.q.val()
-            && self.sends.val()
+            && self.send.val()
             && self.in_range_2.q.val()
             && !(self.ends.val() && self.de_1.q.val())
-            && (self.column_now.val() < self.wanted_width.val())
-            && (self.row_now.val() < self.wanted_height.val());
+            && (self.column_now.val() < self.expected_width.val())
+            && (self.row_now.val() < self.expected_height.val());
         self.first_3.d.next = !self.column_now.val().any() && !self.row_now.val().any();
         self.last_3.d.next = self.ends.val();
         self.pixel_3.d.next = self.pixel_2.q.val();
 
         // Cycle 4: out. What stands there and is not taken in time ends the frame.
-        self.stuck.next = self.out_valid_q.q.val() && !self.pixels_ready.val();
-        if !self.stuck.val() {
+        self.is_stalled.next = self.out_valid_q.q.val() && !self.pixels_ready.val();
+        if !self.is_stalled.val() {
             self.out_valid_q.d.next = self.send_3.q.val();
             self.out_pixel_q.d.next = self.pixel_3.q.val();
             self.out_first_q.d.next = self.first_3.q.val();
             self.out_last_q.d.next = self.last_3.q.val();
         }
-        if self.stuck.val() && self.send_3.q.val() {
+        if self.is_stalled.val() && self.send_3.q.val() {
             self.sending.d.next = false;
             self.send_3.d.next = false;
             self.overruns_q.d.next = self.overruns_q.q.val() + 1;
@@ -272,40 +272,41 @@ impl Logic for VideoIn {
                 self.syncs.d.next = self.syncs.q.val() + 1;
             }
         }
-        self.as_wanted.next =
-            !self.malformed.q.val() && (self.row.q.val() == self.wanted_height.val()) && !self.begins.q.val();
-        if self.waited.q.val() != self.patience.val() {
-            self.waited.d.next = self.waited.q.val() + 1;
+        self.size_matches.next = !self.malformed.q.val()
+            && (self.row.q.val() == self.expected_height.val())
+            && !self.begins.q.val();
+        if self.wait_count.q.val() != self.max_wait.val() {
+            self.wait_count.d.next = self.wait_count.q.val() + 1;
         } else {
-            self.known.d.next = false;
+            self.size_known.d.next = false;
             self.present_q.d.next = false;
             self.fits_q.d.next = false;
         }
         if self.frame_ends_2.q.val() {
-            self.waited.d.next = 0.into();
+            self.wait_count.d.next = 0.into();
         }
         if self.frame_ends_2.q.val() && !self.begins.q.val() {
             self.begins.d.next = true;
             self.malformed.d.next = false;
-            self.strays.d.next = false;
+            self.stray.d.next = false;
             self.sending.d.next = false;
             self.syncs.d.next = 0.into();
             if self.sync_2.q.val() {
                 self.syncs.d.next = 1.into();
             }
-            self.known.d.next = true;
+            self.size_known.d.next = true;
         }
-        if self.frame_ends_2.q.val() && !self.begins.q.val() && self.known.q.val() {
+        if self.frame_ends_2.q.val() && !self.begins.q.val() && self.size_known.q.val() {
             self.present_q.d.next = true;
-            self.fits_q.d.next = self.as_wanted.val();
+            self.fits_q.d.next = self.size_matches.val();
             self.height_q.d.next = self.row.q.val();
             self.lines_q.d.next = self.syncs.q.val();
-            if self.as_wanted.val() {
+            if self.size_matches.val() {
                 self.right_q.d.next = self.right_q.q.val() + 1;
             } else {
                 self.wrong_q.d.next = self.wrong_q.q.val() + 1;
             }
-            if self.strays.q.val() {
+            if self.stray.q.val() {
                 self.range_q.d.next = self.range_q.q.val() + 1;
             }
         }
@@ -325,8 +326,8 @@ impl Logic for VideoIn {
             self.row.d.next = 0.into();
             self.begins.d.next = false;
             self.malformed.d.next = true;
-            self.strays.d.next = false;
-            self.known.d.next = false;
+            self.stray.d.next = false;
+            self.size_known.d.next = false;
             self.sending.d.next = false;
             self.send_3.d.next = false;
             self.out_valid_q.d.next = false;
@@ -336,7 +337,7 @@ impl Logic for VideoIn {
             self.line_cycles_q.d.next = 0.into();
             self.syncs.d.next = 0.into();
             self.lines_q.d.next = 0.into();
-            self.waited.d.next = self.patience.val();
+            self.wait_count.d.next = self.max_wait.val();
             self.present_q.d.next = false;
             self.fits_q.d.next = false;
             self.right_q.d.next = 0.into();

@@ -15,27 +15,27 @@ pub struct VideoOut {
     pub clock: Signal<In, Clock>,
     /// Starts a frame anew, in black.
     pub reset: Signal<In, Bit>,
-    /// A pixel stands on the input.
+    /// The input pixel is valid.
     pub pixels_valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub pixels_ready: Signal<Out, Bit>,
-    /// It: Y' low, Cb' or Cr' high.
+    /// Codes of the pixel: Y' low, Cb' or Cr' high.
     pub pixels_data: Signal<In, Bits<16>>,
-    /// Whether it is its frame's first.
+    /// The pixel is the first of its frame.
     pub pixels_user: Signal<In, Bit>,
-    /// Whether it is its line's last; not looked at.
+    /// The pixel is the last of its line; unused.
     pub pixels_last: Signal<In, Bit>,
     /// Horizontal sync.
     pub hs: Signal<Out, Bit>,
     /// Vertical sync.
     pub vs: Signal<Out, Bit>,
-    /// A pixel lies on the bus.
+    /// A pixel is on the bus.
     pub de: Signal<Out, Bit>,
-    /// It.
+    /// Codes of the pixel.
     pub data: Signal<Out, Bits<16>>,
     /// Frames begun with a picture.
     pub shown_frames: Signal<Out, Bits<32>>,
-    /// Of these, frames whose pixels came late.
+    /// Frames counted in `shown_frames` whose pixels came late.
     pub late_pixels: Signal<Out, Bits<32>>,
     black: Constant<Bits<16>>,
     last_column: Constant<Coordinate>,
@@ -67,10 +67,10 @@ pub struct VideoOut {
     late_q: DFF<Bits<32>>,
     column_next: Signal<Local, Coordinate>,
     row_next: Signal<Local, Coordinate>,
-    shows: Signal<Local, Bit>,
-    wants: Signal<Local, Bit>,
-    drops: Signal<Local, Bit>,
-    misses: Signal<Local, Bit>,
+    showing_next: Signal<Local, Bit>,
+    request: Signal<Local, Bit>,
+    pop: Signal<Local, Bit>,
+    underrun: Signal<Local, Bit>,
 }
 
 impl VideoOut {
@@ -147,23 +147,23 @@ impl Logic for VideoOut {
         }
 
         // A picture begins with its first pixel and takes one in each cell that is seen; between pictures what is no first is dropped.
-        self.shows.next = self.showing.q.val();
+        self.showing_next.next = self.showing.q.val();
         if self.begins.q.val() {
-            self.shows.next = self.pixels_valid.val() && self.pixels_user.val();
+            self.showing_next.next = self.pixels_valid.val() && self.pixels_user.val();
         }
-        self.wants.next = self.active.q.val() && self.shows.val();
-        self.drops.next = self.begins.q.val() || !self.showing.q.val() || self.active.q.val();
-        self.pixels_ready.next = self.drops.val();
+        self.request.next = self.active.q.val() && self.showing_next.val();
+        self.pop.next = self.begins.q.val() || !self.showing.q.val() || self.active.q.val();
+        self.pixels_ready.next = self.pop.val();
         if self.pixels_user.val() {
             self.pixels_ready.next = self.begins.q.val();
         }
-        self.misses.next = self.wants.val()
+        self.underrun.next = self.request.val()
             && (!self.pixels_valid.val() || (self.pixels_user.val() && !self.begins.q.val()));
-        self.showing.d.next = self.shows.val() && !self.misses.val();
+        self.showing.d.next = self.showing_next.val() && !self.underrun.val();
 
         // To the pins.
         self.data_1.d.next = self.black.val();
-        if self.wants.val() && !self.misses.val() {
+        if self.request.val() && !self.underrun.val() {
             self.data_1.d.next = self.pixels_data.val();
         }
         self.de_1.d.next = self.active.q.val();
@@ -178,10 +178,10 @@ impl Logic for VideoOut {
         self.hs.next = self.hs_2.q.val();
         self.vs.next = self.vs_2.q.val();
 
-        if self.begins.q.val() && self.shows.val() {
+        if self.begins.q.val() && self.showing_next.val() {
             self.shown_q.d.next = self.shown_q.q.val() + 1;
         }
-        if self.misses.val() {
+        if self.underrun.val() {
             self.late_q.d.next = self.late_q.q.val() + 1;
         }
         self.shown_frames.next = self.shown_q.q.val();

@@ -12,7 +12,7 @@ use rust_hdl::prelude::*;
 
 /// From the lines of red-first raw frames to windows, row by row, mirrored at the frame's borders, two pixels a beat.
 /// Each pixel comes once, one a cycle. Lines lie in block RAM, 16 or 32 of them, and are freed as no window needs them any more, so that the next
-/// frame's may follow at once. A window begins once the last line that it needs has come; then a beat a cycle, eleven cycles from
+/// frame's may follow at once. A window begins once the last line that it needs has come; then one beat per cycle, eleven cycles from
 /// address to output. Between rows of windows it pauses for 12 cycles. `set` is looked at with each frame's first window.
 #[derive(Circuit)]
 #[circuit(default(Delay))]
@@ -21,31 +21,31 @@ pub struct WindowReorder {
     pub clock: Signal<In, Clock>,
     /// Forgets all lines.
     pub reset: Signal<In, Bit>,
-    /// A pixel stands on the input.
+    /// The input pixel is valid.
     pub pixels_valid: Signal<In, Bit>,
-    /// It is taken in this cycle, if there is one.
+    /// The block accepts a valid input in this cycle.
     pub pixels_ready: Signal<Out, Bit>,
-    /// It, a raw pixel word.
+    /// The raw pixel word.
     pub pixels_data: Signal<In, Word>,
     /// The set of weights for the next frame.
     pub set: Signal<In, Bit>,
-    /// Two pixels of a window stand on the output.
+    /// Two output pixels of a window are valid.
     pub out_valid: Signal<Out, Bit>,
-    /// The receiver takes them.
+    /// The receiver accepts the output in this cycle.
     pub out_ready: Signal<In, Bit>,
-    /// They, as the network's input words.
+    /// Two pixels of a window, as the network's input words.
     pub out_pixels: Signal<Out, Pair>,
-    /// Whether they are their window's last.
+    /// The beat is the last of its window.
     pub out_last: Signal<Out, Bit>,
     /// The set of weights for this window.
     pub out_set: Signal<Out, Bit>,
     slot_bits: Constant<Bits<3>>,
     slot_mask: Constant<Place>,
-    most_lines: Constant<Bits<6>>,
+    max_lines: Constant<Bits<6>>,
     last_in: Constant<Coordinate>,
     height: Constant<Coordinate>,
     first_top: Constant<Coordinate>,
-    first_need: Constant<Coordinate>,
+    first_end_line: Constant<Coordinate>,
     kept_end: Constant<Coordinate>,
     window: Constant<Coordinate>,
     stride: Constant<Coordinate>,
@@ -71,7 +71,7 @@ pub struct WindowReorder {
     held: DFF<Bits<6>>,
     age: DFF<Bits<4>>,
     fresh: DFF<Bit>,
-    turns: DFF<Bit>,
+    frame_pending: DFF<Bit>,
     frame_slot: DFF<Bits<5>>,
     set_q: DFF<Bit>,
     patch_row: DFF<Coordinate>,
@@ -81,13 +81,13 @@ pub struct WindowReorder {
     next_top: DFF<Coordinate>,
     base: DFF<Coordinate>,
     next_base: DFF<Coordinate>,
-    past_base: DFF<Coordinate>,
+    end_base: DFF<Coordinate>,
     bottom: DFF<Coordinate>,
-    need: DFF<Coordinate>,
-    wanted: DFF<Coordinate>,
+    end_line: DFF<Coordinate>,
+    needed_lines: DFF<Coordinate>,
     freed: DFF<Coordinate>,
     release: DFF<Bits<6>>,
-    enough: DFF<Bit>,
+    has_lines: DFF<Bit>,
     pair: DFF<Bits<3>>,
     row: DFF<Bits<4>>,
     patch_column: DFF<Coordinate>,
@@ -118,9 +118,9 @@ pub struct WindowReorder {
     window_ends: Signal<Local, Bit>,
     stripe_ends: Signal<Local, Bit>,
     frame_ends: Signal<Local, Bit>,
-    settles: Signal<Local, Bit>,
-    come: Signal<Local, Bits<6>>,
-    gone: Signal<Local, Bits<6>>,
+    commit: Signal<Local, Bit>,
+    lines_in: Signal<Local, Bits<6>>,
+    lines_out: Signal<Local, Bits<6>>,
     marks: Signal<Local, Bits<3>>,
     line_from: Signal<Local, Coordinate>,
     even_from: Signal<Local, Coordinate>,
@@ -146,11 +146,11 @@ impl WindowReorder {
         Self::from_parts(WindowReorderParts {
             slot_bits: Constant::new(slot_bits.into()),
             slot_mask: Constant::new((lines - 1).into()),
-            most_lines: Constant::new(lines.into()),
+            max_lines: Constant::new(lines.into()),
             last_in: number(frame.width - 1),
             height: number(height),
             first_top: signed(start),
-            first_need: signed((side as isize + start).max(1 - start)),
+            first_end_line: signed((side as isize + start).max(1 - start)),
             // The lowest windows reach so far back by their mirrored rows that of the last lines none is freed before the end.
             kept_end: number(height + 1 + window.margin() - side),
             window: number(side),
@@ -190,7 +190,7 @@ impl Logic for WindowReorder {
             held,
             age,
             fresh,
-            turns,
+            frame_pending,
             frame_slot,
             set_q,
             patch_row,
@@ -200,13 +200,13 @@ impl Logic for WindowReorder {
             next_top,
             base,
             next_base,
-            past_base,
+            end_base,
             bottom,
-            need,
-            wanted,
+            end_line,
+            needed_lines,
             freed,
             release,
-            enough,
+            has_lines,
             pair,
             row,
             patch_column,
@@ -237,7 +237,7 @@ impl Logic for WindowReorder {
         self.pixels_ready.next = self.writing.q.val();
         self.accept.next = self.pixels_valid.val() && self.writing.q.val();
         self.line_ends.next = self.accept.val() && (self.in_column.q.val() == self.last_in.val());
-        if !self.writing.q.val() && !self.line_done.q.val() && (self.held.q.val() < self.most_lines.val()) {
+        if !self.writing.q.val() && !self.line_done.q.val() && (self.held.q.val() < self.max_lines.val()) {
             self.writing.d.next = true;
         }
         if self.accept.val() {
@@ -272,11 +272,11 @@ impl Logic for WindowReorder {
         } else if self.top.q.val() > self.kept_end.val() {
             self.base.d.next = self.kept_end.val();
         }
-        self.need.d.next = self.bottom.q.val();
-        if self.bottom.q.val() < self.first_need.val() {
-            self.need.d.next = self.first_need.val();
+        self.end_line.d.next = self.bottom.q.val();
+        if self.bottom.q.val() < self.first_end_line.val() {
+            self.end_line.d.next = self.first_end_line.val();
         } else if self.bottom.q.val() > self.height.val() {
-            self.need.d.next = self.height.val();
+            self.end_line.d.next = self.height.val();
         }
         self.next_base.d.next = self.next_top.q.val();
         if self.next_top.q.val().get_bit(12) {
@@ -284,25 +284,25 @@ impl Logic for WindowReorder {
         } else if self.next_top.q.val() > self.kept_end.val() {
             self.next_base.d.next = self.kept_end.val();
         }
-        self.past_base.d.next = self.next_base.q.val();
+        self.end_base.d.next = self.next_base.q.val();
         if self.in_last_row.q.val() {
-            self.past_base.d.next = self.height.val();
+            self.end_base.d.next = self.height.val();
         }
-        self.wanted.d.next = self.need.q.val() - self.base.q.val();
-        self.freed.d.next = self.past_base.q.val() - self.base.q.val();
-        self.enough.d.next = self.held.q.val() >= self.wanted.q.val().get_bits::<6>(0);
-        self.settles.next = self.age.q.val() == 8;
-        self.come.next = 0.into();
+        self.needed_lines.d.next = self.end_line.q.val() - self.base.q.val();
+        self.freed.d.next = self.end_base.q.val() - self.base.q.val();
+        self.has_lines.d.next = self.held.q.val() >= self.needed_lines.q.val().get_bits::<6>(0);
+        self.commit.next = self.age.q.val() == 8;
+        self.lines_in.next = 0.into();
         if self.line_done.q.val() {
-            self.come.next = 1.into();
+            self.lines_in.next = 1.into();
         }
-        self.gone.next = 0.into();
-        if self.settles.val() {
-            self.gone.next = self.release.q.val();
+        self.lines_out.next = 0.into();
+        if self.commit.val() {
+            self.lines_out.next = self.release.q.val();
         }
-        self.held.d.next = (self.held.q.val() + self.come.val()) - self.gone.val();
-        if self.settles.val() && self.turns.q.val() {
-            self.turns.d.next = false;
+        self.held.d.next = (self.held.q.val() + self.lines_in.val()) - self.lines_out.val();
+        if self.commit.val() && self.frame_pending.q.val() {
+            self.frame_pending.d.next = false;
             self.frame_slot.d.next = self.frame_slot.q.val() + self.height.val().get_bits::<5>(0);
         }
         if self.age.q.val() != 12 {
@@ -310,7 +310,7 @@ impl Logic for WindowReorder {
         }
 
         // Which pair of which window is next.
-        self.steps.next = (self.age.q.val() == 12) && self.enough.q.val() && self.queue.room.val();
+        self.steps.next = (self.age.q.val() == 12) && self.has_lines.q.val() && self.queue.space.val();
         self.row_ends.next = self.steps.val() && (self.pair.q.val() == self.last_window_pair.val());
         self.window_ends.next = self.row_ends.val() && (self.row.q.val() == self.last_window_row.val());
         // Both change many cycles before they are asked for.
@@ -346,7 +346,7 @@ impl Logic for WindowReorder {
         if self.frame_ends.val() {
             self.patch_row.d.next = 0.into();
             self.top.d.next = self.first_top.val();
-            self.turns.d.next = true;
+            self.frame_pending.d.next = true;
             self.fresh.d.next = true;
         }
 
@@ -402,11 +402,11 @@ impl Logic for WindowReorder {
             | (bit_cast::<16, 5>(self.slot_3.q.val()) & self.slot_mask.val());
         self.even_pixels.read_address.next = self.even_place_4.q.val();
         self.odd_pixels.read_address.next = self.odd_place_4.q.val();
-        self.marks_to_6.now.next = self.marks_1.q.val();
+        self.marks_to_6.data.next = self.marks_1.q.val();
 
         // Out.
-        self.queue.push.next = self.marks_to_6.later.val().get_bit(0);
-        self.queue.data.next = (bit_cast::<34, 2>(self.marks_to_6.later.val().get_bits::<2>(1)) << 32)
+        self.queue.push.next = self.marks_to_6.delayed.val().get_bit(0);
+        self.queue.data.next = (bit_cast::<34, 2>(self.marks_to_6.delayed.val().get_bits::<2>(1)) << 32)
             | (bit_cast::<34, 15>(self.odd_pixels.read_data.val()) << 16)
             | bit_cast::<34, 15>(self.even_pixels.read_data.val());
         self.queue.front_ready.next = self.out_ready.val();
@@ -425,7 +425,7 @@ impl Logic for WindowReorder {
             self.held.d.next = 0.into();
             self.age.d.next = 0.into();
             self.fresh.d.next = true;
-            self.turns.d.next = false;
+            self.frame_pending.d.next = false;
             self.frame_slot.d.next = 0.into();
             self.patch_row.d.next = 0.into();
             self.top.d.next = self.first_top.val();

@@ -42,7 +42,7 @@ impl Netlist {
         Some(Search::new(top, &types).kinds())
     }
 
-    /// The delays of a cell: those of the module of its type whose registers are used alike.
+    /// The delays of a cell: those of the module of its type whose registers are used in the same way.
     fn arcs(&self, cell: &Cell) -> Arcs {
         let derived = format!("\\{}", cell.kind);
         let is_alike = |(name, module): &(&String, &Module)| {

@@ -22,7 +22,7 @@ pub fn path(text: &str) -> Result<(u64, Vec<Step>), String> {
     if steps.is_empty() {
         return Err("a timing report without a path".into());
     }
-    // A cell's net is the one that it is entered by; told is the one that it is left by.
+    // The report states the net at a cell's input; listed is the net at its output.
     for i in (1..steps.len()).rev() {
         steps[i].net = steps[i - 1].net.clone();
     }

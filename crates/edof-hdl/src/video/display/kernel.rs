@@ -67,21 +67,21 @@ impl Logic for Display {
         self.second_to_13.clock.next = self.clock.val();
         self.second_to_15.clock.next = self.clock.val();
         self.luma_table.clock.next = self.clock.val();
-        self.looked_at.clock.next = self.clock.val();
+        self.lookup.clock.next = self.clock.val();
         self.luma_to_16.clock.next = self.clock.val();
         self.site_to_19.clock.next = self.clock.val();
         self.queue.clock.next = self.clock.val();
         self.queue.reset.next = self.reset.val();
 
         // In: the pair that is shown, and the one after it.
-        self.ready.next = self.queue.room.val() && !self.next_valid.q.val();
-        self.accept.next = self.valid.val() && self.queue.room.val() && !self.next_valid.q.val();
+        self.ready.next = self.queue.space.val() && !self.next_valid.q.val();
+        self.accept.next = self.valid.val() && self.queue.space.val() && !self.next_valid.q.val();
         self.step_even.next = self.held_valid.q.val() && !self.odd.q.val();
         self.step_odd.next = self.held_valid.q.val()
             && self.odd.q.val()
             && (self.held_last.q.val() || self.next_valid.q.val());
-        self.moves.next = self.step_odd.val() || !self.held_valid.q.val();
-        if self.moves.val() {
+        self.advance.next = self.step_odd.val() || !self.held_valid.q.val();
+        if self.advance.val() {
             self.held_valid.d.next = self.next_valid.q.val();
             self.held_luma.d.next = self.next_luma.q.val();
             self.held_chroma.d.next = self.next_chroma.q.val();
@@ -152,15 +152,15 @@ impl Logic for Display {
             self.luma_0.d.next = self.held_luma.q.val().get_bits::<16>(16);
         }
         self.site_0.d.next = self.held_chroma.q.val();
-        self.to_2.now.next = self.marks_0.q.val();
-        self.to_6.now.next = self.to_2.later.val();
-        self.to_9.now.next = self.to_6.later.val();
-        self.to_10.now.next = self.to_9.later.val();
-        self.to_11.now.next = self.to_10.later.val();
-        self.to_12.now.next = self.to_11.later.val();
-        self.to_16.now.next = self.to_12.later.val();
-        self.to_18.now.next = self.to_16.later.val();
-        self.to_19.now.next = self.to_18.later.val();
+        self.to_2.data.next = self.marks_0.q.val();
+        self.to_6.data.next = self.to_2.delayed.val();
+        self.to_9.data.next = self.to_6.delayed.val();
+        self.to_10.data.next = self.to_9.delayed.val();
+        self.to_11.data.next = self.to_10.delayed.val();
+        self.to_12.data.next = self.to_11.delayed.val();
+        self.to_16.data.next = self.to_12.delayed.val();
+        self.to_18.data.next = self.to_16.delayed.val();
+        self.to_19.data.next = self.to_18.delayed.val();
 
         // To cycle 5: light. Luma joins a cycle after chroma.
         self.luma_1.d.next = self.luma_0.q.val();
@@ -176,18 +176,18 @@ impl Logic for Display {
         self.green_light.value.next = self.cb_0.q.val();
         self.green_light.factor.next = self.green_of_cb.val();
         self.green_light.addend.next = self.light_base.val();
-        self.cr_to_2.now.next = self.cr_0.q.val();
-        self.green_whole.value.next = self.cr_to_2.later.val();
+        self.cr_to_2.data.next = self.cr_0.q.val();
+        self.green_whole.value.next = self.cr_to_2.delayed.val();
         self.green_whole.factor.next = self.green_of_cr.val();
         self.green_whole.addend.next = self.green_light.sum.val();
         self.blue_light.value.next = self.cb_0.q.val();
         self.blue_light.factor.next = self.blue_of_cb.val();
         self.blue_light.addend.next = self.light_base.val();
-        self.red_to_5.now.next = self.red_light.sum.val().get_bits::<18>(17);
-        self.blue_to_5.now.next = self.blue_light.sum.val().get_bits::<18>(17);
-        self.light[0].next = self.red_to_5.later.val();
+        self.red_to_5.data.next = self.red_light.sum.val().get_bits::<18>(17);
+        self.blue_to_5.data.next = self.blue_light.sum.val().get_bits::<18>(17);
+        self.light[0].next = self.red_to_5.delayed.val();
         self.light[1].next = self.green_whole.sum.val().get_bits::<18>(17);
-        self.light[2].next = self.blue_to_5.later.val();
+        self.light[2].next = self.blue_to_5.delayed.val();
 
         // Cycles 6 to 9: tables, and a register more between block RAM and multipliers.
         for i in 0..3 {
@@ -222,20 +222,20 @@ impl Logic for Display {
             self.luma_sums[i].clock.next = self.clock.val();
             self.luma_sums[i].factor.next = self.to_luma[i].val();
         }
-        self.green_to_11.now.next = self.encoded[1].val();
-        self.blue_to_13.now.next = self.encoded[2].val();
+        self.green_to_11.data.next = self.encoded[1].val();
+        self.blue_to_13.data.next = self.encoded[2].val();
         self.luma_sums[0].value.next = bit_cast::<18, 12>(self.encoded[0].val());
         self.luma_sums[0].addend.next = 0.into();
-        self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_11.later.val());
+        self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_11.delayed.val());
         self.luma_sums[1].addend.next = self.luma_sums[0].sum.val();
-        self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_13.later.val());
+        self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_13.delayed.val());
         self.luma_sums[2].addend.next = self.luma_sums[1].sum.val();
 
         // Cycles 9 to 11: each colour of a pair's odd pixel, of its even one twice, and of the odd one before, which a line's
         // first pair does not have: mirrored, it is the one after.
-        self.odd_9.next = self.to_9.later.val().get_bit(0) && self.to_9.later.val().get_bit(1);
-        self.even_9.next = self.to_9.later.val().get_bit(0) && !self.to_9.later.val().get_bit(1);
-        self.odd_10.next = self.to_10.later.val().get_bit(0) && self.to_10.later.val().get_bit(1);
+        self.odd_9.next = self.to_9.delayed.val().get_bit(0) && self.to_9.delayed.val().get_bit(1);
+        self.even_9.next = self.to_9.delayed.val().get_bit(0) && !self.to_9.delayed.val().get_bit(1);
+        self.odd_10.next = self.to_10.delayed.val().get_bit(0) && self.to_10.delayed.val().get_bit(1);
         self.once_9[0].next = bit_cast::<14, 12>(self.encoded[0].val());
         self.once_9[1].next = bit_cast::<14, 12>(self.encoded[1].val());
         self.once_9[2].next = bit_cast::<14, 12>(self.encoded[2].val());
@@ -253,7 +253,7 @@ impl Logic for Display {
                 self.before_q[i].d.next = self.once_9[i].val();
             }
             self.outer_10[i].d.next = self.once_9[i].val() + self.before_q[i].q.val();
-            if self.to_9.later.val().get_bit(2) {
+            if self.to_9.delayed.val().get_bit(2) {
                 self.outer_10[i].d.next = self.once_9[i].val() << 1;
             }
             self.filtered_11[i].d.next = self.filtered_11[i].q.val();
@@ -264,36 +264,36 @@ impl Logic for Display {
 
         // To cycle 18 Cb, to cycle 19 Cr of a pair: its filtered colours stand for two cycles.
         self.second.next = 0.into();
-        if self.to_12.later.val().get_bit(0) && self.to_12.later.val().get_bit(1) {
+        if self.to_12.delayed.val().get_bit(0) && self.to_12.delayed.val().get_bit(1) {
             self.second.next = 1.into();
         }
-        self.second_to_13.now.next = self.second.val();
-        self.second_to_15.now.next = self.second_to_13.later.val();
-        self.green_to_13.now.next = self.filtered_11[1].q.val();
-        self.blue_to_15.now.next = self.filtered_11[2].q.val();
+        self.second_to_13.data.next = self.second.val();
+        self.second_to_15.data.next = self.second_to_13.delayed.val();
+        self.green_to_13.data.next = self.filtered_11[1].q.val();
+        self.blue_to_15.data.next = self.filtered_11[2].q.val();
         for i in 0..3 {
             self.chroma_sums[i].clock.next = self.clock.val();
         }
         self.chroma_sums[0].value.next = bit_cast::<18, 14>(self.filtered_11[0].q.val());
         self.chroma_sums[0].addend.next = 0.into();
-        if self.to_12.later.val().get_bit(5) || self.colour_13.q.val() {
+        if self.to_12.delayed.val().get_bit(5) || self.colour_13.q.val() {
             self.chroma_sums[0].addend.next = self.chroma_base.val();
         }
-        self.colour_13.d.next = self.to_12.later.val().get_bit(5);
+        self.colour_13.d.next = self.to_12.delayed.val().get_bit(5);
         self.chroma_sums[0].factor.next = self.to_cb[0].val();
         if self.second.val().any() {
             self.chroma_sums[0].factor.next = self.to_cr[0].val();
         }
-        self.chroma_sums[1].value.next = bit_cast::<18, 14>(self.green_to_13.later.val());
+        self.chroma_sums[1].value.next = bit_cast::<18, 14>(self.green_to_13.delayed.val());
         self.chroma_sums[1].addend.next = self.chroma_sums[0].sum.val();
         self.chroma_sums[1].factor.next = self.to_cb[1].val();
-        if self.second_to_13.later.val().any() {
+        if self.second_to_13.delayed.val().any() {
             self.chroma_sums[1].factor.next = self.to_cr[1].val();
         }
-        self.chroma_sums[2].value.next = bit_cast::<18, 14>(self.blue_to_15.later.val());
+        self.chroma_sums[2].value.next = bit_cast::<18, 14>(self.blue_to_15.delayed.val());
         self.chroma_sums[2].addend.next = self.chroma_sums[1].sum.val();
         self.chroma_sums[2].factor.next = self.to_cb[2].val();
-        if self.second_to_15.later.val().any() {
+        if self.second_to_15.delayed.val().any() {
             self.chroma_sums[2].factor.next = self.to_cr[2].val();
         }
         self.cb_19.d.next = self.chroma_sums[2].sum.val().get_bits::<8>(22);
@@ -309,15 +309,15 @@ impl Logic for Display {
         self.luma_table.write_data.next = self.table_data.val().get_bits::<8>(0);
         // A register of its own behind block RAM: a shift register's input takes longer.
         self.luma_to_4.clock.next = self.clock.val();
-        self.luma_to_4.now.next = self.luma_table.read_data.val();
-        self.luma_to_16.now.next = self.luma_to_4.later.val();
-        self.looked_at.now.next = self.table_select.val();
+        self.luma_to_4.data.next = self.luma_table.read_data.val();
+        self.luma_to_16.data.next = self.luma_to_4.delayed.val();
+        self.lookup.data.next = self.table_select.val();
         self.table_word.next = bit_cast::<12, 8>(self.luma_table.data.val());
-        if self.looked_at.later.val() == 1 {
+        if self.lookup.delayed.val() == 1 {
             self.table_word.next = self.tables[0].data.val();
-        } else if self.looked_at.later.val() == 2 {
+        } else if self.lookup.delayed.val() == 2 {
             self.table_word.next = self.tables[1].data.val();
-        } else if self.looked_at.later.val() == 3 {
+        } else if self.lookup.delayed.val() == 3 {
             self.table_word.next = self.tables[2].data.val();
         }
         self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
@@ -345,29 +345,29 @@ impl Logic for Display {
                 self.clamped_2[i].d.next = true;
             }
         }
-        self.site_to_19.now.next =
+        self.site_to_19.data.next =
             (bit_cast::<16, 8>(self.site_2[1].q.val()) << 8) | bit_cast::<16, 8>(self.site_2[0].q.val());
 
         // Black and the half for rounding come last: as a constant addend they would stand before a multiplier's own adder.
         self.luma_code.next = self.luma_sums[2].sum.val().get_bits::<9>(19) + self.luma_base.val();
 
         // Out: the codes of a pair, once those of its odd pixel are there.
-        self.luma_17.d.next = self.luma_to_16.later.val();
-        if self.to_16.later.val().get_bit(5) {
+        self.luma_17.d.next = self.luma_to_16.delayed.val();
+        if self.to_16.delayed.val().get_bit(5) {
             self.luma_17.d.next = self.luma_code.val().get_bits::<8>(1);
         }
         self.luma_18.d.next = self.luma_17.q.val();
         self.luma_19.d.next = self.luma_18.q.val();
-        if self.to_18.later.val().get_bit(0) && !self.to_18.later.val().get_bit(1) {
+        if self.to_18.delayed.val().get_bit(0) && !self.to_18.delayed.val().get_bit(1) {
             self.even_luma.d.next = self.luma_18.q.val();
         }
-        self.site_19.next = self.site_to_19.later.val();
-        if self.to_19.later.val().get_bit(5) {
+        self.site_19.next = self.site_to_19.delayed.val();
+        if self.to_19.delayed.val().get_bit(5) {
             self.site_19.next = (bit_cast::<16, 8>(self.chroma_sums[2].sum.val().get_bits::<8>(22)) << 8)
                 | bit_cast::<16, 8>(self.cb_19.q.val());
         }
-        self.ends_19.next = self.to_19.later.val().get_bits::<2>(3);
-        self.push_20.d.next = self.to_19.later.val().get_bit(0) && self.to_19.later.val().get_bit(1);
+        self.ends_19.next = self.to_19.delayed.val().get_bits::<2>(3);
+        self.push_20.d.next = self.to_19.delayed.val().get_bit(0) && self.to_19.delayed.val().get_bit(1);
         self.done_20.d.next = (bit_cast::<34, 2>(self.ends_19.val()) << 32)
             | (bit_cast::<34, 8>(self.site_19.val().get_bits::<8>(8)) << 24)
             | (bit_cast::<34, 8>(self.luma_19.q.val()) << 16)
@@ -390,16 +390,16 @@ impl Logic for Display {
         }
 
         // What could not be shown.
-        self.gamut_7.d.next = self.to_6.later.val().get_bit(0)
-            && self.to_6.later.val().get_bit(5)
+        self.gamut_7.d.next = self.to_6.delayed.val().get_bit(0)
+            && self.to_6.delayed.val().get_bit(5)
             && (self.outside_6[0].q.val() || self.outside_6[1].q.val() || self.outside_6[2].q.val());
         if self.gamut_7.q.val() {
             self.gamut_q.d.next = self.gamut_q.q.val() + 1;
         }
         self.clamped_3.d.next = 0.into();
-        if self.to_2.later.val().get_bit(0)
-            && self.to_2.later.val().get_bit(1)
-            && !self.to_2.later.val().get_bit(5)
+        if self.to_2.delayed.val().get_bit(0)
+            && self.to_2.delayed.val().get_bit(1)
+            && !self.to_2.delayed.val().get_bit(5)
         {
             if self.clamped_2[0].q.val() && self.clamped_2[1].q.val() {
                 self.clamped_3.d.next = 2.into();

@@ -11,10 +11,10 @@
 
 module base_ring (
   input wire clock_i,        // Clock.
-  input wire reset_i,        // Empties it.
+  input wire reset_i,        // Empties the memory.
 
   input wire write_i,        // A beat arrives.
-  input wire [31:0] words_i, // Its two base words.
+  input wire [31:0] words_i, // Two base words of the beat.
   input wire read_i,         // Moves on to the next two.
   output wire [31:0] front_o // The two that stood first two cycles ago.
 );

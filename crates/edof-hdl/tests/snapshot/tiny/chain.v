@@ -14,39 +14,40 @@ module chain (
   // something can be taken.
   input wire reset_i,
 
-  input wire flush_i,                  // Forgets every vector and nothing else; held likewise.
-  input wire window_valid_i,           // Two pixels of a window stand on the input.
-  output wire window_ready_o,          // They are taken in this cycle, if there are any.
-  input wire [31:0] window_data_i,     // They, the even one low.
-  input wire window_last_i,            // Whether they are their window's last.
+  input wire flush_i,                  // Drops every vector and nothing else; held for as long as `reset`.
+  input wire window_valid_i,           // Two input pixels of a window are valid.
+  output wire window_ready_o,          // The chain accepts a valid window beat in this cycle.
+  input wire [31:0] window_data_i,     // Two pixels, the even one low.
+  input wire window_last_i,            // The beat is the last of its window.
   input wire window_set_i,             // The set of weights for this window.
-  output wire patch_valid_o,           // Two words of a patch stand on the output.
-  input wire patch_ready_i,            // The receiver takes them.
-  output wire [31:0] patch_data_o,     // They.
-  output wire patch_last_o,            // Whether they are their patch's last.
+  output wire patch_valid_o,           // Two output words of a patch are valid.
+  input wire patch_ready_i,            // The receiver accepts the output in this cycle.
+  output wire [31:0] patch_data_o,     // Two words of the patch, the even one low.
+  output wire patch_last_o,            // The beat is the last of its patch.
   output wire patch_set_o,             // The set that it was made with.
-  input wire write_valid_i,            // A word is to be written (`edof_device::design::memory::address`).
-  input wire [24:0] write_address_i,   // Where.
-  input wire [31:0] write_data_i,      // What.
+  input wire write_valid_i,            // The word to write is valid (`edof_device::design::memory::address`).
+  input wire [24:0] write_address_i,   // Address of the word to write.
+  input wire [31:0] write_data_i,      // Word to write.
   // What to show: bit 6 counters or what was read back, then stage (4 bits; 15 for the windows that come in),
   // then which (2 bits).
   input wire [6:0] status_address_i,
-  output wire [31:0] status_o,         // It, a cycle later; counters as the last snapshot found them.
+  // Word that `status_address` selected, one cycle later; counters have the values of the last snapshot.
+  output wire [31:0] status_o,
   // A window was too short or too long, since the last reset or snapshot of the counters.
   output wire window_fault_o,
-  output wire between_valid_0_o,       // This stage offers a beat to the next (observation only).
+  output wire between_valid_0_o,       // A stage offers a beat to the next (observation only).
   output wire between_valid_1_o,
   output wire between_valid_2_o,
   output wire between_ready_0_o,       // The next takes it.
   output wire between_ready_1_o,
   output wire between_ready_2_o,
-  output wire [31:0] between_data_0_o, // Its two words.
+  output wire [31:0] between_data_0_o, // Two words of the beat, the even one low.
   output wire [31:0] between_data_1_o,
   output wire [31:0] between_data_2_o,
-  output wire [31:0] between_base_0_o, // Their base words.
+  output wire [31:0] between_base_0_o, // Base words of the same two elements.
   output wire [31:0] between_base_1_o,
   output wire [31:0] between_base_2_o,
-  output wire between_last_0_o,        // Whether it is its vector's last.
+  output wire between_last_0_o,        // The beat is the last of its vector.
   output wire between_last_1_o,
   output wire between_last_2_o,
   output wire between_set_0_o,         // The vector's set.
@@ -56,7 +57,7 @@ module chain (
 
   localparam [3:0] WHOLE_CHAIN = 4'd15;
 
-  reg [31:0] shown, guard_status_q;
+  reg [31:0] status_word, guard_status_q;
   wire guard_out_valid, guard_out_last, guard_out_set, stages_0_ready, stages_0_window_ready_unused;
   wire stages_1_window_ready_unused, stages_2_window_ready_unused, stages_3_window_ready;
   wire [31:0] guard_out_data, too_short, too_long, stages_0_status, stages_1_status, stages_2_status;
@@ -69,15 +70,15 @@ module chain (
 
   // chain.rs:199: The host.
   always @* begin
-    shown = guard_status_q;
-    shown = shown | stages_0_status;
-    shown = shown | stages_1_status;
-    shown = shown | stages_2_status;
-    shown = shown | stages_3_status;
+    status_word = guard_status_q;
+    status_word = status_word | stages_0_status;
+    status_word = status_word | stages_1_status;
+    status_word = status_word | stages_2_status;
+    status_word = status_word | stages_3_status;
   end
 
   // chain.rs:203: The host.
-  assign status_o = shown;
+  assign status_o = status_word;
 
   window_guard guard (
     .clock_i(clock_i), .reset_i(guard_reset_q), .reset_counters_i(guard_reset_counters_q),

@@ -1,6 +1,5 @@
-// Counts up to two a cycle, and shows what it had counted when it was last told to. Reset and snapshot come
-// through registers of
-// their own.
+// Counts up to two events per cycle. `count` is the value at the last snapshot. Reset and snapshot pass through
+// registers.
 //
 // No output follows an input within the cycle.
 //
@@ -9,41 +8,41 @@
 
 module counter (
   input wire clock_i,        // Clock.
-  input wire reset_i,        // Back to zero.
+  input wire reset_i,        // Sets the count to zero.
 
-  input wire enable_i,       // Whether to count.
-  input wire [1:0] events_i, // What: as many as there are ones.
-  input wire snapshot_i,     // Shows what was counted so far, and counts anew.
-  // How many there were between the last two snapshots; before the second, since reset.
+  input wire enable_i,       // Events are counted in this cycle.
+  input wire [1:0] events_i, // Number of events in this cycle: the count of set bits.
+  input wire snapshot_i,     // Copies the count to `count` and restarts from zero.
+  // Events between the last two snapshots; before the second snapshot, events since reset.
   output wire [31:0] count_o
 );
 
   reg [3:0] marks;
-  wire [3:0] marks_q_later;
-  reg [1:0] more_q;
-  reg [31:0] count_q, shown_q;
+  wire [3:0] delayed;
+  reg [1:0] increment_q;
+  reg [31:0] count_q, latched_q;
 
-  // counters.rs:38: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
+  // counters.rs:37: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
   always @* begin
     marks = 4'd0;
     if (reset_i) marks = marks | 4'd5;
     if (snapshot_i) marks = marks | 4'ha;
   end
 
-  // counters.rs:51: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
-  wire [31:0] kept = marks_q_later[1] ? 32'd0 : count_q;
-  assign count_o = shown_q;
+  // counters.rs:50: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
+  wire [31:0] base_count = delayed[1] ? 32'd0 : count_q;
+  assign count_o = latched_q;
 
-  edof_delay #(.WIDTH(4), .CYCLES(1)) marks_q (.clock_i(clock_i), .now_i(marks), .later_o(marks_q_later));
+  edof_delay #(.WIDTH(4), .CYCLES(1)) marks_q (.clock_i(clock_i), .data_i(marks), .data_o(delayed));
 
   always @(posedge clock_i) begin
-    // counters.rs:46: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
-    more_q <= 2'd0;
-    if (enable_i) more_q <= {1'b0, events_i[0]} + {1'b0, events_i[1]};
-    count_q <= kept + {30'd0, more_q};
-    if (marks_q_later[0]) count_q <= 32'd0;
-    if (marks_q_later[3]) shown_q <= count_q;
-    if (marks_q_later[2]) shown_q <= 32'd0;
+    // counters.rs:45: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
+    increment_q <= 2'd0;
+    if (enable_i) increment_q <= {1'b0, events_i[0]} + {1'b0, events_i[1]};
+    count_q <= base_count + {30'd0, increment_q};
+    if (delayed[0]) count_q <= 32'd0;
+    if (delayed[3]) latched_q <= count_q;
+    if (delayed[2]) latched_q <= 32'd0;
   end
 endmodule
 

@@ -7,7 +7,7 @@
 
 module counters (
   input wire clock_i,             // Clock.
-  input wire reset_i,             // Back to zero.
+  input wire reset_i,             // Sets the count to zero.
 
   input wire enable_i,            // A beat enters the FIFO.
   input wire [1:0] nonzero_i,     // Which of its two words are not zero.
@@ -16,12 +16,12 @@ module counters (
   input wire [1:0] differences_i, // Which differences did not fit.
   input wire snapshot_i,          // Copies all counters to be shown and starts them anew.
   input wire [1:0] select_i,      // Which counter to show: 0 non-zeros, 1 results, 2 codes, 3 differences.
-  output reg [31:0] value_o       // It.
+  output reg [31:0] value_o       // Value of the selected counter.
 );
 
   wire [31:0] count_nonzero_count, count_results_count, count_codes_count, count_differences_count;
 
-  // counters.rs:122
+  // counters.rs:121
   always @* begin
     case (select_i)
       2'd1: value_o = count_results_count;

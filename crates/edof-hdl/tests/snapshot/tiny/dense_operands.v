@@ -10,7 +10,7 @@ module dense_operands (
   input wire clock_i,           // Clock.
 
   input wire valid_i,           // There is a step.
-  input wire first_i,           // It is the first of its pass.
+  input wire first_i,           // The step is the first of its pass.
   input wire odd_i,             // The odd one of two elements is meant.
   input wire [11:0] base_i,     // Row of weights of the pass's first step.
   input wire [11:0] offset_i,   // What the step's row of weights is after it.
@@ -28,7 +28,7 @@ module dense_operands (
 
   reg [2:0] flags;
   reg [11:0] row_q;
-  wire [2:0] flags_to_2_later;
+  wire [2:0] flags_to_2_delayed;
   reg [15:0] value_a_3_q, value_b_3_q, value_c_3_q, value_d_3_q;
   reg [24:0] value_a_4_q, value_b_4_q, value_c_4_q, value_d_4_q;
 
@@ -46,11 +46,14 @@ module dense_operands (
   assign value_c_o = value_c_4_q;
   assign value_d_o = value_d_4_q;
 
-  edof_delay #(.WIDTH(3), .CYCLES(2)) flags_to_2 (.clock_i(clock_i), .now_i(flags), .later_o(flags_to_2_later));
-  edof_delay #(.WIDTH(12), .CYCLES(3)) row_to_4 (.clock_i(clock_i), .now_i(row_q), .later_o(address_o));
+  edof_delay #(.WIDTH(3), .CYCLES(2)) flags_to_2 (
+    .clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed)
+  );
+
+  edof_delay #(.WIDTH(12), .CYCLES(3)) row_to_4 (.clock_i(clock_i), .data_i(row_q), .data_o(address_o));
 
   edof_delay #(.WIDTH(1), .CYCLES(2)) first_to_4 (
-    .clock_i(clock_i), .now_i(flags_to_2_later[0]), .later_o(step_first_o)
+    .clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o)
   );
 
   always @(posedge clock_i) begin
@@ -61,13 +64,13 @@ module dense_operands (
     value_b_3_q <= pair_b_i[15:0];
     value_c_3_q <= pair_c_i[15:0];
     value_d_3_q <= pair_d_i[15:0];
-    if (flags_to_2_later[2]) begin
+    if (flags_to_2_delayed[2]) begin
       value_a_3_q <= pair_a_i[31:16];
       value_b_3_q <= pair_b_i[31:16];
       value_c_3_q <= pair_c_i[31:16];
       value_d_3_q <= pair_d_i[31:16];
     end
-    if (!flags_to_2_later[1]) begin
+    if (!flags_to_2_delayed[1]) begin
       value_a_3_q <= 16'd0;
       value_b_3_q <= 16'd0;
       value_c_3_q <= 16'd0;

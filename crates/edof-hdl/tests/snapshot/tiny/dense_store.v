@@ -13,15 +13,15 @@ module dense_store (
   input wire clock_i,              // Clock.
   input wire reset_i,              // Empties all slots.
 
-  input wire valid_i,              // A beat stands on the input.
-  output wire ready_o,             // It is taken in this cycle, if there is one.
-  input wire [31:0] data_i,        // Its two elements.
+  input wire valid_i,              // The input beat is valid.
+  output wire ready_o,             // The block accepts a valid input in this cycle.
+  input wire [31:0] data_i,        // Two elements of the beat, the even one low.
   input wire last_i,               // Whether the beat is its vector's last.
   input wire set_i,                // The vector's set.
   output wire arrived_o,           // A vector is whole.
   output wire [11:0] descriptor_o, // What the sequencer must know of it.
   input wire [8:0] read_row_i,     // Which two elements of each part to read.
-  output wire [31:0] pair_a_o,     // They, two cycles later: of the first part.
+  output wire [31:0] pair_a_o,     // Two elements of the first part, two cycles after their address.
   output wire [31:0] pair_b_o,     // Of the second.
   output wire [31:0] pair_c_o,     // Of the third.
   output wire [31:0] pair_d_o,     // Of the fourth.

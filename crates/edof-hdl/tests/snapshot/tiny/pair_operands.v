@@ -15,15 +15,15 @@ module pair_operands #(
 
   input wire valid_a_i,           // There is a step, with a first value.
   input wire valid_b_i,           // With a second one.
-  input wire first_i,             // It is the first of its pass.
-  input wire linear_i,            // It is one of the window's.
+  input wire first_i,             // The step is the first of its pass.
+  input wire linear_i,            // The step belongs to the window (linear path).
   input wire odd_i,               // The odd one of two elements is meant.
   input wire set_i,               // The vector's set.
   input wire [11:0] base_i,       // Row of weights of input 0.
   input wire [11:0] offset_i,     // What the row of weights of a pixel is after it.
   input wire [24:0] even_pair_i,  // The even pair, two cycles after the step.
   input wire [24:0] odd_pair_i,   // The odd one.
-  input wire [31:0] pixels_i,     // Two pixels, likewise.
+  input wire [31:0] pixels_i,     // Two pixels, in the same way.
   input wire [7:0] shifts_0_i,    // Left shifts of set 0: of codes, of pixels.
   input wire [7:0] shifts_1_i,    // Of set 1.
   output wire step_first_o,       // The step is the first of its pass.
@@ -34,8 +34,8 @@ module pair_operands #(
 );
 
   reg [5:0] flags;
-  wire [5:0] flags_to_2_later;
-  wire [23:0] rows_to_2_later;
+  wire [5:0] flags_to_2_delayed;
+  wire [23:0] rows_to_2_delayed;
   reg [15:0] value_a_3_q, value_b_3_q;
   reg [11:0] base_3_q, offset_a_3_q, offset_b_3_q, address_a_4_q, address_b_4_q;
   reg [3:0] shift_3_q;
@@ -55,12 +55,12 @@ module pair_operands #(
 
   // pair_operands.rs:128: With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3
   // window, 4 odd, 5 set.
-  wire [23:0] rows_to_2_now = {base_i, offset_i};
+  wire [23:0] rows_to_2_data = {base_i, offset_i};
 
   // pair_operands.rs:132: Cycle 3: the pair or pixel.
-  wire [24:0] pair_a = flags_to_2_later[4] ? odd_pair_i : even_pair_i;
-  wire [15:0] pixel_a = flags_to_2_later[4] ? pixels_i[31:16] : pixels_i[15:0];
-  wire [7:0] shifts = flags_to_2_later[5] ? shifts_1_i : shifts_0_i;
+  wire [24:0] pair_a = flags_to_2_delayed[4] ? odd_pair_i : even_pair_i;
+  wire [15:0] pixel_a = flags_to_2_delayed[4] ? pixels_i[31:16] : pixels_i[15:0];
+  wire [7:0] shifts = flags_to_2_delayed[5] ? shifts_1_i : shifts_0_i;
 
   // pair_operands.rs:166: Cycle 4: aligned, and its row.
   wire [24:0] wide_a = value_a_3_q[15] ? ({9'd0, value_a_3_q} | 25'h1ff0000) : {9'd0, value_a_3_q};
@@ -70,14 +70,16 @@ module pair_operands #(
   assign value_a_o = value_a_4_q;
   assign value_b_o = value_b_4_q;
 
-  edof_delay #(.WIDTH(6), .CYCLES(2)) flags_to_2 (.clock_i(clock_i), .now_i(flags), .later_o(flags_to_2_later));
+  edof_delay #(.WIDTH(6), .CYCLES(2)) flags_to_2 (
+    .clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed)
+  );
 
   edof_delay #(.WIDTH(24), .CYCLES(2)) rows_to_2 (
-    .clock_i(clock_i), .now_i(rows_to_2_now), .later_o(rows_to_2_later)
+    .clock_i(clock_i), .data_i(rows_to_2_data), .data_o(rows_to_2_delayed)
   );
 
   edof_delay #(.WIDTH(1), .CYCLES(2)) first_to_4 (
-    .clock_i(clock_i), .now_i(flags_to_2_later[0]), .later_o(step_first_o)
+    .clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o)
   );
 
   always @(posedge clock_i) begin
@@ -87,23 +89,23 @@ module pair_operands #(
     offset_a_3_q <= {3'd0, pair_a[24:16]};
     offset_b_3_q <= {3'd0, odd_pair_i[24:16]};
     shift_3_q <= shifts[3:0];
-    if (flags_to_2_later[3]) begin
+    if (flags_to_2_delayed[3]) begin
       value_a_3_q <= pixel_a;
       value_b_3_q <= pixels_i[31:16];
-      offset_a_3_q <= rows_to_2_later[11:0];
-      offset_b_3_q <= rows_to_2_later[11:0] | 12'd1;
+      offset_a_3_q <= rows_to_2_delayed[11:0];
+      offset_b_3_q <= rows_to_2_delayed[11:0] | 12'd1;
       shift_3_q <= shifts[7:4];
     end
     // pair_operands.rs:155: Without work the row is one that there is, not what an unwritten pair says.
-    if (!flags_to_2_later[1]) begin
+    if (!flags_to_2_delayed[1]) begin
       value_a_3_q <= 16'd0;
       offset_a_3_q <= 12'd0;
     end
-    if (!(TWO_ROWS && flags_to_2_later[2])) begin
+    if (!(TWO_ROWS && flags_to_2_delayed[2])) begin
       value_b_3_q <= 16'd0;
       offset_b_3_q <= 12'd0;
     end
-    base_3_q <= rows_to_2_later[23:12];
+    base_3_q <= rows_to_2_delayed[23:12];
     // pair_operands.rs:174: Cycle 4: aligned, and its row.
     value_a_4_q <= wide_a;
     value_b_4_q <= wide_b;

@@ -2,8 +2,8 @@
 // as there are passes.
 // Ready while fewer than four are full. With skip_zeros only non-zero elements are kept. Pair 2r of slot s lies
 // at row 128 s + r of
-// the even memory, pair 2r + 1 likewise in the odd one; both are read two cycles after read_row. A vector's
-// descriptor comes three
+// the even memory, pair 2r + 1 at the same row of the odd one; both are read two cycles after read_row. A
+// vector's descriptor comes three
 // cycles after its last beat.
 //
 // No output follows an input within the cycle.
@@ -18,8 +18,8 @@ module pair_store #(
   input wire reset_i,              // Empties all slots.
 
   input wire skip_zeros_i,         // Whether zeros are left out.
-  input wire valid_i,              // A beat stands on the input.
-  output wire ready_o,             // It is taken in this cycle, if there is one.
+  input wire valid_i,              // The input beat is valid.
+  output wire ready_o,             // The block accepts a valid input in this cycle.
   input wire [15:0] even_i,        // Element of even index.
   input wire [15:0] odd_i,         // Element of odd index.
   input wire last_i,               // Whether the beat is its vector's last.
@@ -37,7 +37,7 @@ module pair_store #(
   reg [2:0] full_next, full_q;
   reg [7:0] steps, beat_q;
   reg [3:0] flags;
-  reg ready_q, valid_1_q, last_1_q, set_1_q, valid_2_q, keep_even_2_q, keep_odd_2_q, last_2_q, set_2_q;
+  reg ready_q, valid_1_q, last_1_q, set_1_q, valid_2_q, store_even_2_q, store_odd_2_q, last_2_q, set_2_q;
   reg even_write_3_q, odd_write_3_q, arrived_3_q, set_3_q;
   reg [15:0] even_1_q, odd_1_q, even_2_q, odd_2_q;
   reg [8:0] stored_q, count_3_q;
@@ -56,20 +56,20 @@ module pair_store #(
     else if (finished_i && (!(accept && last_i))) full_next = full_q - 3'd1;
   end
 
-  // pair_store.rs:170: Where they go.
-  wire keep_one = keep_even_2_q || keep_odd_2_q;
-  wire keep_both = keep_even_2_q && keep_odd_2_q;
+  // pair_store.rs:171: Where they go.
+  wire store_one = store_even_2_q || store_odd_2_q;
+  wire store_both = store_even_2_q && store_odd_2_q;
   wire [24:0] arrived_even = {beat_q, 1'b0, even_2_q};
   wire [24:0] arrived_odd = {beat_q, 1'b0, odd_2_q} | 25'h10000;
-  wire [24:0] arrived_first = keep_even_2_q ? arrived_even : arrived_odd;
+  wire [24:0] arrived_first = store_even_2_q ? arrived_even : arrived_odd;
   wire [11:0] row = ({10'd0, write_slot_q} << 7) | {4'd0, stored_q[8:1]};
-  wire [8:0] stored_next = keep_both ? (stored_q + 9'd2) : (keep_one ? (stored_q + 9'd1) : stored_q);
+  wire [8:0] stored_next = store_both ? (stored_q + 9'd2) : (store_one ? (stored_q + 9'd1) : stored_q);
 
-  // pair_store.rs:221: Written; and what the sequencer must know: steps before the last, and whether the last
+  // pair_store.rs:222: Written; and what the sequencer must know: steps before the last, and whether the last
   // one lacks a second pair.
   wire [8:0] before_last = count_3_q - 9'd1;
 
-  // pair_store.rs:222: Written; and what the sequencer must know: steps before the last, and whether the last
+  // pair_store.rs:223: Written; and what the sequencer must know: steps before the last, and whether the last
   // one lacks a second pair.
   always @* begin
     steps = before_last[7:0];
@@ -87,12 +87,12 @@ module pair_store #(
     end
   end
 
-  // pair_store.rs:243: Written; and what the sequencer must know: steps before the last, and whether the last
+  // pair_store.rs:244: Written; and what the sequencer must know: steps before the last, and whether the last
   // one lacks a second pair.
   assign arrived_o = arrived_3_q;
   assign descriptor_o = {steps, flags};
 
-  // pair_store.rs:248: Read.
+  // pair_store.rs:249: Read.
   wire [11:0] even_pairs_read_address = {3'd0, read_row_i};
   wire [11:0] odd_pairs_read_address = {3'd0, read_row_i};
 
@@ -117,24 +117,24 @@ module pair_store #(
     last_1_q <= last_i;
     set_1_q <= set_i;
     valid_2_q <= valid_1_q;
-    keep_even_2_q <= valid_1_q && (!skip_zeros_i || (|even_1_q));
-    keep_odd_2_q <= valid_1_q && (!skip_zeros_i || (|odd_1_q));
+    store_even_2_q <= valid_1_q && (!skip_zeros_i || (|even_1_q));
+    store_odd_2_q <= valid_1_q && (!skip_zeros_i || (|odd_1_q));
     even_2_q <= even_1_q;
     odd_2_q <= odd_1_q;
     last_2_q <= last_1_q;
     set_2_q <= set_1_q;
-    // pair_store.rs:182: Where they go.
-    even_write_3_q <= keep_one;
+    // pair_store.rs:183: Where they go.
+    even_write_3_q <= store_one;
     even_row_3_q <= row;
     even_data_3_q <= arrived_first;
-    odd_write_3_q <= keep_both;
+    odd_write_3_q <= store_both;
     odd_row_3_q <= row;
     odd_data_3_q <= arrived_odd;
     if (stored_q[0]) begin
-      even_write_3_q <= keep_both;
+      even_write_3_q <= store_both;
       even_row_3_q <= row + 12'd1;
       even_data_3_q <= arrived_odd;
-      odd_write_3_q <= keep_one;
+      odd_write_3_q <= store_one;
       odd_data_3_q <= arrived_first;
     end
     if (valid_2_q) begin
@@ -154,8 +154,8 @@ module pair_store #(
       ready_q <= 1'b0;
       valid_1_q <= 1'b0;
       valid_2_q <= 1'b0;
-      keep_even_2_q <= 1'b0;
-      keep_odd_2_q <= 1'b0;
+      store_even_2_q <= 1'b0;
+      store_odd_2_q <= 1'b0;
       beat_q <= 8'd0;
       stored_q <= 9'd0;
       write_slot_q <= 2'd0;

@@ -14,7 +14,7 @@ module registers #(
 
   input wire write_enable_i,      // Writes a register.
   input wire [11:0] write_row_i,  // Which: 0 and 1 are the shifts of each set, 2 is control.
-  input wire [31:0] write_data_i, // Its new value.
+  input wire [31:0] write_data_i, // New value of the register.
   output wire [19:0] shifts_0_o,  // Shifts of set 0 (`edof_device::design::memory::Shifts::word`).
   output wire [19:0] shifts_1_o,  // Shifts of set 1.
   output wire skip_zeros_o        // Whether zeros are left out.

@@ -1,5 +1,5 @@
-// From sums to the words that go on, two elements a cycle. Counted from `take`: 7 sums and base stand here, 8
-// to 17 base, rounding,
+// From sums to output words, two elements per cycle. Counted from `take`: 7 sums and base stand here, 8 to 17
+// base, rounding,
 // shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
 //
 // No output follows an input within the cycle.
@@ -12,26 +12,26 @@ module results_i (
 
   input wire take_i,                       // Two sums are taken, and stand on the inputs seven cycles later.
   input wire [7:0] beat_i,                 // Which two of their vector.
-  input wire last_i,                       // Whether they are its last.
-  input wire set_i,                        // Its set.
+  input wire last_i,                       // The two sums are the last of their vector.
+  input wire set_i,                        // Set of the vector of the two sums.
   input wire [47:0] sum_even_i,            // The even sum, seven cycles after `take`.
   input wire [47:0] sum_odd_i,             // The odd one.
   input wire [19:0] shifts_0_i,            // Shifts of set 0.
   input wire [19:0] shifts_1_i,            // Shifts of set 1.
   input wire write_thresholds_i,           // Writes two thresholds.
-  input wire [11:0] write_row_i,           // Where.
-  input wire [31:0] write_data_i,          // What.
+  input wire [11:0] write_row_i,           // Address of the word to write.
+  input wire [31:0] write_data_i,          // Word to write.
   // Two thresholds are to be read back in a cycle in which no beat needs any.
   input wire read_wanted_i,
-  input wire [11:0] read_row_i,            // Which.
-  output wire read_valid_o,                // They are here.
-  output wire [31:0] read_thresholds_o,    // They.
-  output wire [31:0] read_previous_o,      // Those of the stage before.
+  input wire [11:0] read_row_i,            // Row of the two thresholds to read.
+  output wire read_valid_o,                // The two thresholds that were read are valid.
+  output wire [31:0] read_thresholds_o,    // The two thresholds that were read.
+  output wire [31:0] read_previous_o,      // Thresholds of the stage before.
   output wire push_o,                      // A beat is done, 23 cycles after `take`.
-  output wire [31:0] data_o,               // Its two words.
+  output wire [31:0] data_o,               // Two words of the beat, the even one low.
   output wire [1:0] done_o,                // Bit 0 whether it is its vector's last, bit 1 its set.
   output wire base_push_o,                 // Base words for the next stage are done, no later than their beat.
-  output wire [31:0] base_o,               // They.
+  output wire [31:0] base_o,               // Base words for the next stage.
   output wire [1:0] nonzero_o,             // Which words are not zero.
   output wire [1:0] result_saturated_o,    // Which results did not fit.
   output wire [1:0] code_saturated_o,      // Which thresholded codes did not fit.
@@ -40,8 +40,8 @@ module results_i (
 
   localparam [11:0] SET_ROWS = 12'd8;
 
-  wire [2:0] marks_to_5_later, marks_to_6_later, marks_to_23_later;
-  wire [9:0] place_to_15_later;
+  wire [2:0] marks_to_5_delayed, marks_to_6_delayed, marks_to_23_delayed;
+  wire [9:0] place_to_15_delayed;
   reg read_16_q, read_17_q;
   reg [11:0] threshold_row_q, shifts_q;
   wire [15:0] requantize_even_result, requantize_odd_result, shrink_even_result, shrink_odd_result;
@@ -53,7 +53,7 @@ module results_i (
 
   // results.rs:211: Cycles 7 to 17: base and rounding.
   wire [31:0] result = {requantize_odd_result, requantize_even_result};
-  wire [1:0] result_flags_now = {requantize_odd_saturated, requantize_even_saturated};
+  wire [1:0] result_flags_data = {requantize_odd_saturated, requantize_even_saturated};
 
   // results.rs:230: Cycles 18 to 20: thresholds, read in cycle 17.
   assign read_valid_o = read_17_q;
@@ -65,28 +65,30 @@ module results_i (
   // thresholds before.
   assign difference_saturated_o = {1'b0, 1'b0};
 
-  // results.rs:314: What goes on.
-  assign base_push_o = marks_to_23_later[0];
+  // results.rs:314: Output words.
+  assign base_push_o = marks_to_23_delayed[0];
 
   // results.rs:334: Base words that only pass through wait where all do, in the FIFO behind.
-  assign push_o = marks_to_23_later[0];
-  assign done_o = marks_to_23_later[2:1];
+  assign push_o = marks_to_23_delayed[0];
+  assign done_o = marks_to_23_delayed[2:1];
   assign nonzero_o = {|data_o[31:16], |data_o[15:0]};
 
   wire [31:0] _value = 32'd0;
 
-  edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (.clock_i(clock_i), .now_i(marks), .later_o(marks_to_5_later));
+  edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
+    .clock_i(clock_i), .data_i(marks), .data_o(marks_to_5_delayed)
+  );
 
   edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
-    .clock_i(clock_i), .now_i(marks_to_5_later), .later_o(marks_to_6_later)
+    .clock_i(clock_i), .data_i(marks_to_5_delayed), .data_o(marks_to_6_delayed)
   );
 
   edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
-    .clock_i(clock_i), .now_i(marks_to_6_later), .later_o(marks_to_23_later)
+    .clock_i(clock_i), .data_i(marks_to_6_delayed), .data_o(marks_to_23_delayed)
   );
 
   edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
-    .clock_i(clock_i), .now_i(place), .later_o(place_to_15_later)
+    .clock_i(clock_i), .data_i(place), .data_o(place_to_15_delayed)
   );
 
   requantize #(.BASE_BITS(48'd0)) requantize_even (
@@ -102,7 +104,7 @@ module results_i (
   );
 
   edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
-    .clock_i(clock_i), .now_i(result_flags_now), .later_o(result_saturated_o)
+    .clock_i(clock_i), .data_i(result_flags_data), .data_o(result_saturated_o)
   );
 
   edof_ram #(.WIDTH(32), .DEPTH(16), .BLOCK(0), .INIT("stage0_thresholds.mem")) thresholds (
@@ -121,21 +123,21 @@ module results_i (
   );
 
   edof_delay #(.WIDTH(2), .CYCLES(3)) code_flags (
-    .clock_i(clock_i), .now_i(code_flag), .later_o(code_saturated_o)
+    .clock_i(clock_i), .data_i(code_flag), .data_o(code_saturated_o)
   );
 
-  edof_delay #(.WIDTH(32), .CYCLES(3)) codes_to_23 (.clock_i(clock_i), .now_i(code), .later_o(data_o));
-  edof_delay #(.WIDTH(32), .CYCLES(6)) base_to_23 (.clock_i(clock_i), .now_i(result), .later_o(base_o));
+  edof_delay #(.WIDTH(32), .CYCLES(3)) codes_to_23 (.clock_i(clock_i), .data_i(code), .data_o(data_o));
+  edof_delay #(.WIDTH(32), .CYCLES(6)) base_to_23 (.clock_i(clock_i), .data_i(result), .data_o(base_o));
 
   always @(posedge clock_i) begin
     // results.rs:199: Cycles 7 to 17: base and rounding.
     shifts_q <= shifts_0_i[11:0];
-    if (marks_to_6_later[2]) shifts_q <= shifts_1_i[11:0];
+    if (marks_to_6_delayed[2]) shifts_q <= shifts_1_i[11:0];
     // results.rs:218: Cycles 18 to 20: thresholds, read in cycle 17.
-    threshold_row_q <= {4'd0, place_to_15_later[7:0]};
-    if (place_to_15_later[8]) threshold_row_q <= {4'd0, place_to_15_later[7:0]} + SET_ROWS;
+    threshold_row_q <= {4'd0, place_to_15_delayed[7:0]};
+    if (place_to_15_delayed[8]) threshold_row_q <= {4'd0, place_to_15_delayed[7:0]} + SET_ROWS;
     read_16_q <= read_wanted_i;
-    if (place_to_15_later[9]) read_16_q <= 1'b0;
+    if (place_to_15_delayed[9]) read_16_q <= 1'b0;
     else threshold_row_q <= read_row_i;
     read_17_q <= read_16_q;
   end

@@ -2,7 +2,8 @@
 // step a cycle.
 // What a pass must know is looked up before it begins, so that the next begins in the cycle after the last step
 // of the one before;
-// all that a step reads comes out of registers. In a cycle of `steal` there is no step, and nothing moves.
+// all that a step reads comes out of registers. While `steal` is high, no step is issued and the current pass
+// is held.
 //
 // Within the cycle: may_start_i, steal_i -> begins_o
 // Within the cycle: steal_i -> valid_a_o, valid_b_o, first_o, pass_issued_o, finished_o
@@ -30,17 +31,18 @@ module sequencer #(
   output wire begins_o,            // A pass begins: its first step is in the next cycle.
   output wire valid_a_o,           // There is a step in this cycle, with a first value.
   output wire valid_b_o,           // With a second one.
-  output wire first_o,             // It is the first of its pass.
-  output wire linear_o,            // It is one of the window's.
+  output wire first_o,             // The step is the first of its pass.
+  output wire linear_o,            // The step belongs to the window (linear path).
   // The odd one of two elements that are read is meant (where one is taken a cycle).
   output wire odd_o,
   output wire set_o,               // The vector's set.
   output wire [8:0] read_row_o,    // Which two elements of which slot to read.
   output wire [6:0] read_pixels_o, // Which two pixels of the window to read.
   output wire [11:0] base_o,       // Row of weights of input 0 in this pass.
-  output wire [11:0] offset_o,     // What the step's row of weights is after `base`, but for a pair's.
-  output wire pass_issued_o,       // It is the last of its pass.
-  output wire finished_o           // It is the last of its vector.
+  // Offset of the step's row of weights after `base`; for a pair, its index is added.
+  output wire [11:0] offset_o,
+  output wire pass_issued_o,       // The step is the last of its pass.
+  output wire finished_o           // The step is the last of its vector.
 );
 
   localparam LINEAR_SINGLE = 1'b0;
@@ -50,13 +52,14 @@ module sequencer #(
   reg [1:0] write_slot_q, slot_q, job_slot_q, slot_q_2;
   reg [2:0] waiting_q;
   reg [5:0] pass_q;
-  reg known_q, job_is_last_q, active_q, linear_q, at_end_q, first_q, odd_count_q, empty_q, set_q, is_last_q;
+  reg next_known_q, job_is_last_q, active_q, linear_q, at_end_q, first_q, odd_count_q, empty_q, set_q;
+  reg is_last_q;
   reg [7:0] remaining_q, step_q;
 
   // sequencer.rs:150: The step of this cycle, and whether a pass begins with the next.
   wire step_valid = active_q && !steal_i;
   wire pass_done = step_valid && at_end_q && (linear_q || !HAS_LINEAR);
-  wire grant = known_q && may_start_i && (!active_q || pass_done);
+  wire grant = next_known_q && may_start_i && (!active_q || pass_done);
   wire pop = grant && job_is_last_q;
   assign begins_o = grant;
   assign pass_issued_o = pass_done;
@@ -108,7 +111,7 @@ module sequencer #(
         slot_q <= slot_q + 2'd1;
       end
     end
-    known_q <= (|waiting_q) && !grant;
+    next_known_q <= (|waiting_q) && !grant;
     job_q <= next;
     job_slot_q <= slot_q;
     job_is_last_q <= pass_q == LAST_PASS;
@@ -148,7 +151,7 @@ module sequencer #(
       slot_q <= 2'd0;
       pass_q <= 6'd0;
       pass_row_q <= 12'd0;
-      known_q <= 1'b0;
+      next_known_q <= 1'b0;
       active_q <= 1'b0;
     end
   end

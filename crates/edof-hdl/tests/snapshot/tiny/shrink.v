@@ -12,11 +12,11 @@ module shrink (
   input wire [15:0] code_i,      // b.
   input wire [15:0] threshold_i, // θ.
   output wire [15:0] result_o,   // z.
-  output wire saturated_o        // Whether it did not fit (a negative θ).
+  output wire saturated_o        // The result did not fit and is clamped (a negative θ).
 );
 
   localparam TWO_SIDED = 1'b0;
-  localparam [16:0] MOST = 17'd32767;
+  localparam [16:0] MAX = 17'd32767;
 
   reg [16:0] above_1_q, below_1_q;
   reg [15:0] above_2_q, below_2_q, result_q;
@@ -28,7 +28,7 @@ module shrink (
   assign result_o = result_q;
   assign saturated_o = saturated_q;
 
-  wire [16:0] result_q_value = MOST;
+  wire [16:0] result_q_value = MAX;
 
   always @(posedge clock_i) begin
     // shrink.rs:73: Cycle 1: how far it is from both ends of the dead zone.
@@ -39,7 +39,7 @@ module shrink (
     below_2_q <= below_1_q[15:0];
     is_above_q <= (|above_1_q) && !above_1_q[16];
     is_below_q <= TWO_SIDED && below_1_q[16];
-    too_large_q <= above_1_q > MOST;
+    too_large_q <= above_1_q > MAX;
     // shrink.rs:84: Cycle 3: the result.
     result_q <= 16'd0;
     saturated_q <= 1'b0;

@@ -13,25 +13,26 @@ module stage_i (
   // something can be taken.
   input wire reset_i,
 
-  input wire flush_i,                // Forgets every vector and nothing else; held likewise.
-  input wire valid_i,                // A beat stands on the input.
-  output wire ready_o,               // It is taken in this cycle, if there is one.
-  input wire [31:0] data_i,          // Its two words.
-  input wire last_i,                 // Whether it is its vector's last.
+  input wire flush_i,                // Drops every vector and nothing else; held for as long as `reset`.
+  input wire valid_i,                // The input beat is valid.
+  output wire ready_o,               // The block accepts a valid input in this cycle.
+  input wire [31:0] data_i,          // Two words of the beat, the even one low.
+  input wire last_i,                 // The beat is the last of its vector.
   input wire set_i,                  // The vector's set.
-  output wire window_ready_o,        // They are taken in this cycle, if there are any.
-  output wire out_valid_o,           // A beat stands on the output.
-  input wire out_ready_i,            // The receiver takes it.
-  output wire [31:0] out_data_o,     // Its two words.
-  output wire [31:0] out_base_o,     // Their base words.
-  output wire out_last_o,            // Whether it is its vector's last.
+  output wire window_ready_o,        // The block accepts a valid input in this cycle.
+  output wire out_valid_o,           // The output beat is valid.
+  input wire out_ready_i,            // The receiver accepts the output in this cycle.
+  output wire [31:0] out_data_o,     // Two words of the beat, the even one low.
+  output wire [31:0] out_base_o,     // Base words of the same two elements.
+  output wire out_last_o,            // The beat is the last of its vector.
   output wire out_set_o,             // The vector's set.
-  input wire write_valid_i,          // A word is to be written (`edof_device::design::memory::address`).
-  input wire [24:0] write_address_i, // Where.
-  input wire [31:0] write_data_i,    // What.
+  input wire write_valid_i,          // The word to write is valid (`edof_device::design::memory::address`).
+  input wire [24:0] write_address_i, // Address of the word to write.
+  input wire [31:0] write_data_i,    // Word to write.
   // What to show: bit 6 counters or what was read back, then stage (4 bits), then which (2 bits).
   input wire [6:0] status_address_i,
-  output wire [31:0] status_o        // It, a cycle later; 0 from all other stages.
+  // Word that `status_address` selected, one cycle later; 0 from all other stages.
+  output wire [31:0] status_o
 );
 
   localparam [3:0] ID = 4'd0;
@@ -40,11 +41,11 @@ module stage_i (
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
 
-  wire [7:0] reset_parts_later, drain_beat, frames;
-  wire reset_registers_later, vectors_arrived, step_first, begins, valid_a, sequencer_valid_b_unused;
+  wire [7:0] reset_parts_delayed, drain_beat, frames;
+  wire reset_registers_delayed, vectors_arrived, step_first, begins, valid_a, sequencer_valid_b_unused;
   wire sequencer_first, sequencer_linear_unused, sequencer_odd, sequencer_set, pass_issued, finished, may_start;
-  wire drain_copy, drain_take, drain_last, taken_set, read_valid, results_push, base_push;
-  wire base_fifo_front_valid_unused, skip_zeros, wants_weights, wants_thresholds;
+  wire drain_copy, drain_take, drain_last, take_set, read_valid, results_push, base_push;
+  wire base_fifo_front_valid_unused, skip_zeros, request_weights, request_thresholds;
   wire [11:0] vectors_descriptor, address, sequencer_base, offset, reader_row;
   wire [31:0] pair_a, pair_b, pair_c, pair_d, read_thresholds, read_previous, results_data, results_base;
   wire [31:0] counters_value, check_crc, reader_value;
@@ -53,7 +54,7 @@ module stage_i (
   wire [6:0] sequencer_read_pixels_unused;
   wire [47:0] sum_even, sum_odd;
   wire [63:0] read_data;
-  wire [10:0] marks_to_groups_later;
+  wire [10:0] marks_to_groups_delayed;
   wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   wire [33:0] fifo_front_data;
   wire [19:0] shifts_0, shifts_1;
@@ -63,7 +64,7 @@ module stage_i (
   reg steal_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
-  wire [52:0] weights_to_5_later;
+  wire [52:0] weights_to_5_delayed;
 
   // stage.rs:207: Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
@@ -73,7 +74,7 @@ module stage_i (
 
   // stage.rs:337: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
   // set, then which.
-  wire [10:0] marks = {drain_beat, taken_set, drain_last, drain_take};
+  wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
 
   // stage.rs:353: Out.
   wire [33:0] finished_word = {results_data, results_done};
@@ -87,12 +88,12 @@ module stage_i (
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
   // stage.rs:396: A row is read back in a cycle without a write, whatever that would write.
-  wire reads = wants_weights && !write_1_q;
+  wire reads = request_weights && !write_1_q;
 
   // stage.rs:410: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
-  wire [52:0] weights_to_5_now = weights_word | weights_marks;
+  wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
   // stage.rs:447: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   always @* begin
@@ -109,19 +110,19 @@ module stage_i (
   end
 
   // stage.rs:463: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
-  wire [31:0] asked = status_address_i[6] ? reader_value : counters_value;
+  wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
 
   edof_delay #(.WIDTH(8), .CYCLES(1)) reset_parts (
-    .clock_i(clock_i), .now_i(resets), .later_o(reset_parts_later)
+    .clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed)
   );
 
   edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
-    .clock_i(clock_i), .now_i(reset_i), .later_o(reset_registers_later)
+    .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
   );
 
   dense_store vectors (
-    .clock_i(clock_i), .reset_i(reset_parts_later[0]), .valid_i(valid_i), .ready_o(ready_o),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[0]), .valid_i(valid_i), .ready_o(ready_o),
     .data_i(data_i), .last_i(last_i), .set_i(set_i), .arrived_o(vectors_arrived),
     .descriptor_o(vectors_descriptor), .read_row_i(read_row), .pair_a_o(pair_a), .pair_b_o(pair_b),
     .pair_c_o(pair_c), .pair_d_o(pair_d), .finished_i(finished)
@@ -139,7 +140,7 @@ module stage_i (
     .TWO_ROWS(1'b0), .HAS_LINEAR(1'b0), .LINEAR_BEFORE_LAST(8'd0), .CODES(12'd0), .PASS_ROWS(12'd32),
     .SET_ROWS(12'd32), .LAST_PASS(6'd0)
   ) sequencer (
-    .clock_i(clock_i), .reset_i(reset_parts_later[2]), .arrived_i(vectors_arrived),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[2]), .arrived_i(vectors_arrived),
     .descriptor_i(vectors_descriptor), .may_start_i(may_start), .steal_i(steal_2_q), .begins_o(begins),
     .valid_a_o(valid_a), .valid_b_o(sequencer_valid_b_unused), .first_o(sequencer_first),
     .linear_o(sequencer_linear_unused), .odd_o(sequencer_odd), .set_o(sequencer_set),
@@ -152,29 +153,29 @@ module stage_i (
     .value_a_i(dense_operands_value_a), .value_b_i(dense_operands_value_b),
     .value_c_i(dense_operands_value_c), .value_d_i(dense_operands_value_d), .copy_i(drain_copy),
     .shift_i(drain_take), .sum_even_o(sum_even), .sum_odd_o(sum_odd),
-    .write_enable_i(weights_to_5_later[0] && !reset_i), .write_bank_i(weights_to_5_later[52:47]),
-    .write_half_i(weights_to_5_later[34]), .write_row_i(weights_to_5_later[46:35]),
-    .write_data_i(weights_to_5_later[33:2]), .read_enable_i(weights_to_5_later[1]),
+    .write_enable_i(weights_to_5_delayed[0] && !reset_i), .write_bank_i(weights_to_5_delayed[52:47]),
+    .write_half_i(weights_to_5_delayed[34]), .write_row_i(weights_to_5_delayed[46:35]),
+    .write_data_i(weights_to_5_delayed[33:2]), .read_enable_i(weights_to_5_delayed[1]),
     .read_data_o(read_data)
   );
 
-  drain #(.BEFORE_LAST_TAKE(8'd7), .RELEASE_AT(8'd7), .LAST_BEAT(8'd7), .WANTED_CREDITS(8'd8)) drain (
-    .clock_i(clock_i), .reset_i(reset_parts_later[3]), .begins_i(begins), .pass_issued_i(pass_issued),
-    .set_i(sequencer_set), .returned_i(out_valid_o && out_ready_i), .may_start_o(may_start),
+  drain #(.BEFORE_LAST_TAKE(8'd7), .RELEASE_AT(8'd7), .LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd8)) drain (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .begins_i(begins), .pass_issued_i(pass_issued),
+    .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .may_start_o(may_start),
     .copy_o(drain_copy), .take_o(drain_take), .beat_o(drain_beat), .last_o(drain_last),
-    .taken_set_o(taken_set)
+    .take_set_o(take_set)
   );
 
   edof_delay #(.WIDTH(11), .CYCLES(1)) marks_to_groups (
-    .clock_i(clock_i), .now_i(marks), .later_o(marks_to_groups_later)
+    .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
   );
 
   results_i results (
-    .clock_i(clock_i), .take_i(marks_to_groups_later[0]), .beat_i(marks_to_groups_later[10:3]),
-    .last_i(marks_to_groups_later[1]), .set_i(marks_to_groups_later[2]), .sum_even_i(sum_even),
+    .clock_i(clock_i), .take_i(marks_to_groups_delayed[0]), .beat_i(marks_to_groups_delayed[10:3]),
+    .last_i(marks_to_groups_delayed[1]), .set_i(marks_to_groups_delayed[2]), .sum_even_i(sum_even),
     .sum_odd_i(sum_odd), .shifts_0_i(shifts_0), .shifts_1_i(shifts_1),
     .write_thresholds_i(thresholds_2_q && !reset_i), .write_row_i(address_2_q[12:1]),
-    .write_data_i(data_2_q), .read_wanted_i(wants_thresholds), .read_row_i(reader_row),
+    .write_data_i(data_2_q), .read_wanted_i(request_thresholds), .read_row_i(reader_row),
     .read_valid_o(read_valid), .read_thresholds_o(read_thresholds), .read_previous_o(read_previous),
     .push_o(results_push), .data_o(results_data), .done_o(results_done), .base_push_o(base_push),
     .base_o(results_base), .nonzero_o(nonzero), .result_saturated_o(result_saturated),
@@ -182,42 +183,42 @@ module stage_i (
   );
 
   edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
-    .clock_i(clock_i), .reset_i(reset_parts_later[5]), .push_i(results_push), .data_i(finished_word),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(results_push), .data_i(finished_word),
     .valid_o(out_valid_o), .ready_i(out_ready_i), .data_o(fifo_front_data)
   );
 
   edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
-    .clock_i(clock_i), .reset_i(reset_parts_later[5]), .push_i(base_push), .data_i(results_base),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
     .valid_o(base_fifo_front_valid_unused), .ready_i(base_fifo_front_ready), .data_o(out_base_o)
   );
 
   registers #(.INIT("stage0_shifts.mem")) registers (
-    .clock_i(clock_i), .reset_i(reset_registers_later), .write_enable_i(registers_2_q),
+    .clock_i(clock_i), .reset_i(reset_registers_delayed), .write_enable_i(registers_2_q),
     .write_row_i(address_2_q[12:1]), .write_data_i(data_2_q), .shifts_0_o(shifts_0),
     .shifts_1_o(shifts_1), .skip_zeros_o(skip_zeros)
   );
 
   counters counters (
-    .clock_i(clock_i), .reset_i(reset_registers_later), .enable_i(results_push), .nonzero_i(nonzero),
+    .clock_i(clock_i), .reset_i(reset_registers_delayed), .enable_i(results_push), .nonzero_i(nonzero),
     .results_i(result_saturated), .codes_i(code_saturated), .differences_i(difference_saturated),
     .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
   );
 
   frame_check_w32 #(.LAST_BEAT(28'd383)) check (
-    .clock_i(clock_i), .reset_i(reset_parts_later[7]), .valid_i(out_valid_o && out_ready_i),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[7]), .valid_i(out_valid_o && out_ready_i),
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
 
   reader reader (
-    .clock_i(clock_i), .reset_i(reset_parts_later[6]), .starts_i(command_2_q), .command_i(data_2_q),
-    .wants_weights_o(wants_weights), .taken_i(reads), .bank_o(reader_bank), .row_o(reader_row),
-    .weights_i(read_data), .wants_thresholds_o(wants_thresholds), .thresholds_valid_i(read_valid),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[6]), .starts_i(command_2_q), .command_i(data_2_q),
+    .request_weights_o(request_weights), .grant_i(reads), .bank_o(reader_bank), .row_o(reader_row),
+    .weights_i(read_data), .request_thresholds_o(request_thresholds), .thresholds_valid_i(read_valid),
     .thresholds_i(read_thresholds), .previous_i(read_previous), .register_i(reader_register),
     .select_i(status_address_i[1:0]), .value_o(reader_value)
   );
 
   edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
-    .clock_i(clock_i), .now_i(weights_to_5_now), .later_o(weights_to_5_later)
+    .clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed)
   );
 
   always @(posedge clock_i) begin
@@ -240,11 +241,11 @@ module stage_i (
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
     // stage.rs:467: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
-    if (status_address_i[5:2] == ID) status_q <= asked;
+    if (status_address_i[5:2] == ID) status_q <= read_word;
   end
 
   // Not every bit of these is read.
-  wire unused = ^{reset_parts_later, previous_2_q};
+  wire unused = ^{reset_parts_delayed, previous_2_q};
 endmodule
 
 `default_nettype wire

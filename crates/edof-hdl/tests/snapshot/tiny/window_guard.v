@@ -1,8 +1,8 @@
-// Hands on whole windows only. One whose `last` comes too early is filled up with zeros, a beat a cycle; of one
-// whose `last` comes
-// too late the rest is thrown away. Each is counted, and the beat after its `last` is the first of the next
-// window. A window that is
-// right passes within the cycle.
+// Passes whole windows only. A window whose `last` is early is filled with zeros, one beat per cycle. If `last`
+// is late, the excess
+// beats are discarded. Both kinds are counted, and the beat after `last` is the first of the next window. A
+// correct window passes
+// within the cycle.
 //
 // Within the cycle: out_ready_i -> ready_o
 // Within the cycle: valid_i -> out_valid_o
@@ -17,15 +17,15 @@ module window_guard (
   input wire reset_i,             // Waits for a window's first beat.
 
   input wire reset_counters_i,    // Counters back to zero.
-  input wire valid_i,             // A beat stands on the input.
-  output wire ready_o,            // It is taken in this cycle, if there is one.
-  input wire [31:0] data_i,       // Its two pixels.
-  input wire last_i,              // Whether the sender says that it is its window's last.
+  input wire valid_i,             // The input beat is valid.
+  output wire ready_o,            // The block accepts a valid input in this cycle.
+  input wire [31:0] data_i,       // Two pixels of the beat, the left one low.
+  input wire last_i,              // The sender marks the beat as the last of its window.
   input wire set_i,               // The set of weights for this window.
-  output wire out_valid_o,        // A beat stands on the output.
-  input wire out_ready_i,         // The receiver takes it.
-  output wire [31:0] out_data_o,  // Its two pixels.
-  output wire out_last_o,         // Whether it is its window's last.
+  output wire out_valid_o,        // The output beat is valid.
+  input wire out_ready_i,         // The receiver accepts the output in this cycle.
+  output wire [31:0] out_data_o,  // Two pixels of the beat, the left one low.
+  output wire out_last_o,         // The beat is the last of its window.
   output wire out_set_o,          // The window's set.
   // Whether a window was too short or too long since the last reset or snapshot.
   output wire fault_o,
@@ -37,16 +37,16 @@ module window_guard (
   localparam [6:0] BEFORE_LAST = 7'd30;
 
   reg [6:0] beat_q;
-  reg at_end_q, fills_q, drops_q, set_q, fault_q, short_q, long_q;
+  reg at_end_q, fill_q, drop_q, set_q, fault_q, short_q, long_q;
 
   // window_guard.rs:82
-  wire offers = fills_q || (valid_i && !drops_q);
-  wire passes = offers && out_ready_i;
-  wire comes = passes && !fills_q;
-  assign ready_o = drops_q || (out_ready_i && !fills_q);
-  assign out_valid_o = offers;
-  assign out_data_o = fills_q ? 32'd0 : data_i;
-  assign out_set_o = fills_q ? set_q : set_i;
+  wire is_available = fill_q || (valid_i && !drop_q);
+  wire advance = is_available && out_ready_i;
+  wire accept = advance && !fill_q;
+  assign ready_o = drop_q || (out_ready_i && !fill_q);
+  assign out_valid_o = is_available;
+  assign out_data_o = fill_q ? 32'd0 : data_i;
+  assign out_set_o = fill_q ? set_q : set_i;
   assign out_last_o = at_end_q;
   assign fault_o = fault_q;
 
@@ -64,28 +64,28 @@ module window_guard (
     // window_guard.rs:95
     short_q <= 1'b0;
     long_q <= 1'b0;
-    if (passes) begin
+    if (advance) begin
       beat_q <= beat_q + 7'd1;
       at_end_q <= beat_q == BEFORE_LAST;
       if (at_end_q) begin
         beat_q <= 7'd0;
-        fills_q <= 1'b0;
+        fill_q <= 1'b0;
       end
     end
-    if (comes) begin
+    if (accept) begin
       set_q <= set_i;
-      fills_q <= last_i && !at_end_q;
+      fill_q <= last_i && !at_end_q;
       short_q <= last_i && !at_end_q;
-      drops_q <= at_end_q && !last_i;
+      drop_q <= at_end_q && !last_i;
       long_q <= at_end_q && !last_i;
     end
-    if (drops_q && valid_i && last_i) drops_q <= 1'b0;
+    if (drop_q && valid_i && last_i) drop_q <= 1'b0;
     fault_q <= fault_q || short_q || long_q;
     if (reset_i) begin
       beat_q <= 7'd0;
       at_end_q <= 1'b0;
-      fills_q <= 1'b0;
-      drops_q <= 1'b0;
+      fill_q <= 1'b0;
+      drop_q <= 1'b0;
       short_q <= 1'b0;
       long_q <= 1'b0;
     end

@@ -10,20 +10,20 @@
 
 module window_ring (
   input wire clock_i,               // Clock.
-  input wire reset_i,               // Empties it.
+  input wire reset_i,               // Empties the memory.
 
-  input wire valid_i,               // A beat stands on the input.
-  output wire ready_o,              // It is taken in this cycle, if there is one.
-  input wire [31:0] pixels_i,       // Its two pixels.
-  input wire last_i,                // Whether it is its window's last.
+  input wire valid_i,               // The input beat is valid.
+  output wire ready_o,              // The block accepts a valid input in this cycle.
+  input wire [31:0] pixels_i,       // Two pixels of the beat, the left one low.
+  input wire last_i,                // The beat is the last of its window.
   input wire [6:0] read_pair_i,     // Which two pixels of the oldest window to read.
-  output wire [31:0] read_pixels_o, // They, two cycles later.
+  output wire [31:0] read_pixels_o, // Two pixels, two cycles after their address.
   input wire finished_i             // Frees the oldest window.
 );
 
   localparam LARGE = 1'b0;
   localparam [4:0] LAST_WINDOW = 5'h1f;
-  localparam [5:0] MOST = 6'd32;
+  localparam [5:0] MAX_WINDOWS = 6'd32;
 
   reg [5:0] held_next, held_q;
   reg [11:0] ram_read_address, ram_write_address;
@@ -62,7 +62,7 @@ module window_ring (
   always @(posedge clock_i) begin
     // window_ring.rs:81
     held_q <= held_next;
-    ready_q <= held_next != MOST;
+    ready_q <= held_next != MAX_WINDOWS;
     write_q <= accept;
     pixels_q <= pixels_i;
     last_q <= last_i;

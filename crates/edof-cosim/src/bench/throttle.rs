@@ -2,10 +2,9 @@
 
 use edof_image::draw::Draw;
 
-/// Says for each cycle whether to go on. Drawn paces change their mood every now and then, so that full speed, trickle and long
-/// pauses all occur.
+/// Decides in each cycle whether to transfer. Random patterns change their rate now and then, so that full speed, single transfers and long pauses all occur.
 #[derive(Debug, Clone)]
-pub struct Pace {
+pub struct Throttle {
     draw: Draw,
     kind: Kind,
 }
@@ -16,14 +15,14 @@ enum Kind {
     Moods { percent: i64, left: i64 },
 }
 
-impl Pace {
+impl Throttle {
     /// Never pauses.
     #[must_use]
     pub const fn steady() -> Self {
         Self { draw: Draw::new(0), kind: Kind::Fixed(100) }
     }
 
-    /// Goes on in so many of a hundred cycles.
+    /// Transfers in that many of a hundred cycles.
     #[must_use]
     pub const fn percent(percent: i64, seed: u64) -> Self {
         Self { draw: Draw::new(seed), kind: Kind::Fixed(percent) }
@@ -35,7 +34,7 @@ impl Pace {
         Self { draw: Draw::new(seed), kind: Kind::Moods { percent: 100, left: 0 } }
     }
 
-    /// Whether to go on in this cycle.
+    /// Whether to transfer in this cycle.
     pub fn goes(&mut self) -> bool {
         if let Kind::Moods { percent, left } = &mut self.kind {
             if *left == 0 {

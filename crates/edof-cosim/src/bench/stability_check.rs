@@ -6,10 +6,10 @@ use crate::verilator::Model;
 
 /// What stands on an offered channel, held until it is taken.
 #[derive(Debug, Default)]
-pub(crate) struct Standing(Option<Vec<u32>>);
+pub(crate) struct StabilityCheck(Option<Vec<u32>>);
 
-impl Standing {
-    /// Notes the channel before an edge; tells what is wrong with an offer that was taken back or changed.
+impl StabilityCheck {
+    /// Records the channel before an edge; returns the fault if an offer was withdrawn or changed.
     pub fn broken(&mut self, now: Option<&[u32]>, taken: bool) -> Option<&'static str> {
         match (&self.0, now) {
             (Some(_), None) => return Some("what was offered is no longer offered, and was not taken"),
@@ -22,7 +22,7 @@ impl Standing {
         None
     }
 
-    /// [`Standing::broken`] as an error.
+    /// [`StabilityCheck::broken`] as an error.
     pub fn check(
         &mut self,
         model: &Model,
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn an_offer_that_waits_neither_changes_nor_goes() {
-        let mut standing = Standing::default();
+        let mut standing = StabilityCheck::default();
         assert_eq!(standing.broken(Some(&[1, 2]), false), None);
         assert_eq!(standing.broken(Some(&[1, 2]), true), None);
         assert_eq!(standing.broken(Some(&[3, 2]), false), None);
