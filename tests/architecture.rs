@@ -463,7 +463,7 @@ fn a_dependency_that_nothing_uses_is_found() {
     for kind in [Kind::Normal, Kind::Development, Kind::Build] {
         packages[0].add("left-pad", kind);
     }
-    // Of use to the program, not to its tests alone.
+    // Used by the program, not by its tests alone.
     let image = packages.iter_mut().find(|package| package.name == "edof-image").unwrap();
     image.add("proptest", Kind::Normal);
     assert_eq!(unused(&packages).len(), 4, "{:?}", unused(&packages));

@@ -45,11 +45,15 @@ fn an_image_of_odd_size() {
 fn a_wrong_bit_depth() {
     let place = ready();
     let line = |more: &str| format!("{RECONSTRUCT} {more}");
-    refused_without_a_trace(&place, &line("--depth 7"), &["raw.png", "bit depth 7", "must be 8 to 16"]);
-    refused_without_a_trace(&place, &line("--depth 10"), &["raw.png", "no 10-bit code aligned to the top"]);
+    refused_without_a_trace(&place, &line("--bit-depth 7"), &["raw.png", "bit depth 7", "must be 8 to 16"]);
     refused_without_a_trace(
         &place,
-        &line("--depth 12 --align bottom"),
+        &line("--bit-depth 10"),
+        &["raw.png", "no 10-bit code aligned to the top"],
+    );
+    refused_without_a_trace(
+        &place,
+        &line("--bit-depth 12 --align bottom"),
         &["raw.png", "more than 12 bits can hold"],
     );
     place.photo("raw.png", 48, 32);
@@ -60,7 +64,7 @@ fn a_wrong_bit_depth() {
 fn a_colour_picture_in_place_of_a_raw_frame() {
     let place = ready();
     place.photo("raw.png", 48, 32);
-    refused_without_a_trace(&place, &format!("{RECONSTRUCT} --depth 8"), &["raw.png", "colour picture"]);
+    refused_without_a_trace(&place, &format!("{RECONSTRUCT} --bit-depth 8"), &["raw.png", "colour picture"]);
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn a_watch_is_one_object_a_line_with_a_time() {
     }
     // Meanwhile nobody else talks on the line.
     place.edof("board info --port board").refused(&["board: another program has the port", "--port"]);
-    // And where the board ends, that is told in words.
+    // A command at the end of the board prints a sentence.
     drop(sim);
     let output = child.wait_with_output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr).into_owned();

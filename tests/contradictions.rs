@@ -14,7 +14,7 @@ fn options_that_contradict_a_frames_record_are_refused_or_told() {
     for (option, says) in [
         ("--camera ring-outer", "ring-2018 (they differ in "),
         ("--phase bggr", "rggb"),
-        ("--depth 14", "12"),
+        ("--bit-depth 14", "12"),
         ("--align bottom", "top"),
         ("--tone linear", "srgb"),
         ("--black-level 64", "16"),
@@ -36,7 +36,7 @@ fn options_that_contradict_a_frames_record_are_refused_or_told() {
         run.err
     );
     // What agrees may be said.
-    place.edof(&format!("{line} --camera ring-2018 --phase rggb --tone srgb --depth 12")).done();
+    place.edof(&format!("{line} --camera ring-2018 --phase rggb --tone srgb --bit-depth 12")).done();
 }
 
 #[test]

@@ -62,7 +62,7 @@ fn a_captured_black_level_is_recorded_and_taken_off() {
         place.edof(&format!("reconstruct {name}.png {GREY} --out {name}-out.png")).done();
     }
     let pictures = ["plain-out.png", "lifted-out.png"].map(|name| photo::load(&place.path(name)).unwrap());
-    let worst = (&pictures[0].planes - &pictures[1].planes).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+    let worst = (&pictures[0].planes - &pictures[1].planes).iter().fold(0.0f32, |max, d| max.max(d.abs()));
     assert!(worst < 1.5 / 4096.0, "{worst}");
     place
         .edof(&format!("reconstruct lifted.png {GREY} --black-level 64 --out no.png"))

@@ -23,7 +23,7 @@ fn a_photograph_is_taken_and_learned_from_under_one_tone() {
     place.edof("weights net.safetensors --json about.json").done();
     let about = std::fs::read_to_string(place.path("about.json")).unwrap();
     assert!(about.contains("\"tone\": \"srgb\"") && !about.contains("\"tone\": \"linear\""), "{about}");
-    // The path to its end: nothing is said of tones, and the picture is about what validation promised (4:2:2 costs these colours more).
+    // The path to its end: nothing is said of tones, and the picture is about as good as validation stated (4:2:2 costs these colours more).
     place.edof("quantize net.safetensors --images photos --photos all --out net.fixed.safetensors").done();
     let run = place.edof("reconstruct raw.png --weights net.fixed.safetensors --out picture.png").done();
     assert!(!run.err.contains("tone"), "{}", run.err);
@@ -32,7 +32,7 @@ fn a_photograph_is_taken_and_learned_from_under_one_tone() {
     let (promised, found) = (json(&place, "net.json"), json(&place, "compared.json"));
     let [promised, found] = [&promised["validation_db"], &found["psnr_db"]].map(|db| db.as_f64().unwrap());
     assert!(found > promised - 2.0, "validation promised {promised:.2} dB, the picture has {found:.2}");
-    // The other tone is told with its loss, on either side.
+    // The other tone is reported with its loss, in both directions.
     place.edof(&format!("{capture} --tone linear")).done();
     let run = place.edof("reconstruct raw.png --weights net.fixed.safetensors --out picture.png").done();
     for told in [
@@ -42,7 +42,7 @@ fn a_photograph_is_taken_and_learned_from_under_one_tone() {
     ] {
         assert!(run.err.contains(told), "{}", run.err);
     }
-    // What goes on from a network stays with its tone.
+    // Training from a network keeps its tone.
     place.edof(&format!("{TRAIN} --tone linear --out other.safetensors")).done();
     let on = TRAIN
         .replace("--form one-sided,w8,t2,c16,r", "--from other.safetensors")

@@ -180,7 +180,7 @@ fn a_training_stopped_by_ctrl_c_goes_on_to_the_same_bytes() {
 
     let broken = with_photos();
     let mut child = broken.command(TRAIN).stderr(Stdio::piped()).spawn().unwrap();
-    // It ends by itself: 600 steps, then this fails.
+    // Training ends by itself: 600 steps, then this fails.
     while !broken.path("net.safetensors.checkpoint").exists() {
         assert!(child.try_wait().unwrap().is_none());
         std::thread::sleep(std::time::Duration::from_millis(2));

@@ -317,14 +317,14 @@ fn the_whole_core_of_a_folder_is_run_as_it_was_edited() {
 }
 
 /// What is stable on paper is so in the circuit: windows of the suite's hard cases, every word and cycle.
-fn hard_cases_through_the_circuit(words: &str, patches: usize, least: u64) {
+fn hard_cases_through_the_circuit(words: &str, patches: usize, min: u64) {
     let place = Place::new();
     let line =
         format!("cosim --design tiny --cases {words} --patches {patches} --stalls 0.1 --json cosim.json");
     let run = place.edof(&line).done();
     assert!(run.out.contains("no difference"), "{}", run.out);
     let json: Value = serde_json::from_slice(&std::fs::read(place.path("cosim.json")).unwrap()).unwrap();
-    assert!(json["patches"].as_u64().unwrap() >= least && json["differences"] == 0, "{json}");
+    assert!(json["patches"].as_u64().unwrap() >= min && json["differences"] == 0, "{json}");
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn a_scene_is_drawn_with_its_depths() {
 #[test]
 fn a_capture_of_a_drawn_scene_tells_what_its_approximations_cost() {
     let place = Place::new();
-    let line = "--size 64x64 --noise 0.01 --seed 3 --depth 10 --phase bggr --energy 0.99 --out raw.pgm --sharp sharp.png --json";
+    let line = "--size 64x64 --noise 0.01 --seed 3 --bit-depth 10 --phase bggr --energy 0.99 --out raw.pgm --sharp sharp.png --json";
     let capture = |scene: &str| json(&place.edof(&format!("capture {scene} {line}")).done().out);
     assert_eq!(capture("leaves-4 --no-measure")["depths"].as_array().unwrap().len(), 4);
     assert_eq!(
@@ -156,7 +156,7 @@ fn a_lens_with_coma_is_seen_trained_for_and_reconstructed() {
         .edof("capture photos/a.png --camera mine.json --psi 4 --no-measure --sharp sharp.png --out raw.png")
         .done();
     place.edof("reconstruct raw.png --weights net.safetensors --float --out out.png").done();
-    // Blur and network alike move nothing: the picture lies where the scene does, although the kernels lean.
+    // Neither blur nor network moves the picture: the picture lies where the scene does, although the kernels lean.
     let [sharp, out] = ["sharp.png", "out.png"].map(|name| photo::load(&place.path(name)).unwrap());
     let error = |down: usize| {
         let (a, b) = (
@@ -198,7 +198,7 @@ fn a_mask_may_be_a_picture_of_its_heights() {
     place.edof(&format!("{line} raw.png")).done();
     place.edof("capture photo.png --camera clear --psi 2 --no-measure --out clear.png").done();
     let [light, without] = ["raw.png", "clear.png"].map(|name| photo::load_grey(&place.path(name)).unwrap());
-    let moved = (light - without).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+    let moved = (light - without).iter().fold(0.0f32, |max, d| max.max(d.abs()));
     assert!(moved > 0.01, "{moved}");
     // Frames and networks know which mask it was.
     place.edof("reconstruct raw.png --weights edof-t4w12 --out no.png").refused(&["was taken by clear"]);
@@ -285,7 +285,10 @@ fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
         ("capture photo.png --psi 1 --psf-bank photo.png --out r.png", ["photo.png", "not a whole NPZ"]),
         ("optics --psf-bank none.npz", ["none.npz", "cannot read"]),
         ("capture photo.png --psi 900 --out r.png", ["psi 900", "within 200"]),
-        ("capture photo.png --psi 1 --depth 7 --out r.png", ["--depth 7: must be 8 to 16", "8 to 16"]),
+        (
+            "capture photo.png --psi 1 --bit-depth 7 --out r.png",
+            ["--bit-depth 7: must be 8 to 16", "8 to 16"],
+        ),
         ("capture photo.png --psi 1 --energy 0 --out r.png", ["--energy 0", "at most 1"]),
         ("capture photo.png --psi 1 --camera none --out r.png", ["camera 'none'", "ring-outer"]),
         ("capture none.png --psi 1 --out r.png", ["none.png", "cannot read"]),

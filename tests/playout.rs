@@ -23,7 +23,7 @@ const RECONSTRUCT: &str = "reconstruct --weights net.safetensors --bits 16";
 #[test]
 fn video_carries_the_upper_fourteen_bits_chroma_first() {
     for (depth, lost) in [(12, 0), (14, 0), (16, 3)] {
-        let place = captured(&format!("--depth {depth} --phase gbrg"));
+        let place = captured(&format!("--bit-depth {depth} --phase gbrg"));
         let video = bytes(&place, "frame.2vuy");
         let words = raw::load(&place.path("raw.png"), &RawOptions::default()).unwrap().pixels().clone();
         assert_eq!(video.len(), 2 * 80 * 64);
@@ -32,7 +32,7 @@ fn video_carries_the_upper_fourteen_bits_chroma_first() {
             assert_eq!(luma * 512 + chroma * 4, word & !lost);
         }
         assert!(depth < 16 || words.iter().any(|word| word & 3 != 0));
-        // The record says all that the file does not; without it the size is to be told.
+        // The record says all that the file does not; without it the size must be given.
         place.edof(&format!("{RECONSTRUCT} --video frame.2vuy --out video.png")).done();
         place.edof(&format!("{RECONSTRUCT} frame.2vuy --out recorded.png")).done();
         place.write("alone.2vuy", &video);
@@ -48,7 +48,7 @@ fn video_carries_the_upper_fourteen_bits_chroma_first() {
 
 #[test]
 fn the_board_makes_the_same_of_a_frame_and_of_its_video() {
-    let place = captured("--depth 16 --noise 0.01");
+    let place = captured("--bit-depth 16 --noise 0.01");
     let board = "reconstruct --weights net.safetensors --board";
     place.edof(&format!("{board} raw.png --words of-raw --out raw-out.png")).done();
     place.edof(&format!("{board} --video frame.2vuy --words of-video --out video.png")).done();
@@ -58,7 +58,7 @@ fn the_board_makes_the_same_of_a_frame_and_of_its_video() {
 
 #[test]
 fn a_black_level_is_taken_off_before_the_cable() {
-    let place = captured("--depth 10 --black-level 64");
+    let place = captured("--bit-depth 10 --black-level 64");
     let record: Value = serde_json::from_slice(&bytes(&place, "frame.2vuy.json")).unwrap();
     assert_eq!(
         (&record["depth"], &record["black_level"], &record["video"]),
@@ -92,7 +92,7 @@ fn video_that_is_no_raw_frame_is_refused_with_the_place_that_says_so() {
     refused("--video raw.png", &["raw.png"]);
     // A frame of another depth than is stated.
     place.write("deep.2vuy", vec![65; 2 * 80 * 64]);
-    refused("--video deep.2vuy --size 80x64 --depth 8", &["deep.2vuy", "row 0, column 0", "8-bit"]);
+    refused("--video deep.2vuy --size 80x64 --bit-depth 8", &["deep.2vuy", "row 0, column 0", "8-bit"]);
     assert!(!place.path("out.png").exists());
 }
 

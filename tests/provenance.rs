@@ -117,7 +117,7 @@ fn a_captured_frame_is_read_as_it_was_taken() {
     let blue_first = picture(&place);
     assert_eq!(blue_first.size(), red_first.size());
     place.edof(&format!("{reconstruct} --phase rggb")).refused(&["--phase rggb", "raw.png.json says bggr"]);
-    place.edof(&format!("{reconstruct} --depth 10")).refused(&["--depth 10", "raw.png.json says 12"]);
+    place.edof(&format!("{reconstruct} --bit-depth 10")).refused(&["--bit-depth 10", "raw.png.json says 12"]);
     std::fs::remove_file(place.path("raw.png.json")).unwrap();
     place.edof(&format!("{reconstruct} --phase rggb")).done();
 }

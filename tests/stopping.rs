@@ -57,7 +57,7 @@ fn every_command_stops_when_asked() {
         assert_eq!(output.status.code(), Some(130), "{job}: {said}");
         assert!(said.ends_with("edof: interrupted\n"), "{job}: {said}");
         let left: Vec<String> = place.files().into_iter().filter(|name| !before.contains(name)).collect();
-        // A checkpoint is what training promises to leave.
+        // Training must leave a checkpoint.
         assert!(left.iter().all(|name| name == "x.safetensors.checkpoint"), "{job}: {left:?}");
     }
 }

@@ -146,7 +146,7 @@ fn the_main_experiment_keeps_rows_resumes_and_is_shared_out() {
     place.edof(&format!("{line},0.01 --rows old --any-revision --markdown old.md")).done();
     let page = std::fs::read_to_string(place.path("old.md")).unwrap();
     assert!(page.contains("(rows of 2 programs: revision `0123abcd`, ") && page.contains(revision), "{page}");
-    // What a machine left that stopped is dropped, and told.
+    // The rest of a machine that stopped is dropped, and reported.
     std::fs::write(place.path("torn"), &whole[..whole.len() - 20]).unwrap();
     let run = place.edof(&format!("{line} --rows torn")).done();
     assert!(run.err.contains("torn: dropped the last "), "{}", run.err);

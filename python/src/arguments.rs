@@ -91,22 +91,22 @@ pub fn word<T: FromStr<Err: std::fmt::Display>>(value: &str) -> PyResult<T> {
 }
 
 /// A whole number within a range.
-pub fn whole(value: &Bound<'_, PyAny>, name: &str, least: u64, most: u64) -> PyResult<u64> {
+pub fn whole(value: &Bound<'_, PyAny>, name: &str, min: u64, max: u64) -> PyResult<u64> {
     let is_bool = value.is_instance_of::<pyo3::types::PyBool>();
     // Anything with __index__, as NumPy's integers have; too large ones too.
     let index = value.call_method0("__index__").ok().filter(|_| !is_bool);
     let Some(index) = index else {
-        return Err(wrong_type(name, value, &format!("a whole number from {least} to {most}")));
+        return Err(wrong_type(name, value, &format!("a whole number from {min} to {max}")));
     };
     match index.extract::<u64>() {
-        Ok(number) if (least..=most).contains(&number) => Ok(number),
-        _ => Err(failed(format!("{name} {index}: must be {least} to {most}"))),
+        Ok(number) if (min..=max).contains(&number) => Ok(number),
+        _ => Err(failed(format!("{name} {index}: must be {min} to {max}"))),
     }
 }
 
 /// As [`whole`], for sizes.
-pub fn size(value: &Bound<'_, PyAny>, name: &str, least: usize, most: usize) -> PyResult<usize> {
-    Ok(whole(value, name, least as u64, most as u64)? as usize)
+pub fn size(value: &Bound<'_, PyAny>, name: &str, min: usize, max: usize) -> PyResult<usize> {
+    Ok(whole(value, name, min as u64, max as u64)? as usize)
 }
 
 /// A finite number.

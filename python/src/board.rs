@@ -62,8 +62,8 @@ impl Line for Wire {
         self.line_mut().send(bytes)
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> std::io::Result<Vec<u8>> {
-        self.line_mut().receive(most, patience)
+    fn receive(&mut self, max: usize, patience: Duration) -> std::io::Result<Vec<u8>> {
+        self.line_mut().receive(max, patience)
     }
 }
 
@@ -122,9 +122,9 @@ pub fn uartbone_write<'py>(
     words: Vec<u32>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let address = crate::arguments::whole(address, "address", 0, u32::MAX.into())? as u32;
-    let (count, most) = (words.len(), protocol::MOST_WORDS);
-    if count == 0 || count > most {
-        return Err(failed(format!("words: {count} of them, must be 1 to {most}")));
+    let (count, max) = (words.len(), protocol::MAX_WORDS);
+    if count == 0 || count > max {
+        return Err(failed(format!("words: {count} of them, must be 1 to {max}")));
     }
     Ok(PyBytes::new(py, &protocol::write(address, &words)))
 }
@@ -137,7 +137,7 @@ pub fn uartbone_read<'py>(
     words: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let address = crate::arguments::whole(address, "address", 0, u32::MAX.into())? as u32;
-    Ok(PyBytes::new(py, &protocol::read(address, size(words, "words", 1, protocol::MOST_WORDS)?)))
+    Ok(PyBytes::new(py, &protocol::read(address, size(words, "words", 1, protocol::MAX_WORDS)?)))
 }
 
 /// The words of an answer.

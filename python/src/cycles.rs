@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// Most cycles of a pattern.
-const MOST_CYCLES: u64 = 1 << 32;
+const MAX_CYCLES: u64 = 1 << 32;
 
 /// Stalls of both ends: in `stalled` of 256 cycles, random from a seed.
 fn stalls(seed: Option<&Bound<'_, PyAny>>, stalled: Option<&Bound<'_, PyAny>>) -> PyResult<Stalls> {
@@ -33,7 +33,7 @@ pub fn stall_pattern<'py>(
     seed: Option<&Bound<'py, PyAny>>,
     stalled: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(Bound<'py, PyArray1<bool>>, Bound<'py, PyArray1<bool>>)> {
-    let (cycles, stalls) = (whole(cycles, "cycles", 0, MOST_CYCLES)?, self::stalls(seed, stalled)?);
+    let (cycles, stalls) = (whole(cycles, "cycles", 0, MAX_CYCLES)?, self::stalls(seed, stalled)?);
     let [source, sink] = [stalls.source, stalls.sink]
         .map(|end| py.detach(|| (0..cycles).map(|cycle| end.go(cycle)).collect::<Array1<bool>>()));
     Ok((source.into_pyarray(py), sink.into_pyarray(py)))

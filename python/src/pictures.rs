@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 
 /// Largest border that is cropped.
-const MOST_BORDER: usize = 1 << 16;
+const MAX_BORDER: usize = 1 << 16;
 
 /// Reads a photograph.
 #[pyfunction]
@@ -44,7 +44,7 @@ pub fn quality<'py>(
     estimate: &Bound<'py, PyAny>,
     border: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let border = border.map_or(Ok(BORDER), |value| size(value, "border", 0, MOST_BORDER))?;
+    let border = border.map_or(Ok(BORDER), |value| size(value, "border", 0, MAX_BORDER))?;
     let (truth, estimate) = (picture(truth, "truth")?, picture(estimate, "estimate")?);
     let quality = job::run(py, move |_| Quality::of(&truth, &estimate, border))?.or_raise()?;
     let out = json::plain(py, &quality)?;
@@ -65,7 +65,7 @@ pub fn psnr<'py>(
     estimate: &Bound<'py, PyAny>,
     border: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<f64> {
-    let border = border.map_or(Ok(BORDER), |value| size(value, "border", 0, MOST_BORDER))?;
+    let border = border.map_or(Ok(BORDER), |value| size(value, "border", 0, MAX_BORDER))?;
     let (truth, estimate) = (picture(truth, "truth")?, picture(estimate, "estimate")?);
     let (sizes, (height, width)) = ((truth.size(), estimate.size()), truth.size());
     if sizes.0 != sizes.1 {

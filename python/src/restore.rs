@@ -16,7 +16,7 @@ use numpy::{IntoPyArray, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
 /// Most steps, atoms or rounds that are asked for.
-const MOST: usize = 1 << 20;
+const MAX: usize = 1 << 20;
 
 /// A raw frame as a plain camera would show it.
 #[pyfunction]
@@ -87,7 +87,7 @@ pub fn richardson_lucy<'py>(
     steps: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (plane, kernel) = (self::plane(plane)?, self::kernel(kernel)?);
-    let steps = steps.map_or(Ok(30), |value| size(value, "steps", 0, MOST))?;
+    let steps = steps.map_or(Ok(30), |value| size(value, "steps", 0, MAX))?;
     let sharp = job::run(py, move |_| known::richardson_lucy(plane.view(), kernel.view(), steps))?;
     Ok(sharp.into_pyarray(py))
 }
@@ -158,7 +158,7 @@ pub fn omp<'py>(
     residual: f64,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (signals, dictionary) = pair(signals, dictionary)?;
-    let atoms = size(atoms, "atoms", 0, MOST)?;
+    let atoms = size(atoms, "atoms", 0, MAX)?;
     let residual = number(residual, "residual")? as f32;
     if residual < 0.0 {
         return Err(failed(format!("residual {residual}: must be 0 or more")));
@@ -195,7 +195,7 @@ pub fn lasso<'py>(
         return Err(failed(format!("penalty: holds {value}, expected finite numbers of 0 or more")));
     }
     let tolerance = number(tolerance, "tolerance")? as f32;
-    let effort = Effort { steps: steps.map_or(Ok(200), |value| size(value, "steps", 0, MOST))?, tolerance };
+    let effort = Effort { steps: steps.map_or(Ok(200), |value| size(value, "steps", 0, MAX))?, tolerance };
     let descend = match method {
         "fista" => Lasso::fista,
         "ista" => Lasso::ista,
@@ -219,7 +219,7 @@ pub fn learned<'py>(
     rounds: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (signals, start) = pair(signals, start)?;
-    let (atoms, rounds) = (size(atoms, "atoms", 1, MOST)?, size(rounds, "rounds", 0, MOST)?);
+    let (atoms, rounds) = (size(atoms, "atoms", 1, MAX)?, size(rounds, "rounds", 0, MAX)?);
     let settings = ksvd::Settings { atoms, rounds, free: 0 };
     let fitted = job::run(py, move |_| ksvd::ksvd(signals.view(), start, settings))?;
     Ok(fitted.dictionary.into_pyarray(py))

@@ -7,7 +7,7 @@ use crate::{job, json, optics};
 use edof_image::{CfaPhase, ColourFrame};
 use edof_optics::capture::{self, Approximation};
 use edof_optics::draw::{four_depths, parse_name};
-use edof_optics::layers::{MOST_LAYERS, from_depths};
+use edof_optics::layers::{MAX_LAYERS, from_depths};
 use edof_optics::scene::{Layer, Scene};
 use edof_optics::sensor::Sensor;
 use ndarray::{Array2, Axis, Ix2, Zip};
@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use std::sync::Arc;
 
 /// Largest side of a synthetic scene in pixels.
-const MOST_SIDE: usize = 1 << 16;
+const MAX_SIDE: usize = 1 << 16;
 
 /// Layers of light at depths. See `edof.Scene` in the type stubs.
 #[pyclass(frozen, name = "Scene", module = "edof")]
@@ -44,7 +44,7 @@ impl PyScene {
         psi: &Bound<'_, PyAny>,
         layers: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let layers = layers.map_or(Ok(16), |value| size(value, "layers", 1, MOST_LAYERS))?;
+        let layers = layers.map_or(Ok(16), |value| size(value, "layers", 1, MAX_LAYERS))?;
         let light = picture(light, "light")?;
         let psi = owned(finite::<Ix2>(psi, "psi", PLANE)?.as_array());
         let scene = job::run(py, move |_| from_depths("array", &light, &psi, layers))?.or_raise()?;
@@ -86,7 +86,7 @@ impl PyScene {
     ) -> PyResult<Self> {
         let (builtin, depths) = parse_name(kind).or_raise()?;
         let [rows, columns] =
-            [(rows, "rows"), (columns, "columns")].map(|(v, name)| size(v, name, 1, MOST_SIDE));
+            [(rows, "rows"), (columns, "columns")].map(|(v, name)| size(v, name, 1, MAX_SIDE));
         let (rows, columns) = (rows?, columns?);
         let seed = seed.map_or(Ok(0), |value| whole(value, "seed", 0, u64::MAX))?;
         let psi = match (psi, camera) {

@@ -53,7 +53,7 @@ def test_psf_and_otf_are_those_of_the_program(run: Run, tmp_path: Path, camera: 
 def test_capture_gives_the_frame_of_the_program(run: Run, tmp_path: Path, picture: Picture, phase: str) -> None:
     edof.save_picture(tmp_path / "photo.png", picture, curve="linear")
     noise = "sensor:gain=4"
-    run("capture", "photo.png", "--psi", 5, "--phase", phase, "--depth", 12, "--noise", noise, "--seed", 7,
+    run("capture", "photo.png", "--psi", 5, "--phase", phase, "--bit-depth", 12, "--noise", noise, "--seed", 7,
         "--black-level", 64, "--out", "raw.pgm", "-q")  # fmt: skip
     light = edof.decode(edof.load_picture(tmp_path / "photo.png"))
     shot = edof.capture(light, "ring-outer", 5.0, phase=phase, noise=noise, seed=7, black_level=64)
@@ -114,7 +114,7 @@ def test_words_of_a_photograph_are_those_of_the_program(run: Run, tmp_path: Path
 def test_board_codes_are_those_of_the_program(run: Run, tmp_path: Path, light: Picture, phase: str, display: str) -> None:
     raw = edof.capture(light, "ring-outer", 4.0, phase=phase, seed=1).raw
     raw_file(tmp_path / "raw.pgm", raw, 12)
-    run("reconstruct", "raw.pgm", "--depth", 12, "--phase", phase, "--board", "--display", display, "--out", "board.png", "-q")
+    run("reconstruct", "raw.pgm", "--bit-depth", 12, "--phase", phase, "--board", "--display", display, "--out", "board.png", "-q")
     made = edof.board_picture(raw, "edof-t4w12-outer-light", depth=12, phase=phase, display=display)
     assert made.yuyv().tobytes() == (tmp_path / "board.yuyv").read_bytes()
     edof.save_picture(tmp_path / "own.png", made.shown(), curve="linear")
@@ -139,7 +139,7 @@ def test_float_pictures_are_those_of_the_program(run: Run, tmp_path: Path, light
 def test_fixed_pictures_and_levels_are_those_of_the_program(run: Run, tmp_path: Path, light: Picture, phase: str) -> None:
     raw = edof.capture(light, "ring-outer", 6.0, phase=phase, black_level=64).raw
     raw_file(tmp_path / "raw.pgm", raw, 12)
-    run("reconstruct", "raw.pgm", "--depth", 12, "--phase", phase, "--black-level", 64, "--white-level", 4000, "--bits", 16,
+    run("reconstruct", "raw.pgm", "--bit-depth", 12, "--phase", phase, "--black-level", 64, "--white-level", 4000, "--bits", 16,
         "--out", "sharp.tif", "-q")  # fmt: skip
     sharp = edof.reconstruct(raw, "edof-t4w12-outer-light", depth=12, phase=phase, black_level=64, white_level=4000.0)
     edof.save_picture(tmp_path / "own.tif", sharp, bits=16)

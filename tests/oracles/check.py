@@ -58,14 +58,14 @@ def write_raw(path, values, depth):
     height, width = values.shape
     if path.suffix == ".png":
         Image.fromarray((values << (16 - depth)).astype(np.uint16)).save(path)
-        return ["--depth", str(depth)]
+        return ["--bit-depth", str(depth)]
     if path.suffix == ".pgm":
         header = f"P5\n{width} {height}\n{(1 << depth) - 1}\n".encode()
         samples = values.astype(">u2") if depth > 8 else values.astype(np.uint8)
         path.write_bytes(header + samples.tobytes())
-        return ["--depth", str(depth)] if depth == 8 else []
+        return ["--bit-depth", str(depth)] if depth == 8 else []
     path.write_bytes(values.astype("<u2").tobytes())
-    return ["--depth", str(depth), "--size", f"{width}x{height}"]
+    return ["--bit-depth", str(depth), "--size", f"{width}x{height}"]
 
 
 class Differs(Exception):
@@ -165,7 +165,7 @@ class Checker:
         names = ["raw.png", "frame.2vuy", "alone.2vuy"]
         raw, video, alone = (self.folder / f"{depth}-{name}" for name in names)
         size = ["--size", "80x66", "--phase", phase]
-        self.run("capture", "leaves", *size, "--depth", depth, "--no-measure", "--out", raw, "--video", video)
+        self.run("capture", "leaves", *size, "--bit-depth", depth, "--no-measure", "--out", raw, "--video", video)
         with Image.open(raw) as image:
             words = np.asarray(image).astype(np.int64)
         label = f"cable, {depth} bits, {phase}"

@@ -271,7 +271,7 @@ def network(folder):
             theirs[r : r + 8, c : c + 8] = np.moveaxis(patch.reshape(3, 8, 8), 0, -1)
         out = folder / "out.ppm"
         edof(
-            "reconstruct", folder / "frame.raw", "--size", f"{width}x{height}", "--phase", "rggb", "--depth", 16,
+            "reconstruct", folder / "frame.raw", "--size", f"{width}x{height}", "--phase", "rggb", "--bit-depth", 16,
             "--weights", file, "--float", "--stride", 8, "--tone", "linear", "--bits", 16, "--out", out, "--quiet",
         )  # fmt: skip
         words = out.read_bytes()[-6 * height * width :]

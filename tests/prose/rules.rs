@@ -95,6 +95,10 @@ pub const PHRASES: &[(&str, &str)] = &[
 /// Words that no sentence begins with right after a heading: their noun would be in the heading.
 pub const PRONOUNS: [&str; 4] = ["It", "Its", "They", "Their"];
 
+/// Openings of a comment whose noun would be in the code below it: a port or field states what it carries.
+pub const SUBJECTS: [&str; 8] =
+    ["It", "Its", "They", "Their", "Whether it", "Whether they", "Of these", "Of one"];
+
 /// Openings that turn a sentence round.
 pub const OPENINGS: [&str; 5] = ["Refused is", "Refused are", "Of these", "Of one", "Whoever"];
 
@@ -225,6 +229,21 @@ pub fn phrases(text: &str) -> Vec<Offence> {
             if has(&plain, phrase) {
                 found.push(Offence { line: block.line, what: format!("'{phrase}': {instead}") });
             }
+        }
+    }
+    found
+}
+
+/// Comments that begin with a pronoun.
+pub fn pronouns(comments: &str) -> Vec<Offence> {
+    let mut found = vec![];
+    for block in blocks(comments) {
+        let is_opening = |subject: &&&str| {
+            let rest = block.text.trim_start().strip_prefix(**subject);
+            rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+        };
+        if let Some(subject) = SUBJECTS.iter().find(is_opening) {
+            found.push(Offence { line: block.line, what: format!("'{subject} …': name the noun") });
         }
     }
     found

@@ -143,7 +143,7 @@ impl From<Output> for Run {
 }
 
 impl Run {
-    /// It worked.
+    /// The command succeeded.
     #[track_caller]
     pub fn done(self) -> Self {
         assert_eq!(self.code, Some(0), "{}", self.err);

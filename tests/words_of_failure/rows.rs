@@ -229,8 +229,12 @@ pub const OPTIONS: &[Row] = &[
         "--range 0:1e300",
         &["--range 0:1e300: psi 1e300: must lie within"],
     ),
-    (CAPTURE, "--psi 1 --depth 99", &["--depth 99: must be 8 to 16"]),
-    (CAPTURE, "--psi 1 --black-level 4096", &["--black-level 4096: must be less than 4096", "--depth 12"]),
+    (CAPTURE, "--psi 1 --bit-depth 99", &["--bit-depth 99: must be 8 to 16"]),
+    (
+        CAPTURE,
+        "--psi 1 --black-level 4096",
+        &["--black-level 4096: must be less than 4096", "--bit-depth 12"],
+    ),
     (CAPTURE, "--psi 1 --nominal=-1e308", &["--nominal -1e308: must be a distance of more than 0 m"]),
     (
         "capture chart --out o.png",
@@ -242,7 +246,7 @@ pub const OPTIONS: &[Row] = &[
     ("optics --out o", "--psi 1e308", &["--psi 1e308: must lie within"]),
     ("optics --out o", "--energy 1e308", &["--energy 1e308: must be more than 0 and at most 1"]),
     ("optics --out o", "--nominal=-1e308", &["--nominal -1e308: "]),
-    (RECONSTRUCT, "--depth 7", &["--depth 7: raw.png: bit depth 7: must be 8 to 16"]),
+    (RECONSTRUCT, "--bit-depth 7", &["--bit-depth 7: raw.png: bit depth 7: must be 8 to 16"]),
     (RECONSTRUCT, "--stride 3", &["--stride 3: must be 2, 4 or 8"]),
     (RECONSTRUCT, "--white-level 1e308", &["raw.png: --white-level 1e308: must be more than 0 and at most"]),
     (

@@ -20,7 +20,7 @@ pub struct Trial {
     pub tap: u8,
     /// Whole sync codes that came.
     pub codes: u32,
-    /// Words that spoilt one.
+    /// Words that corrupted one.
     pub malformed: u32,
 }
 
@@ -37,7 +37,7 @@ impl Trial {
 pub struct Window {
     /// The clock is inverted.
     pub is_inverted: bool,
-    /// Its first tap.
+    /// First tap of the run.
     pub first: u8,
     /// How many.
     pub taps: u8,
@@ -176,7 +176,7 @@ impl<L: Line> Board<L> {
         let best = trials.iter().filter(|trial| trial.codes + trial.malformed > 0);
         match best.min_by_key(|trial| trial.malformed) {
             Some(Trial { codes, malformed, .. }) => {
-                Error::NoWindow { port, least: *malformed, of: codes + malformed }
+                Error::NoWindow { port, min: *malformed, of: codes + malformed }
             }
             None => Error::NoCodes { port },
         }

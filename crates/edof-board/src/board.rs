@@ -51,7 +51,7 @@ pub struct Answer {
 /// Times that what answers with another id is asked again.
 const STALE: usize = 2;
 /// Looks at a stage that reads before it is given up.
-const MOST_LOOKS: usize = 2_000;
+const MAX_LOOKS: usize = 2_000;
 /// After N failures the line is left idle.
 const LOOKS: usize = 50;
 
@@ -131,7 +131,7 @@ impl<L: Line> Board<L> {
     /// The value of what stands under a name.
     ///
     /// # Errors
-    /// It can only be written, or the line fails.
+    /// The register can only be written, or the line fails.
     pub fn get(&mut self, place: Place) -> Result<u32, Error> {
         place.check_read()?;
         Ok(place.of_word(self.link.glance(place.address(), 1)?[0]))
@@ -140,7 +140,7 @@ impl<L: Line> Board<L> {
     /// Gives what stands under a name a value, and makes sure that it has it where it can be read.
     ///
     /// # Errors
-    /// It can only be read, the value does not fit, or the line fails.
+    /// The register can only be read, the value does not fit, or the line fails.
     pub fn set(&mut self, place: Place, value: u32) -> Result<(), Error> {
         let reads_back = place.reads_back();
         let before = if reads_back { self.link.read(place.address(), 1)?[0] } else { 0 };
@@ -355,7 +355,7 @@ impl<L: Line> Board<L> {
 
     /// What the stages show once none of them reads any more.
     fn shown(&mut self, stages: usize) -> Result<Vec<u32>, Error> {
-        for look in 1..=MOST_LOOKS {
+        for look in 1..=MAX_LOOKS {
             let words = self.link.glance(STAGE_READS.address, 4 * stages)?;
             let mut busy = (0..stages).map(|stage| words[4 * stage + ReadBack::Busy as usize]);
             if busy.all(|busy| busy == 0) {
@@ -367,7 +367,7 @@ impl<L: Line> Board<L> {
             }
         }
         let what = "what the stages read back".to_owned();
-        Err(Error::Noisy { port: self.port(), what, tried: MOST_LOOKS as u32 })
+        Err(Error::Noisy { port: self.port(), what, tried: MAX_LOOKS as u32 })
     }
 }
 

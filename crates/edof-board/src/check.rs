@@ -86,7 +86,7 @@ const SETTLE: u32 = 12;
 /// Looks after one that differs. The boundaries of one look may show different frames, of which only those of one buffer may be wrong.
 const LOOKS_UPSTREAM: u32 = 12;
 /// Looks that find no new frame at a boundary before it is given up.
-const MOST_LOOKS: usize = 3_000;
+const MAX_LOOKS: usize = 3_000;
 
 /// The golden CRCs in the order of the boundaries.
 fn expected(golden: &FrameChecks) -> Vec<(Boundary, u32)> {
@@ -127,7 +127,7 @@ impl<L: Line> Board<L> {
 
     /// The CRCs of frames that every boundary saw after those of `last`. Where frames are small several are in flight, so that numbers differ.
     fn next_frames(&mut self, stages: usize, last: Option<&Shown>) -> Result<Shown, Error> {
-        for _ in 0..MOST_LOOKS {
+        for _ in 0..MAX_LOOKS {
             let shown = self.checks_shown(stages)?;
             let is_new = match last {
                 Some(last) => shown.frames.iter().zip(&last.frames).all(|(now, then)| now != then),

@@ -20,14 +20,14 @@ pub enum Bus {
 pub struct ChipRegister {
     /// The chip's bus.
     pub bus: Bus,
-    /// Its 7-bit address.
+    /// 7-bit address of the chip.
     pub device: u8,
     /// The register.
     pub register: u8,
 }
 
 /// Looks at an answer before it is given up: a set-up that waits serves the host every millisecond.
-const MOST_LOOKS: usize = 2_000;
+const MAX_LOOKS: usize = 2_000;
 const READ: u32 = 1 << 23;
 const CARD: u32 = 1 << 25;
 
@@ -54,7 +54,7 @@ impl<L: Line> Board<L> {
         let bus = if place.bus == Bus::Card { CARD } else { 0 };
         let chip = u32::from(place.device) << 16 | u32::from(place.register) << 8;
         self.link.set(CHIP_ACCESS, what | chip | bus | sequence << 28)?;
-        for _ in 0..MOST_LOOKS {
+        for _ in 0..MAX_LOOKS {
             let answer = self.link.read(CHIP_ANSWER, 1)?[0];
             if answer >> 28 == sequence {
                 let refused = |cause| Error::Chip { port: self.port(), device: place.device, cause };

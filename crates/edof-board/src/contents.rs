@@ -37,13 +37,13 @@ pub const fn other(set: Set) -> Set {
 pub struct Part {
     /// Stage, 0 first.
     pub stage: usize,
-    /// Its name: `I`, `M1`, …, `F`.
+    /// Name of the stage: `I`, `M1`, …, `F`.
     stage_name: String,
     /// The first row.
     from: Space,
     /// The rows as they are read; 0 where a number stands for no row.
     pub rows: Vec<u64>,
-    /// Their CRC.
+    /// CRC of the rows.
     pub crc: u32,
 }
 
@@ -123,7 +123,7 @@ impl Part {
         read_command(self.row(index), 1)
     }
 
-    /// Whether it is the shifts of a stage.
+    /// Whether the part is the shifts of a stage.
     #[must_use]
     pub const fn is_shifts(&self) -> bool {
         matches!(self.from, Space::Register { .. })
@@ -182,13 +182,13 @@ impl std::fmt::Display for Part {
     }
 }
 
-/// Words at addresses one after the other, as frames of at most `most` words: address and words of each.
+/// Words at addresses one after the other, as frames of at most `max` words: address and words of each.
 #[must_use]
-pub fn frames(words: &[(u32, u32)], most: usize) -> Vec<(u32, Vec<u32>)> {
+pub fn frames(words: &[(u32, u32)], max: usize) -> Vec<(u32, Vec<u32>)> {
     let mut frames: Vec<(u32, Vec<u32>)> = vec![];
     for (address, word) in words {
         match frames.last_mut() {
-            Some((first, some)) if some.len() < most && *first + 4 * some.len() as u32 == *address => {
+            Some((first, some)) if some.len() < max && *first + 4 * some.len() as u32 == *address => {
                 some.push(*word);
             }
             _ => frames.push((*address, vec![*word])),

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::line::{Line, line_time};
 use crate::link::PATIENCE;
 use crate::load::Job;
-use crate::protocol::{self, MOST_WORDS};
+use crate::protocol::{self, MAX_WORDS};
 use crate::simulated::Simulated;
 use edof_device::design::memory::Set;
 use edof_device::design::timing::READ_PERIOD;
@@ -63,13 +63,12 @@ impl Line for Counted {
         self.board.send(bytes)
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> std::io::Result<Vec<u8>> {
-        self.board.receive(most, patience)
+    fn receive(&mut self, max: usize, patience: Duration) -> std::io::Result<Vec<u8>> {
+        self.board.receive(max, patience)
     }
 }
 
-/// What a load would do at that speed, to a bank with the present CRC `held` of each part; of nothing else than the design
-/// where that is none.
+/// What a load would do at that speed, to a bank with the present CRC `held` of each part; of the design alone without that CRC.
 ///
 /// # Errors
 /// A network that does not fit.
@@ -110,7 +109,7 @@ fn stand_in(
     let raw = RawFrame::from_values(grey, 16, CfaPhase::Rggb)
         .map_err(|error| Error::Simulation(Box::new(error)))?;
     let mut board = Simulated::new(job.design, [job.network; 2], &Display::default(), raw, baud)?;
-    // Its pictures stand still, since nobody looks at them, and the other bank is in use.
+    // The pictures stand still, since nobody looks at them, and the other bank is in use.
     protocol::write(CONTROL, &[control_bit(other(bank))]).into_iter().for_each(|byte| board.byte(byte));
     let bases: Vec<Part> =
         job.known.iter().flat_map(|network: &FixedNetwork| parts(job.design, network, bank)).collect();
@@ -121,7 +120,7 @@ fn stand_in(
             Some(base) => base.words(),
             None => part.words().into_iter().take(1).map(|(address, word)| (address, !word)).collect(),
         };
-        for (address, some) in frames(&words, MOST_WORDS) {
+        for (address, some) in frames(&words, MAX_WORDS) {
             protocol::write(address, &some).into_iter().for_each(|byte| board.byte(byte));
         }
     }
@@ -134,7 +133,7 @@ fn stand_in(
 pub fn tables(display: &Display, clock_mhz: f64, baud: u32) -> (u64, f64) {
     let parts = table_parts(display);
     let words: Vec<(u32, u32)> = parts.iter().flat_map(Part::words).collect();
-    let frames = frames(&words, MOST_WORDS).len();
+    let frames = frames(&words, MAX_WORDS).len();
     let bytes = 4 * words.len() + frames * (2 * protocol::HEADER + 8);
     let rows: usize = parts.iter().map(|part| part.rows.len()).sum();
     let reading = 2.0 * (rows as u64 * READ_PERIOD) as f64 / (1e6 * clock_mhz);

@@ -71,8 +71,8 @@ pub enum Error {
     #[error("register '{register}.{field}': {register} has {}", if fields.is_empty() { "no fields".into() } else { format!("the fields {fields}") })]
     NoField { register: String, field: String, fields: String },
     /// A word outside of a window.
-    #[error("register '{window}[{index}]': must be a word from 0 to {most}")]
-    NoWord { window: String, index: String, most: u32 },
+    #[error("register '{window}[{index}]': must be a word from 0 to {max}")]
+    NoWord { window: String, index: String, max: u32 },
     /// What can only be read, or only written.
     #[error("register '{name}': can only be {only}")]
     OneWay { name: String, only: &'static str },
@@ -122,8 +122,8 @@ pub enum Error {
     #[error("pseudo-terminal: {0}")]
     Terminal(String),
     /// A line that the circuit's clock cannot make.
-    #[error("{baud} bits per second: must be {least} to {most}, of the clock of the circuit")]
-    Speed { baud: u32, least: u32, most: u32 },
+    #[error("{baud} bits per second: must be {min} to {max}, of the clock of the circuit")]
+    Speed { baud: u32, min: u32, max: u32 },
     /// A simulation that stopped.
     #[error("the simulated board stopped: {0}")]
     Simulation(#[source] Box<dyn std::error::Error + Send + Sync>),
@@ -146,10 +146,10 @@ pub enum Error {
     NoCodes { port: String },
     /// No setting works.
     #[error(
-        "{port}: no setting of the receiver's clock gives undamaged sync codes, the best of 64 damaged {least} of {of} words; the \
+        "{port}: no setting of the receiver's clock gives undamaged sync codes, the best of 64 damaged {min} of {of} words; the \
          settings are as before: look at the input's timing"
     )]
-    NoWindow { port: String, least: u32, of: u32 },
+    NoWindow { port: String, min: u32, of: u32 },
     /// No frame passes the calculator.
     #[error("{port}: no whole frame passes the calculator; 'edof board status' says what comes and goes")]
     NoFrame { port: String },

@@ -10,7 +10,7 @@ use std::time::Duration;
 pub enum Kind {
     /// The byte is lost.
     Drop,
-    /// It comes twice.
+    /// The byte arrives twice.
     Double,
     /// These bits of it are changed.
     Flip(u8),
@@ -51,11 +51,11 @@ impl Fault {
             _ => Kind::Silence,
         };
         let to_board = draw.whole(0, 3) > 0;
-        let most = bytes[usize::from(!to_board)] as i64;
+        let max = bytes[usize::from(!to_board)] as i64;
         let at = match draw.whole(0, 3) {
-            0 => draw.whole(1, most.min(BEGIN)),
-            1 => draw.whole((most - END).max(1), most),
-            _ => draw.whole(1, most),
+            0 => draw.whole(1, max.min(BEGIN)),
+            1 => draw.whole((max - END).max(1), max),
+            _ => draw.whole(1, max),
         };
         // A reset after the answer to a load's last question is one of another time.
         let last = if kind == Kind::Reset { LAST } else { 0 };
@@ -137,8 +137,8 @@ impl<B: Resettable> Line for Faulty<'_, B> {
         self.board.send(&piece)
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
-        let came = self.board.receive(most, patience)?;
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        let came = self.board.receive(max, patience)?;
         let mut passed = vec![];
         for byte in came {
             passed.extend(self.passed(byte, false)?);

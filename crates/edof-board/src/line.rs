@@ -14,7 +14,7 @@ pub trait Line {
     /// What it is called in messages.
     fn name(&self) -> &str;
 
-    /// Bits a second.
+    /// Bits per second.
     fn baud(&self) -> u32;
 
     /// Time on the line's own clock: the wall's, or a simulation's.
@@ -26,11 +26,11 @@ pub trait Line {
     /// The line is gone.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Some of the bytes that come, `most` at most; none if none comes for so long.
+    /// Some of the bytes that come, `max` at most; none if none comes for so long.
     ///
     /// # Errors
     /// The line is gone.
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>>;
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>>;
 }
 
 /// How long bytes are on a line of that speed.
@@ -56,8 +56,8 @@ impl<L: Line + ?Sized> Line for Box<L> {
         (**self).send(bytes)
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
-        (**self).receive(most, patience)
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        (**self).receive(max, patience)
     }
 }
 
@@ -78,8 +78,8 @@ impl<L: Line + ?Sized> Line for &mut L {
         (**self).send(bytes)
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
-        (**self).receive(most, patience)
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        (**self).receive(max, patience)
     }
 }
 
@@ -154,9 +154,9 @@ impl Line for Serial {
         self.port.write_all(bytes)
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
         self.port.set_timeout(patience)?;
-        let mut bytes = vec![0; most];
+        let mut bytes = vec![0; max];
         loop {
             match self.port.read(&mut bytes) {
                 Ok(count) => {

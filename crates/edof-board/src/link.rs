@@ -67,7 +67,7 @@ impl<L: Line> Link<L> {
         move |source| Error::Port { port: port.clone(), source }
     }
 
-    /// Sends frames of which the last is answered by N words; none if they do not all come.
+    /// Sends frames; the last is answered by N words. Returns nothing unless all N arrive.
     fn exchange(&mut self, frames: &[u8], words: usize) -> Result<Option<Vec<u32>>, Error> {
         let failed = self.failed();
         self.throw_away(Duration::ZERO)?;

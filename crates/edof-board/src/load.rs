@@ -8,7 +8,7 @@ use crate::board::{Board, SKIP_ROW, bank_of, control_bit};
 use crate::contents::{Part, frames, letter, other, parts, table_parts};
 use crate::error::Error;
 use crate::line::Line;
-use crate::protocol::MOST_WORDS;
+use crate::protocol::MAX_WORDS;
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::registers::identity::weights_hash;
@@ -198,7 +198,7 @@ impl<L: Line> Board<L> {
             let total = missing.iter().map(|words| words.len() as u64).sum();
             let mut done = 0;
             for words in missing.iter().filter(|words| !words.is_empty()) {
-                for (address, some) in frames(words, MOST_WORDS) {
+                for (address, some) in frames(words, MAX_WORDS) {
                     if progress(done, total).is_break() {
                         return Err(Error::Interrupted);
                     }
@@ -372,7 +372,7 @@ impl<L: Line> Board<L> {
             self.link.set_checked(CONTROL, (control & !RUN) | FLUSH)?;
             let total = missing.len() as u64;
             let mut done = 0;
-            for (address, some) in frames(&missing, MOST_WORDS) {
+            for (address, some) in frames(&missing, MAX_WORDS) {
                 if progress(done, total).is_break() {
                     return Err(Error::Interrupted);
                 }
@@ -385,7 +385,7 @@ impl<L: Line> Board<L> {
     }
 }
 
-/// Words of a part that the board does not have yet, as far as the CRC of what it has tells.
+/// Words of a part that the board does not have yet, as far as the CRC of its words shows.
 fn missing(part: &Part, found: Option<u32>, bases: &[Vec<Part>]) -> Vec<(u32, u32)> {
     if found == Some(part.crc) {
         return vec![];

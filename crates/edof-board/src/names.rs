@@ -23,9 +23,9 @@ impl FromStr for Place {
         let unknown = || Error::NoRegister { name: name.into() };
         if let Some((window, index)) = name.strip_suffix(']').and_then(|name| name.split_once('[')) {
             let window = WINDOWS.iter().find(|known| known.name == window).ok_or_else(unknown)?;
-            let most = window.bytes / 4 - 1;
-            let word = number(index).filter(|index| *index <= most);
-            let wrong = || Error::NoWord { window: window.name.into(), index: index.into(), most };
+            let max = window.bytes / 4 - 1;
+            let word = number(index).filter(|index| *index <= max);
+            let wrong = || Error::NoWord { window: window.name.into(), index: index.into(), max };
             return Ok(Self::Word(window, word.ok_or_else(wrong)?));
         }
         let (whole, part) = name.split_once('.').map_or((name, None), |(whole, part)| (whole, Some(part)));
@@ -70,7 +70,7 @@ impl Place {
     }
 
     /// # Errors
-    /// It can only be written.
+    /// The register can only be written.
     pub fn check_read(&self) -> Result<(), Error> {
         match self.access() {
             Access::WriteOnly => Err(Error::OneWay { name: self.to_string(), only: "written" }),
@@ -84,7 +84,7 @@ impl Place {
         matches!(self.access(), Access::Control)
     }
 
-    /// Its part of its word.
+    /// The field's part of its word.
     #[must_use]
     pub const fn of_word(&self, word: u32) -> u32 {
         match self {
@@ -96,7 +96,7 @@ impl Place {
     /// The word that holds the value, all else as in `word`.
     ///
     /// # Errors
-    /// It can only be read, or the value has more bits than it.
+    /// The register can only be read, or the value has more bits than the field.
     pub fn into_word(&self, value: u32, word: u32) -> Result<u32, Error> {
         if matches!(self.access(), Access::Constant | Access::Status) {
             return Err(Error::OneWay { name: self.to_string(), only: "read" });

@@ -46,7 +46,7 @@ impl<L: Line> Board<L> {
         let mut looks = 0;
         while self.named("picture_frames")?.wrapping_sub(first) < 2 {
             looks += 1;
-            if looks > MOST_LOOKS {
+            if looks > MAX_LOOKS {
                 return Err(Error::NoFrame { port: self.port() });
             }
         }
@@ -63,4 +63,4 @@ impl<L: Line> Board<L> {
 }
 
 /// Looks for a picture before it is given up.
-const MOST_LOOKS: usize = 20_000;
+const MAX_LOOKS: usize = 20_000;

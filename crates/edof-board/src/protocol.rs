@@ -16,26 +16,26 @@ pub const WRITE_FIXED: u8 = 3;
 /// Reads one address again and again.
 pub const READ_FIXED: u8 = 4;
 /// Words of a frame.
-pub const MOST_WORDS: usize = 255;
+pub const MAX_WORDS: usize = 255;
 /// Bytes before the words.
 pub const HEADER: usize = 6;
 
-/// A frame that writes words, [`MOST_WORDS`] at most, from a byte address on.
+/// A frame that writes words, [`MAX_WORDS`] at most, from a byte address on.
 #[must_use]
 pub fn write(address: u32, words: &[u32]) -> Vec<u8> {
-    let words = &words[..words.len().min(MOST_WORDS)];
+    let words = &words[..words.len().min(MAX_WORDS)];
     let data = words.iter().flat_map(|word| word.to_be_bytes());
     header(WRITE, address, words.len()).chain(data).collect()
 }
 
-/// A frame that reads N words, [`MOST_WORDS`] at most, from a byte address on.
+/// A frame that reads N words, [`MAX_WORDS`] at most, from a byte address on.
 #[must_use]
 pub fn read(address: u32, words: usize) -> Vec<u8> {
     header(READ, address, words).collect()
 }
 
 fn header(command: u8, address: u32, words: usize) -> impl Iterator<Item = u8> {
-    [command, words.min(MOST_WORDS) as u8].into_iter().chain((address / 4).to_be_bytes())
+    [command, words.min(MAX_WORDS) as u8].into_iter().chain((address / 4).to_be_bytes())
 }
 
 /// The words that whole groups of four bytes make.

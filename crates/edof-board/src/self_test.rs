@@ -22,7 +22,7 @@ pub struct Item {
     /// What was tried: `bus`, `weights`, `raw memory`, `windows`, `multipliers`, `display`, `picture memory`, `receiver`, `transmitter`,
     /// `clocks`.
     pub part: &'static str,
-    /// It does what it should.
+    /// The part works as specified.
     pub passed: bool,
     /// How it was found out, or what is wrong and where.
     pub detail: String,

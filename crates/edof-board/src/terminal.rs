@@ -30,7 +30,7 @@ pub trait Device {
     /// Bytes from the host and to it so far, and the seconds that a byte was on the line.
     fn carried(&self) -> ([u64; 2], f64);
 
-    /// Whether it needs the time between bytes: then nobody waits for them.
+    /// Whether the board needs the time between bytes; the terminal then does not wait for bytes.
     fn is_busy(&self) -> bool;
 }
 

@@ -13,15 +13,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Most rings of a mask.
-const MOST_RINGS: usize = 64;
+const MAX_RINGS: usize = 64;
 /// Smallest F-number that there is in air.
 const FASTEST: f64 = 0.5;
 /// Least and most pixels that a wavelength times the F-number may be.
 const CUT_OFF_PIXELS: [f64; 2] = [0.125, 64.0];
 /// Largest ψ either way: far beyond any blur that is computed.
-const MOST_PSI: f64 = 10_000.0;
+const MAX_PSI: f64 = 10_000.0;
 /// Most bytes of a camera file.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Everything that decides how a point at a given depth falls on the sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -205,12 +205,12 @@ pub struct Aberration {
 }
 
 /// The largest of Noll's indices that is taken, and the largest path in nanometres.
-const MOST_NOLL: u32 = 66;
-const MOST_RMS_NM: f64 = 10_000.0;
+const MAX_NOLL: u32 = 66;
+const MAX_RMS_NM: f64 = 10_000.0;
 /// The highest mask, micrometres.
-const MOST_HEIGHT_UM: f64 = 100.0;
+const MAX_HEIGHT_UM: f64 = 100.0;
 /// Most points of a profile.
-const MOST_POINTS: usize = 4096;
+const MAX_POINTS: usize = 4096;
 
 /// A camera that cannot be read, or could not be built.
 #[derive(Debug, thiserror::Error)]
@@ -268,7 +268,7 @@ impl Camera {
                 presets: PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
             });
         }
-        let text = json::text(path, MOST_BYTES)
+        let text = json::text(path, MAX_BYTES)
             .map_err(|source| CameraError::Read { path: path.to_owned(), source })?;
         let mut camera = Self::from_json(&text, name_or_path)?;
         let of_file =
@@ -339,7 +339,7 @@ impl Camera {
         names.into_iter().filter(any).filter(differs).cloned().collect()
     }
 
-    /// Its name, and the files that it has PSFs or the mask's surface from.
+    /// Name of the camera, and the files of its PSFs or mask surface.
     #[must_use]
     pub fn in_words(&self) -> String {
         let bank = self.psf_bank.as_ref().map(|bank| format!(" with the PSFs of {}", bank.file));
@@ -386,14 +386,14 @@ impl Camera {
             return refuse("nominal_m", number(metres), "a distance of more than 0 m");
         }
         let [low, high] = self.psi_range;
-        if !(low.abs() <= MOST_PSI && high.abs() <= MOST_PSI && low <= high) {
+        if !(low.abs() <= MAX_PSI && high.abs() <= MAX_PSI && low <= high) {
             return refuse(
                 "psi_range",
                 format!("[{}, {}]", number(low), number(high)),
                 "two numbers of at most 10000 either way, the smaller first",
             );
         }
-        if !self.focus_psi.is_finite() || self.focus_psi.abs() > MOST_PSI {
+        if !self.focus_psi.is_finite() || self.focus_psi.abs() > MAX_PSI {
             return refuse("focus_psi", number(self.focus_psi), "at most 10000 either way");
         }
         for spectrum in &self.spectra {
@@ -419,7 +419,7 @@ impl Camera {
         let refuse = |field, value: String, expected| {
             Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
         };
-        if self.rings.len() > MOST_RINGS {
+        if self.rings.len() > MAX_RINGS {
             return refuse("rings", format!("{} of them", self.rings.len()), "64 at most");
         }
         for ring in &self.rings {
@@ -441,7 +441,7 @@ impl Camera {
             let finite = points.iter().flatten().all(|v| v.is_finite());
             let inside = points.iter().all(|point| (0.0..=1.0).contains(&point[0]));
             let ascending = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-            let sized = (1..=MOST_POINTS).contains(&points.len()) && *at_nm > 0.0 && at_nm.is_finite();
+            let sized = (1..=MAX_POINTS).contains(&points.len()) && *at_nm > 0.0 && at_nm.is_finite();
             if !(finite && inside && ascending && sized) {
                 let found = format!("{} points at {} nm", points.len(), number(*at_nm));
                 return refuse(
@@ -453,13 +453,13 @@ impl Camera {
         }
         if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map {
             let glass = cauchy.iter().all(|v| v.is_finite());
-            if !(*white_um > 0.0 && *white_um <= MOST_HEIGHT_UM && glass) {
+            if !(*white_um > 0.0 && *white_um <= MAX_HEIGHT_UM && glass) {
                 let found = format!("{} um of {}", number(*white_um), numbers(cauchy));
                 return refuse("height_map", found, "more than 0 and at most 100 um, of two finite numbers");
             }
         }
         let wrong = |a: &&Aberration| {
-            !((2..=MOST_NOLL).contains(&a.noll) && a.rms_nm.is_finite() && a.rms_nm.abs() <= MOST_RMS_NM)
+            !((2..=MAX_NOLL).contains(&a.noll) && a.rms_nm.is_finite() && a.rms_nm.abs() <= MAX_RMS_NM)
         };
         if let Some(Aberration { noll, rms_nm }) = self.aberrations.iter().find(wrong) {
             let found = format!("noll {noll} of {} nm", number(*rms_nm));
@@ -481,13 +481,13 @@ impl Camera {
         // λF# in pixels, the reciprocal of the cut-off in cycles a pixel.
         let pixels = |nm: f64| nm * 1e-3 * self.f_number() / self.pixel_pitch_um;
         let ends = self.spectra.iter().flat_map(Spectrum::ends).map(pixels);
-        let (least, most) = ends.fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p), b.max(p)));
+        let (min, max) = ends.fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p), b.max(p)));
         let [finest, coarsest] = CUT_OFF_PIXELS;
-        if least < finest {
+        if min < finest {
             let expected = "at most 8 wavelengths times the F-number, or the lens's cut-off is far above what pixels see";
             return refuse("pixel_pitch_um", self.pixel_pitch_um, expected);
         }
-        if most > coarsest {
+        if max > coarsest {
             let expected = "at least 1/64 of a wavelength times the F-number, or a point is a blur of hundreds of pixels";
             return refuse("pixel_pitch_um", self.pixel_pitch_um, expected);
         }

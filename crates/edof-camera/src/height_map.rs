@@ -37,7 +37,7 @@ impl PartialEq for HeightMap {
     }
 }
 
-/// A picture that is no surface.
+/// A picture that is not a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum HeightMapError {

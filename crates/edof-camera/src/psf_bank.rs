@@ -83,7 +83,7 @@ pub enum BankError {
     /// The file.
     #[error(transparent)]
     Arrays(#[from] ArraysError),
-    /// Its arrays.
+    /// The arrays of the file.
     #[error("{path}: no PSF bank: {source}", path = path.display())]
     Kernels { path: PathBuf, source: KernelsError },
     /// Not those that the camera means.

@@ -6,11 +6,11 @@ pub type Edid = [u8; 256];
 /// What a sink says of itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sink {
-    /// It has an HDMI vendor block; else a source treats it as DVI.
+    /// The EDID has an HDMI vendor block; else a source treats the screen as DVI.
     pub is_hdmi: bool,
-    /// It takes YCbCr 4:2:2.
+    /// The screen accepts YCbCr 4:2:2.
     pub takes_422: bool,
-    /// It takes YCbCr 4:4:4.
+    /// The screen accepts YCbCr 4:4:4.
     pub takes_444: bool,
     /// Video formats of CEA-861 that it takes.
     pub formats: Vec<u8>,

@@ -39,7 +39,7 @@ impl Shown {
 #[derive(Debug, Clone)]
 pub struct Screen {
     is_hdmi: bool,
-    /// Whether it is switched on; hot plug is low otherwise.
+    /// Whether the screen is switched on; hot plug is low otherwise.
     pub is_on: bool,
     lines: Vec<Vec<Pixel>>,
     /// A vertical sync was seen, so that what follows is a whole frame.

@@ -21,7 +21,7 @@ pub enum State {
     /// The sink takes no mode that the source has.
     #[error("the sink does not take 1920x1080 at 60 Hz; the source stays dark")]
     NoMode,
-    /// It sends.
+    /// The source sends.
     #[error("the source sends {0:?}")]
     Sends(Coding),
 }

@@ -5,7 +5,7 @@ use crate::interrupt;
 use crate::said;
 use crate::ui::Ui;
 use edof_cosim::chain::folder::with_verilog_of;
-use edof_cosim::system::{self, Begin, Compiled, Rig, recorded, second};
+use edof_cosim::system::{self, Compiled, Rig, RigConfig, recorded, second};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_device::design::{DesignError, FrameSize};
@@ -217,7 +217,7 @@ fn through_core(
     interrupt::check()?;
 
     let sent = frames.iter().map(system::sent).collect();
-    let mut rig = Rig::start(&compiled, &Begin::leisurely(design, seed), sent)?;
+    let mut rig = Rig::start(&compiled, &RigConfig::leisurely(design, seed), sent)?;
     rig.control(display.mode, 0)?;
     let bar = ui.progress(frames.len() as u64, "frames sent");
     for frame in 1..frames.len() {

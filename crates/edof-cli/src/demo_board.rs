@@ -39,9 +39,9 @@ pub struct Board {
 enum Tried {
     /// The screen showed the golden picture.
     Shown { picture: ColourFrame, seconds: f64 },
-    /// Its circuit was not simulated; the Rust model of it, which computes the same words, shows the picture.
+    /// The circuit was not simulated; the Rust model, which computes the same words, shows the picture.
     Modelled { picture: ColourFrame, why: String },
-    /// It was not tried.
+    /// The simulation was not tried.
     LeftOut(String),
 }
 

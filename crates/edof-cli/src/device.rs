@@ -15,7 +15,7 @@ pub enum Device {
 }
 
 impl Device {
-    /// Its number among devices; the first where none was given.
+    /// Number of the device; by default the first.
     #[must_use]
     pub fn number(self) -> usize {
         match self {

@@ -13,6 +13,7 @@
 //! | what a network runs on | [`device`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | errors that name the option and the file | [`said`] |
+//! | screens of help: examples first, options in groups | [`help`] |
 //! | windows to feed the hardware with | [`windows`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
@@ -25,6 +26,7 @@ mod device;
 mod error;
 mod error_bounds;
 mod files;
+mod help;
 mod interrupt;
 mod memory;
 mod npz;
@@ -38,7 +40,7 @@ mod ui;
 mod windows;
 mod words;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use edof_network::form;
 use edof_presets::{designs, lens, weights};
 use error::Error;
@@ -52,7 +54,7 @@ use ui::Ui;
 /// an unrolled sparse-coding network turns the frame into a sharp picture, in floating point or in the integers
 /// that the board computes with.
 #[derive(Parser)]
-#[command(name = "edof", version, max_term_width = 110, after_help = EXAMPLES)]
+#[command(name = "edof", version, max_term_width = 110, after_help = EXAMPLES, disable_help_flag = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -75,12 +77,16 @@ struct Cli {
         hide_possible_values = true
     )]
     progress: ui::ProgressAs,
+
+    /// Print help; -h prints a summary
+    #[arg(long, short, global = true, action = ArgAction::Help)]
+    help: Option<bool>,
 }
 
 const EXAMPLES: &str = "\
 Examples:
-  edof demo                                          the whole chain, no files needed; out/report.html
-  edof doctor                                        tools, networks and photographs of this machine
+  edof demo                                          the whole chain without input files; writes out/report.html
+  edof doctor                                        lists tools, networks and photographs of this machine
 
  A researcher: from a photograph to a reconstructed picture
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png --sharp sharp.png
@@ -93,18 +99,19 @@ Examples:
   edof design new --form edof-t4w12 --size 1280x720 --out mine.json
   edof estimate --design kc705 --weights edof-t4w12-outer
   edof generate --design paper --weights paper-t4 --out build/paper
-  edof cosim --design tiny                           Verilog against the cycle model
-  edof timing --design tiny                          the longest logic path of every stage
+  edof cosim --design tiny                           compares the Verilog with the cycle model
+  edof timing --design tiny                          prints the longest logic path of every stage
 
  Somebody with a board: from a KC705 to a picture
-  edof board selftest                                every part that needs no cable
-  edof board load edof-t4w12-outer-light             weights onto a board at a serial port
-  edof board sim --design tiny --link /tmp/board     the same without a board
-  edof reconstruct raw.png --board --out board.png   the codes that leave the board's HDMI port
+  edof board selftest                                tests every part that needs no cable
+  edof board load edof-t4w12-outer-light             loads weights over the serial line
+  edof board sim --design tiny --link /tmp/board     simulates a board
+  edof reconstruct raw.png --board --out board.png   writes the codes that leave the board's HDMI port
 
-ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end.
-Each sub-command has its own --help with examples. Exit status: 0 done, 1 failed (one line on
-standard error), 2 wrong usage, 130 stopped by Ctrl-C.";
+ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end. A camera with
+nominal_m also accepts distances such as 1.5m. σ is the standard deviation of the noise, with white at 1.
+Each command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
+2 wrong usage, 130 stopped by Ctrl-C.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -146,7 +153,7 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 fn run() -> Result<(), Error> {
-    let mut command = with_negative_numbers(Cli::command());
+    let mut command = help::arranged(with_negative_numbers(Cli::command()));
     let matches = command.get_matches_mut();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
     interrupt::install()?;

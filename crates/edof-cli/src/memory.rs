@@ -9,7 +9,7 @@ use std::fs;
 /// # Errors
 /// One line with both sizes.
 pub fn check(job: &str, bytes: f64) -> Result<(), Error> {
-    let free = free().unwrap_or(MOST_OF_ANY);
+    let free = free().unwrap_or(MAX_OF_ANY);
     if bytes <= free {
         return Ok(());
     }
@@ -17,7 +17,7 @@ pub fn check(job: &str, bytes: f64) -> Result<(), Error> {
 }
 
 /// More than machines of today have.
-const MOST_OF_ANY: f64 = 1e13;
+const MAX_OF_ANY: f64 = 1e13;
 
 fn gigabytes(bytes: f64) -> String {
     format!("{:.1} GB", bytes / 1e9)

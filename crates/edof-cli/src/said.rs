@@ -98,8 +98,8 @@ pub fn dataset(error: DatasetError, photo: impl Fn(usize) -> String) -> Error {
         DatasetError::Value { field, value, expected } => {
             Error::message(format!("--{field} {value}: must be {expected}"))
         }
-        DatasetError::SmallPhoto { index, width, height, least, reach } => Error::message(format!(
-            "{}: {width}x{height}, both sides should be at least {least} pixels: a quarter of each is for validation, and \
+        DatasetError::SmallPhoto { index, width, height, min, reach } => Error::message(format!(
+            "{}: {width}x{height}, both sides should be at least {min} pixels: a quarter of each is for validation, and \
              training keeps {reach} pixels away from it, as far as the blur reaches; leave it out, or narrow --psi",
             photo(index)
         )),

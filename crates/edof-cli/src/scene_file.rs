@@ -8,7 +8,7 @@ use edof_camera::Camera;
 use edof_image::words::count;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
-use edof_optics::layers::MOST_LAYERS;
+use edof_optics::layers::MAX_LAYERS;
 use edof_optics::scene::{Layer, Scene};
 use edof_storage::json;
 use edof_storage::provenance::Input;
@@ -23,7 +23,7 @@ pub const fn bytes_a_pixel(layers: usize) -> f64 {
 }
 
 /// Most bytes of a scene file.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// What the file holds.
 #[derive(Debug, Deserialize)]
@@ -69,11 +69,11 @@ impl SceneFile {
     /// A file that cannot be read or lists no scene.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let refused = |reason: String| Error::message(format!("{}: {reason}", path.display()));
-        let text = json::text(path, MOST_BYTES).map_err(|e| refused(format!("cannot read: {e}")))?;
+        let text = json::text(path, MAX_BYTES).map_err(|e| refused(format!("cannot read: {e}")))?;
         let Content { layers } =
             json::parse(&text).map_err(|e| refused(format!("no scene of layers: {}", json::words(&e))))?;
-        if !(1..=MOST_LAYERS).contains(&layers.len()) {
-            return Err(refused(format!("{}, expected 1 to {MOST_LAYERS}", count(layers.len(), "layer"))));
+        if !(1..=MAX_LAYERS).contains(&layers.len()) {
+            return Err(refused(format!("{}, expected 1 to {MAX_LAYERS}", count(layers.len(), "layer"))));
         }
         if layers[0].matte.is_some() {
             return Err(refused(

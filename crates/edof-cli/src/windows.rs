@@ -22,7 +22,7 @@ const SCENE_SIZE: (usize, usize) = (256, 384);
 pub struct Shot {
     /// A photograph; without it, a built-in scene of dead leaves.
     pub photo: Option<PathBuf>,
-    /// Its depth; without it, the far end of the network's range, where blur is hardest.
+    /// Depth of the scene; without it, the far end of the network's range, where blur is hardest.
     pub psi: Option<Depth>,
     /// Noise; without it, the most of the first condition that the network was trained for.
     pub noise: Option<Noise>,
@@ -90,7 +90,7 @@ impl Shot {
             }
             None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], self.seed)?,
         };
-        let noise = self.noise.unwrap_or_else(|| network.origin.most_noise());
+        let noise = self.noise.unwrap_or_else(|| network.origin.max_noise());
         let sensor = Sensor { noise, seed: self.seed, ..Sensor::default() };
         let taken = capture(&scene, camera, &sensor, &Approximation::default());
         let raw = taken.map_err(|e| self.failed(e))?.raw;

@@ -1,4 +1,4 @@
-//! Deconvolution of a picture whose kernel nobody knows: D. Krishnan, T. Tay, R. Fergus, "Blind deconvolution using a normalized
+//! Deconvolution of a picture with an unknown kernel: D. Krishnan, T. Tay, R. Fergus, "Blind deconvolution using a normalized
 //! sparsity measure", CVPR 2011, written from that description.
 //!
 //! Blur makes differences of neighbours smaller, but ‖x‖₂ of them falls faster than ‖x‖₁: their quotient is least for the sharp picture.
@@ -37,7 +37,7 @@ pub struct Settings {
     /// The same at the end of each scale.
     pub floor: f32,
     /// At the end of each scale, parts of the kernel that hang together but hold less than this share of it are nothing.
-    pub least_part: f32,
+    pub min_part: f32,
     /// The final deconvolution's prior.
     pub prior: Prior,
 }
@@ -54,7 +54,7 @@ impl Default for Settings {
             step: 0.3,
             turn_floor: 0.03,
             floor: 0.05,
-            least_part: 0.2,
+            min_part: 0.2,
             prior: Prior::default(),
         }
     }
@@ -93,7 +93,7 @@ const SHORTEST: f32 = 0.003;
 const CONJUGATE_STEPS: usize = 25;
 const CONJUGATE_REST: f32 = 1e-4;
 /// Weights of ‖k‖₁ are 1/k, for k above this share of the largest entry.
-const LEAST_ENTRY: f32 = 1e-3;
+const MIN_ENTRY: f32 = 1e-3;
 
 /// Deconvolves a plane of 0…1 blind. Planes smaller than twice the kernel get a smaller one.
 #[must_use]
@@ -120,7 +120,7 @@ pub fn estimate(plane: ArrayView2<'_, f32>, settings: &Settings) -> Estimate {
             scale.update_picture(&kernel, settings);
             kernel = above(&scale.update_kernel(&kernel, settings), settings.turn_floor);
         }
-        kernel = joined(&above(&kernel, settings.floor), settings.least_part);
+        kernel = joined(&above(&kernel, settings.floor), settings.min_part);
         let shift = middle_shift(&kernel);
         kernel = shifted(&kernel, shift);
         sharp = Some(scale.picture(shift));
@@ -132,8 +132,8 @@ pub fn estimate(plane: ArrayView2<'_, f32>, settings: &Settings) -> Estimate {
 
 /// A kernel without entries below a share of its largest.
 fn above(kernel: &Array2<f32>, share: f32) -> Array2<f32> {
-    let least = share * kernel.iter().copied().fold(0.0, f32::max);
-    normalised(kernel.mapv(|v| if v < least { 0.0 } else { v }))
+    let min = share * kernel.iter().copied().fold(0.0, f32::max);
+    normalised(kernel.mapv(|v| if v < min { 0.0 } else { v }))
 }
 
 /// A kernel without its small parts: pixels that touch each other, corners included, and hold less than a share of all; the largest
@@ -161,11 +161,11 @@ fn joined(kernel: &Array2<f32>, share: f32) -> Array2<f32> {
             masses.push(mass);
         }
     }
-    let most = masses.iter().copied().fold(0.0, f32::max);
-    let least = most.min(share * masses.iter().sum::<f32>());
+    let max = masses.iter().copied().fold(0.0, f32::max);
+    let min = max.min(share * masses.iter().sum::<f32>());
     normalised(Array2::from_shape_fn(
         kernel.dim(),
-        |at| if masses[parts[at]] < least { 0.0 } else { kernel[at] },
+        |at| if masses[parts[at]] < min { 0.0 } else { kernel[at] },
     ))
 }
 
@@ -318,9 +318,9 @@ impl Scale {
     fn update_kernel(&self, kernel: &Array2<f32>, settings: &Settings) -> Array2<f32> {
         let lags = self.lags(&correlation(&self.sharp, &self.sharp), self.side - 1);
         let wanted = self.lags(&correlation(&self.seen, &self.sharp), self.side / 2);
-        let least = LEAST_ENTRY * kernel.iter().copied().fold(0.0, f32::max);
+        let min = MIN_ENTRY * kernel.iter().copied().fold(0.0, f32::max);
         let price = settings.kernel_weight / 2.0;
-        let weights = kernel.mapv(|v| price / v.max(least).max(f32::MIN_POSITIVE));
+        let weights = kernel.mapv(|v| price / v.max(min).max(f32::MIN_POSITIVE));
         let solved =
             conjugate_gradients(|k| &autocorrelated(&lags, k) + &(&weights * k), &wanted, kernel.clone());
         let positive = solved.mapv(|v| v.max(0.0));

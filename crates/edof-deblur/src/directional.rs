@@ -10,7 +10,7 @@ use ndarray::{Array2, Array3, Axis};
 use std::time::Instant;
 
 /// Side that what is read around a pixel needs at least.
-const LEAST_SIDE: usize = 4;
+const MIN_SIDE: usize = 4;
 /// Pixels that the decision for one pixel depends on, along one axis.
 const WINDOW: usize = 5;
 
@@ -33,8 +33,8 @@ impl Reconstructor for Directional {
 
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let (height, width) = raw.size();
-        if height < LEAST_SIDE || width < LEAST_SIDE {
-            return Err(GeometryError::SmallFrame { height, width, least: LEAST_SIDE, window: WINDOW }.into());
+        if height < MIN_SIDE || width < MIN_SIDE {
+            return Err(GeometryError::SmallFrame { height, width, min: MIN_SIDE, window: WINDOW }.into());
         }
         let start = Instant::now();
         let frame = demosaic(raw);
@@ -259,7 +259,7 @@ mod tests {
         let light = |r: usize, c: usize| 0.5 + 0.4 * ((r * r) as f32 * 0.05 + c as f32 * 0.7).sin();
         let direct = out(&mosaic((20, 20), CfaPhase::Rggb, |_, r, c| light(r, c)));
         let turned = out(&mosaic((20, 20), CfaPhase::Rggb, |_, r, c| light(c, r)));
-        // Where both ways vary alike the decision is for rows, which turning does not keep: few pixels.
+        // Where both directions vary equally the decision is for rows, which turning does not keep: few pixels.
         let differing = direct
             .planes
             .indexed_iter()

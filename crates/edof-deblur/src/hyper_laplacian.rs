@@ -82,7 +82,7 @@ struct Table(Vec<f32>);
 impl Table {
     fn new(beta: f32, alpha: f32) -> Self {
         let at = |i: usize| f64::from(LARGEST) * i as f64 / (ENTRIES - 1) as f64;
-        Self((0..ENTRIES).map(|i| least(at(i), f64::from(beta), f64::from(alpha)) as f32).collect())
+        Self((0..ENTRIES).map(|i| minimiser(at(i), f64::from(beta), f64::from(alpha)) as f32).collect())
     }
 
     fn nearest(&self, v: f32) -> f32 {
@@ -101,7 +101,7 @@ impl Table {
 }
 
 /// For v ≥ 0: the cost rises from w = 0, and may fall again to a second minimum below v, which Newton's steps from v find.
-fn least(v: f64, beta: f64, alpha: f64) -> f64 {
+fn minimiser(v: f64, beta: f64, alpha: f64) -> f64 {
     let mut w = v;
     for _ in 0..40 {
         if w <= 0.0 {
@@ -131,7 +131,7 @@ mod tests {
                 let cost = |w: f64| w.abs().powf(alpha) + 0.5 * beta * (w - v).powi(2);
                 let searched =
                     (0..=20_000).map(|i| cost(v * f64::from(i) / 20_000.0)).fold(f64::INFINITY, f64::min);
-                let found = least(v, beta, alpha);
+                let found = minimiser(v, beta, alpha);
                 assert!(cost(found) <= searched + 1e-6, "v {v}, beta {beta}, alpha {alpha}: {found}");
                 let looked_up = f64::from(Table::new(beta as f32, alpha as f32).nearest(-v as f32));
                 assert!(

@@ -13,7 +13,7 @@ use std::time::Instant;
 pub type Taps = [[f32; 5]; 5];
 
 /// Side that a mirrored border of two pixels needs at least.
-const LEAST_SIDE: usize = 4;
+const MIN_SIDE: usize = 4;
 /// Pixels that a filter reaches beyond its centre.
 const REACH: usize = 2;
 
@@ -74,9 +74,9 @@ impl Reconstructor for Malvar {
 
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let (height, width) = raw.size();
-        if height < LEAST_SIDE || width < LEAST_SIDE {
+        if height < MIN_SIDE || width < MIN_SIDE {
             let window = 2 * REACH + 1;
-            return Err(GeometryError::SmallFrame { height, width, least: LEAST_SIDE, window }.into());
+            return Err(GeometryError::SmallFrame { height, width, min: MIN_SIDE, window }.into());
         }
         let start = Instant::now();
         let frame = demosaic(raw);

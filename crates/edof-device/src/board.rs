@@ -31,7 +31,7 @@ pub const PICTURE_BUFFERS: [u32; 3] = [4 * BUFFER_BYTES, 5 * BUFFER_BYTES, 6 * B
 /// Clock of the DRAM's port and of the host's registers, in kilohertz: the user clock of the memory controller, from which all others but
 /// the receiver's are made.
 pub const CORE_KILOHERTZ: u32 = 200_000;
-/// Bits a second on the line to the host.
+/// Bits per second on the line to the host.
 pub const BAUD: u32 = 921_600;
 /// Milliseconds after which a frame on that line is given up.
 pub const UART_TIME_OUT_MS: u32 = 100;

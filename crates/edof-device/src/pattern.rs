@@ -1,4 +1,4 @@
-//! Raw frames that the board makes itself: what their generator is told, and its constants (docs/contract.md, 1.3).
+//! Raw frames that the board makes itself: settings of the generator, and its constants (docs/contract.md, 1.3).
 
 use std::fmt;
 use std::str::FromStr;
@@ -28,7 +28,7 @@ pub const RAMP_ROW: u16 = 64;
 pub const TILE: u32 = 7;
 /// Rows and columns of the tile, and of the part of a picture that the host reads.
 pub const TILE_SIDE: usize = 64;
-/// Their pixels.
+/// Pixels of the tile.
 pub const TILE_PIXELS: usize = TILE_SIDE * TILE_SIDE;
 /// Bits of a picture's words: as of a word on the cable, the lowest two are 0.
 pub const WORD_MASK: u16 = 0xfffc;
@@ -40,7 +40,7 @@ impl Pattern {
     pub const ALL: [Self; 6] =
         [Self::Ramp, Self::Chart, Self::Noise, Self::Zeros, Self::Ones, Self::Alternating];
 
-    /// Its number in the register `pattern`, where 0 is none.
+    /// Number of the pattern in the register `pattern`, where 0 is none.
     #[must_use]
     pub const fn code(self) -> u32 {
         match self {
@@ -53,7 +53,7 @@ impl Pattern {
         }
     }
 
-    /// Its name, as an option.
+    /// Name of the pattern, as an option.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

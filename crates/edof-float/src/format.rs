@@ -2,30 +2,30 @@
 
 use crate::real::Real;
 
-/// A number format: multiples of `step` from −(`most` + 1)·`step` to `most`·`step`.
+/// A number format: multiples of `step` from −(`max` + 1)·`step` to `max`·`step`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Format {
     /// The smallest difference.
     pub step: f32,
     /// The largest word.
-    pub most: f32,
+    pub max: f32,
 }
 
 impl Format {
     /// Rounds nothing.
-    pub const EXACT: Self = Self { step: 0.0, most: 1.0 };
+    pub const EXACT: Self = Self { step: 0.0, max: 1.0 };
 
     /// Words of `bits` bits, `fraction` of them fraction bits.
     #[must_use]
     pub fn new(bits: u32, fraction: u32) -> Self {
-        Self { step: (-(fraction as f32)).exp2(), most: ((1u32 << (bits - 1)) - 1) as f32 }
+        Self { step: (-(fraction as f32)).exp2(), max: ((1u32 << (bits - 1)) - 1) as f32 }
     }
 
     /// The nearest word, ties toward +∞, as the board rounds.
     #[must_use]
     pub fn round<T: Real>(self, value: T) -> T {
-        let (step, most) = (T::of(self.step.into()), T::of(self.most.into()));
-        (value / step + T::of(0.5)).floor().max(-most - T::one()).min(most) * step
+        let (step, max) = (T::of(self.step.into()), T::of(self.max.into()));
+        (value / step + T::of(0.5)).floor().max(-max - T::one()).min(max) * step
     }
 
     /// Rounds all values.
@@ -40,7 +40,7 @@ impl Format {
         if self == Self::EXACT {
             return;
         }
-        let end = T::of((self.most * self.step).into());
+        let end = T::of((self.max * self.step).into());
         let clipped = gradient.iter_mut().zip(rounded).filter(|(_, value)| !(-end..end).contains(*value));
         clipped.for_each(|(g, _)| *g = T::zero());
     }

@@ -19,7 +19,7 @@ impl<'a, T> Mat<'a, T> {
         Self { values: &values[..rows * columns], rows, columns, row_stride: columns, column_stride: 1 }
     }
 
-    /// Its rows.
+    /// Rows of the matrix.
     #[must_use]
     pub const fn rows(&self) -> usize {
         self.rows

@@ -383,8 +383,8 @@ fn sparsity<T: Real>(
             *g += if z == T::zero() { T::zero() } else { (lambda * norm).copysign(z) };
         }
     }
-    let least = T::of(1e-12);
-    let pull: Vec<T> = sums.iter().zip(&norms).map(|(&s, &n)| lambda * s / n.max(least)).collect();
+    let min = T::of(1e-12);
+    let pull: Vec<T> = sums.iter().zip(&norms).map(|(&s, &n)| lambda * s / n.max(min)).collect();
     for (row, g) in matrix.chunks_exact(codes).zip(gradient.chunks_exact_mut(codes)) {
         g.iter_mut().zip(row).zip(&pull).for_each(|((g, &w), &p)| *g += w * p);
     }

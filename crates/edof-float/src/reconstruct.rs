@@ -122,7 +122,7 @@ impl FloatReconstructor {
     }
 
     /// The board's 4:2:2 frame. As on the board each patch is brought to 4:2:2 before it is added, so that at a stride below 8,
-    /// too, only rounding tells the integers from this.
+    /// too, only rounding distinguishes the integers from this.
     fn ycc422(&self, pixels: ArrayView2<'_, u16>) -> Frame422 {
         let (height, width) = pixels.dim();
         let map: Vec<f32> = patch_422_from_rgb().iter().map(|v| *v as f32).collect();

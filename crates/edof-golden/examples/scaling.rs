@@ -1,8 +1,7 @@
 //! How the golden pipeline's time and memory grow with pixels, threads, T, stride and light (non-zero codes), beside what its loops lead
 //! one to expect: a table in Markdown.
 //!
-//! `cargo run --release -p edof-golden --example scaling -- NETWORK.fixed.safetensors RAW.png`. Each row is a process of its own, because
-//! a process tells only the most memory that it ever had. T is changed by repeating or leaving out middle layers, the frame's size by
+//! `cargo run --release -p edof-golden --example scaling -- NETWORK.fixed.safetensors RAW.png`. Each row is a process of its own, because a process reports only its peak memory. T is changed by repeating or leaving out middle layers, the frame's size by
 //! mirroring it at its edges.
 
 use edof_golden::{Display, Golden, Picture};

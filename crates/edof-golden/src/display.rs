@@ -180,8 +180,8 @@ for_each_isa! {
         let each = luma.iter().zip(doubled[0]).zip(doubled[1]);
         for (((((luma, cb), cr), red), green), blue) in each.zip(red).zip(green).zip(blue) {
             let [r, g, b] = light_of(*luma, [*cb, *cr]);
-            let (least, most) = (r.min(g).min(b), r.max(g).max(b));
-            out_of_gamut += u32::from((least < 0) | (most > 1 << COLOUR_ADDRESS_BITS));
+            let (min, max) = (r.min(g).min(b), r.max(g).max(b));
+            out_of_gamut += u32::from((min < 0) | (max > 1 << COLOUR_ADDRESS_BITS));
             let address = |light: i32| light.clamp(0, (1 << COLOUR_ADDRESS_BITS) - 1) as u16;
             (*red, *green, *blue) = (address(r), address(g), address(b));
         }

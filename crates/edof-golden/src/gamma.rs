@@ -8,7 +8,7 @@ use edof_image::number::OUTPUT_FRACTION;
 /// Entries of a colour's table.
 const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
 /// Largest entry of a colour's table: light of 1.
-const COLOUR_MOST: u16 = (1 << COLOUR_ENTRY_BITS) - 1;
+const COLOUR_MAX: u16 = (1 << COLOUR_ENTRY_BITS) - 1;
 
 /// A transfer curve: encoded light (0…1) for linear light (0…1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,8 +59,8 @@ pub enum TableError {
     #[error("{what} table: {found} entries, expected {expected}")]
     Length { what: &'static str, found: usize, expected: usize },
     /// An entry that cannot be sent.
-    #[error("{what} table: entry {index} is {value}, expected {least} to {most}")]
-    Entry { what: &'static str, index: usize, value: u16, least: u16, most: u16 },
+    #[error("{what} table: entry {index} is {value}, expected {min} to {max}")]
+    Entry { what: &'static str, index: usize, value: u16, min: u16, max: u16 },
 }
 
 /// An 8-bit code for each luma word of 0 or more; negative words read entry 0.
@@ -79,8 +79,8 @@ impl LumaTable {
     /// # Errors
     /// [`TableError`] for a wrong length or a sync code.
     pub fn from_entries(entries: Vec<u8>) -> Result<Self, TableError> {
-        let [least, most] = CODES.map(u16::from);
-        check("luma", entries.iter().map(|code| u16::from(*code)), LUMA_ENTRIES, least, most)?;
+        let [min, max] = CODES.map(u16::from);
+        check("luma", entries.iter().map(|code| u16::from(*code)), LUMA_ENTRIES, min, max)?;
         Ok(Self(entries))
     }
 
@@ -105,7 +105,7 @@ impl ColourTable {
     /// From 0 at no light to 4095 at light 1.
     #[must_use]
     pub fn new(curve: Curve) -> Self {
-        Self((0..COLOUR_ENTRIES).map(|word| curve.entry(word, f64::from(COLOUR_MOST), 0.0) as u16).collect())
+        Self((0..COLOUR_ENTRIES).map(|word| curve.entry(word, f64::from(COLOUR_MAX), 0.0) as u16).collect())
     }
 
     /// A table of the user.
@@ -113,7 +113,7 @@ impl ColourTable {
     /// # Errors
     /// [`TableError`] for a wrong length or an entry of more than 12 bits.
     pub fn from_entries(entries: Vec<u16>) -> Result<Self, TableError> {
-        check("colour", entries.iter().copied(), COLOUR_ENTRIES, 0, COLOUR_MOST)?;
+        check("colour", entries.iter().copied(), COLOUR_ENTRIES, 0, COLOUR_MAX)?;
         Ok(Self(entries))
     }
 
@@ -143,15 +143,15 @@ fn check(
     what: &'static str,
     mut entries: impl ExactSizeIterator<Item = u16>,
     expected: usize,
-    least: u16,
-    most: u16,
+    min: u16,
+    max: u16,
 ) -> Result<(), TableError> {
     let found = entries.len();
     if found != expected {
         return Err(TableError::Length { what, found, expected });
     }
-    let wrong = |(index, value)| TableError::Entry { what, index, value, least, most };
-    let outside = |(_, value): &(usize, u16)| !(least..=most).contains(value);
+    let wrong = |(index, value)| TableError::Entry { what, index, value, min, max };
+    let outside = |(_, value): &(usize, u16)| !(min..=max).contains(value);
     match entries.by_ref().enumerate().find(outside) {
         Some(entry) => Err(wrong(entry)),
         None => Ok(()),

@@ -1,5 +1,4 @@
-//! The formulas that the golden pipeline and the circuits both take from `edof-image`, `edof-network` and `edof-device`, held to values worked out by hand: were one of
-//! them wrong, the two would still agree.
+//! The formulas that the golden pipeline and the circuits both take from `edof-image`, `edof-network` and `edof-device`, compared with values worked out by hand. If one of the formulas were wrong, the two would still agree.
 
 use edof_device::Design;
 use edof_device::design::memory::Shifts;

@@ -89,10 +89,10 @@ fn words_that_are_all_at_one_end_are_the_same() {
             tied: false,
         };
         let mut network = edof_random::extreme(form, bits, Stride::PATCH, false, 1);
-        let least = -1i16 << (bits - 1);
-        network.recurrent.iter_mut().for_each(|s| s.weights.fill(least));
-        network.analysis.weights.fill(least);
-        network.thresholds.iter_mut().for_each(|theta| theta.fill(least));
+        let min = -1i16 << (bits - 1);
+        network.recurrent.iter_mut().for_each(|s| s.weights.fill(min));
+        network.analysis.weights.fill(min);
+        network.thresholds.iter_mut().for_each(|theta| theta.fill(min));
         network.check().unwrap();
         let pixels = form.window.pixels();
         let windows = [vec![0; pixels], vec![i16::MAX; pixels], vec![1; pixels]].concat();

@@ -65,7 +65,7 @@ impl Device {
     /// Names of all devices, those that are GPUs first.
     ///
     /// # Errors
-    /// [`GpuError::NoDevice`] where there is none.
+    /// [`GpuError::NoDevice`] without one.
     pub fn names() -> Result<Vec<String>, GpuError> {
         let name = |id| opencl3::device::Device::new(id).name().unwrap_or_default().trim().to_owned();
         Ok(ids()?.into_iter().map(name).collect())

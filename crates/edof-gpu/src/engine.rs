@@ -71,7 +71,7 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// Its columns in a frame of `width`.
+    /// Columns of the region in a frame of `width`.
     pub(crate) const fn width(self, width: usize) -> usize {
         width * self.block / PATCH
     }

@@ -1,5 +1,5 @@
 //! What a device makes is what the processor makes: every word and count of the fixed network, and the float network up to rounding.
-//! Each needs a device and is ignored: `scripts/test-gpu.sh` installs one that runs on the processor where there is none, and runs them.
+//! Each needs a device and is ignored: `scripts/test-gpu.sh` installs one that runs on the processor if no device is present, and runs them.
 
 use edof_camera::Camera;
 use edof_float::reconstruct::{FloatReconstructor, Output};
@@ -88,8 +88,8 @@ fn the_float_network_is_the_processors_up_to_the_order_of_its_sums() {
         let reference = FloatReconstructor::new(network.clone(), stride, Overlap::Hann, Output::Rgb).unwrap();
         let there = reference.reconstruct(&raw).unwrap().frame.planes;
         let here = GpuFloat::new(device, network, stride, Overlap::Hann).unwrap().frame(&raw).unwrap().planes;
-        let largest = there.iter().fold(0f32, |most, v| most.max(v.abs()));
-        let error = (&here - &there).iter().fold(0f32, |most, v| most.max(v.abs()));
+        let largest = there.iter().fold(0f32, |max, v| max.max(v.abs()));
+        let error = (&here - &there).iter().fold(0f32, |max, v| max.max(v.abs()));
         assert!(largest > 0.0 && error <= 2e-6 * largest, "{form:?}: {error} of {largest}");
     }
 }

@@ -23,20 +23,20 @@ impl Draw {
         mixed(seed.wrapping_add(index.wrapping_add(1).wrapping_mul(GAMMA)))
     }
 
-    /// A whole number from `least` to `most`, both included.
-    pub fn whole(&mut self, least: i64, most: i64) -> i64 {
-        least + (self.bits() % (most - least + 1) as u64) as i64
+    /// A whole number from `min` to `max`, both included.
+    pub fn whole(&mut self, min: i64, max: i64) -> i64 {
+        min + (self.bits() % (max - min + 1) as u64) as i64
     }
 
     /// A word of `bits` bits that is often at or near the ends of its range, or zero.
     pub fn extreme(&mut self, bits: u32) -> i16 {
-        let most = (1i64 << (bits - 1)) - 1;
+        let max = (1i64 << (bits - 1)) - 1;
         (match self.whole(0, 7) {
-            0 | 1 => most,
-            2 | 3 => -most - 1,
+            0 | 1 => max,
+            2 | 3 => -max - 1,
             4 => self.whole(-3, 3),
             5 => 0,
-            _ => self.whole(-most - 1, most),
+            _ => self.whole(-max - 1, max),
         }) as i16
     }
 }

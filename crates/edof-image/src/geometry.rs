@@ -25,8 +25,8 @@ pub enum GeometryError {
     #[error("frame {width}x{height}: both sides must be even, so that it holds whole 2x2 Bayer cells")]
     OddFrame { height: usize, width: usize },
     /// Mirroring needs at least one window of pixels.
-    #[error("frame {width}x{height}: both sides must be at least {least} pixels for a window of {window}")]
-    SmallFrame { height: usize, width: usize, least: usize, window: usize },
+    #[error("frame {width}x{height}: both sides must be at least {min} pixels for a window of {window}")]
+    SmallFrame { height: usize, width: usize, min: usize, window: usize },
 }
 
 /// Side w of the raw window that a network sees: 8, 12 or 16 pixels.
@@ -172,9 +172,9 @@ impl Geometry {
         if !height.is_multiple_of(2) || !width.is_multiple_of(2) {
             return Err(GeometryError::OddFrame { height, width });
         }
-        let least = self.reach() + 2;
-        if height < least || width < least {
-            return Err(GeometryError::SmallFrame { height, width, least, window: self.window.0 });
+        let min = self.reach() + 2;
+        if height < min || width < min {
+            return Err(GeometryError::SmallFrame { height, width, min, window: self.window.0 });
         }
         Ok(())
     }

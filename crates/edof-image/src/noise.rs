@@ -61,7 +61,7 @@ pub enum NoiseError {
 }
 
 /// Most electrons that a full well or a read-out may have: far beyond any pixel.
-const MOST_ELECTRONS: f64 = 1e9;
+const MAX_ELECTRONS: f64 = 1e9;
 
 impl Noise {
     /// Gaussian noise of that σ; none for 0.
@@ -103,8 +103,8 @@ impl Noise {
                 within("the standard deviation", sigma, 0.0..=1.0, "0 to 1, where full scale is 1")
             }
             Self::Sensor(SensorNoise { full_well_e, read_noise_e, gain }) => {
-                within("full well", full_well_e, 1.0..=MOST_ELECTRONS, "1 to 1e9 electrons")?;
-                within("read noise", read_noise_e, 0.0..=MOST_ELECTRONS, "0 to 1e9 electrons")?;
+                within("full well", full_well_e, 1.0..=MAX_ELECTRONS, "1 to 1e9 electrons")?;
+                within("read noise", read_noise_e, 0.0..=MAX_ELECTRONS, "0 to 1e9 electrons")?;
                 within(
                     "gain",
                     gain,

@@ -140,11 +140,11 @@ mod tests {
 
     #[test]
     fn every_8_and_16_bit_code_of_a_photograph_comes_back() {
-        for most in [255, 65535] {
-            for code in 0..=most {
-                let value = code as f32 / most as f32;
-                let back = Tone::Srgb.encode(Tone::Srgb.decode(value)) * most as f32;
-                assert_eq!(back.round() as i32, code, "{code} of {most}");
+        for max in [255, 65535] {
+            for code in 0..=max {
+                let value = code as f32 / max as f32;
+                let back = Tone::Srgb.encode(Tone::Srgb.decode(value)) * max as f32;
+                assert_eq!(back.round() as i32, code, "{code} of {max}");
             }
         }
     }

@@ -16,7 +16,7 @@ pub fn number(value: f64) -> String {
     if plain { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
-/// Numbers with commas between, in few digits each and no more than a line holds.
+/// Numbers with commas between, in few digits each, at most as many as fit one line.
 ///
 /// ```
 /// assert_eq!(edof_image::words::numbers(&[4.0, 0.0]), "4, 0");

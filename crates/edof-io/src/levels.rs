@@ -5,7 +5,7 @@ use edof_image::frame::FrameError;
 use edof_image::words::number;
 use serde::{Deserialize, Serialize};
 
-/// Sensor values of no light, for the 2×2 pixels from the first on, row by row; written as one number where they are alike.
+/// Sensor values of no light, for the 2×2 pixels from the first on, row by row; written as one number where they are equal.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(into = "OneOrFour", try_from = "OneOrFour")]
 pub struct Black([f64; 4]);
@@ -29,8 +29,8 @@ pub enum LevelsError {
     )]
     Text(String),
     /// An invalid value of full light.
-    #[error("white level {}: must be more than 0 and at most {most}, for a sensor of {depth} bits", number(*white))]
-    White { white: f64, most: u32, depth: u32 },
+    #[error("white level {}: must be more than 0 and at most {max}, for a sensor of {depth} bits", number(*white))]
+    White { white: f64, max: u32, depth: u32 },
     /// Darkness brighter than light.
     #[error("black level {}: must be less than the white level, {}", number(*black), number(*white))]
     Black { black: f64, white: f64 },
@@ -126,7 +126,7 @@ impl Levels {
         let (depth, full) = (frame.depth(), 1u32 << frame.depth());
         let white = self.white.unwrap_or(f64::from(full));
         if !(white > 0.0 && white <= f64::from(full)) {
-            return Err(LevelsError::White { white, most: full, depth });
+            return Err(LevelsError::White { white, max: full, depth });
         }
         if let Some(&black) = self.black.0.iter().find(|black| **black >= white) {
             return Err(LevelsError::Black { black, white });
@@ -152,8 +152,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn frame(depth: u32) -> RawFrame {
-        let most = (1usize << depth) - 1;
-        let values = Array2::from_shape_fn((6, 8), |(r, c)| ((r * 8 + c) * most / 47) as u16);
+        let max = (1usize << depth) - 1;
+        let values = Array2::from_shape_fn((6, 8), |(r, c)| ((r * 8 + c) * max / 47) as u16);
         RawFrame::from_values(values, depth, CfaPhase::Gbrg).unwrap()
     }
 

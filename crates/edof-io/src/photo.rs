@@ -69,7 +69,7 @@ fn planes(path: &Path) -> Result<Array3<f32>, PictureError> {
     Ok(picture::decode_as(&picture::read(path)?, path, light)?.0)
 }
 
-/// Reads a grey picture, 0…1, such as a depth map; red, green and blue that are all alike are grey, too.
+/// Reads a grey picture, 0…1, such as a depth map; equal red, green and blue are grey, too.
 ///
 /// # Errors
 /// [`PhotoError::Picture`] or [`PhotoError::Colour`].

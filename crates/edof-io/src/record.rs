@@ -1,6 +1,6 @@
 //! What a raw frame knows of itself: a JSON file beside it, `frame.png.json` for `frame.png`.
 //!
-//! A mosaic looks alike in every phase and behind every lens, and a network that is given the wrong one makes a wrong picture
+//! A mosaic looks the same in every phase and behind every lens, and a network that is given the wrong one makes a wrong picture
 //! without complaint. So [`crate::raw`]'s files carry what they cannot say themselves.
 
 use crate::levels::{Black, Levels};
@@ -89,7 +89,7 @@ pub fn path_of(raw: &Path) -> PathBuf {
 }
 
 /// Most bytes of a record.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Where values lie in a file of that name, as [`crate::raw::save`] writes it.
 #[must_use]
@@ -114,7 +114,7 @@ pub fn save(raw: &Path, record: &RawRecord) -> Result<(), RecordError> {
 pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
     let path = path_of(raw);
     let file = || match std::fs::metadata(&path)?.is_file() {
-        true => json::text(&path, MOST_BYTES),
+        true => json::text(&path, MAX_BYTES),
         // Opening a pipe may wait for ever.
         false => Err(std::io::Error::other("not a regular file")),
     };
@@ -166,7 +166,7 @@ impl RawRecord {
         let packing = differ(stated.packing.as_ref().map(name).as_ref(), &name(&Packing::Video));
         let found = [
             ("phase", differ(stated.phase.as_ref(), &self.phase)),
-            ("depth", differ(stated.depth.as_ref(), &self.depth)),
+            ("bit-depth", differ(stated.depth.as_ref(), &self.depth)),
             ("align", differ(stated.alignment.as_ref(), &self.alignment)),
             ("size", self.video.and_then(|size| differ(stated.size.as_ref(), &size))),
             ("packing", self.video.and(packing)),
@@ -231,7 +231,7 @@ impl RawRecord {
         if Input::raw_frame("", frame).sha256 == self.sha256 {
             return Ok(());
         }
-        let says = format!("--phase {} --depth {} --align {}", self.phase, self.depth, self.alignment);
+        let says = format!("--phase {} --bit-depth {} --align {}", self.phase, self.depth, self.alignment);
         Err(RecordError::OtherFrame { path: path_of(raw), raw: raw.to_owned(), says })
     }
 }
@@ -337,7 +337,7 @@ mod tests {
         let replaced = RawFrame::from_values(values, 12, CfaPhase::Rggb).unwrap();
         let error = record.check(&path, &replaced).unwrap_err();
         assert!(matches!(error, RecordError::OtherFrame { .. }));
-        assert!(error.to_string().ends_with("--phase rggb --depth 12 --align top"), "{error}");
+        assert!(error.to_string().ends_with("--phase rggb --bit-depth 12 --align top"), "{error}");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Rows of a colour matrix add up to 1 as far as this, or white would not stay white.
 const WHITE_STAYS_WHITE: f64 = 0.05;
 /// No sensor needs a factor beyond.
-const MOST: f64 = 100.0;
+const MAX: f64 = 100.0;
 
 /// Factors of red, green and blue that make white of what the sensor sees of it. Only their proportions count: the smallest is taken
 /// for 1, so that a colour whose pixels are full is full.
@@ -68,7 +68,7 @@ impl TryFrom<[f64; 3]> for WhiteBalance {
     type Error = RenderingError;
 
     fn try_from(factors: [f64; 3]) -> Result<Self, RenderingError> {
-        let possible = factors.iter().all(|factor| *factor > 0.0 && *factor <= MOST);
+        let possible = factors.iter().all(|factor| *factor > 0.0 && *factor <= MAX);
         if possible { Ok(Self(factors)) } else { Err(RenderingError::WhiteBalance(listed(&factors))) }
     }
 }
@@ -92,7 +92,7 @@ impl TryFrom<[[f64; 3]; 3]> for ColourMatrix {
     type Error = RenderingError;
 
     fn try_from(rows: [[f64; 3]; 3]) -> Result<Self, RenderingError> {
-        if !rows.iter().flatten().all(|v| v.abs() <= MOST) {
+        if !rows.iter().flatten().all(|v| v.abs() <= MAX) {
             return Err(RenderingError::Matrix(listed(rows.as_flattened())));
         }
         let sums = rows.iter().map(|row| row.iter().sum::<f64>()).zip(1..);
@@ -123,9 +123,9 @@ impl Rendering {
     /// where all pixels are full it is white.
     pub fn apply(&self, light: &mut ColourFrame) {
         if let Some(WhiteBalance(factors)) = self.white_balance {
-            let least = factors.into_iter().fold(f64::INFINITY, f64::min);
+            let min = factors.into_iter().fold(f64::INFINITY, f64::min);
             for (mut plane, factor) in light.planes.axis_iter_mut(Axis(0)).zip(factors) {
-                let factor = (factor / least) as f32;
+                let factor = (factor / min) as f32;
                 plane.mapv_inplace(|v| (v * factor).min(v.max(1.0)));
             }
         }

@@ -15,10 +15,10 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Its first atoms are one colour each, without pattern: every patch may use them.
+/// The first atoms of a dictionary are one colour each, without pattern: every patch may use them.
 pub const FREE: usize = 3;
 /// More than the file of the largest dictionary has; what is longer is cut, and then no whole file.
-const MOST_BYTES: u64 = 16 << 20;
+const MAX_BYTES: u64 = 16 << 20;
 const TENSOR: &str = "dictionary";
 const METADATA: &str = "edof-dictionary";
 /// The one that comes with the program.
@@ -59,8 +59,8 @@ pub struct Dictionary {
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DictionaryError {
     /// A number out of range.
-    #[error("{option} {value}: must be {least} to {most}")]
-    Recipe { option: &'static str, value: usize, least: usize, most: usize },
+    #[error("{option} {value}: must be {min} to {max}")]
+    Recipe { option: &'static str, value: usize, min: usize, max: usize },
     /// A photograph without a patch.
     #[error("{0}: smaller than a patch of 8x8 pixels")]
     Small(String),
@@ -84,11 +84,11 @@ struct Metadata {
 
 impl Recipe {
     fn check(&self) -> Result<(), DictionaryError> {
-        let within = |option, value, least, most| {
-            if (least..=most).contains(&value) {
+        let within = |option, value, min, max| {
+            if (min..=max).contains(&value) {
                 Ok(())
             } else {
-                Err(DictionaryError::Recipe { option, value, least, most })
+                Err(DictionaryError::Recipe { option, value, min, max })
             }
         };
         within("--atoms", self.atoms, FREE + 1, 4096)?;
@@ -171,7 +171,7 @@ impl Dictionary {
                 let mut bytes = vec![];
                 // Devices may never end.
                 let read =
-                    std::fs::File::open(path).and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes));
+                    std::fs::File::open(path).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes));
                 read.map_err(|source| DictionaryError::Read { path: path.to_owned(), source })?;
                 Self::parse(&bytes, path)
             }

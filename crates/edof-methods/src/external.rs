@@ -24,7 +24,7 @@ pub struct ExternalSettings {
 /// A command that cannot be a method.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExternalError {
-    /// It would not know a file.
+    /// The command line names no file.
     #[error("external command '{command}': contains no {place}; write it as in 'CMD {{raw}} {{out}}'")]
     Place {
         /// The command.
@@ -32,7 +32,7 @@ pub enum ExternalError {
         /// Missing items.
         place: &'static str,
     },
-    /// It names no program.
+    /// The command line names no program.
     #[error("external command '{0}': names no program; give it as in 'CMD {{raw}} {{out}}'")]
     Program(String),
 }

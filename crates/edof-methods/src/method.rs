@@ -135,7 +135,7 @@ impl Method {
         Self { family, network: None, format: Some(Format::Float), stride: Some(stride), layers }
     }
 
-    /// Whether it is a network that nobody trained.
+    /// Whether the method is an untrained network.
     #[must_use]
     pub const fn is_untrained(&self) -> bool {
         matches!(self.family, Family::Untrained | Family::UntrainedDcRemoved)

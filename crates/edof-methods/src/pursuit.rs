@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// A grey pattern in focus: the dictionary of that ψ tells it from its raw windows.
+    /// A grey pattern in focus: the dictionary of that ψ recognises it in its raw windows.
     #[test]
     fn a_pattern_is_reconstructed_better_with_its_depth_known() {
         let pattern = |r: usize, c: usize| 0.5 + 0.25 * (r as f32 * 0.9).sin() * (c as f32 * 0.7).cos();

@@ -67,7 +67,7 @@ pub enum MethodSpec {
     },
     /// A network in floating point.
     Float {
-        /// Its weights.
+        /// Weights of the network.
         network: Arc<Network>,
         /// SHA-256 of their file.
         sha256: String,
@@ -76,7 +76,7 @@ pub enum MethodSpec {
     },
     /// The same on a design's calculator: its time is that of its cycles.
     Board {
-        /// Its weights, made for the design's stride.
+        /// Weights of the network, made for the design's stride.
         network: Arc<FixedNetwork>,
         /// The design.
         design: Arc<Design>,
@@ -87,7 +87,7 @@ pub enum MethodSpec {
     },
     /// A network in floating point on a device behind OpenCL.
     FloatGpu {
-        /// Its weights.
+        /// Weights of the network.
         network: Arc<Network>,
         /// Step of the patches.
         settings: FloatSettings,
@@ -98,7 +98,7 @@ pub enum MethodSpec {
     },
     /// A network in the board's integers on a device behind OpenCL.
     FixedGpu {
-        /// Its weights, made for one stride.
+        /// Weights of the network, made for one stride.
         network: Arc<FixedNetwork>,
         /// Name in reports.
         name: String,
@@ -116,7 +116,7 @@ pub enum MethodSpec {
     },
     /// A network in the board's integers.
     Fixed {
-        /// Its weights, made for one stride.
+        /// Weights of the network, made for one stride.
         network: Arc<FixedNetwork>,
         /// Name in reports.
         name: String,

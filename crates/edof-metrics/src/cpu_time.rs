@@ -1,5 +1,4 @@
-//! What a process has cost: the time that its threads were on a processor. Other work on the machine makes a wall clock go on; it does
-//! not add to this.
+//! CPU time of a process: the time that its threads were on a processor. Other work on the machine adds to wall-clock time, but not to CPU time.
 
 /// Seconds that all threads of this process have run, the ended ones included; `None` where the system has no such clock.
 #[must_use]

@@ -9,7 +9,7 @@
 //! | differences of two methods with their standard errors | [`paired`] |
 //! | numbers of rows that JSON has no form for: infinite PSNR | [`number`] |
 //! | least, median and most of a method's runs | [`timing`] |
-//! | CPU time of the process, whatever else the machine does | [`cpu_time`] |
+//! | CPU time of the process, independent of other work on the machine | [`cpu_time`] |
 //! | memory that the process holds, and the most that a run held | [`memory`] |
 //!
 //! ```

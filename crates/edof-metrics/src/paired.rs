@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// A mean of differences, one for each photograph.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Paired {
-    /// Their mean.
+    /// Mean of the differences.
     pub mean: f64,
     /// Standard error of the mean: the differences' standard deviation (n − 1) over √n; none of one difference.
     pub standard_error: Option<f64>,

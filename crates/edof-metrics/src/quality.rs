@@ -2,7 +2,7 @@
 //! (docs/decisions/0003-metrics.md).
 //!
 //! Peak 1. A border of [`BORDER`] pixels is cropped first. Estimates are *not* clipped to 0…1 unless a name says so. Sums
-//! run in f64 in a fixed order. What is compared is the picture ([`shown`]), under sRGB the light beside it.
+//! run in f64 in a fixed order. What is compared is the picture ([`shown`]), under sRGB also the linear light.
 
 use crate::psnr::{cropped, decibel, mean_square};
 use crate::ssim::{self, ssim};
@@ -46,9 +46,9 @@ pub enum MetricError {
     Sizes((usize, usize), (usize, usize)),
     /// Nothing (or less than SSIM's window) is left inside the border.
     #[error(
-        "frame of {width}x{height} pixels: must be at least {least}x{least} to crop {border} pixels and compare"
+        "frame of {width}x{height} pixels: must be at least {min}x{min} to crop {border} pixels and compare"
     )]
-    Small { height: usize, width: usize, least: usize, border: usize },
+    Small { height: usize, width: usize, min: usize, border: usize },
 }
 
 impl Quality {
@@ -61,9 +61,9 @@ impl Quality {
             return Err(MetricError::Sizes(truth.size(), estimate.size()));
         }
         let (height, width) = truth.size();
-        let least = 2 * (border + ssim::REACH) + 1;
-        if height < least || width < least {
-            return Err(MetricError::Small { height, width, least, border });
+        let min = 2 * (border + ssim::REACH) + 1;
+        if height < min || width < min {
+            return Err(MetricError::Small { height, width, min, border });
         }
         let (truth, estimate) = (cropped(truth, border), cropped(estimate, border));
         let planes = |f: &'_ ColourFrame| [0, 1, 2].map(|p| f.planes.index_axis(Axis(0), p).to_owned());
@@ -82,7 +82,7 @@ impl Quality {
     }
 }
 
-/// The picture that is looked at, of a frame of light: sRGB's encoding, held to the 0…1 that its codes can say. Under the
+/// The displayed picture of a frame of linear light: sRGB's encoding, clamped to the 0…1 of its codes. Under the
 /// paper's convention light and picture are the same numbers, and stay as they are.
 #[must_use]
 pub fn shown(light: &ColourFrame, tone: Tone) -> ColourFrame {

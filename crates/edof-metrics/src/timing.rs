@@ -8,25 +8,27 @@ use serde::{Deserialize, Serialize};
 const RUNS: usize = 3;
 const FAST: f64 = 0.5;
 
-/// Least and most of several runs.
+/// Minimum and maximum of several runs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
     /// The fastest run.
-    pub least: f64,
-    /// The slowest.
-    pub most: f64,
+    #[serde(rename = "least")]
+    pub min: f64,
+    /// The slowest run.
+    #[serde(rename = "most")]
+    pub max: f64,
 }
 
 impl Range {
     /// The same for one of N.
     pub fn over(self, count: f64) -> Self {
-        Self { least: self.least / count, most: self.most / count }
+        Self { min: self.min / count, max: self.max / count }
     }
 
     /// Of sorted numbers; one for all where there is one.
     fn of(sorted: &[f64]) -> Option<Self> {
-        Some(Self { least: *sorted.first()?, most: *sorted.last()? })
+        Some(Self { min: *sorted.first()?, max: *sorted.last()? })
     }
 }
 
@@ -55,7 +57,7 @@ impl Timed {
 
     /// A reconstruction whose time is computed, not measured.
     pub const fn not(result: Reconstruction) -> Self {
-        let range = Range { least: result.seconds, most: result.seconds };
+        let range = Range { min: result.seconds, max: result.seconds };
         Self { result, range, cpu_seconds: None, cpu_range: None, peak_memory_bytes: None, repetitions: 1 }
     }
 }
@@ -86,7 +88,7 @@ pub fn timed(method: &dyn Reconstructor, raw: &RawFrame) -> Result<Timed, Recons
     result.seconds = wall[wall.len() / 2];
     Ok(Timed {
         result,
-        range: Range { least: wall[0], most: wall[wall.len() - 1] },
+        range: Range { min: wall[0], max: wall[wall.len() - 1] },
         cpu_seconds: cpu.get(cpu.len() / 2).copied(),
         cpu_range: Range::of(&cpu),
         peak_memory_bytes,
@@ -122,9 +124,9 @@ mod tests {
         let raw = RawFrame::from_values(values, 12, edof_image::CfaPhase::Rggb).unwrap();
         let fast = timed(&Told(AtomicUsize::new(0), &[0.4, 0.3, 0.1, 0.2]), &raw).unwrap();
         assert_eq!((fast.result.seconds, fast.repetitions), (0.2, 3));
-        assert_eq!(fast.range, Range { least: 0.1, most: 0.3 });
+        assert_eq!(fast.range, Range { min: 0.1, max: 0.3 });
         let slow = timed(&Told(AtomicUsize::new(0), &[0.7]), &raw).unwrap();
         assert_eq!((slow.result.seconds, slow.repetitions), (0.7, 1));
-        assert_eq!(slow.range, Range { least: 0.7, most: 0.7 });
+        assert_eq!(slow.range, Range { min: 0.7, max: 0.7 });
     }
 }

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 /// Bits of a word of weights or codes.
 pub const WORD_BITS: u32 = i16::BITS;
 /// Most fraction bits of a weight or code: more than any accumulator could shift away.
-pub const MOST_FRACTION: u32 = 48;
+pub const MAX_FRACTION: u32 = 48;
 
 /// Integer weights and their count of fraction bits.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub struct FixedMatrix {
 /// A quantized network, with the 4:2:2 conversion and the averaging window folded into F.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedNetwork {
-    /// Its form.
+    /// Form of the fixed network.
     pub form: Form,
     /// Bits of every weight, pre-activation and sparse code, 8…16.
     pub code_bits: u32,
@@ -130,7 +130,7 @@ pub enum FixedNetworkError {
     #[error("{what}: holds {value}, which {bits} bits cannot hold")]
     TooWide { what: &'static str, value: i16, bits: u32 },
     /// Fraction bits that no format of this program has.
-    #[error("{what}: {fraction} fraction bits, must be 0 to {MOST_FRACTION}")]
+    #[error("{what}: {fraction} fraction bits, must be 0 to {MAX_FRACTION}")]
     Fraction { what: &'static str, fraction: u32 },
     /// Fraction bits that would need a negative shift.
     #[error("{what}: fraction bits need a shift of {shift}, it must be 0 to 47")]
@@ -255,7 +255,7 @@ impl FixedNetwork {
     /// Sums of fraction bits, and so shifts, are in range of their type only once this holds.
     fn check_fractions(&self) -> Result<(), FixedNetworkError> {
         let legal = |what, fraction: u32| match fraction {
-            0..=MOST_FRACTION => Ok(()),
+            0..=MAX_FRACTION => Ok(()),
             _ => Err(FixedNetworkError::Fraction { what, fraction }),
         };
         legal("analysis", self.analysis.fraction)?;

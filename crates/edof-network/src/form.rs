@@ -10,7 +10,7 @@ t2…t10 (layers), c1…c1024 (codes), r (linear path), tied, difference";
 /// Reads a form. It starts as the paper's (two-sided, window 8, T = 4, 192 codes); each word changes it.
 ///
 /// # Errors
-/// One line naming the first word that is none, or a window or number of layers that no form has.
+/// One line naming the first unknown word, or a window or number of layers that no form has.
 pub fn parse(text: &str) -> Result<Form, String> {
     let mut form = Form {
         window: Window::new(8).map_err(|e| e.to_string())?,

@@ -131,7 +131,7 @@ impl Form {
 /// A trained network. All arithmetic is in f32 on raw pixels of 0…1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
-    /// Its form.
+    /// Form of the network.
     pub form: Form,
     /// A: codes × window pixels.
     pub analysis: Array2<f32>,
@@ -181,18 +181,18 @@ pub struct Condition {
 impl Origin {
     /// The most noise of its first condition; none if it has no condition.
     #[must_use]
-    pub fn most_noise(&self) -> Noise {
+    pub fn max_noise(&self) -> Noise {
         self.conditions.first().map_or(Noise::None, |condition| condition.noise)
     }
 
     /// The most Gaussian noise of its conditions: σ in units of full scale, 0 where none has any.
     #[must_use]
-    pub fn most_sigma(&self) -> f64 {
+    pub fn max_sigma(&self) -> f64 {
         let sigma = |c: &Condition| if let Noise::Gaussian { sigma } = c.noise { sigma } else { 0.0 };
         self.conditions.iter().map(sigma).fold(0.0, f64::max)
     }
 
-    /// Of a network that nobody trained: drawn or written by hand, for linear light without noise.
+    /// Record of an untrained network, random or written by hand, for linear light without noise.
     #[must_use]
     pub fn untrained(name: &str, camera: Camera) -> Self {
         Self {

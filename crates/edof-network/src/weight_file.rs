@@ -46,7 +46,7 @@ pub enum WeightFileError {
     /// A float file where a fixed one was expected, or the other way round.
     #[error("{path}: holds a {found} network, expected a {expected} one", path = path.display())]
     Kind { path: PathBuf, found: &'static str, expected: &'static str },
-    /// Changed after the file was made: a tensor, a format, or what it tells of its origin.
+    /// Changed after the file was made: a tensor, a format, or its record of origin.
     #[error("{path}: has SHA-256 {found}, it states {stated}: it was changed after it was made", path = path.display())]
     Hash { path: PathBuf, found: String, stated: String },
     /// The float network does not fit its form.

@@ -2,7 +2,7 @@
 
 use ndarray::{Array1, Array2, ArrayView2, Axis, s};
 
-/// A matrix that is no covariance.
+/// A matrix that is not a covariance.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("covariance: not positive definite at row {0}")]
 pub struct NotPositive(pub usize);
@@ -26,15 +26,15 @@ impl Cholesky {
     /// If the moments are not finite: a mistake of the caller.
     #[must_use]
     pub fn of_moments(matrix: ArrayView2<'_, f64>) -> Self {
-        let least = (1e-12 * matrix.diag().iter().copied().fold(0.0, f64::max)).max(f64::MIN_POSITIVE);
-        match Self::factor(matrix, least) {
+        let min = (1e-12 * matrix.diag().iter().copied().fold(0.0, f64::max)).max(f64::MIN_POSITIVE);
+        match Self::factor(matrix, min) {
             Ok(factor) => factor,
             Err(NotPositive(row)) => panic!("moments are not finite at row {row}"),
         }
     }
 
-    /// Row by row (Cholesky and Banachiewicz). Pivots below `least` are lifted to it.
-    fn factor(matrix: ArrayView2<'_, f64>, least: f64) -> Result<Self, NotPositive> {
+    /// Row by row (Cholesky and Banachiewicz). Pivots below `min` are lifted to it.
+    fn factor(matrix: ArrayView2<'_, f64>, min: f64) -> Result<Self, NotPositive> {
         let n = matrix.nrows();
         let mut l = Array2::<f64>::zeros((n, n));
         for i in 0..n {
@@ -46,7 +46,7 @@ impl Cholesky {
             }
             let left = row.slice(s![..i]);
             let pivot = matrix[(i, i)] - left.dot(&left);
-            let pivot = if pivot < least { least } else { pivot };
+            let pivot = if pivot < min { min } else { pivot };
             if !(pivot > 0.0 && pivot.is_finite()) {
                 return Err(NotPositive(i));
             }

@@ -23,7 +23,7 @@ mod tests {
         assert_eq!(sinc(0.0), 1.0);
         assert!((1..5).all(|n| sinc(f64::from(n)).abs() < 1e-16));
         assert!((sinc(0.5) - 2.0 / std::f64::consts::PI).abs() < 1e-16);
-        // It has no step where the series begins.
+        // The function has no step where the series begins.
         assert!((sinc(3e-10) - sinc(4e-10)).abs() < 1e-16);
     }
 

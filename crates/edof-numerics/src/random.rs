@@ -1,5 +1,4 @@
-//! Random numbers that a seed, a step and a share of the batch decide alone, on every machine alike: no library's logarithm or
-//! cosine has a say in them.
+//! Random numbers that a seed, a step and a share of the batch decide alone, with equal values on every machine: no library's logarithm or cosine is used.
 
 use rand::Rng;
 use rand_pcg::Pcg64Mcg;

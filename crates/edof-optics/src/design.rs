@@ -3,7 +3,7 @@
 //! The first population is random within the bounds; no preset is among it.
 
 use crate::estimator::{JudgeError, Task, Verdict, judge};
-use crate::psf::MOST_DEFOCUS;
+use crate::psf::MAX_DEFOCUS;
 use crate::statistics::Statistics;
 use edof_camera::Camera;
 use edof_camera::camera::{Delay, Ring, Sign};
@@ -22,7 +22,7 @@ pub struct Search {
     /// ψ at which the lens must be focused; none to search for that too.
     pub focus: Option<f64>,
     /// Largest phase of a ring, either way, in radians at the reference wavelength.
-    pub most_phase: f64,
+    pub max_phase: f64,
     /// Cameras in a generation.
     pub population: usize,
     /// Generations after the first.
@@ -33,7 +33,7 @@ pub struct Search {
 
 impl Default for Search {
     fn default() -> Self {
-        Self { rings: 1, focus: None, most_phase: 10.0, population: 32, generations: 64, seed: 0 }
+        Self { rings: 1, focus: None, max_phase: 10.0, population: 32, generations: 64, seed: 0 }
     }
 }
 
@@ -120,30 +120,30 @@ pub fn search(
 }
 
 /// Most cameras of a generation.
-const MOST_CAMERAS: usize = 10_000;
+const MAX_CAMERAS: usize = 10_000;
 /// Most generations of a search.
-const MOST_GENERATIONS: usize = 100_000;
+const MAX_GENERATIONS: usize = 100_000;
 
 fn check(base: &Camera, task: &Task, search: &Search) -> Result<(), DesignError> {
     let refuse = |field, value: String, expected| Err(DesignError::Value { field, value, expected });
     if search.rings > 2 {
         return refuse("rings", search.rings.to_string(), "0, 1 or 2");
     }
-    if !(4..=MOST_CAMERAS).contains(&search.population) {
+    if !(4..=MAX_CAMERAS).contains(&search.population) {
         return refuse("population", search.population.to_string(), "4 to 10000 cameras");
     }
-    if !(1..=MOST_GENERATIONS).contains(&search.generations) {
+    if !(1..=MAX_GENERATIONS).contains(&search.generations) {
         return refuse("generations", search.generations.to_string(), "1 to 100000");
     }
     let mut foci = base.psi_range.into_iter().chain(search.focus);
-    if foci.any(|focus| !task.psis.iter().all(|psi| (psi - focus).abs() <= MOST_DEFOCUS)) {
+    if foci.any(|focus| !task.psis.iter().all(|psi| (psi - focus).abs() <= MAX_DEFOCUS)) {
         let [low, high] = base.psi_range.map(number);
         let focus = search.focus.map_or(String::new(), |focus| format!(", focus {}", number(focus)));
         let found = format!("{low} to {high}{focus}");
         return refuse("psi", found, "depths within 200 of each other and of the focus");
     }
-    if !(search.most_phase.is_finite() && search.most_phase > 0.0) {
-        return refuse("largest phase", number(search.most_phase), "a positive number of radians");
+    if !(search.max_phase.is_finite() && search.max_phase > 0.0) {
+        return refuse("largest phase", number(search.max_phase), "a positive number of radians");
     }
     if task.psis.is_empty() || task.psis.iter().any(|p| !p.is_finite()) {
         return refuse("psi", numbers(&task.psis), "one finite number at least");
@@ -159,7 +159,7 @@ fn check(base: &Camera, task: &Task, search: &Search) -> Result<(), DesignError>
 
 /// Radii of all rings, then their phases, then the focus unless it is given.
 fn bounds(base: &Camera, search: &Search) -> Vec<[f64; 2]> {
-    let phase = [-search.most_phase, search.most_phase];
+    let phase = [-search.max_phase, search.max_phase];
     let radii = std::iter::repeat_n([0.0, 1.0], 2 * search.rings);
     let phases = std::iter::repeat_n(phase, search.rings);
     radii.chain(phases).chain(search.focus.is_none().then_some(base.psi_range)).collect()

@@ -1,4 +1,4 @@
-//! Built-in scenes, drawn by code, so that the program needs no files.
+//! Built-in scenes, rendered by code, so that the program needs no files.
 //!
 //! | scene | module | shows |
 //! |---|---|---|
@@ -13,7 +13,7 @@ pub mod leaves;
 use crate::scene::Scene;
 use edof_image::ColourFrame;
 
-/// A scene drawn by code.
+/// A scene rendered by code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Builtin {
     /// [`chart`].
@@ -22,7 +22,7 @@ pub enum Builtin {
     Leaves,
 }
 
-/// A scene that cannot be drawn.
+/// A scene that cannot be rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum DrawError {
@@ -30,7 +30,7 @@ pub enum DrawError {
     #[error("scene '{0}': must be chart, chart-4, leaves or leaves-4")]
     Unknown(String),
     /// Too small to hold its parts, or odd.
-    #[error("scene {width}x{height}: both sides must be even and at least {LEAST_SIDE} pixels")]
+    #[error("scene {width}x{height}: both sides must be even and at least {MIN_SIDE} pixels")]
     Size { height: usize, width: usize },
     /// Neither one depth nor four.
     #[error("scene with {0} depths: must be one or four values of psi")]
@@ -38,7 +38,7 @@ pub enum DrawError {
 }
 
 /// The smallest side of a built-in scene in pixels.
-pub const LEAST_SIDE: usize = 64;
+pub const MIN_SIDE: usize = 64;
 
 impl std::str::FromStr for Builtin {
     type Err = DrawError;
@@ -52,7 +52,7 @@ impl std::str::FromStr for Builtin {
     }
 }
 
-/// A scene's name: what is drawn, and at how many depths (`chart` at one, `chart-4` at four).
+/// A scene's name: its content, and its number of depths (`chart` at one, `chart-4` at four).
 ///
 /// # Errors
 /// [`DrawError::Unknown`].
@@ -74,7 +74,7 @@ pub fn parse_name(name: &str) -> Result<(Builtin, usize), DrawError> {
 /// # Errors
 /// [`DrawError::Size`] or [`DrawError::Depths`].
 pub fn draw(kind: Builtin, height: usize, width: usize, psis: &[f64], seed: u64) -> Result<Scene, DrawError> {
-    if height.min(width) < LEAST_SIDE || !height.is_multiple_of(2) || !width.is_multiple_of(2) {
+    if height.min(width) < MIN_SIDE || !height.is_multiple_of(2) || !width.is_multiple_of(2) {
         return Err(DrawError::Size { height, width });
     }
     let (name, layers) = match kind {

@@ -156,8 +156,8 @@ pub enum SeenError {
 /// covariance with a sharp one. Lags beyond the statistics' torus count as its farthest.
 fn crossed(psfs: &[Psf; 3], statistics: &Statistics, sites: &Sites) -> Array2<f64> {
     let half = psfs.iter().map(|psf| psf.side() / 2).max().unwrap_or(0);
-    let most = (sites.reach + half + 1).min(SIDE / 2 + 1);
-    let wide = Sites { window: vec![], patch: vec![], reach: most };
+    let max = (sites.reach + half + 1).min(SIDE / 2 + 1);
+    let wide = Sites { window: vec![], patch: vec![], reach: max };
     let sharp = correlations(&wide, |a, b| statistics.spectra[pair(a, b)].clone());
     // Lags of −reach…reach, row by row.
     let reach = sites.reach as isize;
@@ -165,7 +165,7 @@ fn crossed(psfs: &[Psf; 3], statistics: &Statistics, sites: &Sites) -> Array2<f6
         .map(|channels| {
             let (kernel, sharp) = (psfs[channels / 3].kernel(), &sharp[channels]);
             let middle = (kernel.nrows() / 2) as isize;
-            let far = |lag: isize| lag.unsigned_abs().min(most - 1);
+            let far = |lag: isize| lag.unsigned_abs().min(max - 1);
             let side = (2 * reach + 1) as usize;
             Array2::from_shape_fn((side, side), |(i, j)| {
                 let (down, right) = (i as isize - reach, j as isize - reach);
@@ -331,7 +331,7 @@ mod tests {
         let patch = |value: &dyn Fn(usize, usize) -> f64| {
             ndarray::Array1::from_shape_fn(192, |i| value(i / 64, i % 8))
         };
-        // Red first: what a patch of one colour is seen as tells each pixel's filter.
+        // Red first: the raw values of a patch of one colour show each pixel's filter.
         let red = seen(8.0).dot(&patch(&|plane, _| if plane == 0 { 1.0 } else { 0.0 }));
         for (pixel, &value) in red.indexed_iter() {
             let measured = pixel / 8 % 2 == 0 && pixel % 2 == 0;

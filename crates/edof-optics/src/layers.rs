@@ -9,7 +9,7 @@ use ndarray::{Array2, Array3, Axis};
 use rayon::prelude::*;
 
 /// Most layers that a photograph is cut into.
-pub const MOST_LAYERS: usize = 64;
+pub const MAX_LAYERS: usize = 64;
 
 /// Layers that a photograph is cut into unless another number is asked for.
 pub const USUAL: usize = 16;
@@ -25,11 +25,11 @@ pub enum LayersError {
     #[error("depth map: psi at row {row}, column {column} is {psi}, expected a finite number")]
     Psi { row: usize, column: usize, psi: f32 },
     /// None, or more than anyone needs.
-    #[error("layers {0}: must be 1 to {MOST_LAYERS}")]
+    #[error("layers {0}: must be 1 to {MAX_LAYERS}")]
     Count(usize),
 }
 
-/// A scene of at most `most` layers: one for each value of `psi` (radians, rows × columns) where there are no more, else as many
+/// A scene of at most `max` layers: one for each value of `psi` (radians, rows × columns) where there are no more, else as many
 /// steps of equal width. Light in; nearer things have larger ψ.
 ///
 /// # Errors
@@ -38,10 +38,10 @@ pub fn from_depths(
     name: &str,
     light: &ColourFrame,
     psi: &Array2<f32>,
-    most: usize,
+    max: usize,
 ) -> Result<Scene, LayersError> {
-    check(light, psi, most)?;
-    let depths = depths(psi, most);
+    check(light, psi, max)?;
+    let depths = depths(psi, max);
     let last = depths.len() - 1;
     let nearest = |v: f32| {
         let after = depths.partition_point(|d| *d < v).min(last);
@@ -66,9 +66,9 @@ pub fn from_depths(
     Ok(Scene { name: name.to_owned(), layers })
 }
 
-fn check(light: &ColourFrame, psi: &Array2<f32>, most: usize) -> Result<(), LayersError> {
-    if !(1..=MOST_LAYERS).contains(&most) {
-        return Err(LayersError::Count(most));
+fn check(light: &ColourFrame, psi: &Array2<f32>, max: usize) -> Result<(), LayersError> {
+    if !(1..=MAX_LAYERS).contains(&max) {
+        return Err(LayersError::Count(max));
     }
     let ((height, width), (expected_height, expected_width)) = (psi.dim(), light.size());
     if psi.dim() != light.size() {
@@ -81,15 +81,15 @@ fn check(light: &ColourFrame, psi: &Array2<f32>, most: usize) -> Result<(), Laye
 }
 
 /// Depths of the layers, ascending: from back to front.
-fn depths(psi: &Array2<f32>, most: usize) -> Vec<f32> {
+fn depths(psi: &Array2<f32>, max: usize) -> Vec<f32> {
     let mut values: Vec<f32> = psi.iter().copied().collect();
     values.sort_by(f32::total_cmp);
     values.dedup();
     let [low, high] = [values.first(), values.last()].map(|end| end.copied().unwrap_or(0.0));
-    match most {
-        _ if values.len() <= most => values,
+    match max {
+        _ if values.len() <= max => values,
         1 => vec![0.5 * (low + high)],
-        _ => (0..most).map(|i| low + (high - low) * i as f32 / (most - 1) as f32).collect(),
+        _ => (0..max).map(|i| low + (high - low) * i as f32 / (max - 1) as f32).collect(),
     }
 }
 
@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn what_makes_no_layers_is_refused() {
         let refused =
-            |psi: &Array2<f32>, most| from_depths("x", &picture(4, 6), psi, most).unwrap_err().to_string();
+            |psi: &Array2<f32>, max| from_depths("x", &picture(4, 6), psi, max).unwrap_err().to_string();
         assert_eq!(refused(&Array2::zeros((6, 4)), 8), "depth map 4x6: expected 6x4 as the photograph");
         assert_eq!(refused(&Array2::zeros((4, 6)), 0), "layers 0: must be 1 to 64");
         let mut psi = Array2::zeros((4, 6));
@@ -182,17 +182,17 @@ mod tests {
 
         #[test]
         fn without_blur_the_photograph_comes_back(
-            height in 1usize..20, width in 1usize..20, most in 1usize..9, seed in any::<u32>()
+            height in 1usize..20, width in 1usize..20, max in 1usize..9, seed in any::<u32>()
         ) {
             let light = picture(height, width);
             let psi = Array2::from_shape_fn((height, width), |(r, c)| {
                 ((r as u32 / 3 * 31 + c as u32 / 4 * 17).wrapping_mul(seed | 1) >> 20) as f32 / 512.0
             });
-            let scene = from_depths("p", &light, &psi, most).unwrap();
+            let scene = from_depths("p", &light, &psi, max).unwrap();
             scene.check().unwrap();
             prop_assert_eq!(scene.sharp(), light);
             let range = psi.iter().copied().fold(0.0f32, f32::max);
-            let step = if most == 1 { range } else { range / most as f32 };
+            let step = if max == 1 { range } else { range / max as f32 };
             let far = scene.psi_map().iter().zip(&psi).any(|(a, b)| (a - b).abs() > step + 1e-4);
             prop_assert!(!far);
         }

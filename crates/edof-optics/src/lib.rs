@@ -10,7 +10,7 @@
 //! | | [`cosine`] | the transform of even planes that both stand on |
 //! | | [`depth`] | ψ for a distance and back |
 //! | | [`mtf`] | contrast over spatial frequency and through focus |
-//! | scene | [`draw`] | charts and leaves drawn by code |
+//! | scene | [`draw`] | charts and leaves rendered by code |
 //! | | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
 //! | | [`layers`] | a photograph with a depth map as such a scene |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |

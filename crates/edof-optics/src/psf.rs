@@ -24,7 +24,7 @@ use spectrum::summed;
 /// Side in pixels of the support computed when nothing is cut; a cut kernel's is smaller where the asked energy allows it.
 pub const SUPPORT: usize = 1024;
 /// The farthest from focus, in radians at the reference wavelength, at which the support still holds the blur.
-pub const MOST_DEFOCUS: f64 = 200.0;
+pub const MAX_DEFOCUS: f64 = 200.0;
 
 /// How exactly PSFs are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +109,7 @@ pub struct Psf {
     pub wavelength_error: f64,
 }
 
-/// A kernel that is no PSF.
+/// A kernel that is not a PSF.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum PsfError {
@@ -195,7 +195,7 @@ impl Psf {
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum NoPsf {
     /// Blur larger than any support, or no number.
-    #[error("psi {}: must lie within {MOST_DEFOCUS} of the focus of camera {camera}, at {}{near}", number(*psi), number(*focus))]
+    #[error("psi {}: must lie within {MAX_DEFOCUS} of the focus of camera {camera}, at {}{near}", number(*psi), number(*focus))]
     Focus { psi: f64, camera: String, focus: f64, near: String },
     /// Beyond the ends of its PSF bank.
     #[error(
@@ -225,8 +225,8 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
         if let Some(map) = camera.height_map.as_ref().filter(|map| map.heights.is_none()) {
             return Err(NoPsf::NoMask { camera: name, file: map.file.clone(), sha256: map.sha256.clone() });
         }
-        let near = (psi - focus).abs() <= MOST_DEFOCUS;
-        let reach = || in_metres(camera, [focus - MOST_DEFOCUS, focus + MOST_DEFOCUS]);
+        let near = (psi - focus).abs() <= MAX_DEFOCUS;
+        let reach = || in_metres(camera, [focus - MAX_DEFOCUS, focus + MAX_DEFOCUS]);
         return if near { Ok(()) } else { Err(NoPsf::Focus { psi, camera: name, focus, near: reach() }) };
     };
     let file = bank.file.clone();

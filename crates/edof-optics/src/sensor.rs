@@ -153,8 +153,8 @@ mod tests {
     fn light_beyond_full_scale_and_below_zero_saturates() {
         for depth in 8..=16 {
             let sensor = Sensor { depth, ..Sensor::default() };
-            let most = ((1u32 << depth) - 1) as u16;
-            assert!(expose(&flat(1.5), &sensor).unwrap().values().iter().all(|&c| c == most));
+            let max = ((1u32 << depth) - 1) as u16;
+            assert!(expose(&flat(1.5), &sensor).unwrap().values().iter().all(|&c| c == max));
             assert!(expose(&flat(-0.5), &sensor).unwrap().values().iter().all(|&c| c == 0));
         }
     }

@@ -123,7 +123,7 @@ impl Tiles {
     }
 }
 
-/// The period at which a side costs least, of those whose transforms are fast and of which a half is not surroundings.
+/// The period at which a side costs least, among sides with fast transforms and with surroundings of less than half.
 fn cheapest(length: usize, reach: usize) -> Option<usize> {
     let cost = |n: &usize| length.div_ceil(n - 2 * reach) as f64 * *n as f64 * (*n as f64).log2();
     let longest = LONG.max(6 * reach).min(LONGEST);
@@ -142,7 +142,7 @@ impl Cut {
             period > 2 * reach,
             "a period of {period} holds nothing but the surroundings, {reach} a side"
         );
-        // All pieces alike, no sliver at the end.
+        // All pieces have one size, no sliver at the end.
         let step = length.div_ceil(length.div_ceil(period - 2 * reach));
         Self { step, period, forward: f32::forward(period), inverse: f32::inverse(period) }
     }

@@ -45,7 +45,7 @@ pub fn all() -> Result<Vec<Design>, PresetError> {
 /// Whether a network fits a design, for who chose both by name.
 ///
 /// # Errors
-/// They do not fit each other: in what, and what would.
+/// Design and network do not fit each other; the error states the difference and the expected value.
 pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), PresetError> {
     fits_given(design, &design.name, network)
 }

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub struct Lens {
     /// The camera, its bank and its mask's picture read.
     pub camera: Camera,
-    /// Its own file, and the files of mask and PSFs.
+    /// Files of the camera, of its mask and of its PSFs.
     pub files: Vec<PathBuf>,
 }
 
@@ -96,7 +96,7 @@ fn folder(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
 }
 
-/// How far away a thing is.
+/// Distance of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Depth {
     /// The defocus parameter in radians.

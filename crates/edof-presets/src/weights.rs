@@ -37,8 +37,7 @@ pub fn fixed(name_or_path: &str) -> Result<FixedNetwork, PresetError> {
     Ok(network)
 }
 
-/// Reads the PSFs or the mask's surface that a network's camera has of its own, from beside the network or from the working directory.
-/// Where they are in neither, anybody who needs them is told so ([`edof_optics::psf::NoPsf`]); a network can be run without.
+/// Reads the PSFs or the mask's surface of a network's camera, from beside the network or from the working directory. If they are in neither, the error names both places ([`edof_optics::psf::NoPsf`]); a network can be run without.
 fn find_bank(camera: &mut Camera, network: &Path) {
     let folders = [network.parent().unwrap_or(Path::new("")), Path::new("")];
     let _ = folders.into_iter().find(|folder| camera.read_bank(folder).is_ok());

@@ -3,7 +3,7 @@
 //! With Ŵ the words' matrices, W the real ones and v̂, v what they multiply, Ŵv̂ − Wv = Ŵ(v̂ − v) + (Ŵ − W)v. Each row's bound is
 //! Σ|Ŵ|·(bound of v) for the first term, the most that (Ŵ − W)v can be for any v that occurs (interval arithmetic over all windows) for
 //! the second, and half of the result's last bit for rounding. Shrinkage and saturation bring no two numbers further apart, so the bound
-//! holds for every window, those that saturate too, against a network held to the same ranges ([`crate::float_reference`]); where none of its
+//! holds for every window, those that saturate too, against a network clamped to the same ranges ([`crate::float_reference`]); where none of its
 //! values reaches an end of its range, that is the float network.
 //!
 //! The statistical figure takes roundings for independent, uniform and without mean, and every code for open: each rounding then
@@ -44,8 +44,8 @@ impl StageBound {
     /// The largest of each.
     #[must_use]
     pub fn summary(&self) -> BoundSummary {
-        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max) / self.unit;
-        BoundSummary { worst_bits: most(&self.worst), deviation_bits: most(&self.deviation) }
+        let max = |values: &[f64]| values.iter().copied().fold(0.0, f64::max) / self.unit;
+        BoundSummary { worst_bits: max(&self.worst), deviation_bits: max(&self.deviation) }
     }
 }
 
@@ -144,31 +144,31 @@ fn unit(fraction: u32) -> f64 {
 /// Values between which something lies for every window, one pair a coefficient.
 #[derive(Debug, Clone)]
 struct Interval {
-    least: Array1<f64>,
-    most: Array1<f64>,
+    min: Array1<f64>,
+    max: Array1<f64>,
 }
 
 impl Interval {
     fn map(&self, each: impl Fn(f64, usize) -> f64) -> Self {
         let all = |ends: &Array1<f64>| ends.iter().enumerate().map(|(i, v)| each(*v, i)).collect();
-        Self { least: all(&self.least), most: all(&self.most) }
+        Self { min: all(&self.min), max: all(&self.max) }
     }
 
-    fn held(&self, [least, most]: [f64; 2]) -> Self {
-        self.map(|v, _| v.clamp(least, most))
+    fn held(&self, [min, max]: [f64; 2]) -> Self {
+        self.map(|v, _| v.clamp(min, max))
     }
 
     fn plus(&self, other: &Self) -> Self {
-        Self { least: &self.least + &other.least, most: &self.most + &other.most }
+        Self { min: &self.min + &other.min, max: &self.max + &other.max }
     }
 
     fn minus(&self, other: &Self) -> Self {
-        Self { least: &self.least - &other.most, most: &self.most - &other.least }
+        Self { min: &self.min - &other.max, max: &self.max - &other.min }
     }
 
     /// Largest magnitudes.
     fn size(&self) -> Array1<f64> {
-        self.least.iter().zip(&self.most).map(|(a, b)| a.abs().max(b.abs())).collect()
+        self.min.iter().zip(&self.max).map(|(a, b)| a.abs().max(b.abs())).collect()
     }
 
     /// What a matrix can make of it.
@@ -176,8 +176,8 @@ impl Interval {
         let positive = matrix.mapv(|w| w.max(0.0));
         let negative = matrix.mapv(|w| w.min(0.0));
         Self {
-            least: positive.dot(&self.least) + negative.dot(&self.most),
-            most: positive.dot(&self.most) + negative.dot(&self.least),
+            min: positive.dot(&self.min) + negative.dot(&self.max),
+            max: positive.dot(&self.max) + negative.dot(&self.min),
         }
     }
 }
@@ -207,12 +207,12 @@ impl Work<'_> {
         let pixels = form.window.pixels();
         let light = 1.0 - unit(INPUT_FRACTION);
         let y = Known {
-            real: Interval { least: Array1::zeros(pixels), most: Array1::from_elem(pixels, light) },
+            real: Interval { min: Array1::zeros(pixels), max: Array1::from_elem(pixels, light) },
             off: Array1::zeros(pixels),
         };
         let (own, real) = (self.computed, self.reference);
         let nothing = Known {
-            real: Interval { least: Array1::zeros(form.codes), most: Array1::zeros(form.codes) },
+            real: Interval { min: Array1::zeros(form.codes), max: Array1::zeros(form.codes) },
             off: Array1::zeros(form.codes),
         };
         let shift = self.fixed.analysis_shift();
@@ -238,7 +238,7 @@ impl Work<'_> {
             } else {
                 let outputs = real.dictionary.nrows();
                 let zero = Array1::zeros(outputs);
-                let nothing = Known { real: Interval { least: zero.clone(), most: zero.clone() }, off: zero };
+                let nothing = Known { real: Interval { min: zero.clone(), max: zero.clone() }, off: zero };
                 let mut both = vec![(&own.dictionary, &real.dictionary, &z)];
                 if let (Some(computed), Some(exact)) = (&own.linear_path, &real.linear_path) {
                     both.push((computed, exact, &y));
@@ -297,7 +297,7 @@ impl Work<'_> {
             let off = b.off[i] + (own[i] - exact[i]).abs() + rounding;
             // Closed for every window, whatever the error: nothing passes.
             let beyond = match self.fixed.form.shrinkage {
-                Shrinkage::OneSided => b.real.most[i],
+                Shrinkage::OneSided => b.real.max[i],
                 Shrinkage::TwoSided => size[i],
             };
             if beyond + off <= exact[i] { 0.0 } else { off }

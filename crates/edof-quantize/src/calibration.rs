@@ -145,9 +145,9 @@ impl Calibration {
         pass.forward(weights, inputs, windows);
         self.windows += windows as u64;
         for t in 0..form.shrinkages() {
-            let of = |values: &[f32], most: &mut [f32]| {
+            let of = |values: &[f32], max: &mut [f32]| {
                 for row in values[..windows * form.codes].chunks_exact(form.codes) {
-                    most.iter_mut().zip(row).for_each(|(m, v)| *m = m.max(v.abs()));
+                    max.iter_mut().zip(row).for_each(|(m, v)| *m = m.max(v.abs()));
                 }
             };
             of(pass.b(t), &mut self.codes[t]);

@@ -1,4 +1,4 @@
-//! Quantization-aware fine-tuning: weights go on being trained while the network computes with the words that the board will
+//! Quantization-aware fine-tuning: training of the weights continues while the network computes with the words that the board will
 //! hold. Formats stay as the quantizer chose them.
 //!
 //! The weights that are trained are kept in floating point; each step rounds them as [`crate::rounding`] does and looks through
@@ -45,7 +45,7 @@ pub struct FinetuneOptions {
     pub batch: usize,
     /// Largest move of a weight in one step, for inputs of variance one and in units of a code's last bit.
     pub rate: f32,
-    /// Seed of the windows drawn.
+    /// Seed of the random windows.
     pub seed: u64,
 }
 
@@ -55,7 +55,7 @@ impl Default for FinetuneOptions {
     }
 }
 
-/// What is told at each validation.
+/// What is reported at each validation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FinetuneProgress {
     /// Steps taken.
@@ -139,7 +139,7 @@ impl<'a> Tuner<'a> {
             errors: vec![0.0; share],
             gradient: vec![0.0; values.len()],
         };
-        let conditions = Conditions::plain(fixed.origin.most_sigma() as f32);
+        let conditions = Conditions::plain(fixed.origin.max_sigma() as f32);
         let mut parts: Vec<Part> = (0..PARTS).map(part).collect();
         let rounding = parts[0].moments(&form, &values, dataset, &conditions, tuning.seed);
         let condition = Precondition::of(rounding.factors(&layout));

@@ -1,7 +1,7 @@
 //! The fixed network's function in floating point: the same matrices and thresholds as real numbers, the same ends of every range, and
 //! nothing rounded but by the arithmetic itself.
 //!
-//! Values are held to their formats' ends where the integers saturate. Where none is, this is the float network itself.
+//! Values are clamped to their formats' ranges where the integers saturate. Without clamped values this is the float network itself.
 
 use crate::fold::Folded;
 use edof_float::matmul::{Destination, Mat, product};
@@ -43,7 +43,7 @@ pub struct FloatReference<T> {
 pub struct Values<T> {
     /// b_t, t = 1…T−1, windows × codes each; then the outputs, windows × 128.
     pub stages: Vec<Vec<T>>,
-    /// How many b, z, differences and outputs were held to the ends of their range.
+    /// Number of b, z, differences and outputs that were clamped to their range.
     pub clipped: u64,
 }
 
@@ -125,10 +125,10 @@ impl<T: Real> FloatReference<T> {
 
     /// Holds values to the ends of stage `t`'s range; how many were beyond.
     fn hold(&self, t: usize, values: &mut [T]) -> u64 {
-        let [least, most] = self.ends[t];
+        let [min, max] = self.ends[t];
         let mut clipped = 0;
         for value in values {
-            let held = value.max(least).min(most);
+            let held = value.max(min).min(max);
             clipped += u64::from(held != *value);
             *value = held;
         }

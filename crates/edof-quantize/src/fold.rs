@@ -102,7 +102,7 @@ fn output_weight(window: &Array2<f64>, output: usize) -> f64 {
 
 /// A coefficient's range is taken to be at least this share of what b₁ could reach for any window: one that is (almost)
 /// never used must not ask for enormous weights.
-const LEAST_SHARE: f64 = 0.01;
+const MIN_SHARE: f64 = 0.01;
 
 /// What b and z of each coefficient are multiplied by so that all use their range: 1/(largest value seen × headroom).
 #[must_use]
@@ -115,7 +115,7 @@ pub fn scales(network: &Network, calibration: &Calibration, options: &QuantizeOp
             let seen = calibration.codes.iter().chain(&calibration.changes).map(|layer| f64::from(layer[i]));
             // θ < 0 is itself a value of z.
             let passed = network.thresholds.iter().map(|theta| f64::from(-theta[i]));
-            let largest = seen.chain(passed).fold(LEAST_SHARE * reachable, f64::max);
+            let largest = seen.chain(passed).fold(MIN_SHARE * reachable, f64::max);
             if largest > 0.0 { full / (largest * options.headroom) } else { 1.0 }
         })
         .collect()

@@ -14,7 +14,7 @@ use ndarray::{Array1, Array2};
 use std::collections::BTreeSet;
 
 /// More fraction bits than these help nobody: they only make accumulators wide.
-const MOST_FRACTION: u32 = 24;
+const MAX_FRACTION: u32 = 24;
 
 /// Largest |code| of each layer after scaling, without headroom.
 #[must_use]
@@ -193,10 +193,10 @@ fn code_fractions(
     options: &QuantizeOptions,
     recurrence: Recurrence,
 ) -> Vec<u32> {
-    let most = most(options.bits);
+    let max = max_word(options.bits);
     let fits = |value: f64| {
-        let finest = (most / value.max(1e-9)).log2().floor();
-        finest.clamp(0.0, f64::from(MOST_FRACTION)) as u32
+        let finest = (max / value.max(1e-9)).log2().floor();
+        finest.clamp(0.0, f64::from(MAX_FRACTION)) as u32
     };
     // A threshold of the last share of a bit beyond the range is no reason to lose one.
     let theta = |t: usize| folded.thresholds[t].iter().fold(0.0, |a: f64, v| a.max(-v));
@@ -234,8 +234,8 @@ fn make_shifts_legal(fractions: &mut [u32], analysis: u32, recurrent: &[u32], fo
 /// The most fraction bits at which the matrix keeps within its width.
 fn weight_fraction(what: &'static str, matrix: &Array2<f64>, bits: u32) -> Result<u32, QuantizeError> {
     let value = matrix.iter().fold(0.0, |a: f64, w| a.max(w.abs()));
-    let fits = |fraction: &u32| (value * f64::from(*fraction).exp2()).round() <= most(bits);
-    (0..=MOST_FRACTION).rev().find(fits).ok_or(QuantizeError::Large { what, value, bits })
+    let fits = |fraction: &u32| (value * f64::from(*fraction).exp2()).round() <= max_word(bits);
+    (0..=MAX_FRACTION).rev().find(fits).ok_or(QuantizeError::Large { what, value, bits })
 }
 
 fn all_thresholds(folded: &Folded, fractions: &[u32], bits: u32, shrinkage: Shrinkage) -> Vec<Array1<i16>> {
@@ -252,9 +252,9 @@ fn thresholds(theta: &Array1<f64>, fraction: u32, bits: u32, shrinkage: Shrinkag
 }
 
 fn word(value: f64, fraction: u32, bits: u32) -> i16 {
-    (value * f64::from(fraction).exp2() + 0.5).floor().clamp(-most(bits) - 1.0, most(bits)) as i16
+    (value * f64::from(fraction).exp2() + 0.5).floor().clamp(-max_word(bits) - 1.0, max_word(bits)) as i16
 }
 
-fn most(bits: u32) -> f64 {
+fn max_word(bits: u32) -> f64 {
     f64::from((1u32 << (bits - 1)) - 1)
 }

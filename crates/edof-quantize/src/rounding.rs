@@ -104,7 +104,7 @@ fn factor(mut moments: Array2<f64>) -> Cholesky {
 
 /// Words of each row of `matrix`, whose inputs have the moments of `factor`; `fractions` are the columns' fraction bits.
 fn round(factor: &Cholesky, matrix: &Array2<f64>, fractions: &[u32], bits: u32) -> Array2<i16> {
-    let most = f64::from((1u32 << (bits - 1)) - 1);
+    let max = f64::from((1u32 << (bits - 1)) - 1);
     let l = factor.lower();
     let mut words = Array2::zeros(matrix.dim());
     for (row, mut out) in matrix.outer_iter().zip(words.outer_iter_mut()) {
@@ -113,7 +113,7 @@ fn round(factor: &Cholesky, matrix: &Array2<f64>, fractions: &[u32], bits: u32) 
         for j in (0..row.len()).rev() {
             let unit = f64::from(fractions[j]).exp2();
             let wanted = row[j] + pull[j] / l[(j, j)];
-            let word = (wanted * unit + 0.5).floor().clamp(-most - 1.0, most);
+            let word = (wanted * unit + 0.5).floor().clamp(-max - 1.0, max);
             out[j] = word as i16;
             let error = row[j] - word / unit;
             pull.slice_mut(s![..j]).scaled_add(error, &l.slice(s![j, ..j]));

@@ -11,15 +11,15 @@ use edof_network::fixed_network::{FixedMatrix, FixedNetworkError};
 use rayon::prelude::*;
 
 /// Fewest bits that are tried.
-pub const LEAST: u32 = 5;
+pub const MIN: u32 = 5;
 
 /// Bits that cannot be tried.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum StageBitsError {
     /// Not one a stage, or out of range.
-    #[error("bits {bits:?}: must be {stages} of them, one a stage, from {LEAST} to the network's {most}")]
-    Bits { bits: Vec<u32>, stages: usize, most: u32 },
+    #[error("bits {bits:?}: must be {stages} of them, one a stage, from {MIN} to the network's {max}")]
+    Bits { bits: Vec<u32>, stages: usize, max: u32 },
     /// No network that runs exactly; the difference form needs one format for all codes.
     #[error(transparent)]
     Network(#[from] FixedNetworkError),
@@ -34,21 +34,21 @@ pub enum StageBitsError {
 /// # Errors
 /// [`StageBitsError`].
 pub fn with_stage_bits(fixed: &FixedNetwork, bits: &[u32]) -> Result<FixedNetwork, StageBitsError> {
-    let (stages, most) = (fixed.form.layers, fixed.code_bits);
-    if bits.len() != stages || bits.iter().any(|b| !(LEAST..=most).contains(b)) {
-        return Err(StageBitsError::Bits { bits: bits.to_vec(), stages, most });
+    let (stages, max) = (fixed.form.layers, fixed.code_bits);
+    if bits.len() != stages || bits.iter().any(|b| !(MIN..=max).contains(b)) {
+        return Err(StageBitsError::Bits { bits: bits.to_vec(), stages, max });
     }
-    let left_out = |stage: usize| most - bits[stage];
+    let left_out = |stage: usize| max - bits[stage];
     let mut network = fixed.clone();
-    coarsen(&mut network.analysis, left_out(0), most);
+    coarsen(&mut network.analysis, left_out(0), max);
     for index in 0..network.recurrent.len() {
         let uses =
             (0..fixed.form.middle_layers()).filter(|layer| fixed.form.recurrent_index(*layer) == index);
-        let least = uses.map(|layer| left_out(layer + 1)).min().unwrap_or(0);
-        coarsen(&mut network.recurrent[index], least, most);
+        let min = uses.map(|layer| left_out(layer + 1)).min().unwrap_or(0);
+        coarsen(&mut network.recurrent[index], min, max);
     }
-    coarsen(&mut network.dictionary, left_out(stages - 1), most);
-    network.linear_path.iter_mut().for_each(|r| coarsen(r, left_out(stages - 1), most));
+    coarsen(&mut network.dictionary, left_out(stages - 1), max);
+    network.linear_path.iter_mut().for_each(|r| coarsen(r, left_out(stages - 1), max));
     for (stage, theta) in network.thresholds.iter_mut().enumerate() {
         // Below no fraction bits at all there is nothing to leave out.
         let k = left_out(stage).min(network.code_fractions[stage]);
@@ -79,8 +79,8 @@ fn shifted(word: i16, k: u32) -> i16 {
 }
 
 fn coarsen(matrix: &mut FixedMatrix, k: u32, bits: u32) {
-    let most = ((1i32 << (bits - 1)) - 1) >> k;
-    matrix.weights.mapv_inplace(|word| (i32::from(shifted(word, k)).min(most) << k) as i16);
+    let max = ((1i32 << (bits - 1)) - 1) >> k;
+    matrix.weights.mapv_inplace(|word| (i32::from(shifted(word, k)).min(max) << k) as i16);
 }
 
 /// Mean PSNR of a network over scenes; `psnr(sharp, estimate)` in dB compares pictures in the tone of the sharp one.
@@ -116,11 +116,11 @@ pub fn fewest<E>(
     let (whole, mut lost) = (db(&best)?, 0.0);
     loop {
         let mut next: Option<(usize, f64)> = None;
-        for stage in (0..stages).filter(|stage| best[*stage] > LEAST) {
+        for stage in (0..stages).filter(|stage| best[*stage] > MIN) {
             let mut fewer = best.clone();
             fewer[stage] -= 1;
             let own = whole - db(&fewer)?;
-            if own <= allowed && next.is_none_or(|(_, least)| own < least) {
+            if own <= allowed && next.is_none_or(|(_, min)| own < min) {
                 next = Some((stage, own));
             }
         }

@@ -77,7 +77,7 @@ impl Report {
         })
     }
 
-    /// How numbers was made, which who knows it need not read again: it opens where it is asked for.
+    /// How the numbers were made: a section that is closed until a reader opens it.
     pub fn method(&mut self, text: &str) -> &mut Self {
         self.add(&html! { details { summary { "How this was measured" } p { (text) } } })
     }
@@ -163,8 +163,8 @@ impl Report {
     pub fn plots(&mut self, plots: &[Plot]) -> &mut Self {
         self.is_wide = true;
         let style = |plot: &Plot| {
-            let [least, most] = [READABLE, LARGE].map(|share| share * plot.size[0]);
-            format!("--least:{least:.0}px;--most:{most:.0}px")
+            let [min, max] = [READABLE, LARGE].map(|share| share * plot.size[0]);
+            format!("--least:{min:.0}px;--most:{max:.0}px")
         };
         self.add(&html! {
             div.plots {

@@ -6,20 +6,20 @@ use rayon::prelude::*;
 /// Sparse codes of many signals, each of N non-zeros at most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseCodes<F> {
-    pub(crate) most: usize,
+    pub(crate) max: usize,
     pub(crate) counts: Vec<usize>,
-    /// `most` places a signal, of which its count is in use.
+    /// `max` places a signal, of which its count is in use.
     pub(crate) atoms: Vec<u32>,
     pub(crate) values: Vec<F>,
 }
 
 impl<F: NdFloat> SparseCodes<F> {
-    pub(crate) fn zeros(signals: usize, most: usize) -> Self {
+    pub(crate) fn zeros(signals: usize, max: usize) -> Self {
         Self {
-            most,
+            max,
             counts: vec![0; signals],
-            atoms: vec![0; signals * most],
-            values: vec![F::zero(); signals * most],
+            atoms: vec![0; signals * max],
+            values: vec![F::zero(); signals * max],
         }
     }
 
@@ -32,7 +32,7 @@ impl<F: NdFloat> SparseCodes<F> {
     /// Atoms of one signal and what each is multiplied by, in the order in which they were chosen.
     #[must_use]
     pub fn of(&self, signal: usize) -> (&[u32], &[F]) {
-        let used = signal * self.most..signal * self.most + self.counts[signal];
+        let used = signal * self.max..signal * self.max + self.counts[signal];
         (&self.atoms[used.clone()], &self.values[used])
     }
 

@@ -9,7 +9,7 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, NdFloat, linalg::general_mat_mu
 pub(crate) struct Free<F> {
     /// Free atoms as rows: free × length.
     atoms: Array2<F>,
-    /// Their least-squares codes of a signal: length × free.
+    /// Least-squares codes of the free atoms of a signal: length × free.
     fit: Array2<F>,
     /// What each atom of the whole dictionary takes from them: all atoms × free.
     shares: Array2<F>,

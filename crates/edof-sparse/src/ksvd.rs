@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Atoms whose cosine is beyond this are copies of each other.
 const COPY: f32 = 0.99;
 /// An atom that fewer signals use than this is not used.
-const LEAST_USERS: usize = 2;
+const MIN_USERS: usize = 2;
 /// Power steps an atom and round; they continue from the end of the last round.
 const POWER_STEPS: usize = 2;
 /// Users whose share of a sum is one partial sum, so that a sum does not depend on how many threads there are.
@@ -112,7 +112,7 @@ impl Work {
         for signal in 0..self.codes.signals() {
             let (chosen, _) = self.codes.of(signal);
             for (place, &atom) in chosen.iter().enumerate() {
-                self.users[atom as usize].push((signal, signal * self.codes.most + place));
+                self.users[atom as usize].push((signal, signal * self.codes.max + place));
             }
         }
     }
@@ -121,7 +121,7 @@ impl Work {
     fn update(&mut self) {
         for atom in 0..self.atoms.nrows() {
             let users = std::mem::take(&mut self.users[atom]);
-            if users.len() >= LEAST_USERS {
+            if users.len() >= MIN_USERS {
                 self.update_atom(atom, &users);
             }
             self.users[atom] = users;
@@ -218,7 +218,7 @@ impl Work {
             (0..count)
                 .any(|b| a != b && gram[(a, b)].abs() > COPY && (users(b), count - b) > (users(a), count - a))
         };
-        (0..count).filter(|&atom| users(atom) < LEAST_USERS || is_copy(atom)).collect()
+        (0..count).filter(|&atom| users(atom) < MIN_USERS || is_copy(atom)).collect()
     }
 }
 

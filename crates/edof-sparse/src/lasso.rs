@@ -204,7 +204,7 @@ impl<F: NdFloat> Workspace<F> {
 
     /// z ← σ(y + (1/L)·Dᵀ(x − D·y)), y ← z + `beyond`·(z − z before); the largest change of a code.
     fn step(&mut self, lasso: &Lasso<F>, beyond: F) -> F {
-        let mut most = F::zero();
+        let mut max = F::zero();
         let step = lasso.step;
         let rows = self.z.outer_iter_mut().zip(self.y.outer_iter_mut());
         let seen = self.toward.outer_iter().zip(self.correlations.outer_iter());
@@ -213,13 +213,13 @@ impl<F: NdFloat> Workspace<F> {
                 |z, y, &g, &b, &mu| {
                     let next = shrink(*y + step * (b - g), step * mu);
                     let change = next - *z;
-                    most = most.max(change.abs());
+                    max = max.max(change.abs());
                     *y = next + beyond * change;
                     *z = next;
                 },
             );
         }
-        most
+        max
     }
 
     /// Writes a chunk's codes, the free ones fitted to what is left.
@@ -333,9 +333,9 @@ mod tests {
         let effort = Effort { steps: 60, tolerance: 0.0 };
         let [slow, fast] = [lasso.ista(x.view(), effort), lasso.fista(x.view(), effort)]
             .map(|r| objective(&d, &x, &mu, &r.codes));
-        let least =
+        let min =
             objective(&d, &x, &mu, &lasso.fista(x.view(), Effort { steps: 20_000, tolerance: 0.0 }).codes);
-        assert!(fast - least < 0.3 * (slow - least), "{fast} {slow} {least}");
+        assert!(fast - min < 0.3 * (slow - min), "{fast} {slow} {min}");
     }
 
     #[test]

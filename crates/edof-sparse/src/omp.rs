@@ -84,23 +84,23 @@ impl<F: NdFloat> Omp<F> {
         assert_eq!(signals.ncols(), self.atoms.nrows(), "signals and atoms differ in length");
         let free = self.free.len();
         // No more than the length can be independent.
-        let most = free + stop.atoms.min(self.atoms.nrows()).min(self.atoms.ncols());
-        let mut codes = SparseCodes::zeros(signals.nrows(), most);
-        if most == 0 {
+        let max = free + stop.atoms.min(self.atoms.nrows()).min(self.atoms.ncols());
+        let mut codes = SparseCodes::zeros(signals.nrows(), max);
+        if max == 0 {
             return codes;
         }
         let parts = codes
             .counts
             .par_chunks_mut(CHUNK)
-            .zip(codes.atoms.par_chunks_mut(CHUNK * most))
-            .zip(codes.values.par_chunks_mut(CHUNK * most))
+            .zip(codes.atoms.par_chunks_mut(CHUNK * max))
+            .zip(codes.values.par_chunks_mut(CHUNK * max))
             .enumerate();
         parts.for_each_init(
-            || Workspace::new(self, most - free),
+            || Workspace::new(self, max - free),
             |room, (chunk, ((counts, atoms), values))| {
                 let signals = signals.slice(s![chunk * CHUNK..chunk * CHUNK + counts.len(), ..]);
                 room.correlate(self, signals);
-                let places = atoms.chunks_exact_mut(most).zip(values.chunks_exact_mut(most));
+                let places = atoms.chunks_exact_mut(max).zip(values.chunks_exact_mut(max));
                 for (i, (count, (atoms, values))) in counts.iter_mut().zip(places).enumerate() {
                     room.pursue(self, i, stop);
                     *count = room.write(self, i, atoms, values);
@@ -113,7 +113,7 @@ impl<F: NdFloat> Omp<F> {
 
 /// What one thread needs, made once.
 struct Workspace<F> {
-    most: usize,
+    max: usize,
     /// Signals without their free part, and the codes of that.
     rest: Array2<F>,
     free_codes: Array2<F>,
@@ -122,7 +122,7 @@ struct Workspace<F> {
     /// Dᵀ of what is left of the signal at work.
     now: Vec<F>,
     support: Vec<usize>,
-    /// L of L·Lᵀ = DᵀD on the support, rows of `most`.
+    /// L of L·Lᵀ = DᵀD on the support, rows of `max`.
     factor: Vec<F>,
     /// L⁻¹·Dᵀx on the support: only its last entry is new after each atom.
     half_way: Vec<F>,
@@ -131,18 +131,18 @@ struct Workspace<F> {
 }
 
 impl<F: NdFloat> Workspace<F> {
-    fn new(omp: &Omp<F>, most: usize) -> Self {
+    fn new(omp: &Omp<F>, max: usize) -> Self {
         let (length, atoms) = omp.atoms.dim();
         Self {
-            most,
+            max,
             rest: Array2::zeros((CHUNK, length)),
             free_codes: Array2::zeros((CHUNK, omp.free.len())),
             first: Array2::zeros((CHUNK, atoms)),
             now: vec![F::zero(); atoms],
-            support: Vec::with_capacity(most),
-            factor: vec![F::zero(); most * most],
-            half_way: vec![F::zero(); most],
-            solution: vec![F::zero(); most],
+            support: Vec::with_capacity(max),
+            factor: vec![F::zero(); max * max],
+            half_way: vec![F::zero(); max],
+            solution: vec![F::zero(); max],
         }
     }
 
@@ -165,16 +165,16 @@ impl<F: NdFloat> Workspace<F> {
         let first = self.first.row(signal);
         let Some(first) = first.as_slice() else { return };
         self.now.copy_from_slice(first);
-        while self.support.len() < self.most && left > enough {
+        while self.support.len() < self.max && left > enough {
             let Some(atom) = strongest(&self.now) else { return };
-            if !extend(&mut self.factor, self.most, &self.support, omp, atom) {
+            if !extend(&mut self.factor, self.max, &self.support, omp, atom) {
                 return;
             }
             let n = self.support.len();
             self.support.push(atom);
-            let row = &self.factor[n * self.most..];
+            let row = &self.factor[n * self.max..];
             self.half_way[n] = (first[atom] - dot(&row[..n], &self.half_way[..n])) / row[n];
-            solve_upper(&self.factor, self.most, &self.half_way[..=n], &mut self.solution);
+            solve_upper(&self.factor, self.max, &self.half_way[..=n], &mut self.solution);
             self.now.copy_from_slice(first);
             for (&chosen, &value) in self.support.iter().zip(&self.solution) {
                 let gram = omp.gram.row(chosen);
@@ -218,11 +218,11 @@ fn strongest<F: NdFloat>(values: &[F]) -> Option<usize> {
 }
 
 /// Adds an atom's row to the factor; false if the support explains the atom, which then cannot make anything better.
-fn extend<F: NdFloat>(factor: &mut [F], most: usize, support: &[usize], omp: &Omp<F>, atom: usize) -> bool {
+fn extend<F: NdFloat>(factor: &mut [F], max: usize, support: &[usize], omp: &Omp<F>, atom: usize) -> bool {
     let n = support.len();
-    let (known, row) = factor.split_at_mut(n * most);
+    let (known, row) = factor.split_at_mut(n * max);
     for (j, &other) in support.iter().enumerate() {
-        let line = &known[j * most..];
+        let line = &known[j * max..];
         row[j] = (omp.gram[(other, atom)] - dot(&line[..j], &row[..j])) / line[j];
     }
     let pivot = F::one() - dot(&row[..n], &row[..n]);
@@ -234,10 +234,10 @@ fn extend<F: NdFloat>(factor: &mut [F], most: usize, support: &[usize], omp: &Om
 }
 
 /// z of Lᵀ·z = `half_way`.
-fn solve_upper<F: NdFloat>(factor: &[F], most: usize, half_way: &[F], z: &mut [F]) {
+fn solve_upper<F: NdFloat>(factor: &[F], max: usize, half_way: &[F], z: &mut [F]) {
     for i in (0..half_way.len()).rev() {
-        let below = (i + 1..half_way.len()).fold(F::zero(), |sum, j| sum + factor[j * most + i] * z[j]);
-        z[i] = (half_way[i] - below) / factor[i * most + i];
+        let below = (i + 1..half_way.len()).fold(F::zero(), |sum, j| sum + factor[j * max + i] * z[j]);
+        z[i] = (half_way[i] - below) / factor[i * max + i];
     }
 }
 

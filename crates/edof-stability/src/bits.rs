@@ -5,7 +5,7 @@ use edof_metrics::{BORDER, psnr};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::layer_names;
 use edof_optics::draw::{Builtin, DrawError, draw};
-use edof_quantize::stage_bits::{LEAST, StageBitsError, fewest, mean_db, with_stage_bits};
+use edof_quantize::stage_bits::{MIN, StageBitsError, fewest, mean_db, with_stage_bits};
 use edof_quantize::{Scene, capture};
 use edof_report::Report;
 use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
@@ -25,7 +25,7 @@ const SMALL_DB: f64 = 0.02;
 /// What bits are worth to one network.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bits {
-    /// Its name.
+    /// Name of the network.
     pub network: String,
     /// Stages: I, M1, …, F.
     pub stages: Vec<String>,
@@ -62,7 +62,7 @@ pub enum BitsError {
     /// Scenes behind its camera.
     #[error(transparent)]
     Capture(#[from] edof_optics::capture::CaptureError),
-    /// Its bits.
+    /// The bits of the network.
     #[error("net {network}: {source}")]
     Bits { network: String, source: StageBitsError },
 }
@@ -90,7 +90,7 @@ pub fn of(network: &str, fixed: &FixedNetwork, allowed_db: f64) -> Result<Bits, 
     let all = vec![fixed.code_bits; stages.len()];
     let whole = db(&all).map_err(named)?;
     let mut points = vec![];
-    for bits in LEAST..=fixed.code_bits {
+    for bits in MIN..=fixed.code_bits {
         for (index, stage) in stages.iter().enumerate() {
             let mut own = all.clone();
             own[index] = bits;
@@ -111,7 +111,7 @@ impl Bits {
         found.map_or(f64::NAN, |point| point.lost_db)
     }
 
-    fn most(&self) -> u32 {
+    fn max_bits(&self) -> u32 {
         self.points.iter().map(|point| point.bits).max().unwrap_or(0)
     }
 
@@ -131,7 +131,7 @@ impl Bits {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        (LEAST..=self.most())
+        (MIN..=self.max_bits())
             .rev()
             .map(|bits| {
                 let each = self.stages.iter().map(|stage| self.lost(Some(stage), bits));
@@ -149,7 +149,7 @@ impl Bits {
     /// Stage by stage and for all, the points that `shown` takes.
     fn series(&self, shown: impl Fn(f64) -> bool) -> Vec<Series> {
         let line = |label: &str, stage: Option<&str>| {
-            let points = (LEAST..=self.most()).map(|bits| [f64::from(bits), self.lost(stage, bits)]);
+            let points = (MIN..=self.max_bits()).map(|bits| [f64::from(bits), self.lost(stage, bits)]);
             Series::new(label, Mark::LineAndPoints, points.filter(|[_, db]| shown(*db)))
         };
         let stages = self.stages.iter().map(|stage| line(stage, Some(stage)));
@@ -179,15 +179,15 @@ impl Bits {
     /// Where fewer bits gain, in words.
     fn gains(&self) -> Option<String> {
         let own = self.points.iter().filter(|point| point.lost_db < 0.0);
-        let most = own.clone().min_by(|a, b| a.lost_db.total_cmp(&b.lost_db))?;
-        let who = most.stage.as_deref().unwrap_or("all");
+        let max = own.clone().min_by(|a, b| a.lost_db.total_cmp(&b.lost_db))?;
+        let who = max.stage.as_deref().unwrap_or("all");
         Some(format!(
             "{}: {} of {} points gain, which the second diagram alone shows; the most is {:.4} dB, {who} at {} bits.",
             self.network,
             own.count(),
             self.points.len(),
-            -most.lost_db,
-            most.bits
+            -max.lost_db,
+            max.bits
         ))
     }
 }

@@ -1,4 +1,4 @@
-//! Integers and `f32` against `f64`, window by window, with the bounds that were told before: on random windows, and on windows that climb
+//! Integers and `f32` against `f64`, window by window, with the bounds that were computed before: on random windows, and on windows that climb
 //! towards the bound.
 //!
 //! A climb starts from a random window and a result of one stage, and changes some input words at a time as long as that result comes
@@ -50,10 +50,10 @@ pub(crate) struct Off {
     share: f64,
     /// The same result's distance, in LSB.
     bits: f64,
-    /// Its bound in LSB.
+    /// Bound of the error in LSB.
     bound: f64,
     /// Largest distance in LSB of any result.
-    most_bits: f64,
+    max_bits: f64,
     /// Results beyond their bounds.
     violations: u64,
 }
@@ -62,7 +62,7 @@ impl Off {
     fn merged(self, other: Self) -> Self {
         let worse = if other.share > self.share { other } else { self };
         Self {
-            most_bits: self.most_bits.max(other.most_bits),
+            max_bits: self.max_bits.max(other.max_bits),
             violations: self.violations + other.violations,
             ..worse
         }
@@ -75,7 +75,7 @@ impl Off {
         if share > self.share || (beyond && self.violations == 0) {
             (self.share, self.bits, self.bound) = (share, off / unit, worst / unit);
         }
-        self.most_bits = self.most_bits.max(off / unit);
+        self.max_bits = self.max_bits.max(off / unit);
         self.violations += u64::from(beyond);
     }
 }
@@ -189,10 +189,10 @@ impl Compared {
             let mut windows = Vec::with_capacity(CLIMBERS * pixels);
             windows.extend(&best);
             // Many words at first, single ones at the end.
-            let most = (pixels >> (round / 4).min(30)).max(1) as i64;
+            let max = (pixels >> (round / 4).min(30)).max(1) as i64;
             for _ in 1..CLIMBERS {
                 let mut window = best.clone();
-                for _ in 0..draw.whole(1, most) {
+                for _ in 0..draw.whole(1, max) {
                     let at = draw.whole(0, pixels as i64 - 1) as usize;
                     window[at] = match draw.whole(0, 3) {
                         0 => draw.extreme(16).max(0),
@@ -269,7 +269,7 @@ impl Compared {
                     bound: off.bound,
                     seen: off.bits,
                     largest_bound: summary.worst_bits,
-                    furthest: off.most_bits,
+                    furthest: off.max_bits,
                     statistical: deviation.map(|bits| tail * bits),
                     violations: off.violations,
                     windows: found.windows,

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Its name: small letters, digits and dashes.
+    /// Name of the case: small letters, digits and dashes.
     pub id: String,
     /// Why it is there, in one line.
     pub intent: String,
@@ -23,7 +23,7 @@ pub struct Case {
     pub trial: Trial,
     /// Acceptance limit.
     pub promise: Promise,
-    /// Whether it takes more than moments: left out of the quick run.
+    /// Whether the case is slow: the quick run leaves it out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub slow: bool,
 }
@@ -154,7 +154,7 @@ macro_rules! files {
 }
 
 /// Most bytes of a file of cases.
-const MOST_BYTES: u64 = 1 << 24;
+const MAX_BYTES: u64 = 1 << 24;
 
 /// The files that come with the program.
 const FILES: &[(&str, &str)] = files!(
@@ -196,7 +196,7 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Case>, CasesError> {
     if paths.is_empty() {
         return Err(CasesError::None(folder.display().to_string()));
     }
-    let text = |path: PathBuf| match json::text(&path, MOST_BYTES) {
+    let text = |path: PathBuf| match json::text(&path, MAX_BYTES) {
         Ok(text) => Ok((path.display().to_string(), text)),
         Err(source) => Err(CasesError::Read { path, source }),
     };

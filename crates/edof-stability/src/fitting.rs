@@ -22,7 +22,7 @@ const SIZE: (usize, usize) = (160, 240);
 /// Pixels of the border that no window is taken from: mirrored light is no scene's.
 const BORDER: usize = 16;
 /// What keeps the solution apart from rounding where there is no noise.
-const LEAST_RIDGE: f64 = 1e-9;
+const MIN_RIDGE: f64 = 1e-9;
 
 /// Fits a map for noise of σ `trained` and shows it noise of σ `met`.
 pub(crate) fn fitted(
@@ -33,7 +33,7 @@ pub(crate) fn fitted(
 ) -> Result<TrialResult, Stopped> {
     let (inputs, truth) = windows(1, 0.0)?;
     let mean = inputs.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>() / inputs.len() as f64;
-    let ridge = LEAST_RIDGE.max(trained * trained / mean);
+    let ridge = MIN_RIDGE.max(trained * trained / mean);
     let map = (subjects.least_squares)(inputs.view(), truth.view(), ridge);
     let db = |noise: f64| -> Result<f64, Stopped> {
         let (inputs, truth) = windows(2, noise)?;

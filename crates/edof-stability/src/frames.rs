@@ -1,8 +1,6 @@
 //! Frames: a scene behind a camera, and every method on what the sensor gives.
 //!
-//! Networks look through their own cameras (or all through the one that the case names), other methods through the paper's. Every fixed
-//! network is held to its bound against its float network in `f64`, and so is `f32`, whatever the case promises. The promise itself is
-//! about pictures: the largest error of a value, or the loss against demosaicing the same frame ([`Malvar`]), which is what one would have
+//! Networks look through their own cameras (or all through the one that the case names), other methods through the paper's. Every fixed network is compared with its bound against its float network in `f64`, and so is `f32`, whatever the case's limit. The limit itself is about pictures: the largest error of a value, or the loss against demosaicing the same frame ([`Malvar`]), which is what one would have
 //! without any of this.
 
 use crate::bench::Bench;

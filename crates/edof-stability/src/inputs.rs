@@ -6,12 +6,12 @@ use crate::{frames, words};
 use edof_golden::fast::Fast;
 use edof_network::FixedNetwork;
 
-/// Input words of at most `most` windows of a case for a network: of a frame those all over it, as its own camera takes it; of words those
+/// Input words of at most `max` windows of a case for a network: of a frame those all over it, as its own camera takes it; of words those
 /// that drive this network's sums to their ends. None of cases that are about something else, or that are rejected.
 ///
 /// # Errors
 /// What the case itself would say, such as a depth without PSFs.
-pub fn windows(case: &Case, network: &FixedNetwork, most: usize) -> Result<Vec<Vec<i16>>, String> {
+pub fn windows(case: &Case, network: &FixedNetwork, max: usize) -> Result<Vec<Vec<i16>>, String> {
     let all = match &case.trial {
         Trial::Frame(_) if matches!(case.promise, crate::case::Promise::Refused { .. }) => vec![],
         Trial::Frame(frame) => {
@@ -23,7 +23,7 @@ pub fn windows(case: &Case, network: &FixedNetwork, most: usize) -> Result<Vec<V
     };
     let pixels = network.form.window.pixels();
     let count = all.len() / pixels;
-    let every = count.div_ceil(most.max(1)).max(1);
+    let every = count.div_ceil(max.max(1)).max(1);
     Ok(all.chunks_exact(pixels).step_by(every).map(<[i16]>::to_vec).collect())
 }
 

@@ -37,14 +37,9 @@ pub(crate) fn lens(lens: &Lens, promise: &Promise) -> Result<TrialResult, Stoppe
         let Some(limit) = promise.limit(&name) else { continue };
         let sum: f64 = kernel.iter().map(|v| f64::from(*v)).sum();
         let peak = kernel.iter().copied().fold(0.0f32, f32::max);
-        let least = kernel.iter().copied().fold(0.0f32, f32::min);
+        let min = kernel.iter().copied().fold(0.0f32, f32::min);
         seen.push(Measurement::new(&name, "sum of the kernel, off 1", (sum - 1.0).abs(), limit));
-        seen.push(Measurement::new(
-            &name,
-            "light below nothing, of the peak",
-            f64::from(-least / peak),
-            limit,
-        ));
+        seen.push(Measurement::new(&name, "light below nothing, of the peak", f64::from(-min / peak), limit));
         let off = (&blur(plane.view(), psf).mapv(f64::from) - &direct(&plane, psf)).mapv(f64::abs);
         let worst = off.iter().fold(0.0, |worst: f64, v| if *v <= worst { worst } else { *v });
         seen.push(Measurement::new(&name, "blur in f32 off sums in f64", worst, limit));

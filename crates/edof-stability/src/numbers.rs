@@ -234,10 +234,10 @@ fn sensor() -> Result<Vec<Measurement>, Stopped> {
     for depth in [8, 10, 12, 14, 16] {
         for noise in [Noise::None, Noise::gaussian(1.0), Noise::sensor(10_000.0)] {
             let raw = expose(&light, &Sensor { depth, noise, seed: 3, ..Sensor::default() })?;
-            let most = (1u32 << depth) - 1;
+            let max = (1u32 << depth) - 1;
             let (values, none) = (raw.values(), noise == Noise::None);
-            let inside = values.iter().all(|v| u32::from(*v) <= most);
-            let ends = !none || (values[(0, 3)] == 0 && u32::from(values[(0, 11)]) == most);
+            let inside = values.iter().all(|v| u32::from(*v) <= max);
+            let ends = !none || (values[(0, 3)] == 0 && u32::from(values[(0, 11)]) == max);
             seen.push(Measurement::fact(
                 format!("{depth} bits, noise {noise}"),
                 "every value is one of the sensor's",
@@ -263,8 +263,8 @@ fn requantize(subjects: &Subjects) -> Measurement {
             let Some(acc) = i64::try_from(sum).ok().filter(|v| (-full..full).contains(v)) else { continue };
             let half = if shift == 0 { 0 } else { i128::from(tie) };
             let exact = (sum + half).div_euclid(1i128 << shift);
-            let most = (1i128 << (bits - 1)) - 1;
-            let held = exact.clamp(-most - 1, most);
+            let max = (1i128 << (bits - 1)) - 1;
+            let held = exact.clamp(-max - 1, max);
             let (word, saturated) = (subjects.requantize)(acc, shift, bits);
             wrong += u64::from((i128::from(word), saturated) != (held, held != exact));
             tried += 1;

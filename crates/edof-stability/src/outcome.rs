@@ -14,7 +14,7 @@ pub struct Measurement {
     pub worst: f64,
     /// The most that is allowed.
     pub limit: f64,
-    /// Whether it holds. No number (NaN) never does.
+    /// Whether the limit is met. A NaN never meets it.
     pub held: bool,
     /// Something to know, such as what was counted.
     #[serde(skip_serializing_if = "String::is_empty")]

@@ -1,4 +1,4 @@
-//! Planted instabilities: each must break a case of the suite that names it. And the quick suite itself, on the product's own functions.
+//! Injected instabilities: each must break a case of the suite that names it. And the quick suite itself, on the product's own functions.
 
 use crate::bench::{Bench, Trained};
 use crate::case::{self, Case};

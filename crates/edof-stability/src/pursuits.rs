@@ -17,7 +17,7 @@ const LENGTH: usize = 16;
 const ATOMS: usize = 24;
 const SIGNALS: usize = 24;
 /// Atoms that OMP may choose.
-const MOST: usize = 8;
+const MAX: usize = 8;
 
 /// The three solvers in both precisions.
 pub(crate) fn pursuit(
@@ -66,15 +66,15 @@ fn solved<F: NdFloat>(
             seen.push(Measurement::new(name, what, worst, limit));
         }
     };
-    let codes = Omp::new(d.view(), 0).codes(x.view(), Stop::at_atoms(MOST));
+    let codes = Omp::new(d.view(), 0).codes(x.view(), Stop::at_atoms(MAX));
     let dense = wide(&codes.to_dense(d.ncols()));
-    let most = rows(&dictionary, &signals, &dense, |x, z| {
+    let max = rows(&dictionary, &signals, &dense, |x, z| {
         let support: Vec<usize> = (0..z.len()).filter(|i| z[*i] != 0.0).collect();
         let rest = norm(&(&x - &dictionary.dot(&z)));
         (rest - best_fit(&dictionary, &support, x)) / norm(&x.to_owned()).max(f64::MIN_POSITIVE)
     });
-    judge("omp", "left of a signal more than the best fit leaves, of the signal", &dense, most);
-    let correlation = signals.dot(&dictionary).iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    judge("omp", "left of a signal more than the best fit leaves, of the signal", &dense, max);
+    let correlation = signals.dot(&dictionary).iter().fold(0.0f64, |max, v| max.max(v.abs()));
     let mu = penalty * correlation;
     let penalties = Array1::from_elem(d.ncols(), number::<F>(mu));
     let mu = penalties.first().and_then(|mu| mu.to_f64()).unwrap_or(f64::NAN);
@@ -83,8 +83,8 @@ fn solved<F: NdFloat>(
     for (solver, codes) in [("ista", lasso.ista(x.view(), effort)), ("fista", lasso.fista(x.view(), effort))]
     {
         let dense = wide(&codes.codes);
-        let most = rows(&dictionary, &signals, &dense, |x, z| gap(&dictionary, x, z, mu));
-        judge(solver, "duality gap, of half the signal's energy", &dense, most);
+        let max = rows(&dictionary, &signals, &dense, |x, z| gap(&dictionary, x, z, mu));
+        judge(solver, "duality gap, of half the signal's energy", &dense, max);
     }
 }
 
@@ -97,7 +97,7 @@ fn rows(
 ) -> f64 {
     debug_assert_eq!(dictionary.ncols(), codes.ncols());
     let all = signals.outer_iter().zip(codes.outer_iter()).map(|(x, z)| each(x, z));
-    all.fold(0.0, |most, v| if v <= most { most } else { v })
+    all.fold(0.0, |max, v| if v <= max { max } else { v })
 }
 
 fn norm(v: &Array1<f64>) -> f64 {
@@ -133,12 +133,12 @@ fn best_fit(dictionary: &Array2<f64>, support: &[usize], x: ArrayView1<'_, f64>)
 fn gap(dictionary: &Array2<f64>, x: ArrayView1<'_, f64>, z: ArrayView1<'_, f64>, mu: f64) -> f64 {
     let energy = 0.5 * x.dot(&x);
     if energy == 0.0 {
-        return z.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        return z.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
     }
     let rest = &x - &dictionary.dot(&z);
-    let correlations = dictionary.t().dot(&rest).iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let correlations = dictionary.t().dot(&rest).iter().fold(0.0f64, |max, v| max.max(v.abs()));
     if mu == 0.0 {
-        let first = dictionary.t().dot(&x).iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        let first = dictionary.t().dot(&x).iter().fold(0.0f64, |max, v| max.max(v.abs()));
         return correlations / first.max(f64::MIN_POSITIVE);
     }
     let dual = &rest * (mu / correlations.max(mu));

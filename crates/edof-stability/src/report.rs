@@ -43,7 +43,7 @@ const fn kind(trial: &Trial) -> &'static str {
 }
 
 /// Losses that the page's head names.
-const MOST_TOLD: usize = 3;
+const MAX_TOLD: usize = 3;
 
 impl Suite {
     /// What matters, in a sentence.
@@ -64,7 +64,7 @@ impl Suite {
             .iter()
             .filter(degrades)
             .filter_map(|outcome| Some((outcome.worst()?, outcome)))
-            .take(MOST_TOLD)
+            .take(MAX_TOLD)
             .map(|(worst, outcome)| {
                 format!("{} ({})", outcome.case.intent.trim_end_matches('.'), worst.words())
             })

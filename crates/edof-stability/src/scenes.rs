@@ -77,9 +77,9 @@ pub fn layers(scene: &Scene, psi: f64, height: usize, width: usize) -> Result<sc
 pub fn broken(raw: &RawFrame, defects: Defects) -> Result<RawFrame, FrameError> {
     let mut values = raw.values();
     let (height, width) = raw.size();
-    let most = ((1u32 << raw.depth()) - 1) as u16;
+    let max = ((1u32 << raw.depth()) - 1) as u16;
     let (count, value) = match defects {
-        Defects::Hot(count) => (count, most),
+        Defects::Hot(count) => (count, max),
         Defects::Dead(count) => (count, 0),
         Defects::DeadColumn => {
             values.column_mut(width / 2).fill(0);

@@ -1,4 +1,4 @@
-//! What the suite tries: the product's own functions, as values. A test that plants a fault hands over a faulty twin of one of them, and
+//! What the suite tries: the product's own functions, as values. A test that injects a fault passes a faulty version of one of them, and
 //! the suite must name the case that finds it.
 
 use edof_golden::fast::Fast;

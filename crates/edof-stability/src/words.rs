@@ -80,7 +80,7 @@ fn network(bench: &Bench, which: &WordNetwork) -> Result<FixedNetwork, Stopped> 
 }
 
 fn put(network: &mut FixedNetwork, instead: Instead) {
-    let most = ((1i32 << (network.code_bits - 1)) - 1) as i16;
+    let max = ((1i32 << (network.code_bits - 1)) - 1) as i16;
     let weights = |network: &mut FixedNetwork, each: &dyn Fn(usize) -> i16| {
         let first = [&mut network.analysis, &mut network.dictionary].into_iter();
         for matrix in first.chain(&mut network.recurrent).chain(&mut network.linear_path) {
@@ -92,12 +92,12 @@ fn put(network: &mut FixedNetwork, instead: Instead) {
     };
     match instead {
         // Runs of seven, so that rows differ.
-        Instead::WeightsAtBothEnds => weights(network, &|i| if i / 7 % 2 == 0 { most } else { -most - 1 }),
-        Instead::LargestWeights => weights(network, &|_| most),
+        Instead::WeightsAtBothEnds => weights(network, &|i| if i / 7 % 2 == 0 { max } else { -max - 1 }),
+        Instead::LargestWeights => weights(network, &|_| max),
         Instead::NoWeights => weights(network, &|_| 0),
         Instead::ThresholdsZero => thresholds(network, 0),
-        Instead::ThresholdsHuge => thresholds(network, most),
-        Instead::ThresholdsLeast => thresholds(network, -most - 1),
+        Instead::ThresholdsHuge => thresholds(network, max),
+        Instead::ThresholdsLeast => thresholds(network, -max - 1),
         Instead::LongestShifts => {
             // 15 + 47 − 15 is the longest shift of I; sums of M and F get theirs from the codes' 15 bits as well.
             network.code_fractions.fill(15);
@@ -137,7 +137,7 @@ fn climbing(network: &FixedNetwork, run: impl Fn(&[i16]) -> Vec<Trace>) -> Vec<i
     let starts = by_signs(network);
     let mut all = vec![];
     for start in starts.chunks_exact(pixels).take(6) {
-        let (mut best, mut most) = (start.to_vec(), -1.0);
+        let (mut best, mut max) = (start.to_vec(), -1.0);
         for _ in 0..CLIMB {
             let mut tries = best.clone();
             for _ in 0..7 {
@@ -150,8 +150,8 @@ fn climbing(network: &FixedNetwork, run: impl Fn(&[i16]) -> Vec<Trace>) -> Vec<i
             }
             for (window, trace) in tries.chunks_exact(pixels).zip(run(&tries)) {
                 let size = largest_sums(network, &trace)[1..].iter().map(|size| (*size as f64).ln_1p()).sum();
-                if size > most {
-                    (best, most) = (window.to_vec(), size);
+                if size > max {
+                    (best, max) = (window.to_vec(), size);
                 }
             }
             all.extend(&best);
@@ -197,7 +197,7 @@ fn largest_sums(network: &FixedNetwork, trace: &Trace) -> Vec<u128> {
         .collect()
 }
 
-/// Nearest, ties up, then held to a width; whether it had to be.
+/// Rounds to nearest, ties up, then clamps to a width; returns whether it clamped.
 fn rounded(sum: i128, shift: u32, bits: u32) -> (i128, bool) {
     let half = if shift == 0 { 0 } else { 1i128 << (shift - 1) };
     held((sum + half).div_euclid(1i128 << shift), bits)

@@ -1,7 +1,7 @@
 //! Named arrays of numbers in files of other programs: NPZ as `numpy.savez` and `numpy.savez_compressed` write it, NPY as
 //! `numpy.save` does, and safetensors.
 //!
-//! Whatever a file claims, no more is allocated than it holds; of compressed arrays no more than [`MOST_BYTES`] are unpacked.
+//! Whatever a file claims, no more is allocated than it holds; of compressed arrays no more than [`MAX_BYTES`] are unpacked.
 
 use crate::json;
 use edof_image::words::sides;
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use zip::{CompressionMethod, ZipArchive};
 
 /// Most bytes of a file, and of its arrays unpacked.
-pub const MOST_BYTES: u64 = 1 << 30;
+pub const MAX_BYTES: u64 = 1 << 30;
 
 /// A file whose arrays cannot be had.
 #[derive(Debug, thiserror::Error)]
@@ -30,7 +30,7 @@ pub enum ArraysError {
     #[error("{path}: not a regular file", path = path.display())]
     NoFile { path: PathBuf },
     /// Far too long.
-    #[error("{path}: {found} bytes, at most {} are read", json::size(MOST_BYTES), path = path.display())]
+    #[error("{path}: {found} bytes, at most {} are read", json::size(MAX_BYTES), path = path.display())]
     Size { path: PathBuf, found: u64 },
     /// None of the formats, or damaged.
     #[error("{path}: not a whole NPZ, NPY or safetensors file: {reason}", path = path.display())]
@@ -48,7 +48,7 @@ pub fn read(path: &Path) -> Result<BTreeMap<String, ArrayD<f64>>, ArraysError> {
     if !about.is_file() {
         return Err(ArraysError::NoFile { path: path.to_owned() });
     }
-    if about.len() > MOST_BYTES {
+    if about.len() > MAX_BYTES {
         return Err(ArraysError::Size { path: path.to_owned(), found: about.len() });
     }
     let bytes = std::fs::read(path).map_err(failed)?;
@@ -79,7 +79,7 @@ fn of_npz(bytes: &[u8]) -> Result<Arrays, String> {
         return Err("several of its arrays have the same name".to_owned());
     }
     let (mut arrays, mut names) = (Arrays::new(), BTreeSet::new());
-    let mut room = MOST_BYTES;
+    let mut room = MAX_BYTES;
     for index in 0..archive.len() {
         let entry = archive.by_index_raw(index).map_err(|e| e.to_string())?;
         let name = entry.name().strip_suffix(".npy").unwrap_or(entry.name()).to_owned();
@@ -114,14 +114,14 @@ fn check_name(name: &str, index: usize) -> Result<(), String> {
 fn unpacked<R: Read>(mut entry: zip::read::ZipFile<'_, R>, room: &mut u64) -> Result<Vec<u8>, String> {
     let (method, stated, crc) = (entry.compression(), entry.size(), entry.crc32());
     if stated > *room {
-        let most = json::size(MOST_BYTES);
-        return Err(format!("{stated} bytes when unpacked, at most {most} are read of a file"));
+        let max = json::size(MAX_BYTES);
+        return Err(format!("{stated} bytes when unpacked, at most {max} are read of a file"));
     }
     let mut content = vec![];
-    let most = stated + 1;
+    let max = stated + 1;
     match method {
-        CompressionMethod::Stored => entry.by_ref().take(most).read_to_end(&mut content),
-        CompressionMethod::DEFLATE => DeflateDecoder::new(&mut entry).take(most).read_to_end(&mut content),
+        CompressionMethod::Stored => entry.by_ref().take(max).read_to_end(&mut content),
+        CompressionMethod::DEFLATE => DeflateDecoder::new(&mut entry).take(max).read_to_end(&mut content),
         other => {
             return Err(format!("compressed by {other}; write it by numpy.savez_compressed or numpy.savez"));
         }
@@ -174,7 +174,7 @@ impl<'de> Deserialize<'de> for Keys {
     }
 }
 
-/// Rejects names that are there twice, of which a reader of JSON keeps the last, or that a terminal does not show.
+/// Rejects duplicate names, because a reader of JSON keeps only the last one, and names that a terminal does not show.
 fn check_tensors(bytes: &[u8]) -> Result<(), String> {
     let (length, rest) = bytes.split_first_chunk::<8>().ok_or("header too small")?;
     let header = usize::try_from(u64::from_le_bytes(*length)).ok().and_then(|n| rest.get(..n));

@@ -1,5 +1,5 @@
 //! A folder of generated files that may be generated again. A manifest lists every file with its SHA-256, and is sealed by
-//! one of its own; so what the program wrote is told from what a user put there or changed, and only the former is replaced.
+//! one of its own; so files of the program are distinguished from files that a user added or changed, and only the former are replaced.
 
 use crate::{atomic, digest};
 use serde_json::{Value, json};

@@ -7,17 +7,17 @@ use std::path::Path;
 /// What some editors write before a file's text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// The text of a file of at most `most` bytes, without a byte-order mark.
+/// The text of a file of at most `max` bytes, without a byte-order mark.
 ///
 /// # Errors
 /// What the system says, no UTF-8, or the limit that the file exceeds, such as an endless device.
-pub fn text(path: &Path, most: u64) -> Result<String, Error> {
+pub fn text(path: &Path, max: u64) -> Result<String, Error> {
     let mut bytes = vec![];
-    std::fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
+    std::fs::File::open(path)?.take(max + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max {
         return Err(Error::new(
             ErrorKind::InvalidData,
-            format!("larger than {}, which no such file is", size(most)),
+            format!("larger than {}, which no such file is", size(max)),
         ));
     }
     String::from_utf8(bytes).map_err(|e| {

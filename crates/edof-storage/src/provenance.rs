@@ -51,7 +51,7 @@ pub struct Provenance {
 pub struct Input {
     /// What it is.
     pub kind: InputKind,
-    /// Its name; it says nothing of what is inside.
+    /// Name of the file; the name says nothing about the contents.
     pub name: String,
     /// SHA-256 of its content, as hexadecimal digits.
     pub sha256: String,

@@ -2,6 +2,7 @@
 //!
 //! Synthetic scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
+use crate::lens::in_metres;
 use crate::pictures::{self, Names, Part, Picture, Truth};
 use edof_camera::Camera;
 use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
@@ -48,6 +49,9 @@ pub struct Demo {
     /// Title of each lens, and what it is in a sentence.
     #[serde(skip)]
     pub lenses: Vec<(String, String)>,
+    /// Distance of each depth before the last lens, in a sentence.
+    #[serde(skip)]
+    pub metres: String,
     /// The scene without blur.
     #[serde(skip)]
     pub truth: ColourFrame,
@@ -109,9 +113,25 @@ pub fn run(
     }
     let ((height, width), scene) = (truth.light.size(), scene.name.clone());
     let (noise, depth) = (sensor.noise, sensor.depth);
-    let lenses = lenses.iter().map(|lens| (lens.title.clone(), lens.about.clone())).collect();
     let (parts, truth) = (truth.parts(), truth.light);
-    Ok(Demo { scene, height, width, noise, tone, depth, pictures, frames, lenses, truth, parts, raws })
+    let psis: Vec<f64> = parts.iter().map(|part| part.psi).collect();
+    let metres = lenses.last().map_or_else(String::new, |lens| in_metres(&lens.camera, &psis));
+    let lenses = lenses.iter().map(|lens| (lens.title.clone(), lens.about.clone())).collect();
+    Ok(Demo {
+        scene,
+        height,
+        width,
+        noise,
+        tone,
+        depth,
+        pictures,
+        frames,
+        lenses,
+        metres,
+        truth,
+        parts,
+        raws,
+    })
 }
 
 impl Demo {

@@ -17,13 +17,13 @@ impl Demo {
         report.verdict(&self.verdict());
         report.paragraph(&format!(
             "The scene “{}” ({}×{} pixels) has four parts, each at its own depth. Every lens sees it once; a {}-bit sensor \
-             with Bayer filters and noise “{}” gives one raw frame. Pictures are encoded as sRGB. Depth is told as ψ, in radians: how \
-             far out of focus a plain lens is; a larger ψ is nearer.",
-            self.scene, self.width, self.height, self.depth, self.noise
+             with Bayer filters and noise “{}” gives one raw frame. Pictures are encoded as sRGB. ψ is the defocus of a plain lens, in \
+             radians; a larger ψ is nearer. {}",
+            self.scene, self.width, self.height, self.depth, self.noise, self.metres
         ));
         report.terms(&self.terms());
         report.heading("Pictures");
-        report.paragraph("Each opens at a click; arrows flip between them, E shows the difference to the scene. Exact PNG files lie beside this page.");
+        report.paragraph("Each picture opens at a click; arrows flip between them, E shows the difference to the scene. Exact PNG files are next to this page.");
         report.figures(&self.figures()?, Layout::Wide);
         report.heading("Each depth, enlarged");
         for part in &self.parts {
@@ -33,11 +33,11 @@ impl Demo {
         report.heading("Numbers");
         let measured = match self.tone {
             Tone::Linear => "light",
-            Tone::Srgb => "the encoded picture, clipped to 0…1, and of its light beside it",
+            Tone::Srgb => "the encoded picture, clipped to 0…1, and of its light",
         };
         report.paragraph(&format!(
-            "PSNR in dB of {measured}, over red, green and blue, peak 1, {BORDER} pixels of border cropped; by depth where it is \
-             seen. The best of each column is set off."
+            "PSNR in dB of {measured}, over red, green and blue, peak 1, {BORDER} pixels of border cropped; at each \
+             depth of the scene. The best number of each column is highlighted."
         ));
         pictures::table(&self.pictures).add_to(&mut report, &pictures::best(&self.pictures));
         report.made_by(command);

@@ -9,7 +9,7 @@ use serde::Serialize;
 /// A folding of a network.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Folding {
-    /// Its network.
+    /// Network of the design.
     pub network: String,
     /// The network's camera.
     pub camera: String,
@@ -67,9 +67,9 @@ impl Foldings {
         let mut report = Report::new(TITLE);
         report.paragraph(&self.explanation()).made_by(command);
         report.plots(&[
-            self.plot("cycles a patch", |f| f.cycles_per_patch),
+            self.plot("cycles per patch", |f| f.cycles_per_patch),
             self.plot("multipliers (DSP48E1)", |f| f.dsp48e1 as f64),
-            self.plot("frames a second", |f| f.frames_per_second),
+            self.plot("frames per second", |f| f.frames_per_second),
             self.trade(),
         ]);
         report.heading("The front");
@@ -133,13 +133,13 @@ impl Foldings {
         Plot {
             title: format!("dB against {label}: the front"),
             x: Axis::log(label),
-            y: Axis::linear("PSNR (dB)").from((self.least_db() - 0.5).floor()),
+            y: Axis::linear("PSNR (dB)").from((self.min_db() - 0.5).floor()),
             size: SMALL,
             series: self.networks().iter().enumerate().filter_map(series).collect(),
         }
     }
 
-    fn least_db(&self) -> f64 {
+    fn min_db(&self) -> f64 {
         self.foldings.iter().map(|f| f.psnr_db).fold(f64::INFINITY, f64::min)
     }
 

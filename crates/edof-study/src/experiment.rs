@@ -34,7 +34,7 @@ pub trait Experiment {
 /// An experiment that did not come to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError<E> {
-    /// It failed.
+    /// The experiment failed.
     #[error(transparent)]
     Experiment(E),
     /// The file of rows.

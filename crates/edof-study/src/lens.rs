@@ -23,7 +23,7 @@ const GAP: usize = 4;
 /// Pixels of the sensor that the sheet's scale is long.
 const SCALE: usize = 5;
 
-/// The same lens, sensor and focus without the mask; computed, whatever PSFs the camera has of its own.
+/// The same lens, sensor and focus without the mask; computed, even if the camera has a PSF bank.
 #[must_use]
 pub fn without_mask(camera: &Camera) -> Camera {
     let name = format!("{} without mask", camera.name);
@@ -91,6 +91,25 @@ fn depth(camera: &Camera, psi: f64) -> String {
     metres.map_or_else(|| format!("ψ = {psi}"), |metres| format!("ψ = {psi}, {metres:.2} m"))
 }
 
+/// The distance of each ψ before a camera, as a sentence. A camera that does not know the distance of ψ = 0 has it at infinity.
+#[must_use]
+pub fn in_metres(camera: &Camera, psis: &[f64]) -> String {
+    let nominal = camera.nominal_m.unwrap_or(f64::INFINITY);
+    let distance = |psi: f64| match distance_m(camera, psi, nominal) {
+        Some(metres) if metres.is_finite() => format!("at {metres:.1} m"),
+        Some(_) => "at infinity".to_owned(),
+        None => "beyond infinity".to_owned(),
+    };
+    let each: Vec<String> = psis.iter().map(|&psi| format!("ψ = {psi:.1} is {}", distance(psi))).collect();
+    let focus = if camera.nominal_m.is_some() { "" } else { " if ψ = 0 is at infinity" };
+    format!(
+        "For this lens (camera {}, an aperture {:.2} mm wide), {}{focus}.",
+        camera.name,
+        2.0 * camera.aperture_radius_mm,
+        each.join(", ")
+    )
+}
+
 /// The camera's range of ψ, no wider than its bank's.
 fn depths(camera: &Camera) -> [f64; 2] {
     let [low, high] = camera.psi_range;
@@ -134,7 +153,7 @@ pub fn psf_sheet(cameras: &[&Camera], psis: &[f64], settings: &Settings) -> Resu
 /// How far from its middle, along rows or columns, a kernel can still be seen.
 fn reach(kernel: &Array2<f32>) -> usize {
     let (height, width) = kernel.dim();
-    let peak = kernel.iter().fold(0.0f32, |most, v| most.max(*v));
+    let peak = kernel.iter().fold(0.0f32, |max, v| max.max(*v));
     let seen = kernel.indexed_iter().filter(|(_, v)| **v > FAINTEST * peak);
     seen.map(|((r, c), _)| r.abs_diff(height / 2).max(c.abs_diff(width / 2))).max().unwrap_or(0)
 }
@@ -158,6 +177,20 @@ mod tests {
         let plot = mtf_plot(&Camera::resolve("clear").unwrap(), &[0.0, 5.0]).unwrap();
         assert!(plot.series.iter().all(|s| s.points[0] == [0.0, 1.0]));
         assert!(plot.series[1].points.iter().any(|p| p[1] < 0.0), "reversed contrast at 5");
+    }
+
+    #[test]
+    fn a_sentence_states_the_distance_of_each_depth() {
+        let camera = Camera::resolve("ring-outer").unwrap();
+        let unknown = in_metres(&camera, &[0.0, 8.0]);
+        let near = distance_m(&camera, 8.0, f64::INFINITY).unwrap();
+        assert!(
+            unknown.contains("ψ = 0.0 is at infinity") && unknown.ends_with("if ψ = 0 is at infinity."),
+            "{unknown}"
+        );
+        assert!(unknown.contains(&format!("ψ = 8.0 is at {near:.1} m")), "{unknown}");
+        let known = in_metres(&Camera { nominal_m: Some(10.0), ..camera }, &[0.0, -1e4]);
+        assert!(known.ends_with("ψ = 0.0 is at 10.0 m, ψ = -10000.0 is beyond infinity."), "{known}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Picture {
     /// Which lens, as in `coded lens`.
     pub lens: String,
-    /// Its camera's name.
+    /// Name of the camera.
     pub camera: String,
     /// What was done.
     pub treatment: String,
@@ -50,7 +50,7 @@ impl Picture {
         format!("{}, {}", self.lens, self.treatment)
     }
 
-    /// Whether both are of one network behind one lens, in different formats.
+    /// Whether both belong to one network behind one lens, in different formats.
     fn is_of_the_network_of(&self, other: &Self) -> bool {
         let network = |p: &'_ Self| p.method.split_once('.').map(|(network, _)| network.to_owned());
         self.lens == other.lens && network(self).is_some() && network(self) == network(other)
@@ -66,7 +66,7 @@ impl Picture {
 
 /// The scene without blur, as light and as it is looked at, and where each depth is seen.
 pub struct Truth {
-    /// Its light.
+    /// Linear light of the scene.
     pub light: ColourFrame,
     shown: ColourFrame,
     depths: Array2<f32>,
@@ -89,7 +89,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// It alone, of the scene or of a picture of it.
+    /// The crop alone, of the scene or of a picture of the scene.
     #[must_use]
     pub fn of(&self, frame: &ColourFrame) -> ColourFrame {
         frame.crop(self.row, self.column, self.side, self.side)

@@ -170,8 +170,8 @@ impl Speed {
 
     /// PSNR against time; the strides of one method are joined, and the layers of untrained networks.
     fn plot(&self, of: &Claims) -> Plot {
-        let least = self.floor(of);
-        let shown = |p: &&Point| of.hold(p) && least.is_none_or(|least| p.psnr_db >= least);
+        let min = self.floor(of);
+        let shown = |p: &&Point| of.hold(p) && min.is_none_or(|min| p.psnr_db >= min);
         let mut series: Vec<Series> = vec![];
         for point in self.points.iter().filter(shown) {
             let label = if point.identity.is_untrained() {
@@ -199,7 +199,7 @@ impl Speed {
             } else {
                 "seconds a megapixel"
             }),
-            y: least.map_or_else(|| axis.clone(), |least| axis.clone().from(least)),
+            y: min.map_or_else(|| axis.clone(), |min| axis.clone().from(min)),
             size: [900.0, 540.0],
             series,
         }
@@ -210,7 +210,7 @@ impl Speed {
         let own = || self.points.iter().filter(|p| of.hold(p));
         let of_trained = own().filter(|p| !p.identity.is_untrained()).map(|p| p.psnr_db).reduce(f64::min)?;
         let near = own().map(|p| p.psnr_db).filter(|db| *db >= of_trained - FAR_BELOW_DB);
-        near.reduce(f64::min).map(|least| (least - 0.5).floor())
+        near.reduce(f64::min).map(|min| (min - 0.5).floor())
     }
 
     /// What a diagram does not show, in a sentence.
@@ -247,7 +247,7 @@ const TITLE: &str = "Speed against error at one depth";
 const FAR_BELOW_DB: f64 = 6.0;
 
 impl Claims {
-    /// Whether they are of the same scenes as a point.
+    /// Whether the times are of the same scenes as a point.
     fn hold(&self, point: &Point) -> bool {
         (self.psi.to_bits(), self.noise, self.tone) == (point.psi.to_bits(), point.noise, point.tone)
     }
@@ -262,7 +262,7 @@ impl Claims {
 }
 
 impl Point {
-    /// Seconds a megapixel that do not depend on what else the machine does, where they are known.
+    /// CPU seconds per megapixel, independent of other work on the machine, where they are known.
     fn cost(&self) -> f64 {
         self.cpu_seconds_per_megapixel.unwrap_or(self.seconds_per_megapixel)
     }

@@ -71,7 +71,7 @@ pub struct MethodSummary {
     /// The method.
     #[serde(flatten)]
     pub identity: Method,
-    /// Its camera.
+    /// Camera of the method.
     pub camera: String,
     /// Noise of the sensor.
     pub noise: Noise,
@@ -123,7 +123,7 @@ pub struct NetSummary {
     /// The network in floating point.
     #[serde(flatten)]
     pub float: Method,
-    /// Its camera.
+    /// Camera of the network.
     pub camera: String,
     /// Noise of the sensor.
     pub noise: Noise,

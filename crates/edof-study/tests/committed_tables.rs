@@ -30,7 +30,7 @@ const OLD_FILES: [&str; 18] = [
     "multi-depth.md",
     "overlap.jsonl",
     "overlap.md",
-    // Its tree was dirty.
+    // The tree was dirty.
     "single-depth.json",
     "single-depth.jsonl",
     "single-depth.md",
@@ -52,7 +52,7 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     rest.split_once(end).unwrap_or_else(|| panic!("no '{end}'")).0
 }
 
-/// Whether a revision is a commit's and no more.
+/// Whether a revision is a bare commit.
 fn is_clean(revision: &str) -> bool {
     revision.len() == 40 && revision.chars().all(|c| c.is_ascii_digit() || ('a'..='f').contains(&c))
 }
@@ -84,7 +84,7 @@ fn revisions(file: &str) -> Vec<String> {
     }
 }
 
-/// Results of a dirty tree, or of nobody knows which, cannot be committed.
+/// Results of a dirty or unknown tree cannot be committed.
 #[test]
 fn every_result_is_of_a_clean_revision_or_of_those_that_are_to_be_remade() {
     let mut old = vec![];

@@ -81,10 +81,10 @@ pub enum DatasetError {
     NoPhotos,
     /// One is too small.
     #[error(
-        "training photo {index}: {width}x{height}, both sides should be at least {least} pixels: a quarter of each is for \
+        "training photo {index}: {width}x{height}, both sides should be at least {min} pixels: a quarter of each is for \
          validation, and training keeps {reach} pixels away from it, as far as the blur reaches"
     )]
-    SmallPhoto { index: usize, width: usize, height: usize, least: usize, reach: usize },
+    SmallPhoto { index: usize, width: usize, height: usize, min: usize, reach: usize },
     /// No defocus at all.
     #[error("psi: no value given, at least one is needed")]
     NoPsi,
@@ -187,9 +187,9 @@ impl Dataset {
                 })
                 .collect();
             if looks.iter().any(|picture| !picture.holdout.fits(options.window.side())) {
-                let whole = Holdout::least(options.window.side(), reach);
-                let least = (whole as f32 / options.augmentation.scale).ceil() as usize;
-                return Err(DatasetError::SmallPhoto { index, width, height, least, reach });
+                let whole = Holdout::min_side(options.window.side(), reach);
+                let min = (whole as f32 / options.augmentation.scale).ceil() as usize;
+                return Err(DatasetError::SmallPhoto { index, width, height, min, reach });
             }
             pictures.extend(looks);
         }

@@ -42,7 +42,7 @@ impl Holdout {
 
     /// A side with which a photograph is always large enough for windows of `side` pixels.
     #[must_use]
-    pub const fn least(side: usize, guard: usize) -> usize {
+    pub const fn min_side(side: usize, guard: usize) -> usize {
         let beside = (SHARE * (guard + side)).div_ceil(SHARE - 1);
         if beside > SHARE * side { beside } else { SHARE * side }
     }
@@ -163,9 +163,9 @@ mod tests {
 
         #[test]
         fn the_least_side_is_large_enough_and_not_by_much(side in 8usize..16, guard in 0usize..200) {
-            let least = Holdout::least(side, guard);
-            prop_assert!(Holdout::new(least, least, 0, guard).fits(side));
-            prop_assert!(!Holdout::new(least - 4, least - 4, 0, guard).fits(side));
+            let min = Holdout::min_side(side, guard);
+            prop_assert!(Holdout::new(min, min, 0, guard).fits(side));
+            prop_assert!(!Holdout::new(min - 4, min - 4, 0, guard).fits(side));
         }
 
         #[test]

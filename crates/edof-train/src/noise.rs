@@ -1,7 +1,7 @@
 //! Under which light and noise training windows are seen.
 //!
 //! A window has one of two kinds of noise, by its tone: the paper's (Gaussian, σ uniform up to the largest) on codes taken as light,
-//! a sensor's (photons and read-out, at a gain drawn in stops) on light. Photons are counted as a normal number of their
+//! a sensor's (photons and read-out, at a gain uniform in stops) on light. Photons are counted as a normal number of their
 //! variance, which from a dozen on is what Poisson gives.
 
 use edof_image::{Noise, Tone};
@@ -31,7 +31,7 @@ impl Conditions {
         Self { noise, gain: 16.0, noiseless: 8, exposure: [1.0; 2] }
     }
 
-    /// Noise at a `share` (0…1) of the range that is drawn from.
+    /// Noise at a `share` (0…1) of the range of gains.
     #[must_use]
     pub fn at(&self, tone: Tone, share: f32) -> Noise {
         match tone {

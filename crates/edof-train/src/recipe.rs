@@ -12,7 +12,7 @@ use edof_network::network::{Form, Shrinkage};
 use edof_optics::psf::Settings;
 use serde::{Deserialize, Serialize};
 
-/// Parts of a batch that are drawn and differentiated side by side; their gradients are added in order, so the bytes do not depend on
+/// Parts of a batch that are made and differentiated in parallel; their gradients are added in order, so the bytes do not depend on
 /// how many threads there are.
 pub const SHARES: usize = 8;
 
@@ -143,7 +143,7 @@ impl Recipe {
     }
 
     fn check_conditions(&self) -> Result<(), RecipeError> {
-        let Conditions { noise, gain, noiseless, exposure: [least, most] } = self.conditions;
+        let Conditions { noise, gain, noiseless, exposure: [min, max] } = self.conditions;
         if noiseless == 0 {
             return Err(value("noiseless", 0, "1 or more"));
         }
@@ -153,10 +153,10 @@ impl Recipe {
         if !(1.0..=1024.0).contains(&gain) {
             return Err(value("gain", gain, "1 to 1024"));
         }
-        if !(least > 0.0 && least <= most && most <= 16.0) {
+        if !(min > 0.0 && min <= max && max <= 16.0) {
             return Err(value(
                 "exposure",
-                format!("{}:{}", words::number(least.into()), words::number(most.into())),
+                format!("{}:{}", words::number(min.into()), words::number(max.into())),
                 "two factors in order, above 0 and up to 16",
             ));
         }

@@ -47,7 +47,7 @@ pub struct Best {
     pub score: f64,
     /// [`Validation::db`].
     pub db: f64,
-    /// Whether its non-zeros keep the budget; true where there is none.
+    /// Whether its non-zeros keep the budget; true without a budget.
     pub within_budget: bool,
 }
 
@@ -56,7 +56,7 @@ impl Best {
     pub const NONE: Self = Self { score: f64::NEG_INFINITY, db: f64::NEG_INFINITY, within_budget: false };
 }
 
-/// What is told after each step that is worth telling.
+/// What is reported after a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// Steps taken.
@@ -275,12 +275,12 @@ impl<'a> Trainer<'a> {
     /// The network of the best validation so far.
     #[must_use]
     pub fn best(&self, name: &str, camera: &Camera, provenance: Provenance) -> Network {
-        let most = |&tone: &Tone| Condition { tone, noise: self.recipe.conditions.at(tone, 1.0) };
+        let max = |&tone: &Tone| Condition { tone, noise: self.recipe.conditions.at(tone, 1.0) };
         let non_zeros = self.validate_best().busy_non_zeros();
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
-            conditions: self.recipe.tones.iter().map(most).collect(),
+            conditions: self.recipe.tones.iter().map(max).collect(),
             patches: self.state.step * self.recipe.batch as u64,
             validation_db: (self.state.best.db * 1e4).round() / 1e4,
             non_zeros: non_zeros.iter().map(|n| (n * 1e2).round() / 1e2).collect(),

@@ -13,14 +13,14 @@ pub enum Weighting {
     Psnr,
     /// By 1 over the root of it: between the two.
     Root,
-    /// All alike: busy photographs at the far end of the range outweigh all else.
+    /// Equal weights: busy photographs at the far end of the range outweigh all else.
     Mse,
 }
 
 /// Mean square error (36 dB) of a cell that weighs the same in all three.
 const REFERENCE_ERROR: f32 = 2.5e-4;
 /// Mean square error (60 dB) below which no cell counts as still easier.
-const LEAST_ERROR: f32 = 1e-6;
+const MIN_ERROR: f32 = 1e-6;
 /// How much of a cell's running error one window replaces.
 const CELL_RATE: f32 = 0.02;
 
@@ -29,8 +29,8 @@ impl Weighting {
     /// the same in all three, which gives λ its unit.
     #[must_use]
     pub fn importance(self, running: f32) -> f32 {
-        let (least, reference) = (RGB_OUTPUTS as f32 * LEAST_ERROR, RGB_OUTPUTS as f32 * REFERENCE_ERROR);
-        let error = running.max(least);
+        let (min, reference) = (RGB_OUTPUTS as f32 * MIN_ERROR, RGB_OUTPUTS as f32 * REFERENCE_ERROR);
+        let error = running.max(min);
         match self {
             _ if running == 0.0 => 1.0,
             Self::Psnr => 1.0 / error,

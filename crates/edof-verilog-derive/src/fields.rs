@@ -33,7 +33,7 @@ pub enum Start {
     Itself,
     /// Each element of an array by its `Default`, whatever the array's length.
     Elements,
-    /// Whoever makes the circuit says.
+    /// The constructor sets it.
     Given,
 }
 

@@ -25,7 +25,7 @@ use syn::{DeriveInput, parse_macro_input};
 /// fields that are left. `#[circuit(default)]` on the struct says that each field has a `Default`; `#[circuit(default(A, B))]`
 /// that fields of the types `A` and `B` have one.
 ///
-/// A module is called after the type. `#[circuit(role(_field))]` names a field whose text tells blocks of one type apart, for instance the
+/// A module is called after the type. `#[circuit(role(_field))]` names a field whose text distinguishes blocks of one type, for instance the
 /// stages of a chain; without it the const parameters of the type do.
 /// `edof_verilog::describe` shows one.
 #[proc_macro_derive(Circuit, attributes(circuit))]
@@ -42,7 +42,7 @@ pub fn derive_circuit(input: TokenStream) -> TokenStream {
 
 /// `#[hdl_gen]` whose statements know the line where they stand and the comment above them: both are in the Verilog and its source map.
 ///
-/// It stands on `fn update` of `impl Logic`, where rust-hdl's prelude is in scope.
+/// The attribute is written on `fn update` of `impl Logic`, where rust-hdl's prelude is in scope.
 #[proc_macro_attribute]
 pub fn kernel(_arguments: TokenStream, item: TokenStream) -> TokenStream {
     let item = proc_macro2::TokenStream::from(item);

@@ -65,7 +65,7 @@ pub struct Difference {
     pub verilog: Known,
     /// Fields of the inputs.
     pub inputs: Vec<String>,
-    /// Their values in each cycle.
+    /// Values of the inputs in each cycle.
     pub stimulus: Vec<Vec<u128>>,
 }
 

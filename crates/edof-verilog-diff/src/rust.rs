@@ -8,7 +8,7 @@ use rust_hdl::core::probe::Probe;
 use rust_hdl::prelude::{Block, Clock, simulate};
 use std::collections::HashMap;
 
-/// A circuit settles in so many rounds, or never.
+/// Rounds in which every circuit without a loop settles.
 const ROUNDS: usize = 200;
 
 /// Outputs for each row of inputs, before the clock's edge that ends the row.

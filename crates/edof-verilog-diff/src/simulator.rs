@@ -18,7 +18,7 @@ pub struct Bench {
 }
 
 /// Rows that a bench takes at most.
-const MOST_ROWS: usize = 1 << 16;
+const MAX_ROWS: usize = 1 << 16;
 
 impl Bench {
     /// Compiles a design.
@@ -81,7 +81,7 @@ impl Bench {
             "`timescale 1ns/1ns\nmodule bench;\n  reg clock = 1'b0;\n  integer row, last;\n  \
              reg [{}:0] rows [0:{}];\n",
             width.max(1) - 1,
-            MOST_ROWS - 1
+            MAX_ROWS - 1
         );
         for (word, ports) in [("reg", &self.inputs), ("wire", &self.outputs)] {
             ports.iter().for_each(|port| text += &format!("  {word} [{}:0] {};\n", port.bits - 1, port.name));

@@ -19,7 +19,7 @@ struct Counter {
 
 impl Logic for Counter {
     fn update(&mut self) {
-        // As the kernel below says, but for what is planted.
+        // The plan of the kernel below, with the injected fault.
         self.count_q.clock.next = self.clock.val();
         self.count_q.d.next = self.count_q.q.val();
         if self.enable.val() {

@@ -50,7 +50,7 @@ impl Logic for LevelSync {
 struct Switch {
     /// Clock of the switch.
     pub here: Signal<In, Clock>,
-    /// Clock of whoever sees it.
+    /// Clock of the reader.
     pub there: Signal<In, Clock>,
     /// Toggles the switch; in the domain of `here`.
     pub toggle: Signal<In, Bit>,

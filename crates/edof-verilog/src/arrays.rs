@@ -1,6 +1,6 @@
 //! Arrays of equal parts that a generate loop can say.
 //!
-//! A kernel's loop over parts comes here unrolled. It is rolled up again where all parts are of one module and each input is the same for
+//! A kernel's loop over parts comes here unrolled. It is rolled up again where all parts share one module and each input is the same for
 //! all, the part's own number, or what the neighbour gives; the last neighbour is then what stands in its place. Memory images may
 //! have the part's number in their name. Any other array stays as many instances.
 
@@ -26,15 +26,15 @@ pub(crate) struct Array {
 pub(crate) enum Pin {
     /// One value for all.
     Same(Expression),
-    /// The part's number, in so many bits.
+    /// The part's number, in the given bits.
     Number(usize),
-    /// What pin `from` of the next part gives, or of the one before; `end` where there is none.
+    /// What pin `from` of the next part gives, or of the one before; `end` without one.
     Neighbour { from: usize, next: bool, end: Expression },
     /// An output. `next` where a neighbour reads it: its array has one element more.
     Output { next: Option<bool> },
 }
 
-/// Arrays that could be loops as far as their parts are concerned: two or more of one kind. Ways between clock domains stay by themselves,
+/// Arrays that could be loops as far as their parts are concerned: two or more of one kind. Clock-domain crossings stay separate,
 /// so that constraints can name each.
 pub(crate) fn candidates(scope: &Scope, tree: &Tree, kinds: &[Option<Kind>]) -> Vec<(String, Vec<usize>)> {
     let mut arrays: Vec<(String, Vec<usize>)> = vec![];

@@ -1,4 +1,4 @@
-//! What depends on what within a cycle: refuses loops without a register, and gives each target a process of its own.
+//! Dependencies within a cycle: rejects loops without a register, and gives each target a process of its own.
 //!
 //! A block that drives a part's input and reads that part's output in one `always @*` is no loop if the two have nothing to
 //! do with each other, but a simulator that orders whole processes sees one, across modules too, and may never come to rest.
@@ -18,7 +18,7 @@ pub(crate) type Path = (SignalId, SignalId);
 /// What each target of a process follows from.
 pub(crate) type Sources = BTreeMap<SignalId, BTreeSet<SignalId>>;
 
-/// One process for each target; refuses loops of signals. `paths` lead through parts.
+/// One process for each target; rejects loops of signals. `paths` lead through parts.
 pub(crate) fn cut(scope: &Scope, processes: Vec<Process>, paths: &[Path]) -> Result<Vec<Process>, EmitError> {
     let count = scope.signals.len();
     let cut: Vec<Process> = processes.into_iter().flat_map(|process| by_target(scope, process)).collect();

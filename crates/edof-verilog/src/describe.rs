@@ -50,7 +50,7 @@ pub struct Description {
     pub source: &'static str,
     /// What a user of the block must know: the type's documentation.
     pub header: &'static str,
-    /// What tells blocks of one type apart, in the names of their modules; may be empty.
+    /// Suffix that distinguishes blocks of one type, in the names of their modules; may be empty.
     pub role: String,
     /// Fields that have documentation, and it, in one line each.
     pub fields: &'static [(&'static str, &'static str)],

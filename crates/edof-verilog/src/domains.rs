@@ -23,7 +23,7 @@ pub struct Crossing {
     pub path: Vec<String>,
     /// The leaf.
     pub leaf: String,
-    /// Its clocks: port of the leaf, and the clock of the top that drives it.
+    /// Clocks of the crossing: port of the leaf, and the clock of the top that drives it.
     pub clocks: Vec<(String, String)>,
 }
 

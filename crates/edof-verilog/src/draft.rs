@@ -237,7 +237,7 @@ fn name_signals(
     let in_array = name_array_outputs(scope, kinds, reads, arrays, names);
     let mut name = |wanted: &dyn Fn(SignalId, &str, &Role) -> Option<String>| {
         for (id, signal) in scope.signals.iter().enumerate() {
-            // Ports keep their numbers: whoever looks for one does not count them.
+            // Ports keep their numbers, so that readers need not count them.
             let key =
                 if ports.contains(&id) { signal.key.as_str().into() } else { plain(&signal.key, single) };
             if let Some(wanted) = wanted(id, &key, &signal.role) {

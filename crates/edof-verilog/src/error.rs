@@ -1,4 +1,4 @@
-//! What the backend refuses, and where.
+//! What the backend rejects, and where.
 
 use crate::types::Type;
 
@@ -49,7 +49,7 @@ pub enum Fault {
     /// A state whose name means different things in one block.
     #[error("the state `{0}` has two meanings in this block")]
     TwoMeanings(String),
-    /// An array index that is no whole-number arithmetic of loop variables.
+    /// An array index other than whole-number arithmetic of loop variables.
     #[error("the index `{0}` is not arithmetic of numbers and loop variables")]
     Index(String),
     /// Operand or value of the wrong type.
@@ -58,7 +58,7 @@ pub enum Fault {
     /// A literal that the type of its peer or target cannot hold.
     #[error("{value} does not fit {wanted}")]
     Misfit { value: String, wanted: Type },
-    /// A cast or literal whose width nothing around it tells.
+    /// A cast or literal whose context does not determine its width.
     #[error("the width of `{0}` follows from nothing around it; assign it to a signal first")]
     Ambiguous(String),
     /// An operation that Rust does not have for this operand.

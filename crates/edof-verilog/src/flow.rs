@@ -10,7 +10,7 @@ use crate::scope::{Role, Scope, SignalId};
 /// Which bits of which signals are driven on every path so far.
 type Driven = HashMap<SignalId, Vec<bool>>;
 
-/// Refuses latches, reads before writes, and signals that nothing drives.
+/// Rejects latches, reads before writes, and signals that nothing drives.
 pub(crate) fn check(scope: &Scope, statements: &[Statement]) -> Result<(), EmitError> {
     let mut targets = HashSet::new();
     collect_targets(statements, &mut targets);

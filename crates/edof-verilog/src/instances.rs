@@ -111,7 +111,7 @@ pub(crate) struct Written {
     pub of: usize,
 }
 
-/// A leaf's parameters and their values; for an array `last` is its last part, which tells what is numbered, and the name of the digits.
+/// A leaf's parameters and their values; for an array `last` is its last part, which shows what is numbered, and the name of the digits.
 fn parameters(kind: &Kind, last: Option<(&Kind, &str)>) -> (Of, Vec<LeafParameter>, Vec<Value>) {
     let leaf = match kind {
         Kind::Module { occurrence, .. } => return (Of::Module(occurrence.class), vec![], vec![]),

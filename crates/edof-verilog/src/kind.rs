@@ -44,7 +44,7 @@ impl Kind<'_> {
         }
     }
 
-    /// Whether the other, number `i` of an array whose number 0 this is, is the same but for its number.
+    /// Whether the other, number `i` of an array whose number 0 this is, is equal except for its number.
     pub fn is_like(&self, other: &Self, i: usize) -> bool {
         match (self, other) {
             (Kind::Module { occurrence: one, .. }, Kind::Module { occurrence: other, .. }) => one == other,

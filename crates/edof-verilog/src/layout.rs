@@ -74,7 +74,7 @@ fn broken(code: &str, indent: usize) -> Vec<String> {
 
 /// Where to break: the last of the outermost places that leave at most `room` columns before them.
 fn place(code: &str, room: usize) -> Option<usize> {
-    let least = room / 3;
+    let min = room / 3;
     let (mut depth, mut quoted, mut best) = (0_usize, false, None::<(usize, usize)>);
     for (at, letter) in code.char_indices() {
         if at > room {
@@ -90,7 +90,7 @@ fn place(code: &str, room: usize) -> Option<usize> {
                 let operator = ["&&", "||", "?", ":", "|", "^", "&", "+", "-"].contains(&next);
                 let comma = code[..at].ends_with(',');
                 let outer = best.is_none_or(|(best, _)| depth <= best);
-                if (operator || comma) && outer && at >= least {
+                if (operator || comma) && outer && at >= min {
                     best = Some((depth, at + 1));
                 }
             }

@@ -8,7 +8,7 @@ use crate::error::Fault;
 use crate::leaf::Leaf;
 use crate::leaf_text::LeafText;
 
-/// Refuses a leaf that its block connects wrongly.
+/// Rejects a leaf that its block connects wrongly.
 pub(crate) fn check(part: &Tree, leaf: &Leaf, text: &LeafText) -> Result<(), Fault> {
     let misfit = |what: String| Fault::LeafMisfit { leaf: leaf.module.clone(), what };
     for (name, _) in &leaf.parameters {

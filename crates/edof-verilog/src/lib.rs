@@ -6,7 +6,7 @@
 //! | step | file | gives |
 //! |---|---|---|
 //! | collect | `collect` | the tree of blocks, their signals and kernels |
-//! | leaves | `leaf_text`, `leaf_check` | what leaves say of themselves, held to what blocks say of them |
+//! | leaves | `leaf_text`, `leaf_check` | declarations of leaves, compared with those of their blocks |
 //! | name | `scope` | what every name in a kernel means |
 //! | type | `typing` | [expressions](self) in which every operand has its width and sign |
 //! | lower | `kernel` | typed statements, loops unrolled |
@@ -25,7 +25,7 @@
 //! constant alone: ports end in `_i` and `_o`, a register `x` is `x_q`,
 //! fed by `x_d` where the kernel reads its next value, the wires of a part are `part_port`. Blocks say what they are by [`Circuit`], and what
 //! rust-hdl has no word for is a [leaf]. Registers have no start-up value unless they are a `DFFWithInit`:
-//! a kernel resets what it must. What cannot be translated exactly is refused with an [`EmitError`].
+//! a kernel resets what it must. What cannot be translated exactly is rejected with an [`EmitError`].
 //!
 //! `README.md` has a first circuit, leaves, and what to do about each rejection.
 
@@ -103,7 +103,7 @@ pub struct Emitted {
     pub modules: Vec<Module>,
     /// Names of the hand-written leaves that the modules instantiate.
     pub leaves: BTreeSet<String>,
-    /// Their texts, by name, each with the modules that it stands on.
+    /// Texts of the leaves, by name, each with the modules that it instantiates.
     pub leaf_texts: BTreeMap<String, String>,
     /// Name of the top module.
     pub top: String,

@@ -36,20 +36,20 @@ pub(crate) struct Printer<'a> {
     pub states: BTreeMap<(String, usize), (String, State)>,
     pub between: Vec<Between>,
     known: HashMap<(Type, String), usize>,
-    /// What the process at hand drives, its values in between, and those that the next statement needs.
+    /// Targets of the current process, its values in between, and those that the next statement needs.
     pub driven: BTreeSet<SignalId>,
     pub steps: Vec<usize>,
     pub pending: Vec<String>,
     pub subject: String,
     /// Registers are assigned themselves.
     pub at_edge: bool,
-    /// Name of the Rust file, and the line that the text at hand comes from.
+    /// Name of the Rust file, and the line of the current text.
     pub file: &'a str,
     pub line: Option<usize>,
     /// A paragraph begins, and what was said last.
     pub starts: bool,
     pub said: String,
-    /// What the number at hand is for.
+    /// Purpose of the current number.
     number: Use,
 }
 
@@ -130,7 +130,7 @@ impl<'a> Printer<'a> {
             Node::Literal(value) => Text::atom(literal(ty, *value, self.number), ty.signed),
             Node::State(state) => Text::atom(self.state(state), false),
             Node::Not(x) => {
-                // Of one bit, so that nothing hangs on the width around it.
+                // The value has one bit, so that nothing depends on the width around it.
                 if let (1, Node::Not(twice)) = (ty.bits, &x.node)
                     && twice.ty == ty
                 {

@@ -1,4 +1,4 @@
-//! A module as text, but for its name and the values that it is given.
+//! A module as text, without its name and its parameters.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ pub(crate) struct Sheet {
     pub name: String,
     /// The comment above it.
     pub header: String,
-    /// Its Rust file.
+    /// Rust file of the module.
     pub source: String,
     /// Declarations of the ports, and comments.
     pub ports: Vec<(String, String)>,

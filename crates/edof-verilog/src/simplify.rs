@@ -9,7 +9,7 @@ use crate::process::Process;
 use crate::scope::{Scope, SignalId};
 use crate::types::Type;
 
-/// A single assignment has at most about so many letters, and so many choices.
+/// Letters, and choices, that a single assignment has at most, approximately.
 const LONGEST: usize = 80;
 const CHOICES: usize = 2;
 

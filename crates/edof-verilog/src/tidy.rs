@@ -10,8 +10,8 @@ use crate::flow::collect_targets;
 use crate::kernel::{Arm, Assign, Label, Note, Statement};
 use crate::types::Type;
 
-/// A chain of comparisons with so many numbers becomes a `case`.
-const LEAST_ARMS: usize = 3;
+/// A chain of comparisons with at least this many numbers becomes a `case`.
+const MIN_ARMS: usize = 3;
 
 /// The statements, tidied.
 pub(crate) fn statements(statements: Vec<Statement>) -> Vec<Statement> {
@@ -59,7 +59,7 @@ fn condition((test, then, otherwise): (Expression, Vec<Statement>, Vec<Statement
 /// A chain of comparisons of one subject with numbers, as a `case`. Without an `else` it needs an assignment before it that says what is otherwise.
 fn chain(statement: Statement, before: &mut Vec<Statement>) -> Statement {
     let Some((subject, arms, otherwise)) = comparisons(&statement) else { return statement };
-    if arms.len() < LEAST_ARMS {
+    if arms.len() < MIN_ARMS {
         return statement;
     }
     if !otherwise.is_empty() {

@@ -1,7 +1,6 @@
 //! Gives every expression of the syntax tree its type, as rustc did before the types were dropped.
 //!
-//! A literal has the type of its peer or target. So has `signed_bit_cast`, whose width the tree does not keep; where
-//! nothing around it tells the width, it is refused. [`Typing::guess`] looks from below, [`Typing::check`] from above.
+//! A literal has the type of its peer or target. So has `signed_bit_cast`, whose width the tree does not keep; if its context does not determine the width, it is rejected. [`Typing::guess`] looks from below, [`Typing::check`] from above.
 
 use rust_hdl::prelude::ast::{VerilogExpression as Source, VerilogOp as Op, VerilogOpUnary as Unary};
 
@@ -37,7 +36,7 @@ impl Typing<'_> {
         self.check(source, wanted)
     }
 
-    /// A value whose type only the source tells: the subject of a match.
+    /// A value whose type only the source states: the subject of a match.
     pub fn subject(&self, source: &Source) -> Typed {
         match self.guess(source)? {
             Guess::Type(ty) => self.check(source, ty),

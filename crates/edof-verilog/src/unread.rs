@@ -55,7 +55,7 @@ impl<'a> Read<'a> {
     }
 }
 
-/// The signal of which a part is taken.
+/// The signal that a part is taken from.
 fn signal(x: &Expression) -> Option<SignalId> {
     match &x.node {
         Node::Signal(id) => Some(*id),

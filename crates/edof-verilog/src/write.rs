@@ -43,7 +43,7 @@ pub(crate) struct Writer<'a> {
     /// Which outputs follow which inputs within the cycle.
     pub paths: &'a [(SignalId, SignalId)],
     pub printer: Printer<'a>,
-    /// So many values in between are declared.
+    /// Number of intermediate values that are declared.
     pub declared: usize,
 }
 

@@ -21,7 +21,7 @@ pub struct Sender {
     pub reset: Signal<In, Bit>,
     /// A byte is to be sent.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle.
+    /// The word is accepted in this cycle.
     pub ready: Signal<Out, Bit>,
     /// The byte.
     pub data: Signal<In, Bits<8>>,
@@ -185,7 +185,7 @@ pub struct Loopback {
     pub reset: Signal<In, Bit>,
     /// A byte is to be sent.
     pub valid: Signal<In, Bit>,
-    /// It is taken in this cycle.
+    /// The word is accepted in this cycle.
     pub ready: Signal<Out, Bit>,
     /// The byte.
     pub data: Signal<In, Bits<8>>,

@@ -114,7 +114,7 @@ impl Stage {
         count
     }
 
-    /// Whether it multiplies only what is not zero.
+    /// Whether the stage multiplies only non-zero values.
     #[must_use]
     pub const fn skips(&self) -> bool {
         self.skip & CONTROL_SKIP != 0

@@ -187,10 +187,10 @@ impl Simulated {
         }
     }
 
-    /// Bytes that have arrived at the host, `most` at most.
-    pub fn take(&mut self, most: usize) -> Vec<u8> {
+    /// Bytes that have arrived at the host, `max` at most.
+    pub fn take(&mut self, max: usize) -> Vec<u8> {
         let mut taken = vec![];
-        while taken.len() < most && self.leaving.front().is_some_and(|(at, _)| *at <= self.now) {
+        while taken.len() < max && self.leaving.front().is_some_and(|(at, _)| *at <= self.now) {
             taken.extend(self.leaving.pop_front().map(|(_, byte)| byte));
         }
         self.bytes[1] += taken.len() as u64;
@@ -261,11 +261,11 @@ impl Line for Simulated {
         Ok(())
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
         let until = self.now + patience.as_nanos() as Time;
         let first = self.leaving.front().map_or(until, |(at, _)| (*at).min(until));
         self.pass_to(first);
-        Ok(self.take(most))
+        Ok(self.take(max))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::protocol::{READ_FIXED, WRITE, WRITE_FIXED};
 pub trait Bus {
     /// Writes a word to a byte address; what cannot be written is passed over.
     fn write(&mut self, address: u32, word: u32);
-    /// The word at a byte address; 0 where there is none.
+    /// The word at a byte address; 0 without one.
     fn read(&mut self, address: u32) -> u32;
 }
 
@@ -89,7 +89,7 @@ impl Uart {
         }
     }
 
-    /// Whether it waits for the rest of a frame.
+    /// Whether the UART waits for the rest of a frame.
     #[must_use]
     pub fn waits(&self) -> bool {
         self.phase != Phase::Command

@@ -21,7 +21,7 @@ fn a_board_says_who_it_is() {
     let board = open(&mut simulated);
     assert_eq!((board.identity.width, board.identity.height), (32, 24));
     let large = edof_device::Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
-    // Its frame is another one than that of the file.
+    // The design's frame differs from that of the file.
     assert_eq!(board.design([large]).unwrap(), design);
     let paper = edof_device::Design::from_json(include_str!("../../../../designs/paper.json")).unwrap();
     let error = board.design([paper]).unwrap_err().to_string();
@@ -96,7 +96,7 @@ fn a_lost_clock_puts_weights_in_doubt_until_they_are_confirmed() {
     assert_eq!(doubt(&mut simulated), [1, 0]);
     simulated.lose_calculator_clock();
     assert_eq!(doubt(&mut simulated), [1, 1]);
-    // That the bank which is not in use is right tells nothing of the one that is.
+    // A correct idle bank proves nothing about the bank in use.
     open(&mut simulated).confirm(&design, &net, Set::Second).unwrap();
     assert_eq!(doubt(&mut simulated), [1, 1]);
     let mut host = open(&mut simulated);
@@ -131,8 +131,8 @@ impl Line for Parrot {
         Ok(())
     }
 
-    fn receive(&mut self, most: usize, _: Duration) -> io::Result<Vec<u8>> {
-        Ok(self.1.drain(..most.min(self.1.len())).collect())
+    fn receive(&mut self, max: usize, _: Duration) -> io::Result<Vec<u8>> {
+        Ok(self.1.drain(..max.min(self.1.len())).collect())
     }
 }
 

@@ -30,14 +30,14 @@ impl Line for Slow {
         Ok(())
     }
 
-    fn receive(&mut self, most: usize, patience: Duration) -> io::Result<Vec<u8>> {
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
         let until = self.0.time() + patience / TIMES;
         while self.0.time() < until
             && let Some(byte) = self.1.pop_front()
         {
             self.0.byte(byte);
         }
-        self.0.receive(most, until.saturating_sub(self.0.time()))
+        self.0.receive(max, until.saturating_sub(self.0.time()))
     }
 }
 

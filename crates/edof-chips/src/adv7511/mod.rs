@@ -181,7 +181,7 @@ impl Adv7511 {
         self.hot_plug || self.ignores_hot_plug()
     }
 
-    /// Whether it is powered up: 41 bit 6.
+    /// Whether the ADV7511 is powered up: 41 bit 6.
     const fn is_powered(&self) -> bool {
         self.is_plugged() && !self.page.bit(0x41, 6)
     }
@@ -241,7 +241,7 @@ impl Adv7511 {
         }
     }
 
-    /// It reads the screen's EDID by itself once it is powered and hot plug is high.
+    /// The chip reads the screen's EDID by itself once it is powered and hot plug is high.
     const fn has_edid(&self) -> bool {
         self.is_powered() && self.hot_plug && self.sink.is_some()
     }

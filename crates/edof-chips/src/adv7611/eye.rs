@@ -1,7 +1,7 @@
 //! When data is valid at the FPGA, relative to its clock.
 //!
 //! Source: ADV7619 Rev. B page 6 (data changes around the clock's falling edge), EngineerZone 536332 and 12208 (32 taps of 0.21 ns; sweep them and
-//! take the middle of the window; it has 6 to 8 taps). Where the window is depends on the board and on the FPGA's clock buffer: drawn.
+//! take the middle of the window; it has 6 to 8 taps). Where the window is depends on the board and on the FPGA's clock buffer: random here.
 
 use super::Adv7611;
 use super::maps::Map;

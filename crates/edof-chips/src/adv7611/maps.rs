@@ -41,7 +41,7 @@ impl Map {
         }
     }
 
-    /// Its registers after reset.
+    /// Registers of the map after reset.
     #[must_use]
     pub fn page(self) -> Page {
         match self {
@@ -57,7 +57,7 @@ impl Map {
     }
 }
 
-/// Registers that the recommended settings name, and the value that each must have for a promised picture.
+/// Registers that the recommended settings name, and the value that each must have for a guaranteed picture.
 pub const RECOMMENDED: &[(Map, u8, &[u8])] = &[
     (Map::Cp, 0x6c, &[0x00]),
     (Map::Hdmi, 0x9b, &[0x03]),

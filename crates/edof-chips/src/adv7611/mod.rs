@@ -95,7 +95,7 @@ impl Adv7611 {
         &mut self.pages[map as usize]
     }
 
-    /// Whether it is held in reset.
+    /// Whether the ADV7611 is held in reset.
     #[must_use]
     pub const fn is_reset(&self) -> bool {
         self.is_reset

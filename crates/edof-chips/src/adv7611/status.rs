@@ -20,7 +20,7 @@ pub struct Input {
 /// The first thing that stops a picture, or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum State {
-    /// Its reset pin is low.
+    /// The reset pin is low.
     #[error("the ADV7611 is held in reset")]
     InReset,
     /// IO 0C bit 5, 0B bits 1 and 0.
@@ -99,7 +99,7 @@ impl Adv7611 {
         steps.into_iter().find(|(stops, _)| *stops).map_or(State::Runs, |(_, state)| state)
     }
 
-    /// Whether it shows a picture of its own: CP BA bit 0, where nothing comes, or CP BF bit 0.
+    /// Whether the receiver shows its free-run picture: CP BA bit 0, without an input, or CP BF bit 0.
     #[must_use]
     pub fn is_free_running(&self) -> bool {
         let cp = self.page(Map::Cp);

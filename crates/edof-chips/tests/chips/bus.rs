@@ -93,7 +93,7 @@ fn the_receiver_answers_out_of_reset_and_each_map_once_it_has_an_address() {
     assert_eq!(answer(&mut card), [false; 7]);
     run(&mut card, &addresses());
     assert_eq!(answer(&mut card), [true; 7]);
-    // Its reset, by the pin and by the register.
+    // Reset of the chip, by the pin and by the register.
     for reset in [
         &[(0x70, vec![8]), (0x20, vec![1, 0]), (0x20, vec![1, 1]), (0x70, vec![4])][..],
         &[(0x4c, vec![0xff, 0x80])],

@@ -19,8 +19,8 @@ fn bytes(writes: &[Write], change: impl FnOnce(&mut Source)) -> Vec<[u8; 2]> {
     words.into_iter().map(u16::to_be_bytes).collect()
 }
 
-fn clamped(least: u8, most: [u8; 2]) -> Vec<[u8; 2]> {
-    ramp().into_iter().map(|pixel| [0, 1].map(|i| pixel[i].clamp(least, most[i]))).collect()
+fn clamped(min: u8, max: [u8; 2]) -> Vec<[u8; 2]> {
+    ramp().into_iter().map(|pixel| [0, 1].map(|i| pixel[i].clamp(min, max[i]))).collect()
 }
 
 #[test]

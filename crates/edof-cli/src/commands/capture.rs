@@ -35,7 +35,8 @@ use std::path::{Path, PathBuf};
 /// the part hidden behind a near object is inpainted. A JSON file lists a scene of several layers from back to front, each a picture with
 /// a matte at a depth (docs/your-own-lens.md).
 ///
-/// ψ (--psi) is the defocus in radians: 0 in the plane of focus of a clear lens. Cameras with nominal_m accept distances as in 1.5m, too.
+/// ψ (--psi) is the defocus in radians: 0 in the plane of focus of a clear lens, the far end of the presets' range; 8 at the near end.
+/// Cameras with nominal_m accept distances as in 1.5m, too; 'edof optics CAMERA --nominal METRES' prints the distance of each ψ.
 ///
 /// A capture approximates: it computes the depths of the scene, kernels up to a share of the energy, and as many wavelengths
 /// as a tolerance requires. --measure compares each approximation with an exact computation, and prints its error of the light on the
@@ -73,13 +74,13 @@ pub struct Args {
     #[arg(long, value_name = "FILE", requires = "range", conflicts_with = "psi")]
     depth_map: Option<PathBuf>,
 
-    /// Depths NEAR:FAR of white and black of the depth map: two values of psi, or two distances as in 0.7m:3m
+    /// Depths NEAR:FAR of white and black of the depth map: two values of ψ (radians), or two distances as in 0.7m:3m
     #[arg(long, value_name = "NEAR:FAR", requires = "depth_map", allow_hyphen_values = true)]
     range: Option<DepthRange>,
 
-    /// Meaning of the depth map's values: nearness (proportional to psi, that is to one over the distance; white is NEAR), or
+    /// Meaning of the depth map's values: nearness (proportional to ψ, that is to one over the distance; white is NEAR), or
     /// distance (black is NEAR, white is FAR), as range finders and renderers give it
-    #[arg(long, value_enum, default_value_t = MapOf::Nearness)]
+    #[arg(long, value_enum, default_value_t = MapOf::Nearness, value_name = "KIND")]
     map_of: MapOf,
 
     /// Largest number of layers that the photograph is cut into
@@ -87,7 +88,7 @@ pub struct Args {
     layers: usize,
 
     /// Bits per pixel of the sensor, 8 to 16
-    #[arg(long, default_value_t = 12, value_name = "BITS")]
+    #[arg(long = "bit-depth", alias = "depth", default_value_t = 12, value_name = "BITS")]
     depth: u32,
 
     /// Colour filters of the first two pixels of the first two rows: rggb, grbg, gbrg or bggr
@@ -112,7 +113,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.01, value_name = "SHARE")]
     wavelength_tolerance: f64,
 
-    /// Layers whose psi differ by no more than this share one kernel (radians)
+    /// Layers whose ψ differ by at most this value, in radians, share one kernel
     #[arg(long, default_value_t = 0.0, value_name = "PSI")]
     depth_tolerance: f64,
 
@@ -160,7 +161,7 @@ Examples:
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --out raw.png --video frame.2vuy
   edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
-  edof capture leaves --psi 6 --noise sensor:gain=4 --depth 10 --phase bggr --out raw.png --exact";
+  edof capture leaves --psi 6 --noise sensor:gain=4 --bit-depth 10 --phase bggr --out raw.png --exact";
 
 #[derive(Serialize)]
 struct Captured {
@@ -253,10 +254,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 fn of_sensor(error: SensorError) -> Error {
     match error {
         SensorError::Frame(FrameError::Depth(bits)) => {
-            Error::message(format!("--depth {bits}: must be 8 to 16"))
+            Error::message(format!("--bit-depth {bits}: must be 8 to 16"))
         }
         SensorError::Black { black, full, depth } => Error::message(format!(
-            "--black-level {black}: must be less than {full}, for a sensor of --depth {depth} bits"
+            "--black-level {black}: must be less than {full}, for a sensor of --bit-depth {depth} bits"
         )),
         error => error.into(),
     }

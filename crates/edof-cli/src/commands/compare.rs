@@ -202,8 +202,8 @@ fn mean_difference(a: &ColourFrame, b: &ColourFrame) -> [f64; 3] {
 
 fn largest(a: &ColourFrame, b: &ColourFrame, region: Option<Region>) -> Largest {
     let differences = a.planes.indexed_iter().zip(&b.planes).map(|((at, a), b)| (at, (b - a).abs()));
-    let most = differences.max_by(|(_, x), (_, y)| x.total_cmp(y));
-    let ((_, row, column), difference) = most.unwrap_or_default();
+    let max = differences.max_by(|(_, x), (_, y)| x.total_cmp(y));
+    let ((_, row, column), difference) = max.unwrap_or_default();
     let (top, left) = region.map_or((0, 0), |region| (region.top, region.left));
     Largest { difference, row: top + row, column: left + column }
 }

@@ -69,7 +69,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     photo: Option<PathBuf>,
 
-    /// Depth of the picture: psi in radians, or a distance as in 1.5m [default: the far end of the network's range]
+    /// Depth of the picture: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or a distance as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
     #[arg(long, allow_hyphen_values = true, conflicts_with = "random")]
     psi: Option<Depth>,
 
@@ -288,7 +288,7 @@ fn tell(args: &Args, design: &Design, outcome: &Outcome, seconds: f64, ui: &Ui) 
     if differences == 0 {
         ui.say(format!(
             "{}: {patches} patches, {} beats at {boundaries} boundaries, {} cycles: no difference; {:.1} cycles per patch, at most {}",
-            design.name, outcome.beats, outcome.cycles, summary.cycles_per_patch(), summary.most_cycles
+            design.name, outcome.beats, outcome.cycles, summary.cycles_per_patch(), summary.max_cycles
         ))?;
     }
     if let Some(path) = &args.junit {
@@ -303,7 +303,7 @@ fn tell(args: &Args, design: &Design, outcome: &Outcome, seconds: f64, ui: &Ui) 
         "differences": differences,
         "first_difference": outcome.difference,
         "cycles": outcome.cycles,
-        "cycles_per_patch": { "mean": summary.cycles_per_patch(), "max": summary.most_cycles },
+        "cycles_per_patch": { "mean": summary.cycles_per_patch(), "max": summary.max_cycles },
         "stalls": args.stalls,
         "seed": args.seed,
         "icarus": args.icarus,

@@ -43,6 +43,9 @@ enum Task {
 
 /// Write a design file: the folding that is fastest when no value is zero, within the multipliers and an XC7K325T
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
+  edof design new --weights mine.fixed.safetensors --multipliers 400 --out small.json")]
 struct New {
     /// Architecture of its networks
     #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "weights", conflicts_with = "weights")]
@@ -79,6 +82,8 @@ struct New {
 
 /// Check a design: its fields, its frames and clock on a board, and whether a network fits it
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof design check mine.json --weights mine.fixed.safetensors")]
 struct Check {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(value_name = "NAME|FILE")]

@@ -42,7 +42,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", requires = "weights")]
     photo: Vec<PathBuf>,
 
-    /// Depths of the pictures, separated by commas: psi (defocus in radians), or distances as in 1.5m [default: the far end of the network's range]
+    /// Depths of the pictures, separated by commas: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
     #[arg(
         long,
         value_delimiter = ',',

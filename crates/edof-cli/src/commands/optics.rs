@@ -50,11 +50,11 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "out/optics")]
     out: PathBuf,
 
-    /// Depths: the defocus parameter psi in radians, or distances as in 1.5m [default: 0,1,2,3,4,5,6,7,8, or those of the PSF bank]
+    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m [default: 0,1,2,3,4,5,6,7,8, or those of the PSF bank]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     psi: Vec<Depth>,
 
-    /// Distance of psi = 0 in metres (inf for infinity); each depth is then also printed in metres [default: the camera's nominal_m]
+    /// Distance of ψ = 0 in metres (inf for infinity); each depth is then also printed in metres [default: the camera's nominal_m]
     #[arg(long, value_name = "METRES")]
     nominal: Option<f64>,
 
@@ -101,11 +101,11 @@ struct Design {
     #[arg(long, default_value_t = 1, value_name = "N")]
     rings: usize,
 
-    /// psi (radians) of the plane of focus [default: searched within the range]
+    /// ψ of the plane of focus: the defocus in radians [default: searched within the range]
     #[arg(long, allow_hyphen_values = true, value_name = "PSI")]
     focus: Option<f64>,
 
-    /// Range of psi, or of distances as in 0.7m,3m if the camera states nominal_m [default: the camera's]
+    /// Range of ψ, the defocus in radians, or of distances as in 0.7m,3m if the camera states nominal_m [default: the camera's]
     #[arg(long, value_delimiter = ',', num_args = 1, allow_hyphen_values = true, value_name = "LOW,HIGH")]
     psi_range: Vec<Depth>,
 
@@ -123,7 +123,7 @@ struct Design {
 
     /// Largest absolute phase of a ring, in radians at the reference wavelength
     #[arg(long = "max-phase", alias = "most-phase", default_value_t = 10.0, value_name = "RADIANS")]
-    most_phase: f64,
+    max_phase: f64,
 
     /// Candidates per generation
     #[arg(long, default_value_t = 32, value_name = "N")]
@@ -323,9 +323,9 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
     let task =
         Task { noises: args.noise.clone(), worst_weight: args.worst_weight, ..design::default_task(&base) };
     let task = Task { window: said::window(args.window)?, ..task };
-    let (rings, focus, most_phase, seed) = (args.rings, args.focus, args.most_phase, args.seed);
+    let (rings, focus, max_phase, seed) = (args.rings, args.focus, args.max_phase, args.seed);
     let search =
-        Search { rings, focus, most_phase, population: args.population, generations: args.generations, seed };
+        Search { rings, focus, max_phase, population: args.population, generations: args.generations, seed };
     let start = std::time::Instant::now();
     let progress = ui.progress(args.generations as u64, "generations");
     let Found { mut camera, verdict, judged } =

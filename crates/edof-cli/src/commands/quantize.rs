@@ -50,7 +50,7 @@ pub struct Args {
     bits: u32,
 
     /// Pixels from one patch to the next: 2, 4 or 8
-    #[arg(long, default_value_t = 8)]
+    #[arg(long, default_value_t = 8, value_name = "PIXELS")]
     stride: usize,
 
     /// Averaging window of overlapping patches
@@ -58,7 +58,7 @@ pub struct Args {
     overlap: String,
 
     /// Headroom: factor by which a code may exceed its measured range before it saturates, 1 or more
-    #[arg(long, default_value_t = 2.0)]
+    #[arg(long, default_value_t = 2.0, value_name = "FACTOR")]
     headroom: f64,
 
     /// Folder of photographs to measure on [default: built-in scenes]
@@ -74,7 +74,7 @@ pub struct Args {
     finetune: u64,
 
     /// Largest change of a weight per fine-tuning step, for inputs of variance one, in LSB of a code
-    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single)]
+    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single, value_name = "LSB")]
     finetune_rate: f32,
 
     /// Weight file to write [default: the float network's name with .fixed.safetensors]

@@ -40,11 +40,11 @@ pub struct Args {
     bits: u32,
 
     /// Pixels from one patch to the next: 2, 4 or 8
-    #[arg(long, default_value_t = Stride::PATCH.pixels())]
+    #[arg(long, default_value_t = Stride::PATCH.pixels(), value_name = "PIXELS")]
     stride: usize,
 
     /// Seed of all random numbers
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
 
     /// Weight file to write

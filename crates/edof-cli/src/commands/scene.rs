@@ -20,7 +20,7 @@ use std::path::PathBuf;
 /// Make a built-in scene: the sharp ground truth, its picture for a screen, and its depths
 ///
 /// Writes sharp.png (16 bits, encoded according to --tone; edof capture of the same scene and tone starts from it),
-/// screen.png (8 bits, sRGB) and depth.png (8 bits, the smallest psi of the range black, the largest white).
+/// screen.png (8 bits, sRGB) and depth.png (8 bits, the smallest ψ of the range black, the largest white).
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
     tone: Tone,
 
-    /// Camera whose range of psi sets the depths: a preset or a JSON file
+    /// Camera whose range of ψ sets the depths: a preset or a JSON file
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 }
@@ -70,7 +70,7 @@ pub struct Drawing {
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     pub psi: Vec<Depth>,
 
-    /// Distance in metres at which psi is 0 (inf for infinity) [default: the camera's nominal_m]
+    /// Distance in metres of ψ = 0 (inf for infinity) [default: the camera's nominal_m]
     #[arg(long, value_name = "METRES")]
     pub nominal: Option<f64>,
 

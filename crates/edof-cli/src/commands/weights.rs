@@ -72,8 +72,10 @@ struct Matrix {
     name: String,
     rows: usize,
     columns: usize,
-    least: f32,
-    most: f32,
+    #[serde(rename = "least")]
+    min: f32,
+    #[serde(rename = "most")]
+    max: f32,
 }
 
 #[derive(Serialize)]
@@ -149,9 +151,8 @@ fn of_kind<T>(found: Result<T, PresetError>) -> Result<Option<T>, Error> {
 
 fn matrices(network: &Network) -> Vec<Matrix> {
     let of = |name: String, (rows, columns): (usize, usize), values: &mut dyn Iterator<Item = &f32>| {
-        let (least, most) =
-            values.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
-        Matrix { name, rows, columns, least, most }
+        let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
+        Matrix { name, rows, columns, min, max }
     };
     let mut found = vec![of("A".into(), network.analysis.dim(), &mut network.analysis.iter())];
     for (t, theta) in network.thresholds.iter().enumerate() {
@@ -223,7 +224,7 @@ fn tell_float(float: &Float, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("float: {}, {} parameters, SHA-256 {}", float.form, float.parameters, float.sha256))?;
     for m in &float.matrices {
         let size = format!("{}x{}", m.rows, m.columns);
-        ui.say(format!("  {:7} {size:>8}  {:>9.4} to {:.4}", m.name, m.least, m.most))?;
+        ui.say(format!("  {:7} {size:>8}  {:>9.4} to {:.4}", m.name, m.min, m.max))?;
     }
     Ok(())
 }

@@ -27,13 +27,13 @@ pub const BANK_LANES: usize = 4;
 /// Elements of a vector that pass in one beat.
 pub const BEAT: usize = 2;
 /// Largest left shift of a value before it is multiplied: the multiplier of a DSP48E1 takes 25 bits, a value has 16.
-pub const MOST_VALUE_SHIFT: u32 = 9;
+pub const MAX_VALUE_SHIFT: u32 = 9;
 
 /// Most bytes of a design file.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Fastest clock of a calculator in megahertz: its longest path of logic alone takes 2.45 ns (docs/calculator.md, Clock).
-pub const MOST_CLOCK_MHZ: f64 = 400.0;
+pub const MAX_CLOCK_MHZ: f64 = 400.0;
 
 /// A hardware design for one form of network.
 ///
@@ -128,8 +128,8 @@ impl Design {
     /// [`DesignError::Read`], [`DesignError::Parse`], or the first field that is wrong.
     pub fn load(path: &Path) -> Result<Self, DesignError> {
         let name = path.display().to_string();
-        let text = json::text(path, MOST_BYTES)
-            .map_err(|source| DesignError::Read { path: name.clone(), source })?;
+        let text =
+            json::text(path, MAX_BYTES).map_err(|source| DesignError::Read { path: name.clone(), source })?;
         Self::parse(&text, &name)
     }
 
@@ -166,8 +166,8 @@ impl Design {
         require(
             "clock_mhz",
             number(self.clock_mhz),
-            self.clock_mhz > 0.0 && self.clock_mhz <= MOST_CLOCK_MHZ,
-            &format!("above 0, at most {MOST_CLOCK_MHZ}"),
+            self.clock_mhz > 0.0 && self.clock_mhz <= MAX_CLOCK_MHZ,
+            &format!("above 0, at most {MAX_CLOCK_MHZ}"),
         )?;
         require(
             "form.codes",
@@ -223,10 +223,10 @@ impl Design {
         }
         let shifts = network.final_shifts();
         let shift = shifts.dictionary.max(shifts.linear_path);
-        if shift > MOST_VALUE_SHIFT {
+        if shift > MAX_VALUE_SHIFT {
             return Err(misfit(
                 format!("an alignment of F by {shift} bits"),
-                format!("{MOST_VALUE_SHIFT} at most"),
+                format!("{MAX_VALUE_SHIFT} at most"),
             ));
         }
         Ok(())

@@ -21,7 +21,7 @@ pub enum ReadBack {
     Crc,
     /// The low half of the row that was read last.
     Low,
-    /// Its high half.
+    /// High half of the row.
     High,
     /// 1 while the stage still reads, then 0.
     Busy,

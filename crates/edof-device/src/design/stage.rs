@@ -21,7 +21,7 @@ pub enum Kind {
 pub struct StagePlan {
     /// What it is.
     pub kind: Kind,
-    /// Its place in the chain, 0 first.
+    /// Place of the stage in the chain, 0 first.
     pub index: usize,
     /// Length of the vector that comes in.
     pub inputs: usize,
@@ -35,23 +35,23 @@ pub struct StagePlan {
     pub rows: usize,
     /// Whether the next stage is an M, which wants a base.
     pub feeds_m: bool,
-    /// Whether it sends the change of z, so that it must know the z before.
+    /// Whether the stage sends the change of z, so that it must know the z before.
     pub sends_difference: bool,
     /// Windows that F keeps for its linear path.
     pub kept_windows: usize,
 }
 
 /// Rows of a dense stage, at most.
-pub const MOST_ROWS: usize = 4;
+pub const MAX_ROWS: usize = 4;
 /// Banks that share the registers of what passes through all banks (`rtl/edof_macc_array.v`).
 pub const GROUP_BANKS: usize = 8;
 /// Windows that fit the window ring's addresses.
-const MOST_WINDOWS: usize = 32;
+const MAX_WINDOWS: usize = 32;
 
 /// Windows that wait for F: as many vectors as lie in the stages before it, and more, so that they never wait for room here; a power
 /// of two, so that a place is some bits of an address.
 fn kept_windows(layers: usize) -> usize {
-    (6 * layers).next_power_of_two().min(MOST_WINDOWS)
+    (6 * layers).next_power_of_two().min(MAX_WINDOWS)
 }
 
 impl StagePlan {
@@ -111,7 +111,7 @@ impl StagePlan {
         self.lanes * self.rows
     }
 
-    /// Whether it takes all of its inputs, zero or not, `rows` of them from one wide word: I.
+    /// Whether the stage takes all of its inputs, zero or not, `rows` of them from one wide word: I.
     #[must_use]
     pub fn is_dense(&self) -> bool {
         self.kind == Kind::I
@@ -171,7 +171,7 @@ impl StagePlan {
         self.lanes / BEAT
     }
 
-    /// Whether it has thresholds: I and M.
+    /// Whether the stage has thresholds: I and M.
     #[must_use]
     pub fn shrinks(&self) -> bool {
         self.kind != Kind::F
@@ -199,9 +199,8 @@ impl StagePlan {
         let expected = format!("a multiple of {BANK_LANES} that divides {outputs}");
         require(&field("lanes"), lanes, fits, &expected)?;
         if self.is_dense() {
-            let even =
-                self.rows > 0 && self.rows <= MOST_ROWS && self.inputs.is_multiple_of(BEAT * self.rows);
-            let expected = format!("1 to {MOST_ROWS}, and divide {} into even parts", self.inputs);
+            let even = self.rows > 0 && self.rows <= MAX_ROWS && self.inputs.is_multiple_of(BEAT * self.rows);
+            let expected = format!("1 to {MAX_ROWS}, and divide {} into even parts", self.inputs);
             require(&field("rows"), self.rows, even, &expected)?;
         } else {
             require(&field("rows"), self.rows, self.rows == 1 || self.rows == 2, "1 or 2")?;

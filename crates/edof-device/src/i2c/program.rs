@@ -23,7 +23,7 @@ pub enum Action {
     End,
     /// Writes one byte to a device that has no registers.
     Byte {
-        /// Its address.
+        /// Address of the chip.
         device: u8,
         /// The byte.
         value: u8,
@@ -34,7 +34,7 @@ pub enum Action {
         device: u8,
         /// Which register.
         register: u8,
-        /// Its new value.
+        /// New value of the register.
         value: u8,
     },
     /// Waits N milliseconds, at least one.
@@ -48,24 +48,24 @@ pub enum Action {
         /// Where it is kept.
         slot: u8,
     },
-    /// Goes on where the accumulator, masked, has a value. Else does the step before once more after 10 ms, N times; then the set-up has
+    /// Continues where the accumulator, masked, has a value. Else does the step before once more after 10 ms, N times; then the set-up has
     /// failed.
     Until {
         /// N.
         tries: u8,
         /// Bits that count.
         mask: u8,
-        /// Their value.
+        /// Expected value of the masked bits.
         value: u8,
     },
     /// Skips the next step unless the accumulator, masked, has a value.
     If {
         /// Bits that count.
         mask: u8,
-        /// Their value.
+        /// Expected value of the masked bits.
         value: u8,
     },
-    /// Goes on at an entry.
+    /// Continues at an entry.
     Goto(u16),
     /// Writes a register with what is in a slot.
     Copy {

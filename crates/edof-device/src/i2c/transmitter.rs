@@ -5,7 +5,7 @@
 
 use super::program::{Action, Builder, Entry, Jump, SETTINGS, SLOTS};
 
-/// Multiplexer of the bus, at channel 5 of which the ADV7511 is.
+/// Multiplexer of the bus; the ADV7511 is at channel 5.
 const PCA9548A: u8 = 0x74;
 /// HDMI transmitter.
 const ADV7511: u8 = 0x39;
@@ -164,7 +164,7 @@ const fn high(coefficient: u16) -> u8 {
     (coefficient >> 8) as u8
 }
 
-/// Looks through the extension of the screen's EDID for 03 0C 00, the HDMI vendor block. It goes on after the last byte without it; the jumps
+/// Looks through the extension of the screen's EDID for 03 0C 00, the HDMI vendor block. The program continues after the last byte without the block; the jumps
 /// are taken with it.
 fn scan(p: &mut Builder) -> Vec<Jump> {
     let next = Action::ReadNext { device: SCREEN_EDID };

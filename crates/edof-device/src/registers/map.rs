@@ -49,7 +49,7 @@ const CAUSES: &str = "0 none, 1 not acknowledged, 2 arbitration lost, 3 data lin
 
 /// How the set-up of a bus stands.
 const SET_UP: [Field; 6] = [
-    Field { name: "entry", low: 0, bits: 10, doc: "Entry of the table at which it is, or failed." },
+    Field { name: "entry", low: 0, bits: 10, doc: "Entry of the table that is in progress, or that failed." },
     Field { name: "device", low: 10, bits: 7, doc: "7-bit address of that entry's chip." },
     Field { name: "cause", low: 17, bits: 3, doc: CAUSES },
     bit("done", 20, "The chips are set up, and polled."),
@@ -60,7 +60,7 @@ const SET_UP: [Field; 6] = [
 /// Every register, by address. Counters wrap; they start from zero
 /// at reset.
 pub const REGISTERS: &[Register] = &[
-    constant("id", 0x00, ID, &[], "`EDOF` in ASCII, so that a client knows what it talks to."),
+    constant("id", 0x00, ID, &[], "`EDOF` in ASCII: identifies the board to a client."),
     constant(
         "version",
         0x04,
@@ -80,39 +80,37 @@ pub const REGISTERS: &[Register] = &[
         0x0c,
         0,
         &[half("width", 0, "Columns."), half("height", 16, "Rows.")],
-        "The picture that the design is made for.",
+        "Size of the design's picture.",
     ),
     control(
         "weights_hash",
         WEIGHTS_HASH,
         0,
         &[],
-        "First 32 bits of the hash of the network in use (`identity::weights_hash`). Starts with the one that the design was generated with; \
-         whoever loads another one writes its hash here. A reset leaves it.",
+        "First 32 bits of the hash of the network in use (`identity::weights_hash`). Starts with the network that the design was generated with. A client that loads another network writes its hash here. A reset preserves it.",
     ),
     control(
         "control",
         CONTROL,
         0b11,
         &[
-            bit("run", 0, "Frames are reconstructed. Off: the picture stands still."),
+            bit("run", 0, "Frames are reconstructed. Off: the last picture is repeated."),
             bit("colour", 1, "Display in colour; off: luma only."),
             bit(
                 "weight_set",
                 2,
-                "The set of weights for the frames that begin from now on: the bank in use. A reset leaves it.",
+                "The set of weights for the next frames: the bank in use. A reset preserves it.",
             ),
-            bit("i2c_restart", 3, "A change from 0 to 1 sets up the video chips once more."),
+            bit("i2c_restart", 3, "A change from 0 to 1 repeats the set-up of the video chips."),
             bit(
                 "flush",
                 4,
-                "Drops the frame that is under way and leaves all that was written as it is; for 48 cycles or more. Pictures go on with the \
-                 next frame after it.",
+                "Drops the frame in progress and preserves all written words; hold for 48 cycles or more. Pictures resume with the next frame.",
             ),
         ],
-        "What the host decides.",
+        "Settings of the host.",
     ),
-    control("scratch", SCRATCH, 0, &[], "Holds what is written: tries out the link; a reset clears it."),
+    control("scratch", SCRATCH, 0, &[], "Keeps the written word, for tests of the link; a reset clears it."),
     control(
         "protection",
         PROTECTION,
@@ -121,23 +119,23 @@ pub const REGISTERS: &[Register] = &[
             bit(
                 "bank",
                 0,
-                "Words for the bank in use, and for the display's tables while frames are reconstructed, are refused.",
+                "Words for the bank in use, and for the display's tables while frames are reconstructed, are rejected.",
             ),
             bit(
                 "control",
                 1,
-                "`control` too takes only words whose upper half is the complement of the lower one.",
+                "`control`, too, accepts only words whose upper half is the complement of the lower one.",
             ),
         ],
-        "What a word that went astray cannot change. Takes only words whose upper half is the complement of the lower one.",
+        "Protection against stray words. The register accepts only words whose upper half is the complement of the lower one.",
     ),
     status(
         "status",
         STATUS,
         &[
             bit("dram_ready", 0, "The memory is ready: it is out of its reset."),
-            bit("input_present", 1, "There is a video signal."),
-            bit("input_fits", 2, "It has the size of the design's frame."),
+            bit("input_present", 1, "A video signal is present."),
+            bit("input_fits", 2, "The video signal has the size of the design's frame."),
             bit("output_runs", 3, "Pictures leave the board; before the first one they are black."),
             bit("i2c_done", 4, "All video chips are set up."),
             bit("i2c_failed", 5, "A set-up failed: see `i2c_board`, `i2c_card`."),
@@ -145,7 +143,7 @@ pub const REGISTERS: &[Register] = &[
             bit(
                 "window_fault",
                 7,
-                "A window was too short or too long since the counters of the stages were last asked for.",
+                "A window was too short or too long since the stages' counters were last copied.",
             ),
             bit(
                 "calculator_runs",
@@ -158,7 +156,7 @@ pub const REGISTERS: &[Register] = &[
                 "The calculator's clock was lost since `weights_hash` was last written: CRCs must show whether the weights are still there.",
             ),
         ],
-        "How the board is.",
+        "State of the board.",
     ),
     status("i2c_board", 0x24, &SET_UP, "Set-up of the chips on the board's own I2C bus: the transmitter."),
     status(
@@ -175,11 +173,11 @@ pub const REGISTERS: &[Register] = &[
             bit("de_locked", 0, "Active lines are regular. Bits 7 to 0 are IO 0x6A."),
             bit("vertical_locked", 1, "Frames are regular."),
             bit("clock", 4, "The source's clock is there."),
-            bit("tmds_locked", 6, "The PLL follows it."),
+            bit("tmds_locked", 6, "The PLL is locked to the source's clock."),
             bit("cable", 8, "The source supplies 5 V through the cable. Bits 15 to 8 are IO 0x6F."),
             bit("hdcp", 22, "The source encrypts. Bits 23 to 16 are HDMI 0x05."),
             bit("hdmi", 23, "The source sends HDMI; 0 is DVI."),
-            bit("interlaced", 29, "Fields in place of frames. Bits 31 to 24 are HDMI 0x0B."),
+            bit("interlaced", 29, "The source sends fields, not frames. Bits 31 to 24 are HDMI 0x0B."),
             Field {
                 name: "deep_colour",
                 low: 30,
@@ -218,19 +216,19 @@ pub const REGISTERS: &[Register] = &[
                 name: "colour_space",
                 low: 0,
                 bits: 4,
-                doc: "Of the source, by the receiver's code. HDMI 0x53.",
+                doc: "Colour space of the source, as the receiver's code. HDMI 0x53.",
             },
             bit("infoframe", 8, "The source sent an AVI infoframe. Bits 15 to 8 are IO 0x60."),
             bit("unlocked", 16, "The component processor is not locked. Bits 23 to 16 are IO 0x12."),
             bit("free_run", 28, "The receiver sends a picture of its own. Bits 31 to 24 are CP 0xFF."),
         ],
-        "What the receiver makes of the source's signal.",
+        "Format of the source's signal, as the receiver detects it.",
     ),
     status(
         "transmitter",
         0x3c,
         &[
-            bit("monitor_sense", 5, "The screen's terminators are there. Bits 7 to 0 are ADV7511 0x42."),
+            bit("monitor_sense", 5, "The screen's terminators are detected. Bits 7 to 0 are ADV7511 0x42."),
             bit("hot_plug", 6, "A screen is plugged in."),
             bit("powered_down", 14, "The transmitter is powered down. Bits 15 to 8 are ADV7511 0x41."),
             bit("output_422", 23, "Y'CbCr 4:2:2 to the screen; 0 is RGB. Bits 23 to 16 are ADV7511 0x16."),
@@ -245,16 +243,20 @@ pub const REGISTERS: &[Register] = &[
         "Raw frames that were begun and not completed: cable, wrong size or range, or a write that failed.",
     ),
     count("input_wrong", 0x48, "Frames on the cable that had another size than the design's."),
-    count(
-        "input_overruns",
-        0x4c,
-        "Frames on the cable that were given up because there was no room for a pixel.",
-    ),
+    count("input_overruns", 0x4c, "Frames on the cable that were dropped because the input FIFO was full."),
     count("input_write_errors", 0x50, "Bursts of raw frames that the memory answered with an error."),
-    count("raw_frames", 0x54, "Raw frames that were begun to be read."),
-    count("raw_late", 0x58, "Of these, how many were read again for want of a newer one."),
+    count("raw_frames", 0x54, "Raw frames whose reading was begun."),
+    count(
+        "raw_late",
+        0x58,
+        "Reads counted in `raw_frames` that repeat a frame because no newer one was complete.",
+    ),
     count("raw_read_errors", 0x5c, "Words of raw frames that came with an error."),
-    count("busy_cycles", 0x60, "Cycles of the calculator's clock in which a window or a patch stood at it."),
+    count(
+        "busy_cycles",
+        0x60,
+        "Cycles of the calculator's clock with a window at its input or a patch at its output.",
+    ),
     count("patches", 0x64, "Patches that left the calculator."),
     count("saturated_sums", 0x68, "Sums of overlapping patches that did not fit 16 bits."),
     count("clamped_chroma", 0x6c, "Chroma codes that were clamped (luma only)."),
@@ -266,21 +268,25 @@ pub const REGISTERS: &[Register] = &[
         "Pictures that were begun and not completed, or held back after raw words that came with an error.",
     ),
     count("picture_write_errors", 0x7c, "Bursts of pictures that the memory answered with an error."),
-    count("output_frames", 0x80, "Pictures that were begun to be read."),
-    count("output_late", 0x84, "Of these, how many were read again for want of a newer one."),
+    count("output_frames", 0x80, "Pictures whose reading was begun."),
+    count(
+        "output_late",
+        0x84,
+        "Reads counted in `output_frames` that repeat a picture because no newer one was complete.",
+    ),
     count("output_read_errors", 0x88, "Words of pictures that came with an error."),
     count("output_underruns", 0x8c, "Pictures on the cable whose pixels came late."),
     count(
         "uart_broken",
         UART_BROKEN,
-        "Frames on the UART that were given up, and bytes that were no command.",
+        "Frames on the UART that were dropped, and bytes that were not a command.",
     ),
-    count("writes_refused", WRITES_REFUSED, "Words that `protection` kept out."),
-    count("input_codes", INPUT_CODES, "Codes of line start and end that came inside of the pixels."),
+    count("writes_refused", WRITES_REFUSED, "Words that `protection` rejected."),
+    count("input_codes", INPUT_CODES, "Codes of line start and end inside of the pixels."),
     count(
         "input_malformed",
         0x9c,
-        "Words of such codes that were damaged, alone on one of the two bytes, or out of turn.",
+        "Damaged sync codes: a wrong word, a code on one of the two bytes only, or a code out of order.",
     ),
     control(
         "video_setup",
@@ -301,7 +307,7 @@ pub const REGISTERS: &[Register] = &[
                 doc: "Receiver's IO 0x06: 0xA0, or 0xA1 with its output clock inverted.",
             },
         ],
-        "What the next set-up of the video chips uses (`control.i2c_restart` starts one).",
+        "Settings for the next set-up of the video chips (`control.i2c_restart` starts one).",
     ),
     control(
         "chip_access",
@@ -329,14 +335,14 @@ pub const REGISTERS: &[Register] = &[
         &[
             Field { name: "value", low: 0, bits: 8, doc: "Byte that was read." },
             Field { name: "cause", low: 8, bits: 3, doc: CAUSES },
-            Field { name: "sequence", low: 28, bits: 4, doc: "That of the access which is answered." },
+            Field { name: "sequence", low: 28, bits: 4, doc: "`sequence` of the answered access." },
         ],
         "The answer to `chip_access`.",
     ),
     count(
         "input_range",
         0xac,
-        "Frames on the cable with a code outside of 64…191, which carries no raw pixel word; they are not taken.",
+        "Frames on the cable with a code outside of 64…191, which carries no raw pixel word; such frames are dropped.",
     ),
     control(
         "pattern",
@@ -348,48 +354,52 @@ pub const REGISTERS: &[Register] = &[
             bits: 3,
             doc: "0 none, 1 ramp, 2 chart, 3 noise, 4 zeros, 5 ones, 6 alternating, 7 the tile (`tile`).",
         }],
-        "Raw frames that the board makes in place of the source's, which are thrown away meanwhile (docs/contract.md, 1.3).",
+        "Raw frames that the board makes in place of the source's frames, which are dropped meanwhile (docs/contract.md, 1.3).",
     ),
     status(
         "check_raw",
         CHECK_RAW,
         &[],
-        "CRC-32 of the last whole raw frame that the calculator took when the stages' counters were last copied (`stage_counters`).",
+        "CRC-32 of the last whole raw frame that the calculator had read when the stages' counters were last copied (`stage_counters`).",
     ),
-    status("check_windows", CHECK_RAW + 4, &[], "CRC-32 of the last whole frame's windows, copied likewise."),
+    status(
+        "check_windows",
+        CHECK_RAW + 4,
+        &[],
+        "CRC-32 of the last whole frame's windows, copied with `check_raw`.",
+    ),
     status(
         "check_codes",
         CHECK_RAW + 8,
         &[],
-        "CRC-32 of the codes of the last whole picture, copied likewise.",
+        "CRC-32 of the codes of the last whole picture, copied with `check_raw`.",
     ),
     status(
         "check_sent",
         CHECK_RAW + 12,
         &[],
-        "CRC-32 of the codes of the last whole picture that was read from the memory for the screen, copied likewise.",
+        "CRC-32 of the codes of the last whole picture that was read from the memory for the screen, copied with `check_raw`.",
     ),
     status(
         "check_frames",
         CHECK_RAW + 16,
         &[
-            Field { name: "raw", low: 0, bits: 8, doc: "Of `check_raw`." },
-            Field { name: "windows", low: 8, bits: 8, doc: "Of `check_windows`." },
-            Field { name: "codes", low: 16, bits: 8, doc: "Of `check_codes`." },
+            Field { name: "raw", low: 0, bits: 8, doc: "Number of `check_raw`." },
+            Field { name: "windows", low: 8, bits: 8, doc: "Number of `check_windows`." },
+            Field { name: "codes", low: 16, bits: 8, doc: "Number of `check_codes`." },
             Field {
                 name: "sent",
                 low: 24,
                 bits: 8,
-                doc: "Of `check_sent`: pictures read, again and again where there was no newer one.",
+                doc: "Number of `check_sent`: pictures read, repeated ones included.",
             },
         ],
-        "Numbers of the frames whose CRCs are shown, modulo 256: where the first three are equal they are of one frame. A reset or a flush \
-         starts them anew.",
+        "Frame numbers of the CRCs, modulo 256: equal numbers in the first three fields mean one frame. A reset or a flush restarts the numbers.",
     ),
     count(
         "core_cycles",
         CORE_CYCLES,
-        "Cycles of the core's clock. It and the next two count on their own: two looks at all three measure clocks against each other.",
+        "Cycles of the core's clock. This counter and the next two run independently: two reads of all three compare the clocks.",
     ),
     count("input_cycles", CORE_CYCLES + 4, "Cycles of the incoming pixels' clock."),
     count("screen_cycles", CORE_CYCLES + 8, "Cycles of the screen's clock."),
@@ -412,8 +422,7 @@ pub const STAGE_COUNTERS: Window = Window {
     bytes: 0x100,
     access: Access::Status,
     doc: "Word 4·stage + counter. Counters: 0 non-zero words sent, 1 saturated results, 2 saturated codes, 3 saturated differences; of stage \
-          15, which is the whole calculator, 0 windows that were too short, 1 too long. All of them as they were when anything was last \
-          written to register 0 of stage 15 (`weights`), which starts them anew.",
+          15, which is the whole calculator, 0 windows that were too short, 1 too long. A write to register 0 of stage 15 (`weights`) copies all counters to this window and restarts them.",
 };
 
 /// What the calculator's stages read back.
@@ -423,7 +432,7 @@ pub const STAGE_READS: Window = Window {
     bytes: 0x100,
     access: Access::Status,
     doc: "Word 4·stage + part; stage 14 is the display's tables. Parts: 0 CRC-32 of the rows that were read, 1 and 2 low and high half of the \
-          last one, 3 whether the stage still reads. A command written to register 3 of the stage (`weights`) has it read: space (2 bits), \
+          last one, 3 whether the stage still reads. A command written to register 3 of the stage (`weights`) starts a read: space (2 bits), \
           bank (6), first row (12), rows after it (12).",
 };
 
@@ -461,8 +470,7 @@ pub const WEIGHTS: Window = Window {
     bytes: 4 << (ADDRESS_BITS[0] + ADDRESS_BITS[1] + ADDRESS_BITS[2] + ADDRESS_BITS[3] + ADDRESS_BITS[4]),
     access: Access::WriteOnly,
     doc: "Word {stage (4 bits), space (2), bank (6), row (12), half (1)}. Spaces: 0 weights, 1 thresholds, 2 thresholds of the stage \
-          before, 3 registers (0 and 1 shifts of each set, 2 control, 3 command to read back; to be read alone: 4 CRC-32 of what the stage sent \
-          of the last whole frame when the counters were last copied, 5 that frame's number modulo 256).",
+          before, 3 registers (0 and 1 shifts of each set, 2 control, 3 command to read back; read only: 4 CRC-32 of the stage's output of the last whole frame when the counters were last copied, 5 that frame's number modulo 256).",
 };
 
 /// Every window, by address.

@@ -55,14 +55,14 @@ pub struct Register {
     pub reset: u32,
     /// What it is.
     pub doc: &'static str,
-    /// Its parts, from bit 0 on; none where the word is one number.
+    /// Parts of the word, from bit 0 on; none where the word is one number.
     pub fields: &'static [Field],
 }
 
 /// Some bits of a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Field {
-    /// Its name, unique in the register.
+    /// Name of the field, unique in the register.
     pub name: &'static str,
     /// Lowest bit.
     pub low: u32,
@@ -73,7 +73,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// Its bits in the word.
+    /// Mask of the field in the word.
     #[must_use]
     pub const fn mask(&self) -> u32 {
         (((1u64 << self.bits) - 1) << self.low) as u32

@@ -130,6 +130,6 @@ fn settled(design: &Design, pairs: &[f64]) -> (f64, u64) {
 
 /// The place of the largest figure, the first of equal ones.
 pub(super) fn busiest(cycles: impl Iterator<Item = f64>) -> usize {
-    let larger = |most: (usize, f64), next: (usize, f64)| if next.1 > most.1 { next } else { most };
+    let larger = |max: (usize, f64), next: (usize, f64)| if next.1 > max.1 { next } else { max };
     cycles.enumerate().fold((0, f64::NEG_INFINITY), larger).0
 }

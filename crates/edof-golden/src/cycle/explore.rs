@@ -4,7 +4,7 @@ use super::Stalls;
 use super::chain::Chain;
 use super::estimate::{StageCycles, mean_steps};
 use edof_device::Design;
-use edof_device::design::stage::MOST_ROWS;
+use edof_device::design::stage::MAX_ROWS;
 use edof_device::design::{BANK_LANES, StagePlan, StageSize};
 
 /// The foldings worth a look for patches with these mean numbers of pairs: for every number of cycles per patch that some stage can
@@ -49,7 +49,7 @@ fn choices(design: &Design, index: usize, pairs: f64) -> Vec<Choice> {
     let outputs = design.stage(index).outputs;
     let sizes = (BANK_LANES..=outputs)
         .step_by(BANK_LANES)
-        .flat_map(|lanes| (1..=MOST_ROWS).map(move |rows| StageSize { lanes, rows }));
+        .flat_map(|lanes| (1..=MAX_ROWS).map(move |rows| StageSize { lanes, rows }));
     let choice = |size: StageSize| {
         let plan = StagePlan { lanes: size.lanes, rows: size.rows, ..design.stage(index) };
         plan.check().ok()?;

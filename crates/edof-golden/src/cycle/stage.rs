@@ -32,7 +32,7 @@ pub struct StageUse {
 
 /// A stage between two vectors.
 ///
-/// Its base ring never makes it wait: with all slots full and three passes in DSPs and drain, fewer than `BASE_VECTORS` bases are
+/// The base ring never makes a stage wait: with all slots full and three passes in DSPs and drain, fewer than `BASE_VECTORS` bases are
 /// held. Every field is the first cycle in which something is free: mostly one more than the cycle that the contract's recurrences name.
 #[derive(Debug, Clone)]
 pub struct StageClock {

@@ -20,7 +20,7 @@ impl StallPattern {
     /// No stall in any cycle.
     pub const NEVER: Self = Self { seed: 0, stalled: 0 };
 
-    /// Stalls in `stalled` of 256 cycles on average, drawn from `seed`.
+    /// Stalls in `stalled` of 256 cycles on average, random by `seed`.
     #[must_use]
     pub const fn new(seed: u64, stalled: u8) -> Self {
         Self { seed, stalled }

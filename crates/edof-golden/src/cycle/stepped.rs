@@ -61,7 +61,7 @@ struct Machine {
 /// What makes windows whole.
 struct Guard {
     beats_of_window: usize,
-    /// Beats of the window that goes on.
+    /// Beats of the window in progress.
     beats: usize,
     /// Whether the window is filled up.
     fills: bool,
@@ -71,7 +71,7 @@ struct Guard {
 
 /// F's window ring.
 struct Ring {
-    /// Its size; 0 where F has no linear path.
+    /// Slots of the window ring; 0 where F has no linear path.
     places: usize,
     held: usize,
     /// Beats of the window that comes in.
@@ -129,7 +129,7 @@ impl Machine {
 }
 
 impl Guard {
-    /// A beat goes on or not, one of the source is taken or not, as the last that it sends of its window or not.
+    /// A beat is passed on or not, one of the source is taken or not, as the last that it sends of its window or not.
     fn step(&mut self, goes: bool, taken: bool, last: bool) {
         let at_end = self.beats + 1 == self.beats_of_window;
         if goes {
@@ -194,7 +194,7 @@ struct Stage {
     returning: Delay,
     /// Takes until the last of a vector's last pass.
     takes: usize,
-    /// Vectors of which a beat came in and whose last take is not over: their bases are held.
+    /// Vectors with a beat received and the last take not over: their bases are held.
     bases: usize,
     /// Results on their way from holding registers to the output.
     draining: Delay,

@@ -18,11 +18,11 @@ pub struct Summary {
     /// I, each M, F.
     pub stages: Vec<StageSummary>,
     /// Most cycles from one result's last beat to the next's; 0 before the second patch.
-    pub most_cycles: u64,
+    pub max_cycles: u64,
     /// Fewest; `u64::MAX` before the second patch.
-    pub fewest_cycles: u64,
+    pub min_cycles: u64,
     /// Most cycles from a window's first beat to its result's last.
-    pub most_latency: u64,
+    pub max_latency: u64,
     latencies: u64,
     first_end: u64,
     last_end: u64,
@@ -61,9 +61,9 @@ impl Summary {
             too_short: 0,
             too_long: 0,
             stages: design.stages().map(empty).collect(),
-            most_cycles: 0,
-            fewest_cycles: u64::MAX,
-            most_latency: 0,
+            max_cycles: 0,
+            min_cycles: u64::MAX,
+            max_latency: 0,
             latencies: 0,
             first_end: 0,
             last_end: 0,
@@ -76,12 +76,12 @@ impl Summary {
         if self.counts.patches == 0 {
             self.first_end = end;
         } else {
-            self.most_cycles = self.most_cycles.max(end - self.last_end);
-            self.fewest_cycles = self.fewest_cycles.min(end - self.last_end);
+            self.max_cycles = self.max_cycles.max(end - self.last_end);
+            self.min_cycles = self.min_cycles.min(end - self.last_end);
         }
         self.last_end = end;
         self.latencies += patch.times.latency();
-        self.most_latency = self.most_latency.max(patch.times.latency());
+        self.max_latency = self.max_latency.max(patch.times.latency());
         self.counts.add(&patch.trace.stages);
         let (came, whole) = (patch.words(0).len(), patch.trace.input.len());
         self.too_short += u64::from(came < whole);

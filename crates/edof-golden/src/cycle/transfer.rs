@@ -19,17 +19,17 @@ pub struct Patch {
 /// A patch that went through the chain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PatchRun {
-    /// Its place in the sequence, 0 first.
+    /// Place of the patch in the sequence, 0 first.
     pub index: u64,
     /// Which set of weights it used.
     pub set: Set,
     /// What M layers add to.
     pub recurrence: Recurrence,
-    /// Its window as it came, where that was too short or too long.
+    /// The received window, if it was too short or too long.
     pub misfit: Option<Vec<i16>>,
-    /// Its words.
+    /// Words of the patch.
     pub trace: Trace,
-    /// Its cycles.
+    /// Cycles of the patch.
     pub times: PatchTimes,
 }
 
@@ -40,7 +40,7 @@ pub struct Transfer {
     pub cycle: u64,
     /// The set it is for.
     pub set: Set,
-    /// Whether it is the vector's last.
+    /// The beat is the last of its vector.
     pub last: bool,
     /// The two words that the receiver multiplies, or F's results.
     pub words: [i16; BEAT],

@@ -2,7 +2,7 @@
 
 use super::isa::Isa;
 use super::operands::{Entries, SLACK};
-use super::pack::MOST;
+use super::pack::MAX;
 use super::portable;
 #[cfg(target_arch = "x86_64")]
 use super::x86;
@@ -24,7 +24,7 @@ pub struct Active {
 struct Vector {
     /// Where its entries start.
     start: usize,
-    /// Its first segment, and that of the next.
+    /// First segment of the vector, and that of the next.
     segments: (usize, usize),
     /// Whether the products of each two words fit 32 bits.
     fits: bool,
@@ -54,21 +54,21 @@ impl Active {
             self.used += 1;
         }
         let first = self.segments.len();
-        let most = MOST / largest.max(1);
-        let fits = magnitude <= most || self.cut(start, most);
+        let max = MAX / largest.max(1);
+        let fits = magnitude <= max || self.cut(start, max);
         self.segments.push(self.used);
         self.vectors.push(Vector { start, segments: (first, self.segments.len()), fits });
         count as u64
     }
 
-    /// Ends segments of the entries from `start` on before Σ |word| passes `most`, except for the last; returns whether that is possible.
-    fn cut(&mut self, start: usize, most: u64) -> bool {
+    /// Ends segments of the entries from `start` on before Σ |word| passes `max`, except for the last; returns whether that is possible.
+    fn cut(&mut self, start: usize, max: u64) -> bool {
         let (mut sum, mut fits) = (0, true);
         for (i, two) in self.words[start..self.used].as_chunks::<2>().0.iter().enumerate() {
             let both: u64 = two.iter().map(|word| u64::from(word.unsigned_abs())).sum();
-            fits &= both <= most;
+            fits &= both <= max;
             sum += both;
-            if sum > most && i > 0 {
+            if sum > max && i > 0 {
                 self.segments.push(start + 2 * i);
                 sum = both;
             }

@@ -110,11 +110,11 @@ for_each_isa! {
     /// [`Finish::words`] of high parts.
     fn narrow_words(finish: Finish, high: &[i32], base: Option<&[i16]>, out: &mut [i16]) -> u64 {
         let (round, shift) = rounding(finish.shift);
-        let most = (1i32 << (finish.bits - 1)) - 1;
+        let max = (1i32 << (finish.bits - 1)) - 1;
         let mut saturated = 0u32;
         let mut finish_one = |out: &mut i16, sum: i32| {
             let word = (sum + round) >> shift;
-            let held = word.clamp(-most - 1, most);
+            let held = word.clamp(-max - 1, max);
             saturated += u32::from(held != word);
             *out = held as i16;
         };
@@ -166,12 +166,12 @@ for_each_isa! {
 for_each_isa! {
     /// One-sided soft threshold of each pre-activation, fewer than 2^16.
     pub fn shrink_one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
-        let most = ((1i32 << (bits - 1)) - 1) as i16;
+        let max = ((1i32 << (bits - 1)) - 1) as i16;
         let mut saturated = 0i16;
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
-            // Where most + θ saturates, b cannot pass it, and b − θ cannot pass `most`.
-            saturated = saturated.wrapping_add(i16::from(*b > most.saturating_add(*theta)));
-            *z = b.saturating_sub(*theta).max(0).min(most);
+            // Where `max` + θ saturates, b cannot pass it, and b − θ cannot pass `max`.
+            saturated = saturated.wrapping_add(i16::from(*b > max.saturating_add(*theta)));
+            *z = b.saturating_sub(*theta).max(0).min(max);
         }
         u64::from(saturated as u16)
     }
@@ -180,11 +180,11 @@ for_each_isa! {
 for_each_isa! {
     /// `z − previous`, saturated to its width.
     pub fn difference(bits: u32, z: &[i16], previous: &[i16], out: &mut [i16]) -> u64 {
-        let most = (1i32 << (bits - 1)) - 1;
+        let max = (1i32 << (bits - 1)) - 1;
         let mut saturated = 0u32;
         for ((out, z), previous) in out.iter_mut().zip(z).zip(previous) {
             let word = i32::from(*z) - i32::from(*previous);
-            let held = word.clamp(-most - 1, most);
+            let held = word.clamp(-max - 1, max);
             saturated += u32::from(held != word);
             *out = held as i16;
         }

@@ -13,9 +13,9 @@ use super::x86::{avx2, avx512, vnni};
 for_each_isa! {
     /// The largest of words of 0 or more; −1 where one is negative.
     pub fn largest(words: &[i16]) -> i16 {
-        let least = words.iter().copied().fold(0, i16::min);
-        let most = words.iter().copied().fold(0, i16::max);
-        if least < 0 { -1 } else { most }
+        let min = words.iter().copied().fold(0, i16::min);
+        let max = words.iter().copied().fold(0, i16::max);
+        if min < 0 { -1 } else { max }
     }
 }
 

@@ -13,7 +13,7 @@ const LINE_ROWS: usize = 16;
 pub const LINES: usize = PANEL / LINE_ROWS;
 
 /// The largest sum that 32 bits hold.
-pub const MOST: u64 = i32::MAX as u64;
+pub const MAX: u64 = i32::MAX as u64;
 
 /// Block lengths, in pairs of columns, whose sums may run in 32 bits; a block of one pair always fits.
 const BLOCKS: [usize; 6] = [128, 36, 18, 8, 4, 1];
@@ -79,7 +79,7 @@ impl Packed {
     /// Pairs of columns whose sums provably fit 32 bits in this panel, for inputs of 0…`input`.
     #[must_use]
     pub fn block(&self, panel: usize, input: i16) -> usize {
-        let fits = |sum: &u64| sum * u64::from(input.unsigned_abs()) <= MOST;
+        let fits = |sum: &u64| sum * u64::from(input.unsigned_abs()) <= MAX;
         let best = self.one_signed[panel].iter().position(fits).unwrap_or(BLOCKS.len() - 1);
         BLOCKS[best]
     }

@@ -43,7 +43,7 @@ fn store(sums: [i64; PANEL], high: &mut [i32], low: &mut [i32]) {
     }
 }
 
-/// Writes the words that are not zero and their columns; gives how many they are and Σ |word|. No branch, for no two vectors are alike;
+/// Writes the words that are not zero and their columns; gives how many they are and Σ |word|. No branch, because vectors differ;
 /// one more entry may be written than there are.
 pub fn collect(vector: &[i16], words: &mut [i16], columns: &mut [u16]) -> (usize, u64) {
     let (mut count, mut magnitude) = (0, 0);

@@ -80,12 +80,12 @@ pub fn figures(size: FrameSize, cycles: CoreCycles, periods: Periods) -> Figures
     let received = seconds(periods.input, (timing.line.total() * timing.frame.active) as f64);
     // A frame may wait for the one before it, and a picture for the screen.
     let waits = if core > camera { core } else { 0.0 } + screen;
-    let least = received + seconds(periods.calculator, cycles.latency);
+    let min = received + seconds(periods.calculator, cycles.latency);
     Figures {
         frames_per_second: made,
         written: bytes * (1.0 / camera + made),
         read: bytes * (made + 1.0 / screen),
-        latency: [least, least + waits],
+        latency: [min, min + waits],
     }
 }
 

@@ -22,6 +22,6 @@ pub struct Pins {
     pub vs: bool,
     /// A pixel lies on the bus.
     pub de: bool,
-    /// It: Y low, C high.
+    /// Codes of the pixel: Y low, C high.
     pub data: u16,
 }

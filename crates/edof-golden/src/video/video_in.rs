@@ -1,4 +1,4 @@
-//! The receiver's bus: where a pixel lies, whether it goes on, what is measured.
+//! The receiver's bus: the position of a pixel, whether it is passed on, what is measured.
 
 use super::Pins;
 use edof_device::design::FrameSize;
@@ -6,7 +6,7 @@ use edof_image::cable;
 use std::collections::VecDeque;
 
 /// Largest place and count, where counting stops.
-const MOST: usize = (1 << 13) - 1;
+const MAX: usize = (1 << 13) - 1;
 /// Cycles from the pins to where a pixel's place is known.
 const KNOWN: usize = 2;
 
@@ -15,9 +15,9 @@ const KNOWN: usize = 2;
 pub struct Beat {
     /// Raw pixel word.
     pub pixel: u16,
-    /// Whether it is its frame's first.
+    /// The pixel is the first of its frame.
     pub first: bool,
-    /// Whether it is its line's last.
+    /// The pixel is the last of its line.
     pub last: bool,
 }
 
@@ -124,7 +124,7 @@ impl VideoIn {
             height: self.place.1,
             lines: self.syncs,
         };
-        let syncs_stopped = self.since_sync == MOST;
+        let syncs_stopped = self.since_sync == MAX;
         self.count(now, before);
         self.found = self.pixel(now, before, self.past[KNOWN - 2].de);
         if syncs_stopped {
@@ -139,7 +139,7 @@ impl VideoIn {
         self.past.pop_back();
     }
 
-    /// The pixel of this cycle, if it goes on; and where the next one lies, which may be on the bus already.
+    /// The pixel of this cycle, if it is passed on; and the position of the next one, which may be on the bus already.
     fn pixel(&mut self, now: Pins, before: Pins, more: bool) -> Option<Beat> {
         if now.de && !before.de {
             self.place.0 = 0;
@@ -149,11 +149,11 @@ impl VideoIn {
         }
         let (column, row) = self.place;
         if now.de {
-            self.place.0 = (column + 1).min(MOST);
+            self.place.0 = (column + 1).min(MAX);
         }
         if !now.de && before.de {
             self.measured.width = column;
-            self.place.1 = (row + 1).min(MOST);
+            self.place.1 = (row + 1).min(MAX);
             if column != self.frame.width {
                 (self.crooked, self.sending) = (true, false);
             }
@@ -171,11 +171,11 @@ impl VideoIn {
 
     fn count(&mut self, now: Pins, before: Pins) {
         let since_sync = self.since_sync;
-        self.since_sync = (since_sync + 1).min(MOST);
+        self.since_sync = (since_sync + 1).min(MAX);
         if now.hs && !before.hs {
             self.measured.line_cycles = since_sync;
             self.since_sync = 1;
-            self.syncs = (self.syncs + 1).min(MOST);
+            self.syncs = (self.syncs + 1).min(MAX);
         }
     }
 

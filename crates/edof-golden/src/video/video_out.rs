@@ -19,7 +19,7 @@ pub struct VideoOut {
     pins: [Pins; 2],
     /// Frames begun with a picture.
     pub shown_frames: u64,
-    /// Of these, frames whose pixels came late.
+    /// Frames counted above whose pixels came late.
     pub late_pixels: u64,
 }
 

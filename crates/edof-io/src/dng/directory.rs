@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 /// Most directories of a file: raw, previews, Exif.
-const MOST: usize = 64;
+const MAX: usize = 64;
 
 /// A TIFF file in memory.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +67,7 @@ impl<'a> Tiff<'a> {
     pub fn directories(self) -> Vec<Directory<'a>> {
         let mut found = vec![];
         let mut open: Vec<usize> = self.whole(4, 4).map(|at| at as usize).into_iter().collect();
-        while let (Some(at), true) = (open.pop(), found.len() < MOST) {
+        while let (Some(at), true) = (open.pop(), found.len() < MAX) {
             let Some((directory, next)) = self.directory(at) else { continue };
             open.extend(next);
             open.extend(directory.numbers(330).unwrap_or_default().into_iter().map(|at| at as usize));

@@ -165,7 +165,7 @@ fn pixels(raw: &Directory<'_>) -> Result<Array2<u16>, Refusal> {
     let mut all = Array2::zeros(size);
     for (index, (&at, &length)) in parts.offsets.iter().zip(&parts.bytes).enumerate() {
         let (top, left) = (index / across * rows, index % across * columns);
-        // The last strip is as long as there are rows; tiles are all alike.
+        // The last strip is as long as there are rows; all tiles have one size.
         let stored = (if parts.tiled { rows } else { rows.min(height - top) }, columns);
         let bytes = raw.tiff().part(at, length).ok_or("it ends before its pixels do")?;
         let values = match compression {

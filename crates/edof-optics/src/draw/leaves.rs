@@ -1,4 +1,4 @@
-//! Dead leaves: disks that hide one another, radii distributed as r⁻³, so that the picture looks alike at every scale and has the
+//! Dead leaves: disks that hide one another, radii distributed as r⁻³, so that the picture looks the same at every scale and has the
 //! edges, the 1/f spectrum and the correlated colours of a photograph (Ruderman 1997; Lee, Mumford, Huang 2001).
 
 use crate::scene::Layer;
@@ -7,7 +7,7 @@ use ndarray::Array2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-const LEAST_RADIUS: f64 = 2.5;
+const MIN_RADIUS: f64 = 2.5;
 /// How many times the leaves of the background would cover it, laid side by side.
 const COVERS: f64 = 8.0;
 /// Share of the frame that the objects of each nearer depth would cover, laid side by side.
@@ -40,8 +40,8 @@ fn background(height: usize, width: usize, generator: &mut Pcg64) -> Layer {
     let mut light = ColourFrame::zeros(height, width);
     light.planes.fill(0.2);
     let everywhere = Array2::ones((height, width));
-    let most = 0.35 * height.min(width) as f64;
-    scatter(generator, (height, width), [LEAST_RADIUS, most], COVERS, |leaf| {
+    let max = 0.35 * height.min(width) as f64;
+    scatter(generator, (height, width), [MIN_RADIUS, max], COVERS, |leaf| {
         paint(&mut light, &everywhere, leaf)
     });
     Layer { light, matte: None, psi: 0.0 }
@@ -59,7 +59,7 @@ fn objects(height: usize, width: usize, generator: &mut Pcg64) -> Layer {
         paint(&mut light, &Array2::ones((height, width)), leaf);
     });
     // Light outside the objects' union is none, and the leaves upon them stay within it.
-    scatter(generator, (height, width), [LEAST_RADIUS, side / 12.0], 0.5 * COVERS, |leaf| {
+    scatter(generator, (height, width), [MIN_RADIUS, side / 12.0], 0.5 * COVERS, |leaf| {
         paint(&mut light, &matte, leaf)
     });
     Layer { light, matte: Some(matte), psi: 0.0 }
@@ -69,7 +69,7 @@ fn objects(height: usize, width: usize, generator: &mut Pcg64) -> Layer {
 fn scatter(
     generator: &mut Pcg64,
     (height, width): (usize, usize),
-    [least, most]: [f64; 2],
+    [min, max]: [f64; 2],
     covers: f64,
     mut draw: impl FnMut(&Leaf),
 ) {
@@ -77,7 +77,7 @@ fn scatter(
     while left > 0.0 {
         let mut uniform = || generator.random::<f64>();
         // Inverse of the cumulative distribution of r⁻³ between the two radii.
-        let (a, b) = (least.powi(-2), most.powi(-2));
+        let (a, b) = (min.powi(-2), max.powi(-2));
         let radius = (a - uniform() * (a - b)).powf(-0.5);
         let brightness = 0.03 * (0.8f64 / 0.03).powf(uniform());
         let (warm, green) = (uniform() - 0.5, uniform() - 0.5);
@@ -107,7 +107,7 @@ fn paint(light: &mut ColourFrame, within: &Array2<f32>, leaf: &Leaf) {
     });
 }
 
-/// Calls `visit(row, column, share)` for each pixel of which the leaf covers a share.
+/// Calls `visit(row, column, share)` for each pixel that the leaf covers in part.
 fn for_covered(leaf: &Leaf, (height, width): (usize, usize), mut visit: impl FnMut(usize, usize, f32)) {
     let span = |centre: f64, n: usize| {
         let low = (centre - leaf.radius - 1.0).max(0.0) as usize;

@@ -5,7 +5,7 @@ use edof_camera::camera::Spectrum;
 use ndarray::Array2;
 
 /// The most wavelengths a channel is sampled at.
-const MOST_WAVELENGTHS: usize = 27;
+const MAX_WAVELENGTHS: usize = 27;
 
 /// PSF of a spectrum: as many wavelengths as the tolerance needs, tripled until the PSF no longer moves. `at` gives that of one
 /// wavelength, `light` the sum over a plane.
@@ -20,7 +20,7 @@ pub(super) fn summed(
     if !has_width(spectrum) {
         return (mean, nodes, error);
     }
-    while nodes.len() < MOST_WAVELENGTHS {
+    while nodes.len() < MAX_WAVELENGTHS {
         // The nodes of a third of the count are every third of these from the second on, so their sum is not done again.
         let finer = wavelengths(spectrum, 3 * nodes.len());
         let mut sum = &mean * nodes.len() as f64;

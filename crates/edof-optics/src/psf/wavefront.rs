@@ -10,7 +10,7 @@ use edof_numerics::sinc;
 use ndarray::Array2;
 
 /// Most points along a side of the finest grid.
-const MOST_POINTS: usize = 4096;
+const MAX_POINTS: usize = 4096;
 
 /// Most of the light of a mask that may fall beyond the middle half of the support's sides; where more does, some is beyond the support.
 const OUTSIDE: f64 = 0.02;
@@ -18,7 +18,7 @@ const OUTSIDE: f64 = 0.02;
 /// The support that a grid has room for, at most `wanted` pixels a side. A mask of any shape may throw light farther than its lens: then
 /// it is larger, as far as there is room.
 pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> usize {
-    let room = MOST_POINTS / steps_a_pixel(camera, wavelength_nm);
+    let room = MAX_POINTS / steps_a_pixel(camera, wavelength_nm);
     let room = if room.is_power_of_two() { room } else { room.next_power_of_two() / 2 };
     let mut support = wanted.min(room);
     while camera.height_map.is_some() && support < room.min(super::SUPPORT) {
@@ -230,8 +230,8 @@ mod tests {
     }
 
     fn furthest(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
-        let peak = b.iter().fold(0.0f64, |most, v| most.max(*v));
-        a.iter().zip(b).fold(0.0f64, |most, (a, b)| most.max((a - b).abs())) / peak
+        let peak = b.iter().fold(0.0f64, |max, v| max.max(*v));
+        a.iter().zip(b).fold(0.0f64, |max, (a, b)| max.max((a - b).abs())) / peak
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Rectangles on the page: where a name beside a point covers nothing.
 
-/// Pixels of a line drawn from which names keep away.
+/// Distance in pixels that names keep from a plotted line.
 const STEP_ALONG: f64 = 8.0;
 
 /// Points along a line through others, without its corners.

@@ -18,7 +18,7 @@ impl Axis {
         Self { label: label.into(), scale: Scale::Linear, ends: [None; 2] }
     }
 
-    /// Equal steps for equal ratios; values of 0 or less are not drawn.
+    /// Equal steps for equal ratios; values of 0 or less are not plotted.
     #[must_use]
     pub fn log(label: impl Into<String>) -> Self {
         Self { label: label.into(), scale: Scale::Log, ends: [None; 2] }
@@ -103,10 +103,10 @@ impl Ruler {
     }
 }
 
-/// The smallest 1, 2 or 5 times a power of ten that is at least `least`.
-fn round_step(least: f64) -> f64 {
-    let power = 10f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= least * (1.0 - 1e-9)).unwrap_or(least)
+/// The smallest 1, 2 or 5 times a power of ten that is at least `min`.
+fn round_step(min: f64) -> f64 {
+    let power = 10f64.powf(min.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= min * (1.0 - 1e-9)).unwrap_or(min)
 }
 
 fn linear_ticks(low: f64, high: f64, step: f64) -> Vec<(f64, String)> {

@@ -34,7 +34,7 @@ pub struct Plot {
     pub y: Axis,
     /// Width and height in pixels; a legend that would take too much of the width stands below and adds to the height.
     pub size: [f64; 2],
-    /// What is drawn, the first lowest.
+    /// Items of the plot, the first one lowest.
     pub series: Vec<Series>,
 }
 
@@ -48,9 +48,9 @@ pub const USUAL: [f64; 2] = [640.0, 400.0];
 pub struct Series {
     /// Name in the legend; none where empty.
     pub label: String,
-    /// Whether its name stands beside one of its points, where there is room, and not in the legend.
+    /// Whether its name is next to one of its points, if it fits, instead of in the legend.
     pub is_named_at_points: bool,
-    /// How points are drawn.
+    /// Style of points.
     pub mark: Mark,
     /// What stands at each point; where missing discs, and others once the palette's colours are used up.
     pub shape: Option<Shape>,
@@ -110,7 +110,7 @@ pub enum Shape {
     Diamond,
 }
 
-/// How points are drawn.
+/// Style of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// A continuous line.
@@ -176,7 +176,7 @@ impl Plot {
         let mut svg = format!("<g transform=\"translate({x0} {y0})\">\n");
         self.draw_frame(&mut svg, &x, &y);
         let (w, h) = (x.end - x.start, y.start - y.end);
-        // A page may hold many diagrams: those of one name are of one size.
+        // A page may contain many diagrams: those of one name have one size.
         let id = format!("area{w:.0}x{h:.0}");
         let _ = writeln!(
             svg,
@@ -209,7 +209,7 @@ impl Plot {
         if longest == 0 { 16.0 } else { (longest as f64).mul_add(LETTER[0], 58.0) }
     }
 
-    /// Columns of a legend that stands below; none where it stands beside.
+    /// Columns of a legend below the plot; none for a legend next to it.
     fn legend_below(&self) -> Option<usize> {
         let (own, width) = (self.legend_width(), self.size[0]);
         (own > LEGEND_SHARE * width).then(|| (((width - LEFT) / own) as usize).max(1))
@@ -364,7 +364,7 @@ fn dot(shape: Shape, [x, y]: [f64; 2], colour: &str, told: &str) -> String {
     format!("<{tag} {place} fill=\"{colour}\">{told}</{tag}>")
 }
 
-/// The line's dash attribute; none where no line is drawn.
+/// The line's dash attribute; none without a line.
 const fn dashes(mark: Mark) -> Option<&'static str> {
     match mark {
         Mark::Line | Mark::LineAndPoints => Some(""),

@@ -4,7 +4,7 @@
 pub const PALETTE: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c8c00"];
 
-/// Colours of a quantity that grows, from dark to light, told apart by most eyes and in grey ("viridis" without its lightest end, which
+/// Colours of a quantity that grows, from dark to light, distinguishable by most eyes and in grey ("viridis" without its lightest end, which
 /// paper swallows).
 const SEQUENCE: [[f64; 3]; 6] = [
     [68.0, 1.0, 84.0],

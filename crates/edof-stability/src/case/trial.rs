@@ -102,7 +102,7 @@ const fn a_small_plane() -> [usize; 2] {
 pub struct Frame {
     /// What is before the camera.
     pub scene: Scene,
-    /// Its depth.
+    /// Depth of the scene.
     #[serde(default)]
     pub psi: f64,
     /// The sensor's noise.

@@ -63,7 +63,7 @@ pub struct Row {
     pub lens: Lens,
     /// Stops by which it is closed.
     pub stops: f64,
-    /// Its F-number at that aperture.
+    /// F-number of the lens at that aperture.
     pub f_number: f64,
     /// Far end of the range of ψ, at the open aperture.
     pub range: f64,

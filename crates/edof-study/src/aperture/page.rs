@@ -13,7 +13,7 @@ use std::fmt::Write;
 pub struct Reached {
     /// Stops by which it is closed.
     pub stops: f64,
-    /// Its F-number.
+    /// F-number of the lens.
     pub f_number: f64,
     /// Averaged over depths.
     pub average_db: f64,
@@ -244,11 +244,11 @@ fn in_words(gains: &[(f64, f64)]) -> String {
     const EVEN_DB: f64 = 0.05;
     let part = |word: &str, sign: f64| {
         let own: Vec<&(f64, f64)> = gains.iter().filter(|(_, gain)| sign * gain >= EVEN_DB).collect();
-        let most = own.iter().map(|(_, gain)| sign * gain).fold(0.0, f64::max);
+        let max = own.iter().map(|(_, gain)| sign * gain).fold(0.0, f64::max);
         let lights: Vec<String> = own.iter().map(|(electrons, _)| electrons.to_string()).collect();
         (!own.is_empty()).then(|| match own.len() == gains.len() {
-            true => format!("{word} up to {most:.1} dB at every light"),
-            false => format!("{word} up to {most:.1} dB at {} electrons", lights.join(", ")),
+            true => format!("{word} up to {max:.1} dB at every light"),
+            false => format!("{word} up to {max:.1} dB at {} electrons", lights.join(", ")),
         })
     };
     let parts: Vec<String> = [part("wins", 1.0), part("loses", -1.0)].into_iter().flatten().collect();

@@ -84,7 +84,7 @@ impl Shard {
     /// All of it.
     pub const WHOLE: Self = Self { index: 0, of: 1 };
 
-    /// Its own of a study's rows, each named by its key: every `of`-th in the keys' order, whatever the order they are given in. What
+    /// Rows of a study that belong to this share, each named by its key: every `of`-th in the keys' order, whatever the order they are given in. What
     /// is named twice counts once.
     #[must_use]
     pub fn own<K: Ord, T>(self, mut cells: Vec<(K, T)>) -> Vec<(K, T)> {

@@ -101,7 +101,7 @@ impl Locked {
         }
     }
 
-    /// Its lines.
+    /// Reads the lines of the file.
     pub fn read(&self) -> Result<Text, JournalError> {
         Ok(read(&self.path)?.unwrap_or_default())
     }

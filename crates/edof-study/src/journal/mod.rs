@@ -1,8 +1,7 @@
 //! Rows of an experiment in a file of JSON lines: added as they come, resumed where they end, shared out among machines and put
 //! together again.
 //!
-//! A line says what the rows below it have in common ([`Header`]): the study, the program's revision and the machine. A row is known by
-//! what it is of ([`Key`]): contents of photographs, weights and cameras and all settings by their hashes ([`Proof`]). So it does
+//! A line says what the rows below it have in common ([`Header`]): the study, the program's revision and the machine. A row has a key ([`Key`]): contents of photographs, weights and cameras and all settings by their hashes ([`Proof`]). So it does
 //! not matter which run made it. A row is on the disk before the next one is measured; a finished file holds its rows in the order of
 //! their keys. Runs that were interrupted, shared out or not give the same file, times aside.
 
@@ -80,10 +79,10 @@ impl<L: Line> Eq for Key<L> {}
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum JournalError {
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Another process has it.
@@ -109,7 +108,7 @@ pub enum JournalError {
     Unreadable { study: &'static str, line: String },
 }
 
-/// Which rows may stand beside each other that are not of one program on one machine.
+/// Which rows of different programs or machines may be merged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Mixing {
     /// Of any revision and compiler.
@@ -190,7 +189,7 @@ impl<L: Line> Journal<L> {
     /// different machines or revisions they may be where `mixing` says so.
     ///
     /// # Errors
-    /// [`JournalError`]: a file that is no such file, that differs, or an answer that does.
+    /// [`JournalError`]: a file of another kind, a file that differs, or an answer that differs.
     pub fn merged(path: &Path, files: &[PathBuf], mixing: Mixing) -> Result<Self, JournalError> {
         let mut all = Self { path: Some(path.to_owned()), ..Self::in_memory_of(vec![]) };
         let mut first: Option<(Header, &PathBuf)> = None;
@@ -368,7 +367,7 @@ enum Newer {
     MustAgree,
 }
 
-/// Why rows may not stand beside those of the first file: what to do about it, if anything.
+/// Why rows may not be merged with those of the first file, and what to do about it.
 fn apart<L: Line>(found: &Header, first: &Header, mixing: Mixing) -> Option<&'static str> {
     if found.study != L::STUDY || (&found.study, found.layout) != (&first.study, first.layout) {
         return Some("");

@@ -29,7 +29,7 @@ pub struct Knob {
 }
 
 impl Knob {
-    /// Where it is tried: its values, and its default where that is none of them.
+    /// Where it is tried: its values, and its default if that is not among them.
     #[must_use]
     pub fn values(&self, plan: &Plan) -> Vec<f64> {
         let default = (self.default)(plan);

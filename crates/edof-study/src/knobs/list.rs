@@ -227,7 +227,7 @@ impl std::fmt::Debug for Knob {
 }
 
 /// Layers of the scene of many depths that others are held against.
-const MOST_LAYERS: usize = 64;
+const MAX_LAYERS: usize = 64;
 /// Half the width of the bands in nanometres that stand for colours where wavelengths are counted.
 const HALF_BAND_NM: f64 = 30.0;
 
@@ -254,7 +254,7 @@ fn wavelengths(plan: &Plan, tolerance: f64) -> Work {
 
 fn depths(plan: &Plan, layers: f64) -> Work {
     let usual = Approximation::default();
-    capture(plan.camera.clone(), usual, usual, Some([layers as usize, MOST_LAYERS]))
+    capture(plan.camera.clone(), usual, usual, Some([layers as usize, MAX_LAYERS]))
 }
 
 /// The camera with a band in place of each line.
@@ -341,9 +341,9 @@ fn dictionary_bits(plan: &Plan, bits: f64) -> Work {
 /// Rounds a matrix's words to their first `bits` bits.
 pub(super) fn keep_bits(matrix: &mut FixedMatrix, bits: u32) {
     let step = 1i32 << (WORD_BITS - bits);
-    let most = i32::from(i16::MAX) / step * step;
+    let max = i32::from(i16::MAX) / step * step;
     matrix.weights.mapv_inplace(|word| {
         let rounded = (i32::from(word) + step / 2).div_euclid(step) * step;
-        rounded.min(most) as i16
+        rounded.min(max) as i16
     });
 }

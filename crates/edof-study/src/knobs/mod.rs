@@ -223,7 +223,7 @@ struct Measurement {
 }
 
 /// Light that is the same to the last bit counts as so far from an exact one.
-const MOST_DB: f64 = 160.0;
+const MAX_DB: f64 = 160.0;
 /// What several values of a knob share.
 #[derive(Default)]
 struct Captures {
@@ -301,9 +301,9 @@ impl Plan {
         let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
         let sides = || cut.depths.iter().flat_map(|depth| &depth.channels).map(|kernel| kernel.side);
         Ok(Measurement {
-            psnr_db: db.min(MOST_DB),
+            psnr_db: db.min(MAX_DB),
             seconds: cut.seconds,
-            range: Range { least: cut.seconds, most: cut.seconds },
+            range: Range { min: cut.seconds, max: cut.seconds },
             kernel_sides: sides().min().zip(sides().max()).map(<[usize; 2]>::from),
         })
     }

@@ -138,7 +138,7 @@ impl Knobs {
                     format!("{:.4}", p.seconds_per_megapixel),
                     p.photos.to_string(),
                 ];
-                let sides = p.kernel_sides.map(|[least, most]| format!("{least} to {most}"));
+                let sides = p.kernel_sides.map(|[min, max]| format!("{min} to {max}"));
                 cells.extend(has_kernels.then(|| sides.unwrap_or_else(|| "–".to_owned())));
                 cells
             };

@@ -57,12 +57,12 @@ fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
         Work::Method(_) => panic!("{knob:?} captures"),
     };
     // The coarsest and a fine value, and what lies between them at least.
-    for (knob, coarse, fine, least) in
+    for (knob, coarse, fine, min) in
         [("kernel-energy", 0.9, 0.9999, 5.0), ("wavelengths", 0.3, 0.003, -0.1), ("depths", 2.0, 16.0, 2.0)]
     {
         let knob: &Knob = knob.parse().unwrap();
         let (coarse, fine) = (db(knob, coarse), db(knob, fine));
-        assert!(coarse + least < fine, "{}: {coarse} dB, {fine} dB", knob.name);
+        assert!(coarse + min < fine, "{}: {coarse} dB, {fine} dB", knob.name);
     }
 }
 

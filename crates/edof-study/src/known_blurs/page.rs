@@ -22,11 +22,13 @@ pub struct KnownBlurs {
     /// Mean of what the true kernel gains in the same last step.
     pub mean_known_gain_db: f64,
     /// The least gain; what is far below 0 has diverged.
-    pub least_gain_db: f64,
+    #[serde(rename = "least_gain_db")]
+    pub min_gain_db: f64,
     /// Mean correlation of kernels.
     pub mean_correlation: f64,
     /// The least.
-    pub least_correlation: f64,
+    #[serde(rename = "least_correlation")]
+    pub min_correlation: f64,
     /// How many pictures have lost more than [`DIVERGED_DB`].
     pub diverged: usize,
     /// CPU and threads that times are of.
@@ -43,7 +45,7 @@ impl StudyReport for KnownBlurs {
 
     fn new(rows: &[Row], machine: String) -> Result<Self, StudyReportError> {
         let mean = |of: fn(&Row) -> f64| summary::mean(rows.iter().map(of));
-        let least = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::INFINITY, f64::min);
+        let min = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::INFINITY, f64::min);
         let gain = |row: &Row| row.restored_db - row.blurred_db;
         let of_photo =
             |image: &String| summary::mean(rows.iter().filter(|row| row.image == *image).map(gain));
@@ -52,9 +54,9 @@ impl StudyReport for KnownBlurs {
             mean_gain_db: mean(gain),
             gain: Paired::of(&photos.into_iter().map(of_photo).collect::<Vec<_>>()),
             mean_known_gain_db: mean(|row| row.known_db - row.blurred_db),
-            least_gain_db: least(gain),
+            min_gain_db: min(gain),
             mean_correlation: mean(|row| row.correlation),
-            least_correlation: least(|row| row.correlation),
+            min_correlation: min(|row| row.correlation),
             diverged: rows.iter().filter(|row| gain(row) < -DIVERGED_DB).count(),
             rows: rows.to_vec(),
             machine,
@@ -86,9 +88,9 @@ impl KnownBlurs {
             self.rows.len(),
             self.gain.map_or_else(|| "–".to_owned(), |gain| gain.to_string()),
             self.mean_known_gain_db,
-            self.least_gain_db,
+            self.min_gain_db,
             self.mean_correlation,
-            self.least_correlation,
+            self.min_correlation,
             match self.diverged {
                 0 => "none".to_owned(),
                 count => count.to_string(),

@@ -17,13 +17,13 @@ fn a_drawn_blur_is_found_and_undone_and_no_row_is_measured_twice() {
     let settings = Settings { side: 15, ..Settings::default() };
     let folder = tempfile::tempdir().unwrap();
     let header = Header::of::<Row>(Program::stub("r", "a machine"));
-    let go = |file: &str, shard: &str, most: usize| {
+    let go = |file: &str, shard: &str, max: usize| {
         let mut journal =
             Journal::open(&folder.path().join(file), header.clone(), Default::default()).unwrap();
         let mut told = 0;
         let tell = |_| {
             told += 1;
-            if told == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if told == max { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let photos = [cards()];
         match run(&mut DrawnBlurs::new(&photos, settings), shard.parse().unwrap(), &mut journal, tell) {

@@ -1,8 +1,7 @@
 //! The paper's figure 7: scenes at four depths through several lenses, and every method on what their sensors gave, depth by depth.
 //!
 //! The paper holds blind deconvolution behind a clear lens that is focused at the end of the range against blind deconvolution, OMP and
-//! the network behind the coded one. The clear lens focused mid-range, with a network of its own, is the fairer peer: it stands beside
-//! them. Rows go to a [`Journal`](crate::journal::Journal) with their pictures, so that a report can be made from the file alone.
+//! the network behind the coded one. The clear lens focused mid-range, with a network of its own, is the fairer peer, and is measured next to them. Rows go to a [`Journal`](crate::journal::Journal) with their pictures, so that a report can be made from the file alone.
 
 mod page;
 
@@ -45,7 +44,7 @@ pub const OMP: &str = "OMP";
 /// A synthetic scene, by its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
-    /// Its name, as in `chart-4`.
+    /// Name of the scene, as in `chart-4`.
     pub scene: String,
     /// Rows.
     pub height: usize,
@@ -61,7 +60,7 @@ impl Drawn {
     /// The scene.
     ///
     /// # Errors
-    /// [`DrawError`]: a name that nothing is drawn for, sides out of range.
+    /// [`DrawError`]: a name without a picture, sides out of range.
     pub fn draw(&self) -> Result<Scene, DrawError> {
         draw(parse_name(&self.scene)?.0, self.height, self.width, &self.psi, self.seed)
     }

@@ -58,12 +58,12 @@ fn in_memory(shard: &str) -> Journal<Row> {
     journal
 }
 
-fn go(shard: &str, path: &Path, most: usize) -> Journal<Row> {
+fn go(shard: &str, path: &Path, max: usize) -> Journal<Row> {
     let mut journal = Journal::open(path, header(), Default::default()).unwrap();
     let mut told = 0;
     let tell = |_| {
         told += 1;
-        if told == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if told == max { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     match run(&mut Scenes::new(&plan()).unwrap(), shard.parse().unwrap(), &mut journal, tell) {
         Ok(()) | Err(RunError::Stopped) => journal,

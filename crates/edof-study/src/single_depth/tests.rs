@@ -129,7 +129,7 @@ fn a_changed_constant_of_omp_makes_its_rows_be_measured_anew_and_no_others() {
     .unwrap();
     assert_eq!(measured, 2, "one for each photograph");
     let after = Journal::<Row>::open(&path, header(), Default::default()).unwrap().rows();
-    // Pages call both alike, so the old ones are gone.
+    // Pages use one name for both, so the old ones are gone.
     assert_eq!(after.len(), before.len());
     for (old, new) in before.iter().zip(&after) {
         let is_omp = old.measured.identity.family == Family::OmpKnownDepth;
@@ -148,11 +148,11 @@ fn every_method_reconstructs_a_frame_of_its_size() {
     for row in journal.rows() {
         let range = row.seconds_range.unwrap();
         let median = row.measured.seconds_per_megapixel;
-        assert!(range.least <= median && median <= range.most && range.least > 0.0, "{range:?} {median}");
+        assert!(range.min <= median && median <= range.max && range.min > 0.0, "{range:?} {median}");
         let Measured { method, identity, picture, .. } = &row.measured;
         // Nine steps do not reach the mean where it is one atom among all.
-        let least = if identity.family == Family::Untrained { 5.0 } else { 10.0 };
-        assert!(picture.psnr_db > least, "{method}: {}", picture.psnr_db);
+        let min = if identity.family == Family::Untrained { 5.0 } else { 10.0 };
+        assert!(picture.psnr_db > min, "{method}: {}", picture.psnr_db);
     }
 }
 

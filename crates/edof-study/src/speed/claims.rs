@@ -82,7 +82,7 @@ fn of_network(net: &Point, points: &[&Point]) -> Vec<Claim> {
         points.iter().copied().find(move |p| p.identity == twin)
     };
     if let Some(board) = of_format(Format::Board) {
-        // Of one real frame of 1920×1080: 0.5 s against 140 s and 450 to 460 s.
+        // For one real frame of 1920×1080: 0.5 s against 140 s and 450 to 460 s.
         let faster = |slow: &Point, paper| {
             let of = format!("{} (by its cycles) is faster than {}", board.method, slow.method);
             Claim::new(of, paper, times(slow, board))

@@ -12,7 +12,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// Most bytes of the first line.
-const MOST_HEAD: u64 = 1 << 20;
+const MAX_HEAD: u64 = 1 << 20;
 /// Words that are read and written at once.
 const AT_ONCE: usize = 1 << 16;
 
@@ -66,7 +66,7 @@ impl Dataset {
     pub fn kept(path: &Path, key: &str, photos: &[ColourFrame], options: DatasetOptions) -> Option<Self> {
         let mut file = BufReader::new(File::open(path).ok()?);
         let mut line = String::new();
-        file.by_ref().take(MOST_HEAD).read_line(&mut line).ok()?;
+        file.by_ref().take(MAX_HEAD).read_line(&mut line).ok()?;
         let head: Head = serde_json::from_str(&line).ok()?;
         let looks = options.tones.len() * options.augmentation.variants;
         if head.key != key || head.sizes.len() != photos.len() * looks {

@@ -55,8 +55,8 @@ fn targets_are_light_and_validation_windows_come_from_the_corner_block() {
         dataset.draw_validation(&mut Random::new(1, 0, 0), place, Noise::None, &mut batch);
         assert!(batch.tones.iter().all(|t| *t == tone));
         // The first photograph's block is its first quarter of rows and columns.
-        let most = tone.decode(63.0 / 255.0) + 1e-4;
-        assert!(batch.targets.chunks(64).take(2).all(|plane| plane.iter().all(|v| *v <= most)));
+        let max = tone.decode(63.0 / 255.0) + 1e-4;
+        assert!(batch.targets.chunks(64).take(2).all(|plane| plane.iter().all(|v| *v <= max)));
         assert!((batch.targets[128] - tone.decode(0.5)).abs() < 1e-4);
     }
     let mut batch = Batch::new(dataset.window(), 400);
@@ -90,7 +90,7 @@ fn the_same_seed_draws_the_same_batch_and_each_window_its_own_noise() {
     };
     assert_eq!(drawn(1), drawn(1));
     assert_ne!(drawn(1), drawn(2));
-    // The same place again and again: what differs is noise alone, and one window's tells nothing of the next one's.
+    // The same place again and again: only noise differs, and the noise of one window is independent of the next.
     let mut batch = Batch::new(dataset.window(), 20_000);
     let noise = Noise::gaussian(0.01);
     dataset.draw_validation(

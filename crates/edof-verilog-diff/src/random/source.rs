@@ -47,7 +47,7 @@ impl Expr {
             Self::Local(n) => name(&format!("locals${n}")),
             Self::Part(n) => name(&format!("parts${}${}", n / 2, if n % 2 == 0 { "x" } else { "y" })),
             Self::Memory(n) => name(&format!("memories${n}$read")),
-            // As a number of 8 bits, whatever stands beside it.
+            // As a number of 8 bits, in every context.
             Self::Number(number) => Source::Cast(Box::new(Source::Literal((*number).into())), 8),
             Self::Not(x) => Source::Unary(Unary::Not, Box::new(paren(x.source()))),
             Self::Shifted(x, by) => binary(x.source(), ">>", Source::Literal((*by).into())),

@@ -52,7 +52,7 @@ impl Checks {
 }
 
 impl Inside {
-    /// The network and the raw frame of which a picture is made, with their faults.
+    /// The network and the raw frame behind a picture, with their faults.
     pub(in crate::simulated) fn computed(&self, network: FixedNetwork, key: Key) -> (FixedNetwork, RawFrame) {
         if key.4 & TILE == TILE {
             let tile = Array2::from_shape_fn((TILE_SIDE, TILE_SIDE), |(r, c)| self.tile[TILE_SIDE * r + c]);

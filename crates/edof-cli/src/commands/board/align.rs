@@ -13,6 +13,9 @@ use serde_json::json;
 /// set up (see 'edof board status'). A source is not needed, because the receiver then sends its own picture. The setting is used for later
 /// set-ups, until the board is reset.
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board align
+  edof board align --codes 100000")]
 pub struct Args {
     /// Undamaged sync codes required of a good setting; 1080p60 has 135,000 per second
     #[arg(long, default_value_t = 10_000, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(10..=10_000_000))]

@@ -23,6 +23,9 @@ use serde_json::json;
 /// memory, windows, outputs of each stage, codes into the memory and from it. The first boundary that differs is named. Afterwards the
 /// board uses the source's frames again.
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board check
+  edof board check --frames 1000 --pattern noise")]
 pub struct Args {
     /// Network in use, by name or file [default: detected among the built-in ones]
     pub(super) weights: Option<String>,

@@ -18,6 +18,9 @@ use std::time::Instant;
 
 /// Load a network into the inactive bank, check it by the circuit's CRCs, and use it from the next frame on
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board load edof-t4w12-outer-light
+  edof board load edof-t4w12-outer --dry-run --design kc705")]
 pub struct Load {
     /// Network, by name or file
     pub(super) weights: String,
@@ -46,6 +49,9 @@ pub struct Load {
 
 /// Compare a bank with a network, and the display's tables with a curve, by the circuit's CRCs
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board verify edof-t4w12-outer-light
+  edof board verify mine.fixed.safetensors --bank b --read-back")]
 pub struct Verify {
     /// Network, by name or file
     pub(super) weights: String,

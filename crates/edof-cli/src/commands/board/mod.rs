@@ -35,15 +35,15 @@ use std::time::Duration;
 /// and what to do when a load fails.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  edof board find                                      ports, and at which of them a board answers
+  edof board find                                      lists ports, and those at which a board answers
   edof board info --port /dev/ttyUSB0
-  edof board load edof-t4w12-outer-light               into the bank that is not in use, which is then in use
+  edof board load edof-t4w12-outer-light               loads the idle bank, then uses it
   edof board load edof-t4w12-outer --dry-run --design kc705
-  edof board load low.fixed.safetensors --bank a       with 'load high… --bank b' and 'bank a|b': weights by the scene's gain
+  edof board load low.fixed.safetensors --bank a       a network per bank; 'edof board bank a' changes
   edof board status --watch
-  edof board align                                     the receiver's clock to where its data is sampled well
+  edof board align                                     sets the receiver's clock to a phase without damaged data
   edof board set control.colour 0
-  edof board sim --design tiny --link /tmp/board &     a simulated board; then --port /tmp/board")]
+  edof board sim --design tiny --link /tmp/board &     simulates a board; then use --port /tmp/board")]
 pub struct Args {
     #[command(subcommand)]
     command: Command,
@@ -81,12 +81,18 @@ enum Command {
     Check(check::Args),
     Selftest(selftest::Args),
     Picture(picture::Args),
-    /// Print a register: scratch, control.run, `stage_counters[4]`
+    /// Print a register or a field of one
+    #[command(after_help = "Examples:
+  edof board get control.run
+  edof board get 'stage_counters[4]'")]
     Get {
         /// Name of the register or field
         register: String,
     },
-    /// Write a register
+    /// Write a register or a field of one
+    #[command(after_help = "Examples:
+  edof board set control.colour 0
+  edof board set scratch 0x12345678")]
     Set {
         /// Name of the register or field
         register: String,
@@ -107,6 +113,8 @@ enum Command {
         mode: DisplayMode,
     },
     /// Use the weights of bank a or b from the next frame on
+    #[command(after_help = "Examples:
+  edof board bank b")]
     Bank {
         /// Bank: a or b
         #[arg(value_parser = bank)]
@@ -120,6 +128,9 @@ enum Command {
     /// Reset the core: control and skip as generated, video chips set up again, counters at zero; the active bank and all weights are preserved
     Reset,
     /// Print the register map
+    #[command(after_help = "Examples:
+  edof board map --format c > edof_registers.h
+  edof board map --format csr-csv > csr.csv")]
     Map {
         /// Format of the map
         #[arg(long, value_parser = ["markdown", "c", "systemrdl", "csr-csv"], default_value = "markdown")]

@@ -19,6 +19,10 @@ use std::path::{Path, PathBuf};
 
 /// Send a part of a raw frame to the board over the line, and read the board's picture of it, without a source or a screen
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board picture put raw.png
+  edof board picture get out.png
+  edof board picture compare raw.png")]
 pub struct Args {
     #[command(subcommand)]
     what: What,

@@ -15,6 +15,9 @@ use serde_json::json;
 /// memory of pictures, both video chips, clocks against each other. The result of each part is printed; the command fails if a part
 /// fails. Takes a minute at 1080p, mostly for the golden model.
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board selftest
+  edof board selftest mine.fixed.safetensors")]
 pub struct Args {
     /// Network in use, by name or file [default: detected among the built-in ones]
     pub(super) weights: Option<String>,

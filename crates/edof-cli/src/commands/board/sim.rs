@@ -30,6 +30,9 @@ use std::path::{Path, PathBuf};
 /// design's calculator. The board's time advances with wall-clock time and with every byte on the line. With --rtl the board is the circuit itself, in Verilator, at some
 /// hundred thousand cycles per second; use a design with small frames (--size) and a fast line (--baud 12500000 is 16 cycles per bit).
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board sim --design tiny --link /tmp/board --picture out.png
+  edof board sim --rtl --design tiny --size 64x64 --baud 12500000 --link /tmp/board")]
 pub struct Args {
     /// Simulate the Verilog of the whole core, with a serial line at its pins, instead of the model in Rust
     #[arg(long)]

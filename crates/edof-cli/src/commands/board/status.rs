@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 
 /// Print frames per second, late frames, share of busy cycles, non-zeros and saturations of every stage, and missing conditions of the video chips
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  edof board status
+  edof board status --watch --seconds 5 --json")]
 pub struct Args {
     /// Repeat until Ctrl-C; with --json each snapshot is a line of JSON with its time
     #[arg(long)]

@@ -252,7 +252,7 @@ impl Job<'_> {
     fn unread(&self, error: RawError) -> Error {
         match (&error, self.args.depth) {
             (RawError::Frame { source: FrameError::Depth(_), .. }, Some(depth)) => {
-                Error::message(format!("--depth {depth}: {error}"))
+                Error::message(format!("--bit-depth {depth}: {error}"))
             }
             (RawError::Frame { source: source @ FrameError::Depth(_), .. }, None)
                 if record::path_of(self.raw).exists() =>
@@ -427,13 +427,13 @@ impl Job<'_> {
                 ReadWarning::Dim(brightest) => {
                     let advice = match (args.depth, args.align.as_deref()) {
                         (None, None) if args.size.is_some() => {
-                            "if its values have fewer than 16 bits, give --depth"
+                            "if its values have fewer than 16 bits, give --bit-depth"
                         }
                         (None, None) => {
-                            "if its values have fewer than 16 bits, give --depth, and --align bottom where they lie at the \
+                            "if its values have fewer than 16 bits, give --bit-depth, and --align bottom where they lie at the \
                              bottom of each word"
                         }
-                        _ => "a dark picture, or --depth and --align are not as it was taken",
+                        _ => "a dark picture, or --bit-depth and --align are not as it was taken",
                     };
                     ui.note(format!("{raw}: brightest pixel is {brightest} of 65535; {advice}"));
                 }

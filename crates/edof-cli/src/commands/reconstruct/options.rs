@@ -26,7 +26,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   edof reconstruct raw.png --out sharp.png
   edof reconstruct raw.png --weights edof-t4w12 --float --stride 4 --out sharp.tif
-  edof reconstruct frame.bin --size 1920x1080 --depth 12 --phase gbrg --weights edof-t4w12 --out sharp.png
+  edof reconstruct frame.bin --size 1920x1080 --bit-depth 12 --phase gbrg --weights edof-t4w12 --out sharp.png
   edof reconstruct night/*.png --out night-sharp/
   edof reconstruct frame.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out sharp.png
   edof reconstruct raw.png --board --out board.png     codes of the HDMI port (board.yuyv) and the screen's picture
@@ -74,7 +74,7 @@ pub struct Args {
     pub(super) phase: Option<CfaPhase>,
 
     /// Bits per sensor value, 8 to 16 [default: that of RAW.json or the file, else 16]
-    #[arg(long, value_name = "BITS")]
+    #[arg(long = "bit-depth", alias = "depth", value_name = "BITS")]
     pub(super) depth: Option<u32>,
 
     /// RAW is video for the board's cable (2vuy, as 'edof capture --video' writes it): bytes Cb Y Cr Y of 64 to 191, no header

@@ -111,14 +111,14 @@ fn sorted(values: &[f64]) -> Vec<f64> {
     values
 }
 
-fn all_within(option: &str, values: &[f64], least: f64, most: f64) -> Result<(), Error> {
-    match values.iter().find(|value| !(least..=most).contains(*value)) {
+fn all_within(option: &str, values: &[f64], min: f64, max: f64) -> Result<(), Error> {
+    match values.iter().find(|value| !(min..=max).contains(*value)) {
         None => Ok(()),
         Some(value) => Err(Error::message(format!(
             "{option} {}: must be from {} to {}",
             number(*value),
-            number(least),
-            number(most)
+            number(min),
+            number(max)
         ))),
     }
 }

@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Data sets that are kept at most, the last used ones.
-const MOST_KEPT: usize = 3;
+const MAX_KEPT: usize = 3;
 /// A larger one is not kept.
-const MOST_BYTES: u64 = 4 << 30;
+const MAX_BYTES: u64 = 4 << 30;
 
 /// What photographs are made into, from the cache where it is there.
 pub(super) fn dataset(
@@ -51,7 +51,7 @@ pub(super) fn dataset(
     let name = |index: usize| photographs[index].file.display().to_string();
     let made = Dataset::new(&frames, camera, options, tell).map_err(|error| said::dataset(error, name))?;
     let dataset = made.ok_or(Error::Interrupted)?;
-    if let Some(file) = file.filter(|_| dataset.bytes() <= MOST_BYTES) {
+    if let Some(file) = file.filter(|_| dataset.bytes() <= MAX_BYTES) {
         // What cannot be kept is made again.
         let _ = dataset.keep(&file, &key);
         let _ = forget_old(file.parent().unwrap_or(Path::new("")));
@@ -85,5 +85,5 @@ fn forget_old(folder: &Path) -> std::io::Result<()> {
         }
     }
     files.sort();
-    files.iter().rev().skip(MOST_KEPT).try_for_each(|(_, file)| std::fs::remove_file(file))
+    files.iter().rev().skip(MAX_KEPT).try_for_each(|(_, file)| std::fs::remove_file(file))
 }

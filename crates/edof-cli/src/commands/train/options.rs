@@ -60,10 +60,10 @@ pub struct Args {
     pub(super) name: Option<String>,
 
     /// Number of depths ψ (defocus in radians), spread evenly over the camera's range
-    #[arg(long, default_value_t = 9)]
+    #[arg(long, default_value_t = 9, value_name = "N")]
     pub(super) depths: usize,
 
-    /// Range of ψ as in 0:8, or of distances as in 0.7m:3m if the camera states nominal_m [default: the camera's]
+    /// Range of ψ, the defocus in radians, as in 0:8, or of distances as in 0.7m:3m if the camera states nominal_m [default: the camera's]
     #[arg(long, value_name = "LOW:HIGH", value_parser = depths, allow_hyphen_values = true)]
     pub(super) psi: Option<DepthRange>,
 
@@ -74,15 +74,15 @@ pub struct Args {
     pub(super) tone: Option<Tones>,
 
     /// Largest noise σ of linear windows, in units of full scale; a network trained without noise loses 6 to 11 dB at σ = 0.01 (docs/stability.md)
-    #[arg(long, value_parser = single)]
+    #[arg(long, value_parser = single, value_name = "SIGMA")]
     pub(super) noise: Option<f32>,
 
     /// Largest sensor gain of srgb windows; 1 is base sensitivity
-    #[arg(long, value_parser = single)]
+    #[arg(long, value_parser = single, value_name = "FACTOR")]
     pub(super) gain: Option<f32>,
 
     /// One window in N has no noise
-    #[arg(long)]
+    #[arg(long, value_name = "N")]
     pub(super) noiseless: Option<usize>,
 
     /// Range MIN:MAX of the random factor on the light of each window; 1:1 leaves it unchanged
@@ -90,7 +90,7 @@ pub struct Args {
     pub(super) exposure: Option<[f64; 2]>,
 
     /// Pictures per photograph: the photograph, and copies with random saturation, hue and scale; 1 is the photograph only
-    #[arg(long)]
+    #[arg(long, value_name = "N")]
     pub(super) variants: Option<usize>,
 
     /// Range MIN:MAX of the copies' random saturation; 1:1 leaves it unchanged
@@ -102,35 +102,35 @@ pub struct Args {
     pub(super) hue: Option<f32>,
 
     /// Smallest random scale of the copies, relative to the photograph's sides; 1 leaves the size unchanged
-    #[arg(long, value_parser = single)]
+    #[arg(long, value_parser = single, value_name = "FACTOR")]
     pub(super) scale: Option<f32>,
 
     /// Weights of easy and hard windows: psnr trains the mean PSNR, mse the mean square error, root is between both
-    #[arg(long)]
+    #[arg(long, value_name = "KIND")]
     pub(super) weighting: Option<Weighting>,
 
     /// Steps of the whole schedule
-    #[arg(long)]
+    #[arg(long, value_name = "N")]
     pub(super) steps: Option<u64>,
 
     /// Stop after N minutes, at any step of the schedule
-    #[arg(long, value_parser = minutes)]
+    #[arg(long, value_parser = minutes, value_name = "N")]
     pub(super) minutes: Option<Duration>,
 
     /// Windows per step; a multiple of 8
-    #[arg(long)]
+    #[arg(long, value_name = "N")]
     pub(super) batch: Option<usize>,
 
     /// Largest learning rate of Adam
-    #[arg(long, value_parser = single)]
+    #[arg(long, value_parser = single, value_name = "RATE")]
     pub(super) rate: Option<f32>,
 
     /// Learning rate of D and R, relative to --rate
-    #[arg(long, value_parser = single)]
+    #[arg(long, value_parser = single, value_name = "FACTOR")]
     pub(super) output_rate: Option<f32>,
 
     /// Learning rate of the thresholds, relative to --rate
-    #[arg(long, value_parser = single)]
+    #[arg(long, value_parser = single, value_name = "FACTOR")]
     pub(super) threshold_rate: Option<f32>,
 
     /// Cost λ of a unit of |z|, one number or one per shrinkage as in 3e-4,3e-4,1e-3; a larger cost gives fewer non-zeros
@@ -143,7 +143,7 @@ pub struct Args {
     pub(super) non_zeros: Option<String>,
 
     /// Speed at which λ adapts to --non-zeros: its largest relative change per step
-    #[arg(long, value_parser = single)]
+    #[arg(long, value_parser = single, value_name = "RATE")]
     pub(super) budget_rate: Option<f32>,
 
     /// Start from a trained network's weights, by name or file, with a new schedule; without --form its architecture is used
@@ -151,11 +151,11 @@ pub struct Args {
     pub(super) from: Option<String>,
 
     /// Initial weights: whitened inputs, or the paper's ISTA with a learned dictionary
-    #[arg(long)]
+    #[arg(long, value_name = "KIND")]
     pub(super) start: Option<Start>,
 
     /// Seed of all random numbers; with several, as in 1,2,3, the network with the best validation is written
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_name = "N,…")]
     pub(super) seed: Vec<u64>,
 
     /// Ignore and do not fill the cache of blurred photographs (~/.cache/edof/blurs, the last three data sets of at most 4 GiB each),
@@ -164,15 +164,15 @@ pub struct Args {
     pub(super) no_cache: bool,
 
     /// Number of threads; more than 8 give no gain [default: one per core, at most 8]
-    #[arg(long)]
+    #[arg(long, value_name = "N")]
     pub(super) threads: Option<usize>,
 
     /// Steps between validations
-    #[arg(long)]
+    #[arg(long, value_name = "N")]
     pub(super) validate_every: Option<u64>,
 
     /// Stop after N validations without improvement
-    #[arg(long)]
+    #[arg(long, value_name = "N")]
     pub(super) patience: Option<u32>,
 
     /// Resume from the checkpoints beside OUT; fails without a checkpoint

@@ -18,9 +18,9 @@ pub struct Photograph {
     pub folder: String,
     /// Name of its file, without the ending.
     pub stem: String,
-    /// Its file.
+    /// File of the photograph.
     pub file: PathBuf,
-    /// Its values, 0…1; sides even.
+    /// Values of the photograph, 0…1; sides even.
     pub frame: ColourFrame,
 }
 

@@ -1,0 +1,223 @@
+//! Screens of help: examples first, then arguments, then options in groups.
+
+use clap::{Arg, Command};
+
+/// What a screen shows, and in which order.
+const TEMPLATE: &str = "{about}{after-help}\n\n{usage-heading} {usage}\n\n{all-args}";
+
+/// Options of every command, by what they are about. An option that no group names is about the command itself.
+const EVERYWHERE: [Group; 5] = [
+    ("Connection to the board", &["port", "baud", "timeout", "design"]),
+    ("Photographs", &["images", "photos"]),
+    ("Rows of the study", &["rows", "shard", "any-revision"]),
+    ("Files to write", &["markdown", "report", "csv", "plot", "junit", "waveform", "out", "force"]),
+    ("Results and progress", &["json", "quiet", "progress", "help"]),
+];
+
+/// Options of the commands that have many, by command; the first group that names an option has it.
+const COMMANDS: [(&str, &[Group]); 10] = [
+    (
+        "capture",
+        &[
+            ("Scene", &["size", "seed", "tone", "depth-map", "range", "map-of", "layers"]),
+            ("Lens and depth", &["camera", "psf-bank", "psi", "nominal"]),
+            ("Sensor", &["bit-depth", "phase", "noise", "black-level"]),
+            ("Files to write", &["out", "video", "sharp", "light"]),
+            ("Accuracy", &["energy", "wavelength-tolerance", "depth-tolerance", "exact", "measure"]),
+        ],
+    ),
+    (
+        "reconstruct",
+        &[
+            ("Network", &["weights", "fixed", "float", "device", "stride"]),
+            ("Lens of the frame", &["camera", "psf-bank"]),
+            ("Format of the frame", &["phase", "bit-depth", "video", "size", "align", "order", "packing"]),
+            ("Levels and colours", &["black-level", "white-level", "white-balance", "colour-matrix"]),
+            ("Picture", &["out", "tone", "gamma", "bits", "board", "display", "words", "force"]),
+        ],
+    ),
+    (
+        "train",
+        &[
+            ("Network", &["form", "from", "start", "out", "name", "force"]),
+            ("Lens and depth", &["camera", "psf-bank", "depths", "psi"]),
+            ("Photographs", &["images", "photos", "leave-out", "variants", "saturation", "hue", "scale"]),
+            ("Light and noise", &["tone", "noise", "gain", "noiseless", "exposure"]),
+            ("Sparsity", &["lambda", "non-zeros", "budget-rate"]),
+            (
+                "Steps",
+                &["steps", "minutes", "batch", "rate", "output-rate", "threshold-rate", "weighting", "seed"],
+            ),
+            ("Run", &["threads", "validate-every", "patience", "resume", "no-cache"]),
+        ],
+    ),
+    (
+        "cosim",
+        &[
+            ("Hardware", &["design", "weights", "rtl", "skip", "stride", "window", "size"]),
+            ("Windows", &["photo", "psi", "noise", "random", "cases", "patches", "stalls", "seed"]),
+            ("Whole core", &["system", "frames", "display"]),
+            ("Simulators and results", &["icarus", "waveform", "junit", "force"]),
+        ],
+    ),
+    (
+        "optics design",
+        &[
+            ("Mask and focus", &["camera", "rings", "focus", "max-phase"]),
+            ("Score", &["psi-range", "noise", "worst-weight", "window", "images"]),
+            ("Search", &["population", "generations", "seed"]),
+        ],
+    ),
+    (
+        "quantize",
+        &[
+            ("Integers", &["bits", "headroom", "stride", "overlap"]),
+            ("Fine-tuning", &["finetune", "finetune-rate"]),
+        ],
+    ),
+    (
+        "demo",
+        &[
+            ("Scene and sensor", &["scene", "tone", "noise", "height", "width"]),
+            ("Networks and board", &["net", "clear-net", "design"]),
+        ],
+    ),
+    ("board load", &[("Load", &["bank", "full", "curve"]), ("Checks", &["read-back", "dry-run"])]),
+    (
+        "board sim",
+        &[
+            ("Simulated board", &["rtl", "design", "weights", "frame", "size"]),
+            ("Files to write", &["link", "picture"]),
+        ],
+    ),
+    (
+        "study",
+        &[
+            ("Lens and depth", &["camera", "psi", "psi-ranges", "stops", "exact"]),
+            (
+                "Networks and methods",
+                &[
+                    "nets",
+                    "net",
+                    "clear-net",
+                    "methods",
+                    "device",
+                    "stride",
+                    "dictionary",
+                    "external",
+                    "external-seconds",
+                    "knobs",
+                    "allowed",
+                    "only",
+                    "cases",
+                    "quick",
+                    "windows",
+                    "weights",
+                    "design",
+                    "fps",
+                    "atoms",
+                    "sparsity",
+                    "patches",
+                    "rounds",
+                    "window",
+                ],
+            ),
+            (
+                "Scene, light and noise",
+                &[
+                    "scenes",
+                    "tone",
+                    "noise",
+                    "height",
+                    "width",
+                    "side",
+                    "seed",
+                    "photo",
+                    "electrons",
+                    "read-noise",
+                    "mean-light",
+                ],
+            ),
+        ],
+    ),
+];
+
+type Group = (&'static str, &'static [&'static str]);
+
+/// A command and all below it with examples first and options in groups.
+pub fn arranged(command: Command) -> Command {
+    below(command, "")
+}
+
+fn below(command: Command, path: &str) -> Command {
+    let command = command.help_template(TEMPLATE).mut_args(|arg| in_its_group(arg, path));
+    command.mut_subcommands(|sub| {
+        let path = format!("{path} {}", sub.get_name());
+        below(sub, path.trim())
+    })
+}
+
+fn in_its_group(arg: Arg, path: &str) -> Arg {
+    let Some(name) = arg.get_long().map(str::to_owned) else { return arg };
+    let own =
+        COMMANDS.iter().filter(|(command, _)| is_below(path, command)).flat_map(|(_, groups)| groups.iter());
+    let everywhere = EVERYWHERE
+        .iter()
+        .filter(|(heading, _)| !heading.starts_with("Connection") || is_below(path, "board"));
+    match own.chain(everywhere).find(|(_, names)| names.contains(&name.as_str())) {
+        Some((heading, _)) => arg.help_heading(*heading),
+        None => arg,
+    }
+}
+
+/// Whether a command is another one or below it.
+fn is_below(path: &str, command: &str) -> bool {
+    path.strip_prefix(command).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Cli;
+    use clap::CommandFactory;
+
+    fn each(command: &Command, path: &str, visit: &mut impl FnMut(&Command, &str)) {
+        visit(command, path);
+        for sub in command.get_subcommands() {
+            each(sub, format!("{path} {}", sub.get_name()).trim(), visit);
+        }
+    }
+
+    #[test]
+    fn commands_with_many_options_have_all_of_them_in_groups() {
+        let (mut many, mut loose) = (0, vec![]);
+        each(&arranged(Cli::command()), "", &mut |command, path| {
+            let options =
+                || command.get_arguments().filter(|arg| arg.get_long().is_some() && !arg.is_hide_set());
+            if options().count() > 8 {
+                many += 1;
+                let alone = options().filter(|arg| arg.get_help_heading().is_none());
+                loose.extend(alone.map(|arg| format!("edof {path} --{}", arg.get_long().unwrap())));
+            }
+        });
+        assert!(many > 12 && loose.is_empty(), "{many} commands, not in a group: {loose:?}");
+    }
+
+    #[test]
+    fn groups_name_options_that_exist() {
+        let mut found = vec![];
+        each(&Cli::command(), "", &mut |command, path| {
+            let names = command.get_arguments().filter_map(Arg::get_long);
+            found.extend(names.map(|name| (path.to_owned(), name.to_owned())));
+        });
+        for (command, groups) in COMMANDS.iter().copied().chain([("", EVERYWHERE.as_slice())]) {
+            for name in groups.iter().flat_map(|(_, names)| names.iter()) {
+                let exists = |(path, option): &(String, String)| {
+                    option == name && (command.is_empty() || is_below(path, command))
+                };
+                let is_global = command == "board sim" && *name == "design";
+                assert!(is_global || found.iter().any(exists), "edof {command} has no --{name}");
+            }
+        }
+    }
+}
