@@ -204,7 +204,7 @@ fn words_where_no_folder_can_be() {
 }
 
 #[test]
-fn a_drawn_network_that_there_is_none_of() {
+fn random_network_rejects_invalid_options() {
     let place = Place::new();
     let line = |more: &str| format!("random-network --out net.safetensors {more}");
     refused_without_a_trace(&place, &line("--bits 7"), &["--bits 7: must be 8 to 16"]);

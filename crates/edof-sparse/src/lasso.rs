@@ -125,7 +125,7 @@ pub(crate) fn shrink<F: NdFloat>(value: F, theta: F) -> F {
     (value - theta).max(F::zero()) + (value + theta).min(F::zero())
 }
 
-/// What one thread needs, made once.
+/// Workspace of one thread, allocated once.
 struct Workspace<F> {
     count: usize,
     rest: Array2<F>,

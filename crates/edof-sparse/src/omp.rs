@@ -111,7 +111,7 @@ impl<F: NdFloat> Omp<F> {
     }
 }
 
-/// What one thread needs, made once.
+/// Workspace of one thread, allocated once.
 struct Workspace<F> {
     max: usize,
     /// Signals without their free part, and the codes of that.

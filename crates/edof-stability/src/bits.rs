@@ -179,15 +179,15 @@ impl Bits {
     /// Where fewer bits gain, in words.
     fn gains(&self) -> Option<String> {
         let own = self.points.iter().filter(|point| point.lost_db < 0.0);
-        let max = own.clone().min_by(|a, b| a.lost_db.total_cmp(&b.lost_db))?;
-        let who = max.stage.as_deref().unwrap_or("all");
+        let worst = own.clone().min_by(|a, b| a.lost_db.total_cmp(&b.lost_db))?;
+        let who = worst.stage.as_deref().unwrap_or("all");
         Some(format!(
             "{}: {} of {} points gain, which the second diagram alone shows; the most is {:.4} dB, {who} at {} bits.",
             self.network,
             own.count(),
             self.points.len(),
-            -max.lost_db,
-            max.bits
+            -worst.lost_db,
+            worst.bits
         ))
     }
 }

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_real_lenses_no_blur_of_one_part_sees_a_window_of_the_other() {
+    fn blur_does_not_leak_between_training_and_validation() {
         for (index, name) in ["clear", "ring-2018", "ring-outer", "clear-mid"].iter().enumerate() {
             let camera = Camera::resolve(name).unwrap();
             let psfs = [camera.psi_range[0], camera.psi_range[1]]

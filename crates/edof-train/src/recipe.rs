@@ -49,7 +49,7 @@ pub struct Recipe {
     pub seed: u64,
     /// Steps between validations.
     pub validate_every: u64,
-    /// Validations without a better one after which training stops early.
+    /// Validations without improvement after which training stops early.
     pub patience: u32,
 }
 

@@ -11,7 +11,7 @@ use std::collections::{BTreeSet, VecDeque};
 /// Who takes a stage's results.
 #[derive(Debug, Clone, Copy)]
 pub struct Receiver {
-    /// First cycle in which it has room for this vector; from then on it has, to the vector's end.
+    /// First cycle in which the receiver has space for the whole vector.
     pub from: u64,
     /// Cycles in which it takes nothing all the same.
     pub stalls: StallPattern,
