@@ -163,13 +163,13 @@ fn weights_go_onto_it_and_its_picture_changes_to_theirs(more: &str) {
 }
 
 #[test]
-fn weights_go_onto_a_simulated_board_and_its_picture_changes_to_theirs() {
+fn weights_continueto_a_simulated_board_and_its_picture_changes_to_theirs() {
     weights_go_onto_it_and_its_picture_changes_to_theirs("");
 }
 
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
-fn weights_go_onto_the_simulated_circuit_and_its_picture_changes_to_theirs() {
+fn weights_continueto_the_simulated_circuit_and_its_picture_changes_to_theirs() {
     weights_go_onto_it_and_its_picture_changes_to_theirs(IN_VERILOG);
 }
 
@@ -336,7 +336,7 @@ fn a_simulated_board_has_the_clock_and_the_pace_of_its_design() {
 }
 
 #[test]
-fn what_a_load_takes_is_told_ahead() {
+fn what_a_load_takes_is_reported_ahead() {
     let place = Place::new();
     drawn(&place, "new", 9);
     let sim = Sim::start(&place, "");
@@ -350,7 +350,7 @@ fn what_a_load_takes_is_told_ahead() {
 }
 
 #[test]
-fn what_cannot_be_loaded_is_told_in_one_line() {
+fn what_cannot_be_loaded_is_reported_in_one_line() {
     let place = Place::new();
     place
         .edof("board info --port nowhere")

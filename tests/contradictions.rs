@@ -3,7 +3,7 @@
 use crate::support::Place;
 
 #[test]
-fn options_that_contradict_a_frames_record_are_refused_or_told() {
+fn options_that_contradict_a_frames_record_are_rejected_or_told() {
     let place = Place::new();
     place.photo("photo.png", 64, 48);
     place

@@ -95,7 +95,7 @@ fn balance_and_matrix_of_a_record_are_used_unless_others_are_given() {
 }
 
 #[test]
-fn levels_that_cannot_be_are_refused_by_the_frames_name() {
+fn levels_that_cannot_be_are_rejected_by_the_frames_name() {
     let place = Place::new();
     place.float_network("net.safetensors");
     flat(&place, "raw.pgm", 564);

@@ -45,7 +45,7 @@ fn a_program_has_rows_of_its_own_and_is_measured_once() {
 }
 
 #[test]
-fn a_command_without_its_files_and_two_of_one_name_are_refused_before_any_work() {
+fn a_command_without_its_files_and_two_of_one_name_are_rejected_before_any_work() {
     let place = place();
     let words = "external command 'mine {raw}': contains no {out}; write it as in 'CMD {raw} {out}'";
     study(&place, &["mine {raw}"]).refused(&[words]);

@@ -103,7 +103,7 @@ fn the_boards_own_codes_come_with_what_a_screen_shows() {
 }
 
 #[test]
-fn a_drawn_network_reconstructs_and_is_the_same_for_the_same_seed() {
+fn a_random_network_reconstructs_and_is_the_same_for_the_same_seed() {
     let place = Place::new();
     place.raw("raw.pgm", 48, 32);
     let draw = |name: &str, seed: u32| {
@@ -130,7 +130,7 @@ fn a_network_by_name_is_found_under_weights() {
 }
 
 #[test]
-fn a_drawn_scene_is_captured_and_reconstructed() {
+fn a_random_scene_is_captured_and_reconstructed() {
     let place = Place::new();
     place.fixed_network("net.safetensors");
     place.edof("scene chart --size 128x96 --out scene").done();
@@ -174,7 +174,7 @@ fn with_photos() -> Place {
 
 #[cfg(unix)]
 #[test]
-fn a_training_stopped_by_ctrl_c_goes_on_to_the_same_bytes() {
+fn a_training_stopped_by_ctrl_c_continues_to_the_same_bytes() {
     let whole = with_photos();
     whole.edof(TRAIN).done();
 
@@ -210,7 +210,7 @@ fn help_has_examples_and_a_closed_pipe_is_no_error() {
 }
 
 #[test]
-fn wrong_usage_is_told_from_failure() {
+fn wrong_usage_is_distinguished_from_failure() {
     assert_eq!(Place::new().edof("reconstruct").code, Some(2));
     assert_eq!(Place::new().edof("reconstructt").code, Some(2));
 }

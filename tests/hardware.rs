@@ -66,7 +66,7 @@ fn noise_and_depth_of_pictures_reach_the_hardware() {
 }
 
 #[test]
-fn foldings_of_a_network_are_told_that_nothing_beats() {
+fn foldings_of_a_network_are_reported_that_nothing_beats() {
     let place = Place::new();
     place.photo("photo.png", 64, 48);
     let line =
@@ -120,7 +120,7 @@ fn memory_images_are_found_from_any_directory() {
 }
 
 #[test]
-fn a_missing_memory_image_is_told_before_anything_is_built() {
+fn a_missing_memory_image_is_reported_before_anything_is_built() {
     let place = Place::new();
     place.edof("random-network --design tiny --out drawn.fixed.safetensors").done();
     place.edof("generate --design tiny --weights drawn.fixed.safetensors --out here").done();
@@ -183,7 +183,7 @@ fn clocked(clock_mhz: f64, (width, height): (u64, u64)) -> String {
 }
 
 #[test]
-fn clocks_and_frames_that_no_board_has_are_refused_by_every_command_that_promises_them() {
+fn clocks_and_frames_that_no_board_has_are_rejected_by_every_command_that_promises_them() {
     let place = Place::new();
     place.edof("random-network --form one-sided,w8,t4,c16,r --out net.fixed.safetensors").done();
     for (text, words) in [
@@ -282,7 +282,7 @@ fn co_simulation_finds_a_fault_in_the_files_of_a_folder() {
 }
 
 #[test]
-fn a_folder_without_the_calculator_is_refused() {
+fn a_folder_without_the_calculator_is_rejected() {
     let place = Place::new();
     std::fs::create_dir(place.path("empty")).unwrap();
     place
@@ -345,12 +345,12 @@ fn every_hard_case_goes_through_the_circuit_bit_for_bit() {
 }
 
 #[test]
-fn stalls_without_end_are_refused() {
+fn stalls_without_end_are_rejected() {
     Place::new().edof("cosim --design tiny --stalls 1").refused(&["--stalls 1", "0 to 0.99"]);
 }
 
 #[test]
-fn a_co_simulation_of_nothing_is_refused() {
+fn a_co_simulation_of_nothing_is_rejected() {
     for line in ["cosim --design tiny --random 0", "cosim --design tiny --patches 0"] {
         Place::new().edof(line).refused(&["must be 1 or more"]);
     }

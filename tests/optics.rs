@@ -38,7 +38,7 @@ fn a_camera_is_shown_in_figures_and_numbers() {
 }
 
 #[test]
-fn a_scene_is_drawn_with_its_depths() {
+fn a_scene_is_random_with_its_depths() {
     let place = Place::new();
     let run = place.edof("scene chart-4 --size 128x96 --psi 0,2,5,8 --out chart --json").done();
     assert_eq!(json(&run.out)["psi"], serde_json::json!([0.0, 2.0, 5.0, 8.0]));
@@ -48,7 +48,7 @@ fn a_scene_is_drawn_with_its_depths() {
 }
 
 #[test]
-fn a_capture_of_a_drawn_scene_tells_what_its_approximations_cost() {
+fn a_capture_of_a_random_scene_tells_what_its_approximations_cost() {
     let place = Place::new();
     let line = "--size 64x64 --noise 0.01 --seed 3 --bit-depth 10 --phase bggr --energy 0.99 --out raw.pgm --sharp sharp.png --json";
     let capture = |scene: &str| json(&place.edof(&format!("capture {scene} {line}")).done().out);
@@ -264,7 +264,7 @@ fn a_photograph_with_a_depth_map_is_captured_and_reconstructed() {
 }
 
 #[test]
-fn what_cannot_be_captured_or_drawn_is_refused_in_one_line() {
+fn what_cannot_be_captured_or_random_is_rejected_in_one_line() {
     let place = Place::new();
     place.photo("photo.png", 64, 48);
     place.photo("odd.png", 65, 48);
@@ -352,7 +352,7 @@ fn a_scene_of_layers_is_captured_with_its_occlusion() {
 }
 
 #[test]
-fn layers_that_make_no_scene_are_told_by_file_and_place() {
+fn layers_that_make_no_scene_are_reported_by_file_and_place() {
     let place = Place::new();
     layers(&place);
     place.photo("small.png", 32, 48);

@@ -193,7 +193,7 @@ fn a_link_in_a_generated_folder_leads_nowhere() {
 }
 
 #[test]
-fn of_two_that_write_one_folder_the_second_is_refused_as_such() {
+fn of_two_that_write_one_folder_the_second_is_rejected_as_such() {
     let place = Place::new();
     place.edof(GENERATE).done();
     let before = place.snapshot();

@@ -71,7 +71,7 @@ fn a_black_level_is_taken_off_before_the_cable() {
 }
 
 #[test]
-fn video_that_is_no_raw_frame_is_refused_with_the_place_that_says_so() {
+fn video_that_is_no_raw_frame_is_rejected_with_the_place_that_says_so() {
     let place = captured("");
     let mut video = bytes(&place, "frame.2vuy");
     // Luma of row 1, column 3; then chroma of row 0, column 2.

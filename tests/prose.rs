@@ -117,7 +117,7 @@ fn comments_are_plain_english() {
 }
 
 #[test]
-fn planted_offences_are_found_wherever_they_are() {
+fn injected_offences_are_found_wherever_they_are() {
     let long = "Every word counts ".repeat(12);
     let text = format!(
         "# Head\n\nIt follows. `told` in code is none, a *board that is none* is one.\n\n\

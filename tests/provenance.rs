@@ -123,7 +123,7 @@ fn a_captured_frame_is_read_as_it_was_taken() {
 }
 
 #[test]
-fn a_network_for_another_camera_is_refused_with_the_right_command() {
+fn a_network_for_another_camera_is_rejected_with_the_right_command() {
     let place = Place::new();
     place.fixed_network("net.safetensors");
     place.edof("capture chart --size 128x96 --camera ring-outer --psi 4 --no-measure --out raw.png").done();
@@ -140,7 +140,7 @@ fn a_network_for_another_camera_is_refused_with_the_right_command() {
 }
 
 #[test]
-fn a_record_of_another_frame_is_refused() {
+fn a_record_of_another_frame_is_rejected() {
     let place = Place::new();
     place.fixed_network("net.safetensors");
     place.edof("capture chart --size 128x96 --camera clear --psi 0 --no-measure --out raw.png").done();

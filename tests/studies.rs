@@ -216,7 +216,7 @@ fn studies_take_distances_before_cameras_that_know_their_focus() {
 }
 
 #[test]
-fn blind_deconvolution_is_tried_on_drawn_blurs() {
+fn blind_deconvolution_is_tried_on_random_blurs() {
     let place = Place::new();
     std::fs::create_dir(place.path("photos")).unwrap();
     place.photo("photos/p03.png", 64, 48);
@@ -265,7 +265,7 @@ fn hard_cases_are_run_and_a_broken_promise_is_a_failure_that_names_them() {
 }
 
 #[test]
-fn bits_of_each_stage_are_told_and_the_fewest_that_lose_next_to_nothing() {
+fn bits_of_each_stage_are_reported_and_the_fewest_that_lose_next_to_nothing() {
     let place = Place::new();
     place.fixed_network("net.fixed.safetensors");
     let run = place
@@ -292,7 +292,7 @@ fn bits_of_each_stage_are_told_and_the_fewest_that_lose_next_to_nothing() {
 }
 
 #[test]
-fn knobs_and_foldings_are_drawn_with_their_defaults_and_fronts() {
+fn knobs_and_foldings_are_random_with_their_defaults_and_fronts() {
     let place = Place::new();
     place.float_network("net.safetensors");
     std::fs::create_dir(place.path("photos")).unwrap();

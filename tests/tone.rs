@@ -37,7 +37,7 @@ fn a_photograph_is_decoded_to_light_unless_its_numbers_are_taken_for_light() {
 }
 
 #[test]
-fn a_drawn_scene_is_the_same_light_under_either_tone() {
+fn a_random_scene_is_the_same_light_under_either_tone() {
     let place = Place::new();
     let frames: Vec<Vec<u16>> = ["srgb", "linear"]
         .into_iter()
@@ -116,7 +116,7 @@ fn the_demo_measures_the_encoded_picture_and_its_light() {
 }
 
 #[test]
-fn tones_and_noises_that_there_are_not_are_refused_as_wrong_usage() {
+fn tones_and_noises_that_there_are_not_are_rejected_as_wrong_usage() {
     let place = Place::new();
     place.photo("photo.png", 64, 48);
     for (option, words) in [

@@ -294,7 +294,7 @@ fn a_failure_of_a_file_names_the_file_that_was_given() {
 }
 
 #[test]
-fn arrays_of_other_programs_are_refused_by_name() {
+fn arrays_of_other_programs_are_rejected_by_name() {
     every_row_says_what_and_what_to_do(ARRAYS);
 }
 

@@ -105,7 +105,7 @@ fn ready() -> Place {
 }
 
 #[test]
-fn every_wrong_file_is_refused_by_every_command_that_reads_it() {
+fn every_wrong_file_is_rejected_by_every_command_that_reads_it() {
     let place = ready();
     let before = place.snapshot();
     let mut wrongly = vec![];
@@ -128,7 +128,7 @@ fn every_wrong_file_is_refused_by_every_command_that_reads_it() {
 }
 
 #[test]
-fn every_option_refuses_what_it_cannot_have() {
+fn every_option_rejects_what_it_cannot_have() {
     let place = ready();
     let before = place.snapshot();
     let mut wrongly = vec![];

@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn words_that_differ_are_told_from_those_that_do_not() {
+    fn words_that_differ_are_distinguished_from_those_that_do_not() {
         let [design, _] = designs();
         let (one, mut network) = (edof_random::for_design(&design, 1), edof_random::for_design(&design, 1));
         network.thresholds[1][3] ^= 1;

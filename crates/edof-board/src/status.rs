@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counters_that_went_round_are_told_right() {
+    fn counters_that_went_round_are_reported_right() {
         let look = |patches: u32, frames: u32| StatusSnapshot {
             registers: [("patches", patches), ("picture_frames", frames), ("status", 0b1001)].into(),
             stages: vec![[40, 1, 2, 3]; 3],

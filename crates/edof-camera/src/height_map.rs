@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_of_another_shape_or_content_is_refused() {
+    fn a_picture_of_another_shape_or_content_is_rejected() {
         assert_eq!(
             read(Array2::zeros((4, 6))).unwrap_err(),
             "m.png: 6x4, expected a square height map of 2 to 4096 pixels a side"

@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_bank_is_refused() {
+    fn what_is_no_bank_is_rejected() {
         let refused = |psis: &[f64], psf: &Array4<f64>| kernels(psis, psf).unwrap_err();
         assert_eq!(refused(&[4.0, 0.0], &arrays(3, 3)), "psi: must be finite and ascending, is 4, 0");
         assert!(refused(&[0.0, f64::NAN], &arrays(3, 3)).starts_with("psi: must be finite"));

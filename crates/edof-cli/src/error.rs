@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_pipe_is_told_from_other_failures() {
+    fn a_closed_pipe_is_distinguished_from_other_failures() {
         let closed = Error::from(std::io::Error::from(std::io::ErrorKind::BrokenPipe));
         assert!(closed.is_broken_pipe() && !Error::message("x").is_broken_pipe());
     }

@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_job_that_no_machine_can_hold_is_refused_with_its_size() {
+    fn a_job_that_no_machine_can_hold_is_rejected_with_its_size() {
         let error = check("scene 60000x60000 (--size)", 1e15).unwrap_err().to_string();
         assert!(error.starts_with("scene 60000x60000 (--size): needs about 1000000.0 GB, and "), "{error}");
         check("a small one", 1e6).unwrap();

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn what_tools_would_misunderstand_is_refused() {
+    fn what_tools_would_misunderstand_is_rejected() {
         for (found, expected) in [
             (
                 refusal(&["../a.v"], vec![]),

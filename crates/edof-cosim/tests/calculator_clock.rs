@@ -69,7 +69,7 @@ fn weight(trial: &Trial) -> (u32, u32) {
 }
 
 #[test]
-fn a_calculator_whose_clock_stands_is_told_and_begins_anew_when_it_comes_back() {
+fn a_calculator_whose_clock_stands_is_reported_and_begins_anew_when_it_comes_back() {
     let mut trial = Trial::new(21);
     let draw = &mut Draw::new(21);
     let [found, expected] = trial.crcs();

@@ -316,7 +316,7 @@ fn a_word_that_is_not_held_is_found_out() {
 }
 
 #[test]
-fn a_word_that_is_synchronised_bit_by_bit_is_found_out_by_lot_alone() {
+fn a_word_that_is_synchronised_bit_by_bit_is_found_out_at_random_alone() {
     let seen = "wire [WIDTH-1:0] word_seen;
     edof_sync #(.WIDTH(WIDTH)) words (.clock_i(to_clock_i), .from_i(held_q), .to_o(word_seen));
     assign word_o = word_q;";

@@ -315,7 +315,7 @@ fn modelled(program: &[Entry], chips: Chips, entries: usize) -> Setup<Chips> {
 }
 
 #[test]
-fn chips_get_what_the_model_gives_whatever_they_refuse() {
+fn chips_get_what_the_model_gives_whatever_they_reject() {
     for (seed, program) in (0..).zip(i2c::programs()) {
         let mut rig = Rig::new(&program, with_screen(), seed);
         (rig.wire.refuses, rig.wire.stretch) = (3, 50);
@@ -442,7 +442,7 @@ fn a_data_line_that_is_stuck_is_freed_by_clocks_or_told() {
 }
 
 #[test]
-fn a_clock_line_that_is_held_is_told_within_the_time_that_is_stated() {
+fn a_clock_line_that_is_held_is_reported_within_the_time_that_is_stated() {
     let [program, _] = i2c::programs();
     let mut rig = Rig::new(&program, Chips::default(), 6);
     rig.done();
@@ -472,7 +472,7 @@ fn another_master_only_delays() {
 }
 
 #[test]
-fn a_chip_that_is_missing_is_told_and_taken_up_when_it_comes() {
+fn a_chip_that_is_missing_is_reported_and_taken_up_when_it_comes() {
     let [_, program] = i2c::programs();
     let missing = Chips { missing: vec![0x4c], ..Chips::default() };
     let mut rig = Rig::new(&program, missing, 8);

@@ -94,7 +94,7 @@ fn each_memory_itself_says_that_its_image_is_missing() {
 }
 
 #[test]
-fn broken_verilog_is_told_with_file_and_line() {
+fn broken_verilog_is_reported_with_file_and_line() {
     let mut source = counter();
     source.files[0].1 = "module counter (input wire a);\n  assign b = ;\nendmodule\n".into();
     let error = icarus::run(&source, &Rows::zeros(2, 1), None).unwrap_err().to_string();

@@ -184,7 +184,7 @@ fn come_whole_and_are_measured(compiled: &Compiled) {
 }
 
 #[test]
-fn another_resolution_is_told_and_gives_no_frame() {
+fn another_resolution_is_reported_and_gives_no_frame() {
     for (width, height) in [(16, 12), (20, 12), (18, 10), (12, 8)] {
         let mut receiver = Receiver::new(3, 16);
         let draw = &mut Draw::new(4);

@@ -164,7 +164,7 @@ fn models_run_on_many_threads_at_once() {
 }
 
 #[test]
-fn ports_that_do_not_fit_are_refused() {
+fn ports_that_do_not_fit_are_rejected() {
     let library = build(&counter());
     let mut model = start(&library, 1);
     let text = |result: Result<(), Error>| result.unwrap_err().to_string();
@@ -178,7 +178,7 @@ fn ports_that_do_not_fit_are_refused() {
 }
 
 #[test]
-fn broken_verilog_is_told_with_file_and_line() {
+fn broken_verilog_is_reported_with_file_and_line() {
     let mut source = counter();
     source.files[0].1 = "module counter (input wire a);\n  assign b = ;\nendmodule\n".into();
     let error = Library::build(&source, &options()).unwrap_err().to_string();
@@ -186,7 +186,7 @@ fn broken_verilog_is_told_with_file_and_line() {
 }
 
 #[test]
-fn ports_other_than_those_of_the_verilog_are_refused() {
+fn ports_other_than_those_of_the_verilog_are_rejected() {
     let refusal = |change: fn(&mut Source)| {
         let mut source = counter();
         change(&mut source);
@@ -211,7 +211,7 @@ fn ports_other_than_those_of_the_verilog_are_refused() {
 }
 
 #[test]
-fn a_spoilt_file_in_the_cache_is_named() {
+fn a_corrupted_file_in_the_cache_is_named() {
     let (cache, options) = fresh_cache();
     drop(Library::build(&counter(), &options).unwrap());
     let names = std::fs::read_dir(cache.path()).unwrap().map(|entry| entry.unwrap().path());

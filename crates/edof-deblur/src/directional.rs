@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_smaller_than_the_decision_is_refused() {
+    fn a_frame_smaller_than_the_decision_is_rejected() {
         let raw = mosaic((2, 8), CfaPhase::Rggb, |_, _, _| 0.0);
         let error = Directional::default().reconstruct(&raw).unwrap_err().to_string();
         assert_eq!(error, "frame 8x2: both sides must be at least 4 pixels for a window of 5");

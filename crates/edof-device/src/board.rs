@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn clocks_and_frames_that_no_board_has_are_refused_in_words() {
+    fn clocks_and_frames_that_no_board_has_are_rejected_in_words() {
         for (design, words) in [
             (
                 design(200.0, 1366, 768),

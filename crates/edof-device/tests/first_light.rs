@@ -128,7 +128,7 @@ fn a_cable_may_come_before_the_set_up_or_after_and_go_and_come() {
 }
 
 #[test]
-fn a_source_of_full_range_or_rgb_is_told_by_the_status() {
+fn a_source_of_full_range_or_rgb_is_reported_by_the_status() {
     let mut player = Player::new(Card::new(), card_program(|_| ()));
     let mut rgb = source(halves()).unwrap();
     rgb.coding = Some(Coding::Rgb);

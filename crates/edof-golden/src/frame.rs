@@ -108,7 +108,7 @@ mod tests {
     use ndarray::Array2;
 
     #[test]
-    fn a_frame_too_small_is_refused_alike_in_all_phases_by_the_size_that_was_given() {
+    fn a_frame_too_small_is_rejected_alike_in_all_phases_by_the_size_that_was_given() {
         let golden = Golden::new(edof_random::natural(8, 8, 1)).unwrap();
         let frame = |side, phase| {
             golden.frame(&RawFrame::from_values(Array2::zeros((side, side)), 8, phase).unwrap())

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_comes_back_and_wrong_ones_are_refused() {
+    fn a_table_comes_back_and_wrong_ones_are_rejected() {
         let table = LumaTable::new(Curve::Srgb).entries().to_vec();
         assert_eq!(LumaTable::from_entries(table.clone()), Ok(LumaTable::new(Curve::Srgb)));
         let error = LumaTable::from_entries(vec![16; 256]).unwrap_err();

@@ -263,7 +263,7 @@ fn counters_are_those_of_the_specification() {
 }
 
 #[test]
-fn a_network_of_another_form_is_refused() {
+fn a_network_of_another_form_is_rejected() {
     let (tiny, paper) = (committed("tiny"), committed("paper"));
     let network = edof_random::for_design(&paper, 1);
     let error = Cycle::new(&tiny, [&network, &network]).unwrap_err().to_string();

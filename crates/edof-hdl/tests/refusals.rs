@@ -205,7 +205,7 @@ fn a_leaf_is_held_to_its_own_text() {
 }
 
 #[test]
-fn a_loop_through_a_leaf_is_refused() {
+fn a_loop_through_a_leaf_is_rejected() {
     let wanted = "top.part.x: depends on itself without a register between: part.x, part.y";
     assert_eq!(refusal::<LoopingHolder>(), wanted);
 }
@@ -389,7 +389,7 @@ block!(Bridged { fast: Signal<In, Clock>, slow: Signal<In, Clock>, x: Signal<In,
 });
 
 #[test]
-fn ways_between_clock_domains_are_refused_unless_a_leaf_is_made_for_them() {
+fn ways_between_clock_domains_are_rejected_unless_a_leaf_is_made_for_them() {
     let refusals = [
         refusal::<Leap>(),
         refusal::<LeapBetween>(),
@@ -458,7 +458,7 @@ fn crossings_are_listed_with_their_clocks() {
 }
 
 #[test]
-fn what_cannot_be_translated_is_refused_with_its_place() {
+fn what_cannot_be_translated_is_rejected_with_its_place() {
     let refusals = [
         refusal::<Latch>(),
         refusal::<Undriven>(),

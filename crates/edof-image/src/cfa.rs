@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_phase_is_refused_by_name() {
+    fn an_unknown_phase_is_rejected_by_name() {
         assert_eq!(
             "rgbg".parse::<CfaPhase>().unwrap_err().to_string(),
             "CFA phase 'rgbg': must be rggb, grbg, gbrg or bggr"

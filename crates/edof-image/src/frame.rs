@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_depths_sides_and_values_are_refused() {
+    fn wrong_depths_sides_and_values_are_rejected() {
         let refused = |h, w, depth| RawFrame::from_values(ramp(h, w), depth, CfaPhase::Rggb).unwrap_err();
         assert_eq!(refused(4, 4, 7).to_string(), "bit depth 7: must be 8 to 16");
         assert!(refused(3, 4, 8).to_string().contains("4x3"));

@@ -204,7 +204,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_window_moved_by_an_odd_stride_is_refused() {
+    fn a_window_moved_by_an_odd_stride_is_rejected() {
         assert_eq!(
             Stride::new(3).unwrap_err().to_string(),
             "stride 3: must be 2, 4 or 8, so that every window starts at the same Bayer phase"
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn an_odd_or_small_frame_is_refused() {
+    fn an_odd_or_small_frame_is_rejected() {
         let g = Geometry::new(Window(12), Stride(8));
         assert!(matches!(g.check_frame((31, 40)), Err(GeometryError::OddFrame { .. })));
         assert!(matches!(g.check_frame((8, 40)), Err(GeometryError::SmallFrame { .. })));

@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_of_another_form_are_refused() {
+    fn texts_of_another_form_are_rejected() {
         for text in
             ["", "loud", "sensors", "sensor:iso=100", "sensor:gain", "sensor:gain=x", "sensor:gain=2:gain=4"]
         {
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_out_of_range_are_refused() {
+    fn numbers_out_of_range_are_rejected() {
         let refused = |text: &str| text.parse::<Noise>().unwrap_err().to_string();
         assert_eq!(
             refused("-0.1"),

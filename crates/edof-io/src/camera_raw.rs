@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn camera_raw_is_told_by_its_ending() {
+    fn camera_raw_is_reported_by_its_ending() {
         assert!(is_camera_raw(Path::new("a/IMG_1.CR3")) && is_camera_raw(Path::new("x.nef")));
         assert!(!is_camera_raw(Path::new("x.png")) && !is_camera_raw(Path::new("dng")));
     }
@@ -197,7 +197,7 @@ mod tests {
         }
 
         #[test]
-        fn a_damaged_dng_is_refused_by_name() {
+        fn a_damaged_dng_is_rejected_by_name() {
             let whole = dng(16, 8, [0, 1, 1, 2], 0, 4095, &[7; 128]);
             for kept in [0, 20, 150] {
                 let error = loaded(&whole[..kept]).unwrap_err();

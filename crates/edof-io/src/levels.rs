@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_that_cannot_be_are_refused() {
+    fn levels_that_cannot_be_are_rejected() {
         let refused = |black: u16, white: Option<f64>| {
             Levels { black: black.into(), white }.light(&frame(12)).unwrap_err().to_string()
         };

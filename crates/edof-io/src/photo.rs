@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn other_depths_are_refused() {
+    fn other_depths_are_rejected() {
         let error = save(Path::new("x.png"), &ramp(), 12).unwrap_err().to_string();
         assert_eq!(error, "x.png: 12 bits a sample: must be 8 or 16");
     }
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_a_usable_photograph_is_refused() {
+    fn a_folder_without_a_usable_photograph_is_rejected() {
         let dir = tempfile::tempdir().unwrap();
         assert!(load_folder(dir.path()).unwrap_err().to_string().contains("contains no photographs"));
         std::fs::write(dir.path().join("a.png"), "not a picture").unwrap();

@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_photos_is_refused() {
+    fn a_folder_without_photos_is_rejected() {
         let dir = tempfile::tempdir().unwrap();
         let error = load(dir.path(), &Selection::Test).unwrap_err().to_string();
         assert!(error.contains("contains no readable photograph of 'test'; choose by --photos"), "{error}");

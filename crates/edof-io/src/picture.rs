@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn a_truncated_picture_is_refused_by_name() {
+    fn a_truncated_picture_is_rejected_by_name() {
         let samples = Samples { planes: Array3::zeros((3, 40, 40)), full_scale: 255 };
         for format in [ImageFormat::Png, ImageFormat::Tiff] {
             let whole = encode(&picture(&samples).unwrap(), format).unwrap();
@@ -398,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn floating_point_samples_are_refused() {
+    fn floating_point_samples_are_rejected() {
         let image = DynamicImage::ImageRgb32F(image::Rgb32FImage::new(2, 2));
         let error = decode(&encode(&image, ImageFormat::Tiff).unwrap(), Path::new("x")).unwrap_err();
         assert_eq!(

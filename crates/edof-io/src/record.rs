@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_record_is_refused_by_name() {
+    fn a_damaged_record_is_rejected_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let (path, ..) = taken(folder.path(), "frame.png", CfaPhase::Rggb);
         std::fs::write(path_of(&path), "{").unwrap();

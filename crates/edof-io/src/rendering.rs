@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_no_rendering_are_refused() {
+    fn numbers_that_are_no_rendering_are_rejected() {
         let balance = |text: &str| text.parse::<WhiteBalance>().unwrap_err().to_string();
         for text in ["", "2,1", "2,1,0", "2,1,-1", "nan,1,1", "inf,1,1", "1,1,1,1", "101,1,1", "warm"] {
             assert!(balance(text).starts_with(&format!("white balance '{text}': must be factors")), "{text}");

@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_dictionary_or_recipe_is_refused() {
+    fn what_is_no_dictionary_or_recipe_is_rejected() {
         let refused =
             |bytes: &[u8]| Dictionary::parse(bytes, Path::new("x.safetensors")).unwrap_err().to_string();
         assert!(

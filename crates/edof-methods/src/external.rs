@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_that_names_no_files_or_no_program_is_refused() {
+    fn a_command_that_names_no_files_or_no_program_is_rejected() {
         let error = |command| ExternalSettings::new(command, 1).unwrap_err().to_string();
         assert_eq!(
             error("mine {raw}"),

@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn regions_without_a_usable_edge_are_refused() {
+    fn regions_without_a_usable_edge_are_rejected() {
         let even = Array2::from_elem((32, 32), 0.5f32);
         assert_eq!(EdgeResponse::measure(even.view()).unwrap_err(), EdgeError::NoEdge);
         let straight = edge(1.0, 0.0, 32);

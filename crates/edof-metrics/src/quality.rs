@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_that_cannot_be_compared_are_refused() {
+    fn frames_that_cannot_be_compared_are_rejected() {
         let error = |a: (usize, usize), b: (usize, usize)| {
             let frames = (ColourFrame::zeros(a.0, a.1), ColourFrame::zeros(b.0, b.1));
             Quality::of(&frames.0, &frames.1, 8).unwrap_err().to_string()

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_form_that_no_network_has_is_refused() {
+    fn a_form_that_no_network_has_is_rejected() {
         assert_eq!(parse("w9").unwrap_err(), "window 9: must be 8, 12 or 16");
         assert_eq!(parse("t11").unwrap_err(), "layers 11: must be 2 to 10");
         assert!(parse("w8,three").unwrap_err().starts_with("unknown keyword 'three'"));

@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_matrix_that_is_no_covariance_is_refused() {
+    fn a_matrix_that_is_no_covariance_is_rejected() {
         let mut matrix = Array2::eye(3);
         matrix[(2, 2)] = -1.0;
         assert_eq!(Cholesky::new(matrix.view()).unwrap_err(), NotPositive(2));

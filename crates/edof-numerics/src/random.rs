@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_drawn_one_after_the_other_know_nothing_of_each_other() {
+    fn numbers_random_one_after_the_other_know_nothing_of_each_other() {
         let values = drawn(2, 1_000_000);
         for lag in [1, 2, 3, 12, 64, 144, 256] {
             let pairs = values.iter().zip(&values[lag..]).map(|(a, b)| a * b);

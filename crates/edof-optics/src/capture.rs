@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn a_depth_that_no_support_could_hold_is_refused() {
+    fn a_depth_that_no_support_could_hold_is_rejected() {
         let camera = Camera::resolve("clear-mid").unwrap();
         let far = draw(Builtin::Chart, 64, 96, &[300.0], 0).unwrap();
         let error = capture(&far, &camera, &Sensor::default(), &Approximation::default()).unwrap_err();

@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_searches_are_refused() {
+    fn impossible_searches_are_rejected() {
         let base = Camera::resolve("clear").unwrap();
         let wanted = Search { rings: 3, ..Search::default() };
         let error =

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_scenes_are_refused() {
+    fn impossible_scenes_are_rejected() {
         assert_eq!(
             "sea".parse::<Builtin>().unwrap_err().to_string(),
             "scene 'sea': must be chart, chart-4, leaves or leaves-4"

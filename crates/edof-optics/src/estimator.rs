@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lens_that_rings_do_not_describe_and_an_empty_task_are_refused() {
+    fn a_lens_that_rings_do_not_describe_and_an_empty_task_are_rejected() {
         let ring = Camera::resolve("ring-2018").unwrap();
         let refused = |camera: &Camera, task: &Task| {
             judge(camera, &Statistics::natural(), task).unwrap_err().to_string()

@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_layers_is_refused() {
+    fn what_makes_no_layers_is_rejected() {
         let refused =
             |psi: &Array2<f32>, max| from_depths("x", &picture(4, 6), psi, max).unwrap_err().to_string();
         assert_eq!(refused(&Array2::zeros((6, 4)), 8), "depth map 4x6: expected 6x4 as the photograph");

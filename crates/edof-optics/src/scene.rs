@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn layers_that_make_no_scene_are_refused() {
+    fn layers_that_make_no_scene_are_rejected() {
         let refused = |layers| scene(layers).check().unwrap_err();
         assert_eq!(refused(vec![]), SceneError::Empty("test".into()));
         assert_eq!(refused(vec![grey(0.1, Some(half()), 0.0)]), SceneError::Background("test".into()));

@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_sensors_are_refused() {
+    fn impossible_sensors_are_rejected() {
         let refused = |sensor: Sensor| expose(&flat(0.1), &sensor).unwrap_err().to_string();
         assert_eq!(refused(Sensor { depth: 20, ..Sensor::default() }), "bit depth 20: must be 8 to 16");
         assert_eq!(

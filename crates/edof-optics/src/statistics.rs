@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_smaller_than_a_tile_are_refused() {
+    fn photographs_smaller_than_a_tile_are_rejected() {
         let small = ColourFrame::zeros(100, 200);
         let error = Statistics::of_photos([&small].into_iter()).unwrap_err();
         assert_eq!(error.to_string(), "statistics: no photograph of at least 128x128 pixels among 1");

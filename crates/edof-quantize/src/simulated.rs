@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_simulation_is_exact_where_as_drawn_the_base_would_pass_24_bits() {
+    fn the_simulation_is_exact_where_as_random_the_base_would_pass_24_bits() {
         simulation_computes_the_words(9, [true, false, false, false], 1_954_824_249_627_160_057).unwrap();
     }
 

@@ -199,7 +199,7 @@ fn more_bits_cost_less() {
 }
 
 #[test]
-fn large_outputs_at_few_bits_are_shifted_up_instead_of_refused() {
+fn large_outputs_at_few_bits_are_shifted_up_instead_of_rejected() {
     let mut network = network(form(4, Shrinkage::TwoSided, false), 5);
     network.dictionary *= 30.0;
     let seen = Calibration::measure(&network, [&raw(6)]).unwrap();
@@ -209,7 +209,7 @@ fn large_outputs_at_few_bits_are_shifted_up_instead_of_refused() {
 }
 
 #[test]
-fn wrong_options_and_empty_calibrations_are_refused() {
+fn wrong_options_and_empty_calibrations_are_rejected() {
     let good = network(form(3, Shrinkage::TwoSided, false), 1);
     let seen = Calibration::measure(&good, [&raw(1)]).unwrap();
     let refused =

@@ -223,14 +223,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn drawn_networks_are_legal() {
+    fn random_networks_are_legal() {
         for (window, stride) in [(8, 8), (12, 4), (16, 2)] {
             natural(window, stride, 3).check().unwrap();
         }
     }
 
     #[test]
-    fn networks_drawn_for_a_design_fit_it() {
+    fn networks_random_for_a_design_fit_it() {
         let designs = ["tiny", "paper", "kc705"].map(|name| {
             let path = format!("{}/../../designs/{name}.json", env!("CARGO_MANIFEST_DIR"));
             Design::load(path.as_ref()).unwrap()

@@ -308,7 +308,7 @@ mod tests {
         }
 
         #[test]
-        fn it_goes_on_until_little_enough_is_left(
+        fn it_continues_until_little_enough_is_left(
             dictionary in matrix(LENGTH, ATOMS), signals in matrix(5, LENGTH), residual in 0.01f64..1.5
         ) {
             let left = |atoms| {

@@ -232,7 +232,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cases_of_one_name_or_of_a_name_that_is_none_are_refused() {
+    fn cases_of_one_name_or_of_a_name_that_is_none_are_rejected() {
         let folder = tempfile::tempdir().unwrap();
         let refused = |text: &str| {
             std::fs::write(folder.path().join("a.json"), text).unwrap();

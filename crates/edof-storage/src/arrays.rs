@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn two_arrays_of_one_name_and_names_that_no_terminal_shows_are_refused() {
+    fn two_arrays_of_one_name_and_names_that_no_terminal_shows_are_rejected() {
         let content = array("{'descr': '|u1', 'fortran_order': False, 'shape': (1,), }", &[1]);
         for names in [["a.npy", "a.npy"], ["a.npy", "a"]] {
             let file = deflated(&names.map(|name| (name, &content[..])), |n| n as u32);
@@ -478,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn claims_that_the_file_does_not_hold_are_refused() {
+    fn claims_that_the_file_does_not_hold_are_rejected() {
         let shape = |text: &str| {
             array(&format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {text}, }}"), &[0; 16])
         };

@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_over_the_limit_is_refused_with_the_limit() {
+    fn a_file_over_the_limit_is_rejected_with_the_limit() {
         let error = text(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string();
         assert_eq!(error, "larger than 1 MiB, which no such file is");
         let folder = tempfile::tempdir().unwrap();

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn depths_are_told_in_metres_where_the_camera_knows_its_focus() {
+    fn depths_are_reported_in_metres_where_the_camera_knows_its_focus() {
         let camera = Camera::resolve("ring-2018").unwrap();
         assert_eq!(depth(&camera, 8.0), "ψ = 8");
         let camera = Camera { nominal_m: Some(10.0), ..camera };

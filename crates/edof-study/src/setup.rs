@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_net_given_twice_is_refused() {
+    fn a_net_given_twice_is_rejected() {
         let net = || Net::new("a", float("clear"), "h", None, Stride::PATCH).0;
         let error = setups(vec![net(), net()], Stride::PATCH).err().unwrap().to_string();
         assert_eq!(error, "net 'a': given twice, every net needs a name of its own");

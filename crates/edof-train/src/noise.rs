@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_drawn_over_its_whole_range_and_now_and_then_not_at_all() {
+    fn noise_is_random_over_its_whole_range_and_now_and_then_not_at_all() {
         let conditions = Conditions::plain(0.015);
         for tone in Tone::ALL {
             let mut random = Random::new(1, 2, 3);

@@ -193,7 +193,7 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads_and_after_a_break(
 }
 
 #[test]
-fn a_checkpoint_of_another_run_is_refused_naming_what_differs() {
+fn a_checkpoint_of_another_run_is_rejected_naming_what_differs() {
     let recipe = recipe(Shrinkage::OneSided);
     let state = Trainer::new(recipe.clone(), &dataset(&recipe), 1).unwrap().state;
     let mut photo = discs();
@@ -219,7 +219,7 @@ fn a_checkpoint_of_another_run_is_refused_naming_what_differs() {
 }
 
 #[test]
-fn recipes_that_cannot_be_followed_are_refused() {
+fn recipes_that_cannot_be_followed_are_rejected() {
     let dataset = dataset(&recipe(Shrinkage::OneSided));
     let refuse = |change: &dyn Fn(&mut Recipe)| {
         let mut recipe = recipe(Shrinkage::OneSided);

@@ -197,7 +197,7 @@ fn ten_thousand_random_circuits_mean_what_rust_means() {
 }
 
 #[test]
-fn a_bench_that_a_simulator_does_not_take_is_told() {
+fn a_bench_that_a_simulator_does_not_take_is_reported() {
     let mut counter = counter(1_000);
     counter.connect_all();
     let mut emitted = emit(&counter).unwrap();

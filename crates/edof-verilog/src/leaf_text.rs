@@ -477,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_leaf_is_refused() {
+    fn what_is_no_leaf_is_rejected() {
         assert_eq!(LeafText::read("wire x;").unwrap_err(), "it has no module");
         assert_eq!(
             LeafText::read("module a (input wire x; endmodule").unwrap_err(),

@@ -89,7 +89,7 @@ fn a_stage_that_is_a_bit_off_is_named() {
 }
 
 #[test]
-fn a_board_whose_calculator_stands_still_is_refused() {
+fn a_board_whose_calculator_stands_still_is_rejected() {
     let (design, network) = (tiny(), network(&tiny(), 3));
     let line =
         Simulated::new(&design, [&network, &network], &Display::default(), raw(&design), BAUD).unwrap();

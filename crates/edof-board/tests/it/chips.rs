@@ -47,7 +47,7 @@ fn a_board_with_source_and_screen_comes_up_and_says_so() {
 }
 
 #[test]
-fn what_is_missing_is_told_in_words_and_taken_up_when_it_comes() {
+fn what_is_missing_is_reported_in_words_and_taken_up_when_it_comes() {
     let mut simulated = simulated();
     simulated.chips().plug(false);
     says(&mut simulated, "receiver", "no source");

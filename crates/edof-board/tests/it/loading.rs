@@ -128,7 +128,7 @@ fn two_noise_classes_lie_in_two_banks_and_the_switch_takes_effect_between_frames
 }
 
 #[test]
-fn what_does_not_fit_is_refused_before_a_word_is_written() {
+fn what_does_not_fit_is_rejected_before_a_word_is_written() {
     let design = tiny();
     let old = network(&design, 1);
     let mut simulated = board(&design, &old);
@@ -202,7 +202,7 @@ fn a_load_that_reads_back_every_word_comes_to_its_end() {
 }
 
 #[test]
-fn words_for_the_bank_in_use_and_for_tables_in_use_are_refused() {
+fn words_for_the_bank_in_use_and_for_tables_in_use_are_rejected() {
     let design = tiny();
     let old = network(&design, 1);
     let mut simulated = board(&design, &old);

@@ -137,7 +137,7 @@ impl Line for Parrot {
 }
 
 #[test]
-fn who_is_no_board_is_told_from_silence() {
+fn who_is_no_board_is_distinguished_from_silence() {
     let said = |words: &[u32]| {
         let bytes = words.iter().flat_map(|word| word.to_be_bytes()).collect();
         Board::open(Parrot(bytes, vec![]), PATIENCE).map(|_| ()).unwrap_err()

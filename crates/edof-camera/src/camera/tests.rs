@@ -16,7 +16,7 @@ fn an_unknown_camera_is_told_the_presets() {
 }
 
 #[test]
-fn a_ring_outside_the_pupil_is_refused() {
+fn a_ring_outside_the_pupil_is_rejected() {
     let mut camera = Camera::resolve("ring-2018").unwrap();
     camera.rings[0].outer = 1.2;
     let error = Camera::from_json(&camera.to_json(), "file").unwrap_err().to_string();
@@ -24,7 +24,7 @@ fn a_ring_outside_the_pupil_is_refused() {
 }
 
 #[test]
-fn a_lens_and_pixels_that_no_grid_holds_are_refused() {
+fn a_lens_and_pixels_that_no_grid_holds_are_rejected() {
     let refused = |change: fn(&mut Camera)| {
         let mut camera = Camera::resolve("ring-2018").unwrap();
         change(&mut camera);
@@ -46,7 +46,7 @@ fn a_profile_is_linear_between_its_points_and_scales_with_the_wavelength() {
 }
 
 #[test]
-fn profiles_and_aberrations_that_cannot_be_are_refused() {
+fn profiles_and_aberrations_that_cannot_be_are_rejected() {
     let refused = |change: &dyn Fn(&mut Camera)| {
         let mut camera = Camera::resolve("clear").unwrap();
         change(&mut camera);

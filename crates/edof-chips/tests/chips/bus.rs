@@ -187,7 +187,7 @@ fn clocks_are_stretched_as_long_as_the_master_waits() {
 }
 
 #[test]
-fn chips_that_are_missing_or_refuse_are_told() {
+fn chips_that_are_missing_or_reject_are_reported() {
     let mut card = card();
     card.faults().remove(0x70);
     assert_eq!(Master::new(&mut card).write(0x70, &[8]), Err(refused(0x70)));

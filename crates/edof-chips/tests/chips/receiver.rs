@@ -135,7 +135,7 @@ fn the_cables_hot_plug_is_the_expanders_and_not_the_chips_own() {
 }
 
 #[test]
-fn the_edids_checksums_are_the_chips_own_and_writes_to_an_edid_in_use_are_told() {
+fn the_edids_checksums_are_the_chips_own_and_writes_to_an_edid_in_use_are_reported() {
     let mut card = card_with(&card(), |_| ());
     let read = Master::new(&mut card).read(0x36, &[0], 256).unwrap();
     assert_eq!(
@@ -171,7 +171,7 @@ fn what_stops_a_picture_is_named() {
 }
 
 #[test]
-fn without_a_signal_the_clock_goes_on_by_free_run_alone() {
+fn without_a_signal_the_clock_continues_by_free_run_alone() {
     let mut card = card_with(&card(), |_| ());
     picture(&mut card);
     card.plug(None);

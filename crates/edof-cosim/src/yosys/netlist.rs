@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn kinds_of_paths_are_told_longest_first() {
+    fn kinds_of_paths_are_reported_longest_first() {
         let [top, library] = netlist(8);
         let kinds = top.kinds(&library).unwrap();
         let told: Vec<_> =

@@ -139,7 +139,7 @@ fn any_constraint_that_is_taken_away_is_missed() {
 }
 
 #[test]
-fn any_image_that_is_missing_or_not_hexadecimal_alone_is_told() {
+fn any_image_that_is_missing_or_not_hexadecimal_alone_is_reported() {
     let design = Design::tiny();
     let images: Vec<PathBuf> =
         fs::read_dir(design.folder.join("mem")).unwrap().map(|entry| entry.unwrap().path()).collect();

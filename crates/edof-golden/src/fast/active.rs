@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn two_words_whose_products_pass_32_bits_are_told() {
+    fn two_words_whose_products_pass_32_bits_are_reported() {
         let told = segments(&[&[i16::MIN; 2], &[1, 1]], 32768);
         assert_eq!(told.iter().map(|(fits, _)| *fits).collect::<Vec<_>>(), [false, true]);
     }

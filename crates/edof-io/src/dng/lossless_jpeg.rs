@@ -280,7 +280,7 @@ pub(super) mod tests {
         }
 
         #[test]
-        fn damaged_streams_are_refused_or_decoded_but_never_panic(
+        fn damaged_streams_are_rejected_or_decoded_but_never_panic(
             at in 0usize..200, byte in any::<u8>(), kept in 0usize..300
         ) {
             let samples: Vec<u16> = (0..96).map(|i| i * 37 % 4096).collect();
@@ -295,7 +295,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_stream_that_ends_early_is_refused() {
+    fn a_stream_that_ends_early_is_rejected() {
         let samples: Vec<u16> = (0..960).map(|i| (i * 977 % 4096) as u16).collect();
         let stream = encode(&samples, 24, 1, 12, 6);
         assert_eq!(decode(&stream[..stream.len() / 2], 960), Err(DAMAGED));

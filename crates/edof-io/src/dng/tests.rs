@@ -178,7 +178,7 @@ fn packed_pixels_and_a_linearization_table_are_read() {
 }
 
 #[test]
-fn what_is_no_bayer_mosaic_or_compressed_otherwise_is_told() {
+fn what_is_no_bayer_mosaic_or_compressed_otherwise_is_reported() {
     let told = |mut more: Tags, cfa: [u8; 4]| {
         more.extend(pattern(cfa));
         decoded(&file(&[words(&values())], vec![], more, None)).unwrap_err()

@@ -75,7 +75,7 @@ fn a_colour_picture_is_no_raw_frame() {
 }
 
 #[test]
-fn eight_bit_samples_are_refused_unless_stated() {
+fn eight_bit_samples_are_rejected_unless_stated() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("x.png");
     let planes = ndarray::Array3::from_elem((1, 2, 2), 7);
@@ -89,7 +89,7 @@ fn eight_bit_samples_are_refused_unless_stated() {
 }
 
 #[test]
-fn a_depth_that_the_file_contradicts_is_refused() {
+fn a_depth_that_the_file_contradicts_is_rejected() {
     let stated = |depth| RawOptions { depth: Some(depth), ..RawOptions::default() };
     assert_eq!(
         loaded("x.pgm", b"P2 2 2 4095 1 2 3 4", stated(10)).unwrap_err(),
@@ -108,7 +108,7 @@ fn a_depth_that_the_file_contradicts_is_refused() {
 }
 
 #[test]
-fn a_value_wider_than_the_depth_is_refused() {
+fn a_value_wider_than_the_depth_is_rejected() {
     let size = Some(Size { width: 2, height: 2 });
     let options = RawOptions { depth: Some(10), size, ..RawOptions::default() };
     assert_eq!(
@@ -118,7 +118,7 @@ fn a_value_wider_than_the_depth_is_refused() {
 }
 
 #[test]
-fn odd_sides_are_refused() {
+fn odd_sides_are_rejected() {
     let error = loaded("x.pgm", b"P2 3 2 65535 1 2 3 4 5 6", RawOptions::default()).unwrap_err();
     assert_eq!(error, "x.pgm: frame 3x2: both sides must be even, so that it holds whole 2x2 Bayer cells");
 }
@@ -145,7 +145,7 @@ fn sizes_are_checked_against_the_file() {
 }
 
 #[test]
-fn text_that_is_no_size_is_refused() {
+fn text_that_is_no_size_is_rejected() {
     for text in ["", "4", "4x", "0x4", "4x-1", "70000x2", "4 x 2"] {
         assert_eq!(text.parse::<Size>(), Err(WrongSize(text.to_owned())));
     }

@@ -118,7 +118,7 @@ fn a_changed_word_of_the_metadata_is_noticed() {
 }
 
 #[test]
-fn outputs_in_another_format_are_refused() {
+fn outputs_in_another_format_are_rejected() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("net.fixed.safetensors");
     let fixed = small_fixed();
@@ -134,7 +134,7 @@ fn outputs_in_another_format_are_refused() {
 }
 
 #[test]
-fn fraction_bits_beyond_every_format_are_refused() {
+fn fraction_bits_beyond_every_format_are_rejected() {
     for change in [
         |n: &mut FixedNetwork| n.analysis.fraction = u32::MAX,
         |n: &mut FixedNetwork| n.recurrent[1].fraction = u32::MAX - 3,
@@ -149,7 +149,7 @@ fn fraction_bits_beyond_every_format_are_refused() {
 }
 
 #[test]
-fn a_truncated_file_is_refused_wherever_it_ends() {
+fn a_truncated_file_is_rejected_wherever_it_ends() {
     let (_dir, path, _) = saved(|_| ());
     let whole = std::fs::read(&path).unwrap();
     for kept in [0, 4, 100, whole.len() / 2, whole.len() - 1] {
@@ -168,7 +168,7 @@ fn a_changed_weight_is_noticed() {
 }
 
 #[test]
-fn nan_in_weights_is_refused_on_saving() {
+fn nan_in_weights_is_rejected_on_saving() {
     let dir = tempfile::tempdir().unwrap();
     let mut network = small_network();
     network.recurrent[1][(0, 0)] = f32::NAN;
@@ -177,7 +177,7 @@ fn nan_in_weights_is_refused_on_saving() {
 }
 
 #[test]
-fn a_foreign_safetensors_file_is_refused() {
+fn a_foreign_safetensors_file_is_rejected() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("foreign");
     let none: Vec<(&str, TensorView<'_>)> = vec![];

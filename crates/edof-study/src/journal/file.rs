@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_writer_is_refused_until_the_first_is_gone() {
+    fn a_second_writer_is_rejected_until_the_first_is_gone() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("some/rows");
         let first = Locked::open(&path).unwrap();

@@ -114,7 +114,7 @@ fn shards_share_all_rows_out_and_merged_they_are_the_whole_file() {
 }
 
 #[test]
-fn answers_that_differ_are_refused_and_times_may() {
+fn answers_that_differ_are_rejected_and_times_may() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let first = file(folder.path(), "1", "m", &[row("a", 1.0, 0.1)]);
@@ -249,7 +249,7 @@ fn a_row_of_other_settings_takes_the_place_of_the_old_one() {
 }
 
 #[test]
-fn a_torn_last_line_is_told_and_dropped_and_the_file_goes_on() {
+fn a_torn_last_line_is_reported_and_dropped_and_the_file_continues() {
     let folder = tempfile::tempdir().unwrap();
     let rows = [row("a", 1.0, 0.1), row("b", 2.0, 0.1)];
     let path = file(folder.path(), "rows", "m", &rows);

@@ -127,7 +127,7 @@ fn the_page_tells_how_large_kernels_are_that_were_measured() {
 }
 
 #[test]
-fn a_curve_is_drawn_against_time_where_the_knob_changes_it_and_there_are_photographs_enough() {
+fn a_curve_is_random_against_time_where_the_knob_changes_it_and_there_are_photographs_enough() {
     let twice = |name: &str| {
         let rows = rows(&[name.parse().unwrap()]);
         let others = rows.iter().map(|row| Row { image: "q".into(), ..row.clone() });

@@ -13,7 +13,7 @@ fn cards() -> Photo {
 }
 
 #[test]
-fn a_drawn_blur_is_found_and_undone_and_no_row_is_measured_twice() {
+fn a_random_blur_is_found_and_undone_and_no_row_is_measured_twice() {
     let settings = Settings { side: 15, ..Settings::default() };
     let folder = tempfile::tempdir().unwrap();
     let header = Header::of::<Row>(Program::stub("r", "a machine"));
@@ -71,7 +71,7 @@ fn what_has_diverged_is_counted() {
 }
 
 #[test]
-fn drawn_kernels_are_light_that_stays_inside() {
+fn random_kernels_are_light_that_stays_inside() {
     for Blur { name, psf } in drawn() {
         let rim =
             psf.kernel().indexed_iter().filter(|((r, c), _)| [*r, *c].iter().any(|i| i % (SIDE - 1) == 0));

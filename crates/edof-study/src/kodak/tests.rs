@@ -156,7 +156,7 @@ fn a_black_photograph_has_a_row_that_is_read_back() {
 }
 
 #[test]
-fn depths_and_noises_that_cannot_be_are_refused() {
+fn depths_and_noises_that_cannot_be_are_rejected() {
     let refused =
         |psi, noise| go("clear", &[photo("p")], conditions(&[psi], &[noise])).unwrap_err().to_string();
     assert_eq!(refused(f64::NAN, 0.0), "psi NaN: must lie within 200 of the focus of camera clear, at 0");

@@ -123,7 +123,7 @@ fn a_study_that_was_stopped_and_shared_out_is_the_one_of_a_whole_run() {
 }
 
 #[test]
-fn rows_of_a_scene_that_nothing_draws_are_refused() {
+fn rows_of_a_scene_that_nothing_draws_are_rejected() {
     let journal = in_memory("1/14");
     let mut rows = journal.rows().to_vec();
     rows[0].drawn.scene = "sea".into();

@@ -66,7 +66,7 @@ fn timeless(path: &Path) -> Vec<Row> {
 }
 
 #[test]
-fn an_interrupted_study_goes_on_where_it_was_and_gives_the_same_rows() {
+fn an_interrupted_study_continues_where_it_was_and_gives_the_same_rows() {
     let folder = tempfile::tempdir().unwrap();
     let plan = plan(&["malvar", "wiener", "omp"]);
     let all = folder.path().join("whole.jsonl");

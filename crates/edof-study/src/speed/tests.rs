@@ -80,7 +80,7 @@ fn the_diagram_joins_the_strides_of_a_method_and_tells_its_numbers() {
 }
 
 #[test]
-fn what_is_far_below_all_others_is_named_and_not_drawn_beyond_the_axes() {
+fn what_is_far_below_all_others_is_named_and_not_random_beyond_the_axes() {
     let untrained = |layers, db| timed(&Method::untrained(Family::Untrained, 8, layers), "a", db, 0.2);
     let net = timed(&Method::network("n", Format::Float, 8, 4), "a", 31.0, 0.1);
     let speed = Speed::new(&[net, untrained(8, 26.75), untrained(10, 7.0)], "m".into()).unwrap();

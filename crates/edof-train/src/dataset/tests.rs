@@ -124,7 +124,7 @@ fn windows_are_turned_only_as_the_blur_allows() {
 }
 
 #[test]
-fn no_photos_and_small_photos_are_refused() {
+fn no_photos_and_small_photos_are_rejected() {
     let camera = Camera::resolve("clear").unwrap();
     let make = |photos: &[ColourFrame], variants: usize| {
         let plain = DatasetOptions::plain(&[0.0], Window::new(8).unwrap());

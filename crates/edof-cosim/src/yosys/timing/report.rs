@@ -59,7 +59,7 @@ mod tests {
         303 $auto$ff (FDRE.C->Q)\n       0   \\clock_i (<primary input>)\n\nArrival histogram:\n";
 
     #[test]
-    fn a_path_is_told_from_its_register_on() {
+    fn a_path_is_reported_from_its_register_on() {
         let (delay, path) = path(TEXT).unwrap();
         assert_eq!(delay, 1541);
         let told: Vec<_> = path.iter().map(|s| (s.arrival_ps, s.cell.as_str(), s.net.as_str())).collect();
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_report_without_a_path_is_refused() {
+    fn a_report_without_a_path_is_rejected() {
         assert_eq!(path("nothing").unwrap_err(), "no 'Latest arrival time' in the timing report");
         let cut = TEXT.split("    1541").next().unwrap();
         assert_eq!(path(cut).unwrap_err(), "a timing report without a path");
