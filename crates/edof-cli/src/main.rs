@@ -85,7 +85,7 @@ struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  edof demo                                          the whole chain without input files; writes out/report.html
+  edof demo                                          runs the whole chain; see out/report.html
   edof doctor                                        lists tools, networks and photographs of this machine
 
  A researcher: from a photograph to a reconstructed picture
@@ -108,10 +108,10 @@ Examples:
   edof board sim --design tiny --link /tmp/board     simulates a board
   edof reconstruct raw.png --board --out board.png   writes the codes that leave the board's HDMI port
 
-ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end. A camera with
-nominal_m also accepts distances such as 1.5m. σ is the standard deviation of the noise, with white at 1.
-Each command has its own --help with examples. Exit status: 0 done, 1 failed (one line on standard error),
-2 wrong usage, 130 stopped by Ctrl-C.";
+ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end.
+A camera with nominal_m also accepts distances such as 1.5m. σ is the standard deviation of the
+noise, with white at 1. Each command has its own --help with examples. Exit status: 0 done,
+1 failed (one line on standard error), 2 wrong usage, 130 stopped by Ctrl-C.";
 
 #[derive(Subcommand)]
 enum Command {
