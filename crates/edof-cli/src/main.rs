@@ -86,7 +86,7 @@ struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   edof demo                                          runs the whole chain; see out/report.html
-  edof doctor                                        lists tools, networks and photographs of this machine
+  edof doctor                                        lists tools, networks and photographs
 
  A researcher: from a photograph to a reconstructed picture
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png --sharp sharp.png
@@ -106,7 +106,7 @@ Examples:
   edof board selftest                                tests every part that needs no cable
   edof board load edof-t4w12-outer-light             loads weights over the serial line
   edof board sim --design tiny --link /tmp/board     simulates a board
-  edof reconstruct raw.png --board --out board.png   writes the codes that leave the board's HDMI port
+  edof reconstruct raw.png --board --out board.png   writes the codes of the HDMI port
 
 ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end.
 A camera with nominal_m also accepts distances such as 1.5m. σ is the standard deviation of the
