@@ -28,7 +28,7 @@ module prove (
     wire [16:0] table_address;
     wire [11:0] table_data;
     board_registers dut (
-        .clock_i(clock_i), .reset_i(reset_i), .keeps_i(keeps_i), .bus_aw_addr_i(aw_addr_i), .bus_aw_valid_i(aw_valid_i), .bus_aw_ready_o(aw_ready),
+        .clock_i(clock_i), .reset_i(reset_i), .preserve_i(keeps_i), .bus_aw_addr_i(aw_addr_i), .bus_aw_valid_i(aw_valid_i), .bus_aw_ready_o(aw_ready),
         .bus_w_data_i(w_data_i), .bus_w_strb_i(w_strb_i), .bus_w_valid_i(w_valid_i), .bus_w_ready_o(w_ready), .bus_b_resp_o(b_resp),
         .bus_b_valid_o(b_valid), .bus_b_ready_i(b_ready_i), .bus_ar_addr_i(ar_addr_i), .bus_ar_valid_i(ar_valid_i), .bus_ar_ready_o(ar_ready),
         .bus_r_data_o(r_data), .bus_r_resp_o(r_resp), .bus_r_valid_o(r_valid), .bus_r_ready_i(r_ready_i), .tile_write_o(tile_write),
@@ -37,9 +37,9 @@ module prove (
         .table_data_o(table_data), .weight_valid_o(weight_valid), .weight_ready_i(weight_ready_i), .weight_address_o(weight_address),
         .weight_data_o(weight_data)
     );
-    (* hierconn *) wire [31:0] \dut.controls_3_q , \dut.refused_q , \dut.address_q , \dut.word_q ;
+    (* hierconn *) wire [31:0] \dut.controls_3_q , \dut.rejected_words_q , \dut.address_q , \dut.word_q ;
     (* hierconn *) wire [2:0] \dut.phase_q ;
-    (* hierconn *) wire \dut.waits_q ;
+    (* hierconn *) wire \dut.is_waiting_q ;
     wire [31:0] protection = \dut.controls_3_q ;
 
     reg started = 0;
@@ -110,9 +110,9 @@ module prove (
             held: assert (age == 0 || (\dut.address_q == address && (!writes || \dut.word_q == word)));
             stands: assert (control == control_then && protection == protection_then && (!hash_known || weights_hash == hash_then));
             phases: assert (!writes || (age == 1 ? \dut.phase_q == 1 : age == 2 ? \dut.phase_q == 2 : age == 3 ? \dut.phase_q == 3 : \dut.phase_q == 4));
-            counted: assert (refused == \dut.refused_q );
-            of_reads: assert (!reads || (\dut.phase_q == 5 ? age == 1 + \dut.waits_q : \dut.phase_q == 6 ? age == 2 || age == 3 : \dut.phase_q == 7));
-            waited: assert (!\dut.waits_q || (\dut.phase_q == 5 && age == 2));
+            counted: assert (refused == \dut.rejected_words_q );
+            of_reads: assert (!reads || (\dut.phase_q == 5 ? age == 1 + \dut.is_waiting_q : \dut.phase_q == 6 ? age == 2 || age == 3 : \dut.phase_q == 7));
+            waited: assert (!\dut.is_waiting_q || (\dut.phase_q == 5 && age == 2));
         end
         if (started && !reset_i) begin
             // AXI4-Lite.
