@@ -1,7 +1,7 @@
 // Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as
 // their sums are taken.
-// It never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain.
-// Vector v lies from row
+// The ring never overflows: a stage holds at most four vectors in its store and three in its multipliers and
+// drain. Vector v lies from row
 // 128 v on.
 //
 // No output follows an input within the cycle.
