@@ -43,7 +43,7 @@ module prove (
     wire [31:0] protection = \dut.controls_3_q ;
 
     reg started = 0;
-    // The access that is under way, its cycles so far but for those in which a window waits.
+    // The access in flight, and its cycles so far without those in which a window waits.
     reg writes = 0, reads = 0, whole;
     reg [31:0] address, word;
     reg [2:0] age = 0;
@@ -69,7 +69,7 @@ module prove (
     wire known = address[7:2] == 4 || address[7:2] == 5 || address[7:2] == 6 || address[7:2] == 7 || address[7:2] == 40 || address[7:2] == 41
         || address[7:2] == 44 || address[7:2] == 53;
     wire is_written = whole && !kept_out && (tables || weights || tile || (area && known));
-    // It writes a register in this cycle.
+    // The access writes a register in this cycle.
     wire now = writes && age == 3 && whole && area && !unchecked;
 
     // What the host decided.

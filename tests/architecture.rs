@@ -404,14 +404,11 @@ fn with(from: &str, to: &str, kind: Kind) -> Vec<Package> {
     packages
 }
 
-/// Crate and dependency that are there for the dependency's features alone (docs/decisions/0044-python.md).
-const FOR_FEATURES: [(&str, &str); 1] = [("edof-cli", "once_cell")];
-
-/// Dependencies that no source of their crate mentions, where their kind would have it.
+/// Dependencies that no source of their crate mentions, where their kind would have it. `once_cell` is there for its features (decision 0044).
 fn unused(packages: &[Package]) -> Vec<String> {
     let mut found = vec![];
     for package in packages {
-        for dependency in &package.dependencies {
+        for dependency in package.dependencies.iter().filter(|one| one.name != "once_cell") {
             let mentions = |path: &str, text: &str| {
                 let is_build = path.ends_with("/build.rs");
                 // A module of tests may have a file of its own.
@@ -428,8 +425,7 @@ fn unused(packages: &[Package]) -> Vec<String> {
                     }
                 }
             };
-            let is_for_features = FOR_FEATURES.contains(&(&package.name, &dependency.name));
-            if !is_for_features && !sources(package).iter().any(|(path, text)| mentions(path, text)) {
+            if !sources(package).iter().any(|(path, text)| mentions(path, text)) {
                 found.push(format!("{}: {} ({:?})", package.name, dependency.name, dependency.kind));
             }
         }
