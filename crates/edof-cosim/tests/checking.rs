@@ -60,11 +60,13 @@ fn frames_are_exact_in_rust() {
     frames_are_exact(&setup, setup.in_rust(), FRAMES[1]);
 }
 
-/// Pictures after a source was chosen until every boundary but the last has seen it, frames on the slower screen (counted when they begin) until that has, and the
+/// Pictures after a source was chosen until every boundary but the last has seen it, frames on the slower screen until that has, and the
 /// cycles that a copy of all CRCs takes.
 const SETTLE: usize = 5;
-const SHOWN: usize = 3;
+const SHOWN: usize = 2;
 const COPY: u32 = 120;
+/// Frames on the screen after another source was chosen, until nothing of the one before is in the memory or on its way.
+const EMPTY: usize = 6;
 
 /// A host that compares N frames: each with a copy of its own of all CRCs.
 fn comparison(golden: &FrameChecks, frames: usize) -> Vec<Step> {
@@ -108,11 +110,14 @@ fn frames_are_exact_in_icarus(sources: &[(Option<Pattern>, usize)]) {
     for (pattern, frames) in sources {
         let made = pattern.map_or_else(|| carried(&raw), |one| pattern::frame(one, design.frame).unwrap());
         steps.push(Step::Write(map::PATTERN, pattern.map_or(0, Pattern::code)));
+        if steps.len() > 3 {
+            steps.extend([Step::Changed(map::register("output_frames").unwrap().address); EMPTY]);
+        }
         steps.extend(comparison(&golden.checks(&display, &made).unwrap(), *frames));
     }
     let project = system::project(&design, sets.each_ref(), &display).unwrap();
     // As many as the camera sends in this time, and more.
-    let count: usize = sources.iter().map(|(_, frames)| 2 * (frames + SETTLE + SHOWN)).sum();
+    let count: usize = sources.iter().map(|(_, frames)| 2 * (frames + SETTLE + SHOWN + EMPTY)).sum();
     let sent = vec![raw; count + 20];
     let pictures = vec![vec![0; design.frame.width * design.frame.height]; sent.len()];
     let video = recorded::video(&design, &sent, pictures, display.mode);
