@@ -8,20 +8,7 @@
 `timescale 1ps / 1ps
 
 module edof_litex_bench;
-    localparam FRAMES = @frames@;
-    localparam WIDTH = @width@;
-    localparam HEIGHT = @height@;
-    localparam PIXELS = WIDTH * HEIGHT;
-    localparam HS_ON = WIDTH + @line_front@;
-    localparam HS_OFF = HS_ON + @line_sync@;
-    localparam COLUMNS = HS_OFF + @line_back@;
-    localparam VS_ON = HEIGHT + @frame_front@;
-    localparam VS_OFF = VS_ON + @frame_sync@;
-    localparam ROWS = VS_OFF + @frame_back@;
-    // Cycles of the slower of memory and calculator in a frame of the camera.
-    localparam CYCLES = @cycles@;
-    localparam [15:0] BLACK = 16'h@black@;
-
+@frames_svh@
     // Periods in picoseconds: 125 MHz for LiteDRAM and the bus; the core's and the calculator's are the board's.
     localparam integer SYS = 8000;
     localparam integer CORE = 1000 * @core_period@;
@@ -39,11 +26,6 @@ module edof_litex_bench;
     always #(CALCULATOR / 2) calculator_clock = !calculator_clock;
     always #(CAMERA / 2) input_clock = !input_clock;
     always #(CAMERA * 49 / 100) screen_clock = !screen_clock;
-
-    reg [15:0] frames [0:FRAMES*PIXELS-1];
-    reg [15:0] pictures [0:FRAMES*PIXELS-1];
-    initial $readmemh("sim/frames.hex", frames);
-    initial $readmemh("sim/pictures.hex", pictures);
 
     wire serves = $test$plusargs("serve") != 0;
     reg reset = 1'b0;
@@ -111,26 +93,7 @@ module edof_litex_bench;
         end
     end
 
-    // The camera begins behind a picture, so that the first frame has its sync before it.
-    integer frame = -1;
-    integer column = 0;
-    integer row = HEIGHT;
-    reg input_hs = 1'b0;
-    reg input_vs = 1'b0;
-    reg input_de = 1'b0;
-    reg [15:0] input_data = 16'd0;
-    wire ends = column == COLUMNS - 1;
-    always @(posedge input_clock) if (running > 400) begin
-        column <= ends ? 0 : column + 1;
-        if (ends) row <= row == ROWS - 1 ? 0 : row + 1;
-        if (ends && row == ROWS - 1 && frame < FRAMES - 1) frame <= frame + 1;
-        input_hs <= column >= HS_ON && column < HS_OFF;
-        // A frame's sync begins and ends with that of a line.
-        if (column == HS_ON) input_vs <= row >= VS_ON && row < VS_OFF;
-        input_de <= row < HEIGHT && column < WIDTH;
-        input_data <= row < HEIGHT && column < WIDTH ? frames[frame*PIXELS + row*WIDTH + column] : 16'h5a5a;
-    end
-
+@camera_svh@
     wire screen_hs, screen_vs, screen_de;
     wire [15:0] screen_data;
 
@@ -155,37 +118,7 @@ module edof_litex_bench;
         .sim_trace(1'b0)
     );
 
-    // The screen: which of the pictures each frame still may be.
-    integer at = 0;
-    integer k;
-    reg vs_before = 1'b0;
-    reg is_black = 1'b1;
-    reg [FRAMES-1:0] may_be = {FRAMES{1'b1}};
-    always @(posedge screen_clock) if (cycle > 400 && shown < FRAMES) begin
-        vs_before <= screen_vs;
-        if (screen_de) begin
-            at <= at + 1;
-            if (screen_data !== BLACK) is_black <= 1'b0;
-            for (k = 0; k < FRAMES; k = k + 1)
-                if (at >= PIXELS || screen_data !== pictures[(k*PIXELS + at) % (FRAMES*PIXELS)]) may_be[k] <= 1'b0;
-        end
-        if (screen_vs && !vs_before) begin
-            at <= 0;
-            is_black <= 1'b1;
-            may_be <= {FRAMES{1'b1}};
-            // The last picture shown again, the next one, or black before the first.
-            if (at == PIXELS && may_be[shown % FRAMES]) begin
-                shown <= shown + 1;
-                if (shown == FRAMES - 1) begin
-                    $display("PASS: %0d pictures from bus to bus in %0d cycles", FRAMES, running);
-                    if (!serves) $finish;
-                end
-            end else if (at != 0 && !(shown > 0 && at == PIXELS && may_be[shown-1]) && !(shown == 0 && is_black)) begin
-                $display("FAIL: a frame of %0d pixels after %0d pictures is none that was sent", at, shown);
-                $fatal(1, "FAIL");
-            end
-        end
-    end
+@screen_svh@
 endmodule
 
 `default_nettype wire

@@ -204,6 +204,16 @@ mod tests {
     }
 
     #[test]
+    fn examples_fit_a_terminal_of_100_columns() {
+        let mut long = vec![];
+        each(&Cli::command(), "", &mut |command, _| {
+            let text = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            long.extend(text.lines().filter(|line| line.chars().count() > 100).map(str::to_owned));
+        });
+        assert_eq!(long, [""; 0]);
+    }
+
+    #[test]
     fn groups_name_options_that_exist() {
         let mut found = vec![];
         each(&Cli::command(), "", &mut |command, path| {

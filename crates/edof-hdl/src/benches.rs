@@ -14,6 +14,13 @@ use edof_image::display::{BLACK, CHROMA_ZERO};
 const BENCH: &str = include_str!("../../../project/bench.sv");
 const CORE_BENCH: &str = include_str!("../../../project/core_bench.sv");
 
+/// What benches of whole frames have in common: sizes and recorded frames; the camera; the screen, which decides what is right.
+const PARTS: [(&str, &str); 3] = [
+    ("@frames_svh@\n", include_str!("../../../project/bench/frames.svh")),
+    ("@camera_svh@\n", include_str!("../../../project/bench/camera.svh")),
+    ("@screen_svh@\n", include_str!("../../../project/bench/screen.svh")),
+];
+
 /// Units of time in a cycle of the memory's clock.
 const CORE_UNITS: u64 = 1000;
 
@@ -172,7 +179,7 @@ pub fn core_bench(core: &Project, recorded: &RecordedVideo) -> Vec<(String, Stri
     ]
 }
 
-/// A bench's text with the numbers of frames, their timing and their pace in place of their names.
+/// A bench's text with the parts in common, and the numbers of frames, their timing and their pace, in place of their names.
 pub(crate) fn with_numbers(text: &str, recorded: &RecordedVideo) -> String {
     let timing = VideoTiming::of_frame(recorded.size);
     let numbers = [
@@ -190,7 +197,8 @@ pub(crate) fn with_numbers(text: &str, recorded: &RecordedVideo) -> String {
         ("@calculator_units@", (CORE_UNITS * u64::from(CORE_KILOHERTZ) / recorded.calculator_khz) as usize),
     ];
     let hexadecimal = |word: u32| format!("{word:08x}");
-    let text = text
+    let whole = PARTS.iter().fold(text.to_owned(), |text, (name, part)| text.replace(name, part));
+    let text = whole
         .replace("@control_address@", &hexadecimal(map::CONTROL))
         .replace("@control@", &hexadecimal(map::running(recorded.mode, 0)))
         .replace("@black@", &format!("{:02x}{:02x}", CHROMA_ZERO, BLACK));

@@ -161,7 +161,7 @@ Examples:
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --out raw.png --video frame.2vuy
   edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
-  edof capture leaves --psi 6 --noise sensor:gain=4 --bit-depth 10 --phase bggr --out raw.png --exact";
+  edof capture leaves --psi 6 --noise sensor:gain=4 --bit-depth 10 --out raw.png --exact";
 
 #[derive(Serialize)]
 struct Captured {

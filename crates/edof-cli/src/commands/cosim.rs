@@ -55,7 +55,7 @@ const WAVEFORM_CYCLES: u64 = 300;
   edof cosim --system --design tiny --window 12 --stride 4 --size 32x16 --display luma
   edof cosim --system --design tiny --size 32x16 --icarus
   edof cosim --system --design tiny --weights tiny.fixed.safetensors --rtl build/tiny/rtl
-  edof cosim --system --design kc705 --weights edof-t4w12-outer --photo photo.png --size 256x256 --frames 1")]
+  edof cosim --system --design kc705 --weights edof-t4w12-outer --photo a.png --size 256x256")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]

@@ -28,7 +28,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   edof estimate --design paper
   edof estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --json estimate.json
-  edof estimate --design kc705 --weights edof-t4w12-outer --photo a.png --photo b.png --psi 0,4,8 --noise 0.01")]
+  edof estimate --design kc705 --weights edof-t4w12-outer --photo a.png --psi 0,4,8 --noise 0.01")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]

@@ -28,7 +28,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof explore --weights edof-t4w12-outer
-  edof explore --weights edof-t4w12,edof-t4w12-outer --photo a.png --photo b.png --psi 0,4,8 --fps 60")]
+  edof explore --weights edof-t4w12,edof-t4w12-outer --photo a.png --psi 0,4,8 --fps 60")]
 pub struct Args {
     /// Quantized networks, by name or file
     #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',', required = true)]

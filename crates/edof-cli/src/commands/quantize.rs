@@ -39,8 +39,8 @@ const BORDER: usize = 8;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof quantize weights/edof-t4w12.safetensors --images photos/
-  edof quantize edof-t4w12 --bits 12 --stride 4 --out t4w12-12bit.fixed.safetensors --json report.json
-  edof quantize edof-t4w12 --bits 8 --finetune 2000 --images photos/ --out t4w12-8bit.fixed.safetensors")]
+  edof quantize edof-t4w12 --bits 12 --stride 4 --out w12.fixed.safetensors --json report.json
+  edof quantize edof-t4w12 --bits 8 --finetune 2000 --images photos/ --out w8.fixed.safetensors")]
 pub struct Args {
     /// Float network: a name such as edof-t4w12, or a file
     weights: String,

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// network has the size, sparsity and brightness of a trained one. The same seed gives the same network.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  edof random-network --form two-sided,w8,t3,c40,difference --bits 12 --stride 4 --seed 7 --out extreme.fixed.safetensors
+  edof random-network --form two-sided,w8,t3,c40,difference --bits 12 --out x.fixed.safetensors
   edof random-network --design tiny --out drawn.fixed.safetensors
   edof random-network --kind natural --form edof-t4w12 --stride 2 --out natural.fixed.safetensors")]
 pub struct Args {

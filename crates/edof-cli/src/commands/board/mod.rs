@@ -35,13 +35,13 @@ use std::time::Duration;
 /// and what to do when a load fails.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  edof board find                                      lists ports, and those at which a board answers
+  edof board find                                      lists ports and boards
   edof board info --port /dev/ttyUSB0
   edof board load edof-t4w12-outer-light               loads the idle bank, then uses it
   edof board load edof-t4w12-outer --dry-run --design kc705
-  edof board load low.fixed.safetensors --bank a       a network per bank; 'edof board bank a' changes
+  edof board load low.fixed.safetensors --bank a       a network per bank
   edof board status --watch
-  edof board align                                     sets the receiver's clock to a phase without damaged data
+  edof board align                                     finds the receiver's clock phase
   edof board set control.colour 0
   edof board sim --design tiny --link /tmp/board &     simulates a board; then use --port /tmp/board")]
 pub struct Args {

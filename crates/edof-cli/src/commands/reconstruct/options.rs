@@ -26,10 +26,10 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   edof reconstruct raw.png --out sharp.png
   edof reconstruct raw.png --weights edof-t4w12 --float --stride 4 --out sharp.tif
-  edof reconstruct frame.bin --size 1920x1080 --bit-depth 12 --phase gbrg --weights edof-t4w12 --out sharp.png
+  edof reconstruct frame.bin --size 1920x1080 --bit-depth 12 --phase gbrg --out sharp.png
   edof reconstruct night/*.png --out night-sharp/
-  edof reconstruct frame.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out sharp.png
-  edof reconstruct raw.png --board --out board.png     codes of the HDMI port (board.yuyv) and the screen's picture
+  edof reconstruct raw.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out a.png
+  edof reconstruct raw.png --board --out board.png     codes of the HDMI port, and a picture
   edof reconstruct --video frame.2vuy --size 1920x1080 --board --out board.png
   edof reconstruct raw.png --device gpu --out sharp.png
   edof reconstruct raw.png --words words --json counters.json --out sharp.png")]

@@ -25,7 +25,7 @@ use edof_study::trial::usual_noise;
 #[command(after_help = "\
 Examples:
   edof study kodak --nets edof-t4w12-outer --json study.json
-  edof study kodak --tone srgb --nets edof-t4w12-outer --noise none,sensor,sensor:gain=8 --markdown study.md
+  edof study kodak --tone srgb --nets edof-t4w12-outer --noise sensor,sensor:gain=8 --markdown s.md
   edof study kodak --nets my/net.safetensors --photos train --psi 8
   edof study kodak --nets edof-t4w12-outer --rows rows.jsonl --markdown study.md")]
 pub struct Args {

@@ -29,7 +29,7 @@ pub struct Args {
 const EXAMPLES: &str = "\
 Examples:
   edof study kodak --nets edof-t4w12-outer --json study.json
-  edof study kodak --tone srgb --nets edof-t4w12-outer --noise none,sensor,sensor:gain=8 --markdown study.md
+  edof study kodak --tone srgb --nets edof-t4w12-outer --noise sensor,sensor:gain=8 --markdown s.md
   edof study kodak --nets my/net.safetensors --photos train --psi 8
   edof study single-depth --rows rows.jsonl --report speed.html
   edof study multi-depth --report four-depths.html

@@ -27,7 +27,7 @@ use std::sync::Arc;
 #[command(after_help = "\
 Examples:
   edof study multi-depth --report four-depths.html
-  edof study multi-depth --tone srgb --noise sensor:gain=4 --scenes leaves --stride 4 --rows rows.jsonl --csv rows.csv")]
+  edof study multi-depth --tone srgb --noise sensor:gain=4 --scenes leaves --csv rows.csv")]
 pub struct Args {
     #[command(flatten)]
     rows: MayKeepRows,

@@ -29,15 +29,15 @@ use std::sync::Arc;
 #[command(after_help = "\
 Examples:
   edof study single-depth --rows rows.jsonl --report speed.html
-  edof study single-depth --rows rows.jsonl --nets paper-t4 --methods omp,blind --stride 8,2 --psi 4,8 --markdown speed.md
+  edof study single-depth --rows rows.jsonl --nets paper-t4 --methods omp,blind --markdown speed.md
 Methods:
   malvar, directional         demosaicing alone
   wiener, richardson-lucy, hyper-laplacian
                               demosaicing and deconvolution with the PSF known
-  blind                       demosaicing and blind deconvolution of each colour (Krishnan, Tay, Fergus 2011)
+  blind                       demosaicing, then blind deconvolution (Krishnan, Tay, Fergus 2011)
   omp, fista                  sparse pursuit in the dictionary of psi 1 to 8
   omp-known, fista-known      the same with psi known
-  untrained                   the paper's network before training, T = 3 to 10: ISTA in one dictionary of all psi
+  untrained                   the paper's network before training, T = 3 to 10: ISTA of all psi
   untrained-dc-removed        the same with each colour's mean taken out")]
 pub struct Args {
     #[command(flatten)]

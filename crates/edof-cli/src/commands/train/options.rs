@@ -21,10 +21,10 @@ use std::time::Duration;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors
-  edof train --form two-sided,w8,t4 --camera ring-2018 --images photos/ --steps 8000 --out quick.safetensors
-  edof train --form edof-t4w12 --camera ring-outer --tone both --non-zeros 65,65,58 --seed 1,2,3 --out mine.safetensors
-  edof train --form edof-t4w12 --camera ring-outer --images photos/ --out weights/mine.safetensors --resume
-  edof train --from edof-t4w12-outer --camera my-lens.json --steps 10000 --out weights/mine.safetensors")]
+  edof train --form two-sided,w8,t4 --camera ring-2018 --steps 8000 --out quick.safetensors
+  edof train --form edof-t4w12 --camera clear --non-zeros 65,65,58 --seed 1,2,3 --out m.safetensors
+  edof train --form edof-t4w12 --camera ring-outer --out weights/mine.safetensors --resume
+  edof train --from edof-t4w12-outer --camera my-lens.json --steps 10000 --out mine.safetensors")]
 pub struct Args {
     /// Architecture of the network: paper-t4, edof-t4w12, or keywords as in one-sided,w12,t4,c192,r
     #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "from")]
