@@ -10,6 +10,7 @@
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
+#   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
 # one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak. Nothing is trained
@@ -19,7 +20,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb speed overlap depths blind knobs design bits stability aperture forms layers figures"
+parts="linear srgb speed overlap depths blind knobs design bits stability aperture forms ablations layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -136,31 +137,58 @@ stability() { is_made docs/results/stability.md || "$edof" study stability $(pag
 # shellcheck disable=SC2046
 aperture() { "$edof" study aperture $(rows aperture) $(pages aperture); }
 
-# One short training each (8,000 steps, seed 1, the default's camera, else the recipe of scripts/weights.sh): name, then what differs from
-# the default.
-forms() {
-    local line name options folder=$made/forms
-    local all=(
-        "t4w12 --form one-sided,w12,t4,c192,r"
-        "t3w12 --form one-sided,w12,t3,c192,r"
-        "t5w12 --form one-sided,w12,t5,c192,r"
-        "t4w8 --form one-sided,w8,t4,c192,r"
-        "t4w16 --form one-sided,w16,t4,c192,r"
-        "t4w12c256 --form one-sided,w12,t4,c256,r --non-zeros 62,62,54"
-        "t4w12c128 --form one-sided,w12,t4,c128,r --non-zeros 62,62,54"
-        "t4w12half --form one-sided,w12,t4,c192,r --non-zeros 40,40,36"
-        "t4w12free --form one-sided,w12,t4,c192,r --non-zeros none --lambda 3e-5"
-    )
+# One short training for each line of NAME OPTIONS (8,000 steps, seed 1, the default's camera; else the recipe of scripts/weights.sh), and a
+# page with a row for each: short_trainings PAGE LINE...
+short_trainings() {
+    local page=$1 line name options folder=$made/$1
+    shift
     mkdir -p "$folder"
-    for line in "${all[@]}"; do
+    for line in "$@"; do
         read -r name options <<<"$line"
         [ -e "$folder/$name.json" ] && continue
         say "$name"
+        [[ " $options " == *" --seed "* ]] || options+=" --seed 1"
+        [[ " $options " == *" --steps "* ]] || options+=" --steps 8000"
         # shellcheck disable=SC2046,SC2086 # options are several words
-        "$edof" train --camera ring-outer --tone linear $options --leave-out "$held_back" --steps 8000 --seed 1 --out "$folder/$name.safetensors" \
+        "$edof" train --camera ring-outer --tone linear $options --leave-out "$held_back" --out "$folder/$name.safetensors" \
             --json "$folder/$name.json" $(resume "$folder/$name.safetensors") --force
     done
-    python3 scripts/forms.py "$folder" "${all[@]}" > docs/results/forms.md
+    python3 scripts/short_trainings.py "$page" "$folder" "$@" > "docs/results/$page.md"
+}
+
+forms() {
+    short_trainings forms \
+        "t4w12 --form one-sided,w12,t4,c192,r" \
+        "t3w12 --form one-sided,w12,t3,c192,r" \
+        "t5w12 --form one-sided,w12,t5,c192,r" \
+        "t4w8 --form one-sided,w8,t4,c192,r" \
+        "t4w16 --form one-sided,w16,t4,c192,r" \
+        "t4w12c256 --form one-sided,w12,t4,c256,r --non-zeros 62,62,54" \
+        "t4w12c128 --form one-sided,w12,t4,c128,r --non-zeros 62,62,54" \
+        "t4w12half --form one-sided,w12,t4,c192,r --non-zeros 40,40,36" \
+        "t4w12free --form one-sided,w12,t4,c192,r --non-zeros none --lambda 3e-5"
+}
+
+# The recipe with one change each, and its spread over seeds.
+ablations() {
+    local form="--form edof-t4w12"
+    short_trainings ablations \
+        "recipe $form" \
+        "seed-2 $form --seed 2" \
+        "seed-3 $form --seed 3" \
+        "noise-15 $form --noise 0.015" \
+        "class-low $form --noise 0:0.006" \
+        "class-high $form --noise 0.006:0.03" \
+        "no-budget $form --non-zeros none --lambda 3e-5" \
+        "averaged $form --averaging 0.999" \
+        "mse $form --weighting mse" \
+        "psnr $form --weighting psnr" \
+        "batch-1024 $form --batch 1024" \
+        "rate-half $form --rate 1.5e-3" \
+        "rate-more $form --rate 5e-3" \
+        "output-rate $form --output-rate 0.5" \
+        "threshold-rate $form --threshold-rate 0.5" \
+        "steps-40000 $form --steps 40000"
 }
 
 # The paper's form with T = 3 to 10, one short training each (half the usual rate, at which T = 10 does not converge), quantized on drawn

@@ -39,14 +39,24 @@ const COMMANDS: [(&str, &[Group]); 10] = [
     (
         "train",
         &[
-            ("Network", &["form", "from", "start", "out", "name", "force"]),
+            ("Network", &["form", "from", "only", "start", "out", "name", "force"]),
             ("Lens and depth", &["camera", "psf-bank", "depths", "psi"]),
             ("Photographs", &["images", "photos", "leave-out", "variants", "saturation", "hue", "scale"]),
             ("Light and noise", &["tone", "noise", "gain", "noiseless", "exposure"]),
             ("Sparsity", &["lambda", "non-zeros", "budget-rate"]),
             (
                 "Steps",
-                &["steps", "minutes", "batch", "rate", "output-rate", "threshold-rate", "weighting", "seed"],
+                &[
+                    "steps",
+                    "minutes",
+                    "batch",
+                    "rate",
+                    "output-rate",
+                    "threshold-rate",
+                    "averaging",
+                    "weighting",
+                    "seed",
+                ],
             ),
             ("Run", &["threads", "validate-every", "patience", "resume", "no-cache"]),
         ],

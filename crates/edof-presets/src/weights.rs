@@ -7,7 +7,8 @@
 
 use crate::{PresetError, lens};
 use edof_camera::Camera;
-use edof_image::Tone;
+use edof_image::{Noise, Tone};
+use edof_network::network::Origin;
 use edof_network::{FixedNetwork, Network, form, weight_file};
 use edof_storage::provenance::{Input, InputKind};
 use std::path::{Path, PathBuf};
@@ -75,6 +76,24 @@ pub const fn default_for(tone: Tone) -> &'static str {
         Tone::Linear => "edof-t4w12-outer",
         Tone::Srgb => "edof-t4w12-outer-light",
     }
+}
+
+/// Of the networks that come with the program for the same lens, tone and form as `name`, the one whose range of noise is
+/// nearest: `name` itself unless another is nearer.
+#[must_use]
+pub fn for_noise(name: &'static str, tone: Tone, noise: Noise) -> &'static str {
+    let Ok(Network { form, origin: usual, .. }) = float(name) else { return name };
+    let distance = |origin: &Origin| {
+        let of_tone = origin.conditions.iter().filter(|condition| condition.tone == tone);
+        of_tone.map(|condition| condition.distance(noise)).reduce(f64::min)
+    };
+    let others = names().into_iter().filter_map(|other| {
+        let network =
+            float(other).ok().filter(|n| n.form == form && n.origin.camera.same_lens(&usual.camera))?;
+        Some((other, distance(&network.origin)?))
+    });
+    let own = (name, distance(&usual).unwrap_or(f64::INFINITY));
+    others.fold(own, |best, other| if other.1 < best.1 { other } else { best }).0
 }
 
 /// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one.

@@ -116,7 +116,8 @@ mod tests {
         let pictures = [("grey".to_owned(), sharp)];
         let camera = Camera::resolve("ring-2018").unwrap();
         let conditions = [(Tone::Linear, Noise::gaussian(0.01)), (Tone::Srgb, Noise::None)];
-        let conditions = conditions.map(|(tone, noise)| Condition { tone, noise }).to_vec();
+        let conditions =
+            conditions.map(|(tone, noise)| Condition { tone, noise, least_noise: Noise::None }).to_vec();
         let origin = Origin { conditions, ..Origin::untrained("n", camera) };
         let scenes = capture(&pictures, &origin, |_| ()).unwrap();
         assert_eq!(scenes.len(), 27);

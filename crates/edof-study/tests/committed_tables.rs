@@ -271,7 +271,7 @@ fn what_the_test_photographs_were_used_for_is_one_sentence_everywhere() {
     }
     let claims =
         ["nothing was chosen", "chose nothing", "nothing is chosen", "nothing may be chosen", "never chosen"];
-    let scripts = ["scripts/results.sh", "scripts/forms.py", "scripts/layers.py"];
+    let scripts = ["scripts/results.sh", "scripts/short_trainings.py", "scripts/layers.py"];
     let all = documents.into_iter().chain(scripts).map(str::to_owned).chain(pages);
     for file in all.chain(["crates/edof-io/src/photos.rs".to_owned()]) {
         let text = plain(&read(&file)).to_lowercase();

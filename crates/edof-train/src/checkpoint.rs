@@ -113,6 +113,7 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
     let state = State {
         step: metadata.step,
         weights: tensor("weights")?,
+        average: tensor("average")?,
         adam: Adam { steps: metadata.adam_steps, mean: tensor("adam_mean")?, square: tensor("adam_square")? },
         cell_errors: tensor("cell_errors")?,
         best_weights: tensor("best_weights")?,
@@ -128,7 +129,7 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         },
         stale: metadata.stale,
     };
-    let lengths = [&state.adam.mean, &state.adam.square, &state.best_weights].map(Vec::len);
+    let lengths = [&state.average, &state.adam.mean, &state.adam.square, &state.best_weights].map(Vec::len);
     let layers = [&state.steering.counted, &state.steering.aims].map(Vec::len);
     if lengths.iter().any(|l| *l != state.weights.len())
         || layers.iter().any(|l| *l != state.steering.lambdas.len())
@@ -138,9 +139,10 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
     Ok(state)
 }
 
-const fn named(state: &State) -> [(&'static str, &Vec<f32>); 8] {
+const fn named(state: &State) -> [(&'static str, &Vec<f32>); 9] {
     [
         ("weights", &state.weights),
+        ("average", &state.average),
         ("adam_mean", &state.adam.mean),
         ("adam_square", &state.adam.square),
         ("cell_errors", &state.cell_errors),

@@ -14,11 +14,11 @@ pub const NOISE_CLASSES: usize = 5;
 /// Random values of each window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Conditions {
-    /// Largest σ of the Gaussian noise of linear windows, in units of full scale.
-    pub noise: f32,
-    /// Largest gain of the sensor behind sRGB windows, 1 or more.
-    pub gain: f32,
-    /// One window in N has no noise at all.
+    /// Least and largest σ of the Gaussian noise of linear windows, in units of full scale.
+    pub noise: [f32; 2],
+    /// Least and largest gain of the sensor behind sRGB windows, 1 or more.
+    pub gain: [f32; 2],
+    /// One window in N has no noise at all, where the range begins with the least noise that there is.
     pub noiseless: usize,
     /// Factor on all light of a window, least and most; what it lifts above full scale is clipped, as a sensor clips it.
     pub exposure: [f32; 2],
@@ -28,25 +28,50 @@ impl Conditions {
     /// Windows as the photographs are, one in eight without noise.
     #[must_use]
     pub const fn plain(noise: f32) -> Self {
-        Self { noise, gain: 16.0, noiseless: 8, exposure: [1.0; 2] }
+        Self { noise: [0.0, noise], gain: [1.0, 16.0], noiseless: 8, exposure: [1.0; 2] }
     }
 
-    /// Noise at a `share` (0…1) of the range of gains.
+    /// Noise at a `share` (0…1) of the range of σ, or of the stops of gain.
     #[must_use]
     pub fn at(&self, tone: Tone, share: f32) -> Noise {
+        let between = |[low, high]: [f32; 2]| low + share * (high - low);
         match tone {
-            Tone::Linear => Noise::gaussian((share * self.noise).into()),
-            Tone::Srgb => Noise::sensor(from_stops(share * stops(self.gain)).into()),
+            Tone::Linear => Noise::gaussian(between(self.noise).into()),
+            Tone::Srgb => Noise::sensor(from_stops(between(self.gain.map(stops))).into()),
         }
     }
 
-    /// The share of [`Conditions::at`] at which networks are judged: σ = 0.01 of 0.015, and half the stops of gain.
+    /// The share of [`Conditions::at`] near which a batch's non-zeros are counted.
     #[must_use]
     pub const fn judged(tone: Tone) -> f32 {
         match tone {
             Tone::Linear => 2.0 / 3.0,
             Tone::Srgb => 0.5,
         }
+    }
+
+    /// Whether the range begins with the least noise that there is, so that windows without any belong to it.
+    #[must_use]
+    pub fn begins_with_none(&self, tone: Tone) -> bool {
+        match tone {
+            Tone::Linear => self.noise[0] == 0.0,
+            Tone::Srgb => self.gain[0] == 1.0,
+        }
+    }
+
+    /// The noise of the comparisons in docs/results that is within the range: none, σ 0.01 and 0.02 of linear windows; none, gain 1
+    /// and gain 8 of a sensor. Networks are validated with it. Where the range holds no such noise, its middle.
+    #[must_use]
+    pub fn validated(&self, tone: Tone) -> Vec<Noise> {
+        let none = self.begins_with_none(tone).then_some(Noise::None);
+        let ([low, high], compared, noise): (_, _, fn(f32) -> Noise) = match tone {
+            Tone::Linear => (self.noise, [0.01, 0.02], |sigma| Noise::gaussian(decimal(sigma))),
+            Tone::Srgb => (self.gain, [1.0, 8.0], |gain| Noise::sensor(gain.into())),
+        };
+        let noisy: Vec<Noise> =
+            compared.into_iter().filter(|level| (low..=high).contains(level)).map(noise).collect();
+        let middle = (noisy.is_empty() && (high > low || none.is_none())).then(|| self.at(tone, 0.5));
+        none.into_iter().chain(noisy).chain(middle).collect()
     }
 
     /// Class of the noise at a share.
@@ -58,13 +83,18 @@ impl Conditions {
 
     /// Noise of one window, and its class.
     pub(crate) fn draw(&self, random: &mut Random, tone: Tone) -> (usize, Noise) {
-        let silent = tone == Tone::Linear && self.noise == 0.0;
-        if silent || random.below(self.noiseless) == 0 {
+        let silent = tone == Tone::Linear && self.noise == [0.0; 2];
+        if silent || (self.begins_with_none(tone) && random.below(self.noiseless) == 0) {
             return (0, Noise::None);
         }
         let share = random.unit();
         (Self::class(share), self.at(tone, share))
     }
+}
+
+/// The number that a σ in single precision is written as.
+fn decimal(sigma: f32) -> f64 {
+    (f64::from(sigma) * 1e6).round() / 1e6
 }
 
 /// Stops of a gain, straight between powers of two; exact at these, and needing no logarithm.
@@ -144,5 +174,32 @@ mod tests {
             assert!((strongest / conditions.at(tone, 1.0).variance(0.5) - 1.0).abs() < 0.02);
             assert_eq!(Conditions::class(Conditions::judged(tone)), 3);
         }
+    }
+
+    #[test]
+    fn a_range_that_begins_above_the_least_noise_has_no_window_without_noise() {
+        let conditions = Conditions { noise: [0.01, 0.03], gain: [4.0, 16.0], ..Conditions::plain(0.0) };
+        for (tone, least) in [(Tone::Linear, 0.01f64.powi(2)), (Tone::Srgb, Noise::sensor(4.0).variance(0.0))]
+        {
+            let mut random = Random::new(1, 2, 3);
+            let drawn: Vec<_> = (0..1000).map(|_| conditions.draw(&mut random, tone)).collect();
+            assert!(drawn.iter().all(|(class, noise)| *class > 0 && noise.variance(0.0) >= 0.999 * least));
+        }
+    }
+
+    #[test]
+    fn networks_are_validated_with_the_noise_of_the_comparisons_that_their_range_holds() {
+        let of = |noise, gain| Conditions { noise, gain, ..Conditions::plain(0.0) };
+        let linear = |low, high| of([low, high], [1.0; 2]).validated(Tone::Linear);
+        let light = |low, high| of([0.0; 2], [low, high]).validated(Tone::Srgb);
+        let sigma = Noise::gaussian;
+        assert_eq!(linear(0.0, 0.03), [Noise::None, sigma(0.01), sigma(0.02)]);
+        assert_eq!(linear(0.0, 0.015), [Noise::None, sigma(0.01)]);
+        assert_eq!(linear(0.0, 0.004).len(), 2);
+        assert_eq!(linear(0.0, 0.0), [Noise::None]);
+        assert_eq!(linear(0.015, 0.03), [sigma(0.02)]);
+        assert_eq!(linear(0.012, 0.014).len(), 1);
+        assert_eq!(light(1.0, 16.0), [Noise::None, Noise::sensor(1.0), Noise::sensor(8.0)]);
+        assert_eq!(light(4.0, 16.0), [Noise::sensor(8.0)]);
     }
 }

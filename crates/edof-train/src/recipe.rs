@@ -45,12 +45,26 @@ pub struct Recipe {
     pub budget: Option<Budget>,
     /// Where to start from.
     pub start: Start,
+    /// Share of the running mean of the weights that each step keeps; it is what is validated and written. 0: the weights themselves.
+    pub averaging: f32,
+    /// What training changes.
+    pub trained: Trained,
     /// Seed of everything random.
     pub seed: u64,
     /// Steps between validations.
     pub validate_every: u64,
     /// Validations without improvement after which training stops early.
     pub patience: u32,
+}
+
+/// What training changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trained {
+    /// Every weight.
+    All,
+    /// Thresholds alone: a network for another class of noise that differs in a few hundred words.
+    Thresholds,
 }
 
 impl Recipe {
@@ -61,14 +75,14 @@ impl Recipe {
             form,
             // What photographs are, and what `edof capture` takes them for (docs/decisions/0041-one-tone.md).
             tones: vec![Tone::Srgb],
-            conditions: Conditions::plain(0.015),
+            conditions: Conditions::plain(0.03),
             // No looks but the photograph's own; these are what --variants draws.
             augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
             weighting: Weighting::Root,
             batch: 512,
             steps: 40_000,
             rate: match form.shrinkage {
-                Shrinkage::OneSided => 1.5e-3,
+                Shrinkage::OneSided => 3e-3,
                 Shrinkage::TwoSided => 2e-3,
             },
             output_rate: 0.2,
@@ -76,6 +90,8 @@ impl Recipe {
             lambda: lambdas(&form),
             budget: Budget::of_the_board(&form),
             start: Start::Whitened,
+            averaging: 0.0,
+            trained: Trained::All,
             seed: 1,
             validate_every: 2_000,
             patience: 30,
@@ -138,6 +154,9 @@ impl Recipe {
         for (field, number) in rates {
             positive(field, number)?;
         }
+        if !(0.0..1.0).contains(&self.averaging) {
+            return Err(value("averaging", self.averaging, "0 or more, less than 1"));
+        }
         self.check_conditions()?;
         self.check_sparsity()
     }
@@ -147,12 +166,8 @@ impl Recipe {
         if noiseless == 0 {
             return Err(value("noiseless", 0, "1 or more"));
         }
-        if !(0.0..=1.0).contains(&noise) {
-            return Err(value("noise", noise, "0 to 1"));
-        }
-        if !(1.0..=1024.0).contains(&gain) {
-            return Err(value("gain", gain, "1 to 1024"));
-        }
+        range("noise", noise, 0.0..=1.0, "0 to 1")?;
+        range("gain", gain, 1.0..=1024.0, "1 to 1024")?;
         if !(min > 0.0 && min <= max && max <= 16.0) {
             return Err(value(
                 "exposure",
@@ -221,6 +236,18 @@ pub enum RecipeError {
 
 pub(crate) fn value(field: &'static str, found: impl ToString, expected: impl ToString) -> RecipeError {
     RecipeError::Value { field, value: found.to_string(), expected: expected.to_string() }
+}
+
+fn range(
+    field: &'static str,
+    [low, high]: [f32; 2],
+    limits: std::ops::RangeInclusive<f32>,
+    expected: &str,
+) -> Result<(), RecipeError> {
+    if let Some(wrong) = [low, high].iter().find(|end| !limits.contains(end)) {
+        return Err(value(field, wrong, expected));
+    }
+    if low > high { Err(value(field, format!("{low}:{high}"), "the lower end first")) } else { Ok(()) }
 }
 
 fn positive(field: &'static str, number: f32) -> Result<(), RecipeError> {

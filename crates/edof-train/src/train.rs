@@ -6,13 +6,13 @@ use crate::dataset::{Batch, Dataset};
 use crate::initial::{SAMPLES, initial};
 use crate::noise::Conditions;
 use crate::precondition::Precondition;
-use crate::recipe::{Recipe, RecipeError, SHARES, value};
+use crate::recipe::{Recipe, RecipeError, SHARES, Trained, value};
 use crate::validation::{Validation, ValidationSets};
 use crate::weighting::remember;
 use edof_camera::Camera;
 use edof_float::parameters::{Layout, flatten, unflatten};
 use edof_float::pass::Pass;
-use edof_image::Tone;
+use edof_image::{Noise, Tone};
 use edof_network::network::{Condition, Form, Network, Origin, Shrinkage};
 use edof_numerics::random::Random;
 use edof_storage::provenance::Provenance;
@@ -26,6 +26,8 @@ pub struct State {
     pub step: u64,
     /// Weights now, in training coordinates (see [`crate::precondition`]).
     pub weights: Vec<f32>,
+    /// Running mean of the weights, in training coordinates ([`Recipe::averaging`]).
+    pub average: Vec<f32>,
     /// Adam's moments.
     pub adam: Adam,
     /// Running mean of the squared error of each cell; 0 where none was seen yet.
@@ -155,6 +157,7 @@ impl<'a> Trainer<'a> {
             best_weights: network,
             best: Best::NONE,
             stale: 0,
+            average: weights.clone(),
             weights,
         };
         Self::resume(recipe, dataset, threads, state)
@@ -212,6 +215,12 @@ impl<'a> Trainer<'a> {
         self.dataset.psis()[position]
     }
 
+    /// Number of ψ of the data.
+    #[must_use]
+    pub fn psis(&self) -> usize {
+        self.dataset.psis().len()
+    }
+
     /// Trains until the schedule ends, patience is spent, or `tell` ends it: the state can then be resumed. `tell` is called after every step of a hundred and
     /// every validation.
     ///
@@ -260,10 +269,18 @@ impl<'a> Trainer<'a> {
         loss
     }
 
-    /// Runs the network now over the validation windows.
+    /// Runs the network of the averaged weights now over the validation windows.
     #[must_use]
     pub fn validate(&self) -> Validation {
-        self.pool.install(|| self.validation.measure(self.recipe.form, &self.weights))
+        let weights = self.averaged();
+        self.pool.install(|| self.validation.measure(self.recipe.form, &weights))
+    }
+
+    /// The network's weights for the running mean.
+    fn averaged(&self) -> Vec<f32> {
+        let mut weights = vec![0.0; self.layout.len()];
+        self.condition.to_network(&self.state.average, &mut weights);
+        weights
     }
 
     /// Runs the network of the best validation over the validation windows once more.
@@ -275,12 +292,19 @@ impl<'a> Trainer<'a> {
     /// The network of the best validation so far.
     #[must_use]
     pub fn best(&self, name: &str, camera: &Camera, provenance: Provenance) -> Network {
-        let max = |&tone: &Tone| Condition { tone, noise: self.recipe.conditions.at(tone, 1.0) };
+        let conditions = &self.recipe.conditions;
+        let range = |&tone: &Tone| {
+            let least_noise = match conditions.begins_with_none(tone) {
+                true => Noise::None,
+                false => conditions.at(tone, 0.0),
+            };
+            Condition { tone, noise: conditions.at(tone, 1.0), least_noise }
+        };
         let non_zeros = self.validate_best().busy_non_zeros();
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
-            conditions: self.recipe.tones.iter().map(max).collect(),
+            conditions: self.recipe.tones.iter().map(range).collect(),
             patches: self.state.step * self.recipe.batch as u64,
             validation_db: (self.state.best.db * 1e4).round() / 1e4,
             non_zeros: non_zeros.iter().map(|n| (n * 1e2).round() / 1e2).collect(),
@@ -301,7 +325,7 @@ impl<'a> Trainer<'a> {
         if found.score > self.state.best.score {
             self.state.best = found;
             self.state.stale = 0;
-            self.state.best_weights.clone_from(&self.weights);
+            self.state.best_weights = self.averaged();
         } else {
             self.state.stale += 1;
         }
@@ -323,6 +347,9 @@ impl<'a> Trainer<'a> {
             }
             self.condition.to_network(&self.state.weights, &mut self.weights);
         });
+        let kept = averaging(self.recipe.averaging, self.state.step);
+        let mean = self.state.average.iter_mut().zip(&self.state.weights);
+        mean.for_each(|(mean, now)| *mean = *now + kept * (*mean - *now));
         for share in &self.shares {
             remember(&mut self.state.cell_errors, &share.batch.cells, &share.errors);
         }
@@ -407,6 +434,11 @@ fn schedule(step: u64, steps: u64) -> f32 {
     rise * (0.001 + 0.999 * 0.5 * (1.0 + (std::f32::consts::PI * done).cos()))
 }
 
+/// Share of the running mean that a step keeps: less at first, so that the start is soon forgotten.
+fn averaging(usual: f32, step: u64) -> f32 {
+    usual.min((1 + step) as f32 / (10 + step) as f32)
+}
+
 /// Starting weights from windows like those to come.
 fn start(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
     let mut random = Random::new(recipe.seed, u64::MAX, 0);
@@ -426,6 +458,9 @@ fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {
     let mut rates = vec![1.0; layout.len()];
     rates[layout.dictionary.clone()].fill(recipe.output_rate);
     rates[layout.linear_path.clone()].fill(recipe.output_rate);
+    if recipe.trained == Trained::Thresholds {
+        rates.fill(0.0);
+    }
     layout.thresholds.iter().for_each(|t| rates[t.clone()].fill(recipe.threshold_rate));
     rates
 }

@@ -1,7 +1,7 @@
 //! Validation: the same windows for every run, cut from the blocks that training keeps away from ([`crate::holdout`]).
 //!
-//! There is a set of windows for each photograph, tone, a handful of ψ, without noise and with the noise where networks are
-//! judged. The number that chooses a checkpoint is [`Validation::db`]: the mean PSNR over all sets.
+//! There is a set of windows for each photograph, tone, a handful of ψ, and each noise of [`Conditions::validated`].
+//! The number that chooses a checkpoint is [`Validation::db`]: the mean PSNR over all sets.
 
 use crate::dataset::{Batch, Dataset, Place};
 use crate::noise::Conditions;
@@ -28,7 +28,7 @@ pub struct ValidationSets(Vec<Set>);
 #[derive(Debug)]
 struct Set {
     place: Place,
-    noisy: bool,
+    noise: Noise,
     batch: Batch,
 }
 
@@ -37,8 +37,8 @@ struct Set {
 pub struct Measured {
     /// Photograph, tone and ψ.
     pub place: Place,
-    /// With the noise where networks are judged, or without any.
-    pub noisy: bool,
+    /// The noise of its windows.
+    pub noise: Noise,
     /// PSNR in dB over all windows of the set, in their tone.
     pub psnr_db: f64,
     /// Mean non-zeros of each shrinkage.
@@ -50,7 +50,7 @@ pub struct Measured {
 pub struct Validation(pub Vec<Measured>);
 
 impl ValidationSets {
-    /// The sets of a dataset; σ and gain of the noisy ones follow from the range that is trained on.
+    /// The sets of a dataset, with the noise of the comparisons that is within the range that is trained on.
     #[must_use]
     pub fn new(dataset: &Dataset, conditions: &Conditions) -> Self {
         let mut places = Vec::new();
@@ -60,13 +60,12 @@ impl ValidationSets {
             }
         }
         let all = places.into_par_iter().enumerate().flat_map_iter(|(index, place)| {
-            [false, true].map(|noisy| {
-                let tone = dataset.tones()[place.tone];
-                let noise = if noisy { conditions.at(tone, Conditions::judged(tone)) } else { Noise::None };
+            let levels = conditions.validated(dataset.tones()[place.tone]);
+            levels.into_iter().enumerate().map(move |(level, noise)| {
                 let mut batch = Batch::new(dataset.window(), WINDOWS);
-                let mut random = Random::new(SEED, index as u64, noisy.into());
+                let mut random = Random::new(SEED, index as u64, level as u64);
                 dataset.draw_validation(&mut random, place, noise, &mut batch);
-                Set { place, noisy, batch }
+                Set { place, noise, batch }
             })
         });
         Self(all.collect())
@@ -87,7 +86,7 @@ impl Set {
         let count = |t: usize| pass.z(t)[..WINDOWS * form.codes].iter().filter(|z| **z != 0.0).count();
         Measured {
             place: self.place,
-            noisy: self.noisy,
+            noise: self.noise,
             psnr_db,
             non_zeros: (0..form.shrinkages()).map(|t| count(t) as f64 / WINDOWS as f64).collect(),
         }
@@ -110,6 +109,14 @@ pub fn psnr_db(outputs: &[f32], batch: &Batch) -> f64 {
     -10.0 * (squares / outputs.len() as f64).max(1e-12).log10()
 }
 
+impl Measured {
+    /// Whether its windows have noise.
+    #[must_use]
+    pub fn is_noisy(&self) -> bool {
+        self.noise != Noise::None
+    }
+}
+
 impl Validation {
     /// The number that chooses a checkpoint: the mean PSNR in dB over all photographs, tones, ψ, without and with noise.
     #[must_use]
@@ -127,7 +134,7 @@ impl Validation {
     #[must_use]
     pub fn worst(&self) -> Option<(&Measured, f64)> {
         let alike = |a: &Measured, b: &Measured| {
-            (a.place.tone, a.place.psi, a.noisy) == (b.place.tone, b.place.psi, b.noisy)
+            (a.place.tone, a.place.psi, a.noise) == (b.place.tone, b.place.psi, b.noise)
         };
         let first = self.0.iter().filter(|m| m.place.photo == 0);
         first.filter_map(|m| Some((m, self.mean(|o| alike(m, o))?))).min_by(|a, b| a.1.total_cmp(&b.1))
@@ -136,7 +143,7 @@ impl Validation {
     /// Mean non-zeros of each shrinkage over the sets without noise, or with it.
     #[must_use]
     pub fn non_zeros(&self, noisy: bool) -> Vec<f64> {
-        let sets: Vec<&Measured> = self.0.iter().filter(|m| m.noisy == noisy).collect();
+        let sets: Vec<&Measured> = self.0.iter().filter(|m| m.is_noisy() == noisy).collect();
         let layers = sets.first().map_or(0, |m| m.non_zeros.len());
         (0..layers).filter_map(|t| mean(sets.iter().map(|m| m.non_zeros[t]))).collect()
     }
@@ -147,7 +154,8 @@ impl Validation {
     pub fn busy_non_zeros(&self) -> Vec<f64> {
         let layers = self.0.first().map_or(0, |m| m.non_zeros.len());
         let busy = |t: usize| {
-            let mut counts: Vec<f64> = self.0.iter().filter(|m| m.noisy).map(|m| m.non_zeros[t]).collect();
+            let noisy = self.0.iter().filter(|m| m.is_noisy());
+            let mut counts: Vec<f64> = noisy.map(|m| m.non_zeros[t]).collect();
             counts.sort_by(|a, b| b.total_cmp(a));
             counts.truncate(counts.len().div_ceil(4));
             mean(counts)
@@ -166,7 +174,8 @@ mod tests {
     use super::*;
 
     fn measured(photo: usize, psi: usize, noisy: bool, psnr_db: f64) -> Measured {
-        Measured { place: Place { photo, tone: 0, psi }, noisy, psnr_db, non_zeros: vec![psnr_db, 1.0] }
+        let noise = if noisy { Noise::gaussian(0.01) } else { Noise::None };
+        Measured { place: Place { photo, tone: 0, psi }, noise, psnr_db, non_zeros: vec![psnr_db, 1.0] }
     }
 
     #[test]
@@ -179,7 +188,7 @@ mod tests {
         ]);
         assert!((all.db() - 24.5).abs() < 1e-9);
         let (worst, db) = all.worst().unwrap();
-        assert!(worst.noisy && (db - 24.0).abs() < 1e-9);
+        assert!(worst.is_noisy() && (db - 24.0).abs() < 1e-9);
         assert_eq!(all.non_zeros(false), [25.0, 1.0]);
         assert_eq!(all.busy_non_zeros(), [24.0, 1.0]);
         assert_eq!(all.mean(|m| m.place.photo == 1), Some(22.0));

@@ -11,9 +11,9 @@ use edof_train::checkpoint::{self, CheckpointError, Run};
 use edof_train::dataset::Dataset;
 use edof_train::initial::Start;
 use edof_train::noise::Conditions;
-use edof_train::recipe::{Recipe, RecipeError};
+use edof_train::recipe::{Recipe, RecipeError, Trained};
 use edof_train::train::{State, Trainer};
-use ndarray::s;
+use ndarray::{Array2, s};
 use std::ops::ControlFlow;
 
 const PSIS: [f64; 2] = [0.0, 4.0];
@@ -137,6 +137,38 @@ fn a_run_from_a_network_begins_as_good_as_that_network_and_gets_better() {
 }
 
 #[test]
+fn thresholds_alone_are_trained_for_another_noise_and_every_other_weight_stays() {
+    let first_recipe = Recipe { budget: None, ..long(recipe(Shrinkage::OneSided)) };
+    let dataset = &of(&[1, 2, 3, 4].map(drawn), &first_recipe);
+    let mut first = Trainer::new(first_recipe.clone(), dataset, 2).unwrap();
+    run_to(&mut first, GAINS);
+    let camera = Camera::resolve("clear").unwrap();
+    let network = first.best("first", &camera, Provenance::default());
+    let conditions = Conditions { noise: [0.04, 0.06], ..first_recipe.conditions };
+    let recipe = Recipe { trained: Trained::Thresholds, conditions, threshold_rate: 1.0, ..first_recipe };
+    let mut second = Trainer::from_network(recipe, dataset, 2, &network).unwrap();
+    let before = second.validate().db();
+    run_to(&mut second, GAINS);
+    let cheap = second.best("second", &camera, Provenance::default());
+    assert!(second.state.best.db > before, "{before} dB to {} dB", second.state.best.db);
+    assert_ne!(cheap.thresholds, network.thresholds);
+    let bits = |matrix: &Array2<f32>| matrix.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    // Training coordinates and back are float arithmetic, so that A and R may differ in their last bits.
+    let near = |a: &Array2<f32>, b: &Array2<f32>| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
+    assert_eq!(bits(&cheap.dictionary), bits(&network.dictionary));
+    assert_eq!(bits(&cheap.recurrent[0]), bits(&network.recurrent[0]));
+    assert!(near(&cheap.analysis, &network.analysis));
+}
+
+#[test]
+fn the_running_mean_of_the_weights_is_smoother_than_the_weights_and_no_worse() {
+    let of = |averaging| gain(Recipe { averaging, ..long(recipe(Shrinkage::OneSided)) });
+    let (mean, last) = (of(0.98), of(0.0));
+    assert!(mean > last - 0.05, "{mean} dB, {last} dB without averaging");
+    assert_ne!(mean.to_bits(), last.to_bits());
+}
+
+#[test]
 fn training_gains_in_the_tone_of_pictures_and_in_both_tones_at_once() {
     for tones in [vec![Tone::Srgb], Tone::ALL.to_vec()] {
         let recipe = Recipe {
@@ -233,7 +265,13 @@ fn recipes_that_cannot_be_followed_are_rejected() {
         refuse(&|r| r.conditions.exposure = [0.0, 1.0]),
         "exposure 0:1: must be two factors in order, above 0 and up to 16"
     );
-    assert_eq!(refuse(&|r| r.conditions.gain = 0.5), "gain 0.5: must be 1 to 1024");
+    assert_eq!(refuse(&|r| r.conditions.gain = [0.5, 2.0]), "gain 0.5: must be 1 to 1024");
+    assert_eq!(refuse(&|r| r.conditions.noise = [0.0, 1.5]), "noise 1.5: must be 0 to 1");
+    assert_eq!(
+        refuse(&|r| r.conditions.noise = [0.02, 0.01]),
+        "noise 0.02:0.01: must be the lower end first"
+    );
+    assert_eq!(refuse(&|r| r.averaging = 1.0), "averaging 1: must be 0 or more, less than 1");
     assert_eq!(
         refuse(&|r| r.lambda = vec![0.0; 2]),
         "lambda with 2 values: must be one for each of 3 shrinkages"

@@ -69,7 +69,11 @@ fn small_fixed() -> FixedNetwork {
                 stride: Stride::new(2).unwrap(),
                 windows: 5,
                 psis: vec![0.0, 0.1],
-                conditions: vec![Condition { tone: Tone::Srgb, noise: Noise::sensor(2.0) }],
+                conditions: vec![Condition {
+                    tone: Tone::Srgb,
+                    noise: Noise::sensor(2.0),
+                    least_noise: Noise::None,
+                }],
                 depth: 12,
             },
             finetune_steps: 0,

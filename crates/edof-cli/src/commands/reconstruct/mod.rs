@@ -98,9 +98,11 @@ fn jobs(args: &Args) -> Result<Vec<Job<'_>>, Error> {
 
 fn check_files(args: &Args, jobs: &[Job<'_>], ui: &Ui) -> Result<(), Error> {
     let file = if args.float { weights::float_file } else { weights::fixed_file };
-    // Which default it is, the frame's record says.
-    let networks =
-        args.weights.as_deref().map_or(Tone::ALL.map(weights::default_for).to_vec(), |name| vec![name]);
+    // Which network it is without --weights, the frame's record says.
+    let networks: Vec<&str> = match args.weights.as_deref() {
+        Some(name) => vec![name],
+        None => weights::names(),
+    };
     let files = Files::new(ui).reads_all(networks.into_iter().filter_map(file));
     let lens = args.stated_lens()?;
     let files = files.reads_all(lens.into_iter().flat_map(|lens| lens.files));
@@ -174,7 +176,7 @@ impl Job<'_> {
         let args = self.args;
         let stride = args.stride.map_or(Ok(Stride::PATCH), said::stride)?;
         let tone = self.tone(taken);
-        let name = args.network(tone);
+        let name = self.network(taken);
         let network = weights::float(name)?;
         ui.used(weights::float_input(name)?);
         self.fits_camera(&network.origin, taken, ui)?;
@@ -351,9 +353,14 @@ impl Job<'_> {
         Ok(any)
     }
 
+    /// The network's name or file: the user's, else the one for this tone and for the noise that the frame's record states.
+    fn network(&self, taken: &Taken) -> &str {
+        self.args.network(self.tone(taken), taken.record.as_ref().map(|record| record.noise))
+    }
+
     fn fixed_network(&self, taken: &Taken, ui: &Ui) -> Result<FixedNetwork, Error> {
         let args = self.args;
-        let name = args.network(self.tone(taken));
+        let name = self.network(taken);
         let network = weights::fixed(name)?;
         ui.used(weights::fixed_input(name)?);
         self.fits_camera(&network.origin, taken, ui)?;
@@ -378,8 +385,7 @@ impl Job<'_> {
             return Ok(());
         }
         let fields = origin.camera.differences(camera).join(", ");
-        let (name, trained, tone) =
-            (args.network(self.tone(taken)), origin.camera.in_words(), self.tone(taken));
+        let (name, trained, tone) = (self.network(taken), origin.camera.in_words(), self.tone(taken));
         let taken_by = match taken.record {
             Some(_) => format!("{} was taken by {}", self.raw.display(), camera.in_words()),
             None => format!("--camera is {}", camera.in_words()),
@@ -412,7 +418,7 @@ impl Job<'_> {
         };
         ui.note(format!(
             "--weights {}: trained on pictures of tone {trained}, {} is of {tone}: expect {} (docs/decisions/0041-one-tone.md); {instead}",
-            self.args.network(tone),
+            self.network(taken),
             self.raw.display(),
             loss_of(tone),
         ));

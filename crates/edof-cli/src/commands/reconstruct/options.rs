@@ -7,7 +7,7 @@ use crate::weights;
 use clap::ValueEnum;
 use edof_camera::Camera;
 use edof_golden::Curve;
-use edof_image::{CfaPhase, DisplayMode, Tone};
+use edof_image::{CfaPhase, DisplayMode, Noise, Tone};
 use edof_io::levels::Black;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
@@ -176,9 +176,11 @@ impl Args {
         Stated { phase, depth, alignment, size, packing, black_level, white_level, tone, camera }
     }
 
-    /// The network that is asked for, else the one for pictures of that tone.
-    pub(super) fn network(&self, tone: Tone) -> &str {
-        self.weights.as_deref().unwrap_or(weights::default_for(tone))
+    /// The network that is asked for, else the one for pictures of that tone and that noise.
+    pub(super) fn network(&self, tone: Tone, noise: Option<Noise>) -> &str {
+        let usual = weights::default_for(tone);
+        let fitting = || noise.map_or(usual, |noise| weights::for_noise(usual, tone, noise));
+        self.weights.as_deref().unwrap_or_else(fitting)
     }
 }
 

@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use edof_image::Tone;
 use edof_io::photos::Selection;
 use edof_network::network::Form;
+use edof_train::recipe::Trained;
 use edof_train::{initial, weighting};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -73,15 +74,16 @@ pub struct Args {
     #[arg(long)]
     pub(super) tone: Option<Tones>,
 
-    /// Largest noise σ of linear windows, in units of full scale; a network trained without noise loses 6 to 11 dB at σ = 0.01 (docs/stability.md)
-    #[arg(long, value_parser = single, value_name = "SIGMA")]
-    pub(super) noise: Option<f32>,
+    /// Largest noise σ of linear windows, in units of full scale, or a range LOW:HIGH; a network trained without noise loses 6 to
+    /// 11 dB at σ = 0.01 (docs/stability.md)
+    #[arg(long, value_parser = up_to::<0>, value_name = "SIGMA")]
+    pub(super) noise: Option<[f64; 2]>,
 
-    /// Largest sensor gain of srgb windows; 1 is base sensitivity
-    #[arg(long, value_parser = single, value_name = "FACTOR")]
-    pub(super) gain: Option<f32>,
+    /// Largest sensor gain of srgb windows, or a range LOW:HIGH; 1 is base sensitivity
+    #[arg(long, value_parser = up_to::<1>, value_name = "FACTOR")]
+    pub(super) gain: Option<[f64; 2]>,
 
-    /// One window in N has no noise
+    /// One window in N has no noise, unless the range of noise begins above the least
     #[arg(long, value_name = "N")]
     pub(super) noiseless: Option<usize>,
 
@@ -132,6 +134,14 @@ pub struct Args {
     /// Learning rate of the thresholds, relative to --rate
     #[arg(long, value_parser = single, value_name = "FACTOR")]
     pub(super) threshold_rate: Option<f32>,
+
+    /// Write the running mean of the weights, of which each step keeps this share, as in 0.999; 0 writes the weights themselves
+    #[arg(long, value_parser = single, value_name = "SHARE")]
+    pub(super) averaging: Option<f32>,
+
+    /// Weights that training changes: all, or the thresholds only, as for another level of noise (needs --from)
+    #[arg(long, value_name = "PART", requires_if("thresholds", "from"))]
+    pub(super) only: Option<Only>,
 
     /// Cost λ of a unit of |z|, one number or one per shrinkage as in 3e-4,3e-4,1e-3; a larger cost gives fewer non-zeros
     #[arg(long, value_delimiter = ',', value_parser = single)]
@@ -237,6 +247,31 @@ impl From<weighting::Weighting> for Weighting {
     }
 }
 
+/// What training changes, by the names that users give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Only {
+    All,
+    Thresholds,
+}
+
+impl From<Only> for Trained {
+    fn from(by_name: Only) -> Self {
+        match by_name {
+            Only::All => Self::All,
+            Only::Thresholds => Self::Thresholds,
+        }
+    }
+}
+
+impl From<Trained> for Only {
+    fn from(trained: Trained) -> Self {
+        match trained {
+            Trained::All => Self::All,
+            Trained::Thresholds => Self::Thresholds,
+        }
+    }
+}
+
 /// Where training starts, by the names that users give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Start {
@@ -293,6 +328,11 @@ fn minutes(text: &str) -> Result<Duration, String> {
     let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);
     let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
     time.ok_or_else(|| "expected a number of minutes above 0".to_owned())
+}
+
+/// A range, or its upper end, where the lower is LEAST.
+fn up_to<const LEAST: u8>(text: &str) -> Result<[f64; 2], String> {
+    if text.contains(':') { factors(text) } else { Ok([LEAST.into(), single(text)?.into()]) }
 }
 
 /// Factors that are computed with in single precision.

@@ -1,7 +1,7 @@
 //! What `edof train` says while it runs.
 
 use edof_train::train::{Best, Progress, Trainer};
-use edof_train::validation::Validation;
+use edof_train::validation::{Measured, Validation};
 use serde_json::{Value, json};
 
 /// One validation in a line.
@@ -26,11 +26,28 @@ pub(super) fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &
         "loss": progress.loss,
         "validation_db": validation.db(),
         "worst_db": validation.worst().map(|w| w.1),
+        "levels": levels(validation, trainer),
         "non_zeros_busy": validation.busy_non_zeros(),
         "non_zeros_noisy": validation.non_zeros(true),
         "non_zeros_clean": validation.non_zeros(false),
         "lambda": trainer.state.steering.lambdas,
     })
+}
+
+/// Mean and worst ψ over photographs, of each tone and noise.
+pub(super) fn levels(validation: &Validation, trainer: &Trainer<'_>) -> Value {
+    let recipe = trainer.recipe();
+    let tones = recipe.tones.iter().enumerate();
+    let all = tones.flat_map(|(index, &tone)| {
+        recipe.conditions.validated(tone).into_iter().map(move |noise| {
+            let of = |m: &Measured| m.place.tone == index && m.noise == noise;
+            let at = |psi| validation.mean(|m| of(m) && m.place.psi == psi);
+            let psis = 0..trainer.psis();
+            let worst = psis.filter_map(at).reduce(f64::min);
+            json!({ "tone": tone, "noise": noise.to_string(), "db": validation.mean(of), "worst_db": worst })
+        })
+    });
+    all.collect()
 }
 
 /// Numbers with N digits, parted by blanks.

@@ -1,6 +1,6 @@
 //! Recipes of `edof train` from its options, and the command that states one in full.
 
-use super::options::{Args, Start, Tones, Weighting};
+use super::options::{Args, Only, Start, Tones, Weighting};
 use crate::error::Error;
 use crate::form;
 use crate::provenance::CommandLine;
@@ -26,8 +26,8 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
         (form, found) => form.or(found).unwrap_or_else(|| unreachable!("the options ask for one of them")),
     };
     let mut recipe = Recipe::new(form);
-    set(&mut recipe.conditions.noise, args.noise);
-    set(&mut recipe.conditions.gain, args.gain);
+    set(&mut recipe.conditions.noise, args.noise.map(narrow));
+    set(&mut recipe.conditions.gain, args.gain.map(narrow));
     set(&mut recipe.conditions.noiseless, args.noiseless);
     set(&mut recipe.conditions.exposure, args.exposure.map(narrow));
     set(&mut recipe.augmentation.variants, args.variants);
@@ -39,6 +39,8 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
     set(&mut recipe.rate, args.rate);
     set(&mut recipe.output_rate, args.output_rate);
     set(&mut recipe.threshold_rate, args.threshold_rate);
+    set(&mut recipe.averaging, args.averaging);
+    set(&mut recipe.trained, args.only.map(Into::into));
     set(&mut recipe.validate_every, args.validate_every);
     set(&mut recipe.patience, args.patience);
     set(&mut recipe.lambda, Some(args.lambda.clone()).filter(|l| !l.is_empty()));
@@ -109,13 +111,14 @@ pub(super) fn command(args: &Args, r: &Recipe) -> String {
     line.option_if("psi", args.psi).option_if("photos", args.photos.as_ref());
     line.option_if("leave-out", Some(args.leave_out.join(",")).filter(|names| !names.is_empty()));
     line.option("depths", args.depths).option("tone", word(Tones::of(&r.tones)));
-    line.option("noise", c.noise).option("gain", c.gain);
+    line.option("noise", pair(c.noise)).option("gain", pair(c.gain));
     line.option("noiseless", c.noiseless).option("exposure", pair(c.exposure));
     line.option("variants", a.variants).option("saturation", pair(a.saturation));
     line.option("hue", a.hue).option("scale", a.scale);
     line.option("weighting", word(Weighting::from(r.weighting)));
     line.option("steps", r.steps).option("batch", r.batch).option("rate", r.rate);
     line.option("output-rate", r.output_rate).option("threshold-rate", r.threshold_rate);
+    line.option("averaging", r.averaging).option("only", word(Only::from(r.trained)));
     line.option("lambda", joined(&r.lambda));
     match &r.budget {
         Some(b) => line.option("non-zeros", joined(&b.non_zeros)).option("budget-rate", b.rate),

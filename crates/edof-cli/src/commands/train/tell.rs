@@ -2,12 +2,12 @@
 
 use super::options::Args;
 use super::photographs::{Photograph, folders};
-use super::progress::numbers;
+use super::progress::{levels, numbers};
 use super::seed::Trained;
 use crate::error::Error;
 use crate::ui::Ui;
-use edof_image::Tone;
 use edof_image::words::count;
+use edof_image::{Noise, Tone};
 use edof_network::network::Network;
 use edof_train::train::Trainer;
 use edof_train::validation::Validation;
@@ -37,7 +37,7 @@ pub(super) fn tell(
         ui.say(format!("seed {}: {:.3} dB{kept}", result.trainer.recipe().seed, best.db))?;
     }
     ui.say(format!(
-        "{}: {:.2} dB on validation windows (mean over photographs, tones, ψ, without and with noise) after {} steps \
+        "{}: {:.2} dB on validation windows (mean over photographs, tones, ψ, noise) after {} steps \
          ({:.0} windows a second); written to {}",
         network.origin.name,
         network.origin.validation_db,
@@ -71,28 +71,24 @@ pub(super) fn tell(
     }))
 }
 
-/// Mean dB by folder and tone, without and with noise, then the worst ψ and noise and the non-zeros.
+/// Mean dB by folder, tone and noise, then the worst ψ and noise and the non-zeros.
 fn tell_validation(
     validation: &Validation,
     trainer: &Trainer<'_>,
     photographs: &[Photograph],
     ui: &Ui,
 ) -> Result<(), Error> {
-    ui.say("validation  tone    no noise   noisy  (dB)")?;
+    ui.say("validation  tone    noise               dB")?;
     for row in rows(validation, trainer, photographs) {
-        let cell = |db: Option<f64>| db.map_or("-".to_owned(), |db| format!("{db:.2}"));
-        ui.say(format!(
-            "{:10}  {:6}  {:>8}  {:>6}",
-            row.folder,
-            row.tone,
-            cell(row.clean_db),
-            cell(row.noisy_db)
-        ))?;
+        let db = row.db.map_or("-".to_owned(), |db| format!("{db:.2}"));
+        ui.say(format!("{:10}  {:6}  {:14}  {db:>6}", row.folder, row.tone, row.noise.to_string()))?;
     }
     if let Some((at, db)) = validation.worst() {
-        let noise = if at.noisy { "with noise" } else { "without noise" };
         let (psi, tone) = (trainer.psi(at.place.psi), trainer.recipe().tones[at.place.tone]);
-        ui.say(format!("worst: {db:.2} dB at psi {psi}, {noise}, {tone} (mean over photographs)"))?;
+        ui.say(format!(
+            "worst: {db:.2} dB at psi {psi}, noise {}, {tone} (mean over photographs)",
+            at.noise
+        ))?;
     }
     let (clean, noisy) = (validation.non_zeros(false), validation.non_zeros(true));
     ui.say(format!(
@@ -107,31 +103,33 @@ fn tell_validation(
 struct Row<'a> {
     folder: &'a str,
     tone: Tone,
-    clean_db: Option<f64>,
-    noisy_db: Option<f64>,
+    noise: Noise,
+    db: Option<f64>,
 }
 
 fn rows<'a>(validation: &Validation, trainer: &Trainer<'_>, photographs: &'a [Photograph]) -> Vec<Row<'a>> {
     let mut rows = vec![];
     for folder in folders(photographs) {
         for (index, &tone) in trainer.recipe().tones.iter().enumerate() {
-            let db = |noisy| {
-                validation.mean(|m| {
-                    photographs[m.place.photo].folder == folder && m.place.tone == index && m.noisy == noisy
-                })
-            };
-            rows.push(Row { folder, tone, clean_db: db(false), noisy_db: db(true) });
+            for noise in trainer.recipe().conditions.validated(tone) {
+                let db = validation.mean(|m| {
+                    photographs[m.place.photo].folder == folder && m.place.tone == index && m.noise == noise
+                });
+                rows.push(Row { folder, tone, noise, db });
+            }
         }
     }
     rows
 }
 
 fn table(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photograph]) -> Value {
-    let row = |r: Row<'_>| json!({ "folder": r.folder, "tone": r.tone, "clean_db": r.clean_db, "noisy_db": r.noisy_db });
+    let row =
+        |r: Row<'_>| json!({ "folder": r.folder, "tone": r.tone, "noise": r.noise.to_string(), "db": r.db });
     let worst = validation.worst().map(|(at, db)| {
-        json!({ "psi": trainer.psi(at.place.psi), "tone": trainer.recipe().tones[at.place.tone], "noisy": at.noisy, "db": db })
+        json!({ "psi": trainer.psi(at.place.psi), "tone": trainer.recipe().tones[at.place.tone], "noise": at.noise.to_string(), "db": db })
     });
     json!({
+        "levels": levels(validation, trainer),
         "means": rows(validation, trainer, photographs).into_iter().map(row).collect::<Vec<_>>(),
         "worst": worst,
         "non_zeros_busy": validation.busy_non_zeros(),
