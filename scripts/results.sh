@@ -184,8 +184,8 @@ ablations() {
         "mse $form --weighting mse" \
         "psnr $form --weighting psnr" \
         "batch-1024 $form --batch 1024" \
-        "rate-half $form --rate 1.5e-3" \
-        "rate-more $form --rate 5e-3" \
+        "rate-3 $form --rate 3e-3" \
+        "rate-5 $form --rate 5e-3" \
         "output-rate $form --output-rate 0.5" \
         "threshold-rate $form --threshold-rate 0.5" \
         "steps-40000 $form --steps 40000"

@@ -82,7 +82,7 @@ impl Recipe {
             batch: 512,
             steps: 40_000,
             rate: match form.shrinkage {
-                Shrinkage::OneSided => 3e-3,
+                Shrinkage::OneSided => 1.5e-3,
                 Shrinkage::TwoSided => 2e-3,
             },
             output_rate: 0.2,
