@@ -261,7 +261,7 @@ pub const USAGE: &[Row] = &[
         "--exposure 1:1e39",
         &["'1:1e39' for '--exposure", "too large: expected a number of at most 3.4e38"],
     ),
-    (TRAIN, "--saturation 2:1", &["'2:1' for '--saturation", "expected LOW:HIGH, as in 0:8"]),
+    (TRAIN, "--saturation 2:1", &["'2:1' for '--saturation", "expected LOW:HIGH, as in 0.5:2"]),
     (TRAIN, "--minutes -1", &["'-1' for '--minutes", "expected a number of minutes above 0"]),
     (TRAIN, "--seed -1", &["'-1' for '--seed"]),
     (TRAIN, "--rate x", &["'x' for '--rate", "expected a number"]),

@@ -22,8 +22,8 @@ use std::path::PathBuf;
 
 /// Make a design file, or check one: its speed and resources, and whether a network fits it
 ///
-/// A design defines the generated hardware: the network architecture, the folding of each stage, the clock and the picture. docs/design.md lists
-/// every field with its units and legal values.
+/// A design defines the generated hardware: the network architecture, the folding of each stage (how many outputs
+/// and values it computes with at once), the clock and the picture. docs/design.md lists every field with its units and legal values.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json

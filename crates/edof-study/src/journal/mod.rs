@@ -15,6 +15,7 @@ pub use header::{Header, Maker, Program, UNKNOWN};
 pub use proof::{Proof, settings};
 
 use edof_storage::atomic::{self, WriteError};
+use edof_storage::json;
 use file::{Locked, Text};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -403,7 +404,10 @@ fn parsed<T: DeserializeOwned>(path: &Path, line: usize, text: &str) -> Result<T
     serde_json::from_str(text).map_err(|error| JournalError::Line {
         path: path.to_owned(),
         line,
-        reason: error.to_string(),
+        reason: format!(
+            "not a row of a study: {}; expected what --rows wrote, or name another file",
+            json::reason(&error)
+        ),
     })
 }
 

@@ -4,6 +4,7 @@ use super::{KNOBS, Knob, Row};
 use crate::made::Made;
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
+use crate::verdict::listed;
 use edof_metrics::paired::Paired;
 use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
 use edof_report::{Report, Table};
@@ -84,6 +85,8 @@ impl StudyReport for Knobs {
 
     fn to_text(&self) -> String {
         let mut text = String::new();
+        self.verdict().iter().for_each(|verdict| text += &format!("{verdict}\n"));
+        text.push('\n');
         for (knob, table) in self.tables() {
             let _ = write!(text, "{}\n{}\n", knob.name, table.to_text());
         }
@@ -91,7 +94,7 @@ impl StudyReport for Knobs {
     }
 
     fn to_markdown(&self, made: &Made) -> String {
-        let mut page = format!("# {TITLE}\n\n{made}\n\n{}\n", self.explanation());
+        let mut page = format!("# {TITLE}\n\n{made}\n\n{}{}\n", listed(&self.verdict()), self.explanation());
         for (knob, table) in self.tables() {
             let _ = write!(page, "\n## {}\n\n{}\n\n{}", knob.name, knob.why, table.to_markdown());
         }
@@ -100,6 +103,9 @@ impl StudyReport for Knobs {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
+        self.verdict().iter().for_each(|verdict| {
+            report.verdict(verdict);
+        });
         report.paragraph(&self.explanation()).made_by(command);
         for (knob, table) in self.tables() {
             report.heading(knob.name).paragraph(knob.why).plots(&[self.plot(knob)]);

@@ -99,6 +99,17 @@ fn words_keep_their_first_bits_and_their_sign() {
 }
 
 #[test]
+fn a_verdict_knows_the_knobs_of_capturing() {
+    let plan = plan(&[], &edof_random::natural(8, 8, 7));
+    let captures = KNOBS.iter().filter(|knob| knob.name.ends_with("bits") || knob.name == "budget");
+    let of_fixed: Vec<&str> = captures.map(|knob| knob.name).collect();
+    for knob in KNOBS.iter().filter(|knob| !of_fixed.contains(&knob.name)) {
+        let is_capture = matches!((knob.apply)(&plan, (knob.default)(&plan)), Work::Capture(_));
+        assert_eq!(verdict::CAPTURING.contains(&knob.name), is_capture, "{}", knob.name);
+    }
+}
+
+#[test]
 fn knobs_are_known_by_name() {
     for knob in &KNOBS {
         assert_eq!(knob.name.parse::<&Knob>().unwrap(), knob);

@@ -2,7 +2,7 @@ use super::*;
 use crate::journal::Proof;
 use crate::summary::tests::row;
 
-fn timed(method: &Method, image: &str, db: f64, seconds: f64) -> Row {
+pub(crate) fn timed(method: &Method, image: &str, db: f64, seconds: f64) -> Row {
     let mut measured = row(method, image, 8.0, Noise::None, db);
     measured.seconds_per_megapixel = seconds;
     Row {
