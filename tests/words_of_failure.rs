@@ -146,8 +146,6 @@ fn names(place: &Place) {
     place.write("d-nan.json", design("\"clock_mhz\": 100.0", "\"clock_mhz\": NaN"));
     place.write("d-slow.json", design("\"clock_mhz\": 100.0", "\"clock_mhz\": 1e-300"));
     place.write("scene-more.json", r#"{"layers": []} []"#);
-    place.write("more.png", std::fs::read(place.path("raw.png")).unwrap());
-    place.write("more.png.json", "{\"phase\": \"rggb\"}\n{}");
     let header = br#"{"psi":{"dtype":"F64","shape":[1],"data_offsets":[0,8]}} x"#;
     place.write("more.safetensors", [&(header.len() as u64).to_le_bytes()[..], header, &[0; 8]].concat());
     place.write("rows.jsonl", "{}\n");
@@ -283,6 +281,8 @@ fn strange() -> Place {
     record("r-psi.png", "psi", serde_json::json!(["x"]));
     record("r-hash.png", "sha256", "abc".into());
     record("r-text.png", "depth", "12".into());
+    std::fs::copy(place.path("taken.png"), place.path("r-more.png")).unwrap();
+    place.write("r-more.png.json", format!("{taken}\n{{}}"));
     for (name, from, to) in [
         ("g-bits.json", "\"code_bits\": 16", "\"code_bits\": 17"),
         ("g-sum.json", "\"accumulator_bits\": 48", "\"accumulator_bits\": 64"),
@@ -340,12 +340,12 @@ fn arrays_of_other_programs_are_rejected_by_name() {
 }
 
 #[test]
-fn names_that_are_no_names_are_rejected_with_the_legal_characters() {
+fn illegal_names_are_rejected_with_the_legal_characters() {
     every_row_says_what_and_what_to_do(NAMES);
 }
 
 #[test]
-fn text_behind_the_end_of_json_is_named_with_its_line() {
+fn text_after_the_end_of_json_is_reported_with_its_line() {
     every_row_says_what_and_what_to_do(BEHIND);
 }
 
@@ -355,7 +355,7 @@ fn options_that_contradict_each_other_are_rejected() {
 }
 
 #[test]
-fn numbers_that_are_none_are_expected_in_plain_words() {
+fn words_in_place_of_numbers_are_rejected_in_plain_words() {
     every_row_ends_with(&ready(), NUMBERS, (2, "error: "));
 }
 

@@ -1,4 +1,4 @@
-//! Names of cameras and designs, text behind the end of JSON, options that contradict each other, and numbers that are none.
+//! Names of cameras and designs, text behind the end of JSON, options that contradict each other, and words in place of numbers.
 
 use super::rows::Row;
 
@@ -69,7 +69,7 @@ pub const NAMES: &[Row] = &[
 
 const MORE: &str = "extra text after the end of the JSON";
 
-/// JSON that goes on after its end, or that is none.
+/// JSON with text after its end, and files that are not JSON.
 pub const BEHIND: &[Row] = &[
     ("optics", "n-more.json", &["n-more.json: not a camera: ", MORE, "at line "]),
     ("design check", "d-more.json", &["d-more.json: not a design: ", MORE, "at line "]),
@@ -78,11 +78,6 @@ pub const BEHIND: &[Row] = &[
         "capture scene-more.json --out o.png",
         "",
         &["scene-more.json: no scene of layers: ", MORE, "at line 1"],
-    ),
-    (
-        "reconstruct more.png --weights net.fixed.safetensors --out o.png",
-        "",
-        &["more.png.json: invalid raw-frame record: ", MORE, "at line 2", "fix or delete the file"],
     ),
     (CAPTURE, "--psi 1 --psf-bank more.safetensors", &["more.safetensors: ", "its header: ", MORE]),
     (
@@ -106,7 +101,7 @@ pub const BEHIND: &[Row] = &[
     ("study merge --out o", "rows.jsonl", &["rows.jsonl: line 1: not a row of a study"]),
 ];
 
-/// Options of which one says what another contradicts, and outputs that are none.
+/// Options that contradict each other, and outputs that cannot be files.
 pub const CONTRADICTIONS: &[Row] = &[
     ("study design --weights paper-t4", "--fps 0", &["--fps 0: must be more than 0"]),
     ("study design --weights paper-t4", "--fps nan", &["--fps NaN: must be more than 0"]),
@@ -115,6 +110,8 @@ pub const CONTRADICTIONS: &[Row] = &[
     ("study design --weights paper-t4,paper-t4", "", &["--weights: paper-t4 is given twice"]),
     (CAPTURE, "--psi 1 --range 8:0", &["--range 8:0: is of a depth map; add --depth-map, or omit --range"]),
     (TRAIN, "--out o --patience 0", &["--patience 0: must be 1 or more"]),
+    (TRAIN, "--out o --saturation -1:1", &["--saturation -1: must be 0 to 10"]),
+    (TRAIN, "--out o --exposure -1:1", &["--exposure -1:1: must be two factors in order, above 0"]),
     (TRAIN, "--out o/", &["--out o/: is the name of a folder, expected a file's"]),
     ("quantize paper-t4 --images photos --photos all", "--out o/", &["--out o/: is the name of a folder"]),
     ("random-network", "--out o/", &["--out o/: is the name of a folder"]),
@@ -129,7 +126,7 @@ pub const CONTRADICTIONS: &[Row] = &[
 
 const WHOLE: &str = "expected a whole number of 0 or more";
 
-/// Values that are no numbers, or beyond their limits.
+/// Words in place of numbers, and numbers beyond their limits.
 pub const NUMBERS: &[Row] = &[
     (CAPTURE, "--psi 1 --seed=-1", &["'-1' for '--seed <N>'", WHOLE]),
     (CAPTURE, "--psi 1 --seed 1.5", &["'1.5' for '--seed <N>'", WHOLE]),

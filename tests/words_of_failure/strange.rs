@@ -65,6 +65,14 @@ pub const SCENES: &[Row] = &[
         REREAD,
         &["--white-level -3: r-white.png.json says 0; leave --white-level out"],
     ),
+    (
+        "reconstruct r-more.png",
+        REREAD,
+        &[
+            "r-more.png.json: invalid raw-frame record: extra text after the end of the JSON, at line 2",
+            "fix or delete the file",
+        ],
+    ),
     ("reconstruct r-balance.png", REREAD, &["r-balance.png.json", "a list of 2, expected a list of 3"]),
     ("reconstruct r-dark.png", REREAD, &["r-dark.png.json", "white balance '0,1,1': must be factors"]),
     ("reconstruct r-matrix.png", REREAD, &["r-matrix.png.json", "a list of 1, expected a list of 3"]),

@@ -10,14 +10,14 @@ pub fn exit(error: &clap::Error) -> ! {
     std::process::exit(error.exit_code());
 }
 
-/// What is said of a text that is no number, or of a number out of range, and what to say instead.
+/// What the parser says of a text in place of a number, or of a number out of range, and the words to print instead.
 fn in_plain_words(source: &(dyn Error + 'static)) -> Option<(String, String)> {
     let text = source.to_string();
     let expected = of_number(source).map(str::to_owned).or_else(|| of_range(&text))?;
     Some((text, expected))
 }
 
-/// Instead of `0 is not in 1..=8`.
+/// Words to print instead of `0 is not in 1..=8`.
 fn of_range(text: &str) -> Option<String> {
     let (low, high) = text.split_once(" is not in ")?.1.split_once("..")?;
     let largest = high
@@ -29,7 +29,7 @@ fn of_range(text: &str) -> Option<String> {
     })
 }
 
-/// Instead of what the standard library says of a text that is no number.
+/// Words to print instead of those of the standard library about a text that it cannot read as a number.
 fn of_number(source: &(dyn Error + 'static)) -> Option<&'static str> {
     match source.downcast_ref::<ParseIntError>().map(ParseIntError::kind) {
         Some(IntErrorKind::PosOverflow | IntErrorKind::NegOverflow) => Some("the number is too large"),

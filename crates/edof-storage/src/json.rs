@@ -153,7 +153,7 @@ mod tests {
 
     const NO_VALUE: &str =
         "no JSON value (texts need quotes; NaN and Infinity are not JSON), at line 1 column 10";
-    /// A thing, and what an editor left behind it.
+    /// A whole value, and text that an editor left after it.
     const WHOLE_AND_MORE: &str = "{\"size\": 1, \"pair\": [1, 2], \"kind\": \"big\", \"names\": []}\n }";
 
     fn refused(text: &str) -> String {

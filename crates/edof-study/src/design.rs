@@ -49,7 +49,7 @@ pub struct Foldings {
     pub pictures: String,
 }
 
-const TITLE: &str = "Networks that fit the board: dB against cycles, multipliers and frames a second";
+const TITLE: &str = "Networks that fit the board: dB against cycles, multipliers and frames per second";
 
 impl Foldings {
     /// The front for a terminal.
@@ -138,7 +138,7 @@ impl Foldings {
     fn explanation(&self) -> String {
         format!(
             "Every folding that fits a {}, by the cycle model on {}, with the picture and the clock of design {} ({} MHz, planned). Frames \
-             a second are cycles at that clock: computed, measured on no board; multipliers and block RAM are exact. PSNR is that of each network behind its \
+             per second are cycles at that clock: computed, measured on no board; multipliers and block RAM are exact. PSNR is that of each network behind its \
              own camera, so networks of different cameras are different lenses too. The front holds what no other folding of any network beats in dB, cycles, multipliers and block RAM at once.",
             self.device, self.pictures, self.design, self.clock_mhz
         )
@@ -149,9 +149,9 @@ impl Foldings {
             "network",
             "camera",
             "PSNR dB",
-            "cycles a patch",
+            "cycles per patch",
             "worst picture",
-            "frames a second",
+            "frames per second",
             "DSP48E1",
             "RAMB36E1",
             "lanes×rows",
@@ -209,9 +209,9 @@ impl Foldings {
             Series::new(*name, Mark::LineAndPoints, points)
         };
         Plot {
-            title: "Frames a second against multipliers".into(),
+            title: "Frames per second against multipliers".into(),
             x: Axis::log("multipliers (DSP48E1)"),
-            y: Axis::linear(format!("frames a second at {} MHz", self.clock_mhz)).from(0.0),
+            y: Axis::linear(format!("frames per second at {} MHz", self.clock_mhz)).from(0.0),
             size: SMALL,
             series: self.networks().iter().map(series).collect(),
         }

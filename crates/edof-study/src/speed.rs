@@ -201,9 +201,9 @@ impl Speed {
         Plot {
             title: format!("Error against speed: {}", of.title()),
             x: Axis::log(if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
-                "CPU seconds a megapixel, all threads; .board: cycles at the planned clock"
+                "CPU seconds per megapixel, all threads; .board: cycles at the planned clock"
             } else {
-                "seconds a megapixel"
+                "seconds per megapixel"
             }),
             y: min.map_or_else(|| axis.clone(), |min| axis.clone().from(min)),
             size: [900.0, 540.0],
@@ -343,12 +343,12 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
         "method",
         "PSNR dB",
         "SSIM",
-        "seconds a megapixel",
-        "CPU seconds a megapixel",
+        "seconds per megapixel",
+        "CPU seconds per megapixel",
         "seconds to prepare",
         "steps",
         "memory, MiB",
-        "non-zeros a patch",
+        "non-zeros per patch",
         "photos",
     ];
     let row = |p: &Point| {

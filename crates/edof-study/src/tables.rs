@@ -241,7 +241,7 @@ impl Study {
             "fixed point loses dB (most)",
             "non-zeros after each shrinkage",
             "saturations",
-            "multiplications a pixel, dense",
+            "multiplications per pixel, dense",
             "executed",
         ];
         let row = |n: &crate::summary::NetSummary| {
@@ -271,7 +271,7 @@ impl Study {
             let mean = summary::mean(seconds.into_iter());
             vec![subject.0.to_string(), subject.1.to_owned(), format!("{mean:.4}")]
         });
-        let header = ["method", "camera", "seconds a megapixel"].map(str::to_owned).to_vec();
+        let header = ["method", "camera", "seconds per megapixel"].map(str::to_owned).to_vec();
         Table { header, rows: rows.collect() }
     }
 }

@@ -1,4 +1,4 @@
-//! What a study's numbers say, in sentences for somebody who reads nothing else. Each is computed from the rows, whoever is ahead.
+//! Verdicts of a study in sentences, computed from the rows in either direction.
 
 use edof_metrics::paired::Paired;
 

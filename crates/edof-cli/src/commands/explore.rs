@@ -163,7 +163,10 @@ impl Args {
         }
         if found.is_empty() {
             let names = self.weights.join(", ");
-            return Err(Error::message(format!("no folding of {names} fits {}", self.device)));
+            return Err(Error::message(format!(
+                "no folding of {names} fits {}; choose a smaller network, or a design of smaller frames",
+                self.device
+            )));
         }
         Ok((base, found))
     }

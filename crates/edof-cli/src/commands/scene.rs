@@ -65,9 +65,9 @@ pub struct Drawing {
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
 
-    /// Depths from back to front, one or, for a scene at four depths, four: ψ, the defocus in radians (presets: 0 at the far end, 8
-    /// at the near end), or distances as in 1.5m if the camera states nominal_m [default: of a built-in scene the range's middle,
-    /// or four spread over the range]
+    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera
+    /// states nominal_m. One value; four, from back to front, for a scene at four depths [default of built-in scenes: the middle
+    /// of the range, or four values spread over the range]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     pub psi: Vec<Depth>,
 

@@ -90,13 +90,13 @@ pub enum JournalError {
     #[error("{path}: another process is adding rows to this file: wait for it, or name another file", path = .0.display())]
     Busy(PathBuf),
     /// Nothing in it, where rows were asked for.
-    #[error("{path}: contains no rows of a study", path = .0.display())]
+    #[error("{path}: contains no rows of a study; name a file that --rows wrote", path = .0.display())]
     Empty(PathBuf),
     /// Another file.
     #[error("{path}: line {line}: {reason}", path = path.display())]
     Line { path: PathBuf, line: usize, reason: String },
     /// The same row twice.
-    #[error("{path}: line {line}: contradicts an earlier line with the same key", path = path.display())]
+    #[error("{path}: line {line}: contradicts an earlier line with the same key; delete one of both", path = path.display())]
     Twice { path: PathBuf, line: usize },
     /// Rows that cannot be mixed with new ones.
     #[error("{path}: its rows are of {found}, this study is of {wanted}: {hint}", path = path.display())]

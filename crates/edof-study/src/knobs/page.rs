@@ -148,7 +148,7 @@ impl Knobs {
                 cells.extend(has_kernels.then(|| sides.unwrap_or_else(|| "–".to_owned())));
                 cells
             };
-            let header = [knob.unit, "", "PSNR dB", "to the default", "seconds a megapixel", "photos"];
+            let header = [knob.unit, "", "PSNR dB", "to the default", "seconds per megapixel", "photos"];
             let kernels = has_kernels.then_some("kernels, pixels");
             let header = header.into_iter().chain(kernels).map(str::to_owned).collect();
             (knob, Table { header, rows: own().map(row).collect() })
@@ -170,7 +170,7 @@ impl Knobs {
         let curve = Series::new("", Mark::Line, own().map(at)).coloured("#999999");
         Plot {
             title: knob.unit.into(),
-            x: if has_time { Axis::log("seconds a megapixel") } else { Axis::linear(knob.unit) },
+            x: if has_time { Axis::log("seconds per megapixel") } else { Axis::linear(knob.unit) },
             y: Axis::linear("PSNR (dB)"),
             size: SMALL,
             series: std::iter::once(curve).chain(each).collect(),

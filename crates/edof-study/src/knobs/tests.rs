@@ -144,7 +144,7 @@ fn a_curve_is_random_against_time_where_the_knob_changes_it_and_there_are_photog
         let others = rows.iter().map(|row| Row { image: "q".into(), ..row.clone() });
         let all: Vec<Row> = rows.iter().cloned().chain(others).collect();
         let of = |rows: &[Row]| Knobs::new(rows, "m".into()).unwrap().report("edof").to_html();
-        [of(&rows), of(&all)].map(|html| html.contains(">seconds a megapixel</text>"))
+        [of(&rows), of(&all)].map(|html| html.contains(">seconds per megapixel</text>"))
     };
     assert_eq!(twice("atoms"), [false, true]);
     assert_eq!(twice("noise-class"), [false, false]);

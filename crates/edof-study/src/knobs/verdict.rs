@@ -49,8 +49,9 @@ impl Knobs {
         };
         let by = compared(&gain).trim_start_matches("better by ").to_owned();
         let (name, unit) = (default.knob.name, default.knob.unit);
+        let unit = if unit == name { String::new() } else { format!(" ({unit})") };
         Some(format!(
-            "{name} ({unit}): {} is better than the default, {}, by {by}{time}.",
+            "{name}{unit}: {} is better than the default, {}, by {by}{time}.",
             best.value, default.value
         ))
     }

@@ -1,8 +1,10 @@
 //! Which network behind which camera is better, at each noise level.
 
 use super::{MethodSummary, Study, by_photo};
+use crate::pictures::capitalised;
 use crate::tables::noise_words;
 use crate::verdict::{compared, is_ahead};
+use edof_camera::camera::{Camera, PRESETS};
 use edof_image::Noise;
 use edof_methods::method::{Family, Format, Method};
 use edof_metrics::paired::Paired;
@@ -26,14 +28,13 @@ impl Study {
         let each: Vec<String> =
             noises.iter().filter_map(|&noise| self.sentence(subject, other, noise)).collect();
         let is_network = rival.identity.format.is_some();
-        let role =
-            if is_network { ", the best network behind another camera" } else { " of the same frames" };
+        let role = if is_network { ", the best network behind another lens" } else { ", on the same frames" };
         Some(format!(
-            "{}, camera {}, against {}, camera {}{role}. {}",
+            "{} with {}, compared with {} with {}{role}. {}",
+            capitalised(&lens(&own.camera)),
             own.identity,
-            own.camera,
+            lens(&rival.camera),
             rival.identity,
-            rival.camera,
             each.join(" ")
         ))
     }
@@ -56,17 +57,30 @@ impl Study {
         let joint = if is_ahead(&average) == is_ahead(&farthest) { "and" } else { "but" };
         Some(format!(
             "{}: it is {} on average over ψ, {joint} {} at ψ = {far}.",
-            capitalised(noise),
+            condition(noise),
             compared(&average),
             compared(&farthest)
         ))
     }
 }
 
+/// A camera by its name, and for a preset whether it has a mask.
+fn lens(camera: &str) -> String {
+    let preset = PRESETS.iter().find(|(name, _)| *name == camera);
+    match preset.and_then(|(name, text)| Camera::from_json(text, name).ok()) {
+        Some(known) if known.rings.is_empty() && known.profile.is_none() => {
+            format!("the clear lens {camera}")
+        }
+        Some(_) => format!("the coded lens {camera}"),
+        None => format!("camera {camera}"),
+    }
+}
+
 /// The beginning of a sentence about a noise level.
-fn capitalised(noise: Noise) -> String {
+fn condition(noise: Noise) -> String {
     match noise {
         Noise::None => "Without noise".to_owned(),
+        Noise::Sensor(_) => format!("With {}", noise_words(noise).replacen("sensor", "sensor noise", 1)),
         noise => format!("At {}", noise_words(noise)),
     }
 }
@@ -87,8 +101,8 @@ mod tests {
                     camera: camera.into(),
                     ..row(&network(name), image, psi, noise, db)
                 };
-                rows.push(of("coded-net", "ring", 0.0, near + luck));
-                rows.push(of("coded-net", "ring", 8.0, far + luck));
+                rows.push(of("coded-net", "ring-outer", 0.0, near + luck));
+                rows.push(of("coded-net", "ring-outer", 8.0, far + luck));
                 rows.push(of("clear-net", "clear", 0.0, 34.0));
                 rows.push(of("clear-net", "clear", 8.0, 34.0));
             }
@@ -101,8 +115,8 @@ mod tests {
         let verdict = study(&[(Noise::None, 35.0, 36.0)]).verdict().unwrap();
         assert_eq!(
             verdict,
-            "coded-net.float, camera ring, against clear-net.float, camera clear, the best network behind another camera. \
-             Without noise: it is better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00 ± 0.10 dB at ψ = 8."
+            "The coded lens ring-outer with coded-net.float, compared with the clear lens clear with clear-net.float, the best network \
+             behind another lens. Without noise: it is better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00 ± 0.10 dB at ψ = 8."
         );
     }
 
@@ -118,7 +132,12 @@ mod tests {
             "{verdict}"
         );
         let verdict = study(&[(Noise::None, 33.0, 32.0)]).verdict().unwrap();
-        assert!(verdict.starts_with("clear-net.float, camera clear, against coded-net.float"), "{verdict}");
+        assert!(
+            verdict.starts_with(
+                "The clear lens clear with clear-net.float, compared with the coded lens ring-outer"
+            ),
+            "{verdict}"
+        );
         assert!(
             verdict.contains("better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00"),
             "{verdict}"
@@ -134,7 +153,7 @@ mod tests {
         let verdict = Study::of(rows).verdict().unwrap();
         assert_eq!(
             verdict,
-            "n.float, camera clear, against demosaic-malvar, camera clear of the same frames. Without noise: it is worse by \
+            "The clear lens clear with n.float, compared with the clear lens clear with demosaic-malvar, on the same frames. Without noise: it is worse by \
              1.50 dB on average over ψ, and worse by 1.50 dB at ψ = 0."
         );
         assert_eq!(Study::of(vec![]).verdict(), None);

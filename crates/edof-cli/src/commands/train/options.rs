@@ -86,7 +86,7 @@ pub struct Args {
     pub(super) noiseless: Option<usize>,
 
     /// Range MIN:MAX of the random factor on the light of each window; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors, allow_hyphen_values = true)]
     pub(super) exposure: Option<[f64; 2]>,
 
     /// Pictures per photograph: the photograph, and copies with random saturation, hue and scale; 1 is the photograph only
@@ -94,7 +94,7 @@ pub struct Args {
     pub(super) variants: Option<usize>,
 
     /// Range MIN:MAX of the copies' random saturation; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors, allow_hyphen_values = true)]
     pub(super) saturation: Option<[f64; 2]>,
 
     /// Largest random hue rotation of the copies in degrees; 0 leaves the hue unchanged
