@@ -40,6 +40,8 @@ pub const NAMES: &[Row] = &[
     ("design check", "dn-lines.json", &["dn-lines.json: name 'a\u{fffd}b': ", PLAIN]),
     ("design check", "dn-far.json", &["dn-far.json: name '设计': ", PLAIN]),
     ("design check", "dn-long.json", &["dn-long.json: name 'xxx", "…' (65 characters): ", PLAIN]),
+    ("design new --form edof-t4w12 --out o.json", "--name a/b", &["--name: name 'a/b': ", PLAIN]),
+    ("design new --form edof-t4w12 --out new,design.json", "", &["--name: name 'new,design': ", PLAIN]),
     ("estimate", "--design dn-slash.json", &["dn-slash.json: name 'a/b': ", PLAIN]),
     (
         "generate --weights paper-t4 --out o",
@@ -150,7 +152,7 @@ pub const NUMBERS: &[Row] = &[
         &["'0' for '--external-seconds <SECONDS>'", "must be 1 or more"],
     ),
     ("study blind", "--side 0", &["'0' for '--side <PIXELS>'", "must be 3 to 99"]),
-    ("board info", "--baud 0", &["'0' for '--baud <BITS>'", "must be 1 or more"]),
+    ("board info", "--baud 0", &["'0' for '--baud <BITS>'", "must be 1 to 4294967295"]),
     (
         "random-network --out o",
         "--form two-sided,w8,t2,c8,c16",

@@ -23,7 +23,7 @@ fn of_range(text: &str) -> Option<String> {
     let largest = high
         .strip_prefix('=')
         .map_or_else(|| high.parse::<u64>().map(|end| end.saturating_sub(1)).ok(), |last| last.parse().ok());
-    Some(match largest.filter(|last| *last < u64::from(u32::MAX)) {
+    Some(match largest.filter(|last| *last <= u64::from(u32::MAX)) {
         Some(last) => format!("must be {low} to {last}"),
         None => format!("must be {low} or more"),
     })

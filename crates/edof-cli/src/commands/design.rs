@@ -59,7 +59,7 @@ struct New {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
-    /// Name of the design [default: OUT without its extension]
+    /// Name of the design: letters, digits, '-', '_' and '.' [default: OUT without its extension]
     #[arg(long)]
     name: Option<String>,
 
@@ -159,6 +159,7 @@ impl New {
         let option = match text.split([' ', ':']).next().unwrap_or_default() {
             "clock_mhz" => format!("--clock-mhz {}: ", edof_image::words::number(self.clock_mhz)),
             "frame" => format!("--size {}: ", self.size),
+            "name" => "--name: ".to_owned(),
             "form.codes" | "stages" | "layers" => "--form: ".to_owned(),
             _ => String::new(),
         };
