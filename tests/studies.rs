@@ -24,7 +24,7 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     assert_eq!(rows.lines().count(), first.lines().count() + 1, "{rows}");
     assert!(out.contains("net.float/s8 is faster than omp/s8") && out.contains("wiener"), "{out}");
     let page = std::fs::read_to_string(place.path("m.md")).unwrap();
-    assert!(page.contains("| net.float/s8 less omp/s8 | at least 0 dB |"), "{page}");
+    assert!(page.contains("| net.float/s8 minus omp/s8 | at least 0 dB |"), "{page}");
     let report = std::fs::read_to_string(place.path("r.html")).unwrap();
     assert!(report.contains("<svg") && !report.contains("src=\"http"));
     assert!(std::fs::read_to_string(place.path("p.svg")).unwrap().starts_with("<svg"));

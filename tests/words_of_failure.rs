@@ -1,10 +1,12 @@
 //! What a failure says: the file that the user named, the option as it was given, the limit that was passed, and what to do; nothing of
 //! Rust. One row is a command and what its one line must hold.
 
+mod names;
 mod rows;
 mod strange;
 
 use crate::support::{Place, forge};
+use names::{BEHIND, CONTRADICTIONS, NAMES, NUMBERS};
 use rows::{ARRAYS, FILES, OPTIONS, Row};
 use std::io::Write;
 use strange::{SCENES, STRANGE, USAGE};
@@ -77,6 +79,7 @@ fn ready() -> Place {
     cameras(&place);
     designs(&place);
     banks(&place);
+    names(&place);
     place.write("bomb.png", png_of(60_000, 60_000));
     place.write("scene-depth.json", r#"{"layers": [{"picture": "photo.png", "depth": [1]}]}"#);
     place.write("scene-size.json", r#"{"layers": [{"picture": "photo.png", "depth": 1, "size": 3}]}"#);
@@ -114,6 +117,42 @@ const MASK: &str =
 /// A ring of a NaN wavelength.
 const RINGS: &str =
     r#""rings": [{ "inner": 0.2, "outer": 0.5, "delay": { "phase": { "rad": 6.8, "at_nm": 0 } } }]"#;
+
+/// Names that no message can show, and that can be no part of a path; JSON with something behind its end.
+fn names(place: &Place) {
+    let (own, small) = ("\"name\": \"clear\"", "\"name\": \"tiny\"");
+    place.write("n-empty.json", camera(own, "\"name\": \"\""));
+    place.write("n-blank.json", camera(own, "\"name\": \"   \""));
+    place.write("n-lines.json", camera(own, "\"name\": \"two\\nlines\""));
+    place.write("n-bell.json", camera(own, "\"name\": \"ding\\u0007\""));
+    place.write("n-long.json", camera(own, &format!("\"name\": \"{}\"", "x".repeat(5000))));
+    place.write("n-bank.json", camera("\"rings\"", "\"psf_bank\": { \"file\": \"\" }, \"rings\""));
+    place.write("n-more.json", include_str!("../cameras/clear.json").to_owned() + "}\n");
+    for (name, text) in [
+        ("empty", ""),
+        ("slash", "a/b"),
+        ("up", ".."),
+        ("hidden", ".tiny"),
+        ("dash", "-tiny"),
+        ("blank", "my design"),
+        ("quote", "a\\\"b"),
+        ("lines", "a\\nb"),
+        ("far", "设计"),
+        ("long", &"x".repeat(65)),
+    ] {
+        place.write(&format!("dn-{name}.json"), design(small, &format!("\"name\": \"{text}\"")));
+    }
+    place.write("d-more.json", include_str!("../designs/tiny.json").to_owned() + "\n\n{}");
+    place.write("d-nan.json", design("\"clock_mhz\": 100.0", "\"clock_mhz\": NaN"));
+    place.write("d-slow.json", design("\"clock_mhz\": 100.0", "\"clock_mhz\": 1e-300"));
+    place.write("scene-more.json", r#"{"layers": []} []"#);
+    let header = br#"{"psi":{"dtype":"F64","shape":[1],"data_offsets":[0,8]}} x"#;
+    place.write("more.safetensors", [&(header.len() as u64).to_le_bytes()[..], header, &[0; 8]].concat());
+    place.write("rows.jsonl", "{}\n");
+    place.write("noise.jsonl", "no rows\n");
+    std::fs::create_dir(place.path("cases")).unwrap();
+    place.write("cases/a.json", "{} x");
+}
 
 fn designs(place: &Place) {
     place.write("mine.json", include_str!("../designs/tiny.json"));
@@ -242,6 +281,8 @@ fn strange() -> Place {
     record("r-psi.png", "psi", serde_json::json!(["x"]));
     record("r-hash.png", "sha256", "abc".into());
     record("r-text.png", "depth", "12".into());
+    std::fs::copy(place.path("taken.png"), place.path("r-more.png")).unwrap();
+    place.write("r-more.png.json", format!("{taken}\n{{}}"));
     for (name, from, to) in [
         ("g-bits.json", "\"code_bits\": 16", "\"code_bits\": 17"),
         ("g-sum.json", "\"accumulator_bits\": 48", "\"accumulator_bits\": 64"),
@@ -296,6 +337,26 @@ fn a_failure_of_a_file_names_the_file_that_was_given() {
 #[test]
 fn arrays_of_other_programs_are_rejected_by_name() {
     every_row_says_what_and_what_to_do(ARRAYS);
+}
+
+#[test]
+fn illegal_names_are_rejected_with_the_legal_characters() {
+    every_row_says_what_and_what_to_do(NAMES);
+}
+
+#[test]
+fn text_after_the_end_of_json_is_reported_with_its_line() {
+    every_row_says_what_and_what_to_do(BEHIND);
+}
+
+#[test]
+fn options_that_contradict_each_other_are_rejected() {
+    every_row_says_what_and_what_to_do(CONTRADICTIONS);
+}
+
+#[test]
+fn words_in_place_of_numbers_are_rejected_in_plain_words() {
+    every_row_ends_with(&ready(), NUMBERS, (2, "error: "));
 }
 
 #[test]

@@ -65,6 +65,14 @@ pub const SCENES: &[Row] = &[
         REREAD,
         &["--white-level -3: r-white.png.json says 0; leave --white-level out"],
     ),
+    (
+        "reconstruct r-more.png",
+        REREAD,
+        &[
+            "r-more.png.json: invalid raw-frame record: extra text after the end of the JSON, at line 2",
+            "fix or delete the file",
+        ],
+    ),
     ("reconstruct r-balance.png", REREAD, &["r-balance.png.json", "a list of 2, expected a list of 3"]),
     ("reconstruct r-dark.png", REREAD, &["r-dark.png.json", "white balance '0,1,1': must be factors"]),
     ("reconstruct r-matrix.png", REREAD, &["r-matrix.png.json", "a list of 1, expected a list of 3"]),
@@ -261,7 +269,7 @@ pub const USAGE: &[Row] = &[
         "--exposure 1:1e39",
         &["'1:1e39' for '--exposure", "too large: expected a number of at most 3.4e38"],
     ),
-    (TRAIN, "--saturation 2:1", &["'2:1' for '--saturation", "expected LOW:HIGH, as in 0:8"]),
+    (TRAIN, "--saturation 2:1", &["'2:1' for '--saturation", "expected LOW:HIGH, as in 0.5:2"]),
     (TRAIN, "--minutes -1", &["'-1' for '--minutes", "expected a number of minutes above 0"]),
     (TRAIN, "--seed -1", &["'-1' for '--seed"]),
     (TRAIN, "--rate x", &["'x' for '--rate", "expected a number"]),

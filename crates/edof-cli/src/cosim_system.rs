@@ -244,7 +244,7 @@ fn check_room(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<(), Erro
         return Ok(());
     }
     Err(Error::message(format!(
-        "{width}x{height}, must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size",
+        "{width}x{height}, must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size, or fewer --frames",
         needed.0, needed.1, frame.width, frame.height
     )))
 }

@@ -53,10 +53,12 @@ pub struct Told {
 }
 
 impl Board {
+    /// The board of a design that the user `given` named so.
+    ///
     /// # Errors
     /// Design and network do not fit each other.
-    pub fn of(design: Design, network: FixedNetwork) -> Result<Self, Error> {
-        designs::fits(&design, &network)?;
+    pub fn of(design: Design, given: &str, network: FixedNetwork) -> Result<Self, Error> {
+        designs::fits_given(&design, given, &network)?;
         let sources = Sources::of(&design, &network)?;
         Ok(Self { design, network, sources })
     }

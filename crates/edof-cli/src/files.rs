@@ -102,6 +102,12 @@ impl Files {
                 folder.display()
             )));
         }
+        if let Some((option, file)) = self.written.iter().find(|(_, file)| is_named_as_folder(file)) {
+            return Err(Error::message(format!(
+                "{option} {}: is the name of a folder, expected a file's",
+                file.display()
+            )));
+        }
         let read: Vec<(&PathBuf, PathBuf)> = self.read.iter().map(|file| (file, canonical(file))).collect();
         let mut seen: Vec<(&str, PathBuf)> = vec![];
         for (option, file) in &self.written {
@@ -149,6 +155,11 @@ fn canonical(file: &Path) -> PathBuf {
     })
 }
 
+/// Whether a name that no folder has ends as those of folders do.
+fn is_named_as_folder(file: &Path) -> bool {
+    file.as_os_str().as_encoded_bytes().ends_with(b"/") && !file.is_dir()
+}
+
 /// Devices and pipes keep nothing that could be lost.
 fn is_device(file: &Path) -> bool {
     std::fs::metadata(file).is_ok_and(|what| !what.is_file() && !what.is_dir())
@@ -192,6 +203,12 @@ mod tests {
             let tells = sources(&entry).contains("Files::new(ui)");
             assert!(tells || entry == folder.join("mod.rs"), "{}", entry.display());
         }
+    }
+
+    #[test]
+    fn a_file_may_not_have_the_name_of_a_folder() {
+        let error = files().writes("--out", "nothere/").check().unwrap_err().to_string();
+        assert_eq!(error, "--out nothere/: is the name of a folder, expected a file's");
     }
 
     #[test]

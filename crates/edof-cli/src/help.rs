@@ -1,5 +1,6 @@
 //! Screens of help: examples first, then arguments, then options in groups.
 
+use crate::commands::train;
 use clap::{Arg, Command};
 
 /// What a screen shows, and in which order.
@@ -169,6 +170,7 @@ fn below(command: Command, path: &str) -> Command {
 
 fn in_its_group(arg: Arg, path: &str) -> Arg {
     let Some(name) = arg.get_long().map(str::to_owned) else { return arg };
+    let arg = if path == "train" { with_default(arg, &name) } else { arg };
     let own =
         COMMANDS.iter().filter(|(command, _)| is_below(path, command)).flat_map(|(_, groups)| groups.iter());
     let everywhere = EVERYWHERE
@@ -178,6 +180,13 @@ fn in_its_group(arg: Arg, path: &str) -> Arg {
         Some((heading, _)) => arg.help_heading(*heading),
         None => arg,
     }
+}
+
+/// An option of `edof train` with the default that it has in the usual recipe.
+fn with_default(arg: Arg, name: &str) -> Arg {
+    let (Some(default), Some(help)) = (train::default_of(name), arg.get_help()) else { return arg };
+    let help = format!("{help} [default: {default}]");
+    arg.help(help)
 }
 
 /// Whether a command is another one or below it.
@@ -190,6 +199,7 @@ mod tests {
     use super::*;
     use crate::Cli;
     use clap::CommandFactory;
+    use edof_train::recipe::Recipe;
 
     fn each(command: &Command, path: &str, visit: &mut impl FnMut(&Command, &str)) {
         visit(command, path);
@@ -211,6 +221,36 @@ mod tests {
             }
         });
         assert!(many > 12 && loose.is_empty(), "{many} commands, not in a group: {loose:?}");
+    }
+
+    #[test]
+    fn training_shows_the_defaults_of_its_recipe() {
+        let command = arranged(Cli::command());
+        let train = command.find_subcommand("train").unwrap();
+        let help = |name: &str| {
+            let arg = train.get_arguments().find(|arg| arg.get_long() == Some(name)).unwrap();
+            arg.get_help().unwrap().to_string()
+        };
+        let recipe = |form: &str| Recipe::new(crate::form::parse(form).unwrap());
+        let (own, papers) = (recipe("edof-t4w12"), recipe("paper-t4"));
+        for (name, default) in [
+            ("steps", own.steps.to_string()),
+            ("batch", own.batch.to_string()),
+            ("noise", own.conditions.noise.to_string()),
+            ("gain", own.conditions.gain.to_string()),
+            ("patience", own.patience.to_string()),
+            ("rate", format!("{} for edof-t4w12, {} for paper-t4", own.rate, papers.rate)),
+        ] {
+            assert!(help(name).ends_with(&format!(" [default: {default}]")), "--{name}: {}", help(name));
+        }
+        let silent =
+            ["from", "form", "camera", "psf-bank", "images", "photos", "leave-out", "out", "name", "depths"];
+        for arg in train.get_arguments().filter(|arg| arg.get_action().takes_values()) {
+            let (Some(name), Some(help)) = (arg.get_long(), arg.get_help()) else { continue };
+            let known =
+                ["minutes", "psi", "threads", "json", "progress"].contains(&name) || silent.contains(&name);
+            assert!(known || help.to_string().contains("[default: "), "--{name} shows no default");
+        }
     }
 
     #[test]

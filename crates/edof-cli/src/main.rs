@@ -13,6 +13,7 @@
 //! | what a network runs on | [`device`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | errors that name the option and the file | [`said`] |
+//! | what is wrong with options, in plain words | [`usage`] |
 //! | screens of help: examples first, options in groups | [`help`] |
 //! | windows to feed the hardware with | [`windows`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
@@ -37,6 +38,7 @@ mod provenance;
 mod said;
 mod scene_file;
 mod ui;
+mod usage;
 mod windows;
 mod words;
 
@@ -154,8 +156,8 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 
 fn run() -> Result<(), Error> {
     let mut command = help::arranged(with_negative_numbers(Cli::command()));
-    let matches = command.get_matches_mut();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.format(&mut command).exit());
+    let matches = command.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(|e| usage::exit(&e));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| usage::exit(&e.format(&mut command)));
     interrupt::install()?;
     let made = (provenance::of_run(&matches, &command), provenance::whole_command(&matches, &command));
     let ui = Ui::new(cli.json, cli.quiet, cli.progress, made.0, made.1);

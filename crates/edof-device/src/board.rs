@@ -97,7 +97,11 @@ pub fn calculator_clock(design: &Design) -> Result<MadeClock, DesignError> {
             around.into_iter().chain(above).map(|khz| (khz as f64 / 1e3).to_string()).collect();
         let memory = f64::from(CORE_KILOHERTZ) / 1e3;
         let expected = format!("a clock that an MMCM makes of {memory} MHz, such as {}", named.join(" or "));
-        DesignError::Field { field: "clock_mhz".into(), value: design.clock_mhz.to_string(), expected }
+        DesignError::Field {
+            field: "clock_mhz".into(),
+            value: edof_image::words::number(design.clock_mhz),
+            expected,
+        }
     })
 }
 

@@ -235,8 +235,16 @@ fn reason(bytes: &[u8], format: ImageFormat, error: &ImageError) -> String {
                 "{width}x{height} pixels, more than the 512 MiB of samples that are read; cut or shrink it"
             )
         }
-        (error, _) => error.to_string(),
+        (error, _) => plain(&error.to_string()),
     }
+}
+
+/// A decoder's words without the names that Rust has for its values.
+fn plain(text: &str) -> String {
+    if text.contains("ChunkType {") {
+        return "its chunks are not those of a PNG".to_owned();
+    }
+    text.to_owned()
 }
 
 /// By the decoders that are compiled in their own crate, where there are any: generic ones would all be compiled here again.

@@ -21,11 +21,31 @@ pub fn parse(text: &str) -> Result<Form, String> {
         linear_path: false,
         tied: false,
     };
+    let mut given: Vec<&str> = vec![];
     for word in text.split(',').map(str::trim) {
         apply(&mut form, word)?;
+        if !given.is_empty() && PRESETS.contains(&word) {
+            return Err(format!("keyword '{word}': must be the first one; those after it change that form"));
+        }
+        if let Some(other) = given.iter().find(|other| subject(other) == subject(word)) {
+            return Err(format!("keywords '{other}' and '{word}' set the same thing; leave one out"));
+        }
+        given.push(word);
     }
     form.check().map_err(|e| e.to_string())?;
     Ok(form)
+}
+
+/// Forms of whole networks.
+const PRESETS: [&str; 2] = ["paper-t4", "edof-t4w12"];
+
+/// What a keyword sets: numbers are known by their first letter.
+fn subject(word: &str) -> &str {
+    match word {
+        "one-sided" | "two-sided" => "sided",
+        word if word.ends_with(|c: char| c.is_ascii_digit()) && !PRESETS.contains(&word) => &word[..1],
+        word => word,
+    }
 }
 
 fn apply(form: &mut Form, word: &str) -> Result<(), String> {
@@ -84,6 +104,12 @@ mod tests {
     fn a_form_that_no_network_has_is_rejected() {
         assert_eq!(parse("w9").unwrap_err(), "window 9: must be 8, 12 or 16");
         assert_eq!(parse("t11").unwrap_err(), "layers 11: must be 2 to 10");
+        assert_eq!(
+            parse("c8,t2,c16").unwrap_err(),
+            "keywords 'c8' and 'c16' set the same thing; leave one out"
+        );
+        assert!(parse("one-sided,two-sided").unwrap_err().contains("set the same thing"));
+        assert!(parse("t2,edof-t4w12").unwrap_err().contains("keyword 'edof-t4w12': must be the first"));
         assert!(parse("w8,three").unwrap_err().starts_with("unknown keyword 'three'"));
     }
 }

@@ -173,9 +173,9 @@ impl std::str::FromStr for DepthRange {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (near, far) = text
-            .split_once(':')
-            .ok_or_else(|| format!("range '{text}': must be NEAR:FAR, as in 8:0 or 0.7m:3m"))?;
+        let (near, far) = text.split_once(':').ok_or_else(|| {
+            format!("range '{text}': must be two depths with a colon between, as in 8:0 or 0.7m:3m")
+        })?;
         Ok(Self { near: near.parse()?, far: far.parse()? })
     }
 }

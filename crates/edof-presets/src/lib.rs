@@ -33,7 +33,11 @@ use std::path::{Path, PathBuf};
 
 /// What is there in place of a file.
 fn found(name: &str) -> &'static str {
-    if Path::new(name).is_dir() { "is a folder" } else { "no such file" }
+    match name {
+        "" => "the name is empty",
+        name if Path::new(name).is_dir() => "is a folder",
+        _ => "no such file",
+    }
 }
 
 /// A word that names nothing, or a file that cannot be used.

@@ -27,7 +27,7 @@ pub enum ArraysError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// A device or a folder.
-    #[error("{path}: not a regular file", path = path.display())]
+    #[error("{path}: not a regular file, expected an NPZ, NPY or safetensors file", path = path.display())]
     NoFile { path: PathBuf },
     /// Far too long.
     #[error("{path}: {found} bytes, at most {} are read", json::size(MAX_BYTES), path = path.display())]

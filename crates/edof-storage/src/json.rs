@@ -54,13 +54,22 @@ pub fn size(bytes: u64) -> String {
 /// ```
 #[must_use]
 pub fn words(error: &serde_json::Error) -> String {
+    let (reason, place) = (reason(error), place(error));
+    if reason == EMPTY || !error.to_string().ends_with(&place) { reason } else { format!("{reason},{place}") }
+}
+
+/// What is wrong with JSON that has one line, without the place.
+#[must_use]
+pub fn reason(error: &serde_json::Error) -> String {
     let text = error.to_string();
-    let place = format!(" at line {} column {}", error.line(), error.column());
-    let (told, place) = match text.strip_suffix(&place) {
-        Some(told) if error.line() > 0 => (told, format!(",{place}")),
-        _ => (text.as_str(), String::new()),
-    };
-    let plain = match told {
+    match text.strip_suffix(&place(error)).unwrap_or(&text) {
+        "trailing characters" => "extra text after the end of the JSON".to_owned(),
+        "expected value" | "expected ident" => {
+            "no JSON value (texts need quotes; NaN and Infinity are not JSON)".to_owned()
+        }
+        told if told.starts_with("EOF while parsing") && error.column() == 0 && error.line() == 1 => {
+            EMPTY.to_owned()
+        }
         told if told.starts_with("EOF while parsing") => "ends too early".to_owned(),
         told => match told.strip_prefix("invalid type: ").or_else(|| told.strip_prefix("invalid value: ")) {
             Some(rest) => found_and_expected(rest),
@@ -69,8 +78,15 @@ pub fn words(error: &serde_json::Error) -> String {
                 None => told.replace("variant", "value"),
             },
         },
-    };
-    plain + &place
+    }
+}
+
+/// Said of a file of no bytes, which has no place.
+const EMPTY: &str = "ends too early: the file is empty";
+
+/// The end of an error's text that states its place.
+fn place(error: &serde_json::Error) -> String {
+    format!(" at line {} column {}", error.line(), error.column())
 }
 
 /// `map, expected f64` in words.
@@ -135,6 +151,11 @@ mod tests {
         Big,
     }
 
+    const NO_VALUE: &str =
+        "no JSON value (texts need quotes; NaN and Infinity are not JSON), at line 1 column 10";
+    /// A whole value, and text that an editor left after it.
+    const WHOLE_AND_MORE: &str = "{\"size\": 1, \"pair\": [1, 2], \"kind\": \"big\", \"names\": []}\n }";
+
     fn refused(text: &str) -> String {
         words(&parse::<Thing>(text).unwrap_err())
     }
@@ -150,6 +171,9 @@ mod tests {
             ("{\"pair\": {}}", "an object, expected a list of 2, at line 1 column 9"),
             ("{\"kind\": \"small\"}", "unknown value `small`, expected `big`, at line 1 column 16"),
             ("{\"names\": \"x\"}", "the text \"x\", expected a list, at line 1 column 13"),
+            ("", "ends too early: the file is empty"),
+            ("{\"size\": NaN", NO_VALUE),
+            (WHOLE_AND_MORE, "extra text after the end of the JSON, at line 2 column 2"),
             ("{\"size\": 1", "ends too early, at line 1 column 10"),
             (
                 "{\"sizes\": 1}",

@@ -7,6 +7,7 @@
 //! | SHA-256 of contents | [`digest`] |
 //! | arrays in files of other programs (`.npz`, safetensors) | [`arrays`] |
 //! | JSON that a person wrote | [`json`] |
+//! | names that files give to what they describe | [`name`] |
 //! | command, version, inputs and machine behind a result | [`provenance`] |
 //!
 //! Formats of photographs and raw frames are in `edof-io`.
@@ -16,4 +17,5 @@ pub mod atomic;
 pub mod digest;
 pub mod folder;
 pub mod json;
+pub mod name;
 pub mod provenance;

@@ -1,6 +1,7 @@
 //! What foldings of networks are worth: dB against cycles, multipliers and frames per second, and which of them are Pareto-optimal.
 
 use crate::made::Made;
+use crate::verdict::listed;
 use edof_report::Report;
 use edof_report::Table;
 use edof_report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
@@ -40,32 +41,35 @@ pub struct Foldings {
     pub design: String,
     /// Clock in MHz: planned, not measured.
     pub clock_mhz: f64,
+    /// Frames per second that a verdict asks of a folding.
+    pub required_frames_per_second: f64,
     /// Device that all of them fit.
     pub device: String,
     /// What they were measured on.
     pub pictures: String,
 }
 
-const TITLE: &str = "Networks that fit the board: dB against cycles, multipliers and frames a second";
+const TITLE: &str = "Networks that fit the board: dB against cycles, multipliers and frames per second";
 
 impl Foldings {
     /// The front for a terminal.
     #[must_use]
     pub fn to_text(&self) -> String {
-        self.front().to_text().trim_end().to_owned()
+        format!("{}\n\n{}", self.verdict(), self.front().to_text().trim_end())
     }
 
     /// The same as a Markdown page; `command` is the command that makes it again.
     #[must_use]
     pub fn to_markdown(&self, made: &Made) -> String {
-        format!("# {TITLE}\n\n{made}\n\n{}\n\n{}", self.explanation(), self.front().to_markdown())
+        let verdict = listed(&[self.verdict()]);
+        format!("# {TITLE}\n\n{made}\n\n{verdict}{}\n\n{}", self.explanation(), self.front().to_markdown())
     }
 
     /// A report with a diagram for each figure.
     #[must_use]
     pub fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.paragraph(&self.explanation()).made_by(command);
+        report.verdict(&self.verdict()).paragraph(&self.explanation()).made_by(command);
         report.plots(&[
             self.plot("cycles per patch", |f| f.cycles_per_patch),
             self.plot("multipliers (DSP48E1)", |f| f.dsp48e1 as f64),
@@ -77,10 +81,64 @@ impl Foldings {
         report
     }
 
+    /// The best network that is fast enough, its cheapest folding, and how far all others get.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let required = self.required_frames_per_second;
+        let fast = self.foldings.iter().filter(|f| f.frames_per_second >= required);
+        let better = |a: &&Folding, b: &&Folding| {
+            a.psnr_db
+                .total_cmp(&b.psnr_db)
+                .then(b.dsp48e1.cmp(&a.dsp48e1))
+                .then(b.ramb36.total_cmp(&a.ramb36))
+        };
+        let best = fast.clone().max_by(better);
+        let one = |f: &Folding| {
+            format!(
+                "{} (camera {}), has {:.2} dB at {:.1} frames per second with {} multipliers (DSP48E1)",
+                f.network, f.camera, f.psnr_db, f.frames_per_second, f.dsp48e1
+            )
+        };
+        let clock = format!("at the planned {} MHz", self.clock_mhz);
+        let Some(best) = best else {
+            let fastest =
+                self.foldings.iter().max_by(|a, b| a.frames_per_second.total_cmp(&b.frames_per_second));
+            return fastest.map_or_else(String::new, |fastest| {
+                format!(
+                    "No network reaches {required} frames per second {clock}. The fastest one, {}.",
+                    one(fastest)
+                )
+            });
+        };
+        let others: Vec<String> = self
+            .networks()
+            .into_iter()
+            .filter(|name| *name != best.network)
+            .filter_map(|name| {
+                let own = || self.foldings.iter().filter(|f| f.network == name);
+                let cheapest = own().filter(|f| f.frames_per_second >= required).max_by(better);
+                let fastest = own().map(|f| f.frames_per_second).reduce(f64::max)?;
+                Some(cheapest.map_or_else(
+                    || format!("{name} reaches {fastest:.1} frames per second at most"),
+                    |f| {
+                        let less = best.psnr_db - f.psnr_db;
+                        format!("{name} has {less:.2} dB less, with {} multipliers", f.dsp48e1)
+                    },
+                ))
+            })
+            .collect();
+        let others =
+            if others.is_empty() { String::new() } else { format!(" Others: {}.", others.join("; ")) };
+        format!(
+            "Of the networks that reach {required} frames per second {clock}, the best one, {}.{others}",
+            one(best)
+        )
+    }
+
     fn explanation(&self) -> String {
         format!(
             "Every folding that fits a {}, by the cycle model on {}, with the picture and the clock of design {} ({} MHz, planned). Frames \
-             a second are cycles at that clock: computed, measured on no board; multipliers and block RAM are exact. PSNR is that of each network behind its \
+             per second are cycles at that clock: computed, measured on no board; multipliers and block RAM are exact. PSNR is that of each network behind its \
              own camera, so networks of different cameras are different lenses too. The front holds what no other folding of any network beats in dB, cycles, multipliers and block RAM at once.",
             self.device, self.pictures, self.design, self.clock_mhz
         )
@@ -91,9 +149,9 @@ impl Foldings {
             "network",
             "camera",
             "PSNR dB",
-            "cycles a patch",
+            "cycles per patch",
             "worst picture",
-            "frames a second",
+            "frames per second",
             "DSP48E1",
             "RAMB36E1",
             "lanes×rows",
@@ -151,9 +209,9 @@ impl Foldings {
             Series::new(*name, Mark::LineAndPoints, points)
         };
         Plot {
-            title: "Frames a second against multipliers".into(),
+            title: "Frames per second against multipliers".into(),
             x: Axis::log("multipliers (DSP48E1)"),
-            y: Axis::linear(format!("frames a second at {} MHz", self.clock_mhz)).from(0.0),
+            y: Axis::linear(format!("frames per second at {} MHz", self.clock_mhz)).from(0.0),
             size: SMALL,
             series: self.networks().iter().map(series).collect(),
         }
@@ -179,19 +237,52 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_table_holds_the_front_and_the_diagrams_every_network() {
-        let study = Foldings {
-            foldings: vec![
-                folding("a", 30.0, 200.0, 100, true),
-                folding("a", 30.0, 100.0, 400, true),
-                folding("b", 29.0, 150.0, 500, false),
-            ],
+    fn study(foldings: Vec<Folding>) -> Foldings {
+        Foldings {
+            foldings,
             design: "kc705".into(),
             clock_mhz: 200.0,
+            required_frames_per_second: 60.0,
             device: "xc7k325t".into(),
             pictures: "a picture".into(),
-        };
+        }
+    }
+
+    #[test]
+    fn the_best_network_that_is_fast_enough_is_named_with_its_cheapest_folding() {
+        let study = study(vec![
+            folding("slow", 33.0, 200.0, 100, true),
+            folding("good", 31.0, 80.0, 800, true),
+            folding("good", 31.0, 100.0, 700, true),
+            folding("good", 31.0, 300.0, 90, true),
+            folding("plain", 30.0, 100.0, 400, true),
+        ]);
+        assert_eq!(
+            study.verdict(),
+            "Of the networks that reach 60 frames per second at the planned 200 MHz, the best one, good (camera c), has 31.00 dB at \
+             60.0 frames per second with 700 multipliers (DSP48E1). Others: slow reaches 30.0 frames per second at most; plain has \
+             1.00 dB less, with 400 multipliers."
+        );
+        assert!(study.report("edof").to_html().contains("class=\"verdict\""));
+    }
+
+    #[test]
+    fn where_no_network_is_fast_enough_the_verdict_says_so() {
+        let study = study(vec![folding("a", 30.0, 200.0, 100, true), folding("a", 30.0, 150.0, 200, true)]);
+        assert_eq!(
+            study.verdict(),
+            "No network reaches 60 frames per second at the planned 200 MHz. The fastest one, a (camera c), has 30.00 dB at 40.0 frames \
+             per second with 200 multipliers (DSP48E1)."
+        );
+    }
+
+    #[test]
+    fn the_table_holds_the_front_and_the_diagrams_every_network() {
+        let study = study(vec![
+            folding("a", 30.0, 200.0, 100, true),
+            folding("a", 30.0, 100.0, 400, true),
+            folding("b", 29.0, 150.0, 500, false),
+        ]);
         let page = study.to_markdown(&Made::by("edof study design"));
         assert!(page.contains("| a | c | 30.00 | 200.0 | 201.0 | 30.0 | 100 | 10.5 | 8x1 8x1 |"), "{page}");
         assert!(!page.contains("| b |"), "{page}");

@@ -45,3 +45,4 @@ pub mod study_report;
 pub mod summary;
 pub mod tables;
 pub mod trial;
+mod verdict;

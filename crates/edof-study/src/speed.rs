@@ -1,6 +1,7 @@
 //! What a study of one depth says: error and time of each method, and what the paper says of both.
 
 mod claims;
+mod verdict;
 
 pub use claims::Claim;
 
@@ -10,6 +11,7 @@ use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
 use crate::tables::noise_words;
 use crate::trial::Measured;
+use crate::verdict::listed;
 use claims::all_claims;
 use edof_image::{Noise, Tone};
 use edof_io::photos::choices;
@@ -104,6 +106,7 @@ impl StudyReport for Speed {
 
     fn to_text(&self) -> String {
         let mut text = String::new();
+        self.verdict().iter().for_each(|verdict| text += &format!("{verdict}\n\n"));
         for (title, tables) in self.tables() {
             for table in tables {
                 let _ = write!(text, "{title}\n{}\n", table.to_text());
@@ -113,7 +116,7 @@ impl StudyReport for Speed {
     }
 
     fn to_markdown(&self, made: &Made) -> String {
-        let mut page = format!("# {TITLE}\n\n{made}\n\n{}\n", self.explanation());
+        let mut page = format!("# {TITLE}\n\n{made}\n\n{}{}\n", listed(&self.verdict()), self.explanation());
         for (title, tables) in self.tables() {
             let _ = write!(page, "\n## {title}\n");
             tables.iter().for_each(|table| page.push_str(&format!("\n{}", table.to_markdown())));
@@ -123,6 +126,9 @@ impl StudyReport for Speed {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
+        self.verdict().iter().for_each(|verdict| {
+            report.verdict(verdict);
+        });
         report.made_by(command).method(&self.explanation());
         for ((title, tables), claims) in self.tables().into_iter().zip(&self.claims) {
             report.heading(&title);
@@ -195,9 +201,9 @@ impl Speed {
         Plot {
             title: format!("Error against speed: {}", of.title()),
             x: Axis::log(if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
-                "CPU seconds a megapixel, all threads; .board: cycles at the planned clock"
+                "CPU seconds per megapixel, all threads; .board: cycles at the planned clock"
             } else {
-                "seconds a megapixel"
+                "seconds per megapixel"
             }),
             y: min.map_or_else(|| axis.clone(), |min| axis.clone().from(min)),
             size: [900.0, 540.0],
@@ -337,12 +343,12 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
         "method",
         "PSNR dB",
         "SSIM",
-        "seconds a megapixel",
-        "CPU seconds a megapixel",
+        "seconds per megapixel",
+        "CPU seconds per megapixel",
         "seconds to prepare",
         "steps",
         "memory, MiB",
-        "non-zeros a patch",
+        "non-zeros per patch",
         "photos",
     ];
     let row = |p: &Point| {

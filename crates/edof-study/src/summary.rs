@@ -255,15 +255,8 @@ fn differences(rows: &[Measured]) -> Vec<Difference> {
     let mut all = vec![];
     for noise in distinct(floats().map(|r| r.noise)) {
         // Means over depths by photograph.
-        let by_photo = |(method, camera): (&Method, &String), far: bool| -> BTreeMap<String, f64> {
-            let own = |r: &&Measured| {
-                (&r.identity, &r.camera, r.noise) == (method, camera, noise) && (!far || r.psi == farthest)
-            };
-            let photos = distinct(floats().filter(own).map(|r| &r.image));
-            let db = |photo: &String| {
-                mean(floats().filter(own).filter(|r| r.image == *photo).map(|r| r.picture.psnr_db))
-            };
-            photos.into_iter().map(|photo| (photo.clone(), db(photo))).collect()
+        let by_photo = |(method, camera): (&Method, &String), far: bool| {
+            by_photo(rows, (method, camera), noise, far.then_some(farthest))
         };
         for (place, &first) in networks.iter().enumerate() {
             for &second in &networks[place + 1..] {
@@ -279,6 +272,24 @@ fn differences(rows: &[Measured]) -> Vec<Difference> {
         }
     }
     all
+}
+
+/// Mean PSNR in dB of each photograph: one method behind one camera at one noise level, at one depth or over all.
+pub(crate) fn by_photo(
+    rows: &[Measured],
+    (method, camera): (&Method, &str),
+    noise: Noise,
+    psi: Option<f64>,
+) -> BTreeMap<String, f64> {
+    let own = |r: &&Measured| {
+        (&r.identity, r.camera.as_str(), r.noise) == (method, camera, noise)
+            && psi.is_none_or(|psi| r.psi == psi)
+    };
+    let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for row in rows.iter().filter(own) {
+        all.entry(row.image.clone()).or_default().push(row.picture.psnr_db);
+    }
+    all.into_iter().map(|(photo, db)| (photo, mean(db.into_iter()))).collect()
 }
 
 /// A line for each network that has float rows alone.
@@ -377,6 +388,8 @@ fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     }
     all
 }
+
+mod verdict;
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -5,6 +5,7 @@ use crate::made::Made;
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary::{self, Crop, DepthCurve, MethodSummary, Study, Summary};
 use crate::trial::{Measured, Work};
+use crate::verdict::listed;
 use edof_image::noise::SensorNoise;
 use edof_image::words::count;
 use edof_image::{Noise, Tone};
@@ -35,7 +36,7 @@ impl StudyReport for Study {
     }
 
     fn to_text(&self) -> String {
-        let mut text = String::new();
+        let mut text = self.verdict().map_or_else(String::new, |verdict| format!("{verdict}\n\n"));
         for (title, table) in self.tables().into_iter().chain([("Time".to_owned(), self.time())]) {
             let _ = write!(text, "{title}\n{}\n", table.to_text());
         }
@@ -44,7 +45,8 @@ impl StudyReport for Study {
 
     /// The same rows give the same page: it holds no times.
     fn to_markdown(&self, made: &Made) -> String {
-        let mut page = format!("# {}\n\n{made}\n\n{}\n", self.title(), self.explanation());
+        let verdict = listed(self.verdict().as_slice());
+        let mut page = format!("# {}\n\n{made}\n\n{verdict}{}\n", self.title(), self.explanation());
         for (title, table) in self.tables() {
             let _ = write!(page, "\n## {title}\n\n{}", table.to_markdown());
         }
@@ -57,6 +59,9 @@ impl StudyReport for Study {
     /// PSNR against depth for each noise level, and the tables.
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(self.title());
+        self.verdict().iter().for_each(|verdict| {
+            report.verdict(verdict);
+        });
         report.made_by(command);
         report.paragraph(&self.explanation());
         self.summary.notes.iter().for_each(|note| {
@@ -236,7 +241,7 @@ impl Study {
             "fixed point loses dB (most)",
             "non-zeros after each shrinkage",
             "saturations",
-            "multiplications a pixel, dense",
+            "multiplications per pixel, dense",
             "executed",
         ];
         let row = |n: &crate::summary::NetSummary| {
@@ -266,7 +271,7 @@ impl Study {
             let mean = summary::mean(seconds.into_iter());
             vec![subject.0.to_string(), subject.1.to_owned(), format!("{mean:.4}")]
         });
-        let header = ["method", "camera", "seconds a megapixel"].map(str::to_owned).to_vec();
+        let header = ["method", "camera", "seconds per megapixel"].map(str::to_owned).to_vec();
         Table { header, rows: rows.collect() }
     }
 }

@@ -393,8 +393,12 @@ fn check(photos: &[ColourFrame], options: &DatasetOptions) -> Result<(), Dataset
     if variants == 0 {
         return value("variants", 0.0, "1 or more");
     }
-    if !(saturation[0] >= 0.0 && saturation[0] <= saturation[1] && saturation[1] <= 10.0) {
-        return value("saturation", saturation[1], "at least its lower end, and 0 to 10");
+    let [least, most] = saturation;
+    if !(0.0..=10.0).contains(&least) {
+        return value("saturation", least, "0 to 10");
+    }
+    if !(least..=10.0).contains(&most) {
+        return value("saturation", most, "at least its lower end, and 0 to 10");
     }
     if !(0.0..=180.0).contains(&hue) {
         return value("hue", hue, "0 to 180 degrees");

@@ -144,7 +144,12 @@ impl Recipe {
         if self.batch == 0 || !self.batch.is_multiple_of(SHARES) {
             return Err(value("batch", self.batch, "a positive multiple of 8"));
         }
-        for (field, number) in [("steps", self.steps), ("validate every", self.validate_every)] {
+        let counts = [
+            ("steps", self.steps),
+            ("validate every", self.validate_every),
+            ("patience", self.patience.into()),
+        ];
+        for (field, number) in counts {
             if number == 0 {
                 return Err(value(field, number, "1 or more"));
             }

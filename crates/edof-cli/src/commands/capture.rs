@@ -323,6 +323,11 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
     if let (Some(map), Some(range)) = (&args.depth_map, args.range) {
         return layered(args, name, map, range, camera, ui);
     }
+    if let Some(range) = args.range {
+        return Err(Error::message(format!(
+            "--range {range}: is of a depth map; add --depth-map, or omit --range"
+        )));
+    }
     let [psi] = args.drawing.psis(camera)?[..] else {
         return Err(Error::message(
             "--psi: expected one value, because a photograph is at one depth; or use --depth-map",

@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(long, value_name = "PIXELS")]
     border: Option<usize>,
 
-    /// Encoding of the pictures, for the edge: srgb, or linear (linear light)
+    /// Encoding of the pictures, which the measurement of an edge needs: srgb, or linear (linear light)
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
     tone: Tone,
 

@@ -16,7 +16,7 @@ use edof_study::demo::{self, Demo, Lens};
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// A scene at four depths through the clear and the coded lens, reconstructed in fixed point
+/// Run the whole chain: a scene at four depths through the clear and the coded lens, reconstructed in fixed point
 ///
 /// Writes report.html with all pictures side by side, the pictures as PNG files, and overview.png with all of
 /// them in one: the scene, then the lenses in the order of the table, three per row. The folder board gets the sources of a bitstream with the
@@ -114,13 +114,14 @@ fn board(args: &Args, ui: &Ui) -> Result<Result<Option<Board>, String>, Error> {
     if args.design.as_deref() == Some(NO_DESIGN) {
         return Ok(Ok(None));
     }
-    let design = designs::load(args.design.as_deref().unwrap_or(DESIGN))?;
+    let given = args.design.as_deref().unwrap_or(DESIGN);
+    let design = designs::load(given)?;
     let network = weights::fixed(&args.net)?;
     if let (None, Err(misfit)) = (&args.design, design.check_network(&network)) {
         return Ok(Err(misfit.to_string()));
     }
     ui.used(designs::input(&design));
-    Ok(Ok(Some(Board::of(design, network)?)))
+    Ok(Ok(Some(Board::of(design, given, network)?)))
 }
 
 /// The usual design.

@@ -22,8 +22,8 @@ use std::path::PathBuf;
 
 /// Make a design file, or check one: its speed and resources, and whether a network fits it
 ///
-/// A design defines the generated hardware: the network architecture, the folding of each stage, the clock and the picture. docs/design.md lists
-/// every field with its units and legal values.
+/// A design defines the generated hardware: the network architecture, the folding of each stage (how many outputs
+/// and values it computes with at once), the clock and the picture. docs/design.md lists every field with its units and legal values.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
@@ -59,7 +59,7 @@ struct New {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 
-    /// Name of the design [default: OUT without its extension]
+    /// Name of the design: letters, digits, '-', '_' and '.' [default: OUT without its extension]
     #[arg(long)]
     name: Option<String>,
 
@@ -159,6 +159,7 @@ impl New {
         let option = match text.split([' ', ':']).next().unwrap_or_default() {
             "clock_mhz" => format!("--clock-mhz {}: ", edof_image::words::number(self.clock_mhz)),
             "frame" => format!("--size {}: ", self.size),
+            "name" => "--name: ".to_owned(),
             "form.codes" | "stages" | "layers" => "--form: ".to_owned(),
             _ => String::new(),
         };

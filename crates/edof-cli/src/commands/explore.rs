@@ -19,10 +19,12 @@ use edof_image::words::{count, number};
 use edof_metrics::{BORDER, psnr, shown};
 use edof_network::FixedNetwork;
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Measure foldings of networks on pictures, and print those that are Pareto-optimal in quality, cycles, multipliers and block RAM
 ///
+/// A folding is the number of lanes (outputs computed at once) and rows (values multiplied per cycle in each lane) of every stage.
 /// Each network runs on every picture at every depth with its own camera. The number of values that each stage multiplies per patch
 /// then determines the cycles of a folding. A design sets clock and picture size; the device is an XC7K325T.
 #[derive(clap::Args)]
@@ -38,7 +40,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE", default_value = "kc705")]
     design: String,
 
-    /// Required frames per second; slower foldings are listed only if none is fast enough
+    /// Required frames per second; edof explore lists slower foldings only if none is fast enough
     #[arg(long, default_value_t = 60.0)]
     fps: f64,
 
@@ -89,9 +91,6 @@ impl Found {
 /// A network, design or picture that cannot be used, or nothing that fits the device.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.files(Files::new(ui)).keeps(args.force).check()?;
-    if !(args.fps > 0.0 && args.fps.is_finite()) {
-        return Err(Error::message(format!("--fps {}: must be more than 0", number(args.fps))));
-    }
     let (base, mut found) = args.found(ui)?;
     let fast = found.iter().any(|one| one.frames >= args.fps);
     found.retain(|one| !fast || one.frames >= args.fps);
@@ -148,6 +147,13 @@ impl Args {
     /// # Errors
     /// A network, design or picture that cannot be used, or nothing that fits.
     pub fn found(&self, ui: &Ui) -> Result<(Design, Vec<Found>), Error> {
+        if !(self.fps > 0.0 && self.fps.is_finite()) {
+            return Err(Error::message(format!("--fps {}: must be more than 0", number(self.fps))));
+        }
+        let mut names = BTreeSet::new();
+        if let Some(twice) = self.weights.iter().find(|name| !names.insert(*name)) {
+            return Err(Error::message(format!("--weights: {twice} is given twice")));
+        }
         let base = designs::load(&self.design)?;
         ui.used(designs::input(&base));
         let mut found = vec![];
@@ -157,9 +163,17 @@ impl Args {
         }
         if found.is_empty() {
             let names = self.weights.join(", ");
-            return Err(Error::message(format!("no folding of {names} fits {}", self.device)));
+            return Err(Error::message(format!(
+                "no folding of {names} fits {}; choose a smaller network, or a design of smaller frames",
+                self.device
+            )));
         }
         Ok((base, found))
+    }
+
+    /// Frames per second that are required.
+    pub const fn fps(&self) -> f64 {
+        self.fps
     }
 
     /// What it is that foldings must fit.

@@ -30,7 +30,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: String,
 
-    /// What stands around the core
+    /// Surroundings of the core: memory controller and connection to the host
     #[arg(long, value_name = "SHELL", value_enum, default_value_t = Shell::Mig)]
     shell: Shell,
 
@@ -46,7 +46,7 @@ pub struct Args {
 /// Values of `--shell`.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Shell {
-    /// Xilinx' MIG as DRAM controller, a serial line of the core's own
+    /// Xilinx's memory controller (MIG), and a serial port for the host in the core
     Mig,
     /// The same, and a LiteX target in litex/: LiteDRAM, LiteX's bus and UARTBone
     Litex,

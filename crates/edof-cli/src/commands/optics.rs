@@ -129,7 +129,7 @@ struct Design {
     #[arg(long, default_value_t = 32, value_name = "N")]
     population: usize,
 
-    /// Generations
+    /// Number of generations of the search
     #[arg(long, default_value_t = 64, value_name = "N")]
     generations: usize,
 

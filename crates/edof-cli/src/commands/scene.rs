@@ -65,8 +65,9 @@ pub struct Drawing {
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
 
-    /// Depths as the defocus parameter in radians, or as distances such as 1.5m, from back to front: one value, or four for a scene
-    /// at four depths [default: the range's middle, or four spread over the range]
+    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera
+    /// states nominal_m. One value; four, from back to front, for a scene at four depths [default of built-in scenes: the middle
+    /// of the range, or four values spread over the range]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     pub psi: Vec<Depth>,
 

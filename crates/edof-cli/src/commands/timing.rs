@@ -38,7 +38,7 @@ pub struct Args {
     #[arg(long = "no-cache", alias = "again")]
     again: bool,
 
-    /// Place and route every stage as well, by a nextpnr on the path: xc7k325t (nextpnr-xilinx; EDOF_NEXTPNR_CHIPDB names its chip
+    /// Place and route every stage as well, with a nextpnr that is in PATH: xc7k325t (nextpnr-xilinx; EDOF_NEXTPNR_CHIPDB names its chip
     /// database) or ecp5, another fabric, for a test of the tools
     #[arg(long, value_name = "FABRIC", num_args = 0..=1, default_missing_value = "xc7k325t")]
     route: Option<Fabric>,

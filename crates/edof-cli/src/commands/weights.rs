@@ -18,7 +18,8 @@ use serde::Serialize;
 
 /// Print the contents of a weight file: architecture, formats, ranges, accumulators, and how it was made
 ///
-/// A name prints the float network and its integers, if there are any. A file prints its contents.
+/// With a name, the command prints the float network and, if there is one, the fixed-point network made from it. With a file, it prints
+/// that file.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof weights edof-t4w12-outer

@@ -18,7 +18,7 @@ use edof_image::number::ACCUMULATOR_BITS;
 use edof_image::words::number;
 use edof_network::fixed_network::FixedNetwork;
 use edof_network::network::{Form, NetworkError, Recurrence, Shrinkage};
-use edof_storage::json;
+use edof_storage::{json, name};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -46,7 +46,7 @@ pub const MAX_CLOCK_MHZ: f64 = 400.0;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Design {
-    /// Short name, as in `kc705`.
+    /// Short name, as in `kc705`: [`name::PLAIN`].
     pub name: String,
     /// Clock of the calculator in megahertz.
     pub clock_mhz: f64,
@@ -162,6 +162,7 @@ impl Design {
     /// # Errors
     /// [`DesignError::Field`] and its like for the first field that no design can have.
     pub fn check(&self) -> Result<(), DesignError> {
+        require("name", name::quoted(&self.name), name::is_plain(&self.name), name::PLAIN)?;
         self.form.check()?;
         require(
             "clock_mhz",

@@ -23,18 +23,21 @@ const MAX_LINE: u64 = 256 << 20;
 /// Lines of a file; none where there is no file.
 pub(super) fn read(path: &Path) -> Result<Option<Text>, JournalError> {
     let cannot = |source| JournalError::Read { path: path.to_owned(), source };
-    let file = match File::open(path) {
+    // Before it is opened: opening a pipe may wait for ever.
+    let found = std::fs::metadata(path).and_then(|found| {
+        refuse_special(&found)?;
+        File::open(path)
+    });
+    let file = match found {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(cannot(error)),
     };
-    refuse_special(&file).map_err(cannot)?;
     lines(file, MAX_LINE).map(Some).map_err(cannot)
 }
 
 /// Devices and pipes may never end, and folders hold no lines.
-fn refuse_special(file: &File) -> std::io::Result<()> {
-    let metadata = file.metadata()?;
+fn refuse_special(metadata: &std::fs::Metadata) -> std::io::Result<()> {
     if metadata.is_dir() {
         return Err(ErrorKind::IsADirectory.into());
     }
@@ -87,7 +90,7 @@ impl Locked {
         loop {
             let is_new = !path.exists();
             let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
-            refuse_special(&file).map_err(failed)?;
+            file.metadata().and_then(|found| refuse_special(&found)).map_err(failed)?;
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(JournalError::Busy(path.to_owned())),

@@ -15,6 +15,7 @@ pub use header::{Header, Maker, Program, UNKNOWN};
 pub use proof::{Proof, settings};
 
 use edof_storage::atomic::{self, WriteError};
+use edof_storage::json;
 use file::{Locked, Text};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -89,13 +90,13 @@ pub enum JournalError {
     #[error("{path}: another process is adding rows to this file: wait for it, or name another file", path = .0.display())]
     Busy(PathBuf),
     /// Nothing in it, where rows were asked for.
-    #[error("{path}: contains no rows of a study", path = .0.display())]
+    #[error("{path}: contains no rows of a study; name a file that --rows wrote", path = .0.display())]
     Empty(PathBuf),
     /// Another file.
     #[error("{path}: line {line}: {reason}", path = path.display())]
     Line { path: PathBuf, line: usize, reason: String },
     /// The same row twice.
-    #[error("{path}: line {line}: contradicts an earlier line with the same key", path = path.display())]
+    #[error("{path}: line {line}: contradicts an earlier line with the same key; delete one of both", path = path.display())]
     Twice { path: PathBuf, line: usize },
     /// Rows that cannot be mixed with new ones.
     #[error("{path}: its rows are of {found}, this study is of {wanted}: {hint}", path = path.display())]
@@ -403,7 +404,10 @@ fn parsed<T: DeserializeOwned>(path: &Path, line: usize, text: &str) -> Result<T
     serde_json::from_str(text).map_err(|error| JournalError::Line {
         path: path.to_owned(),
         line,
-        reason: error.to_string(),
+        reason: format!(
+            "not a row of a study: {}; expected what --rows wrote, or name another file",
+            json::reason(&error)
+        ),
     })
 }
 

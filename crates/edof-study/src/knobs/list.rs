@@ -107,7 +107,7 @@ pub static KNOBS: [Knob; 14] = [
     },
     Knob {
         name: "budget",
-        unit: "non-zeros a patch",
+        unit: "non-zeros per patch",
         values: &[8.0, 16.0, 32.0, 64.0, 96.0, 192.0],
         default: |plan| plan.network.form.codes as f64,
         why: "Sparse codes of a patch that may be other than 0 after each shrinkage of the float network, the largest; all others are dropped. 192: all, no budget. A board that \

@@ -6,6 +6,7 @@
 mod knob;
 mod list;
 mod page;
+mod verdict;
 
 pub use knob::{Knob, Plan, Shortened, Work};
 pub use list::{KNOBS, UnknownKnob};

@@ -4,6 +4,7 @@ use super::{KNOBS, Knob, Row};
 use crate::made::Made;
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
+use crate::verdict::listed;
 use edof_metrics::paired::Paired;
 use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
 use edof_report::{Report, Table};
@@ -84,6 +85,8 @@ impl StudyReport for Knobs {
 
     fn to_text(&self) -> String {
         let mut text = String::new();
+        self.verdict().iter().for_each(|verdict| text += &format!("{verdict}\n"));
+        text.push('\n');
         for (knob, table) in self.tables() {
             let _ = write!(text, "{}\n{}\n", knob.name, table.to_text());
         }
@@ -91,7 +94,7 @@ impl StudyReport for Knobs {
     }
 
     fn to_markdown(&self, made: &Made) -> String {
-        let mut page = format!("# {TITLE}\n\n{made}\n\n{}\n", self.explanation());
+        let mut page = format!("# {TITLE}\n\n{made}\n\n{}{}\n", listed(&self.verdict()), self.explanation());
         for (knob, table) in self.tables() {
             let _ = write!(page, "\n## {}\n\n{}\n\n{}", knob.name, knob.why, table.to_markdown());
         }
@@ -100,6 +103,9 @@ impl StudyReport for Knobs {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
+        self.verdict().iter().for_each(|verdict| {
+            report.verdict(verdict);
+        });
         report.paragraph(&self.explanation()).made_by(command);
         for (knob, table) in self.tables() {
             report.heading(knob.name).paragraph(knob.why).plots(&[self.plot(knob)]);
@@ -142,7 +148,7 @@ impl Knobs {
                 cells.extend(has_kernels.then(|| sides.unwrap_or_else(|| "–".to_owned())));
                 cells
             };
-            let header = [knob.unit, "", "PSNR dB", "to the default", "seconds a megapixel", "photos"];
+            let header = [knob.unit, "", "PSNR dB", "to the default", "seconds per megapixel", "photos"];
             let kernels = has_kernels.then_some("kernels, pixels");
             let header = header.into_iter().chain(kernels).map(str::to_owned).collect();
             (knob, Table { header, rows: own().map(row).collect() })
@@ -164,7 +170,7 @@ impl Knobs {
         let curve = Series::new("", Mark::Line, own().map(at)).coloured("#999999");
         Plot {
             title: knob.unit.into(),
-            x: if has_time { Axis::log("seconds a megapixel") } else { Axis::linear(knob.unit) },
+            x: if has_time { Axis::log("seconds per megapixel") } else { Axis::linear(knob.unit) },
             y: Axis::linear("PSNR (dB)"),
             size: SMALL,
             series: std::iter::once(curve).chain(each).collect(),

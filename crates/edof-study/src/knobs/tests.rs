@@ -99,6 +99,17 @@ fn words_keep_their_first_bits_and_their_sign() {
 }
 
 #[test]
+fn a_verdict_knows_the_knobs_of_capturing() {
+    let plan = plan(&[], &edof_random::natural(8, 8, 7));
+    let captures = KNOBS.iter().filter(|knob| knob.name.ends_with("bits") || knob.name == "budget");
+    let of_fixed: Vec<&str> = captures.map(|knob| knob.name).collect();
+    for knob in KNOBS.iter().filter(|knob| !of_fixed.contains(&knob.name)) {
+        let is_capture = matches!((knob.apply)(&plan, (knob.default)(&plan)), Work::Capture(_));
+        assert_eq!(verdict::CAPTURING.contains(&knob.name), is_capture, "{}", knob.name);
+    }
+}
+
+#[test]
 fn knobs_are_known_by_name() {
     for knob in &KNOBS {
         assert_eq!(knob.name.parse::<&Knob>().unwrap(), knob);
@@ -133,7 +144,7 @@ fn a_curve_is_random_against_time_where_the_knob_changes_it_and_there_are_photog
         let others = rows.iter().map(|row| Row { image: "q".into(), ..row.clone() });
         let all: Vec<Row> = rows.iter().cloned().chain(others).collect();
         let of = |rows: &[Row]| Knobs::new(rows, "m".into()).unwrap().report("edof").to_html();
-        [of(&rows), of(&all)].map(|html| html.contains(">seconds a megapixel</text>"))
+        [of(&rows), of(&all)].map(|html| html.contains(">seconds per megapixel</text>"))
     };
     assert_eq!(twice("atoms"), [false, true]);
     assert_eq!(twice("noise-class"), [false, false]);

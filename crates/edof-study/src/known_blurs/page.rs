@@ -114,8 +114,8 @@ impl KnownBlurs {
             "restored dB",
             "true kernel dB",
             "correlation",
-            "seconds a megapixel",
-            "CPU seconds a megapixel",
+            "seconds per megapixel",
+            "CPU seconds per megapixel",
         ];
         let row = |r: &Row| {
             let db = [r.blurred_db, r.restored_db, r.known_db].map(|v| format!("{v:.2}"));

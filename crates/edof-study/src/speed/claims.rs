@@ -31,7 +31,7 @@ impl Claim {
 
     /// How many dB more one has than another, on the photographs that both were measured on.
     fn gain(a: &Point, b: &Point, paper: &'static str) -> Self {
-        Self::new(format!("{} less {}", a.method, b.method), paper, gain(a, b))
+        Self::new(format!("{} minus {}", a.method, b.method), paper, gain(a, b))
     }
 
     /// How many times faster one is than another.
@@ -105,7 +105,7 @@ fn of_layers(points: &[&Point]) -> Vec<Claim> {
     let mut claims = vec![match (layers(8), layers(10)) {
         (Some(eight), Some(ten)) => Claim::gain(eight, ten, "about 0 dB"),
         _ => Claim::new(
-            "T = 8 less T = 10".into(),
+            "T = 8 minus T = 10".into(),
             "about 0 dB",
             "not in these rows: docs/results/layers.md has trained networks of 8 and 10 layers".into(),
         ),

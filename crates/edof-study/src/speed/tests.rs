@@ -2,7 +2,7 @@ use super::*;
 use crate::journal::Proof;
 use crate::summary::tests::row;
 
-fn timed(method: &Method, image: &str, db: f64, seconds: f64) -> Row {
+pub(crate) fn timed(method: &Method, image: &str, db: f64, seconds: f64) -> Row {
     let mut measured = row(method, image, 8.0, Noise::None, db);
     measured.seconds_per_megapixel = seconds;
     Row {
@@ -47,21 +47,21 @@ fn points_are_means_over_photographs() {
 fn each_claim_of_the_paper_stands_beside_what_was_measured() {
     let page = speed().to_markdown(&Made::by("edof study single-depth"));
     for line in [
-        "| n.float/s8 less omp/s8 | at least 0 dB | +1.50 ± 0.50 dB |",
+        "| n.float/s8 minus omp/s8 | at least 0 dB | +1.50 ± 0.50 dB |",
         "| n.float/s8 is faster than omp/s8 | more than 15 times | 30.0 times |",
-        "| n.float/s8 less blind-deconvolution | more than 1 dB | +2.00 dB |",
+        "| n.float/s8 minus blind-deconvolution | more than 1 dB | +2.00 dB |",
         "| n.float/s8 is faster than blind-deconvolution | more than 500 times | 600.0 times |",
-        "| n.fixed/s8 less n.float/s8 | the same | +0.99 dB |",
+        "| n.fixed/s8 minus n.float/s8 | the same | +0.99 dB |",
         "| n.board/s8 (by its cycles) is faster than omp/s8 | 280 times | 600.0 times |",
         "| n.board/s8 (by its cycles) is faster than blind-deconvolution | 900 times | 12000.0 times |",
-        "| omp/s2 less blind-deconvolution | more than 1 dB | +2.00 dB |",
+        "| omp/s2 minus blind-deconvolution | more than 1 dB | +2.00 dB |",
         "| omp/s2 is faster than blind-deconvolution | about 30 times | 2.0 times |",
-        "| T = 8 less T = 10 | about 0 dB | not in these rows: docs/results/layers.md has trained networks of 8 and 10 layers |",
-        "| untrained-t8.float/s8 less untrained-t10.float/s8 | about 0 dB, of trained ones | -0.50 dB |",
+        "| T = 8 minus T = 10 | about 0 dB | not in these rows: docs/results/layers.md has trained networks of 8 and 10 layers |",
+        "| untrained-t8.float/s8 minus untrained-t10.float/s8 | about 0 dB, of trained ones | -0.50 dB |",
     ] {
         assert!(page.contains(line), "{line}\n{page}");
     }
-    assert!(!page.contains("untrained-t8.float/s8 less omp"), "{page}");
+    assert!(!page.contains("untrained-t8.float/s8 minus omp"), "{page}");
 }
 
 #[test]

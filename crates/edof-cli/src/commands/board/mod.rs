@@ -68,8 +68,14 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Command {
     /// List the ports of this machine, and those at which a board answers
+    #[command(after_help = "Examples:
+  edof board find
+  edof board find --json")]
     Find,
     /// Print design, picture size and clock of the board, and the network in each bank
+    #[command(after_help = "Examples:
+  edof board info
+  edof board info --weights mine.fixed.safetensors     names a network of your own")]
     Info {
         #[command(flatten)]
         own: Own,
@@ -86,7 +92,7 @@ enum Command {
   edof board get control.run
   edof board get 'stage_counters[4]'")]
     Get {
-        /// Name of the register or field
+        /// Name of the register, or of a field as in control.run; edof board map lists all
         register: String,
     },
     /// Write a register or a field of one
@@ -94,20 +100,26 @@ enum Command {
   edof board set control.colour 0
   edof board set scratch 0x12345678")]
     Set {
-        /// Name of the register or field
+        /// Name of the register, or of a field as in control.run; edof board map lists all
         register: String,
         /// Value: decimal, or hexadecimal after 0x
         value: String,
     },
     /// Print all registers
+    #[command(after_help = "Examples:
+  edof board dump --json registers.json")]
     Dump,
     /// Set whether only non-zero values are multiplied
+    #[command(after_help = "Examples:
+  edof board skip off                                  shows what skipping zeros saves")]
     Skip {
         /// on: only non-zero values; off: all values
         #[arg(value_parser = ["on", "off"])]
         what: String,
     },
-    /// Set how words become codes
+    /// Set how the picture's words become 8-bit codes of the HDMI port
+    #[command(after_help = "Examples:
+  edof board display luma")]
     Display {
         /// colour: encodes red, green and blue; luma: encodes only luma
         mode: DisplayMode,
@@ -124,8 +136,12 @@ enum Command {
         own: Own,
     },
     /// Drop the frame in progress; preserve everything that was written
+    #[command(after_help = "Examples:
+  edof board flush")]
     Flush,
     /// Reset the core: control and skip as generated, video chips set up again, counters at zero; the active bank and all weights are preserved
+    #[command(after_help = "Examples:
+  edof board reset")]
     Reset,
     /// Print the register map
     #[command(after_help = "Examples:

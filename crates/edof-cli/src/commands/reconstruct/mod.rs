@@ -73,7 +73,7 @@ fn jobs(args: &Args) -> Result<Vec<Job<'_>>, Error> {
     let folder = several || ends_with_slash || args.out.is_dir();
     if several && !args.out.is_dir() && Format::of_ending(&args.out).is_some() {
         return Err(Error::message(format!(
-            "--out {}: {} frames need a folder, not a picture",
+            "--out {}: {} frames need a folder, not a picture; name one, as in --out sharp/",
             args.out.display(),
             args.raw.len()
         )));

@@ -11,6 +11,7 @@ use edof_study::design::{Folding, Foldings};
 
 /// Foldings of networks that fit the board: dB against cycles, multipliers and frames per second, and the Pareto-optimal ones
 ///
+/// A folding is the number of lanes (outputs computed at once) and rows (values multiplied per cycle in each lane) of every stage.
 /// The foldings and figures are those of edof explore. All foldings that are Pareto-optimal for their network are kept, however slow, and plotted.
 #[derive(clap::Args)]
 #[group(skip)]
@@ -42,6 +43,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         foldings,
         design: base.name,
         clock_mhz: base.clock_mhz,
+        required_frames_per_second: args.explore.fps(),
         device: args.explore.device().to_uppercase(),
         pictures: args.explore.pictures(),
     };

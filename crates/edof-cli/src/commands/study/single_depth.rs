@@ -30,12 +30,13 @@ use std::sync::Arc;
 Examples:
   edof study single-depth --rows rows.jsonl --report speed.html
   edof study single-depth --rows rows.jsonl --nets paper-t4 --methods omp,blind --markdown speed.md
+
 Methods:
   malvar, directional         demosaicing alone
   wiener, richardson-lucy, hyper-laplacian
                               demosaicing and deconvolution with the PSF known
   blind                       demosaicing, then blind deconvolution (Krishnan, Tay, Fergus 2011)
-  omp, fista                  sparse pursuit in the dictionary of psi 1 to 8
+  omp, fista                  sparse pursuit, with one dictionary for all psi from 1 to 8
   omp-known, fista-known      the same with psi known
   untrained                   the paper's network before training, T = 3 to 10: ISTA of all psi
   untrained-dc-removed        the same with each colour's mean taken out")]
@@ -55,7 +56,7 @@ pub struct Args {
     #[arg(long, default_value_t)]
     device: Device,
 
-    /// Other methods; see below [default: all]
+    /// Other methods, from the list above [default: all]
     #[arg(long, value_delimiter = ',', value_name = "METHOD,…")]
     methods: Vec<String>,
 

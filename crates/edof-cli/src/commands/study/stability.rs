@@ -11,7 +11,7 @@ use edof_stability::case::{self, Case};
 use edof_stability::suite::Suite;
 use std::path::PathBuf;
 
-/// Hard cases: acceptance limit, worst error and result of each
+/// Run the hard cases; print acceptance limit, worst error and result of each
 ///
 /// Cases are data: the purpose, the possible fault, the input, and the limit (the result of a reference within an error, a largest loss, or
 /// an error message). Each case runs through every method concerned, in f64, f32 and fixed point. A case fails on a panic, a NaN or

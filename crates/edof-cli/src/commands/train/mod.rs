@@ -10,6 +10,7 @@ mod seed;
 mod tell;
 
 pub use options::Args;
+pub use recipe::default_of;
 
 use crate::error::Error;
 use crate::files::Files;
@@ -18,6 +19,7 @@ use crate::ui::Ui;
 use crate::{memory, said, weights};
 use edof_network::network::{Form, Network};
 use edof_network::weight_file;
+use edof_storage::name;
 use edof_storage::provenance::{Input, Provenance};
 use edof_train::checkpoint::Run;
 use edof_train::recipe::Recipe;
@@ -28,6 +30,10 @@ use std::path::PathBuf;
 /// # Errors
 /// Photographs, options or a checkpoint that cannot be used, a file that cannot be written, or Ctrl-C.
 pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
+    if !name::is_title(&args.name()) {
+        let found = name::quoted(&args.name());
+        return Err(Error::message(format!("--name: is {found}, expected {}", name::TITLE)));
+    }
     let from = args.from.as_deref().map(Beginning::load).transpose()?;
     let recipes = recipe::recipes(args, from.as_ref().map(|from| &from.network))?;
     let seeds: Vec<(Recipe, PathBuf)> =

@@ -69,8 +69,8 @@ pub struct Args {
     pub(super) psi: Option<DepthRange>,
 
     /// Meaning of a photograph's samples: srgb (encoded light, sensor noise, errors measured on encoded values; the default of edof
-    /// capture), linear (the paper's convention: linear light), or both, half of the windows each [default: srgb; with --from
-    /// the tone of that network]
+    /// capture), linear (the paper's convention: linear light), or both, half of the windows each; with --from the
+    /// default is the tone of that network
     #[arg(long)]
     pub(super) tone: Option<Tones>,
 
@@ -88,7 +88,7 @@ pub struct Args {
     pub(super) noiseless: Option<usize>,
 
     /// Range MIN:MAX of the random factor on the light of each window; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors, allow_hyphen_values = true)]
     pub(super) exposure: Option<[f64; 2]>,
 
     /// Pictures per photograph: the photograph, and copies with random saturation, hue and scale; 1 is the photograph only
@@ -96,7 +96,7 @@ pub struct Args {
     pub(super) variants: Option<usize>,
 
     /// Range MIN:MAX of the copies' random saturation; 1:1 leaves it unchanged
-    #[arg(long, value_name = "LOW:HIGH", value_parser = factors)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = factors, allow_hyphen_values = true)]
     pub(super) saturation: Option<[f64; 2]>,
 
     /// Largest random hue rotation of the copies in degrees; 0 leaves the hue unchanged
@@ -337,22 +337,24 @@ fn up_to<const LEAST: u8>(text: &str) -> Result<[f64; 2], String> {
 
 /// Factors that are computed with in single precision.
 fn factors(text: &str) -> Result<[f64; 2], String> {
-    let ends = range(text)?;
+    let ends = range(text, "0.5:2")?;
     text.split(':').try_for_each(|word| single(word).map(drop))?;
     Ok(ends)
 }
 
-fn range(text: &str) -> Result<[f64; 2], String> {
+/// Two numbers; `example` is what the user sees of a good range.
+fn range(text: &str, example: &str) -> Result<[f64; 2], String> {
     let number = |word: &str| word.parse::<f64>().ok().filter(|v| v.is_finite());
     let ends = text.split_once(':').and_then(|(low, high)| Some([number(low)?, number(high)?]));
-    ends.filter(|[low, high]| low <= high).ok_or_else(|| "expected LOW:HIGH, as in 0:8".to_owned())
+    ends.filter(|[low, high]| low <= high)
+        .ok_or_else(|| format!("expected LOW:HIGH, as in {example}, the smaller number first"))
 }
 
 /// A range of ψ from its lower end on, or of distances.
 fn depths(text: &str) -> Result<DepthRange, String> {
     let depths: DepthRange = text.parse()?;
     match (depths.near, depths.far) {
-        (Depth::Psi(_), Depth::Psi(_)) => range(text).map(|_| depths),
+        (Depth::Psi(_), Depth::Psi(_)) => range(text, "0:8").map(|_| depths),
         _ => Ok(depths),
     }
 }
@@ -363,8 +365,8 @@ mod tests {
 
     #[test]
     fn a_range_has_two_ends_in_order() {
-        assert_eq!(range("-4:4.5"), Ok([-4.0, 4.5]));
+        assert_eq!(range("-4:4.5", "0:8"), Ok([-4.0, 4.5]));
         assert!(depths("0.7m:3m").is_ok() && depths("-4:4.5").is_ok() && depths("8:0").is_err());
-        assert!(range("4").is_err() && range("8:0").is_err() && range("a:b").is_err());
+        assert!(range("4", "0:8").is_err() && range("8:0", "0:8").is_err() && range("a:b", "0:8").is_err());
     }
 }

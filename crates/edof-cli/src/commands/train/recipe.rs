@@ -97,11 +97,50 @@ fn narrow(range: [f64; 2]) -> [f32; 2] {
     range.map(|v| v as f32)
 }
 
+/// An option's value in a recipe; none for an option that sets no part of one.
+fn stated(option: &str, r: &Recipe) -> Option<String> {
+    let (c, a) = (&r.conditions, &r.augmentation);
+    let pair = |[low, high]: [f32; 2]| format!("{low}:{high}");
+    Some(match option {
+        "tone" => word(Tones::of(&r.tones)),
+        "noise" => pair(c.noise),
+        "gain" => pair(c.gain),
+        "noiseless" => c.noiseless.to_string(),
+        "exposure" => pair(c.exposure),
+        "variants" => a.variants.to_string(),
+        "saturation" => pair(a.saturation),
+        "hue" => a.hue.to_string(),
+        "scale" => a.scale.to_string(),
+        "weighting" => word(Weighting::from(r.weighting)),
+        "steps" => r.steps.to_string(),
+        "batch" => r.batch.to_string(),
+        "rate" => r.rate.to_string(),
+        "output-rate" => r.output_rate.to_string(),
+        "threshold-rate" => r.threshold_rate.to_string(),
+        "averaging" => r.averaging.to_string(),
+        "only" => word(Only::from(r.trained)),
+        "lambda" => joined(&r.lambda),
+        "non-zeros" => r.budget.as_ref().map_or_else(|| "none".to_owned(), |b| joined(&b.non_zeros)),
+        "budget-rate" => r.budget.as_ref().map_or(Budget::RATE, |b| b.rate).to_string(),
+        "start" => word(Start::from(r.start)),
+        "seed" => r.seed.to_string(),
+        "validate-every" => r.validate_every.to_string(),
+        "patience" => r.patience.to_string(),
+        _ => return None,
+    })
+}
+
+/// An option's default for its help: that of [`Recipe::new`] for both forms that have a name; none for an option that sets no part
+/// of a recipe.
+pub fn default_of(option: &str) -> Option<String> {
+    let of = |name: &str| stated(option, &Recipe::new(form::parse(name).ok()?));
+    let (own, papers) = (of("edof-t4w12")?, of("paper-t4")?);
+    Some(if own == papers { own } else { format!("{own} for edof-t4w12, {papers} for paper-t4") })
+}
+
 /// The command that makes this network, with everything that its bytes depend on and nothing else, so that a resumed run
 /// writes the same bytes as an unbroken one.
 pub(super) fn command(args: &Args, r: &Recipe) -> String {
-    let (c, a) = (&r.conditions, &r.augmentation);
-    let pair = |[low, high]: [f32; 2]| format!("{low}:{high}");
     let mut line = CommandLine::new("edof train");
     line.option("form", form::words(&r.form)).option("camera", &args.camera);
     line.option_if(
@@ -110,26 +149,33 @@ pub(super) fn command(args: &Args, r: &Recipe) -> String {
     );
     line.option_if("psi", args.psi).option_if("photos", args.photos.as_ref());
     line.option_if("leave-out", Some(args.leave_out.join(",")).filter(|names| !names.is_empty()));
-    line.option("depths", args.depths).option("tone", word(Tones::of(&r.tones)));
-    line.option("noise", pair(c.noise)).option("gain", pair(c.gain));
-    line.option("noiseless", c.noiseless).option("exposure", pair(c.exposure));
-    line.option("variants", a.variants).option("saturation", pair(a.saturation));
-    line.option("hue", a.hue).option("scale", a.scale);
-    line.option("weighting", word(Weighting::from(r.weighting)));
-    line.option("steps", r.steps).option("batch", r.batch).option("rate", r.rate);
-    line.option("output-rate", r.output_rate).option("threshold-rate", r.threshold_rate);
-    line.option("averaging", r.averaging).option("only", word(Only::from(r.trained)));
-    line.option("lambda", joined(&r.lambda));
-    match &r.budget {
-        Some(b) => line.option("non-zeros", joined(&b.non_zeros)).option("budget-rate", b.rate),
-        None => line.option("non-zeros", "none"),
+    line.option("depths", args.depths);
+    let mut of_recipe = |options: &[&str]| {
+        for option in options {
+            line.option_if(option, stated(option, r));
+        }
     };
+    of_recipe(&["tone", "noise", "gain", "noiseless", "exposure", "variants", "saturation", "hue", "scale"]);
+    of_recipe(&[
+        "weighting",
+        "steps",
+        "batch",
+        "rate",
+        "output-rate",
+        "threshold-rate",
+        "averaging",
+        "only",
+        "lambda",
+        "non-zeros",
+    ]);
+    of_recipe(if r.budget.is_some() { &["budget-rate"] } else { &[] });
     match &args.from {
         Some(from) => line.option("from", Path::new(from).file_name().unwrap_or_default().display()),
-        None => line.option("start", word(Start::from(r.start))),
+        None => line.option_if("start", stated("start", r)),
     };
     line.option("seed", if args.seed.is_empty() { r.seed.to_string() } else { joined(&args.seed) });
-    line.option("validate-every", r.validate_every).option("patience", r.patience);
+    line.option_if("validate-every", stated("validate-every", r))
+        .option_if("patience", stated("patience", r));
     line.option("out", format!("{}.safetensors", args.name()));
     line.to_string()
 }
