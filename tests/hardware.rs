@@ -353,7 +353,7 @@ fn hard_cases_of_each_kind_go_through_the_circuit_bit_for_bit() {
 }
 
 #[test]
-#[ignore = "minutes: every frame and every network of words"]
+#[ignore = "minutes, every frame and every network of words: scripts/soak.sh"]
 fn every_hard_case_goes_through_the_circuit_bit_for_bit() {
     hard_cases_through_the_circuit("all", 192, 8000);
 }

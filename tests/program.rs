@@ -20,6 +20,7 @@ mod prose;
 mod provenance;
 mod saturations;
 mod sizes;
+mod soak;
 mod stopping;
 mod studies;
 mod support;
