@@ -31,7 +31,7 @@ printed         tests circuits printed::
 line-faults     tests it faults::
 host            tests program board::
 demo            tests program hardware::the_demo hardware::the_whole_core
-photographs     tests program hardware::kc705_has_cycles
+photographs     tests program photograph::
 hard-cases      tests program hardware::every_hard_case
 all-photographs tests all_photos every_boundary
 random-circuits released edof-verilog-diff random ten_thousand

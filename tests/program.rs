@@ -15,6 +15,7 @@ mod kept;
 mod litex_shell;
 mod optics;
 mod overwriting;
+mod photograph;
 mod playout;
 mod prose;
 mod provenance;

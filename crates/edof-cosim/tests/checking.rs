@@ -180,12 +180,19 @@ fn frames_are_exact_in_icarus(sent: Sent, sources: &[(Option<Pattern>, usize)]) 
         Sent::Photograph => photograph(design.frame),
     };
     let id = map::register("id").unwrap();
-    let mut steps =
-        vec![Step::Expect(id.address, id.reset), Step::Write(map::CONTROL, map::running(display.mode, 0))];
+    let run = map::running(display.mode, 0);
+    let mut steps = vec![Step::Expect(id.address, id.reset), Step::Write(map::CONTROL, run)];
     for (pattern, frames) in sources {
         let made = pattern.map_or_else(|| carried(&raw), |one| pattern::frame(one, design.frame).unwrap());
         steps.push(Step::Write(map::PATTERN, pattern.map_or(0, Pattern::code)));
         if steps.len() > 3 {
+            // FIFOs made for frames of 1080p hold many of these small ones.
+            let flush = [
+                Step::Write(map::CONTROL, run | map::FLUSH),
+                Step::Wait(COPY),
+                Step::Write(map::CONTROL, run),
+            ];
+            steps.extend(flush);
             steps.extend([Step::Changed(map::register("output_frames").unwrap().address); EMPTY]);
         }
         steps.extend(comparison(&golden.checks(&display, &made).unwrap(), *frames));
