@@ -307,6 +307,7 @@ fn the_whole_core_of_a_folder_is_run_as_it_was_edited() {
     place.edof("generate --design tiny --weights drawn.fixed.safetensors --out built").done();
     let line = "cosim --system --design tiny --weights drawn.fixed.safetensors --rtl built/rtl --frames 1";
     assert!(place.edof(line).done().out.contains("every code as golden"));
+    assert!(place.edof(&format!("{line} --display luma")).done().out.contains("every code as golden"));
 
     // A pixel on its way to the memory of pictures loses a bit.
     let file = place.path("built/rtl/stream_core.v");

@@ -12,6 +12,7 @@ use edof_cosim::system::{self, Compiled, Rig, RigConfig, Speed, Torn, VerilogBoa
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_device::design::{DesignError, FrameSize};
+use edof_device::registers::map;
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::Project;
 use edof_image::cable::carried;
@@ -269,7 +270,9 @@ fn place(
         Ok(()) => ControlFlow::Continue(()),
         Err(_) => ControlFlow::Break(()),
     };
-    let checked = Board::open(board, PATIENCE)?.check_frames(&expected, 1, &mut step)?;
+    let mut board = Board::open(board, PATIENCE)?;
+    board.change_control(map::COLOUR, if display.mode == DisplayMode::Colour { map::COLOUR } else { 0 })?;
+    let checked = board.check_frames(&expected, 1, &mut step)?;
     Ok(checked.difference.map(|difference| difference.boundary))
 }
 
