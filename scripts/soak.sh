@@ -1,23 +1,138 @@
 #!/usr/bin/env bash
-# What takes minutes a test and is therefore not in test.sh: every photograph with every network, chains of many layers, more random expressions, `paper` at full width, the cells of more designs,
-# the longest paths of logic of the big designs and of all blocks around them against their limits (docs/calculator.md), 20,000 random faults on the line to a board, networks into its circuit in Verilator, hosts that are killed, a generated
-# directory under FuseSoC, the core with cocotbext-axi as its memory, stages routed by nextpnr, LiteX's clients at both simulated boards, the LiteX target with LiteDRAM in Verilator, netlists of chain, agents and receiver with models of the cells, the KC705's top between models of its primitives, a frame of 1080p
-# through the bitstream's files around a small calculator, a hundred frames' CRCs in both simulators, the long proofs, 500 random mutants of the circuit, five minutes of fuzzing for each parser, one row of each page of docs/results measured again to the last bit. More than an hour on two cores.
+# What takes minutes a test and is therefore not in test.sh, in parts: soak.sh [PART]..., all parts where none is named.
+#
+# A part that has passed on this revision is not run again, so an interrupted soak is resumed by the same command. Each part's
+# output is kept as target/soak/REVISION/PART.log and its time and result as PART.result there. A tree with changes has the revision
+# "REVISION-changed", whose parts are always run. A part that fails does not stop the others; the exit status is then 1.
+#
+#   soak.sh --list   prints the parts with their commands
+#   soak.sh --log    prints the latest result of every part as the table of docs/verification.md
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
+target=${CARGO_TARGET_DIR:-target}
+
+# A row a part: its name, and its command. The test `soak` of tests/program.rs reads the rows: each ignored test has a part.
+parts() {
+    cat <<'PARTS'
+simulated-board tests circuits simulated_board::
+faulty-boards   tests circuits faulty_boards::
+pins            tests circuits pins:: cables:: top:: stream_core:: planted_faults::
+verilog-frames  tests circuits checking::a_hundred_frames_are_exact_in_verilog checking::a_hundred_frames_of_a_photograph_are_exact_in_verilog
+icarus-frames   tests circuits checking::a_hundred_frames_are_exact_in_icarus checking::a_hundred_frames_of_a_photograph_are_exact_in_icarus
+full-frame      tests circuits full_frame::
+chains          tests circuits chain::
+full-width      tests circuits full_width:: expressions::
+netlists        tests circuits netlists::
+timing          tests circuits timing::
+resources       tests circuits resources::
+vivado          tests circuits vivado::
+printed         tests circuits printed::
+line-faults     tests it faults::
+host            tests program board::
+demo            tests program hardware::the_demo hardware::the_whole_core
+photographs     tests program photograph::
+hard-cases      tests program hardware::every_hard_case
+all-photographs tests all_photos every_boundary
+random-circuits released edof-verilog-diff random ten_thousand
+results         results
+package         scripts/test-package.sh
+axiram          scripts/test-axiram.sh
+fusesoc         scripts/test-fusesoc.sh
+parse           scripts/test-parse.sh
+route           scripts/test-route.sh
+litex           scripts/test-litex.sh
+litex-target    scripts/test-litex-target.sh
+peers           scripts/test-peers.sh
+proofs          scripts/prove.sh --all
+mutants-1       scripts/mutants.sh --draw 100 --seed 2018 --core
+mutants-2       scripts/mutants.sh --draw 100 --seed 2019 --core
+mutants-3       scripts/mutants.sh --draw 100 --seed 2020 --core
+mutants-4       scripts/mutants.sh --draw 100 --seed 2021 --core
+mutants-5       scripts/mutants.sh --draw 100 --seed 2022 --core
+fuzz-1          scripts/fuzz.sh 5 design camera pnm picture
+fuzz-2          scripts/fuzz.sh 5 dng raw arrays bank
+fuzz-3          scripts/fuzz.sh 5 record weights replies
+PARTS
+}
+
+# The ignored tests of a test program whose names contain one of the words: each word must be that of a test.
+tests() {
+    local program=$1
+    shift
+    ignored cargo test --workspace --locked --test "$program" -- "$@"
+}
+
+# The same of a package, optimised.
+released() {
+    local package=$1 program=$2
+    shift 2
+    ignored cargo test -p "$package" --locked --release --test "$program" -- "$@"
+}
+
+ignored() {
+    local list words=("$@") word
+    while [ "${words[0]}" != -- ]; do words=("${words[@]:1}"); done
+    list=$("$@" --ignored --list) || return
+    for word in "${words[@]:1}"; do
+        grep -q "$word.*: test$" <<<"$list" || { echo "no ignored test is called $word"; return 1; }
+    done
+    "$@" --ignored --test-threads 2
+}
+
+# One row of each page of docs/results, measured again to the last bit.
+results() {
+    cargo build -q --release --locked -p edof-cli && python3 scripts/soak-rows.py "$target/release/edof"
+}
+
+names() { parts | cut -d' ' -f1; }
+
+run() {
+    local name=$1 command folder=$target/soak/$revision begin result=passed
+    command=$(parts | sed -n "s/^$name  *//p")
+    mkdir -p "$folder"
+    begin=$(date +%s)
+    say "$name: $command"
+    $command >"$folder/$name.log" 2>&1 </dev/null || result=FAILED
+    # One line: revision, seconds, result, moment.
+    echo "$revision $(($(date +%s) - begin)) $result $begin" >"$folder/$name.result"
+    say "$name: $result in $(cut -d' ' -f2 "$folder/$name.result") s, $folder/$name.log"
+    [ "$result" = passed ]
+}
+
+passed() { grep -qs ' passed ' "$target/soak/$revision/$1.result"; }
+
+# The latest result of each part, of whatever revision.
+log() {
+    local name latest
+    echo "| part | revision | seconds | result |"
+    echo "|---|---|---|---|"
+    for name in $(names); do
+        latest=$(cat "$target"/soak/*/"$name".result 2>/dev/null | sort -n -k4 | tail -n 1) || true
+        read -r commit seconds result _ <<<"${latest:-– – not-run –}"
+        echo "| \`$name\` | $commit | $seconds | ${result//-/ } |"
+    done
+}
+
+revision=$(git rev-parse --short=12 HEAD)
+[ -z "$(git status --porcelain)" ] || revision=$revision-changed
+
+case ${1:-} in
+    --list) parts; exit ;;
+    --log) log; exit ;;
+esac
+for name in "$@"; do
+    names | grep -qx -- "$name" || fail "no part $name; expected one of: $(names | tr '\n' ' ')"
+done
 need_simulators
-cargo test --workspace --locked --no-fail-fast --test circuits --test program --test all_photos --test it -- --ignored --test-threads 2
-cargo test -p edof-verilog-diff --locked --release --test random -- --ignored
-./scripts/test-package.sh
-./scripts/test-axiram.sh
-./scripts/test-fusesoc.sh
-./scripts/test-parse.sh
-./scripts/test-route.sh
-./scripts/test-litex.sh
-./scripts/test-litex-target.sh
-./scripts/test-peers.sh
-./scripts/prove.sh --all
-./scripts/mutants.sh --draw 500 --seed 2018 --core
-./scripts/fuzz.sh 5
+failed=()
+for name in ${*:-$(names)}; do
+    if [ "${revision%-changed}" = "$revision" ] && passed "$name"; then
+        say "$name has passed on $revision"
+    else
+        run "$name" || failed+=("$name")
+    fi
+done
+log
+[ "${#failed[@]}" -eq 0 ] || fail "failed: ${failed[*]}"
 say "all passed"

@@ -4,17 +4,23 @@ use crate::error::Error;
 use crate::interrupt;
 use crate::said;
 use crate::ui::Ui;
+use edof_board::Board;
+use edof_board::check::Boundary;
+use edof_board::link::PATIENCE;
 use edof_cosim::chain::folder::with_verilog_of;
-use edof_cosim::system::{self, Compiled, Rig, RigConfig, recorded, second};
+use edof_cosim::system::{self, Compiled, Rig, RigConfig, Speed, Torn, VerilogBoard, recorded, second};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_device::design::{DesignError, FrameSize};
+use edof_device::registers::map;
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::Project;
+use edof_image::cable::carried;
 use edof_image::{DisplayMode, RawFrame};
 use edof_network::FixedNetwork;
 use ndarray::s;
 use serde_json::json;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -23,6 +29,9 @@ const SHIFT: usize = 2;
 /// Frames that are sent besides those that must be shown: the first is lost while the receiver waits for its vertical sync, and the
 /// last is still on its way where the screen begins a picture late.
 pub const BESIDES: usize = 2;
+
+/// Bits per second of a line to the core that takes few cycles.
+const FAST: u32 = 25_000_000;
 
 /// What `--system` takes besides.
 #[derive(clap::Args)]
@@ -130,6 +139,14 @@ pub fn run(
         let problem = format!("{run} pictures were shown one after the other, expected {}", args.frames);
         return Err(Error::message(format!("{problem}: those of frames {}", list(shown))));
     }
+    if let (Some(_), Some(frame)) = (rtl, frames.last()) {
+        // Of a word the screen shows eight bits: a wrong lowest one is seen by the CRCs alone.
+        ui.note("comparing CRCs at every boundary of the core");
+        if let Some(boundary) = place(&passed.project, (design, &golden, &display), frame, seed)? {
+            let problem = "every code as golden, but the core's CRCs are not";
+            return Err(Error::message(format!("{problem}: the first words that differ are {boundary}")));
+        }
+    }
     let [written, read] = passed.traffic.map(|bytes| bytes as f64 / passed.seconds / 1e6);
     ui.say(format!(
         "{}: {run} pictures one after the other from pins to pins, every code as golden; memory {written:.1} MB/s written, {read:.1} MB/s read",
@@ -229,10 +246,44 @@ fn through_core(
     rig.show(3)?;
     drop(bar);
 
-    let shown = system::compare(&rig.screen.frames, &pictures, design.frame.width)?;
+    let shown = system::compare(&rig.screen.frames, &pictures, design.frame.width).map_err(|torn| {
+        ui.note("comparing CRCs at every boundary of the core");
+        let frame = &frames[torn.nearest];
+        torn_at(&torn, place(&project, (design, golden, display), frame, seed))
+    })?;
     let traffic = [&rig.memory.written, &rig.memory.read]
         .map(|side| side.bursts.iter().map(|(_, words)| words).sum::<u64>() * rig.memory.word_bytes());
     Ok(Passed { project, pictures, shown, traffic, seconds: rig.bench.time_ps() as f64 * 1e-12 })
+}
+
+/// The first boundary of a core whose words are not golden, by the core's own CRCs.
+fn place(
+    project: &Project,
+    (design, golden, display): (&Design, &Golden, &Display),
+    frame: &RawFrame,
+    seed: u64,
+) -> Result<Option<Boundary>, Error> {
+    let options = Options { cache: Options::user_cache(), ..Options::default() };
+    let board = VerilogBoard::of_project(project, design, frame, (Speed::of(FAST)?, seed), &options)?;
+    let expected = golden.checks(display, &carried(frame))?;
+    let mut step = |_, _| match interrupt::check() {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(_) => ControlFlow::Break(()),
+    };
+    let mut board = Board::open(board, PATIENCE)?;
+    board.change_control(map::COLOUR, if display.mode == DisplayMode::Colour { map::COLOUR } else { 0 })?;
+    let checked = board.check_frames(&expected, 1, &mut step)?;
+    Ok(checked.difference.map(|difference| difference.boundary))
+}
+
+/// A torn picture, and where in the core it was torn.
+fn torn_at(torn: &Torn, place: Result<Option<Boundary>, Error>) -> Error {
+    let place = match place {
+        Ok(Some(boundary)) => format!("the first words that differ are {boundary}"),
+        Ok(None) => "words are golden up to the codes that come out of the memory".into(),
+        Err(error) => format!("the core's CRCs name no boundary: {error}"),
+    };
+    Error::message(format!("{torn}; {place}"))
 }
 
 /// Whether N frames can be cut out of a larger one.

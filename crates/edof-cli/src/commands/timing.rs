@@ -10,6 +10,7 @@ use edof_cosim::system;
 use edof_cosim::yosys::fan_out::FanOut;
 use edof_cosim::yosys::route::{self, Fabric, Routed, RoutedStep, Router};
 use edof_cosim::yosys::timing::{self, Kind, PartTiming};
+use edof_device::Design;
 use edof_golden::Display;
 use edof_hdl::board::blocks::{self, Block};
 use serde_json::json;
@@ -24,7 +25,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   edof timing --design tiny
   edof timing --design kc705 --weights edof-t4w12-outer --json timing.json
-  edof timing --design tiny --route ecp5")]
+  edof timing --design tiny --route ecp5 --stages M1")]
 pub struct Args {
     /// Design: tiny, paper, kc705, or a JSON file
     #[arg(long, value_name = "NAME|FILE")]
@@ -42,6 +43,24 @@ pub struct Args {
     /// database) or ecp5, another fabric, for a test of the tools
     #[arg(long, value_name = "FABRIC", num_args = 0..=1, default_missing_value = "xc7k325t")]
     route: Option<Fabric>,
+
+    /// Map (and route) these stages alone, separated by commas: I, M1, ..., F [default: all stages, and all other blocks]
+    #[arg(long = "stages", value_name = "STAGE,…", value_delimiter = ',')]
+    wanted: Vec<String>,
+}
+
+/// Names of the wanted stages with their blocks, and the other blocks: none where only some stages are wanted.
+fn selected(design: &Design, wanted: &[String]) -> Result<(Vec<String>, Vec<Block>, Vec<Block>), Error> {
+    let stages = blocks::stages(design);
+    let names = stage_names(stages.len());
+    if let Some(unknown) = wanted.iter().find(|name| !names.contains(name)) {
+        let expected = names.join(", ");
+        return Err(Error::message(format!("--stages {unknown}: no such stage, expected {expected}")));
+    }
+    let is_wanted = |name: &String| wanted.is_empty() || wanted.contains(name);
+    let (names, stages) = names.into_iter().zip(stages).filter(|(name, _)| is_wanted(name)).unzip();
+    let others = if wanted.is_empty() { blocks::around_the_calculator(design) } else { vec![] };
+    Ok((names, stages, others))
 }
 
 /// # Errors
@@ -62,7 +81,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => edof_random::for_design(&design, 1),
     };
     let project = system::project(&design, [&network, &network], &Display::default())?;
-    let (stages, others) = (blocks::stages(&design), blocks::around_the_calculator(&design));
+    let (names, stages, others) = selected(&design, &args.wanted)?;
     let paths: Vec<String> = stages.iter().chain(&others).map(|block| block.path.clone()).collect();
     let bar = ui.progress(paths.len() as u64, "blocks mapped");
     let cache: Option<PathBuf> = timing::user_cache().filter(|_| !args.again);
@@ -70,7 +89,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     drop(bar);
 
     let (of_stages, of_others) = found.split_at(stages.len());
-    let names = stage_names(stages.len());
     for (name, stage) in names.iter().zip(of_stages) {
         tell(name, stage, ui)?;
     }
@@ -95,10 +113,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let long = |(block, timing): &(&Block, &PartTiming)| timing.delay_ps > block.domain.limit_ps();
     let long: Vec<&str> =
         others.iter().zip(of_others).filter(long).map(|(block, _)| block.path.as_str()).collect();
-    ui.say(match long[..] {
-        [] => "no other block has a path longer than half of the period of its clock".into(),
-        _ => format!("longer than half of the period of their clocks: {}", long.join(", ")),
-    })?;
+    if !others.is_empty() {
+        ui.say(match long[..] {
+            [] => "no other block has a path longer than half of the period of its clock".into(),
+            _ => format!("longer than half of the period of their clocks: {}", long.join(", ")),
+        })?;
+    }
     let stage = |(name, stage): (&String, &PartTiming)| json!({ "stage": name, "timing": stage });
     let other = |(block, timing): (&Block, &PartTiming)| json!({ "block": block.path, "limit_ps": block.domain.limit_ps(), "timing": timing });
     ui.json(&json!({

@@ -88,7 +88,7 @@ fn the_build_script_gets_to_its_end_and_does_so_again() {
 }
 
 #[test]
-#[ignore = "minutes: all of the design in Yosys"]
+#[ignore = "minutes: scripts/soak.sh"]
 fn kc705_with_all_of_its_netlist_gets_to_the_end() {
     let place = Place::new();
     let folder = written(&place, &project("kc705"));
