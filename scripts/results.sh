@@ -53,7 +53,7 @@ pages() { echo "--markdown docs/results/$1.md --report out/$1.html"; }
 # Those trained for the paper's convention; of real light also those trained for it.
 declare -A nets
 nets[linear]="paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear"
-nets[srgb]=${nets[linear]},edof-t4w12-outer-light
+nets[srgb]=${nets[linear]},edof-t4w12-light,edof-t4w12-outer-light,edof-t4w12-clear-light
 
 # Quotes a page's first table between a document's marks, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses.
 quote() {
@@ -63,7 +63,7 @@ quote() {
             while ((getline line < page) > 0) {
                 if (line !~ /^\|/) { if (count) break; else continue }
                 split(line, cell, "|")
-                kept = cell[2] ~ /^ (demosaic-malvar|edof-t4w12-(outer|outer-light|clear)\.fixed) $/ && cell[3] ~ /^ (ring-outer|clear-mid) $/
+                kept = cell[2] ~ /^ (demosaic-malvar|edof-t4w12-(outer|clear)(-light)?\.fixed) $/ && cell[3] ~ /^ (ring-outer|clear-mid) $/
                 gsub(" / ", "/", line)
                 split(line, cell, "|")
                 if (++count <= 2 || kept) print "|" cell[2] "|" cell[3] "|" cell[4] "|" cell[6] "|" cell[8] "|"
