@@ -5,7 +5,7 @@ use crate::pictures::capitalised;
 use crate::tables::noise_words;
 use crate::verdict::{compared, is_ahead};
 use edof_camera::camera::{Camera, PRESETS};
-use edof_image::Noise;
+use edof_image::{Noise, Tone};
 use edof_methods::method::{Family, Format, Method};
 use edof_metrics::paired::Paired;
 
@@ -29,8 +29,9 @@ impl Study {
             noises.iter().filter_map(|&noise| self.sentence(subject, other, noise)).collect();
         let is_network = rival.identity.format.is_some();
         let role = if is_network { ", the best network behind another lens" } else { ", on the same frames" };
+        let caveat = if is_network { other_tone(self.measure.tone) } else { "" };
         Some(format!(
-            "{} with {}, compared with {} with {}{role}. {}",
+            "{} with {}, compared with {} with {}{role}. {}{caveat}",
             capitalised(&lens(&own.camera)),
             own.identity,
             lens(&rival.camera),
@@ -61,6 +62,20 @@ impl Study {
             compared(&average),
             compared(&farthest)
         ))
+    }
+}
+
+/// What may make a comparison of networks unfair, and is in no row (docs/decisions/0041-one-tone.md).
+const fn other_tone(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Srgb => {
+            " The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1.3 dB \
+             here ('edof weights NAME' prints it)."
+        }
+        Tone::Linear => {
+            " The rows do not state the tone that a network was trained for: one that was trained for sRGB loses 1.5 to 4 dB here \
+             ('edof weights NAME' prints it)."
+        }
     }
 }
 
@@ -116,7 +131,9 @@ mod tests {
         assert_eq!(
             verdict,
             "The coded lens ring-outer with coded-net.float, compared with the clear lens clear with clear-net.float, the best network \
-             behind another lens. Without noise: it is better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00 ± 0.10 dB at ψ = 8."
+             behind another lens. Without noise: it is better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00 ± 0.10 dB at ψ = 8. \
+             The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1.3 dB here \
+             ('edof weights NAME' prints it)."
         );
     }
 
@@ -125,7 +142,7 @@ mod tests {
         let noise = Noise::gaussian(0.02);
         let verdict = study(&[(Noise::None, 35.0, 36.0), (noise, 31.0, 34.04)]).verdict().unwrap();
         assert!(
-            verdict.ends_with(
+            verdict.contains(
                 "At σ = 0.02: it is worse by 1.48 ± 0.10 dB on average over ψ, but equally good within the error (+0.04 ± 0.10 \
                  dB) at ψ = 8."
             ),
