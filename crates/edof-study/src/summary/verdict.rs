@@ -27,16 +27,18 @@ impl Study {
         let other = (&rival.identity, rival.camera.as_str());
         let each: Vec<String> =
             noises.iter().filter_map(|&noise| self.sentence(subject, other, noise)).collect();
-        let is_network = rival.identity.format.is_some();
-        let role = if is_network { ", the best network behind another lens" } else { ", on the same frames" };
-        let caveat = if is_network { other_tone(self.measure.tone) } else { "" };
+        let each = each.join(" ");
+        if rival.identity.format.is_none() {
+            let (own, lens, other) = (&own.identity, lens(&own.camera), &rival.identity);
+            return Some(format!("{own} behind {lens}, compared with {other} of the same frames. {each}"));
+        }
         Some(format!(
-            "{} with {}, compared with {} with {}{role}. {}{caveat}",
+            "{} with {}, compared with {} with {}, the best network behind another lens. {each}{}",
             capitalised(&lens(&own.camera)),
             own.identity,
             lens(&rival.camera),
             rival.identity,
-            each.join(" ")
+            other_tone(self.measure.tone)
         ))
     }
 
@@ -170,7 +172,7 @@ mod tests {
         let verdict = Study::of(rows).verdict().unwrap();
         assert_eq!(
             verdict,
-            "The clear lens clear with n.float, compared with the clear lens clear with demosaic-malvar, on the same frames. Without noise: it is worse by \
+            "n.float behind the clear lens clear, compared with demosaic-malvar of the same frames. Without noise: it is worse by \
              1.50 dB on average over ψ, and worse by 1.50 dB at ψ = 0."
         );
         assert_eq!(Study::of(vec![]).verdict(), None);
