@@ -163,6 +163,7 @@ fn a_weight_file_can_be_looked_into() {
     assert_eq!(fixed["fixed"]["layers"][2]["weight_fraction_bits"], serde_json::json!([14, 13]));
     assert_eq!(fixed["fixed"]["float_sha256"], "0");
     let both = place.edof("weights edof-t4w12").done().out;
+    assert!(both.contains("noise up to 0.015\n"), "{both}");
     assert!(
         both.contains("float: ") && both.contains("fixed: ") && both.contains("made by: edof train"),
         "{both}"

@@ -6,7 +6,9 @@ use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use crate::weights;
+use edof_image::Noise;
 use edof_image::number::OUTPUT_FRACTION;
+use edof_image::words::number;
 use edof_network::fixed_network::{FixedMatrix, layer_names};
 use edof_network::network::Origin;
 use edof_network::weight_file::WeightFileError;
@@ -201,7 +203,12 @@ fn tell_origin(origin: &Origin, ui: &Ui) -> Result<(), Error> {
     let [low, high] = camera.psi_range;
     ui.say(format!("{}: trained for the camera {}, psi {low} to {high}", origin.name, camera.name))?;
     for condition in &origin.conditions {
-        ui.say(format!("  light: {}, noise up to {}", condition.tone, condition.noise))?;
+        // σ was single precision, which has digits that nobody gave.
+        let noise = match condition.noise {
+            Noise::Gaussian { sigma } => number(sigma),
+            other => other.to_string(),
+        };
+        ui.say(format!("  light: {}, noise up to {noise}", condition.tone))?;
     }
     ui.say(format!(
         "  {:.2} dB on validation windows, {} windows seen",

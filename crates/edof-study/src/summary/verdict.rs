@@ -5,7 +5,7 @@ use crate::pictures::capitalised;
 use crate::tables::noise_words;
 use crate::verdict::{compared, is_ahead};
 use edof_camera::camera::{Camera, PRESETS};
-use edof_image::Noise;
+use edof_image::{Noise, Tone};
 use edof_methods::method::{Family, Format, Method};
 use edof_metrics::paired::Paired;
 
@@ -27,15 +27,18 @@ impl Study {
         let other = (&rival.identity, rival.camera.as_str());
         let each: Vec<String> =
             noises.iter().filter_map(|&noise| self.sentence(subject, other, noise)).collect();
-        let is_network = rival.identity.format.is_some();
-        let role = if is_network { ", the best network behind another lens" } else { ", on the same frames" };
+        let each = each.join(" ");
+        if rival.identity.format.is_none() {
+            let (own, lens, other) = (&own.identity, lens(&own.camera), &rival.identity);
+            return Some(format!("{own} behind {lens}, compared with {other} of the same frames. {each}"));
+        }
         Some(format!(
-            "{} with {}, compared with {} with {}{role}. {}",
+            "{} with {}, compared with {} with {}, the best network behind another lens. {each}{}",
             capitalised(&lens(&own.camera)),
             own.identity,
             lens(&rival.camera),
             rival.identity,
-            each.join(" ")
+            other_tone(self.measure.tone)
         ))
     }
 
@@ -61,6 +64,20 @@ impl Study {
             compared(&average),
             compared(&farthest)
         ))
+    }
+}
+
+/// What may make a comparison of networks unfair, and is in no row (docs/decisions/0041-one-tone.md).
+const fn other_tone(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Srgb => {
+            " The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1.3 dB \
+             here ('edof weights NAME' prints it)."
+        }
+        Tone::Linear => {
+            " The rows do not state the tone that a network was trained for: one that was trained for sRGB loses 1.5 to 4 dB here \
+             ('edof weights NAME' prints it)."
+        }
     }
 }
 
@@ -116,7 +133,9 @@ mod tests {
         assert_eq!(
             verdict,
             "The coded lens ring-outer with coded-net.float, compared with the clear lens clear with clear-net.float, the best network \
-             behind another lens. Without noise: it is better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00 ± 0.10 dB at ψ = 8."
+             behind another lens. Without noise: it is better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00 ± 0.10 dB at ψ = 8. \
+             The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1.3 dB here \
+             ('edof weights NAME' prints it)."
         );
     }
 
@@ -125,7 +144,7 @@ mod tests {
         let noise = Noise::gaussian(0.02);
         let verdict = study(&[(Noise::None, 35.0, 36.0), (noise, 31.0, 34.04)]).verdict().unwrap();
         assert!(
-            verdict.ends_with(
+            verdict.contains(
                 "At σ = 0.02: it is worse by 1.48 ± 0.10 dB on average over ψ, but equally good within the error (+0.04 ± 0.10 \
                  dB) at ψ = 8."
             ),
@@ -153,7 +172,7 @@ mod tests {
         let verdict = Study::of(rows).verdict().unwrap();
         assert_eq!(
             verdict,
-            "The clear lens clear with n.float, compared with the clear lens clear with demosaic-malvar, on the same frames. Without noise: it is worse by \
+            "n.float behind the clear lens clear, compared with demosaic-malvar of the same frames. Without noise: it is worse by \
              1.50 dB on average over ψ, and worse by 1.50 dB at ψ = 0."
         );
         assert_eq!(Study::of(vec![]).verdict(), None);

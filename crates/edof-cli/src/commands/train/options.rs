@@ -127,7 +127,7 @@ pub struct Args {
     #[arg(long, value_parser = single, value_name = "RATE")]
     pub(super) rate: Option<f32>,
 
-    /// Learning rate of D and R, relative to --rate
+    /// Learning rate of the output matrices, dictionary D and linear path R, relative to --rate
     #[arg(long, value_parser = single, value_name = "FACTOR")]
     pub(super) output_rate: Option<f32>,
 
