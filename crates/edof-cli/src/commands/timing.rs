@@ -53,7 +53,7 @@ pub struct Args {
 struct Selection {
     /// Names of the stages.
     names: Vec<String>,
-    /// Their blocks.
+    /// Block of each stage.
     stages: Vec<Block>,
     /// The other blocks: none where only some stages are wanted.
     others: Vec<Block>,
