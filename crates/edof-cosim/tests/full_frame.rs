@@ -19,7 +19,7 @@ use std::time::Instant;
 /// `kc705` with a small calculator, which takes about as many cycles per patch.
 fn stand_in() -> Design {
     let kc705 = committed("kc705");
-    let form = Form { codes: 16, layers: 2, linear_path: false, ..kc705.form.clone() };
+    let form = Form { codes: 16, layers: 2, linear_path: false, ..kc705.form };
     let stages = vec![StageSize { lanes: 8, rows: 4 }, StageSize { lanes: 16, rows: 2 }];
     let design = Design { form, stages, ..kc705 };
     design.check().unwrap();

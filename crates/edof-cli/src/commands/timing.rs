@@ -49,8 +49,17 @@ pub struct Args {
     wanted: Vec<String>,
 }
 
-/// Names of the wanted stages with their blocks, and the other blocks: none where only some stages are wanted.
-fn selected(design: &Design, wanted: &[String]) -> Result<(Vec<String>, Vec<Block>, Vec<Block>), Error> {
+/// What is mapped.
+struct Selection {
+    /// Names of the stages.
+    names: Vec<String>,
+    /// Block of each stage.
+    stages: Vec<Block>,
+    /// The other blocks: none where only some stages are wanted.
+    others: Vec<Block>,
+}
+
+fn selected(design: &Design, wanted: &[String]) -> Result<Selection, Error> {
     let stages = blocks::stages(design);
     let names = stage_names(stages.len());
     if let Some(unknown) = wanted.iter().find(|name| !names.contains(name)) {
@@ -60,7 +69,7 @@ fn selected(design: &Design, wanted: &[String]) -> Result<(Vec<String>, Vec<Bloc
     let is_wanted = |name: &String| wanted.is_empty() || wanted.contains(name);
     let (names, stages) = names.into_iter().zip(stages).filter(|(name, _)| is_wanted(name)).unzip();
     let others = if wanted.is_empty() { blocks::around_the_calculator(design) } else { vec![] };
-    Ok((names, stages, others))
+    Ok(Selection { names, stages, others })
 }
 
 /// # Errors
@@ -81,7 +90,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         None => edof_random::for_design(&design, 1),
     };
     let project = system::project(&design, [&network, &network], &Display::default())?;
-    let (names, stages, others) = selected(&design, &args.wanted)?;
+    let Selection { names, stages, others } = selected(&design, &args.wanted)?;
     let paths: Vec<String> = stages.iter().chain(&others).map(|block| block.path.clone()).collect();
     let bar = ui.progress(paths.len() as u64, "blocks mapped");
     let cache: Option<PathBuf> = timing::user_cache().filter(|_| !args.again);
