@@ -233,11 +233,12 @@ mod tests {
         };
         let recipe = |form: &str| Recipe::new(crate::form::parse(form).unwrap());
         let (own, papers) = (recipe("edof-t4w12"), recipe("paper-t4"));
+        assert_eq!((own.conditions.noise, own.conditions.gain), ([0.0, 0.03], [1.0, 16.0]));
         for (name, default) in [
             ("steps", own.steps.to_string()),
             ("batch", own.batch.to_string()),
-            ("noise", own.conditions.noise.to_string()),
-            ("gain", own.conditions.gain.to_string()),
+            ("noise", "0:0.03".to_owned()),
+            ("gain", "1:16".to_owned()),
             ("patience", own.patience.to_string()),
             ("rate", format!("{} for edof-t4w12, {} for paper-t4", own.rate, papers.rate)),
         ] {
