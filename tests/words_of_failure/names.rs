@@ -63,7 +63,7 @@ pub const NAMES: &[Row] = &[
         "demo --out o",
         "--design mine.json",
         &[
-            "--design mine.json: network edof-t4w12-outer does not fit",
+            "--design mine.json: network edof-t4w12-outer-light does not fit",
             "edof random-network --design mine.json",
         ],
     ),

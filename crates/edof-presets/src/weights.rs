@@ -78,6 +78,15 @@ pub const fn default_for(tone: Tone) -> &'static str {
     }
 }
 
+/// The network behind the clear lens focused mid-range, by the recipe of [`default_for`]'s.
+#[must_use]
+pub const fn clear_for(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Linear => "edof-t4w12-clear",
+        Tone::Srgb => "edof-t4w12-clear-light",
+    }
+}
+
 /// Of the networks that come with the program for the same lens, tone and form as `name`, the one whose range of noise is
 /// nearest: `name` itself unless another is nearer.
 #[must_use]

@@ -196,7 +196,8 @@ fn quotable(file: &str) -> Vec<String> {
         .map(|line| line.split('|').map(str::trim).collect())
         .collect();
     assert!(table.len() > 4, "{file}");
-    let networks = ["edof-t4w12-outer", "edof-t4w12-outer-light", "edof-t4w12-clear"];
+    let networks =
+        ["edof-t4w12-outer", "edof-t4w12-outer-light", "edof-t4w12-clear", "edof-t4w12-clear-light"];
     let is_method = |name: &str| {
         name == "demosaic-malvar" || name.strip_suffix(".fixed").is_some_and(|n| networks.contains(&n))
     };

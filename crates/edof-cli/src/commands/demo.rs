@@ -33,12 +33,14 @@ pub struct Args {
     out: PathBuf,
 
     /// Fixed-point network of the coded lens, by name or weight file
-    #[arg(long, default_value = "edof-t4w12-outer", value_name = "NET")]
-    net: String,
+    /// [default: edof-t4w12-outer-light, with --tone linear edof-t4w12-outer]
+    #[arg(long, value_name = "NET")]
+    net: Option<String>,
 
     /// Fixed-point network of the clear lens focused mid-range, by name or weight file
-    #[arg(long, default_value = "edof-t4w12-clear", value_name = "NET")]
-    clear_net: String,
+    /// [default: edof-t4w12-clear-light, with --tone linear edof-t4w12-clear]
+    #[arg(long, value_name = "NET")]
+    clear_net: Option<String>,
 
     /// Scene: chart (resolution charts) or leaves (dead leaves)
     #[arg(long, default_value = "chart", value_name = "SCENE")]
@@ -74,8 +76,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if args.out.is_file() {
         return Err(Error::message(format!("--out {}: is a file, expected a folder", args.out.display())));
     }
-    let (camera, coded) = method(&args.net, ui)?;
-    let (clear_camera, clear) = method(&args.clear_net, ui)?;
+    let (camera, coded) = method(args.net(), ui)?;
+    let (clear_camera, clear) = method(args.clear_net(), ui)?;
     let sides = format!("--width {} --height {}", args.width, args.height);
     super::scene::fits(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let kind = args.scene.parse::<Builtin>()?;
@@ -116,7 +118,7 @@ fn board(args: &Args, ui: &Ui) -> Result<Result<Option<Board>, String>, Error> {
     }
     let given = args.design.as_deref().unwrap_or(DESIGN);
     let design = designs::load(given)?;
-    let network = weights::fixed(&args.net)?;
+    let network = weights::fixed(args.net())?;
     if let (None, Err(misfit)) = (&args.design, design.check_network(&network)) {
         return Ok(Err(misfit.to_string()));
     }
@@ -189,11 +191,19 @@ impl Args {
     fn check_files(&self, lenses: &[Lens<'_>], board: Option<&Board>, ui: &Ui) -> Result<(), Error> {
         let names =
             lenses.iter().flat_map(|l| l.methods.iter().map(|(treatment, _)| file_name(&l.title, treatment)));
-        let files = Files::new(ui).reads_all(weights::fixed_file(&self.net));
-        let files = files.reads_all(weights::fixed_file(&self.clear_net));
+        let files = Files::new(ui).reads_all(weights::fixed_file(self.net()));
+        let files = files.reads_all(weights::fixed_file(self.clear_net()));
         let files = files.reads_all(&self.design);
         let files = files.writes_into("--out", &self.out, board.iter().flat_map(|board| board.names()));
         files.writes_into("--out", &self.out, FILES.map(String::from).into_iter().chain(names)).check()
+    }
+
+    fn net(&self) -> &str {
+        self.net.as_deref().unwrap_or(weights::default_for(self.tone))
+    }
+
+    fn clear_net(&self) -> &str {
+        self.clear_net.as_deref().unwrap_or(weights::clear_for(self.tone))
     }
 
     fn noise(&self) -> Noise {

@@ -123,7 +123,10 @@ fn answers_that_differ_are_rejected_and_times_may() {
     assert_eq!(both.rows(), [row("a", 1.0, 0.1)]);
     let other = file(folder.path(), "3", "m", &[row("a", 1.5, 0.1)]);
     let error = merged(&out, &[first, other]).unwrap_err().to_string();
-    assert!(error.ends_with("3: line 2: contradicts an earlier line with the same key"), "{error}");
+    assert!(
+        error.ends_with("3: line 2: contradicts an earlier line with the same key; delete one of both"),
+        "{error}"
+    );
     assert!(!out.exists());
 }
 
@@ -245,7 +248,10 @@ fn a_row_of_other_settings_takes_the_place_of_the_old_one() {
     assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 3);
     let old = file(folder.path(), "old", "m", &[row("a", 1.0, 0.1)]);
     let error = merged(&path, &[path.clone(), old]).unwrap_err().to_string();
-    assert!(error.ends_with("old: line 2: contradicts an earlier line with the same key"), "{error}");
+    assert!(
+        error.ends_with("old: line 2: contradicts an earlier line with the same key; delete one of both"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -350,7 +356,7 @@ fn files_of_something_else_are_named_with_their_line_and_left_alone() {
     assert!(matches!(open(folder.path(), header("m")), Err(JournalError::Write { .. })));
     let none = folder.path().join("none");
     let error = merged(&path, &[none]).unwrap_err().to_string();
-    assert!(error.ends_with("none: contains no rows of a study"), "{error}");
+    assert!(error.ends_with("none: contains no rows of a study; name a file that --rows wrote"), "{error}");
 }
 
 #[test]
