@@ -101,7 +101,11 @@ pub fn for_noise(name: &'static str, tone: Tone, noise: Noise) -> &'static str {
             float(other).ok().filter(|n| n.form == form && n.origin.camera.same_lens(&usual.camera))?;
         Some((other, distance(&network.origin)?))
     });
-    let own = (name, distance(&usual).unwrap_or(f64::INFINITY));
+    nearest((name, distance(&usual).unwrap_or(f64::INFINITY)), others)
+}
+
+/// Of networks with their distances the nearest; the first of those that are equally near.
+fn nearest<'a>(own: (&'a str, f64), others: impl Iterator<Item = (&'a str, f64)>) -> &'a str {
     others.fold(own, |best, other| if other.1 < best.1 { other } else { best }).0
 }
 
@@ -176,4 +180,25 @@ pub fn names() -> Vec<&'static str> {
     let mut names: Vec<&str> = EMBEDDED.iter().filter_map(|(file, _)| file.split('.').next()).collect();
     names.dedup();
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_network_of_another_class_is_taken_only_where_it_is_nearer() {
+        assert_eq!(nearest(("all", 0.0), [("class", 0.0)].into_iter()), "all");
+        assert_eq!(nearest(("low", 1.2), [("far", 1.5), ("high", 0.0), ("other", 0.5)].into_iter()), "high");
+    }
+
+    #[test]
+    fn the_usual_networks_are_kept_at_the_noise_that_they_were_trained_for() {
+        for tone in Tone::ALL {
+            for noise in [Noise::None, Noise::gaussian(0.01), Noise::sensor(1.0), Noise::sensor(4.0)] {
+                let usual = default_for(tone);
+                assert_eq!(for_noise(usual, tone, noise), usual, "{tone} {noise}");
+            }
+        }
+    }
 }
