@@ -204,11 +204,13 @@ fn tell_origin(origin: &Origin, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("{}: trained for the camera {}, psi {low} to {high}", origin.name, camera.name))?;
     for condition in &origin.conditions {
         // σ was single precision, which has digits that nobody gave.
-        let noise = match condition.noise {
+        let [least, most] = [condition.least_noise, condition.noise].map(|noise| match noise {
             Noise::Gaussian { sigma } => number(sigma),
             other => other.to_string(),
-        };
-        ui.say(format!("  light: {}, noise up to {noise}", condition.tone))?;
+        });
+        let from =
+            if condition.least_noise == Noise::None { String::new() } else { format!("from {least} ") };
+        ui.say(format!("  light: {}, noise {from}up to {most}", condition.tone))?;
     }
     ui.say(format!(
         "  {:.2} dB on validation windows, {} windows seen",

@@ -71,7 +71,7 @@ impl Study {
 const fn other_tone(tone: Tone) -> &'static str {
     match tone {
         Tone::Srgb => {
-            " The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1.3 dB \
+            " The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1 dB \
              here ('edof weights NAME' prints it)."
         }
         Tone::Linear => {
@@ -134,7 +134,7 @@ mod tests {
             verdict,
             "The coded lens ring-outer with coded-net.float, compared with the clear lens clear with clear-net.float, the best network \
              behind another lens. Without noise: it is better by 1.50 ± 0.10 dB on average over ψ, and better by 2.00 ± 0.10 dB at ψ = 8. \
-             The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1.3 dB here \
+             The rows do not state the tone that a network was trained for: one that was trained for linear light loses about 1 dB here \
              ('edof weights NAME' prints it)."
         );
     }

@@ -76,11 +76,11 @@ pub struct Args {
 
     /// Largest noise σ of linear windows, in units of full scale, or a range LOW:HIGH; a network trained without noise loses 6 to
     /// 11 dB at σ = 0.01 (docs/stability.md)
-    #[arg(long, value_parser = up_to::<0>, value_name = "SIGMA")]
+    #[arg(long, value_parser = up_to::<0>, value_name = "SIGMA", allow_hyphen_values = true)]
     pub(super) noise: Option<[f64; 2]>,
 
     /// Largest sensor gain of srgb windows, or a range LOW:HIGH; 1 is base sensitivity
-    #[arg(long, value_parser = up_to::<1>, value_name = "FACTOR")]
+    #[arg(long, value_parser = up_to::<1>, value_name = "FACTOR", allow_hyphen_values = true)]
     pub(super) gain: Option<[f64; 2]>,
 
     /// One window in N has no noise, unless the range of noise begins above the least
@@ -332,12 +332,18 @@ fn minutes(text: &str) -> Result<Duration, String> {
 
 /// A range, or its upper end, where the lower is LEAST.
 fn up_to<const LEAST: u8>(text: &str) -> Result<[f64; 2], String> {
-    if text.contains(':') { factors(text) } else { Ok([LEAST.into(), single(text)?.into()]) }
+    let example = if LEAST == 0 { "0.01:0.03" } else { "4:16" };
+    if text.contains(':') { singles(text, example) } else { Ok([LEAST.into(), single(text)?.into()]) }
 }
 
 /// Factors that are computed with in single precision.
 fn factors(text: &str) -> Result<[f64; 2], String> {
-    let ends = range(text, "0.5:2")?;
+    singles(text, "0.5:2")
+}
+
+/// Two numbers that single precision has.
+fn singles(text: &str, example: &str) -> Result<[f64; 2], String> {
+    let ends = range(text, example)?;
     text.split(':').try_for_each(|word| single(word).map(drop))?;
     Ok(ends)
 }
