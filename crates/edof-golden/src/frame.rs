@@ -6,7 +6,7 @@ use crate::overlap_add::overlap_add;
 use crate::scalar;
 use crate::trace::Counts;
 use crate::windows::window;
-use edof_image::colour::rgb_from_422;
+use edof_image::colour::rgb_part_from_422;
 use edof_image::geometry::GeometryError;
 use edof_image::{ColourFrame, Frame422, Geometry, RawFrame};
 use edof_network::FixedNetwork;
@@ -37,7 +37,7 @@ impl GoldenFrame {
     /// The frame in linear red, green and blue, as large as the raw frame.
     #[must_use]
     pub fn colour(&self) -> ColourFrame {
-        rgb_from_422(&self.frame).crop(self.offset.0, self.offset.1, self.size.0, self.size.1)
+        rgb_part_from_422(&self.frame, self.offset, self.size)
     }
 
     /// The codes that leave the board, as large as the raw frame, and what the display step could not show.

@@ -6,7 +6,7 @@
 use crate::frame::{ColourFrame, Frame422};
 use crate::geometry::{PATCH, PATCH_PIXELS};
 use crate::number::{CHROMA_GAIN, OUTPUT_FRACTION, saturate};
-use ndarray::{Array1, Array2, Array3};
+use ndarray::{Array1, Array2, Axis, s};
 
 /// Numbers in an RGB patch.
 pub const RGB_OUTPUTS: usize = 3 * PATCH_PIXELS;
@@ -62,23 +62,32 @@ pub fn patch_422_from_rgb() -> Array2<f64> {
 /// neighbour.
 #[must_use]
 pub fn rgb_from_422(frame: &Frame422) -> ColourFrame {
-    let (height, width) = frame.luma.dim();
-    let mut planes = Array3::zeros((3, height, width));
-    let chroma = |plane: usize, row: usize, site: usize| {
-        f64::from(frame.chroma[plane][(row, site)]) / (CHROMA_GAIN * f64::from(1 << OUTPUT_FRACTION))
-    };
-    for row in 0..height {
-        for column in 0..width {
-            let site = column / 2;
-            let next = if column % 2 == 0 { site } else { (site + 1).min(width / 2 - 1) };
-            let [cb, cr] = [0, 1].map(|p| 0.5 * (chroma(p, row, site) + chroma(p, row, next)));
-            let luma = f64::from(frame.luma[(row, column)]) / f64::from(1 << OUTPUT_FRACTION);
-            for (plane, value) in rgb_from_ycbcr(luma, cb, cr).into_iter().enumerate() {
-                planes[(plane, row, column)] = value as f32;
+    rgb_part_from_422(frame, (0, 0), frame.luma.dim())
+}
+
+/// The part of [`rgb_from_422`] that starts at the row and column of `first` and has the rows and columns of `size`. Each sample is written once.
+///
+/// # Panics
+/// For a part that does not lie in the frame.
+#[must_use]
+pub fn rgb_part_from_422(frame: &Frame422, first: (usize, usize), size: (usize, usize)) -> ColourFrame {
+    let last_site = frame.luma.ncols() / 2 - 1;
+    let difference = |word: i16| f64::from(word) / (CHROMA_GAIN * f64::from(1 << OUTPUT_FRACTION));
+    let mut part = ColourFrame::zeros(size.0, size.1);
+    for (mut out, row) in part.planes.axis_iter_mut(Axis(1)).zip(first.0..) {
+        let luma = frame.luma.slice(s![row, first.1..first.1 + size.1]);
+        let chroma = frame.chroma.each_ref().map(|plane| plane.row(row));
+        for ((mut rgb, luma), column) in out.lanes_mut(Axis(0)).into_iter().zip(luma).zip(first.1..) {
+            let (site, next) = (column / 2, column.div_ceil(2).min(last_site));
+            let [cb, cr] =
+                [0, 1].map(|plane| 0.5 * (difference(chroma[plane][site]) + difference(chroma[plane][next])));
+            let luma = f64::from(*luma) / f64::from(1 << OUTPUT_FRACTION);
+            for (out, value) in rgb.iter_mut().zip(rgb_from_ycbcr(luma, cb, cr)) {
+                *out = value as f32;
             }
         }
     }
-    ColourFrame { planes }
+    part
 }
 
 /// The luma word for a luma of `luma` (1.0 = white).
@@ -121,6 +130,19 @@ mod tests {
         let out = patch_422_from_rgb().dot(&grey_patch(0.5));
         assert!(out.iter().take(64).all(|v| (v - 0.5).abs() < 1e-12));
         assert!(out.iter().skip(64).all(|v| v.abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_part_is_the_frames_to_the_last_bit() {
+        let word = |scale: usize| move |(row, column): (usize, usize)| (row * 977 + column * scale) as i16;
+        let frame = Frame422 {
+            luma: Array2::from_shape_fn((6, 8), word(4111)),
+            chroma: [2503, 7919].map(|scale| Array2::from_shape_fn((6, 4), word(scale))),
+        };
+        let whole = rgb_from_422(&frame);
+        for (first, size) in [((0, 0), (6, 8)), ((1, 1), (5, 7)), ((0, 1), (4, 6)), ((5, 7), (1, 1))] {
+            assert_eq!(rgb_part_from_422(&frame, first, size), whole.crop(first.0, first.1, size.0, size.1));
+        }
     }
 
     #[test]
