@@ -18,8 +18,10 @@ pub struct Budget {
     pub rate: f32,
 }
 
-/// λ stays in this range.
-const RANGE: [f32; 2] = [1e-7, 0.1];
+/// λ moved by a budget stays in this range. A long training leaves fewer codes than the budget for most of its steps, and without a
+/// floor λ sank to 1e-7: too far to return within the last steps, which leave more codes than the budget. Budgets of the default
+/// board are met at some 5e-5 and above.
+const RANGE: [f32; 2] = [2e-5, 0.1];
 /// A validated network keeps a budget that it exceeds by no more than this share.
 const TOLERANCE: f64 = 0.03;
 /// Share of the newest batch in the running mean of what batches leave.
@@ -118,6 +120,16 @@ mod tests {
         assert!(steering.lambdas.iter().all(|l| *l < 1e-3));
         (0..1000).for_each(|_| steering.step(&budget, &[0.0; 3], 1.0));
         assert_eq!(steering.lambdas, [RANGE[0]; 3]);
+    }
+
+    #[test]
+    fn lambda_returns_within_a_short_training_from_the_floor_that_a_long_one_sank_to() {
+        let budget = Budget { non_zeros: vec![50.0], rate: Budget::RATE };
+        let mut steering = steering(&budget);
+        (0..20_000).for_each(|_| steering.step(&budget, &[40.0], 1.0));
+        assert_eq!(steering.lambdas, [RANGE[0]]);
+        (0..2_000).for_each(|_| steering.step(&budget, &[75.0], 1.0));
+        assert!(steering.lambdas[0] > 1e-4, "{steering:?}");
     }
 
     #[test]

@@ -137,7 +137,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn stops_and_gain_invert_and_are_those_of_powers_of_two(gain in 1.0f32..1000.0, power in 0u8..9) {
+        fn stops_and_gain_invert_and_are_those_of_powers_of_two(gain in 1.0f32..4096.0, power in 0u8..13) {
             prop_assert!((from_stops(stops(gain)) / gain - 1.0).abs() < 1e-5);
             prop_assert!((stops(gain) - gain.log2()).abs() < 0.09);
             prop_assert_eq!(stops(power_of_two(power)), f32::from(power));

@@ -172,7 +172,7 @@ impl Recipe {
             return Err(value("noiseless", 0, "1 or more"));
         }
         range("noise", noise, 0.0..=1.0, "0 to 1")?;
-        range("gain", gain, 1.0..=1024.0, "1 to 1024")?;
+        range("gain", gain, 1.0..=4096.0, "1 to 4096")?;
         if !(min > 0.0 && min <= max && max <= 16.0) {
             return Err(value(
                 "exposure",

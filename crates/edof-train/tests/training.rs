@@ -267,7 +267,7 @@ fn recipes_that_cannot_be_followed_are_rejected() {
         refuse(&|r| r.conditions.exposure = [0.0, 1.0]),
         "exposure 0:1: must be two factors in order, above 0 and up to 16"
     );
-    assert_eq!(refuse(&|r| r.conditions.gain = [0.5, 2.0]), "gain 0.5: must be 1 to 1024");
+    assert_eq!(refuse(&|r| r.conditions.gain = [0.5, 2.0]), "gain 0.5: must be 1 to 4096");
     assert_eq!(refuse(&|r| r.conditions.noise = [0.0, 1.5]), "noise 1.5: must be 0 to 1");
     assert_eq!(
         refuse(&|r| r.conditions.noise = [0.02, 0.01]),
