@@ -113,13 +113,6 @@ fn constraints(folder: &Path, file: &str) -> Vec<String> {
         .collect()
 }
 
-/// Lines of the host and the chips come in through a synchroniser; they are excepted there and at their ports, each of which is enough.
-fn is_excepted_twice(line: &str) -> bool {
-    let pin =
-        line.strip_prefix("set_false_path -to [get_pins {").and_then(|rest| rest.strip_suffix("[*]/D}]"));
-    pin.is_some_and(|register| !OBJECTS.tcl.contains(&format!("}} {{{register}[")))
-}
-
 #[test]
 fn any_constraint_that_is_taken_away_is_missed() {
     let design = Design::tiny();
@@ -127,9 +120,8 @@ fn any_constraint_that_is_taken_away_is_missed() {
         let path = design.folder.join(file);
         let text = fs::read_to_string(&path).unwrap();
         let lines = constraints(&design.folder, file);
-        let counted = (lines.len(), lines.iter().filter(|line| is_excepted_twice(line)).count());
-        assert!(counted.0 > 20 && counted.1 <= 3, "{file}: {counted:?}");
-        for line in lines.iter().filter(|line| !is_excepted_twice(line)) {
+        assert!(lines.len() > 20, "{file}: {} lines", lines.len());
+        for line in lines {
             fs::write(&path, text.replacen(&format!("{line}\n"), "", 1)).unwrap();
             let (output, _) = design.build("");
             assert!(!output.status.success(), "{file}: nobody missed {line}");
