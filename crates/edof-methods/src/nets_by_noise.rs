@@ -18,7 +18,7 @@ pub enum ByNoiseError {
         "net '{net}': differs from '{first}' in its {what}; networks of one method by noise need the same"
     )]
     Differs { net: String, first: String, what: &'static str },
-    /// A network that is no choice.
+    /// A network that cannot be chosen.
     #[error("net '{net}': states no noise that it was trained for")]
     NoNoise { net: String },
     /// A network given twice.

@@ -92,7 +92,7 @@ impl Origin {
         best(self.conditions.iter().filter(|condition| condition.tone == tone), noise)
     }
 
-    /// The same for its tones alike.
+    /// How the best of its ranges of noise for any tone suits a noise.
     #[must_use]
     pub fn fit_of_any_tone(&self, noise: Noise) -> Option<Fit> {
         best(self.conditions.iter(), noise)

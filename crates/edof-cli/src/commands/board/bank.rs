@@ -52,9 +52,9 @@ pub fn run(args: &super::Args, bank: &Bank, ui: &Ui) -> Result<(), Error> {
 
 /// What brings a network into use.
 enum Choice {
-    /// It is in this bank.
+    /// The network is in this bank.
     Bank(Set),
-    /// It is in neither; its name or file.
+    /// Neither bank contains the network; its name or file.
     Load(String),
 }
 
