@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Remakes every table and figure of docs/results, docs/figures and README.md: scripts/results.sh [PART]...; without arguments all parts.
 #   linear srgb   docs/results/kodak-TONE.*, some rows of each into README.md or docs/results.md (a few minutes each on two cores)
+#   held-back     docs/results/held-back.*: coded and clear lens on the eight photographs that scripts/held-back.sh names (3 minutes)
+#   held-back-colourful   the same on the four of them whose colours differ most (2 minutes)
 #   speed         docs/results/single-depth.*, docs/figures/speed.svg                   (25 minutes)
 #   overlap       docs/results/overlap.*: all methods of patches at stride 4            (10 minutes)
 #   depths        docs/results/multi-depth.*                                            (5 minutes)
@@ -13,14 +15,14 @@
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
-# one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak. Nothing is trained
-# on the photographs that scripts/held-back.sh names.
+# one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
+# ../shared/data/more. Nothing is trained on the photographs that scripts/held-back.sh names.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb speed overlap depths blind knobs design bits stability aperture forms ablations layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture forms ablations layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -54,16 +56,23 @@ pages() { echo "--markdown docs/results/$1.md --report out/$1.html"; }
 declare -A nets
 nets[linear]="paper-t4,edof-t4w12,edof-t4w12-outer,edof-t4w12-clear"
 nets[srgb]=${nets[linear]},edof-t4w12-light,edof-t4w12-outer-light,edof-t4w12-clear-light
+# The coded and the clear lens with three networks each, of which every frame meets the one for its noise.
+by_noise() { echo "edof-t4w12-$1-low+edof-t4w12-$1-mid+edof-t4w12-$1-high"; }
+classes=$(by_noise outer),$(by_noise clear)
+nets[linear]+=,$classes
 
-# Quotes a page's first table between a document's marks, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses.
+# Quotes a page's first table between a document's marks, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses; those
+# by noise alone, where the page has them.
 quote() {
-    awk -v page="$2" -v start="<!-- rows: $2 -->" '
+    local kinds='(-light)?'
+    ! grep -q -e '-by-noise\.fixed' "$2" || kinds=-by-noise
+    awk -v page="$2" -v start="<!-- rows: $2 -->" -v kept_methods="^ (demosaic-malvar|edof-t4w12-(outer|clear)$kinds[.]fixed) \$" '
         $0 == start {
             print
             while ((getline line < page) > 0) {
                 if (line !~ /^\|/) { if (count) break; else continue }
                 split(line, cell, "|")
-                kept = cell[2] ~ /^ (demosaic-malvar|edof-t4w12-(outer|clear)(-light)?\.fixed) $/ && cell[3] ~ /^ (ring-outer|clear-mid) $/
+                kept = cell[2] ~ kept_methods && cell[3] ~ /^ (ring-outer|clear-mid) $/
                 gsub(" / ", "/", line)
                 split(line, cell, "|")
                 if (++count <= 2 || kept) print "|" cell[2] "|" cell[3] "|" cell[4] "|" cell[6] "|" cell[8] "|"
@@ -76,6 +85,18 @@ quote() {
     mv "$1.new" "$1"
 }
 
+# Quotes the verdict of a page between a document's marks, without what its rows do not state: quote_verdict DOCUMENT NAME.
+quote_verdict() {
+    local verdict page=docs/results/$2.md
+    verdict=$(sed -n 's/^\*\*Verdict\.\*\* \(.*\) The rows do not state.*/\1/p' "$page")
+    [ -n "$verdict" ] || fail "$page: no verdict"
+    awk -v verdict="$verdict ([$2.md](${page#"$(dirname "$1")/"}))" -v start="<!-- verdict: $2 -->" '
+        $0 == start { print; print verdict; skip = 1; next }
+        skip && /^<!-- end -->$/ { skip = 0 }
+        !skip { print }' "$1" > "$1.new"
+    mv "$1.new" "$1"
+}
+
 # shellcheck disable=SC2046 # outputs are several words
 photographs_of() {
     local page=docs/results/kodak-$1.md
@@ -83,6 +104,16 @@ photographs_of() {
     rm -f "docs/results/kodak-$1.json"
     quote README.md "$page"
     quote docs/results.md "$page"
+    [ "$1" = srgb ] || { quote_verdict README.md kodak-linear; quote_verdict docs/results.md kodak-linear; }
+}
+
+# Photographs that no class of noise was trained on: unseen PAGE NAME,NAME...
+# shellcheck disable=SC2046
+unseen() {
+    "$edof" study kodak --images "${EDOF_MORE:-../shared/data/more}" --photos "${2//more/}" --tone linear --nets "$classes" --psi 0,2,4,6,8 \
+        --stride 8 $(rows "$1") $(pages "$1")
+    quote_verdict README.md "$1"
+    quote_verdict docs/results.md "$1"
 }
 
 # Everything where each patch is seen once; at the paper's stride and half-way what its claims need: OMP takes 16 times as long there.
@@ -225,6 +256,8 @@ for part in "$@"; do
     say "$part"
     case $part in
         linear | srgb) photographs_of "$part" ;;
+        held-back) unseen "$part" "$held_back" ;;
+        held-back-colourful) unseen "$part" "$colourful" ;;
         *) "$part" ;;
     esac
 done

@@ -2,7 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::Place;
+use crate::support::{Place, forge};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::os::unix::process::ExitStatusExt;
@@ -121,6 +121,49 @@ fn the_bank_in_use_keeps_the_hash_of_its_network_whatever_is_asked_for() {
     // Of the other one nobody can tell.
     board(&place, "bank a");
     assert_eq!(board(&place, "get weights_hash"), "0x00000000 0\n");
+}
+
+/// A network that states a range of noise.
+fn of_class(place: &Place, name: &str, seed: u64, range: &str) {
+    drawn(place, name, seed);
+    forge(&place.path(&format!("{name}.fixed.safetensors")), |text, _| {
+        let stated = "\"noise\":\"none\"";
+        assert!(text.contains(stated), "{text}");
+        *text = text.replace(stated, range);
+    });
+}
+
+#[test]
+fn a_bank_is_chosen_by_the_noise_that_its_network_was_trained_for() {
+    let place = Place::new();
+    of_class(&place, "low", 5, "\"noise\":\"0.005\"");
+    of_class(&place, "mid", 6, "\"noise\":\"0.014\",\"least_noise\":\"0.005\"");
+    of_class(&place, "high", 7, "\"noise\":\"0.03\",\"least_noise\":\"0.014\"");
+    let _sim = Sim::start(&place, "--weights low.fixed.safetensors");
+    drawn(&place, "other", 8);
+    board(&place, "load high.fixed.safetensors --bank b");
+    let all = "--weights low.fixed.safetensors,mid.fixed.safetensors,high.fixed.safetensors";
+    let by_noise = |noise: &str| place.edof(&format!("board bank --noise {noise} {all} --port board")).done();
+    for (noise, bank) in [("none", "a"), ("0.02", "b"), ("0.02", "b"), ("0.004", "a")] {
+        assert!(by_noise(noise).out.contains(&format!("bank {bank} is in use")), "{noise}");
+    }
+    // Beyond every range: the nearest, and said so.
+    let run = by_noise("0.2");
+    assert!(
+        run.out.contains("bank b is in use") && run.err.contains("no network for this lens"),
+        "{}",
+        run.err
+    );
+    // In neither bank: loaded into the idle one.
+    by_noise("none");
+    let run = by_noise("0.01");
+    assert!(run.out.contains("in bank b") && run.out.contains("bank b is in use"), "{}", run.out);
+    board(&place, "verify mid.fixed.safetensors");
+    board(&place, "load other.fixed.safetensors");
+    board(&place, "load other.fixed.safetensors");
+    let run = place.edof("board bank --noise 0.01 --port board");
+    run.refused(&["both banks contain networks that the program does not have", "--weights"]);
+    assert_eq!(place.edof("board bank --port board").code, Some(2), "a bank or a noise");
 }
 
 /// Every command, on a simulated board of either kind.

@@ -25,7 +25,17 @@ fn texts(patterns: &[&str]) -> Vec<(String, String)> {
 /// Offences of a page.
 fn of_page(file: &str, text: &str) -> Vec<Offence> {
     // Entries of the changelog are lists of what changed, not sentences.
-    offences(text, if file == "CHANGELOG.md" { usize::MAX } else { LONGEST })
+    offences(&without_verdicts(text), if file == "CHANGELOG.md" { usize::MAX } else { LONGEST })
+}
+
+/// A page with an empty line for each that is quoted from a page of results.
+fn without_verdicts(text: &str) -> String {
+    let mut is_quoted = false;
+    let line = |line: &str| {
+        is_quoted = (is_quoted || line.starts_with("<!-- verdict: ")) && line != "<!-- end -->";
+        if is_quoted { "\n".to_owned() } else { format!("{line}\n") }
+    };
+    text.lines().map(line).collect()
 }
 
 /// Comments of a source as a page in Markdown, line by line.

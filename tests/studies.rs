@@ -1,6 +1,8 @@
 //! Studies, by the real binary on small inputs: rows that are kept, resumed and shared out, and what they say.
 
 use crate::support::{Place, network};
+use edof_image::{Noise, Tone};
+use edof_network::network::Condition;
 use edof_network::weight_file;
 use std::process::Stdio;
 
@@ -151,6 +153,47 @@ fn the_main_experiment_keeps_rows_resumes_and_is_shared_out() {
     let run = place.edof(&format!("{line} --rows torn")).done();
     assert!(run.err.contains("torn: dropped the last "), "{}", run.err);
     assert_eq!(timeless(&place.path("torn")), timeless(&place.path("whole")));
+}
+
+/// Networks of two ranges of noise, their weights not the same.
+fn of_class(place: &Place, name: &str, level: f32, range: [f64; 2]) {
+    let mut network = network();
+    let [least_noise, noise] = range.map(Noise::gaussian);
+    network.origin.conditions = vec![Condition { tone: Tone::Linear, noise, least_noise }];
+    network.linear_path.iter_mut().for_each(|path| *path *= level);
+    weight_file::save_network(&place.path(name), &network).unwrap();
+}
+
+#[test]
+fn several_networks_are_one_method_that_picks_by_the_noise() {
+    let place = Place::new();
+    of_class(&place, "my-low.safetensors", 1.0, [0.0, 0.005]);
+    of_class(&place, "my-high.safetensors", 0.9, [0.005, 0.03]);
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    let nets = "my-low.safetensors+my-high.safetensors,my-low.safetensors,my-high.safetensors";
+    let line = format!("study kodak --nets {nets} --images photos --psi 0 --noise none,0.02");
+    let page = place.edof(&format!("{line} --rows rows --json s.json --markdown s.md")).done();
+    assert!(page.out.contains("my-by-noise.float"), "{}", page.out);
+    let db = |method: &str, noise: &str| {
+        let json = std::fs::read(place.path("s.json")).unwrap();
+        let study: serde_json::Value = serde_json::from_slice(&json).unwrap();
+        let rows = study["rows"].as_array().unwrap();
+        let row = rows.iter().find(|row| row["method"] == method && row["noise"] == noise);
+        row.unwrap_or_else(|| panic!("{method} {noise}"))["psnr_db"].as_f64().unwrap()
+    };
+    for (noise, own, other) in [("none", "my-low", "my-high"), ("0.02", "my-high", "my-low")] {
+        assert_eq!(db("my-by-noise.float", noise), db(&format!("{own}.float"), noise));
+        assert_ne!(db("my-by-noise.float", noise), db(&format!("{other}.float"), noise));
+    }
+    // Another network of the same name makes other rows.
+    let before = db("my-by-noise.float", "0.02");
+    of_class(&place, "my-high.safetensors", 0.8, [0.005, 0.03]);
+    let again = line.replace(",my-low.safetensors,my-high.safetensors", "");
+    place.edof(&format!("{again} --rows rows --json s.json")).done();
+    assert_ne!(db("my-by-noise.float", "0.02"), before);
+    let clear = "study kodak --nets my-low.safetensors+edof-t4w12-outer --images photos --psi 0";
+    place.edof(clear).refused(&["net 'edof-t4w12-outer': differs from 'my-low' in its camera"]);
 }
 
 #[test]

@@ -55,10 +55,24 @@ pub enum PhotosError {
 pub const CHOICES: &str = "Nothing was trained on the eight test photographs (Kodak 3, 6, … 24). Three choices were made with them in view: the weights of \
                            windows, the length of the second training round, and the headroom of fixed point (docs/decisions, 0005 and 0002).";
 
-/// [`CHOICES`] behind a blank, where one of these photographs is for tests.
+/// Photographs of `shared/data/more` that `scripts/held-back.sh` keeps out of every training.
+pub const HELD_BACK: [&str; 8] =
+    ["more02", "more04", "more09", "more10", "more15", "more16", "more19", "more21"];
+
+/// What pages state that report on [`HELD_BACK`] alone.
+pub const OF_HELD_BACK: &str = "These photographs are held back from training (scripts/held-back.sh).";
+
+/// [`CHOICES`] behind a blank, where one of these photographs is for tests; [`OF_HELD_BACK`], where all are held back.
 #[must_use]
-pub fn choices<'a>(mut names: impl Iterator<Item = &'a str>) -> String {
-    if names.any(|name| Selection::Test.holds(name)) { format!(" {CHOICES}") } else { String::new() }
+pub fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let (held_back, others): (Vec<&str>, Vec<&str>) = names.partition(|name| HELD_BACK.contains(name));
+    if others.iter().any(|name| Selection::Test.holds(name)) {
+        format!(" {CHOICES}")
+    } else if others.is_empty() && !held_back.is_empty() {
+        format!(" {OF_HELD_BACK}")
+    } else {
+        String::new()
+    }
 }
 
 impl std::str::FromStr for Selection {
@@ -191,6 +205,15 @@ fn even(frame: ColourFrame) -> ColourFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pages_state_what_their_photographs_were_used_for() {
+        let said = |names: &[&str]| choices(names.iter().copied());
+        assert_eq!(said(&["kodim03", "kodim01"]), format!(" {CHOICES}"));
+        assert_eq!(said(&["more09", "more15"]), format!(" {OF_HELD_BACK}"));
+        assert_eq!(said(&["more09", "mine01"]), "");
+        assert_eq!(said(&[]), "");
+    }
 
     #[test]
     fn test_and_train_photos_share_none() {

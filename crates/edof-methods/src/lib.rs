@@ -6,6 +6,7 @@
 //! | registry | [`spec`] | methods with their settings, by name, and how each prepares for a camera, a depth and a noise |
 //! | | [`settings`] | the settings, as values that rows' hashes are taken of |
 //! | | [`nets`] | trained networks in every format that they have |
+//! | | [`by_noise`], [`nets_by_noise`] | several networks as one method, chosen by the noise |
 //! | families | [`deconvolution`] | demosaicing and deconvolution of each colour, kernels known or found |
 //! | | [`pursuit`] | OMP and FISTA in the dictionary as the camera shows it |
 //! | | [`untrained`] | the paper's network before training, ISTA cut off |
@@ -28,11 +29,13 @@
 //! ```
 
 pub mod board;
+pub mod by_noise;
 pub mod deconvolution;
 pub mod dictionary;
 pub mod external;
 pub mod method;
 pub mod nets;
+pub mod nets_by_noise;
 pub mod patchwork;
 pub mod pursuit;
 pub mod settings;

@@ -1,7 +1,8 @@
-//! Trained nets as methods, each behind the camera it was trained for.
+//! Trained nets as methods, each behind the camera it was trained for. Several as one method: `nets_by_noise`.
 
 use crate::settings::FloatSettings;
 use crate::spec::MethodSpec;
+use edof_camera::Camera;
 use edof_float::reconstruct::Output;
 use edof_image::Stride;
 use edof_image::overlap::Overlap;
@@ -19,6 +20,17 @@ pub struct Net {
     pub float_sha256: String,
     /// The fixed network, where there is one that fits, and the SHA-256 of its own.
     pub fixed: Option<(FixedNetwork, String)>,
+}
+
+/// What stands in tables under one name, behind one camera.
+#[derive(Debug, Clone)]
+pub struct Entry {
+    /// Name in reports.
+    pub name: String,
+    /// The camera that it was trained for.
+    pub camera: Camera,
+    /// The network in every format that it has.
+    pub methods: Vec<MethodSpec>,
 }
 
 impl Net {
@@ -52,8 +64,9 @@ impl Net {
 
     /// The network in every format. All formats average overlapping patches in the same way.
     #[must_use]
-    pub fn methods(self, stride: Stride) -> Vec<MethodSpec> {
+    pub fn entry(self, stride: Stride) -> Entry {
         let Self { name, mut float, float_sha256, fixed } = self;
+        let camera = float.origin.camera.clone();
         float.origin.name.clone_from(&name);
         let network = Arc::new(float);
         let overlap = fixed.as_ref().map_or_else(Overlap::default, |(fixed, _)| fixed.overlap);
@@ -65,17 +78,16 @@ impl Net {
         let mut methods = vec![float(Output::Rgb), float(Output::Ycc422)];
         methods.extend(fixed.map(|(fixed, sha256)| MethodSpec::Fixed {
             network: Arc::new(fixed),
-            name,
+            name: name.clone(),
             sha256,
         }));
-        methods
+        Entry { name, camera, methods }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_camera::Camera;
 
     fn float(camera: &str) -> Network {
         edof_random::silent(Camera::resolve(camera).unwrap())

@@ -1,6 +1,7 @@
 //! What may enter a study of one depth, as data, and what each prepares before it sees a frame.
 
 use crate::board::BoardReconstructor;
+use crate::by_noise::ByNoise;
 use crate::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::dictionary::Dictionary;
 use crate::external::{ExternalError, ExternalReconstructor, ExternalSettings};
@@ -114,6 +115,8 @@ pub enum MethodSpec {
         /// SHA-256 of the command and of the files that it names.
         sha256: String,
     },
+    /// Several networks, one for each range of noise.
+    ByNoise(Box<ByNoise<Self>>),
     /// A network in the board's integers.
     Fixed {
         /// Weights of the network, made for one stride.
@@ -257,6 +260,7 @@ impl MethodSpec {
             Self::Fixed { network, name, .. } => of_fixed(network, Format::Fixed, name),
             Self::Board { network, name, .. } => of_fixed(network, Format::Board, name),
             Self::FixedGpu { network, name, .. } => of_fixed(network, Format::FixedGpu, name),
+            Self::ByNoise(networks) => networks.method(Self::method),
         }
     }
 
@@ -269,6 +273,7 @@ impl MethodSpec {
             Self::Pursuit { settings, .. } => format!("{settings:?}"),
             Self::Untrained { settings, .. } => format!("{settings:?}"),
             Self::Float { settings, .. } | Self::FloatGpu { settings, .. } => format!("{settings:?}"),
+            Self::ByNoise(networks) => networks.settings(Self::settings),
             // How long it may take makes no other picture.
             Self::External { settings, .. } => settings.command.clone(),
             Self::Fixed { .. } | Self::Board { .. } | Self::FixedGpu { .. } => String::new(),
@@ -286,6 +291,7 @@ impl MethodSpec {
             | Self::FloatGpu { sha256, .. }
             | Self::External { sha256, .. }
             | Self::FixedGpu { sha256, .. } => Some(sha256),
+            Self::ByNoise(networks) => Some(networks.weights()),
             Self::Malvar | Self::Directional | Self::Deconvolution(_) => None,
         }
     }
@@ -325,6 +331,7 @@ impl MethodSpec {
                 Box::new(board.map_err(|source| PrepareError::Board { net: name, source })?)
             }
             Self::External { settings, .. } => Box::new(ExternalReconstructor::new(settings.clone())),
+            Self::ByNoise(networks) => networks.at(case.noise).prepare(case)?,
             Self::Fixed { network, .. } => {
                 let golden = GoldenReconstructor::new((**network).clone(), name.clone());
                 Box::new(golden.map_err(|source| PrepareError::Fixed { net: name, source })?)

@@ -3,6 +3,7 @@
 //! | what | module |
 //! |---|---|
 //! | architecture and float weights | [`network`] |
+//! | how well the noise of its training suits a frame's | [`fit`] |
 //! | an architecture in words, as `--form` takes it | [`form`] |
 //! | integer weights, shifts, thresholds (docs/contract.md) | [`fixed_network`] |
 //! | weight files (safetensors) | [`weight_file`] |
@@ -11,10 +12,12 @@
 //!
 //! Stable: weight files of this and earlier versions are read, and their words mean the same (docs/contract.md). Signatures may change between minor versions until 1.0.
 
+pub mod fit;
 pub mod fixed_network;
 pub mod form;
 pub mod network;
 pub mod weight_file;
 
+pub use fit::Fit;
 pub use fixed_network::FixedNetwork;
 pub use network::Network;

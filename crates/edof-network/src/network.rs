@@ -185,22 +185,6 @@ fn is_none(noise: &Noise) -> bool {
     *noise == Noise::None
 }
 
-/// Light at which noise of different kinds is compared; full scale is 1.
-const COMPARED_AT: f64 = 0.25;
-
-impl Condition {
-    /// How far a noise is outside of the range: the logarithm of the ratio of variances at a quarter of full scale, 0 inside.
-    #[must_use]
-    pub fn distance(&self, noise: Noise) -> f64 {
-        let [least, noise, most] = [self.least_noise, noise, self.noise].map(|n| n.variance(COMPARED_AT));
-        match noise {
-            _ if noise < least => (least / noise).ln(),
-            _ if noise > most => (noise / most).ln(),
-            _ => 0.0,
-        }
-    }
-}
-
 impl Origin {
     /// The most noise of its first condition; none if it has no condition.
     #[must_use]
@@ -295,22 +279,5 @@ fn check_finite<'a>(
     match values.find(|v| !v.is_finite()) {
         Some(&value) => Err(NetworkError::NotFinite { what, value }),
         None => Ok(()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_noise_is_as_far_from_a_range_as_its_variance_from_the_nearer_end() {
-        let sigma = Noise::gaussian;
-        let class = Condition { tone: Tone::Linear, noise: sigma(0.02), least_noise: sigma(0.01) };
-        assert!([0.01, 0.015, 0.02].iter().all(|s| class.distance(sigma(*s)) == 0.0));
-        assert!((class.distance(sigma(0.04)) - 4f64.ln()).abs() < 1e-9);
-        assert!((class.distance(sigma(0.005)) - 4f64.ln()).abs() < 1e-9);
-        assert!(class.distance(Noise::None).is_infinite());
-        let all = Condition { least_noise: Noise::None, ..class };
-        assert_eq!(all.distance(Noise::None), 0.0);
     }
 }

@@ -8,7 +8,7 @@
 use crate::{PresetError, lens};
 use edof_camera::Camera;
 use edof_image::{Noise, Tone};
-use edof_network::network::Origin;
+use edof_network::fit::best_fit;
 use edof_network::{FixedNetwork, Network, form, weight_file};
 use edof_storage::provenance::{Input, InputKind};
 use std::path::{Path, PathBuf};
@@ -87,37 +87,33 @@ pub const fn clear_for(tone: Tone) -> &'static str {
     }
 }
 
-/// Of the networks that come with the program for the same lens, tone and form as `name`, the one whose range of noise is
-/// nearest: `name` itself unless another is nearer.
+/// Of the networks that come with the program for the same lens, tone and form as `name`, the one whose range of noise suits a noise best:
+/// `name` itself unless another suits it better ([`edof_network::Fit`]).
 #[must_use]
-pub fn for_noise(name: &'static str, tone: Tone, noise: Noise) -> &'static str {
+pub fn for_noise(name: &str, tone: Tone, noise: Noise) -> &str {
     let Ok(Network { form, origin: usual, .. }) = float(name) else { return name };
-    let distance = |origin: &Origin| {
-        let of_tone = origin.conditions.iter().filter(|condition| condition.tone == tone);
-        of_tone.map(|condition| condition.distance(noise)).reduce(f64::min)
-    };
     let others = names().into_iter().filter_map(|other| {
         let network =
             float(other).ok().filter(|n| n.form == form && n.origin.camera.same_lens(&usual.camera))?;
-        Some((other, distance(&network.origin)?))
+        Some((other, network.origin.fit(tone, noise)?))
     });
-    nearest((name, distance(&usual).unwrap_or(f64::INFINITY)), others)
+    let own = usual.fit(tone, noise).map(|fit| (name, fit));
+    best_fit(own.into_iter().chain(others)).map_or(name, |(name, _)| name)
 }
 
-/// Of networks with their distances the nearest; the first of those that are equally near.
-fn nearest<'a>(own: (&'a str, f64), others: impl Iterator<Item = (&'a str, f64)>) -> &'a str {
-    others.fold(own, |best, other| if other.1 < best.1 { other } else { best }).0
-}
-
-/// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one.
+/// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one; of several, the one for most
+/// noises.
 #[must_use]
 pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
-    let fits = |name: &str, tones: &[Tone]| {
-        float(name).is_ok_and(|n| {
-            n.origin.camera.same_lens(camera) && n.origin.conditions.iter().any(|c| tones.contains(&c.tone))
-        })
+    let general = |tones: &[Tone]| {
+        let fitting = names().into_iter().filter_map(|name| {
+            let origin = float(name).ok()?.origin;
+            let condition = origin.conditions.iter().find(|condition| tones.contains(&condition.tone))?;
+            origin.camera.same_lens(camera).then_some((name, condition.width()))
+        });
+        fitting.reduce(|best, other| if other.1 > best.1 { other } else { best }).map(|(name, _)| name)
     };
-    [[tone].as_slice(), &Tone::ALL].into_iter().find_map(|tones| names().into_iter().find(|n| fits(n, tones)))
+    general(&[tone]).or_else(|| general(&Tone::ALL))
 }
 
 /// A network that comes with the program and was trained for a camera's lens on pictures of a tone.
@@ -187,17 +183,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_network_of_another_class_is_taken_only_where_it_is_nearer() {
-        assert_eq!(nearest(("all", 0.0), [("class", 0.0)].into_iter()), "all");
-        assert_eq!(nearest(("low", 1.2), [("far", 1.5), ("high", 0.0), ("other", 0.5)].into_iter()), "high");
+    fn the_usual_networks_are_kept_at_the_noise_that_no_narrower_range_holds() {
+        for tone in Tone::ALL {
+            let usual = default_for(tone);
+            let own = float(usual).unwrap().origin;
+            for noise in [Noise::None, Noise::gaussian(0.01), Noise::sensor(1.0), Noise::sensor(4.0)] {
+                let chosen = for_noise(usual, tone, noise);
+                let fit = float(chosen).unwrap().origin.fit(tone, noise).unwrap();
+                assert!(fit.is_inside() && fit <= own.fit(tone, noise).unwrap(), "{tone} {noise}: {chosen}");
+                assert!(
+                    chosen == usual || chosen.starts_with(&format!("{usual}-")),
+                    "{tone} {noise}: {chosen}"
+                );
+            }
+        }
     }
 
     #[test]
-    fn the_usual_networks_are_kept_at_the_noise_that_they_were_trained_for() {
+    fn what_is_suggested_for_a_lens_is_no_network_of_one_class_of_noise() {
         for tone in Tone::ALL {
-            for noise in [Noise::None, Noise::gaussian(0.01), Noise::sensor(1.0), Noise::sensor(4.0)] {
-                let usual = default_for(tone);
-                assert_eq!(for_noise(usual, tone, noise), usual, "{tone} {noise}");
+            for name in [default_for(tone), clear_for(tone)] {
+                let camera = float(name).unwrap().origin.camera;
+                assert_eq!(trained_for(&camera, tone), Some(name));
             }
         }
     }

@@ -1,8 +1,7 @@
 //! Cameras and the methods that are measured behind each.
 
 use edof_camera::Camera;
-use edof_image::Stride;
-use edof_methods::nets::Net;
+use edof_methods::nets::Entry;
 use edof_methods::spec::MethodSpec;
 
 /// A camera and the methods that stand behind it.
@@ -22,20 +21,19 @@ pub struct NetTwice(String);
 ///
 /// # Errors
 /// A net given twice.
-pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetTwice> {
+pub fn setups(nets: Vec<Entry>) -> Result<Vec<Setup>, NetTwice> {
     let mut names: Vec<String> = vec![];
     let mut setups: Vec<Setup> = vec![];
-    for net in nets {
-        if names.contains(&net.name) {
-            return Err(NetTwice(net.name));
+    for Entry { name, camera, methods } in nets {
+        if names.contains(&name) {
+            return Err(NetTwice(name));
         }
-        names.push(net.name.clone());
-        let camera = net.float.origin.camera.clone();
+        names.push(name);
         let index = setups.iter().position(|s| s.camera == camera).unwrap_or_else(|| {
             setups.push(Setup { camera, methods: vec![MethodSpec::Malvar] });
             setups.len() - 1
         });
-        setups[index].methods.extend(net.methods(stride));
+        setups[index].methods.extend(methods);
     }
     Ok(setups)
 }
@@ -43,6 +41,8 @@ pub fn setups(nets: Vec<Net>, stride: Stride) -> Result<Vec<Setup>, NetTwice> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_image::Stride;
+    use edof_methods::nets::Net;
     use edof_network::{FixedNetwork, Network};
 
     fn float(camera: &str) -> Network {
@@ -57,13 +57,15 @@ mod tests {
 
     #[test]
     fn each_camera_has_one_setup_and_one_demosaicing() {
-        let net = |name: &str, camera, fixed| Net::new(name, float(camera), "h", fixed, Stride::PATCH).0;
+        let net = |name: &str, camera, fixed| {
+            Net::new(name, float(camera), "h", fixed, Stride::PATCH).0.entry(Stride::PATCH)
+        };
         let nets = vec![
             net("a", "ring-2018", Some(fixed())),
             net("b", "ring-2018", None),
             net("c", "ring-outer", None),
         ];
-        let setups = setups(nets, Stride::PATCH).unwrap();
+        let setups = setups(nets).unwrap();
         // Reports use the name asked for, whatever the files say.
         let names: Vec<Vec<String>> =
             setups.iter().map(|s| s.methods.iter().map(|m| m.method().to_string()).collect()).collect();
@@ -76,8 +78,8 @@ mod tests {
 
     #[test]
     fn a_net_given_twice_is_rejected() {
-        let net = || Net::new("a", float("clear"), "h", None, Stride::PATCH).0;
-        let error = setups(vec![net(), net()], Stride::PATCH).err().unwrap().to_string();
+        let net = || Net::new("a", float("clear"), "h", None, Stride::PATCH).0.entry(Stride::PATCH);
+        let error = setups(vec![net(), net()]).err().unwrap().to_string();
         assert_eq!(error, "net 'a': given twice, every net needs a name of its own");
     }
 }

@@ -1,7 +1,8 @@
 //! The rows that README.md and docs/results.md quote are those of docs/results; those are what their rows say; and rows and pages say of which clean
 //! revision they are.
 
-use edof_io::photos::CHOICES;
+use edof_io::photos::{CHOICES, HELD_BACK, OF_HELD_BACK};
+use edof_network::weight_file;
 use edof_storage::provenance::Provenance;
 use edof_study::journal::{Header, Journal, Maker, Program};
 use edof_study::knobs::Knobs;
@@ -11,6 +12,7 @@ use edof_study::speed::Speed;
 use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;
 use edof_study::trial::Measured;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Files that were made before rows and pages stated their revision. They leave this list when `scripts/results.sh` has remade them; no
@@ -88,7 +90,7 @@ fn revisions(file: &str) -> Vec<String> {
 #[test]
 fn every_result_is_of_a_clean_revision_or_of_those_that_are_to_be_remade() {
     let mut old = vec![];
-    let mut all = std::collections::BTreeSet::new();
+    let mut all = BTreeSet::new();
     for entry in std::fs::read_dir(project().join("docs/results")).unwrap() {
         let file = entry.unwrap().file_name().into_string().unwrap();
         let own = revisions(&file);
@@ -196,11 +198,14 @@ fn quotable(file: &str) -> Vec<String> {
         .map(|line| line.split('|').map(str::trim).collect())
         .collect();
     assert!(table.len() > 4, "{file}");
-    let networks =
-        ["edof-t4w12-outer", "edof-t4w12-outer-light", "edof-t4w12-clear", "edof-t4w12-clear-light"];
-    let is_method = |name: &str| {
-        name == "demosaic-malvar" || name.strip_suffix(".fixed").is_some_and(|n| networks.contains(&n))
+    // Those by noise alone, where the page has them.
+    let kinds: &[&str] = if page.contains("-by-noise.fixed") { &["-by-noise"] } else { &["", "-light"] };
+    let is_network = |name: &str| {
+        let lens = ["edof-t4w12-outer", "edof-t4w12-clear"].into_iter().find_map(|n| name.strip_prefix(n));
+        lens.is_some_and(|kind| kinds.contains(&kind))
     };
+    let is_method =
+        |name: &str| name == "demosaic-malvar" || name.strip_suffix(".fixed").is_some_and(is_network);
     let is_quoted = |row: &[&str]| is_method(row[1]) && ["ring-outer", "clear-mid"].contains(&row[2]);
     let (head, rows) = table.split_at(2);
     let rows: Vec<_> = rows.iter().filter(|row| is_quoted(row)).collect();
@@ -230,31 +235,85 @@ fn readme_and_results_quote_rows_of_the_pages() {
     }
 }
 
-/// Mean and standard error of a cell `-0.31 ± 0.10`.
-fn error_of(cell: &str) -> (f64, &str) {
-    let (mean, error) = cell.trim().split_once(" ± ").unwrap();
-    (mean.parse().unwrap(), error)
+/// What a document quotes of a page's verdict: all but what its rows do not state, and where the page is.
+fn quotable_verdict(name: &str, folder: &str) -> String {
+    let page = read(&format!("docs/results/{name}.md"));
+    let verdict = between(&page, "**Verdict.** ", " The rows do not state");
+    format!("{verdict} ([{name}.md]({folder}/{name}.md))")
 }
 
 #[test]
-fn the_verdict_of_the_readme_states_the_differences_of_the_page() {
-    let page = read("docs/results/kodak-linear.md");
-    let start = "| edof-t4w12-outer.float minus edof-t4w12-clear.float |";
-    let line = page.lines().find_map(|line| line.strip_prefix(start)).unwrap();
-    let cells: Vec<_> = line.split('|').take(3).map(|cell| cell.split_once(" / ").unwrap()).collect();
-    let verdict = plain(&read("README.md"));
-    for cell in [cells[0].0, cells[0].1] {
-        let (mean, error) = error_of(cell);
-        let text = format!("by {mean:.2} ± {error} dB");
-        assert!(verdict.contains(&text), "README.md: does not say '{text}'");
+fn documents_quote_the_verdicts_of_the_pages() {
+    let pages = ["kodak-linear", "held-back", "held-back-colourful"];
+    let mut quoted = 0;
+    for (document, folder) in [("README.md", "docs/results"), ("docs/results.md", "results")] {
+        let text = read(document);
+        for name in pages {
+            let Some((_, rest)) = text.split_once(&format!("<!-- verdict: {name} -->\n")) else { continue };
+            let expected = match project().join(format!("docs/results/{name}.md")).exists() {
+                true => quotable_verdict(name, folder),
+                // Not measured yet.
+                false => "@@".to_owned(),
+            };
+            let found = rest.split_once("\n<!-- end -->").unwrap().0;
+            assert_eq!(found, expected, "{document}: run scripts/results.sh for {name}.md");
+            quoted += 1;
+        }
     }
-    for cell in [cells[1].0, cells[1].1] {
-        let mean = error_of(cell).0;
-        let text = format!("{:.1} dB {}", mean.abs(), if mean > 0.0 { "better" } else { "worse" });
-        assert!(verdict.contains(&text), "README.md: does not say '{text}'");
+    assert_eq!(quoted, 5, "README.md quotes two verdicts, docs/results.md three");
+}
+
+/// Pages of the photographs that nothing is trained on, and which they are.
+const UNSEEN: [(&str, &[&str]); 2] =
+    [("held-back", &HELD_BACK), ("held-back-colourful", &["more04", "more15", "more16", "more21"])];
+
+/// Networks of the command that a page states.
+fn networks(command: &str) -> Vec<String> {
+    let nets = command.split(" --nets ").nth(1).unwrap().split(' ').next().unwrap();
+    nets.split([',', '+']).map(str::to_owned).collect()
+}
+
+#[test]
+fn pages_of_unseen_photographs_are_of_them_and_of_both_lenses_by_noise() {
+    for (name, photographs) in UNSEEN {
+        if !project().join(format!("docs/results/{name}.md")).exists() {
+            continue;
+        }
+        let study: Study = told(name);
+        let measured: BTreeSet<&str> = study.rows.iter().map(|row| row.image.as_str()).collect();
+        assert_eq!(measured, photographs.iter().copied().collect(), "{name}");
+        assert!(read(&format!("docs/results/{name}.md")).contains(OF_HELD_BACK), "{name}");
+        let methods: BTreeSet<&str> = study.rows.iter().map(|row| row.method.as_str()).collect();
+        let by_noise = |lens: &str| methods.contains(format!("edof-t4w12-{lens}-by-noise.fixed").as_str());
+        assert!(by_noise("outer") && by_noise("clear"), "{name}: {methods:?}");
+        networks(&command(name)).iter().for_each(|network| assert!(is_of_others(network), "{network}"));
     }
-    let lost = format!("loses {:.1} dB on average", -error_of(cells[2].1).0);
-    assert!(verdict.contains(&lost), "README.md: does not say '{lost}'");
+}
+
+/// Whether no photograph that is held back is among those that a network was trained on.
+fn is_of_others(network: &str) -> bool {
+    let file = project().join(format!("weights/{network}.safetensors"));
+    let inputs = weight_file::load_network(&file).unwrap().origin.provenance.inputs;
+    assert!(inputs.len() > 20, "{network}: {} photographs", inputs.len());
+    let is_held_back = |name: &str| HELD_BACK.iter().any(|held_back| name.ends_with(held_back));
+    !inputs.iter().any(|input| is_held_back(&input.name))
+}
+
+#[test]
+fn no_class_of_noise_has_seen_a_photograph_that_is_held_back() {
+    let scripts = read("scripts/held-back.sh");
+    for (_, photographs) in UNSEEN {
+        assert!(scripts.contains(&format!("={}\n", photographs.join(","))), "{photographs:?}");
+    }
+    let classes = ["outer", "clear"]
+        .into_iter()
+        .flat_map(|lens| ["low", "mid", "high"].map(|class| format!("edof-t4w12-{lens}-{class}")));
+    for network in classes {
+        if project().join(format!("weights/{network}.safetensors")).exists() {
+            assert!(is_of_others(&network), "{network}: trained on a photograph that is held back");
+        }
+    }
+    assert!(!is_of_others("edof-t4w12-outer"), "its training saw all of them");
 }
 
 /// Text without its line breaks and links.

@@ -6,9 +6,7 @@ use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use crate::weights;
-use edof_image::Noise;
 use edof_image::number::OUTPUT_FRACTION;
-use edof_image::words::number;
 use edof_network::fixed_network::{FixedMatrix, layer_names};
 use edof_network::network::Origin;
 use edof_network::weight_file::WeightFileError;
@@ -203,14 +201,7 @@ fn tell_origin(origin: &Origin, ui: &Ui) -> Result<(), Error> {
     let [low, high] = camera.psi_range;
     ui.say(format!("{}: trained for the camera {}, psi {low} to {high}", origin.name, camera.name))?;
     for condition in &origin.conditions {
-        // σ was single precision, which has digits that nobody gave.
-        let [least, most] = [condition.least_noise, condition.noise].map(|noise| match noise {
-            Noise::Gaussian { sigma } => number(sigma),
-            other => other.to_string(),
-        });
-        let from =
-            if condition.least_noise == Noise::None { String::new() } else { format!("from {least} ") };
-        ui.say(format!("  light: {}, noise {from}up to {most}", condition.tone))?;
+        ui.say(format!("  light: {}, noise {}", condition.tone, condition.noise_in_words()))?;
     }
     ui.say(format!(
         "  {:.2} dB on validation windows, {} windows seen",

@@ -26,7 +26,7 @@ pub struct Load {
     pub(super) weights: String,
 
     /// Bank to write; the active bank stays active. While the active bank is written, the other one is used
-    #[arg(long, value_parser = super::bank)]
+    #[arg(long, value_parser = super::bank_of)]
     bank: Option<Set>,
 
     /// Send all words, not only those that differ
@@ -47,6 +47,13 @@ pub struct Load {
     dry_run: bool,
 }
 
+impl Load {
+    /// The usual load of a network.
+    pub(super) const fn of(weights: String) -> Self {
+        Self { weights, bank: None, full: false, read_back: false, curve: None, dry_run: false }
+    }
+}
+
 /// Compare a bank with a network, and the display's tables with a curve, by the circuit's CRCs
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -57,7 +64,7 @@ pub struct Verify {
     pub(super) weights: String,
 
     /// Bank to compare [default: the active bank]
-    #[arg(long, value_parser = super::bank)]
+    #[arg(long, value_parser = super::bank_of)]
     bank: Option<Set>,
 
     /// Also read every word of the network back

@@ -1,6 +1,7 @@
 //! `edof board`: weights onto a board, and what the board says.
 
 mod align;
+mod bank;
 mod check;
 mod load;
 mod picture;
@@ -124,17 +125,7 @@ enum Command {
         /// colour: encodes red, green and blue; luma: encodes only luma
         mode: DisplayMode,
     },
-    /// Use the weights of bank a or b from the next frame on
-    #[command(after_help = "Examples:
-  edof board bank b")]
-    Bank {
-        /// Bank: a or b
-        #[arg(value_parser = bank)]
-        bank: Set,
-
-        #[command(flatten)]
-        own: Own,
-    },
+    Bank(bank::Bank),
     /// Drop the frame in progress; preserve everything that was written
     #[command(after_help = "Examples:
   edof board flush")]
@@ -173,7 +164,7 @@ impl Own {
     }
 }
 
-fn bank(text: &str) -> Result<Set, String> {
+fn bank_of(text: &str) -> Result<Set, String> {
     match text {
         "a" => Ok(Set::First),
         "b" => Ok(Set::Second),
@@ -236,7 +227,7 @@ fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
             args.open()?.change_control(map::COLOUR, bits).map_err(of)?;
             ui.json(&json!({ "display": mode }))
         }
-        Command::Bank { bank, own } => switch(args, *bank, own, ui),
+        Command::Bank(bank) => bank::run(args, bank, ui),
         Command::Flush => args.open()?.flush().map_err(of),
         Command::Reset => {
             let mut board = args.open()?;
@@ -295,7 +286,7 @@ impl Args {
         let weights = match &self.command {
             Command::Load(load) => std::slice::from_ref(&load.weights),
             Command::Verify(verify) => std::slice::from_ref(&verify.weights),
-            Command::Info { own } | Command::Bank { own, .. } => &own.weights[..],
+            Command::Info { own } | Command::Bank(bank::Bank { own, .. }) => &own.weights[..],
             Command::Check(check) => check.weights.as_slice(),
             Command::Selftest(test) => test.weights.as_slice(),
             _ => &[],
@@ -343,8 +334,16 @@ fn no_board(ports: &[line::Port]) -> Error {
 
 /// Networks that come with the program and fit a design, after those of the user that do.
 fn known(design: &Design, named: &[FixedNetwork]) -> Vec<FixedNetwork> {
-    let own = weights::names().into_iter().filter_map(|name| weights::fixed(name).ok());
-    named.iter().cloned().chain(own).filter(|network| design.check_network(network).is_ok()).collect()
+    let names = vec![String::new(); named.len()];
+    known_by_name(design, &names, named).into_iter().map(|(_, network)| network).collect()
+}
+
+/// The same with the name or file of each.
+fn known_by_name(design: &Design, names: &[String], named: &[FixedNetwork]) -> Vec<(String, FixedNetwork)> {
+    let named = names.iter().cloned().zip(named.iter().cloned());
+    let own = weights::names().into_iter();
+    let own = own.filter_map(|name| Some((name.to_owned(), weights::fixed(name).ok()?)));
+    named.chain(own).filter(|(_, network)| design.check_network(network).is_ok()).collect()
 }
 
 fn find(args: &Args, ui: &Ui) -> Result<(), Error> {
@@ -437,21 +436,6 @@ fn dump(args: &Args, ui: &Ui) -> Result<(), Error> {
     let named: serde_json::Map<String, serde_json::Value> =
         words.iter().map(|(place, word)| (place.to_string(), (*word).into())).collect();
     ui.json(&json!({ "registers": named }))
-}
-
-fn switch(args: &Args, bank: Set, own: &Own, ui: &Ui) -> Result<(), Error> {
-    let own = own.networks(ui)?;
-    let mut board = args.open()?;
-    let before = board.bank()?;
-    // The switch first: the scene does not wait for names.
-    board.change_control(map::WEIGHT_SET, if bank == Set::First { 0 } else { map::WEIGHT_SET })?;
-    let (name, hash) = held(args, &mut board, bank, before, &own)?;
-    board.switch(bank, hash).map_err(of)?;
-    let told = name.clone();
-    let told = told.unwrap_or_else(|| format!("a network that the program does not have, hash {hash:08x}"));
-    ui.say(format!("bank {} is in use: {told}", letter(bank)))?;
-    let hash = (hash != 0).then(|| format!("{hash:08x}"));
-    ui.json(&json!({ "bank": letter(bank), "weights": name, "hash": hash }))
 }
 
 /// Name and hash of the network in a bank; 0 where nobody can tell. The hash that the board has is of the bank that was in use

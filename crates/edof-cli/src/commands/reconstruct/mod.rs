@@ -1,13 +1,13 @@
 //! `edof reconstruct`: from a raw frame to a picture.
 
 mod options;
+mod suits;
 
 pub use options::Args;
 
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
-use crate::lens;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
@@ -29,7 +29,6 @@ use edof_io::rendering::Rendering;
 use edof_io::{photo, raw};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::layer_names;
-use edof_network::network::Origin;
 use edof_storage::provenance::Input;
 use options::{curve, raw_options};
 use serde_json::{Value, json};
@@ -179,8 +178,7 @@ impl Job<'_> {
         let name = self.network(taken);
         let network = weights::float(name)?;
         ui.used(weights::float_input(name)?);
-        self.fits_camera(&network.origin, taken, ui)?;
-        self.suits_tone(&network.origin, taken, ui);
+        self.suits(&network.origin, taken, ui)?;
         let method: Box<dyn Reconstructor> = match args.device.open()? {
             None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
             Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
@@ -363,8 +361,7 @@ impl Job<'_> {
         let name = self.network(taken);
         let network = weights::fixed(name)?;
         ui.used(weights::fixed_input(name)?);
-        self.fits_camera(&network.origin, taken, ui)?;
-        self.suits_tone(&network.origin, taken, ui);
+        self.suits(&network.origin, taken, ui)?;
         match args.stride.map(said::stride).transpose()? {
             Some(stride) if stride != network.stride => Err(Error::message(format!(
                 "--stride {}: {} is quantized for a stride of {}; make one by 'edof quantize --stride {}', or use --float",
@@ -375,53 +372,6 @@ impl Job<'_> {
             ))),
             _ => Ok(network),
         }
-    }
-
-    /// The network must have been trained for the lens that took the frame, as its record or the user says.
-    fn fits_camera(&self, origin: &Origin, taken: &Taken, ui: &Ui) -> Result<(), Error> {
-        let args = self.args;
-        let Some(camera) = &taken.camera else { return Ok(()) };
-        if origin.camera.same_lens(camera) {
-            return Ok(());
-        }
-        let fields = origin.camera.differences(camera).join(", ");
-        let (name, trained, tone) = (self.network(taken), origin.camera.in_words(), self.tone(taken));
-        let taken_by = match taken.record {
-            Some(_) => format!("{} was taken by {}", self.raw.display(), camera.in_words()),
-            None => format!("--camera is {}", camera.in_words()),
-        };
-        let problem = format!(
-            "--weights {name}: trained for the camera {trained}, but {taken_by}, another lens or mask (they differ in {fields})"
-        );
-        if args.force {
-            ui.note(format!("{problem}; used nevertheless"));
-            return Ok(());
-        }
-        let instead = match weights::trained_for(camera, tone) {
-            Some(name) => format!("use --weights {name}"),
-            None => lens::how_to_train(camera),
-        };
-        Err(Error::message(format!("{problem}; {instead}")))
-    }
-
-    /// Prints what a network loses on a frame of a tone that it was not trained on, as the frame's record or the user says.
-    fn suits_tone(&self, origin: &Origin, taken: &Taken, ui: &Ui) {
-        let tone = self.tone(taken);
-        let is_known = taken.record.is_some() || self.args.tone.is_some();
-        let Some(trained) = origin.conditions.first().map(|condition| condition.tone) else { return };
-        if !is_known || origin.conditions.iter().any(|condition| condition.tone == tone) {
-            return;
-        }
-        let instead = match weights::trained_on(&origin.camera, tone) {
-            Some(name) => format!("use --weights {name}"),
-            None => format!("train one by 'edof train --tone {tone}'"),
-        };
-        ui.note(format!(
-            "--weights {}: trained on pictures of tone {trained}, {} is of {tone}: expect {} (docs/decisions/0041-one-tone.md); {instead}",
-            self.network(taken),
-            self.raw.display(),
-            loss_of(tone),
-        ));
     }
 
     /// Of a frame without a record: what of it says that it was read otherwise than it was taken.
@@ -454,14 +404,6 @@ impl Job<'_> {
                 }
             }
         }
-    }
-}
-
-/// What a network loses on frames of a tone where it was trained on the other one, as measured with the program's own.
-const fn loss_of(tone: Tone) -> &'static str {
-    match tone {
-        Tone::Srgb => "about 1 dB less than of one that was, at any noise",
-        Tone::Linear => "about 4 dB less than of one that was, 1.5 dB where noise is 0.01",
     }
 }
 

@@ -26,13 +26,15 @@ use edof_study::trial::usual_noise;
 Examples:
   edof study kodak --nets edof-t4w12-outer --json study.json
   edof study kodak --tone srgb --nets edof-t4w12-outer --noise sensor,sensor:gain=8 --markdown s.md
+  edof study kodak --nets my-low+my-mid+my-high --markdown s.md
   edof study kodak --nets my/net.safetensors --photos train --psi 8
   edof study kodak --nets edof-t4w12-outer --rows rows.jsonl --markdown study.md")]
 pub struct Args {
     #[command(flatten)]
     rows: MayKeepRows,
 
-    /// Networks by name or weight file, each with the camera that it was trained for
+    /// Networks by name or weight file, each with the camera that it was trained for. LOW+MID+HIGH is one method of several networks: each
+    /// frame is reconstructed by the one that was trained for its noise; its rows are NAME-by-noise, where NAME is what the names share
     #[arg(long, value_delimiter = ',', required = true, value_name = "NET,…")]
     nets: Vec<String>,
 
@@ -80,12 +82,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let stride = said::stride(args.stride)?;
     let (mut notes, mut loaded) = (vec![], vec![]);
     for name in &args.nets {
-        let (net, note) = nets::of_kodak(name, stride, ui)?;
+        let (net, missing) = nets::of_kodak(name, stride, ui)?;
         loaded.push(net);
-        notes.extend(note);
+        notes.extend(missing);
     }
     let externals = args.externals.methods()?;
-    let mut setups = setups(loaded, stride)?;
+    let mut setups = setups(loaded)?;
     setups.iter_mut().for_each(|setup| setup.methods.extend(externals.iter().cloned()));
     let conditions = args.conditions(&setups)?;
     let (photos, skipped) = args.photographs.load(ui)?;

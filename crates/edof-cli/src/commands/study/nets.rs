@@ -9,7 +9,8 @@ use edof_camera::Camera;
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_image::Stride;
-use edof_methods::nets::Net;
+use edof_methods::nets::{Entry, Net};
+use edof_methods::nets_by_noise;
 use edof_methods::settings::FloatSettings;
 use edof_methods::spec::{MethodSpec, words_sha256};
 use edof_network::{FixedNetwork, Network};
@@ -17,12 +18,19 @@ use edof_optics::draw::{Builtin, draw};
 use edof_presets::PresetError;
 use edof_quantize::{Calibration, QuantizeOptions, capture, quantize};
 use edof_storage::digest;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Adds the networks' files to what a command reads.
 pub fn read(files: Files, nets: &[String]) -> Files {
-    let files = files.reads_all(nets.iter().filter_map(|net| weights::float_file(net)));
-    files.reads_all(nets.iter().filter_map(|net| weights::fixed_file(&fixed_name(net))))
+    let names = || nets.iter().flat_map(|net| parts(net));
+    let files = files.reads_all(names().filter_map(weights::float_file));
+    files.reads_all(names().filter_map(|net| weights::fixed_file(&fixed_name(net))))
+}
+
+/// The networks of `LOW+HIGH`; a name or file alone is one.
+fn parts(nets: &str) -> Vec<&str> {
+    if Path::new(nets).is_file() { vec![nets] } else { nets.split('+').collect() }
 }
 
 /// A float network, what reports call it, the hash of its weights, and the fixed one of its name with the hash of its own.
@@ -51,13 +59,24 @@ fn load(name: &str, ui: &Ui) -> Result<Loaded, Error> {
     Ok(Loaded { float, name: shown_name(name).to_owned(), sha256, fixed })
 }
 
-/// A network behind its own camera, with its fixed-point weights where it has some for the stride; a line that says so where not.
+/// A network behind its own camera, or several as one method by noise, with their fixed-point weights where they have some for the stride;
+/// a line for each that has none.
 ///
 /// # Errors
-/// Nothing of that name, or a file that is broken.
-pub fn of_kodak(name: &str, stride: Stride, ui: &Ui) -> Result<(Net, Option<String>), Error> {
-    let Loaded { float, name, sha256, fixed } = load(name, ui)?;
-    Ok(Net::new(name, float, &sha256, fixed, stride))
+/// Nothing of that name, a file that is broken, or networks that make no method by noise.
+pub fn of_kodak(names: &str, stride: Stride, ui: &Ui) -> Result<(Entry, Vec<String>), Error> {
+    let (mut nets, mut notes) = (vec![], vec![]);
+    for part in parts(names) {
+        let Loaded { float, name, sha256, fixed } = load(part, ui)?;
+        let (net, note) = Net::new(name, float, &sha256, fixed, stride);
+        nets.push(net);
+        notes.extend(note);
+    }
+    let entry = match nets.len() {
+        1 => nets.remove(0).entry(stride),
+        _ => nets_by_noise::entry(nets, stride)?,
+    };
+    Ok((entry, notes))
 }
 
 /// A network at every stride in float, in fixed point, and on a design that it fits; lines that tell where its integers come from. Its own
