@@ -34,6 +34,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         let found = name::quoted(&args.name());
         return Err(Error::message(format!("--name: is {found}, expected {}", name::TITLE)));
     }
+    args.check_budget()?;
     let from = args.from.as_deref().map(Beginning::load).transpose()?;
     let recipes = recipe::recipes(args, from.as_ref().map(|from| &from.network))?;
     let seeds: Vec<(Recipe, PathBuf)> =
