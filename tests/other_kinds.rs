@@ -122,9 +122,9 @@ const WRITTEN: &[Row] = &[
     ("design new --weights paper-t4 --out photo.png", &["--out photo.png: would replace a PNG picture"]),
     (
         "random-network --out photo.png",
-        &["--out photo.png: would replace a PNG picture, and writes a network"],
+        &["--out photo.png: would replace a PNG picture, and writes a safetensors file"],
     ),
-    ("random-network --out letter.txt", &["--out letter.txt: would replace text, and writes a network"]),
+    ("random-network --out letter.txt", &["--out letter.txt: would replace text, and writes a safetensors file"]),
     (
         "study single-depth --rows o --camera clear-mid --images photos --nets edof-t4w12-clear --report photo.png",
         &["--report photo.png: would replace a PNG picture, and writes an HTML report"],
@@ -149,6 +149,12 @@ const WRITTEN: &[Row] = &[
         "study kodak --nets net.safetensors --images photos --report photo.png",
         &["--report photo.png: is there already, a PNG picture and not an HTML report", "--force"],
     ),
+    ("explore --weights paper-t4,", &["--weights: an empty name"]),
+    (
+        "study dictionary --images photos --photos all --out photo.png",
+        &["--out photo.png: is there already, a PNG picture and not a safetensors file"],
+    ),
+    ("quantize paper-t4 --out photo.png", &["--out photo.png: is there already, a PNG picture and not a safetensors file"]),
     ("board info --design tiny --json photo.png", &["--json photo.png: would replace a PNG picture"]),
     ("board map --json letter.txt", &["--json letter.txt: would replace text"]),
     ("capture photo.png --psi 1 --out o.png --video letter.txt", &["letter.txt"]),

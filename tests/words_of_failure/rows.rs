@@ -268,7 +268,11 @@ pub const OPTIONS: &[Row] = &[
         &["--finetune-rate -1e30: must be a positive number"],
     ),
     ("random-network --out o", "--stride 3", &["--stride 3: must be 2, 4 or 8"]),
-    ("compare photo.png photo.png --map m.png", "--map-gain=-1e30", &["--map-gain -1e30: must be a positive number"]),
+    (
+        "compare photo.png photo.png --map m.png",
+        "--map-gain=-1e30",
+        &["--map-gain -1e30: must be a positive number"],
+    ),
     ("cosim --design tiny --system", "--size 63x64", &["--size 63x64: ", "both sides must be even"]),
     ("cosim --design tiny --system", "--stride 3", &["--stride 3: must be 2, 4 or 8"]),
     ("cosim --design tiny --system", "--window 9", &["--window 9: must be 8, 12 or 16"]),

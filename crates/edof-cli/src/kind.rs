@@ -30,7 +30,7 @@ pub enum Kind {
     Junit,
     /// A picture of any format.
     Picture,
-    /// A network.
+    /// A network or a dictionary.
     Weights,
     /// Pixels without a header.
     Pixels,
@@ -112,7 +112,7 @@ impl Display for Kind {
             Self::Svg => "an SVG plot",
             Self::Junit => "a JUnit report",
             Self::Picture => "a picture",
-            Self::Weights => "a network",
+            Self::Weights => WEIGHTS,
             Self::Pixels => "pixels without a header",
             Self::Any => "a file",
         })
