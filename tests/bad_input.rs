@@ -363,13 +363,13 @@ fn a_pipe_among_photographs_or_beside_a_frame_is_waited_for_by_nobody() {
     place.pipe("photos/p03.png");
     place.edof_within_bounds(&TRAIN.replace("--out net", "--out new")).refused(&[
         "1 photograph, none of which can be read",
-        "photos/p03.png: cannot read: not a regular file",
+        "photos/p03.png: cannot read: a named pipe, expected a regular file",
     ]);
     place
         .edof_within_bounds("study kodak --nets edof-t4w12 --images photos --psi 0")
-        .refused(&["photos", "p03.png: cannot read: not a regular file"]);
+        .refused(&["photos", "p03.png: cannot read: a named pipe"]);
     place.pipe("raw.png.json");
-    place.edof_within_bounds(RECONSTRUCT).refused(&["raw.png.json: cannot read: not a regular file"]);
+    place.edof_within_bounds(RECONSTRUCT).refused(&["raw.png.json: cannot read: a named pipe"]);
     std::fs::create_dir(place.path("cases")).unwrap();
     place.pipe("cases/a.json");
     place.edof_within_bounds("study stability --cases cases").refused(&["cases"]);

@@ -23,7 +23,7 @@ fn ready() -> Place {
 
 const TRAIN: &str =
     "train --form two-sided,w8,t2,c8 --images photos --depths 1 --steps 4 --batch 64 --validate-every 2";
-const GENERATE: &str = "generate --design paper --weights paper-t4 --out out";
+const GENERATE: &str = "generate --design paper --weights paper-t4 --out out --quiet";
 
 #[test]
 fn no_output_replaces_an_input() {

@@ -14,6 +14,7 @@ mod hardware;
 mod kept;
 mod litex_shell;
 mod optics;
+mod other_kinds;
 mod overwriting;
 mod photograph;
 mod playout;

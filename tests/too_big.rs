@@ -57,9 +57,11 @@ fn files_without_an_end() {
     let place = Place::new();
     place.fixed_network("net.safetensors");
     let net = "--weights net.safetensors --out out.png";
-    place.edof(&format!("reconstruct /dev/zero {net}")).refused(&["/dev/zero", "state its size"]);
-    place.edof(&format!("reconstruct /dev/zero --size 64x32 {net}")).refused(&["/dev/zero", "expected 4096"]);
-    place.edof("capture /dev/zero --psi 1 --out raw.png").refused(&["/dev/zero: not a PNG"]);
+    place.edof(&format!("reconstruct /dev/zero {net}")).refused(&["/dev/zero: cannot read: a device"]);
+    place
+        .edof(&format!("reconstruct /dev/zero --size 64x32 {net}"))
+        .refused(&["/dev/zero: cannot read: a device"]);
+    place.edof("capture /dev/zero --psi 1 --out raw.png").refused(&["/dev/zero: cannot read: a device"]);
     place.edof("optics /dev/zero").refused(&["/dev/zero"]);
     assert_eq!(place.files(), ["net.safetensors"]);
 }

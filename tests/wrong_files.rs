@@ -64,7 +64,7 @@ const COMMANDS: [&str; 53] = [
 ];
 
 /// Files that none of these commands can use, whatever it wants.
-const WRONG: [&str; 12] = [
+const WRONG: [&str; 13] = [
     "no-such-file",
     "nothing",
     "text",
@@ -77,6 +77,8 @@ const WRONG: [&str; 12] = [
     "list.json",
     "/dev/null",
     "/dev/zero",
+    // A named pipe, into which nobody writes.
+    "waiting",
 ];
 
 fn ready() -> Place {
@@ -89,6 +91,7 @@ fn ready() -> Place {
     place.photo("photos/kodim03.png", 288, 256);
     place.float_network("net.safetensors");
     place.fixed_network("net.fixed.safetensors");
+    place.pipe("waiting");
     place.write("nothing", "");
     place.write("text", "two lines\nof words\n");
     place.write("garbage", (0..5000u32).map(|i| ((i * 197 + 31) % 251) as u8).collect::<Vec<u8>>());

@@ -40,7 +40,7 @@ pub const SCENES: &[Row] = &[
     (
         "capture s-folder.json --out o.png",
         "",
-        &["s-folder.json: layer 0: folder.png: cannot read: Is a directory"],
+        &["s-folder.json: layer 0: folder.png: cannot read: a folder, expected a regular file"],
     ),
     (
         "capture s-nameless.json --out o.png",
@@ -113,7 +113,7 @@ pub const STRANGE: &[Row] = &[
     ("optics", "words.json", &["words.json: not a camera: the text \"x\", expected an object"]),
     ("optics", "deep.json", &["deep.json: not a camera"]),
     ("optics", "wide.json", &["wide.json: cannot read: not text: byte 0"]),
-    ("optics", "folder.png", &["folder.png: cannot read: Is a directory"]),
+    ("optics", "folder.png", &["folder.png: cannot read: a folder, expected a regular file"]),
     (
         "capture empty.png --psi 1 --out o.png",
         "",
@@ -273,10 +273,10 @@ pub const USAGE: &[Row] = &[
     (TRAIN, "--minutes -1", &["'-1' for '--minutes", "expected a number of minutes above 0"]),
     (TRAIN, "--seed -1", &["'-1' for '--seed"]),
     (TRAIN, "--rate x", &["'x' for '--rate", "expected a number"]),
-    ("compare photo.png photo.png", "--map-gain 1e39", &["'1e39' for '--map-gain", "too large"]),
+    ("compare photo.png photo.png --map m.png", "--map-gain 1e39", &["'1e39' for '--map-gain", "too large"]),
     (
         "quantize net.safetensors --out o",
-        "--finetune-rate 1e39",
+        "--finetune 5 --finetune-rate 1e39",
         &["'1e39' for '--finetune-rate", "too large"],
     ),
     (

@@ -1,8 +1,9 @@
 //! The files that a command reads and writes, held against each other before the work begins: no output may replace an
-//! input or another output of the same command, each must be writable, and what an earlier run took minutes for stays unless the
-//! user says otherwise.
+//! input, another output of the same command or a file of another kind, each must be writable, and what an earlier run took minutes
+//! for stays unless the user says otherwise.
 
 use crate::error::Error;
+use crate::kind::Kind;
 use crate::ui::Ui;
 use crate::weights;
 use edof_io::picture::{self, Format};
@@ -20,9 +21,11 @@ pub struct Force {
 /// Everything that a command is going to read and write.
 pub struct Files {
     read: Vec<PathBuf>,
-    written: Vec<(String, PathBuf)>,
+    written: Vec<(String, PathBuf, Kind)>,
     /// How many of these must not be there yet.
     new: usize,
+    /// How many of these may replace whatever is there.
+    forced: usize,
     /// Folders of results.
     folders: Vec<(String, PathBuf)>,
 }
@@ -30,8 +33,8 @@ pub struct Files {
 impl Files {
     /// Begins with what every command may write: the file of `--json`.
     pub fn new(ui: &Ui) -> Self {
-        let json = ui.json_file().map(|file| ("--json".to_owned(), file.to_owned()));
-        Self { read: vec![], written: json.into_iter().collect(), new: 0, folders: vec![] }
+        let files = Self { read: vec![], written: vec![], new: 0, forced: 0, folders: vec![] };
+        files.may_write("--json", ui.json_file())
     }
 
     /// A file that is read. What names no file, such as a preset, is no danger.
@@ -52,8 +55,14 @@ impl Files {
     }
 
     /// A file that is written; `option` names it to the user.
-    pub fn writes(mut self, option: &str, file: impl AsRef<Path>) -> Self {
-        self.written.push((option.to_owned(), file.as_ref().to_owned()));
+    pub fn writes(self, option: &str, file: impl AsRef<Path>) -> Self {
+        let kind = Kind::of(option, file.as_ref());
+        self.writes_as(kind, option, file)
+    }
+
+    /// The same for a file of a kind that neither its option nor its name tells.
+    pub fn writes_as(mut self, kind: Kind, option: &str, file: impl AsRef<Path>) -> Self {
+        self.written.push((option.to_owned(), file.as_ref().to_owned(), kind));
         self
     }
 
@@ -87,14 +96,15 @@ impl Files {
 
     /// Whatever was named to be written until now takes minutes to make: what an earlier run left there stays, unless `force`.
     pub const fn keeps(mut self, force: Force) -> Self {
-        self.new = if force.force { 0 } else { self.written.len() };
+        (self.new, self.forced) = if force.force { (0, self.written.len()) } else { (self.written.len(), 0) };
         self
     }
 
     /// To be called before anything is computed.
     ///
     /// # Errors
-    /// An output that is also read, or that is two outputs at once, or that cannot be written, or a result that is there already.
+    /// An output that is also read, or that is two outputs at once, or that cannot be written, a result that is there already, or a file
+    /// of another kind.
     pub fn check(self) -> Result<(), Error> {
         if let Some((option, folder)) = self.folders.iter().find(|(_, folder)| folder.is_file()) {
             return Err(Error::message(format!(
@@ -102,7 +112,7 @@ impl Files {
                 folder.display()
             )));
         }
-        if let Some((option, file)) = self.written.iter().find(|(_, file)| is_named_as_folder(file)) {
+        if let Some((option, file, _)) = self.written.iter().find(|(_, file, _)| is_named_as_folder(file)) {
             return Err(Error::message(format!(
                 "{option} {}: is the name of a folder, expected a file's",
                 file.display()
@@ -110,7 +120,7 @@ impl Files {
         }
         let read: Vec<(&PathBuf, PathBuf)> = self.read.iter().map(|file| (file, canonical(file))).collect();
         let mut seen: Vec<(&str, PathBuf)> = vec![];
-        for (option, file) in &self.written {
+        for (option, file, _) in &self.written {
             if is_device(file) {
                 continue;
             }
@@ -129,20 +139,34 @@ impl Files {
             }
             seen.push((option, place));
         }
-        self.written[..self.new].iter().try_for_each(|(option, file)| is_new(option, file))?;
-        self.written.iter().try_for_each(|(_, file)| Ok(atomic::check(file)?))
+        self.written[..self.new].iter().try_for_each(|(option, file, kind)| is_new(*kind, option, file))?;
+        self.written[self.forced..].iter().try_for_each(|(option, file, kind)| is_of(*kind, option, file))?;
+        self.written.iter().try_for_each(|(_, file, _)| Ok(atomic::check(file)?))
     }
 }
 
 /// Rejects a result that is there already. An empty file holds nothing that could be lost.
-fn is_new(option: &str, file: &Path) -> Result<(), Error> {
+fn is_new(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
     if !std::fs::metadata(file).is_ok_and(|what| what.is_file() && what.len() > 0) {
         return Ok(());
     }
-    let what = weights::in_words(file).unwrap_or_else(|| "a result of an earlier run".to_owned());
+    let of_earlier_run = || match kind.refusal(file) {
+        None => "a result of an earlier run".to_owned(),
+        Some(content) => format!("{content} and not {kind}"),
+    };
+    let what = weights::in_words(file).unwrap_or_else(of_earlier_run);
     let shown = file.display();
     Err(Error::message(format!(
         "{option} {shown}: is there already, {what}; name another file, or --force replaces it"
+    )))
+}
+
+/// Rejects a file that is there and is of another kind than what would replace it.
+fn is_of(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
+    let Some(content) = kind.refusal(file) else { return Ok(()) };
+    let shown = file.display();
+    Err(Error::message(format!(
+        "{option} {shown}: would replace {content}, and writes {kind}; name another file, or delete this one first"
     )))
 }
 
@@ -170,7 +194,7 @@ mod tests {
     use super::*;
 
     fn files() -> Files {
-        Files { read: vec![], written: vec![], new: 0, folders: vec![] }
+        Files { read: vec![], written: vec![], new: 0, forced: 0, folders: vec![] }
     }
 
     #[test]

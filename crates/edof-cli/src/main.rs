@@ -29,6 +29,7 @@ mod error_bounds;
 mod files;
 mod help;
 mod interrupt;
+mod kind;
 mod memory;
 mod npz;
 #[cfg(test)]

@@ -38,6 +38,13 @@ struct Recorded<'a, T> {
     provenance: Provenance,
 }
 
+/// Prints a text at once; whoever does not read it is told by the kind of the error.
+fn print(text: &str) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let printed = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    printed.map_err(|e| std::io::Error::new(e.kind(), format!("standard output: cannot write: {e}")))
+}
+
 /// The way to the user's eyes.
 pub struct Ui {
     json: Option<PathBuf>,
@@ -112,9 +119,7 @@ impl Ui {
     /// When standard output cannot be written (a closed pipe ends the program quietly).
     pub fn say(&self, line: impl Display) -> Result<(), Error> {
         if !self.json_on_stdout() {
-            let mut out = std::io::stdout().lock();
-            writeln!(out, "{line}")?;
-            out.flush()?;
+            print(&format!("{line}\n"))?;
         }
         Ok(())
     }
@@ -136,9 +141,7 @@ impl Ui {
         self.told.store(true, Ordering::Relaxed);
         let text = serde_json::to_string_pretty(&Recorded { result, provenance: self.provenance() })? + "\n";
         if self.json_on_stdout() {
-            let mut out = std::io::stdout().lock();
-            out.write_all(text.as_bytes())?;
-            out.flush()?;
+            print(&text)?;
         } else {
             edof_storage::atomic::write(path, text.as_bytes())?;
         }
@@ -163,9 +166,7 @@ impl Ui {
         })? + "\n";
         let first = !self.told.swap(true, Ordering::Relaxed);
         if self.json_on_stdout() {
-            let mut out = std::io::stdout().lock();
-            out.write_all(text.as_bytes())?;
-            out.flush()?;
+            print(&text)?;
             return Ok(());
         }
         let failed = |source| edof_storage::atomic::WriteError { path: path.clone(), source };

@@ -2,6 +2,7 @@
 
 use crate::pnm;
 use crate::samples::Samples;
+use edof_storage::input;
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngEncoder;
 use image::codecs::tiff::TiffEncoder;
@@ -97,7 +98,7 @@ impl Format {
 /// Bytes that identify a format.
 const HEAD: u64 = 12;
 
-/// The bytes of a picture file. What begins like none, such as an endless device, is not read on.
+/// The bytes of a picture file. What begins like none is not read on.
 ///
 /// # Errors
 /// [`PictureError::Read`] or [`PictureError::Format`].
@@ -116,7 +117,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
 /// [`PictureError::Read`].
 pub fn open(path: &Path) -> Result<(File, Vec<u8>), PictureError> {
     let head = || {
-        let mut file = File::open(path)?;
+        let mut file = input::open(path)?;
         let mut head = vec![];
         file.by_ref().take(HEAD).read_to_end(&mut head)?;
         Ok((file, head))
@@ -140,16 +141,12 @@ pub fn of_folder(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Rejects what is not a regular file: opening a pipe in a folder may wait for ever.
+/// Rejects what is no regular file, such as a named pipe in a folder of photographs.
 ///
 /// # Errors
 /// [`PictureError::Read`].
 pub fn check_found(path: &Path) -> Result<(), PictureError> {
-    let found = std::fs::metadata(path).and_then(|found| match found.is_file() {
-        true => Ok(()),
-        false => Err(std::io::Error::other("not a regular file")),
-    });
-    found.map_err(|source| PictureError::Read { path: path.to_owned(), source })
+    input::check(path).map_err(|source| PictureError::Read { path: path.to_owned(), source })
 }
 
 /// Samples of a picture file in memory, JPEG and WebP turned as their camera was held; `path` names it in errors.
@@ -425,7 +422,10 @@ mod tests {
     #[test]
     fn an_endless_device_is_not_read_to_its_end() {
         let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
-        assert_eq!(error, "/dev/zero: not a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM file");
+        assert_eq!(
+            error,
+            "/dev/zero: cannot read: a device, expected a regular file; save its content to a file and name that one"
+        );
     }
 
     #[test]

@@ -22,6 +22,7 @@ use crate::rendering::Rendering;
 use crate::samples::Samples;
 use edof_image::frame::FrameError;
 use edof_image::{CfaPhase, RawFrame};
+use edof_storage::input;
 use ndarray::{Array2, Axis};
 use std::fs::File;
 use std::io::Read;
@@ -200,7 +201,7 @@ pub struct Opened {
 pub fn open(path: &Path, options: &RawOptions) -> Result<Opened, RawError> {
     let alone = |frame| Opened { frame, levels: None, rendering: Rendering::default() };
     if dng::is_dng(path) {
-        let bytes = std::fs::read(path).map_err(cannot_read(path))?;
+        let bytes = input::read(path).map_err(cannot_read(path))?;
         return match dng::decode(&bytes, path) {
             Ok(Dng { frame, levels, rendering }) => Ok(Opened { frame, levels: Some(levels), rendering }),
             // Of a kind that is rarer than it is worth here.
@@ -211,6 +212,7 @@ pub fn open(path: &Path, options: &RawOptions) -> Result<Opened, RawError> {
         };
     }
     if camera_raw::is_camera_raw(path) {
+        input::check(path).map_err(cannot_read(path))?;
         return Ok(alone(camera_raw::load(path)?));
     }
     Ok(alone(picture_or_headerless(path, options)?))

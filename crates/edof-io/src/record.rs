@@ -113,12 +113,7 @@ pub fn save(raw: &Path, record: &RawRecord) -> Result<(), RecordError> {
 /// [`RecordError::Read`] or [`RecordError::Foreign`].
 pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
     let path = path_of(raw);
-    let file = || match std::fs::metadata(&path)?.is_file() {
-        true => json::text(&path, MAX_BYTES),
-        // Opening a pipe may wait for ever.
-        false => Err(std::io::Error::other("not a regular file")),
-    };
-    let text = match file() {
+    let text = match json::text(&path, MAX_BYTES) {
         Ok(text) => text,
         Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(RecordError::Read { path, source }),

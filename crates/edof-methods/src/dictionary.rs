@@ -7,6 +7,7 @@ use edof_numerics::random::Random;
 use edof_sparse::ksvd::{Settings, ksvd};
 use edof_storage::atomic::{self, WriteError};
 use edof_storage::digest::sha256;
+use edof_storage::input;
 use edof_storage::provenance::Provenance;
 use ndarray::{Array2, Axis, s};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
@@ -169,9 +170,7 @@ impl Dictionary {
             None => Self::parse(EMBEDDED, Path::new(EMBEDDED_NAME)),
             Some(path) => {
                 let mut bytes = vec![];
-                // Devices may never end.
-                let read =
-                    std::fs::File::open(path).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes));
+                let read = input::open(path).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes));
                 read.map_err(|source| DictionaryError::Read { path: path.to_owned(), source })?;
                 Self::parse(&bytes, path)
             }

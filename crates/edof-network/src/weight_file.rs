@@ -12,7 +12,7 @@ use edof_image::overlap::Overlap;
 use edof_storage::arrays::safetensors_reason;
 use edof_storage::atomic::{self, WriteError};
 use edof_storage::digest::hexadecimal;
-use edof_storage::json;
+use edof_storage::{input, json};
 use ndarray::{Array1, Array2};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
@@ -341,7 +341,7 @@ fn with_hash(text: &str, old: &str, new: &str) -> String {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, WeightFileError> {
-    std::fs::read(path).map_err(|source| WeightFileError::Read { path: path.to_owned(), source })
+    input::read(path).map_err(|source| WeightFileError::Read { path: path.to_owned(), source })
 }
 
 struct Loaded {

@@ -24,6 +24,8 @@ pub fn load(name_or_path: &str) -> Result<Design, PresetError> {
     }
     match EMBEDDED.iter().find(|(name, _)| *name == name_or_path) {
         Some((_, text)) => Ok(Design::from_json(text)?),
+        // What is there is no design, but a pipe, a folder or the like.
+        None if path.exists() => Ok(Design::load(path)?),
         None => Err(PresetError::NoDesign { name: name_or_path.into(), own: names().join(", ") }),
     }
 }

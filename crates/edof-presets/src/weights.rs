@@ -10,6 +10,7 @@ use edof_camera::Camera;
 use edof_image::{Noise, Tone};
 use edof_network::fit::best_fit;
 use edof_network::{FixedNetwork, Network, form, weight_file};
+use edof_storage::input;
 use edof_storage::provenance::{Input, InputKind};
 use std::path::{Path, PathBuf};
 
@@ -139,7 +140,7 @@ pub fn fixed_file(name_or_path: &str) -> Option<PathBuf> {
 /// What network a file holds, for anybody who must not lose it.
 #[must_use]
 pub fn in_words(file: &Path) -> Option<String> {
-    let bytes = std::fs::read(file).ok()?;
+    let bytes = input::read(file).ok()?;
     let float = weight_file::parse_network(bytes.clone(), file).map(|network| (network.form, network.origin));
     let fixed = || weight_file::parse_fixed(bytes, file).map(|network| (network.form, network.origin));
     let (form, origin) = float.or_else(|_| fixed()).ok()?;
@@ -166,7 +167,12 @@ fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), PresetEr
     if let Some((name, bytes)) = EMBEDDED.iter().find(|(name, _)| *name == file) {
         return Ok((PathBuf::from(name), bytes.to_vec()));
     }
-    let [_, under] = places;
+    let [named, under] = places;
+    // A pipe, a device or the like.
+    if named.exists() && !named.is_dir() {
+        input::check(&named)
+            .map_err(|source| weight_file::WeightFileError::Read { path: named.clone(), source })?;
+    }
     Err(PresetError::NoWeights { name: name_or_path.into(), under, own: names().join(", ") })
 }
 

@@ -3,7 +3,7 @@
 //!
 //! Whatever a file claims, no more is allocated than it holds; of compressed arrays no more than [`MAX_BYTES`] are unpacked.
 
-use crate::json;
+use crate::{input, json};
 use edof_image::words::sides;
 use flate2::Crc;
 use flate2::read::DeflateDecoder;
@@ -26,9 +26,6 @@ pub enum ArraysError {
     /// Cannot be opened.
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
-    /// A device or a folder.
-    #[error("{path}: not a regular file, expected an NPZ, NPY or safetensors file", path = path.display())]
-    NoFile { path: PathBuf },
     /// Far too long.
     #[error("{path}: {found} bytes, at most {} are read", json::size(MAX_BYTES), path = path.display())]
     Size { path: PathBuf, found: u64 },
@@ -44,14 +41,13 @@ pub enum ArraysError {
 /// [`ArraysError`].
 pub fn read(path: &Path) -> Result<BTreeMap<String, ArrayD<f64>>, ArraysError> {
     let failed = |source| ArraysError::Read { path: path.to_owned(), source };
-    let about = std::fs::metadata(path).map_err(failed)?;
-    if !about.is_file() {
-        return Err(ArraysError::NoFile { path: path.to_owned() });
+    let mut file = input::open(path).map_err(failed)?;
+    let found = file.metadata().map_err(failed)?.len();
+    if found > MAX_BYTES {
+        return Err(ArraysError::Size { path: path.to_owned(), found });
     }
-    if about.len() > MAX_BYTES {
-        return Err(ArraysError::Size { path: path.to_owned(), found: about.len() });
-    }
-    let bytes = std::fs::read(path).map_err(failed)?;
+    let mut bytes = vec![];
+    file.read_to_end(&mut bytes).map_err(failed)?;
     let arrays = if bytes.starts_with(b"PK") {
         of_npz(&bytes)
     } else if bytes.starts_with(NPY) {
@@ -492,6 +488,11 @@ mod tests {
         for bytes in [&b""[..], b"PK", b"PK\x03\x04 and no more", b"words"] {
             assert!(loaded(bytes).unwrap_err().contains("not a whole NPZ, NPY or safetensors file"));
         }
-        assert!(read(Path::new("/dev/zero")).unwrap_err().to_string().contains("not a regular file"));
+        assert!(
+            read(Path::new("/dev/zero"))
+                .unwrap_err()
+                .to_string()
+                .contains("a device, expected a regular file")
+        );
     }
 }

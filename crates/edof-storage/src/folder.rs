@@ -1,10 +1,10 @@
 //! A folder of generated files that may be generated again. A manifest lists every file with its SHA-256, and is sealed by
 //! one of its own; so files of the program are distinguished from files that a user added or changed, and only the former are replaced.
 
-use crate::{atomic, digest};
+use crate::{atomic, digest, input};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::{fs, io};
 
 /// File that lists the others.
@@ -13,11 +13,16 @@ pub const MANIFEST: &str = "manifest.json";
 const SEAL: &str = "manifest_sha256";
 /// At most N files are named in an error.
 const NAMED: usize = 6;
+/// At most N files are looked for.
+const COUNTED: usize = 1000;
 
 /// A folder that is not written, or not to its end.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum FolderError {
+    /// All of a disk.
+    #[error("{folder}: is the root of the file system, expected a folder for the results alone", folder = .0.display())]
+    IsRoot(PathBuf),
     /// A file of that name.
     #[error("{folder}: is a file, expected a folder", folder = .0.display())]
     IsFile(PathBuf),
@@ -52,6 +57,30 @@ pub fn manifest(about: Value, files: &Contents) -> Value {
     manifest
 }
 
+/// Whether results may have that folder, for anybody who has work to do first. A few files that are not the program's are no matter
+/// yet: they may be equal to what will be written.
+///
+/// # Errors
+/// [`FolderError::IsFile`], [`FolderError::IsRoot`], or [`FolderError::Foreign`] for the folder of far more than an output.
+pub fn check(out: &Path, force: bool) -> Result<(), FolderError> {
+    if out.canonicalize().is_ok_and(|place| place.parent().is_none()) {
+        return Err(FolderError::IsRoot(out.to_owned()));
+    }
+    if !out.exists() {
+        return Ok(());
+    }
+    if !out.is_dir() {
+        return Err(FolderError::IsFile(out.to_owned()));
+    }
+    let ours = untouched(out);
+    let foreign =
+        if force { BTreeSet::new() } else { foreign(out, |path| ours.contains(path)).unwrap_or_default() };
+    match foreign.len() == COUNTED {
+        true => Err(FolderError::Foreign { folder: out.to_owned(), files: named(&foreign) }),
+        false => Ok(()),
+    }
+}
+
 /// Writes `files` and their manifest. Whatever stands in the folder and is neither an untouched file of an earlier output
 /// nor what would be written anyway is named and rejected; with `force`, such a file is replaced where a new one takes its
 /// path and left alone elsewhere. All files are complete on the disk before the first one takes its place.
@@ -61,9 +90,7 @@ pub fn manifest(about: Value, files: &Contents) -> Value {
 pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Result<(), FolderError> {
     let mut files = files;
     files.insert(MANIFEST.into(), format!("{manifest:#}\n"));
-    if out.is_file() {
-        return Err(FolderError::IsFile(out.to_owned()));
-    }
+    check(out, force)?;
     let is_new = !out.exists();
     fs::create_dir_all(out).map_err(|e| failed(out, &e))?;
     // Anybody who writes here at the same time would take our unfinished files for a stranger's. Ends with the process.
@@ -80,19 +107,20 @@ pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Resu
 }
 
 fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), FolderError> {
-    let standing = standing(out).map_err(|e| failed(out, &e))?;
-    let ours: BTreeSet<PathBuf> = untouched(out).intersection(&standing).cloned().collect();
-    let same = |path: &Path| {
-        files.get(path).is_some_and(|text| holds(&out.join(path), &digest::sha256(text.as_bytes())))
-    };
-    let foreign: Vec<&PathBuf> = standing.iter().filter(|p| !ours.contains(*p) && !same(p)).collect();
-    if !foreign.is_empty() && !force {
-        return Err(FolderError::Foreign { folder: out.to_owned(), files: named(&foreign) });
+    let ours = untouched(out);
+    if !force {
+        let same = |path: &Path| {
+            files.get(path).is_some_and(|text| holds(&out.join(path), &digest::sha256(text.as_bytes())))
+        };
+        let foreign = foreign(out, |path| ours.contains(path) || same(path)).map_err(|e| failed(out, &e))?;
+        if !foreign.is_empty() {
+            return Err(FolderError::Foreign { folder: out.to_owned(), files: named(&foreign) });
+        }
     }
     let in_the_way = |path: &PathBuf| {
-        let place = out.join(path);
-        let is_folder = fs::symlink_metadata(&place).is_ok_and(|what| what.is_dir());
-        is_folder || path.ancestors().skip(1).any(|above| standing.contains(above))
+        let is_folder = fs::symlink_metadata(out.join(path)).is_ok_and(|what| what.is_dir());
+        is_folder
+            || above(path).any(|above| fs::symlink_metadata(out.join(above)).is_ok_and(|what| !what.is_dir()))
     };
     if let Some(path) = files.keys().find(|path| in_the_way(path)) {
         return Err(FolderError::InTheWay { folder: out.to_owned(), file: path.clone() });
@@ -126,15 +154,19 @@ fn failed(path: &Path, error: &io::Error) -> FolderError {
     FolderError::Write(format!("{}: cannot write: {error}", path.display()))
 }
 
-fn named(paths: &[&PathBuf]) -> String {
+fn named(paths: &BTreeSet<PathBuf>) -> String {
     let names: Vec<String> = paths.iter().take(NAMED).map(|path| path.display().to_string()).collect();
-    let rest = paths.len() - names.len();
-    let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    let more = match paths.len() - names.len() {
+        0 => String::new(),
+        _ if paths.len() == COUNTED => " and many more".to_owned(),
+        rest => format!(" and {rest} more"),
+    };
     names.join(", ") + &more
 }
 
-/// All files and links of a folder and its folders; links are not followed.
-fn standing(out: &Path) -> io::Result<BTreeSet<PathBuf>> {
+/// Files and links of a folder and its folders that are not `ours`, [`COUNTED`] at most: the folder may be a whole disk. Links are not
+/// followed.
+fn foreign(out: &Path, ours: impl Fn(&Path) -> bool) -> io::Result<BTreeSet<PathBuf>> {
     let mut found = BTreeSet::new();
     let mut folders = vec![PathBuf::new()];
     while let Some(folder) = folders.pop() {
@@ -143,17 +175,31 @@ fn standing(out: &Path) -> io::Result<BTreeSet<PathBuf>> {
             let path = folder.join(entry.file_name());
             if entry.file_type()?.is_dir() {
                 folders.push(path);
-            } else {
+            } else if !ours(&path) {
                 found.insert(path);
+            }
+            if found.len() == COUNTED {
+                return Ok(found);
             }
         }
     }
     Ok(found)
 }
 
+/// Folders above a file within the folder of results.
+fn above(path: &Path) -> impl Iterator<Item = &Path> {
+    path.ancestors().skip(1).filter(|above| !above.as_os_str().is_empty())
+}
+
+/// Whether a path of a manifest leads to a place within the folder, by no link.
+fn is_within(out: &Path, path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(_)))
+        && above(path).all(|above| fs::symlink_metadata(out.join(above)).is_ok_and(|what| what.is_dir()))
+}
+
 /// Files of an earlier output that are as they were written, by its manifest; none where there is no sealed manifest.
 fn untouched(out: &Path) -> BTreeSet<PathBuf> {
-    let text = fs::read(out.join(MANIFEST)).unwrap_or_default();
+    let text = input::read(&out.join(MANIFEST)).unwrap_or_default();
     let Ok(manifest) = serde_json::from_slice::<Value>(&text) else { return BTreeSet::new() };
     if manifest[SEAL] != seal(&manifest) {
         return BTreeSet::new();
@@ -161,7 +207,9 @@ fn untouched(out: &Path) -> BTreeSet<PathBuf> {
     let listed = manifest["files"].as_array().into_iter().flatten();
     let kept =
         listed.filter_map(|file| Some((PathBuf::from(file["path"].as_str()?), file["sha256"].as_str()?)));
-    let kept = kept.filter(|(path, sha256)| holds(&out.join(path), sha256)).map(|(path, _)| path);
+    let kept = kept
+        .filter(|(path, sha256)| is_within(out, path) && holds(&out.join(path), sha256))
+        .map(|(path, _)| path);
     kept.chain([MANIFEST.into()]).collect()
 }
 

@@ -1,5 +1,6 @@
 //! JSON that a person wrote: read up to a limit, with or without a byte-order mark, and what is wrong with it in plain words.
 
+use crate::input;
 use serde::de::DeserializeOwned;
 use std::io::{Error, ErrorKind, Read};
 use std::path::Path;
@@ -10,10 +11,10 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 /// The text of a file of at most `max` bytes, without a byte-order mark.
 ///
 /// # Errors
-/// What the system says, no UTF-8, or the limit that the file exceeds, such as an endless device.
+/// What the system says, no UTF-8, the limit that the file exceeds, or that it is no regular file.
 pub fn text(path: &Path, max: u64) -> Result<String, Error> {
     let mut bytes = vec![];
-    std::fs::File::open(path)?.take(max + 1).read_to_end(&mut bytes)?;
+    input::open(path)?.take(max + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > max {
         return Err(Error::new(
             ErrorKind::InvalidData,
@@ -192,8 +193,6 @@ mod tests {
 
     #[test]
     fn a_file_over_the_limit_is_rejected_with_the_limit() {
-        let error = text(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string();
-        assert_eq!(error, "larger than 1 MiB, which no such file is");
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x");
         std::fs::write(&path, [b'a', 0xff]).unwrap();

@@ -6,6 +6,7 @@
 //! | a generated folder replaces only what it wrote itself | [`folder`] |
 //! | SHA-256 of contents | [`digest`] |
 //! | arrays in files of other programs (`.npz`, safetensors) | [`arrays`] |
+//! | files that are read: regular ones only | [`input`] |
 //! | JSON that a person wrote | [`json`] |
 //! | names that files give to what they describe | [`name`] |
 //! | command, version, inputs and machine behind a result | [`provenance`] |
@@ -16,6 +17,7 @@ pub mod arrays;
 pub mod atomic;
 pub mod digest;
 pub mod folder;
+pub mod input;
 pub mod json;
 pub mod name;
 pub mod provenance;

@@ -189,7 +189,8 @@ impl Foldings {
             (!points.is_empty()).then(|| Series::new(*name, Mark::Points, points).coloured(colour))
         };
         Plot {
-            title: format!("dB against {label}: the front"),
+            // The axis states units and parts: a longer title would be cut.
+            title: format!("dB against {}: the front", label.split(" (").next().unwrap_or(label)),
             x: Axis::log(label),
             y: Axis::linear("PSNR (dB)").from((self.min_db() - 0.5).floor()),
             size: SMALL,

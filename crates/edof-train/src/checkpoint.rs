@@ -5,8 +5,8 @@ use crate::budget::SparsityController;
 use crate::recipe::Recipe;
 use crate::train::{Best, State};
 use edof_storage::atomic::{self, WriteError};
-use edof_storage::json;
 use edof_storage::provenance::Input;
+use edof_storage::{input, json};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -91,8 +91,7 @@ pub fn save(path: &Path, run: &Run, state: &State) -> Result<(), CheckpointError
 /// # Errors
 /// Any [`CheckpointError`] but `Write`; one of a run with another recipe, camera or photos is rejected, naming what differs.
 pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
-    let file =
-        std::fs::read(path).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
+    let file = input::read(path).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
     let foreign = |reason: String| CheckpointError::Foreign { path: path.to_owned(), reason };
     let (_, header) = SafeTensors::read_metadata(&file).map_err(|e| foreign(e.to_string()))?;
     let text = header

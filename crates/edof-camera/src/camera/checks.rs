@@ -6,6 +6,40 @@ use super::{
 };
 use edof_image::words::{number, numbers};
 use edof_storage::name;
+use std::ops::RangeInclusive;
+
+/// Sizes of lenses and pixels that are computed: from micro-optics to telescopes.
+const LENGTH_MM: RangeInclusive<f64> = 0.01..=1e5;
+const RADIUS_MM: RangeInclusive<f64> = 0.001..=5e4;
+const PITCH_UM: RangeInclusive<f64> = 0.01..=1000.0;
+/// From ultraviolet to thermal infrared.
+const WAVELENGTH_NM: RangeInclusive<f64> = 100.0..=30_000.0;
+const OF_LIGHT: &str = "a wavelength of 100 to 30000 nm";
+/// Distances of objects.
+const DISTANCE_M: RangeInclusive<f64> = 1e-4..=1e9;
+/// Weights of wavelengths, whatever their unit.
+const WEIGHT: RangeInclusive<f64> = 0.0..=1e9;
+const LEAST_WEIGHT: f64 = 1e-9;
+/// Most phase of a mask either way.
+const MAX_RAD: f64 = 10_000.0;
+
+/// Whether n(λ) can be a material's: [`Delay::Etched`].
+fn is_glass([constant, slope]: [f64; 2]) -> bool {
+    (0.1..=10.0).contains(&constant) && slope.abs() <= 10.0
+}
+
+impl Spectrum {
+    fn is_of_light(&self) -> bool {
+        match self {
+            Self::Line(nm) => WAVELENGTH_NM.contains(nm),
+            Self::Sampled(pairs) => {
+                pairs.iter().all(|[nm, weight]| WAVELENGTH_NM.contains(nm) && WEIGHT.contains(weight))
+                    && pairs.windows(2).all(|pair| pair[0][0] < pair[1][0])
+                    && pairs.iter().any(|[_, weight]| *weight >= LEAST_WEIGHT)
+            }
+        }
+    }
+}
 
 impl Camera {
     /// # Errors
@@ -17,19 +51,20 @@ impl Camera {
         let refuse = |field, value: String, expected| {
             Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
         };
-        let positive = [
-            ("focal_length_mm", self.focal_length_mm),
-            ("aperture_radius_mm", self.aperture_radius_mm),
-            ("pixel_pitch_um", self.pixel_pitch_um),
-            ("reference_wavelength_nm", self.reference_wavelength_nm),
+        let sizes = [
+            ("focal_length_mm", self.focal_length_mm, LENGTH_MM, "0.01 to 100000 mm (10 um to 100 m)"),
+            ("aperture_radius_mm", self.aperture_radius_mm, RADIUS_MM, "0.001 to 50000 mm (1 um to 50 m)"),
+            ("pixel_pitch_um", self.pixel_pitch_um, PITCH_UM, "0.01 to 1000 um (10 nm to 1 mm)"),
+            ("reference_wavelength_nm", self.reference_wavelength_nm, WAVELENGTH_NM, OF_LIGHT),
         ];
-        for (field, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return refuse(field, number(value), "a positive number");
+        for (field, value, range, expected) in sizes {
+            if !range.contains(&value) {
+                return refuse(field, number(value), expected);
             }
         }
-        if let Some(metres) = self.nominal_m.filter(|metres| metres.is_nan() || *metres <= 0.0) {
-            return refuse("nominal_m", number(metres), "a distance of more than 0 m");
+        let is_far = |metres: f64| DISTANCE_M.contains(&metres) || metres == f64::INFINITY;
+        if let Some(metres) = self.nominal_m.filter(|metres| !is_far(*metres)) {
+            return refuse("nominal_m", number(metres), "a distance of 0.0001 to 1e9 m");
         }
         let [low, high] = self.psi_range;
         if !(low.abs() <= MAX_PSI && high.abs() <= MAX_PSI && low <= high) {
@@ -42,19 +77,9 @@ impl Camera {
         if !self.focus_psi.is_finite() || self.focus_psi.abs() > MAX_PSI {
             return refuse("focus_psi", number(self.focus_psi), "at most 10000 either way");
         }
-        for spectrum in &self.spectra {
-            let good = match spectrum {
-                Spectrum::Line(nm) => nm.is_finite() && *nm > 0.0,
-                Spectrum::Sampled(pairs) => {
-                    pairs.iter().all(|[nm, w]| *nm > 0.0 && *w >= 0.0 && nm.is_finite() && w.is_finite())
-                        && pairs.windows(2).all(|p| p[0][0] < p[1][0])
-                        && pairs.iter().any(|[_, w]| *w > 0.0)
-                }
-            };
-            if !good {
-                let expected = "a wavelength in nm, or ascending [nm, weight] pairs of some positive weight";
-                return refuse("spectra", spectrum.in_words(), expected);
-            }
+        if let Some(spectrum) = self.spectra.iter().find(|spectrum| !spectrum.is_of_light()) {
+            let expected = "a wavelength of 100 to 30000 nm, or ascending [nm, weight] pairs of weights 0 to 1e9, one of them 1e-9 or more";
+            return refuse("spectra", spectrum.in_words(), expected);
         }
         self.check_sampling()?;
         self.check_mask()
@@ -73,35 +98,38 @@ impl Camera {
                 let found = format!("{} to {}", number(ring.inner), number(ring.outer));
                 return refuse("rings", found, "0 <= inner < outer <= 1");
             }
-            let finite = match ring.delay {
-                Delay::Phase { rad, at_nm } => rad.is_finite() && at_nm.is_finite() && at_nm > 0.0,
-                Delay::Etched { height_um, cauchy } => {
-                    [height_um, cauchy[0], cauchy[1]].iter().all(|v| v.is_finite())
-                }
+            let (is_possible, expected) = match ring.delay {
+                Delay::Phase { rad, at_nm } => (
+                    rad.abs() <= MAX_RAD && WAVELENGTH_NM.contains(&at_nm),
+                    "at most 10000 rad either way, at 100 to 30000 nm",
+                ),
+                Delay::Etched { height_um, cauchy } => (
+                    height_um.abs() <= MAX_HEIGHT_UM && is_glass(cauchy),
+                    "at most 100 um either way, in glass of [0.1 to 10, -10 to 10]",
+                ),
             };
-            if !finite {
-                return refuse("rings", ring.delay.in_words(), "finite numbers, a positive wavelength");
+            if !is_possible {
+                return refuse("rings", ring.delay.in_words(), expected);
             }
         }
         if let Some(Profile { at_nm, points }) = &self.profile {
-            let finite = points.iter().flatten().all(|v| v.is_finite());
+            let possible = points.iter().all(|point| point[1].abs() <= MAX_RAD);
             let inside = points.iter().all(|point| (0.0..=1.0).contains(&point[0]));
             let ascending = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-            let sized = (1..=MAX_POINTS).contains(&points.len()) && *at_nm > 0.0 && at_nm.is_finite();
-            if !(finite && inside && ascending && sized) {
+            let sized = (1..=MAX_POINTS).contains(&points.len()) && WAVELENGTH_NM.contains(at_nm);
+            if !(possible && inside && ascending && sized) {
                 let found = format!("{} points at {} nm", points.len(), number(*at_nm));
                 return refuse(
                     "profile",
                     found,
-                    "1 to 4096 [radius 0 to 1, radians] pairs of ascending radius",
+                    "1 to 4096 [radius 0 to 1, radians] pairs of ascending radius and at most 10000 rad, at 100 to 30000 nm",
                 );
             }
         }
         if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map {
-            let glass = cauchy.iter().all(|v| v.is_finite());
-            if !(*white_um > 0.0 && *white_um <= MAX_HEIGHT_UM && glass) {
+            if !((1e-4..=MAX_HEIGHT_UM).contains(white_um) && is_glass(*cauchy)) {
                 let found = format!("{} um of {}", number(*white_um), numbers(cauchy));
-                return refuse("height_map", found, "more than 0 and at most 100 um, of two finite numbers");
+                return refuse("height_map", found, "0.0001 to 100 um, in glass of [0.1 to 10, -10 to 10]");
             }
         }
         for (field, file) in [

@@ -81,9 +81,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let sides = format!("--width {} --height {}", args.width, args.height);
     super::scene::fits(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let kind = args.scene.parse::<Builtin>()?;
-    let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
     let scene = draw(kind, args.height, args.width, &four_depths(camera.psi_range), 1);
     let scene = scene.map_err(|e| Error::message(format!("{sides}: {e}")))?;
+    let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
     let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
 
     let malvar = Malvar::default();

@@ -4,6 +4,7 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::form;
+use crate::kind::Kind;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
@@ -106,7 +107,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
 impl New {
     fn run(&self, ui: &Ui) -> Result<(), Error> {
         let files = Files::new(ui).reads_all(self.weights.as_deref().and_then(weights::fixed_file));
-        files.writes("--out", &self.out).check()?;
+        files.writes_as(Kind::Design, "--out", &self.out).check()?;
         let base = self.base()?;
         let pairs: Vec<f64> = base.stages().map(|stage| stage.inputs as f64).collect();
         let fits = |design: &Design| {

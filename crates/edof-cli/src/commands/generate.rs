@@ -9,6 +9,7 @@ use crate::weights;
 use clap::ValueEnum;
 use edof_cosim::bitstream::{self, Sources};
 use edof_device::board;
+use edof_storage::folder;
 use std::path::PathBuf;
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories
@@ -64,9 +65,7 @@ impl From<Shell> for bitstream::Shell {
 /// # Errors
 /// A design or network that cannot be used or do not fit each other, or a folder that cannot be written or holds other things.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    if args.out.is_file() {
-        return Err(Error::message(format!("--out {}: is a file, expected a folder", args.out.display())));
-    }
+    folder::check(&args.out, args.force).map_err(Error::of_folder)?;
     let design = designs::load(&args.design)?;
     ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;

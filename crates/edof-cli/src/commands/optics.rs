@@ -63,7 +63,7 @@ pub struct Args {
     energy: f64,
 
     /// No approximation: whole kernels, all wavelengths
-    #[arg(long)]
+    #[arg(long, conflicts_with = "energy")]
     exact: bool,
 }
 

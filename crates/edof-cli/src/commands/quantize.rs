@@ -3,6 +3,7 @@
 use super::train::photographs::photographs;
 use crate::error::Error;
 use crate::error_bounds;
+use crate::kind::Kind;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::said;
@@ -74,7 +75,9 @@ pub struct Args {
     finetune: u64,
 
     /// Largest change of a weight per fine-tuning step, for inputs of variance one, in LSB of a code
-    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single, value_name = "LSB")]
+    #[arg(
+        long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single, value_name = "LSB", requires = "finetune"
+    )]
     finetune_rate: f32,
 
     /// Weight file to write [default: the float network's name with .fixed.safetensors]
@@ -90,7 +93,7 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
     let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
-    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes("--out", &out);
+    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &out);
     files.keeps(args.force).check()?;
     let network = weights::float(&args.weights)?;
     let weights = weights::float_input(&args.weights)?;

@@ -4,6 +4,7 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::form;
+use crate::kind;
 use crate::said;
 use crate::ui::Ui;
 use clap::ValueEnum;
@@ -63,7 +64,7 @@ enum Kind {
 /// # Errors
 /// An architecture out of range, a network that no accumulator could hold, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    Files::new(ui).reads_all(&args.design).writes("--out", &args.out).check()?;
+    Files::new(ui).reads_all(&args.design).writes_as(kind::Kind::Weights, "--out", &args.out).check()?;
     let mut network = match &args.design {
         Some(name) => for_design(name, args.seed, ui)?,
         None => network(&args)?,

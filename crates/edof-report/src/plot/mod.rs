@@ -131,6 +131,8 @@ const BOTTOM: f64 = 52.0;
 const LINE_HEIGHT: f64 = 18.0;
 /// Mean width of a letter in the widest of the usual fonts, and height of a line of text, in pixels.
 const LETTER: [f64; 2] = [7.0, 13.0];
+/// Mean width of a title's letter in the same font, in pixels.
+const BOLD: f64 = 8.6;
 /// Pixels from a dot's middle to its rim, and a little.
 const DOT_REACH: f64 = 5.0;
 /// The most of a diagram's width that a legend beside it may take.
@@ -219,10 +221,12 @@ impl Plot {
         for (value, text) in &x.ticks {
             let at = x.place(*value);
             let (top, bottom, below) = (y.end, y.start, y.start + 16.0);
+            // A long number at the end of the axis is whole.
+            let middle = at.min(self.size[0] - 2.0 - 0.5 * LETTER[0] * text.chars().count() as f64);
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
-                 <text x=\"{at:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">{text}</text>"
+                 <text x=\"{middle:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">{text}</text>"
             );
         }
         for (value, text) in &y.ticks {
@@ -239,7 +243,7 @@ impl Plot {
         let _ = writeln!(
             svg,
             "<path class=\"axis\" d=\"M{:.1} {:.1}V{:.1}H{:.1}\"/>\
-             <text class=\"title\" x=\"{:.1}\" y=\"24\">{}</text>\
+             <text class=\"title\" x=\"{:.1}\" y=\"24\"{}>{}</text>\
              <text x=\"{middle_x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
              <text transform=\"translate(16 {middle_y:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             x.start,
@@ -247,11 +251,21 @@ impl Plot {
             y.start,
             x.end,
             x.start,
+            self.narrowed(x.start),
             escape(&self.title),
             self.size[1] - 12.0,
             escape(&self.x.label),
             escape(&self.y.label)
         );
+    }
+
+    /// The length of a title that would be cut at the right, as an attribute.
+    fn narrowed(&self, start: f64) -> String {
+        let room = self.size[0] - start - 6.0;
+        match self.title.chars().count() as f64 * BOLD > room {
+            true => format!(" textLength=\"{room:.1}\" lengthAdjust=\"spacingAndGlyphs\""),
+            false => String::new(),
+        }
     }
 
     /// Writes names beside points: each where it covers no point and no other name, or as little as can be.
@@ -275,10 +289,12 @@ impl Plot {
             let Some((best, anchor)) = spots.min_by(|a, b| covered(a).total_cmp(&covered(b))) else {
                 continue;
             };
-            // `color` is what a page's style makes darker or lighter than the points: text is thin.
+            // `color` is what a page's style makes darker or lighter than the points: text is thin. What paper it has around it parts it
+            // from lines that pass below.
             let _ = writeln!(
                 svg,
-                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{}\" color=\"{own}\" fill=\"{own}\">{}</text>",
+                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{}\" color=\"{own}\" fill=\"{own}\" \
+                 stroke=\"#fff\" stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\">{}</text>",
                 anchor.of(&best),
                 best.y[1] - 3.0,
                 anchor.name(),

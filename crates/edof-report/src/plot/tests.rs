@@ -127,3 +127,29 @@ fn text_is_escaped_and_empty_plots_are_random() {
     let svg = plot(Axis::linear("x"), &[]).to_svg();
     assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
 }
+
+#[test]
+fn a_long_title_and_the_last_number_of_an_axis_are_whole() {
+    let drawn = |title: &str| {
+        let plot = Plot {
+            title: title.into(),
+            size: SMALL,
+            ..plot(Axis::log("x").from(100.0).to(10_000.0), &[[100.0, 0.0], [10_000.0, 1.0]])
+        };
+        plot.to_svg()
+    };
+    assert!(drawn("a title that is far longer than its small diagram is").contains("textLength=\"328.0\""));
+    let short = drawn("a title");
+    assert!(!short.contains("textLength"), "{short}");
+    let last = short.lines().find(|line| line.contains(">10000</text>")).unwrap();
+    let x: f64 = last.split("<text x=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+    assert!(x + 0.5 * 5.0 * LETTER[0] <= SMALL[0], "{last}");
+}
+
+#[test]
+fn a_name_stands_before_lines_that_pass_below_it() {
+    let series = Series::new("8 (default)", Mark::LineAndPoints, [[0.0, 0.0], [1.0, 1.0]]).named_at_points();
+    let svg = Plot { series: vec![series], ..plot(Axis::linear("x"), &[]) }.to_svg();
+    let name = svg.lines().find(|line| line.contains("class=\"name\"")).unwrap();
+    assert!(name.contains("stroke=\"#fff\"") && name.contains("paint-order=\"stroke\""), "{name}");
+}

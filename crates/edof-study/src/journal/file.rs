@@ -1,7 +1,7 @@
 //! A file of lines to which one process at a time adds: each line is on the disk before the next is measured.
 
 use super::JournalError;
-use edof_storage::atomic::WriteError;
+use edof_storage::{atomic::WriteError, input};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -23,28 +23,12 @@ const MAX_LINE: u64 = 256 << 20;
 /// Lines of a file; none where there is no file.
 pub(super) fn read(path: &Path) -> Result<Option<Text>, JournalError> {
     let cannot = |source| JournalError::Read { path: path.to_owned(), source };
-    // Before it is opened: opening a pipe may wait for ever.
-    let found = std::fs::metadata(path).and_then(|found| {
-        refuse_special(&found)?;
-        File::open(path)
-    });
-    let file = match found {
+    let file = match input::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(cannot(error)),
     };
     lines(file, MAX_LINE).map(Some).map_err(cannot)
-}
-
-/// Devices and pipes may never end, and folders hold no lines.
-fn refuse_special(metadata: &std::fs::Metadata) -> std::io::Result<()> {
-    if metadata.is_dir() {
-        return Err(ErrorKind::IsADirectory.into());
-    }
-    if !metadata.is_file() {
-        return Err(std::io::Error::other("expected a regular file"));
-    }
-    Ok(())
 }
 
 fn lines(file: impl Read, max_line: u64) -> std::io::Result<Text> {
@@ -89,8 +73,10 @@ impl Locked {
         folder.map_or(Ok(()), std::fs::create_dir_all).map_err(failed)?;
         loop {
             let is_new = !path.exists();
+            if !is_new {
+                input::check(path).map_err(failed)?;
+            }
             let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
-            file.metadata().and_then(|found| refuse_special(&found)).map_err(failed)?;
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(JournalError::Busy(path.to_owned())),

@@ -6,8 +6,8 @@ use super::{Dataset, DatasetOptions, Picture};
 use crate::holdout::Holdout;
 use edof_image::ColourFrame;
 use edof_storage::atomic::{self, WriteError};
+use edof_storage::input;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -64,7 +64,7 @@ impl Dataset {
     /// The photographs that [`Dataset::keep`] wrote under the same key; none where there is no such file, another key, or not all of it.
     #[must_use]
     pub fn kept(path: &Path, key: &str, photos: &[ColourFrame], options: DatasetOptions) -> Option<Self> {
-        let mut file = BufReader::new(File::open(path).ok()?);
+        let mut file = BufReader::new(input::open(path).ok()?);
         let mut line = String::new();
         file.by_ref().take(MAX_HEAD).read_line(&mut line).ok()?;
         let head: Head = serde_json::from_str(&line).ok()?;

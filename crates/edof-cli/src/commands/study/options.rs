@@ -9,6 +9,7 @@ use edof_io::photos::{self, Photo, Selection};
 use edof_methods::spec::MethodSpec;
 use edof_optics::psf::Settings;
 use edof_report::Report;
+use edof_storage::input;
 use edof_storage::provenance::Input;
 use edof_study::experiment::{self, Experiment, RunError};
 use edof_study::journal::{Header, Journal, Line, Mixing, Progress, Shard};
@@ -106,7 +107,7 @@ pub struct Externals {
     external: Vec<String>,
 
     /// Seconds after which a run of this program is ended
-    #[arg(long, default_value_t = 600, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 600, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..), requires = "external")]
     external_seconds: u64,
 }
 
@@ -156,6 +157,9 @@ impl Rows {
 /// # Errors
 /// A file that cannot be read, or that is of something else.
 fn rows_of<R: Line>(file: Option<&PathBuf>) -> Result<(), Error> {
+    if let Some(file) = file.filter(|file| file.exists()) {
+        input::check(file).map_err(|e| Error::message(format!("--rows {}: {e}", file.display())))?;
+    }
     let Some(file) = file.filter(|file| std::fs::metadata(file).is_ok_and(|what| what.len() > 0)) else {
         return Ok(());
     };

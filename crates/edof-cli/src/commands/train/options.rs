@@ -1,5 +1,6 @@
 //! Options of `edof train`.
 
+use crate::error::Error;
 use crate::files::Force;
 use crate::form;
 use crate::lens::{Depth, DepthRange};
@@ -298,6 +299,18 @@ impl From<initial::Start> for Start {
 }
 
 impl Args {
+    /// Rejects a rate of what does not change. (Options of copies that are none may be stated: commands that networks carry state all.)
+    ///
+    /// # Errors
+    /// `--budget-rate` without a budget.
+    pub(super) fn check_budget(&self) -> Result<(), Error> {
+        if self.budget_rate.is_some() && self.non_zeros.as_deref() == Some("none") {
+            let told = "--budget-rate: has no effect, since --non-zeros none keeps λ constant; leave one of the two out";
+            return Err(Error::message(told));
+        }
+        Ok(())
+    }
+
     /// Threads that training runs on.
     pub(super) fn threads(&self) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get().min(MAX_THREADS));
