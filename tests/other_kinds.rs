@@ -124,7 +124,10 @@ const WRITTEN: &[Row] = &[
         "random-network --out photo.png",
         &["--out photo.png: would replace a PNG picture, and writes a safetensors file"],
     ),
-    ("random-network --out letter.txt", &["--out letter.txt: would replace text, and writes a safetensors file"]),
+    (
+        "random-network --out letter.txt",
+        &["--out letter.txt: would replace text, and writes a safetensors file"],
+    ),
     (
         "study single-depth --rows o --camera clear-mid --images photos --nets edof-t4w12-clear --report photo.png",
         &["--report photo.png: would replace a PNG picture, and writes an HTML report"],
@@ -154,7 +157,10 @@ const WRITTEN: &[Row] = &[
         "study dictionary --images photos --photos all --out photo.png",
         &["--out photo.png: is there already, a PNG picture and not a safetensors file"],
     ),
-    ("quantize paper-t4 --out photo.png", &["--out photo.png: is there already, a PNG picture and not a safetensors file"]),
+    (
+        "quantize paper-t4 --out photo.png",
+        &["--out photo.png: is there already, a PNG picture and not a safetensors file"],
+    ),
     ("board info --design tiny --json photo.png", &["--json photo.png: would replace a PNG picture"]),
     ("board map --json letter.txt", &["--json letter.txt: would replace text"]),
     ("capture photo.png --psi 1 --out o.png --video letter.txt", &["letter.txt"]),

@@ -120,7 +120,7 @@ fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     entries
         .flat_map(|path| match path.is_dir() && !path.is_symlink() {
             true => snapshot(&path).into_iter().collect(),
-            // Whoever opens a pipe waits.
+            // Opening a pipe waits.
             false if !path.is_file() => vec![(path, vec![])],
             false => vec![(path.clone(), std::fs::read(&path).unwrap_or_default())],
         })

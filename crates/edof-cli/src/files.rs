@@ -60,7 +60,7 @@ impl Files {
         self.writes_as(kind, option, file)
     }
 
-    /// The same for a file of a kind that neither its option nor its name tells.
+    /// The same for a file of a kind that neither its option nor its name states.
     pub fn writes_as(mut self, kind: Kind, option: &str, file: impl AsRef<Path>) -> Self {
         self.written.push((option.to_owned(), file.as_ref().to_owned(), kind));
         self

@@ -38,7 +38,7 @@ struct Recorded<'a, T> {
     provenance: Provenance,
 }
 
-/// Prints a text at once; whoever does not read it is told by the kind of the error.
+/// Prints a text at once; a closed pipe is known by the kind of the error.
 fn print(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let printed = out.write_all(text.as_bytes()).and_then(|()| out.flush());

@@ -151,7 +151,9 @@ impl Args {
             return Err(Error::message(format!("--fps {}: must be more than 0", number(self.fps))));
         }
         if self.weights.iter().any(String::is_empty) {
-            return Err(Error::message("--weights: an empty name, expected names or files with commas between them"));
+            return Err(Error::message(
+                "--weights: an empty name, expected names or files with commas between them",
+            ));
         }
         let mut names = BTreeSet::new();
         if let Some(twice) = self.weights.iter().find(|name| !names.insert(*name)) {

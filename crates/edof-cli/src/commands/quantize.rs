@@ -3,9 +3,9 @@
 use super::train::photographs::photographs;
 use crate::error::Error;
 use crate::error_bounds;
-use crate::kind::Kind;
 use crate::files::{Files, Force};
 use crate::interrupt;
+use crate::kind::Kind;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
@@ -93,7 +93,8 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let out = args.out.clone().unwrap_or_else(|| default_out(&args.weights));
     let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
-    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &out);
+    let files =
+        args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &out);
     files.keeps(args.force).check()?;
     let network = weights::float(&args.weights)?;
     let weights = weights::float_input(&args.weights)?;

@@ -2,8 +2,8 @@
 
 use super::options::Folder;
 use crate::error::Error;
-use crate::kind::Kind;
 use crate::files::{Files, Force};
+use crate::kind::Kind;
 use crate::ui::Ui;
 use edof_methods::dictionary::{self, Recipe};
 use std::path::PathBuf;
@@ -55,7 +55,8 @@ pub struct Args {
 /// # Errors
 /// Nothing found, numbers out of range, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = Files::new(ui).reads_pictures_of(args.folder.path()?).writes_as(Kind::Weights, "--out", &args.out);
+    let files =
+        Files::new(ui).reads_pictures_of(args.folder.path()?).writes_as(Kind::Weights, "--out", &args.out);
     files.keeps(args.force).check()?;
     let (photos, skipped) = args.folder.load(&args.photos, ui)?;
     skipped.iter().for_each(|note| ui.note(note));

@@ -13,8 +13,8 @@ pub use options::Args;
 pub use recipe::default_of;
 
 use crate::error::Error;
-use crate::kind::Kind;
 use crate::files::Files;
+use crate::kind::Kind;
 use crate::lens::{self, Lens};
 use crate::ui::Ui;
 use crate::{memory, said, weights};
@@ -42,7 +42,8 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         recipes.into_iter().map(|recipe| (recipe.clone(), args.checkpoint_file(recipe.seed))).collect();
     let Lens { mut camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     let files = Files::new(ui).reads_all(files).reads_all(args.from.as_deref().and_then(weights::float_file));
-    let files = args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &args.out);
+    let files =
+        args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &args.out);
     checkpoints::check(args, &seeds)?;
     let files = files.keeps(args.force);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
