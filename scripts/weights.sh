@@ -27,8 +27,8 @@ networks=(
 for lens in outer:ring-outer clear:clear-mid; do
     name=edof-t4w12-${lens%:*} form="edof-t4w12 ${lens#*:} 1 linear --steps 32000"
     networks+=(
-        "$name-low $form --noise 0:0.005 --noiseless 2"
-        "$name-mid $form --noise 0.005:0.014"
+        "$name-low $form --noise 0:0.006 --noiseless 2"
+        "$name-mid $form --noise 0.006:0.014"
         "$name-high $form --noise 0.014:0.03"
     )
 done
