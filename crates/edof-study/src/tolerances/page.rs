@@ -285,14 +285,14 @@ fn limit(points: &[[f64; 2]]) -> Option<f64> {
 fn by_photo(rows: &[&Row]) -> BTreeMap<String, f64> {
     let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     rows.iter().for_each(|row| all.entry(row.image.clone()).or_default().push(row.psnr_db));
-    all.into_iter().filter_map(|(photo, db)| Some((photo, edof_numerics::mean(db.into_iter())?))).collect()
+    all.into_iter().filter_map(|(photo, db)| Some((photo, edof_numerics::mean(db)?))).collect()
 }
 
 /// Mean PSNR over photographs at the worst depth.
 fn worst(rows: &[&Row]) -> f64 {
     let mut all: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     rows.iter().for_each(|row| all.entry(row.psi.to_bits()).or_default().push(row.psnr_db));
-    let means = all.into_values().filter_map(|db| edof_numerics::mean(db.into_iter()));
+    let means = all.into_values().filter_map(|db| edof_numerics::mean(db));
     means.fold(f64::INFINITY, f64::min)
 }
 
