@@ -11,6 +11,7 @@
 #   knobs design  docs/results/knobs.*, design.md, on three training photographs        (10 minutes, 1 minute)
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
+#   tolerances    docs/results/tolerances.*: errors of the coded lens that cost 0.1 dB, its networks by noise  (10 minutes)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
@@ -22,7 +23,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture forms ablations layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture tolerances forms ablations layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -167,6 +168,9 @@ stability() { is_made docs/results/stability.md || "$edof" study stability $(pag
 
 # shellcheck disable=SC2046
 aperture() { "$edof" study aperture $(rows aperture) $(pages aperture); }
+
+# shellcheck disable=SC2046
+tolerances() { "$edof" study tolerances --net "$(by_noise outer)" --psi 0,2,4,6,8 --noise none,0.01 $(rows tolerances) $(pages tolerances); }
 
 # One short training for each line of NAME OPTIONS (8,000 steps, seed 1, the default's camera; else the recipe of scripts/weights.sh), and a
 # page with a row for each: short_trainings PAGE LINE...

@@ -367,6 +367,24 @@ fn knobs_and_foldings_are_random_with_their_defaults_and_fronts() {
 }
 
 #[test]
+fn errors_of_a_lens_cost_decibels_and_are_measured_once() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    let line = "study tolerances --images photos --psi 4 --noise none --errors focus --rows";
+    let run = place.edof(&format!("{line} whole --markdown t.md --report t.html")).done();
+    assert!(run.out.contains("focus +0.4 ψ"), "{}", run.out);
+    let page = std::fs::read_to_string(place.path("t.md")).unwrap();
+    assert!(page.contains("edof-t4w12-outer.float") && page.contains("tilt of the sensor"), "{page}");
+    place.edof(&format!("{line} 1 --shard 1/2")).done();
+    place.edof(&format!("{line} 2 --shard 2/2")).done();
+    place.edof("study merge 1 2 --out merged").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    let clear = "study tolerances --net edof-t4w12-clear --images photos";
+    place.edof(clear).refused(&["edof-t4w12-clear", "whose mask has no rings", "edof-t4w12-outer"]);
+}
+
+#[test]
 fn a_coded_lens_is_held_against_smaller_apertures() {
     let place = Place::new();
     let line = "study aperture --psi-ranges 8 --stops 0,1 --electrons 10000,100 --window 8";

@@ -4,6 +4,7 @@ use crate::support::Place;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
+use edof_presets::weights;
 use serde_json::{Value, json};
 
 /// Sensor values of a raw frame of 12 bits.
@@ -133,16 +134,24 @@ fn tones_and_noises_that_there_are_not_are_rejected_as_wrong_usage() {
 }
 
 #[test]
-fn a_frame_of_light_is_restored_by_the_network_for_light() {
+fn a_frame_is_restored_by_the_network_for_its_tone_and_its_noise() {
     let place = Place::new();
-    for (tone, network) in [("srgb", "edof-t4w12-outer-light.fixed"), ("linear", "edof-t4w12-outer.fixed")] {
+    let method = || read_json(&place, "made.json")["method"].as_str().unwrap().to_owned();
+    for (tone, noise) in
+        [(Tone::Srgb, "sensor"), (Tone::Linear, "none"), (Tone::Linear, "0.01"), (Tone::Linear, "0.5")]
+    {
+        let usual = weights::default_for(tone);
         let line = format!(
-            "capture leaves-4 --size 96x64 --camera ring-outer --tone {tone} --no-measure --out raw.png"
+            "capture leaves-4 --size 96x64 --camera ring-outer --tone {tone} --noise {noise} --no-measure --out raw.png"
         );
         place.edof(&line).done();
-        place.edof("reconstruct raw.png --out sharp.png --json made.json").done();
-        assert_eq!(read_json(&place, "made.json")["method"], network, "{tone}");
+        let run = place.edof("reconstruct raw.png --out sharp.png --json made.json").done();
+        let expected = weights::for_noise(usual, tone, noise.parse().unwrap());
+        assert!(expected.starts_with(usual), "{expected}");
+        assert_eq!(method(), format!("{expected}.fixed"), "{tone} {noise}");
+        let is_noted = run.err.contains("its noise is 0.5") && run.err.contains("was trained for noise");
+        assert_eq!(is_noted, noise == "0.5", "{}", run.err);
         place.edof("reconstruct raw.png --weights edof-t4w12-outer --out sharp.png --json made.json").done();
-        assert_eq!(read_json(&place, "made.json")["method"], "edof-t4w12-outer.fixed", "{tone}");
+        assert_eq!(method(), "edof-t4w12-outer.fixed", "{tone}");
     }
 }

@@ -16,6 +16,7 @@
 //! | | [`knobs`] | what can be left out: a curve for each knob |
 //! | | [`known_blurs`] | blind deconvolution of synthetic blurs |
 //! | | [`aperture`] | a coded lens against smaller apertures of its clear lens, in equal light |
+//! | | [`tolerances`] | errors of a lens that cost 0.1 dB |
 //! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`demo`] | one scene at four depths through several lenses |
 //! | | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
@@ -44,5 +45,6 @@ pub mod speed;
 pub mod study_report;
 pub mod summary;
 pub mod tables;
+pub mod tolerances;
 pub mod trial;
 mod verdict;

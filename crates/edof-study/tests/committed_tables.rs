@@ -11,6 +11,7 @@ use edof_study::made::{Made, OLD, machines};
 use edof_study::speed::Speed;
 use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;
+use edof_study::tolerances::Tolerances;
 use edof_study::trial::Measured;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -162,6 +163,14 @@ fn the_tables_of_photographs_say_what_their_rows_say() {
             &Study::of(rows),
             &Made { command: command(&name), makers: vec![Maker::Program(program)] },
         );
+    }
+}
+
+#[test]
+fn the_page_of_tolerances_says_what_its_rows_say() {
+    if project().join("docs/results/tolerances.jsonl").exists() {
+        let study: Tolerances = told("tolerances");
+        assert_eq!(study.method, "edof-t4w12-outer-by-noise.float");
     }
 }
 

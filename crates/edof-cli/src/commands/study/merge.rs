@@ -12,6 +12,7 @@ use edof_study::multi_depth::MultiDepth;
 use edof_study::speed::Speed;
 use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;
+use edof_study::tolerances::Tolerances;
 use std::path::PathBuf;
 
 /// Merge the result files of one study, as if one run had measured all rows
@@ -24,7 +25,7 @@ Example:
   for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
   edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
 pub struct Args {
-    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, knobs or aperture wrote them
+    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, knobs, aperture or tolerances wrote them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -60,6 +61,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Some(study) if study == study_of::<MultiDepth>() => merged::<MultiDepth>(&args, ui),
         Some(study) if study == study_of::<KnownBlurs>() => merged::<KnownBlurs>(&args, ui),
         Some(study) if study == study_of::<Study>() => merged::<Study>(&args, ui),
+        Some(study) if study == study_of::<Tolerances>() => merged::<Tolerances>(&args, ui),
         _ => merged::<Speed>(&args, ui),
     }
 }

@@ -13,6 +13,7 @@ mod nets;
 mod options;
 mod single_depth;
 mod stability;
+mod tolerances;
 
 use crate::error::Error;
 use crate::ui::Ui;
@@ -48,6 +49,7 @@ enum Experiment {
     Stability(stability::Args),
     Bits(bits::Args),
     Aperture(aperture::Args),
+    Tolerances(tolerances::Args),
 }
 
 /// # Errors
@@ -65,5 +67,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::Stability(args) => stability::run(args, ui),
         Experiment::Bits(args) => bits::run(args, ui),
         Experiment::Aperture(args) => aperture::run(args, ui),
+        Experiment::Tolerances(args) => tolerances::run(args, ui),
     }
 }
