@@ -78,8 +78,9 @@ impl StudyReport for Tolerances {
         });
         let curve = |kind, noise| Curve::of(rows, kind, noise);
         let curves: Vec<Curve> = Kind::ERRORS
-            .iter()
-            .flat_map(|&kind| noises.iter().map(move |&noise| curve(kind, noise)))
+            .into_iter()
+            .filter(|kind| rows.iter().any(|row| row.kind == *kind))
+            .flat_map(|kind| noises.iter().map(move |&noise| curve(kind, noise)))
             .collect();
         let focus = curves.iter().filter(|curve| curve.kind == Kind::Focus);
         let tilt = focus.map(|curve| (curve.noise, curve.tilt_limit())).collect();
@@ -292,7 +293,7 @@ fn by_photo(rows: &[&Row]) -> BTreeMap<String, f64> {
 fn worst(rows: &[&Row]) -> f64 {
     let mut all: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     rows.iter().for_each(|row| all.entry(row.psi.to_bits()).or_default().push(row.psnr_db));
-    let means = all.into_values().filter_map(|db| edof_numerics::mean(db));
+    let means = all.into_values().filter_map(edof_numerics::mean);
     means.fold(f64::INFINITY, f64::min)
 }
 
