@@ -126,11 +126,11 @@ impl Camera {
                 );
             }
         }
-        if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map {
-            if !((1e-4..=MAX_HEIGHT_UM).contains(white_um) && is_glass(*cauchy)) {
-                let found = format!("{} um of {}", number(*white_um), numbers(cauchy));
-                return refuse("height_map", found, "0.0001 to 100 um, in glass of [0.1 to 10, -10 to 10]");
-            }
+        if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map
+            && !((1e-4..=MAX_HEIGHT_UM).contains(white_um) && is_glass(*cauchy))
+        {
+            let found = format!("{} um of {}", number(*white_um), numbers(cauchy));
+            return refuse("height_map", found, "0.0001 to 100 um, in glass of [0.1 to 10, -10 to 10]");
         }
         for (field, file) in [
             ("psf_bank.file", self.psf_bank.as_ref().map(|bank| &bank.file)),
