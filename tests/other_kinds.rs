@@ -173,8 +173,6 @@ const WRITTEN: &[Row] = &[
         "generate --design paper --weights paper-t4 --out waiting",
         &["--out waiting: is a file, expected a folder"],
     ),
-    ("board sim --port x --design tiny", &["--port x: this command opens no port; leave --port out"]),
-    ("board map --port x", &["--port x: this command opens no port"]),
     (
         "train --form two-sided,w8,t2,c8 --camera clear --images photos --photos all --out o --non-zeros none --budget-rate 0.1",
         &["--budget-rate: has no effect, since --non-zeros none"],
@@ -304,7 +302,7 @@ const CAMERAS: &[(&str, &str, &str)] = &[
     (
         "\"rings\": []",
         "\"rings\": [], \"height_map\": {\"file\": \"raw.png\", \"white_um\": 1e-300, \"cauchy\": [1.4, 0]}",
-        "expected 0.0001 to 100 um",
+        "0.0001 to 100 um",
     ),
     (
         "\"rings\": []",

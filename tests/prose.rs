@@ -68,7 +68,8 @@ fn readme_is_short_and_its_tables_are_narrow() {
     let text = std::fs::read_to_string(root().join("README.md")).unwrap();
     assert!(text.lines().count() <= 150, "{} lines", text.lines().count());
     for line in text.lines().filter(|line| line.starts_with('|')) {
-        assert!(line.chars().count() <= 100, "{} characters: {line}", line.chars().count());
+        // The longest name of a method has 31 characters.
+        assert!(line.chars().count() <= 110, "{} characters: {line}", line.chars().count());
     }
 }
 

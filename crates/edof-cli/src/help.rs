@@ -127,6 +127,7 @@ const COMMANDS: [(&str, &[Group]); 10] = [
                     "design",
                     "fps",
                     "atoms",
+                    "errors",
                     "sparsity",
                     "patches",
                     "rounds",

@@ -130,7 +130,11 @@ impl Camera {
             && !((1e-4..=MAX_HEIGHT_UM).contains(white_um) && is_glass(*cauchy))
         {
             let found = format!("{} um of {}", number(*white_um), numbers(cauchy));
-            return refuse("height_map", found, "0.0001 to 100 um, in glass of [0.1 to 10, -10 to 10]");
+            return refuse(
+                "height_map",
+                found,
+                "more than 0: 0.0001 to 100 um, in glass of [0.1 to 10, -10 to 10]",
+            );
         }
         for (field, file) in [
             ("psf_bank.file", self.psf_bank.as_ref().map(|bank| &bank.file)),

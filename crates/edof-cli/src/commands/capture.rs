@@ -80,11 +80,11 @@ pub struct Args {
 
     /// Meaning of the depth map's values: nearness (proportional to ψ, that is to one over the distance; white is NEAR), or
     /// distance (black is NEAR, white is FAR), as range finders and renderers give it
-    #[arg(long, value_enum, default_value_t = MapOf::Nearness, value_name = "KIND", requires = "depth_map")]
+    #[arg(long, value_enum, default_value_t = MapOf::Nearness, value_name = "KIND")]
     map_of: MapOf,
 
     /// Largest number of layers that the photograph is cut into
-    #[arg(long, default_value_t = layers::USUAL, value_name = "N", requires = "depth_map")]
+    #[arg(long, default_value_t = layers::USUAL, value_name = "N")]
     layers: usize,
 
     /// Bits per pixel of the sensor, 8 to 16
@@ -118,7 +118,7 @@ pub struct Args {
     depth_tolerance: f64,
 
     /// No approximation
-    #[arg(long, conflicts_with_all = ["energy", "wavelength_tolerance", "depth_tolerance", "measure"])]
+    #[arg(long, conflicts_with = "measure")]
     exact: bool,
 
     /// Compare each approximation with an exact computation; print its error of the light and the time saved

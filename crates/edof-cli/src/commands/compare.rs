@@ -49,7 +49,7 @@ pub struct Args {
     map: Option<PathBuf>,
 
     /// Factor by which the map enlarges differences
-    #[arg(long, default_value_t = 8.0, value_name = "FACTOR", value_parser = said::single, requires = "map")]
+    #[arg(long, default_value_t = 8.0, value_name = "FACTOR", value_parser = said::single)]
     map_gain: f32,
 }
 

@@ -63,7 +63,7 @@ pub struct Args {
     energy: f64,
 
     /// No approximation: whole kernels, all wavelengths
-    #[arg(long, conflicts_with = "energy")]
+    #[arg(long)]
     exact: bool,
 }
 

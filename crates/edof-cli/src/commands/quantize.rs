@@ -75,9 +75,7 @@ pub struct Args {
     finetune: u64,
 
     /// Largest change of a weight per fine-tuning step, for inputs of variance one, in LSB of a code
-    #[arg(
-        long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single, value_name = "LSB", requires = "finetune"
-    )]
+    #[arg(long, default_value_t = FinetuneOptions::default().rate, value_parser = said::single, value_name = "LSB")]
     finetune_rate: f32,
 
     /// Weight file to write [default: the float network's name with .fixed.safetensors]

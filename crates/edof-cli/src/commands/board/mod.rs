@@ -264,11 +264,6 @@ impl Args {
             let given = short(self.patience);
             return Err(Error::message(format!("--timeout {given}: must be above 0, at most 3600")));
         }
-        if let (Some(port), Command::Sim(_) | Command::Map { .. }) = (&self.port, &self.command) {
-            return Err(Error::message(format!(
-                "--port {port}: this command opens no port; leave --port out"
-            )));
-        }
         let files = self.files(ui);
         match &self.command {
             Command::Sim(sim) => sim.writes(files)?,

@@ -90,7 +90,7 @@ pub struct Args {
     pub(super) align: Option<String>,
 
     /// Byte order of a headerless file
-    #[arg(long, value_parser = ["little", "big"], default_value = "little", requires = "size")]
+    #[arg(long, value_parser = ["little", "big"], default_value = "little")]
     pub(super) order: String,
 
     /// Packing of a headerless file's pixels: words (16 bits each), bytes (8), mipi12 (MIPI RAW12), 12p (PFNC), 12packed (GigE

@@ -107,7 +107,7 @@ pub struct Externals {
     external: Vec<String>,
 
     /// Seconds after which a run of this program is ended
-    #[arg(long, default_value_t = 600, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..), requires = "external")]
+    #[arg(long, default_value_t = 600, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
     external_seconds: u64,
 }
 
