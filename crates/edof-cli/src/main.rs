@@ -14,6 +14,7 @@
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | errors that name the option and the file | [`said`] |
 //! | what is wrong with options, in plain words | [`usage`] |
+//! | options that have an effect only beside others | [`effects`] |
 //! | screens of help: examples first, options in groups | [`help`] |
 //! | windows to feed the hardware with | [`windows`] |
 //! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
@@ -24,6 +25,7 @@ mod commands;
 mod cosim_system;
 mod demo_board;
 mod device;
+mod effects;
 mod error;
 mod error_bounds;
 mod files;
@@ -162,6 +164,10 @@ fn run() -> Result<(), Error> {
     interrupt::install()?;
     let made = (provenance::of_run(&matches, &command), provenance::whole_command(&matches, &command));
     let ui = Ui::new(cli.json, cli.quiet, cli.progress, made.0, made.1);
+    effects::check(&matches, &command).map_err(|error| match cli.command {
+        Command::Board(_) => commands::board::reported(error, &ui),
+        _ => error,
+    })?;
     match cli.command {
         Command::Optics(args) => commands::optics::run(args, &ui),
         Command::Scene(args) => commands::scene::run(args, &ui),

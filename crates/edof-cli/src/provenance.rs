@@ -1,6 +1,7 @@
 //! What the program writes about itself into its results: the command as it was understood, the revision it was built from, the
 //! machine it runs on (docs/decisions/0011-provenance.md).
 
+use crate::effects;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use edof_storage::provenance::{Host, Provenance};
@@ -47,22 +48,25 @@ enum Places {
     AsGiven,
 }
 
-/// The command with every option that has a value, defaults written out, in the order of the help. The only place where command lines
-/// are made from a run.
+/// The command with every option that has a value, defaults written out, in the order of the help; without options that have no effect
+/// there. The only place where command lines are made from a run.
 fn command(mut matches: &ArgMatches, mut root: &Command, places: Places) -> String {
-    let mut words = vec!["edof".to_owned()];
+    let mut path = vec![];
     while let Some((name, inner)) = matches.subcommand() {
         let Some(command) = root.find_subcommand(name) else { break };
-        words.push(name.to_owned());
+        path.push(name);
         (matches, root) = (inner, command);
     }
+    let mut words = vec!["edof".to_owned()];
+    words.extend(path.iter().map(|name| (*name).to_owned()));
     let is_stated = |argument: &&Arg| {
         let id = argument.get_id().as_str();
         let is_given = || {
             matches!(matches.try_contains_id(id), Ok(true))
                 && matches.value_source(id) == Some(ValueSource::CommandLine)
         };
-        !NOT_IN_RESULTS.contains(&id) || places == Places::AsGiven && is_given()
+        let is_effective = effects::idle(&path, id, root, matches).is_none();
+        is_effective && (!NOT_IN_RESULTS.contains(&id) || places == Places::AsGiven && is_given())
     };
     let arguments = root.get_arguments().filter(is_stated);
     // Positional arguments first: the command can be run again whatever follows.
@@ -219,6 +223,32 @@ mod tests {
         ]);
         assert_eq!(one.command, two.command);
         assert_eq!(one.identity(), two.identity());
+    }
+
+    #[test]
+    fn a_stated_command_has_no_option_without_effect_and_can_be_run() {
+        for (line, says, says_not) in [
+            ("capture a.png --psi 1 --out b.png", "--energy 0.999", "--layers"),
+            ("capture a.png --psi 1 --out b.png --exact", "--exact", "--energy"),
+            ("capture a.png --depth-map d.png --range 8:0 --out b.png", "--layers 16", "--exact"),
+            ("compare a.png b.png", "--tone srgb", "--map-gain"),
+            ("compare a.png b.png --map m.png", "--map-gain 8", "--json"),
+            ("reconstruct a.png --board --out o.png", "--display", "--bits"),
+            ("reconstruct a.png --float --out o.png", "--bits 8", "--display"),
+            ("random-network --design tiny --out o", "--design tiny", "--kind"),
+            ("cosim --design tiny", "--patches 500", "--frames"),
+            ("cosim --design tiny --system", "--frames 5", "--patches"),
+            ("study multi-depth", "--seed 1", "--external-seconds"),
+        ] {
+            let words: Vec<&str> = ["edof"].into_iter().chain(line.split(' ')).collect();
+            let mut root = crate::Cli::command();
+            let matches = root.try_get_matches_from_mut(&words).unwrap();
+            let whole = whole_command(&matches, &root);
+            assert!(whole.contains(says) && !whole.contains(says_not), "{whole}");
+            let again = root.try_get_matches_from_mut(whole.split(' ')).unwrap();
+            effects::check(&again, &root).unwrap();
+            assert_eq!(whole_command(&again, &root), whole);
+        }
     }
 
     #[test]

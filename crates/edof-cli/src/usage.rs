@@ -1,13 +1,28 @@
 //! Wrong usage: what the parser of options says of it, in words that are not those of Rust.
 
 use std::error::Error;
+use std::io::Write;
 use std::num::{IntErrorKind, ParseFloatError, ParseIntError};
 
 /// Prints what is wrong, or the help that was asked for, and ends the program.
 pub fn exit(error: &clap::Error) -> ! {
+    if !error.use_stderr() {
+        std::process::exit(help(error));
+    }
     let Some((found, expected)) = error.source().and_then(in_plain_words) else { error.exit() };
     eprint!("{}", error.render().to_string().replacen(&found, &expected, 1));
     std::process::exit(error.exit_code());
+}
+
+/// Prints help or the version; gives the exit status.
+fn help(text: &clap::Error) -> i32 {
+    match text.print().and_then(|()| std::io::stdout().flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            eprintln!("edof: standard output: cannot write: {e}");
+            1
+        }
+        _ => 0,
+    }
 }
 
 /// What the parser says of a text in place of a number, or of a number out of range, and the words to print instead.

@@ -26,6 +26,26 @@ const TRIED: usize = 12;
 /// Steps of making sources.
 const STEPS: usize = 4;
 
+/// Folders and files that a generated directory consists of.
+const PARTS: [&str; 16] = [
+    "rtl",
+    "mem",
+    "sim",
+    "constraints",
+    "litex",
+    "files.f",
+    folder::MANIFEST,
+    "Makefile",
+    "README.md",
+    "build.tcl",
+    "lint.vlt",
+    "edof.core",
+    "registers.md",
+    "registers.rdl",
+    "registers.h",
+    "source_map.json",
+];
+
 /// Top of the list of files.
 const LIST_HEADER: &str = "\
 Files of the design, for tools that are started in this folder.
@@ -107,6 +127,12 @@ impl Sources {
     /// Paths of all files in the folder.
     pub fn names(&self) -> impl Iterator<Item = &Path> {
         self.contents.keys().map(PathBuf::as_path).chain([Path::new(folder::MANIFEST)])
+    }
+
+    /// Whether the sources of some design may have a file of that path.
+    #[must_use]
+    pub fn may_have(path: &Path) -> bool {
+        path.components().next().is_some_and(|part| PARTS.iter().any(|known| part.as_os_str() == *known))
     }
 
     /// Writes them; gives the manifest.

@@ -3,6 +3,7 @@
 use crate::{PresetError, weights};
 use edof_device::Design;
 use edof_network::FixedNetwork;
+use edof_storage::input;
 use edof_storage::provenance::{Input, InputKind};
 use std::path::Path;
 
@@ -19,7 +20,7 @@ const EMBEDDED: [(&str, &str); 3] = [
 /// Nothing of that name, or a file that holds no usable design.
 pub fn load(name_or_path: &str) -> Result<Design, PresetError> {
     let path = Path::new(name_or_path);
-    if path.is_file() {
+    if input::is_file(path) {
         return Ok(Design::load(path)?);
     }
     match EMBEDDED.iter().find(|(name, _)| *name == name_or_path) {
@@ -57,7 +58,7 @@ pub fn fits(design: &Design, network: &FixedNetwork) -> Result<(), PresetError> 
 /// # Errors
 /// As [`fits`].
 pub fn fits_given(design: &Design, given: &str, network: &FixedNetwork) -> Result<(), PresetError> {
-    let file = if Path::new(given).is_file() { format!("--design {given}: ") } else { String::new() };
+    let file = if input::is_file(Path::new(given)) { format!("--design {given}: ") } else { String::new() };
     let Err(misfit) = design.check_network(network) else { return Ok(()) };
     let fitting = |name: &&str| weights::fixed(name).is_ok_and(|own| design.check_network(&own).is_ok());
     let own: Vec<&str> = weights::names().into_iter().filter(fitting).collect();

@@ -128,13 +128,13 @@ pub fn trained_on(camera: &Camera, tone: Tone) -> Option<&'static str> {
 /// The file that [`float`] reads, where the network is not inside the program.
 #[must_use]
 pub fn float_file(name_or_path: &str) -> Option<PathBuf> {
-    places(name_or_path, ".safetensors").into_iter().find(|path| path.is_file())
+    places(name_or_path, ".safetensors").into_iter().find(|path| input::is_file(path))
 }
 
 /// The file that [`fixed`] reads, where the network is not inside the program.
 #[must_use]
 pub fn fixed_file(name_or_path: &str) -> Option<PathBuf> {
-    places(name_or_path, ".fixed.safetensors").into_iter().find(|path| path.is_file())
+    places(name_or_path, ".fixed.safetensors").into_iter().find(|path| input::is_file(path))
 }
 
 /// What network a file holds, for anybody who must not lose it.
@@ -158,8 +158,8 @@ fn places(name_or_path: &str, suffix: &str) -> [PathBuf; 2] {
 
 fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), PresetError> {
     let places = places(name_or_path, suffix);
-    if let Some(path) = places.iter().find(|path| path.is_file()) {
-        let bytes = std::fs::read(path)
+    if let Some(path) = places.iter().find(|path| input::is_file(path)) {
+        let bytes = input::read(path)
             .map_err(|source| weight_file::WeightFileError::Read { path: path.clone(), source })?;
         return Ok((path.clone(), bytes));
     }

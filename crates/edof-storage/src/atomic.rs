@@ -1,6 +1,7 @@
 //! Files that appear whole or not at all: written beside their target, flushed, then renamed over it. Folders that are missing
-//! are made. Devices and pipes (`/dev/stdout`) stay what they are and are written straight.
+//! are made. Devices, and pipes that a shell opened (`/dev/stdout`), stay what they are and are written straight.
 
+use crate::input;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -25,6 +26,7 @@ pub fn write_with(
 ) -> Result<(), WriteError> {
     let attempt = || -> std::io::Result<()> {
         if is_device(path) {
+            is_open(path)?;
             let mut device = std::io::BufWriter::new(std::fs::OpenOptions::new().write(true).open(path)?);
             fill(&mut device)?;
             return device.flush();
@@ -118,7 +120,7 @@ fn begin<T>(make: impl FnOnce() -> std::io::Result<(T, PathBuf)>) -> std::io::Re
 pub fn check(path: &Path) -> Result<(), WriteError> {
     let attempt = || -> std::io::Result<()> {
         if is_device(path) {
-            return Ok(());
+            return is_open(path);
         }
         if path.is_dir() {
             return Err(std::io::ErrorKind::IsADirectory.into());
@@ -139,6 +141,16 @@ fn or_here(folder: &Path) -> &Path {
 
 fn is_device(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir())
+}
+
+/// Rejects a named pipe: opening it waits until somebody reads from it, maybe for ever.
+fn is_open(path: &Path) -> std::io::Result<()> {
+    match input::is_named_pipe(path) {
+        true => Err(std::io::Error::other(
+            "a named pipe, expected a regular file; write /dev/stdout, and pipe that on",
+        )),
+        false => Ok(()),
+    }
 }
 
 /// What the system said, without the temporary file's name that is wrapped around it.

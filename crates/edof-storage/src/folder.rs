@@ -57,12 +57,13 @@ pub fn manifest(about: Value, files: &Contents) -> Value {
     manifest
 }
 
-/// Whether results may have that folder, for anybody who has work to do first. A few files that are not the program's are no matter
-/// yet: they may be equal to what will be written.
+/// Whether results may have that folder, for anybody who has work to do first. A few files at paths where results may be written are no
+/// matter yet: they may be equal to what will be written.
 ///
 /// # Errors
-/// [`FolderError::IsFile`], [`FolderError::IsRoot`], or [`FolderError::Foreign`] for the folder of far more than an output.
-pub fn check(out: &Path, force: bool) -> Result<(), FolderError> {
+/// [`FolderError::IsFile`], [`FolderError::IsRoot`], or [`FolderError::Foreign`] for a folder of files elsewhere, or of far more than an
+/// output.
+pub fn check(out: &Path, force: bool, may_be_result: impl Fn(&Path) -> bool) -> Result<(), FolderError> {
     if out.canonicalize().is_ok_and(|place| place.parent().is_none()) {
         return Err(FolderError::IsRoot(out.to_owned()));
     }
@@ -75,7 +76,7 @@ pub fn check(out: &Path, force: bool) -> Result<(), FolderError> {
     let ours = untouched(out);
     let foreign =
         if force { BTreeSet::new() } else { foreign(out, |path| ours.contains(path)).unwrap_or_default() };
-    match foreign.len() == COUNTED {
+    match foreign.len() == COUNTED || !foreign.iter().all(|path| may_be_result(path)) {
         true => Err(FolderError::Foreign { folder: out.to_owned(), files: named(&foreign) }),
         false => Ok(()),
     }
@@ -90,7 +91,7 @@ pub fn check(out: &Path, force: bool) -> Result<(), FolderError> {
 pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Result<(), FolderError> {
     let mut files = files;
     files.insert(MANIFEST.into(), format!("{manifest:#}\n"));
-    check(out, force)?;
+    check(out, force, |_| true)?;
     let is_new = !out.exists();
     fs::create_dir_all(out).map_err(|e| failed(out, &e))?;
     // Anybody who writes here at the same time would take our unfinished files for a stranger's. Ends with the process.

@@ -1,18 +1,23 @@
-//! Files that are read: regular ones only. Opening a named pipe waits until somebody writes into it, maybe for ever, and a device may
-//! never end.
+//! Files that are read: regular ones, and pipes that a shell opened for this program (`/dev/stdin`, `<(…)`). Opening a named pipe waits
+//! until somebody writes into it, maybe for ever, and a device may never end.
 
+use std::collections::BTreeMap;
 use std::fs::{File, FileType};
-use std::io::{Error, ErrorKind};
-use std::path::Path;
+use std::io::{Error, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-/// Opens a regular file.
+/// Most bytes that are read from a pipe.
+const MAX_PIPED: u64 = 1 << 30;
+
+/// Opens a regular file, or what came through a pipe.
 ///
 /// # Errors
 /// What the system says, or what the path leads to in place of a file, and what to do.
 pub fn open(path: &Path) -> Result<File, Error> {
-    // Before it is opened: a pipe waits there already.
+    // Before it is opened: a named pipe waits there already.
     check(path)?;
-    File::open(path)
+    if is_pipe_of_ours(path) { piped(path) } else { File::open(path) }
 }
 
 /// The bytes of a regular file.
@@ -20,11 +25,58 @@ pub fn open(path: &Path) -> Result<File, Error> {
 /// # Errors
 /// As [`open`].
 pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
-    check(path)?;
-    std::fs::read(path)
+    let mut bytes = vec![];
+    open(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
-/// Whether a path leads to a regular file.
+/// Whether a path leads to what [`open`] opens.
+#[must_use]
+pub fn is_file(path: &Path) -> bool {
+    path.is_file() || is_pipe_of_ours(path)
+}
+
+/// Whether a path leads to a pipe that this program already has open: its other end is a running program's.
+fn is_pipe_of_ours(path: &Path) -> bool {
+    is_descriptor(path) && leads_to_pipe(path)
+}
+
+/// Whether a path leads to a pipe of which this program knows nothing.
+#[must_use]
+pub fn is_named_pipe(path: &Path) -> bool {
+    !is_descriptor(path) && leads_to_pipe(path)
+}
+
+fn is_descriptor(path: &Path) -> bool {
+    let streams = ["/dev/stdin", "/dev/stdout", "/dev/stderr"];
+    let folders = ["/dev/fd", "/proc/self/fd"];
+    streams.iter().any(|stream| path == Path::new(stream))
+        || folders.iter().any(|folder| path.parent() == Some(Path::new(folder)))
+}
+
+fn leads_to_pipe(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|found| is_pipe(found.file_type()))
+}
+
+/// What comes through a pipe, as a file that can be read again: what was read once is gone from the pipe.
+fn piped(path: &Path) -> Result<File, Error> {
+    static KEPT: Mutex<BTreeMap<PathBuf, File>> = Mutex::new(BTreeMap::new());
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if !kept.contains_key(path) {
+        // It has no name, and is gone with the process.
+        let mut file = tempfile::tempfile()?;
+        let mut pipe = File::open(path)?.take(MAX_PIPED + 1);
+        if std::io::copy(&mut pipe, &mut file)? > MAX_PIPED {
+            let limit =
+                "larger than 1 GiB, expected less from a pipe; save its content to a file and name that one";
+            return Err(Error::new(ErrorKind::InvalidInput, limit));
+        }
+        kept.insert(path.to_owned(), file);
+    }
+    kept.get(path).map_or_else(|| Err(ErrorKind::NotFound.into()), again)
+}
+
+/// Whether a path leads to what [`open`] opens, in words if not.
 ///
 /// # Errors
 /// As [`open`].
@@ -33,7 +85,7 @@ pub fn check(path: &Path) -> Result<(), Error> {
         return Err(Error::new(ErrorKind::InvalidInput, "an empty name, expected that of a file"));
     }
     let found = std::fs::metadata(path)?.file_type();
-    match words(found) {
+    match words(found).filter(|_| !is_pipe_of_ours(path)) {
         None => Ok(()),
         Some((what, advice)) => {
             let kind = if found.is_dir() { ErrorKind::IsADirectory } else { ErrorKind::InvalidInput };
@@ -50,6 +102,28 @@ fn words(found: FileType) -> Option<(&'static str, &'static str)> {
         found if found.is_dir() => Some(("a folder", "; name a file in it")),
         found => Some((special(found), SAVE)),
     }
+}
+
+/// The same file from its beginning, with a position of its own.
+#[cfg(unix)]
+fn again(file: &File) -> Result<File, Error> {
+    use std::os::fd::AsRawFd;
+    File::open(format!("/proc/self/fd/{}", file.as_raw_fd()))
+}
+
+#[cfg(not(unix))]
+fn again(file: &File) -> Result<File, Error> {
+    file.try_clone()
+}
+
+#[cfg(unix)]
+fn is_pipe(found: FileType) -> bool {
+    std::os::unix::fs::FileTypeExt::is_fifo(&found)
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_: FileType) -> bool {
+    false
 }
 
 #[cfg(unix)]

@@ -65,7 +65,7 @@ impl From<Shell> for bitstream::Shell {
 /// # Errors
 /// A design or network that cannot be used or do not fit each other, or a folder that cannot be written or holds other things.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    folder::check(&args.out, args.force).map_err(Error::of_folder)?;
+    folder::check(&args.out, args.force, Sources::may_have).map_err(Error::of_folder)?;
     let design = designs::load(&args.design)?;
     ui.used(designs::input(&design));
     let network = weights::fixed(&args.weights)?;

@@ -27,7 +27,7 @@ use edof_device::registers::{c_header, csr_csv, markdown, systemrdl};
 use edof_image::DisplayMode;
 use edof_image::words::number as short;
 use edof_network::FixedNetwork;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::time::Duration;
 
 /// Load weights onto a board, real or simulated, and read its status
@@ -172,6 +172,17 @@ fn bank_of(text: &str) -> Result<Set, String> {
     }
 }
 
+/// A failure found before the command began: a program that reads results reads why there are none, too.
+pub fn reported(error: Error, ui: &Ui) -> Error {
+    // A file may be one that must not be replaced.
+    let printed = if ui.json_file().is_none() { ui.json(&failure(&error)) } else { Ok(()) };
+    printed.err().unwrap_or(error)
+}
+
+fn failure(error: &Error) -> Value {
+    json!({ "error": error.to_string() })
+}
+
 /// # Errors
 /// A line that fails, something that does not fit, a register that is not there, or Ctrl-C.
 pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
@@ -182,7 +193,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     match &done {
         // A program that reads results reads why there are none, too.
         Err(error @ Error::Failed(_)) if may_tell && !ui.has_told() => {
-            ui.json(&json!({ "error": error.to_string() }))?;
+            ui.json(&failure(error))?;
         }
         Ok(()) if !ui.has_told() => ui.json(&json!({ "done": true }))?,
         _ => {}
