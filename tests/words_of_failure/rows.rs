@@ -67,7 +67,7 @@ pub const FILES: &[Row] = &[
         "--design d-kind.json",
         &["d-kind.json: not a design: the text \"16\", expected a whole number of 0 or more"],
     ),
-    ("estimate", "--design d-frame.json", &["d-frame.json: frame: frame 63x", "both sides must be even"]),
+    ("estimate", "--design d-frame.json", &["d-frame.json: frame 63x", "both sides must be even"]),
     ("estimate", "--design d-unknown.json", &["d-unknown.json: not a design: unknown field `title`"]),
     ("estimate", "--design long.json", &["long.json: cannot read: larger than 1 MiB"]),
     ("timing", "--design d-codes.json", &["d-codes.json: form.codes 17"]),
@@ -138,7 +138,7 @@ pub const FILES: &[Row] = &[
         "--design mine.json",
         &["--design mine.json: network paper-t4", "edof random-network --design mine.json"],
     ),
-    ("generate --weights paper-t4 --out o", "--design d-frame.json", &["d-frame.json: frame: frame 63x48"]),
+    ("generate --weights paper-t4 --out o", "--design d-frame.json", &["d-frame.json: frame 63x48"]),
     (
         "board sim",
         "--design d-video.json",

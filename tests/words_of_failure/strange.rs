@@ -181,7 +181,7 @@ pub const STRANGE: &[Row] = &[
         "",
         &["--out o.png: 2 frames need a folder"],
     ),
-    (RECONSTRUCT, "--bits 9", &["o.png: 9 bits a sample: must be 8 or 16"]),
+    (RECONSTRUCT, "--bits 9", &["--bits 9: must be 8 or 16"]),
     (
         "reconstruct raw.png --weights net.fixed.safetensors --float --out o.png",
         "",

@@ -328,6 +328,12 @@ impl Camera {
         renamed == *other
     }
 
+    /// Whether there is a mask in its pupil.
+    #[must_use]
+    pub const fn has_mask(&self) -> bool {
+        !self.rings.is_empty() || self.profile.is_some() || self.height_map.is_some()
+    }
+
     /// Fields in which the lens, mask or sensor of two cameras differ; empty where [`Camera::same_lens`].
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {

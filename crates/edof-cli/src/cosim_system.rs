@@ -91,7 +91,7 @@ impl Args {
         design.frame = FrameSize { width, height, stride };
         design.check().map_err(|e| match (self.size, e) {
             (Some((width, height)), e @ (DesignError::Frame(_) | DesignError::Field { .. })) => {
-                Error::message(format!("--size {width}x{height}: {e}"))
+                said::instead(&format!("--size {width}x{height}"), &e)
             }
             (_, e) => e.into(),
         })?;

@@ -21,7 +21,7 @@ use Needs::{Elsewhere, With, Without};
 /// A command's words, with `*` for any; an option; what it needs.
 type Row = (&'static [&'static str], &'static str, Needs);
 
-const ROWS: [Row; 27] = [
+const ROWS: [Row; 28] = [
     (&["capture"], "map_of", With("depth_map")),
     (&["capture"], "layers", With("depth_map")),
     (&["capture"], "energy", Without("exact")),
@@ -29,6 +29,7 @@ const ROWS: [Row; 27] = [
     (&["capture"], "depth_tolerance", Without("exact")),
     (&["optics"], "energy", Without("exact")),
     (&["compare"], "map_gain", With("map")),
+    (&["quantize"], "photos", With("images")),
     (&["quantize"], "finetune_rate", With("finetune")),
     (&["reconstruct"], "order", With("size")),
     (&["reconstruct"], "bits", Without("board")),

@@ -17,6 +17,13 @@ pub fn of_file(file: impl AsRef<Path>, error: impl Display) -> Error {
     Error::message(format!("{}: {error}", file.as_ref().display()))
 }
 
+/// A failure that begins with a field and its value, as in `code_bits 3: must be …`: those of the option that says so take their place.
+pub fn instead(option: &str, error: &impl Display) -> Error {
+    let text = error.to_string();
+    let expected = text.split_once(": ").map_or(text.as_str(), |(_, expected)| expected);
+    Error::message(format!("{option}: {expected}"))
+}
+
 /// A failure of an option's value that begins with the name of what the option sets, as in `stride 3: must be …`.
 fn of_option(error: impl Display) -> Error {
     Error::message(format!("--{error}"))
@@ -52,6 +59,20 @@ pub fn stride(pixels: usize) -> Result<Stride, Error> {
 /// One that does not exist.
 pub fn window(side: usize) -> Result<Window, Error> {
     Window::new(side).map_err(of_option)
+}
+
+/// Whether a network of `--clear-net` is for a lens without a mask, as tables and reports call it.
+///
+/// # Errors
+/// A network for a coded lens.
+pub fn clear(net: &str, camera: &Camera) -> Result<(), Error> {
+    match camera.has_mask() {
+        false => Ok(()),
+        true => Err(Error::message(format!(
+            "--clear-net {net}: trained for the camera {}, which has a mask; expected a network for a clear lens",
+            camera.name
+        ))),
+    }
 }
 
 /// ψ of the depths of `--psi` before a camera that has PSFs there.

@@ -25,7 +25,7 @@ pub struct Levels {
 pub enum LevelsError {
     /// A text of another form.
     #[error(
-        "black level '{0}': must be one sensor value such as 64, or four with commas between, none of them negative"
+        "black level '{0}': must be one sensor value such as 64, or four with commas between, each 0 to 65535"
     )]
     Text(String),
     /// An invalid value of full light.

@@ -40,7 +40,7 @@ pub fn from_depths(
     psi: &Array2<f32>,
     max: usize,
 ) -> Result<Scene, LayersError> {
-    check(light, psi, max)?;
+    fits(light, psi, max)?;
     let depths = depths(psi, max);
     let last = depths.len() - 1;
     let nearest = |v: f32| {
@@ -66,10 +66,19 @@ pub fn from_depths(
     Ok(Scene { name: name.to_owned(), layers })
 }
 
-fn check(light: &ColourFrame, psi: &Array2<f32>, max: usize) -> Result<(), LayersError> {
-    if !(1..=MAX_LAYERS).contains(&max) {
-        return Err(LayersError::Count(max));
+/// Whether a photograph may be cut into so many layers.
+///
+/// # Errors
+/// [`LayersError::Count`].
+pub fn check(max: usize) -> Result<(), LayersError> {
+    match (1..=MAX_LAYERS).contains(&max) {
+        true => Ok(()),
+        false => Err(LayersError::Count(max)),
     }
+}
+
+fn fits(light: &ColourFrame, psi: &Array2<f32>, max: usize) -> Result<(), LayersError> {
+    check(max)?;
     let ((height, width), (expected_height, expected_width)) = (psi.dim(), light.size());
     if psi.dim() != light.size() {
         return Err(LayersError::Size { width, height, expected_width, expected_height });

@@ -20,7 +20,7 @@ use edof_optics::capture::{
 };
 use edof_optics::depth::{distance_m, psi_at};
 use edof_optics::draw::parse_name;
-use edof_optics::layers::{self, LayersError};
+use edof_optics::layers;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::{Sensor, SensorError};
@@ -360,16 +360,15 @@ fn layered(
         )));
     }
     let (height, width) = pictures::whole_cells(photograph.size());
+    layers::check(args.layers).map_err(|e| Error::message(format!("--{e}")))?;
     let job = format!("{width}x{height} in --layers {}", args.layers);
     memory::check(&job, scene_file::bytes_a_pixel(args.layers) * (width * height) as f64)?;
     let photograph = pictures::load(Path::new(&args.scene), ui)?;
     ui.used(Input::photograph(&name, &photograph));
     ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
     let psi = args.map_of.psis(&depths.slice(s![..height, ..width]), range, camera)?;
-    layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers).map_err(|e| match e {
-        LayersError::Count(_) => Error::message(format!("--{e}")),
-        e => said::of_file(map, e),
-    })
+    layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers)
+        .map_err(|e| said::of_file(map, e))
 }
 
 impl MapOf {

@@ -161,7 +161,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let trial =
         Trial { patches: patches(&args, &design, &network, ui)?, design, network, drive: drive(&args)? };
     if trial.patches.is_empty() {
-        return Err(Error::message("--random, --patches 0: must be 1 or more, or nothing is compared"));
+        let option = if args.random == Some(0) { "random" } else { "patches" };
+        return Err(Error::message(format!("--{option} 0: must be 1 or more, or nothing is compared")));
     }
     let project = project::calculator(&trial.design, [&trial.network, &trial.network])?;
     let project = match &args.rtl {

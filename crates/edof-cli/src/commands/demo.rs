@@ -3,6 +3,7 @@
 use crate::demo_board::{Board, Told};
 use crate::error::Error;
 use crate::files::Files;
+use crate::said;
 use crate::ui::Ui;
 use crate::{designs, interrupt, weights};
 use edof_camera::Camera;
@@ -78,6 +79,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     let (camera, coded) = method(args.net(), ui)?;
     let (clear_camera, clear) = method(args.clear_net(), ui)?;
+    said::clear(args.clear_net(), &clear_camera)?;
     let sides = format!("--width {} --height {}", args.width, args.height);
     super::scene::fits(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let kind = args.scene.parse::<Builtin>()?;

@@ -157,14 +157,14 @@ impl New {
     /// What is wrong, by the option that says so.
     fn of_options(&self, error: &edof_device::design::DesignError) -> Error {
         let text = error.to_string();
-        let option = match text.split([' ', ':']).next().unwrap_or_default() {
-            "clock_mhz" => format!("--clock-mhz {}: ", edof_image::words::number(self.clock_mhz)),
-            "frame" => format!("--size {}: ", self.size),
-            "name" => "--name: ".to_owned(),
-            "form.codes" | "stages" | "layers" => "--form: ".to_owned(),
-            _ => String::new(),
-        };
-        Error::message(format!("{option}{text}"))
+        let clock = edof_image::words::number(self.clock_mhz);
+        match text.split([' ', ':']).next().unwrap_or_default() {
+            "clock_mhz" => said::instead(&format!("--clock-mhz {clock}"), error),
+            "frame" => said::instead(&format!("--size {}", self.size), error),
+            "name" => Error::message(format!("--{text}")),
+            "form.codes" | "stages" | "layers" => Error::message(format!("--form: {text}")),
+            _ => Error::message(text),
+        }
     }
 }
 

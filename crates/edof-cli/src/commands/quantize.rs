@@ -150,7 +150,7 @@ fn of_options(error: &QuantizeError) -> Error {
         QuantizeError::Headroom(headroom) => {
             Error::message(format!("--headroom {}: must be 1 or more", number(*headroom)))
         }
-        QuantizeError::Fixed { bits, source } => Error::message(format!("--bits {bits}: {source}")),
+        QuantizeError::Fixed { bits, source } => said::instead(&format!("--bits {bits}"), source),
         error => Error::message(error.to_string()),
     }
 }

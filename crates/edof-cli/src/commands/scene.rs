@@ -163,7 +163,7 @@ impl Drawing {
         let Size { width, height } = self.size.unwrap_or(SIZE);
         fits(width, height)?;
         draw::draw(kind, height, width, &psis, self.seed).map_err(|e| match (e, self.size) {
-            (e @ DrawError::Size { .. }, Some(size)) => Error::message(format!("--size {size}: {e}")),
+            (e @ DrawError::Size { .. }, Some(size)) => said::instead(&format!("--size {size}"), &e),
             (e, _) => e.into(),
         })
     }

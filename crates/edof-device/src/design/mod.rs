@@ -103,7 +103,7 @@ pub enum DesignError {
     #[error(transparent)]
     Form(#[from] NetworkError),
     /// A picture that has no whole windows.
-    #[error("frame: {0}")]
+    #[error(transparent)]
     Frame(#[from] GeometryError),
     /// A field out of range.
     #[error("{field} {value}: must be {expected}")]

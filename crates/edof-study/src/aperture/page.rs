@@ -3,7 +3,7 @@
 use super::{Lens, Row};
 use crate::made::Made;
 use crate::study_report::{StudyReport, StudyReportError};
-use edof_report::plot::{Axis, Mark, Plot, Series, USUAL};
+use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
 use edof_report::{Report, Table};
 use serde::Serialize;
 use std::fmt::Write;
@@ -226,7 +226,7 @@ impl Aperture {
             title: format!("ψ 0 to {range}"),
             x: Axis::log("electrons of a white pixel, open aperture"),
             y: Axis::linear("PSNR (dB)"),
-            size: USUAL,
+            size: SMALL,
             series: vec![
                 series("coded, average", Mark::LineAndPoints, "#0072b2", |c| c.coded.average_db),
                 series("coded, worst depth", Mark::Dashed, "#0072b2", |c| c.coded.worst_db),

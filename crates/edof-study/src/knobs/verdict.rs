@@ -17,10 +17,14 @@ impl Knobs {
         let mut all: Vec<String> = of_pictures().filter_map(|default| self.better(default)).collect();
         let as_good = of_pictures().count() - all.len();
         if as_good > 0 {
+            let which = match (all.is_empty(), as_good) {
+                (true, _) => count(as_good, "knob"),
+                (false, 1) => "the other knob".to_owned(),
+                (false, _) => format!("the other {}", count(as_good, "knob")),
+            };
             all.push(format!(
-                "At {}{} no measured value is better than the default by more than 0.05 dB and twice its standard error.",
-                if all.is_empty() { "" } else { "the other " },
-                format_args!("{} of reconstruction", count(as_good, "knob")),
+                "At {which} of reconstruction no measured value is better than the default by more than 0.05 dB and twice its standard \
+                 error."
             ));
         }
         let captures: Vec<String> = defaults()
@@ -102,7 +106,7 @@ mod tests {
             all,
             [
                 "stride (pixels): 2 is better than the default, 8, by 0.35 ± 0.05 dB, and 10 times as slow.",
-                "At the other 1 knob of reconstruction no measured value is better than the default by more than 0.05 dB and twice \
+                "At the other knob of reconstruction no measured value is better than the default by more than 0.05 dB and twice \
                  its standard error.",
                 "A simulated frame at the defaults differs from an exact one by so little (PSNR of the light): depths 48.7 dB.",
             ]

@@ -8,7 +8,7 @@ use edof_image::Noise;
 use edof_image::words::count;
 use edof_io::photos::choices;
 use edof_metrics::paired::Paired;
-use edof_report::plot::{Axis, Mark, PALETTE, Plot, Series, USUAL};
+use edof_report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
 use edof_report::{Report, Table};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -208,7 +208,7 @@ impl Tolerances {
             title: kind.name().to_owned(),
             x: Axis::linear(format!("error ({})", kind.unit())),
             y: Axis::linear("loss, average over ψ (dB)"),
-            size: USUAL,
+            size: SMALL,
             series: self.of(kind).enumerate().map(series).collect(),
         }
     }

@@ -275,6 +275,7 @@ impl Args {
             let given = short(self.patience);
             return Err(Error::message(format!("--timeout {given}: must be above 0, at most 3600")));
         }
+        self.named_design()?;
         let files = self.files(ui);
         match &self.command {
             Command::Sim(sim) => sim.writes(files)?,

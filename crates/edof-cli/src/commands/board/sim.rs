@@ -142,7 +142,7 @@ fn sized(mut design: Design, size: Option<(usize, usize)>) -> Result<Design, Err
         design.frame = FrameSize { width, height, ..design.frame };
     }
     design.check().map_err(|e| match size {
-        Some((width, height)) => Error::message(format!("--size {width}x{height}: {e}")),
+        Some((width, height)) => said::instead(&format!("--size {width}x{height}"), &e),
         None => e.into(),
     })?;
     Ok(design)

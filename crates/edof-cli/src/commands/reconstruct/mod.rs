@@ -38,6 +38,9 @@ use std::time::Instant;
 /// # Errors
 /// A frame, network or option that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    if ![8, 16].contains(&args.bits) {
+        return Err(Error::message(format!("--bits {}: must be 8 or 16", args.bits)));
+    }
     let jobs = jobs(&args)?;
     check_files(&args, &jobs, ui)?;
     if jobs.len() > 1 {
@@ -258,6 +261,9 @@ impl Job<'_> {
                 if record::path_of(self.raw).exists() =>
             {
                 self.of_record(&source.to_string())
+            }
+            (RawError::NoSize { .. }, _) if self.args.video => {
+                self.failed("--video has no header; state its size by --size 1920x1080, say")
             }
             (RawError::NoSize { .. }, _) => Error::message(format!("{error}: --size 1920x1080, say")),
             _ => error.into(),

@@ -134,6 +134,7 @@ impl Args {
         };
         let end = Camera::resolve("clear")?;
         let middle = nets::camera(&self.clear_net)?;
+        said::clear(&self.clear_net, &middle)?;
         let coded = self.nets.first().map(|net| nets::camera(net)).transpose()?;
         let coded = coded.ok_or_else(|| Error::message("--nets: names no network"))?;
         let networks = |camera: &Camera, nets: &[String]| -> Result<Vec<(String, MethodSpec)>, Error> {
