@@ -33,4 +33,5 @@ mod too_big;
 mod tools;
 mod words_of_failure;
 mod workspace;
+mod wrong_again;
 mod wrong_files;

@@ -40,8 +40,8 @@ pub const NAMES: &[Row] = &[
     ("design check", "dn-lines.json", &["dn-lines.json: name 'a\u{fffd}b': ", PLAIN]),
     ("design check", "dn-far.json", &["dn-far.json: name '设计': ", PLAIN]),
     ("design check", "dn-long.json", &["dn-long.json: name 'xxx", "…' (65 characters): ", PLAIN]),
-    ("design new --form edof-t4w12 --out o.json", "--name a/b", &["--name: name 'a/b': ", PLAIN]),
-    ("design new --form edof-t4w12 --out new,design.json", "", &["--name: name 'new,design': ", PLAIN]),
+    ("design new --form edof-t4w12 --out o.json", "--name a/b", &["--name 'a/b': ", PLAIN]),
+    ("design new --form edof-t4w12 --out new,design.json", "", &["--name 'new,design': ", PLAIN]),
     ("estimate", "--design dn-slash.json", &["dn-slash.json: name 'a/b': ", PLAIN]),
     (
         "generate --weights paper-t4 --out o",

@@ -236,11 +236,7 @@ pub const OPTIONS: &[Row] = &[
         &["--black-level 4096: must be less than 4096", "--bit-depth 12"],
     ),
     (CAPTURE, "--psi 1 --nominal=-1e308", &["--nominal -1e308: must be a distance of more than 0 m"]),
-    (
-        "capture chart --out o.png",
-        "--size 62x62",
-        &["--size 62x62: scene 62x62: both sides must be even and at least 64"],
-    ),
+    ("capture chart --out o.png", "--size 62x62", &["--size 62x62: both sides must be even and at least 64"]),
     ("capture chart --out o.png", "--psi 1e308", &["--psi 1e308: "]),
     ("scene chart --out o", "--size 65x65", &["--size 65x65: "]),
     ("optics --out o", "--psi 1e308", &["--psi 1e308: must lie within"]),

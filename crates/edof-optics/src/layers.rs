@@ -66,7 +66,7 @@ pub fn from_depths(
     Ok(Scene { name: name.to_owned(), layers })
 }
 
-/// Whether a photograph may be cut into so many layers.
+/// Whether a photograph may be cut into at most `max` layers.
 ///
 /// # Errors
 /// [`LayersError::Count`].

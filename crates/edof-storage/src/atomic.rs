@@ -146,9 +146,7 @@ fn is_device(path: &Path) -> bool {
 /// Rejects a named pipe: opening it waits until somebody reads from it, maybe for ever.
 fn is_open(path: &Path) -> std::io::Result<()> {
     match input::is_named_pipe(path) {
-        true => Err(std::io::Error::other(
-            "a named pipe, expected a regular file; write /dev/stdout, and pipe that on",
-        )),
+        true => Err(std::io::Error::other("a named pipe, expected a regular file; name one, or /dev/stdout")),
         false => Ok(()),
     }
 }

@@ -63,7 +63,7 @@ fn piped(path: &Path) -> Result<File, Error> {
     static KEPT: Mutex<BTreeMap<PathBuf, File>> = Mutex::new(BTreeMap::new());
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     if !kept.contains_key(path) {
-        // It has no name, and is gone with the process.
+        // A file without a name is gone with the process.
         let mut file = tempfile::tempfile()?;
         let mut pipe = File::open(path)?.take(MAX_PIPED + 1);
         if std::io::copy(&mut pipe, &mut file)? > MAX_PIPED {
