@@ -60,7 +60,7 @@ fn a_design_that_cannot_be_is_rejected_with_its_file_and_field() {
     }
 }
 
-/// A value of a camera that cannot be, likewise.
+/// A value of a camera that cannot be: the text in its place, and what the line must contain.
 const CAMERAS: &[(&str, &str, &str)] = &[
     ("16.0", "0", "focal_length_mm is 0, expected 0.01 to 100000 mm"),
     ("16.0", "[16]", "a list, expected a number"),
