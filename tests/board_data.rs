@@ -45,11 +45,17 @@ fn every_command_of_a_board_prints_one_object() {
         "reset",
         "map",
     ] {
-        let run = board(&place, line).done();
+        // The map is that of the program: no port is opened.
+        let run = if line == "map" { place.edof("board map --json") } else { board(&place, line) }.done();
         let found = object(&run);
         assert!(found.get("error").is_none() && found.get("provenance").is_some(), "{line}: {found}");
     }
     assert_eq!(object(&board(&place, "set scratch 7"))["value"], 7);
+    let run = board(&place, "map");
+    assert_eq!(run.code, Some(1));
+    assert!(
+        object(&run)["error"].as_str().unwrap().starts_with("--port board: has no effect on edof board map")
+    );
     sim.end_quietly();
 }
 

@@ -164,7 +164,7 @@ fn a_design_that_cannot_be_built_names_the_field() {
         (design(|d| d["stages"] = Value::Array(vec![])), ["stages 0", "4 stages"]),
         (design(|d| d["clock_mhz"] = 0.into()), ["clock_mhz 0", "above 0"]),
         (design(|d| d["form"]["codes"] = 15.into()), ["form.codes 15", "even"]),
-        (design(|d| d["frame"]["width"] = 0.into()), ["frame: ", "0"]),
+        (design(|d| d["frame"]["width"] = 0.into()), ["frame 0x", "at least"]),
         (design(|d| d["color"] = 1.into()), ["bad.json", "unknown field `color`"]),
     ] {
         place.write("bad.json", change);

@@ -19,7 +19,7 @@ const QUANTIZE: &str = "quantize net.safetensors --out o";
 const RECONSTRUCT: &str = "reconstruct raw.png --weights net.fixed.safetensors --out o.png";
 
 /// A command, an option that it ignores there, and what the option needs.
-const ROWS: [(&str, &str, &str); 23] = [
+const ROWS: [(&str, &str, &str); 22] = [
     (CAPTURE, "--layers 8", "has an effect only with --depth-map"),
     (CAPTURE, "--layers 1", "has an effect only with --depth-map"),
     (CAPTURE, "--map-of distance", "has an effect only with --depth-map"),
@@ -35,7 +35,6 @@ const ROWS: [(&str, &str, &str); 23] = [
     ("study multi-depth", "--external-seconds 5", "only with --external"),
     ("study multi-depth", "--external-seconds 601", "only with --external"),
     ("board sim --design tiny", "--port x", "has no effect on edof board sim"),
-    ("board sim --design tiny", "--baud 9600", "has no effect on edof board sim"),
     ("board sim --design tiny", "--timeout 2", "has no effect on edof board sim"),
     ("board map", "--port x", "has no effect on edof board map"),
     ("board map", "--baud 9600", "has no effect on edof board map"),

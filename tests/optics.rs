@@ -295,7 +295,7 @@ fn what_cannot_be_captured_or_random_is_rejected_in_one_line() {
         ("capture photo.png --psi 1 --no-measure --out odd.png/r.png", ["odd.png/r.png", "cannot write"]),
         ("capture chart-4 --psi 1,2 --out r.png", ["--psi: 2 values", "expected 4"]),
         ("scene sea", ["scene 'sea'", "leaves-4"]),
-        ("scene chart --size 30x30", ["scene 30x30", "at least 64"]),
+        ("scene chart --size 30x30", ["--size 30x30", "at least 64"]),
         ("optics ring-1999", ["camera 'ring-1999'", "presets"]),
         ("optics --psi 1,900", ["--psi 900", "within 200"]),
         ("optics design --rings 5 --out c.json", ["rings is 5", "0, 1 or 2"]),

@@ -145,13 +145,14 @@ fn what_stands_in_a_generated_folder_and_is_not_its_own_is_named_and_kept() {
     let mut expected = place.snapshot();
     for (foreign, edited) in [
         (&[("notes.txt", "a week's work"), ("mem/mine.mem", "00")][..], ("rtl/chain.v", "an edited module")),
+        // The notes are still there.
         (&[], ("manifest.json", "{}")),
     ] {
         for (file, text) in foreign.iter().chain([&edited]) {
             place.write(&format!("out/{file}"), text);
         }
         let before = place.snapshot();
-        let mut told = vec!["--out out", "--force", edited.0];
+        let mut told = vec!["--out out", "--force", if foreign.is_empty() { "notes.txt" } else { edited.0 }];
         told.extend(foreign.iter().map(|(file, _)| *file));
         place.edof(GENERATE).refused(&told);
         assert!(place.snapshot() == before, "{edited:?}");

@@ -76,9 +76,14 @@ pub fn check(out: &Path, force: bool, may_be_result: impl Fn(&Path) -> bool) -> 
     let ours = untouched(out);
     let foreign =
         if force { BTreeSet::new() } else { foreign(out, |path| ours.contains(path)).unwrap_or_default() };
-    match foreign.len() == COUNTED || !foreign.iter().all(|path| may_be_result(path)) {
-        true => Err(FolderError::Foreign { folder: out.to_owned(), files: named(&foreign) }),
-        false => Ok(()),
+    let elsewhere: BTreeSet<PathBuf> = foreign.iter().filter(|path| !may_be_result(path)).cloned().collect();
+    let rejected = |files| Err(FolderError::Foreign { folder: out.to_owned(), files: named(files) });
+    match (foreign.len() == COUNTED || !ours.is_empty(), elsewhere.is_empty()) {
+        (false, true) => Ok(()),
+        (true, true) if foreign.len() < COUNTED => Ok(()),
+        // Without a list of what is ours, what may be a result may be one.
+        (false, false) => rejected(&elsewhere),
+        (true, _) => rejected(&foreign),
     }
 }
 

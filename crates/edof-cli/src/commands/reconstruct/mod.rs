@@ -263,7 +263,7 @@ impl Job<'_> {
                 self.of_record(&source.to_string())
             }
             (RawError::NoSize { .. }, _) if self.args.video => {
-                self.failed("--video has no header; state its size by --size 1920x1080, say")
+                self.failed("--video has no header; state its size as WIDTHxHEIGHT by --size 1920x1080, say")
             }
             (RawError::NoSize { .. }, _) => Error::message(format!("{error}: --size 1920x1080, say")),
             _ => error.into(),
