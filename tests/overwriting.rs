@@ -175,7 +175,7 @@ fn a_manifest_of_someone_else_gives_nothing_away() {
         let manifest = format!("{{\"files\":[{{\"path\":\"{path}\",\"sha256\":\"{hash}\"}}]}}");
         place.write("out/manifest.json", manifest);
         let before = place.snapshot();
-        place.edof(GENERATE).refused(&["manifest.json, thesis.txt"]);
+        place.edof(GENERATE).refused(&["changed since: thesis.txt"]);
         assert!(place.snapshot() == before);
     }
 }
