@@ -191,7 +191,7 @@ fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
             "--form w8,t3 --clock-mhz 150.001",
             "--clock-mhz 150.001: must be a clock that an MMCM makes of 200 MHz",
         ),
-        ("--form w8,t3 --size 1366x768", "--size 1366x768: frame 1366x768: must be the size of a video mode"),
+        ("--form w8,t3 --size 1366x768", "--size 1366x768: must be the size of a video mode"),
         ("--form w8,t3 --size 63x48", "--size 63x48: both sides must be even"),
         ("--form w8,t3 --stride 3", "--stride 3: must be 2, 4 or 8"),
         ("--form w8,t3 --multipliers 1", "--multipliers 1: no folding of this form has as few"),
