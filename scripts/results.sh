@@ -14,6 +14,7 @@
 #   tolerances    docs/results/tolerances.*: errors of the coded lens that cost 0.1 dB, its networks by noise  (10 minutes)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
+#   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
 # one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
@@ -23,7 +24,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture tolerances forms ablations layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture tolerances forms ablations classes layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -224,6 +225,21 @@ ablations() {
         "output-rate $form --output-rate 0.5" \
         "threshold-rate $form --threshold-rate 0.5" \
         "steps-40000 $form --steps 40000"
+}
+
+# Three classes of noise: networks of their own, and copies of one network for all noise whose thresholds alone differ (600 numbers).
+classes() {
+    local form="--form edof-t4w12" all="--from $made/classes/all.safetensors --only thresholds"
+    local low="--noise 0:0.006 --noiseless 2" mid="--noise 0.006:0.014" high="--noise 0.014:0.03"
+    short_trainings classes \
+        "all $form" \
+        "all-on --from $made/classes/all.safetensors" \
+        "low $form $low" \
+        "low-thresholds $all $low" \
+        "mid $form $mid" \
+        "mid-thresholds $all $mid" \
+        "high $form $high" \
+        "high-thresholds $all $high"
 }
 
 # The paper's form with T = 3 to 10, one short training each (half the usual rate, at which T = 10 does not converge), quantized on drawn

@@ -18,6 +18,14 @@ PAGES = {
             "(docs/decisions/0005-training.md); the lines with another seed show what differences mean nothing.",
         ],
     ),
+    "classes": (
+        "Classes of noise",
+        [
+            "Short trainings of the default form behind `ring-outer`, 8,000 steps and seed 1 each. The first line serves all noise. Lines with `--from` go on",
+            "from it for 8,000 steps: the second with all weights and all noise, those with `--only thresholds` for one class of noise, where only the",
+            "thresholds may change. A board then loads a few hundred words for another class of noise; a network of its own replaces all weights.",
+        ],
+    ),
 }
 
 
@@ -46,6 +54,7 @@ page, folder = sys.argv[1], Path(sys.argv[2])
 rows, revisions = [], set()
 for line in sys.argv[3:]:
     name, options = line.split(" ", 1)
+    options = options.replace(f"{folder}/", "")
     result = json.loads((folder / f"{name}.json").read_text())
     rows.append(row(name, options, result))
     revisions.add(result["provenance"]["revision"])
