@@ -171,10 +171,15 @@ def test_the_gil_is_released(light: NDArray[np.float32]) -> None:
 
 def test_ctrl_c_ends_a_call() -> None:
     network = edof.Network.load("edof-t4w12-outer-light")
+    # A shell starts its background jobs with SIGINT ignored, and Python then leaves it so.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(0.7, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     start = time.monotonic()
-    with pytest.raises(KeyboardInterrupt):
-        # Minutes, if nobody ends it.
-        network.quantize(stride=8)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            # Minutes, if nobody ends it.
+            network.quantize(stride=8)
+    finally:
+        signal.signal(signal.SIGINT, before)
     # Seconds on a busy machine; without an end it takes minutes.
     assert time.monotonic() - start < 30.0
