@@ -4,32 +4,36 @@
 # scripts/held-back.sh names. No accelerator is needed; the time is printed network by network. With names as arguments, only these.
 # A run that was stopped goes on where it stood. The bytes depend on the processor's kind, not on how many threads it has.
 #
-# The networks low, mid and high are classes of noise (0005): one round of 32,000 steps each, by the same recipe for both lenses.
-# A network of two rounds is the best of three seeds, which goes on with a schedule of its own in which all windows weigh alike. The files in
-# weights/ whose tone is linear are from before the recipe changed (0005) and before photographs were held back; those for light are of this
-# script.
+# A network of two rounds is the best of its seeds, which goes on with a schedule of its own in which all windows weigh alike. Classes of noise (0005) go on from
+# their own first round, or, for light, from the network for all light; the recipe is that of both lenses. The files in weights/ whose tone
+# is linear and which are no class are from before the recipe changed (0005) and before photographs were held back; all others are of this script.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-# Name, form, camera, rounds, tone (the paper's convention is linear; srgb are pictures that are looked at encoded), further options.
+# Name, form, camera, tone (the paper's convention is linear; srgb are pictures that are looked at encoded) and seeds of the first round, or a network
+# to go on from | options of the first round | options of the second, where there is one.
 networks=(
-    "paper-t4 paper-t4 ring-2018 2 linear"
-    "edof-t4w12 edof-t4w12 ring-2018 2 linear"
-    "edof-t4w12-outer edof-t4w12 ring-outer 2 linear"
-    "edof-t4w12-clear edof-t4w12 clear-mid 2 linear"
-    "edof-t4w12-light edof-t4w12 ring-2018 1 srgb"
-    "edof-t4w12-outer-light edof-t4w12 ring-outer 1 srgb"
-    "edof-t4w12-clear-light edof-t4w12 clear-mid 1 srgb"
+    "paper-t4 paper-t4 ring-2018 linear 1,2,3 | | --weighting mse"
+    "edof-t4w12 edof-t4w12 ring-2018 linear 1,2,3 | | --weighting mse"
+    "edof-t4w12-outer edof-t4w12 ring-outer linear 1,2,3 | | --weighting mse"
+    "edof-t4w12-clear edof-t4w12 clear-mid linear 1,2,3 | | --weighting mse"
+    "edof-t4w12-light edof-t4w12 ring-2018 srgb 1 | |"
+    "edof-t4w12-outer-light edof-t4w12 ring-outer srgb 1 | |"
+    "edof-t4w12-clear-light edof-t4w12 clear-mid srgb 1 | |"
 )
-# Classes of noise. Half of the windows of the lowest have none.
+# Classes of noise. Half of the windows of the lowest have none; of the lowest of light a quarter.
 for lens in outer:ring-outer clear:clear-mid; do
-    name=edof-t4w12-${lens%:*} form="edof-t4w12 ${lens#*:} 1 linear --steps 32000"
+    name=edof-t4w12-${lens%:*} form="edof-t4w12 ${lens#*:}" mid="--noise 0.006:0.014"
+    light="$form srgb $name-light" second="--weighting mse --steps 60000"
     networks+=(
-        "$name-low $form --noise 0:0.006 --noiseless 2"
-        "$name-mid $form --noise 0.006:0.014"
-        "$name-high $form --noise 0.014:0.03"
+        "$name-low $form linear 1 | --steps 32000 --noise 0:0.006 --noiseless 2 |"
+        "$name-mid $form linear 1 | --steps 32000 $mid | $mid --weighting mse --steps 80000"
+        "$name-high $form linear 1 | --steps 32000 --noise 0.014:0.03 |"
+        "$name-light-low $light | | --gain 1:4 --noiseless 4 $second"
+        "$name-light-high $light | | --gain 4:24 $second"
+        "$name-light-dark $light | | --gain 24:4096 $second"
     )
 done
 # Ranges of all codes are measured on the study's training photographs.
@@ -48,17 +52,23 @@ wanted() {
 }
 
 for line in "${networks[@]}"; do
-    read -r name form camera rounds tone options <<<"$line"
+    IFS='|' read -r what first_options second_options <<<"$line"
+    read -r name form camera tone start <<<"$what"
     wanted "$name" "$@" || continue
     begun=$SECONDS
-    out=weights/$name.safetensors seeds=1
-    [ "$rounds" = 1 ] || out=$first/$name.safetensors seeds=1,2,3
+    # What both rounds have in common, after their start.
+    common="--camera $camera --tone $tone --leave-out $held_back"
+    out=weights/$name.safetensors
     say "$name: training"
-    # shellcheck disable=SC2046,SC2086 # options are several words
-    [ "$rounds" = 2 ] && [ -e "$out" ] || "$edof" train --form "$form" --camera "$camera" --tone "$tone" --leave-out "$held_back" --seed "$seeds" \
-        $options --out "$out" $(resume "$out") --force
-    # shellcheck disable=SC2046
-    [ "$rounds" = 1 ] || "$edof" train --from "$out" --camera "$camera" --tone "$tone" --leave-out "$held_back" --weighting mse \
+    if [[ $start =~ ^[0-9,]+$ ]]; then
+        [ -z "${second_options// /}" ] || out=$first/$name.safetensors
+        # shellcheck disable=SC2046,SC2086 # options are several words
+        [ "$out" != "weights/$name.safetensors" ] && [ -e "$out" ] ||
+            "$edof" train --form "$form" $common --seed "$start" $first_options --out "$out" $(resume "$out") --force
+        start=$out
+    fi
+    # shellcheck disable=SC2046,SC2086
+    [ -z "${second_options// /}" ] || "$edof" train --from "$start" $common $second_options \
         --out "weights/$name.safetensors" $(resume "weights/$name.safetensors") --force
     say "$name: quantizing"
     "$edof" quantize "weights/$name.safetensors" --images "$calibration" --out "weights/$name.fixed.safetensors" --force
