@@ -4,20 +4,21 @@
 //! grid fine enough that the field's squared magnitude does not alias. The PSF's own transform, the OTF, times the footprint of a
 //! square pixel, folded at the sensor's sampling frequency and transformed back, is the light that each pixel collects, exactly.
 
+mod grid;
+mod round;
 mod spectrum;
 mod wavefront;
 
+pub use round::{otf_along_row, pixel_transfer, quarter_otf, quarter_psf};
 pub use spectrum::wavelengths;
 
 use crate::bank;
-use crate::cosine::{EvenTransform, fold_rows, period};
 use crate::depth::{geometric_blur_um, in_metres};
 use crate::pupil::Pupil;
 use edof_camera::camera::Camera;
 use edof_image::Channel;
 use edof_image::words::number;
-use edof_numerics::sinc;
-use ndarray::{Array1, Array2, Axis, s};
+use ndarray::{Array2, s};
 use rayon::prelude::*;
 use spectrum::summed;
 
@@ -340,85 +341,6 @@ fn support(camera: &Camera, wavelength_nm: f64, psi: f64, settings: &Settings) -
 #[must_use]
 pub fn wave_um(camera: &Camera, wavelength_nm: f64) -> f64 {
     wavelength_nm * 1e-3 * camera.f_number()
-}
-
-/// The PSF at one wavelength, integrated over pixels, for pixel offsets 0…`support`/2 along rows and columns (it is even). It
-/// sums to 1 over the whole support, whose side in pixels is even.
-#[must_use]
-pub fn quarter_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
-    let spectrum = pixel_transfer(camera, wavelength_nm, psi, support);
-    let n = spectrum.nrows();
-    let transform = EvenTransform::new(n);
-    let half_way = transform.rows_transposed(spectrum.view(), n);
-    let scale = 1.0 / (period(n) * period(n)) as f64;
-    transform.rows_transposed(half_way.view(), n).mapv(|v| (v * scale).max(0.0))
-}
-
-/// Fourier transform of the sampled PSF, [`quarter_psf`]: the OTF times the pixel's footprint, folded at the sensor's sampling
-/// frequency. Entry (r, c) of the `support`/2 + 1 squared is at (r, c)/`support` cycles a pixel.
-#[must_use]
-pub fn pixel_transfer(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
-    let n = support / 2 + 1;
-    let mut otf = quarter_otf(camera, wavelength_nm, psi, support);
-    let footprint: Vec<f64> = (0..otf.nrows()).map(|q| sinc(q as f64 / support as f64)).collect();
-    for (mut row, down) in otf.outer_iter_mut().zip(&footprint) {
-        row.iter_mut().zip(&footprint).for_each(|(v, across)| *v *= down * across);
-    }
-    fold_rows(fold_rows(otf.view(), n).t(), n)
-}
-
-/// The optical transfer function at one wavelength, without the pixel's footprint: entry (r, c) is at the frequency
-/// (r, c)/(`support`·pitch), up to the cut-off. It is real and even, and 1 at zero.
-#[must_use]
-pub fn quarter_otf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
-    let FineIntensity { intensity, transform, band } =
-        FineIntensity::new(camera, wavelength_nm, psi, support);
-    let half_way = transform.rows_transposed(intensity.view(), band);
-    let otf = transform.rows_transposed(half_way.view(), band);
-    let light = otf[(0, 0)];
-    otf / light
-}
-
-/// The first row of [`quarter_otf`], at half its cost: the transform of the PSF's projection (the line spread function).
-#[must_use]
-pub fn otf_along_row(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array1<f64> {
-    let FineIntensity { intensity, transform, band } =
-        FineIntensity::new(camera, wavelength_nm, psi, support);
-    let last = intensity.nrows() - 1;
-    let spread = 2.0 * intensity.sum_axis(Axis(0)) - intensity.row(0) - intensity.row(last);
-    let otf = transform.rows_transposed(spread.insert_axis(Axis(0)).view(), band).column(0).to_owned();
-    let light = otf[0];
-    otf / light
-}
-
-/// The quarter of |field|² on a grid fine enough for its band.
-struct FineIntensity {
-    intensity: Array2<f64>,
-    transform: EvenTransform<f64>,
-    /// Frequencies up to the cut-off.
-    band: usize,
-}
-
-impl FineIntensity {
-    fn new(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Self {
-        let wave = wave_um(camera, wavelength_nm) / camera.pixel_pitch_um;
-        // Grid spacing pitch/k of at most half of λF#, so that the PSF's band, ±1/(λF#), fits.
-        let k = (2.0 / wave).ceil().max(1.0) as usize;
-        let n = support * k / 2 + 1;
-        let radius = support as f64 / (2.0 * wave);
-        let samples = (radius.ceil() as usize + 1).min(n);
-        let pupil = Pupil::new(camera, wavelength_nm, psi);
-        let sampled = Array2::from_shape_fn((samples, samples), |(r, c)| {
-            pupil.sample((r as f64).hypot(c as f64) / radius, 1.0 / radius)
-        });
-        let transform = EvenTransform::new(n);
-        let squared_field = |part: Array2<f64>| {
-            let half_way = transform.rows_transposed(part.view(), n);
-            transform.rows_transposed(half_way.view(), n).mapv_into(|v| v * v)
-        };
-        let intensity = squared_field(sampled.mapv(|p| p.re)) + squared_field(sampled.mapv(|p| p.im));
-        Self { intensity, transform, band: (2 * samples).min(n) }
-    }
 }
 
 /// Sum over all four quarters of an even plane of which one, with the axes, is given.

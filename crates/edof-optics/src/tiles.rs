@@ -131,8 +131,8 @@ fn cheapest(length: usize, reach: usize) -> Option<usize> {
     periods.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
-/// Whether no prime but 2, 3 and 5 divides `n`.
-fn is_smooth(n: usize) -> bool {
+/// Whether no prime but 2, 3 and 5 divides `n`: transforms of that length are fast.
+pub fn is_smooth(n: usize) -> bool {
     n == 1 || [2, 3, 5].into_iter().any(|p| n.is_multiple_of(p) && is_smooth(n / p))
 }
 

@@ -1,13 +1,20 @@
 //! PSFs of lenses whose wavefront is not round: the pupil with its Zernike terms and the surface of its mask, transformed whole.
 //!
-//! The steps are those of the round case ([`super`]), on grids that have no symmetry to save by.
+//! The steps are those of the round case ([`super::round`]). The only symmetry left is that light is real.
 
+use super::grid::Grid;
 use super::wave_um;
 use crate::pupil::Pupil;
 use edof_camera::camera::{Aberration, Camera};
-use edof_numerics::fft::{Complex64, Real};
+use edof_numerics::fft::{Complex64, Fft, Real};
 use edof_numerics::sinc;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
+use std::sync::Arc;
+
+const ZERO: Complex64 = Complex64::new(0.0, 0.0);
+
+/// Columns computed before any is written: with 4 a written cache line is filled at once. Every period is a multiple.
+const BLOCK: usize = 4;
 
 /// Most points along a side of the finest grid.
 const MAX_POINTS: usize = 4096;
@@ -33,22 +40,114 @@ pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> 
 
 /// The PSF at one wavelength, integrated over pixels: offset (r, c) from the middle at index (r, c) modulo `support`. Sums to 1.
 pub fn whole_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
-    let n = support * steps_a_pixel(camera, wavelength_nm);
-    let field = transform(pupil(camera, wavelength_nm, psi, support, n));
-    let otf = transform(field.mapv(|v| Complex64::new(v.norm_sqr(), 0.0)));
-    let light = otf[(0, 0)].re;
-    // Indices of both signs of frequency, up to the cut-off's.
-    let frequency = |q: usize| if 2 * q < n { q as isize } else { q as isize - n as isize };
-    let mut folded = Array2::from_elem((support, support), Complex64::new(0.0, 0.0));
-    for ((r, c), value) in otf.indexed_iter() {
-        let (down, across) = (frequency(r), frequency(c));
-        let footprint = sinc(down as f64 / support as f64) * sinc(across as f64 / support as f64);
-        let at = (down.rem_euclid(support as isize) as usize, across.rem_euclid(support as isize) as usize);
-        // Conjugate, for the way back by the same transform.
-        folded[at] += value.conj() * (footprint / light);
+    let grid = Grid::new(camera, wavelength_nm, support);
+    let pupil = pupil(camera, wavelength_nm, psi, grid);
+    let light: f64 = pupil.iter().map(|v| v.norm_sqr()).sum();
+    let scale = 1.0 / (light * (grid.period * grid.period) as f64 * (support * support) as f64);
+    let frequencies = frequencies(grid, support);
+    let (mut forward, mut back) = (Lines::new(grid.period), Lines::new(support));
+    let field = half_way(&mut forward, &pupil, grid);
+    let down = squared_field(&mut forward, &field, &frequencies, support);
+    // The other axis, folded, and the first step of the way back: by the same transform, since spectra are conjugated.
+    let mut half = Array2::from_elem((support / 2 + 1, support), ZERO);
+    for (column, mut out) in down.outer_iter().zip(half.outer_iter_mut()) {
+        let spectrum = forward.of(|line| line.iter_mut().zip(column).for_each(|(to, from)| *to = *from));
+        let folded = back.of(|line| {
+            for &(q, index, footprint) in &frequencies {
+                line[index] += spectrum[q].conj() * (footprint * scale);
+            }
+        });
+        out.iter_mut().zip(folded).for_each(|(to, from)| *to = *from);
     }
-    let scale = 1.0 / (support * support) as f64;
-    transform(folded).mapv(|v| (v.re * scale).max(0.0))
+    rows_of_light(&mut back, &half)
+}
+
+/// The frequencies, of both signs, at which the field's squared magnitude is not 0: index in its period, index in the sensor's, and
+/// the transform of a pixel's footprint.
+fn frequencies(grid: Grid, support: usize) -> Vec<(usize, usize, f64)> {
+    let last = grid.band() as isize - 1;
+    let index = |q: isize, period: usize| q.rem_euclid(period as isize) as usize;
+    (-last..=last)
+        .map(|q| (index(q, grid.period), index(q, support), sinc(q as f64 / support as f64)))
+        .collect()
+}
+
+/// The transform of the pupil's rows, as columns: points of the period × rows of the pupil.
+fn half_way(forward: &mut Lines, pupil: &Array2<Complex64>, grid: Grid) -> Array2<Complex64> {
+    let reach = grid.samples - 1;
+    let mut out = Array2::from_elem((grid.period, pupil.nrows()), ZERO);
+    let mut block = vec![vec![ZERO; grid.period]; BLOCK];
+    for first in (0..pupil.nrows()).step_by(BLOCK) {
+        let rows = BLOCK.min(pupil.nrows() - first);
+        for (r, kept) in block.iter_mut().take(rows).enumerate() {
+            kept.copy_from_slice(forward.of(|line| wrap(line, pupil.row(first + r), reach)));
+        }
+        for (i, mut line) in out.outer_iter_mut().enumerate() {
+            block.iter().take(rows).enumerate().for_each(|(r, row)| line[first + r] = row[i]);
+        }
+    }
+    out
+}
+
+/// Puts values about a middle, `reach` to either side of it, about index 0 of a period.
+fn wrap(line: &mut [Complex64], values: ArrayView1<Complex64>, reach: usize) {
+    let period = line.len();
+    for (i, v) in values.iter().enumerate() {
+        line[(i + period - reach) % period] = *v;
+    }
+}
+
+/// Spectra of the field's squared magnitude down its columns, folded: frequencies 0…`support`/2 × points of the period.
+fn squared_field(
+    forward: &mut Lines,
+    half_way: &Array2<Complex64>,
+    frequencies: &[(usize, usize, f64)],
+    support: usize,
+) -> Array2<Complex64> {
+    let (period, reach) = (half_way.nrows(), half_way.ncols() / 2);
+    let mut out = Array2::from_elem((support / 2 + 1, period), ZERO);
+    let mut light = vec![ZERO; period];
+    let mut block = vec![vec![ZERO; support / 2 + 1]; BLOCK];
+    for first in (0..period).step_by(BLOCK) {
+        for (pair, two) in block.chunks_exact_mut(2).enumerate() {
+            let one = forward.of(|line| wrap(line, half_way.row(first + 2 * pair), reach));
+            light.iter_mut().zip(one).for_each(|(to, v)| to.re = v.norm_sqr());
+            let other = forward.of(|line| wrap(line, half_way.row(first + 2 * pair + 1), reach));
+            light.iter_mut().zip(other).for_each(|(to, v)| to.im = v.norm_sqr());
+            // Two real columns share a complex one: the transform of each is its own mirror image, conjugated.
+            let both = forward.of(|line| line.copy_from_slice(&light));
+            two.iter_mut().for_each(|folded| folded.fill(ZERO));
+            for &(q, index, footprint) in frequencies.iter().filter(|(_, index, _)| 2 * index <= support) {
+                let (low, high) = (both[q], both[(period - q) % period].conj());
+                two[0][index] += (low + high) * (0.5 * footprint);
+                two[1][index] += Complex64::new(0.0, -0.5) * (low - high) * footprint;
+            }
+        }
+        for (index, mut line) in out.outer_iter_mut().enumerate() {
+            block.iter().enumerate().for_each(|(i, folded)| line[first + i] = folded[index]);
+        }
+    }
+    out
+}
+
+/// The last step of the way back, to real light, two columns at a time: rows 0…`support`/2 are given, the others are their mirror
+/// images, conjugated.
+fn rows_of_light(back: &mut Lines, half: &Array2<Complex64>) -> Array2<f64> {
+    let support = half.ncols();
+    let mut out = Array2::from_elem((support, support), 0.0);
+    for first in (0..support).step_by(2) {
+        let columns = back.of(|line| {
+            for (j, v) in line.iter_mut().enumerate() {
+                let at =
+                    |c: usize| if 2 * j <= support { half[(j, c)] } else { half[(support - j, c)].conj() };
+                *v = at(first) + Complex64::i() * at(first + 1);
+            }
+        });
+        for (mut row, v) in out.outer_iter_mut().zip(columns) {
+            (row[first], row[first + 1]) = (v.re.max(0.0), v.im.max(0.0));
+        }
+    }
+    out
 }
 
 /// Sums over the centred squares of sides 1, 3, 5 … of a plane that is laid out as [`whole_psf`]'s.
@@ -76,29 +175,25 @@ fn steps_a_pixel(camera: &Camera, wavelength_nm: f64) -> usize {
     (2.0 * camera.pixel_pitch_um / wave_um(camera, wavelength_nm)).ceil().max(1.0) as usize
 }
 
-/// The pupil on a grid of n×n frequencies, those below zero at the end.
-fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize, n: usize) -> Array2<Complex64> {
-    let radius = support as f64 * camera.pixel_pitch_um / (2.0 * wave_um(camera, wavelength_nm));
+/// The sampled pupil, zero frequency in its middle.
+fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, grid: Grid) -> Array2<Complex64> {
     let round = Pupil::new(camera, wavelength_nm, psi);
     let terms: Vec<Term> = camera.aberrations.iter().map(Term::new).collect();
     let white_rad = camera.height_map.as_ref().map_or(0.0, |map| map.white_rad(wavelength_nm));
-    let reach = (radius.ceil() as isize + 1).min(n as isize / 2 - 1);
-    let mut plane = Array2::from_elem((n, n), Complex64::new(0.0, 0.0));
-    let index = |q: isize| q.rem_euclid(n as isize) as usize;
-    for down in -reach..=reach {
-        for across in -reach..=reach {
-            let (x, y) = (across as f64 / radius, -down as f64 / radius);
-            let (rho, angle) = (x.hypot(y), y.atan2(x));
-            let sample = round.sample(rho, 1.0 / radius);
-            if sample.norm_sqr() > 0.0 {
-                let path_nm: f64 = terms.iter().map(|term| term.at(rho, angle)).sum();
-                let surface = camera.height_map.as_ref().map_or(0.0, |map| map.at(x, y)) * white_rad;
-                let phase = std::f64::consts::TAU * path_nm / wavelength_nm + surface;
-                plane[(index(down), index(across))] = sample * Complex64::cis(phase);
-            }
+    let reach = grid.samples as isize - 1;
+    Array2::from_shape_fn((2 * grid.samples - 1, 2 * grid.samples - 1), |(r, c)| {
+        let (down, across) = (r as isize - reach, c as isize - reach);
+        let (rho, inside) = grid.at(down as f64, across as f64);
+        if !inside {
+            return ZERO;
         }
-    }
-    plane
+        let sample = round.sample(rho, 1.0 / grid.radius);
+        let (x, y) = (across as f64 / grid.radius, -down as f64 / grid.radius);
+        let angle = y.atan2(x);
+        let path_nm: f64 = terms.iter().map(|term| term.at(rho, angle)).sum();
+        let surface = camera.height_map.as_ref().map_or(0.0, |map| map.at(x, y)) * white_rad;
+        sample * Complex64::cis(std::f64::consts::TAU * path_nm / wavelength_nm + surface)
+    })
 }
 
 /// One Zernike term, ready to be evaluated.
@@ -138,16 +233,26 @@ impl Term {
     }
 }
 
-/// The forward transform in two dimensions of a square plane.
-fn transform(plane: Array2<Complex64>) -> Array2<Complex64> {
-    let n = plane.nrows();
-    let fft = f64::forward(n);
-    let rows = |plane: Array2<Complex64>| {
-        let mut data: Vec<Complex64> = plane.iter().copied().collect();
-        fft.process(&mut data);
-        Array2::from_shape_fn((n, n), |(r, c)| data[c * n + r])
-    };
-    rows(rows(plane))
+/// Forward transforms of one length, each in the same buffer.
+struct Lines {
+    fft: Arc<dyn Fft<f64>>,
+    buffer: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl Lines {
+    fn new(length: usize) -> Self {
+        let fft = f64::forward(length);
+        Self { buffer: vec![ZERO; length], scratch: vec![ZERO; fft.get_inplace_scratch_len()], fft }
+    }
+
+    /// The transform of what `fill` puts into a line of zeros.
+    fn of(&mut self, fill: impl FnOnce(&mut [Complex64])) -> &[Complex64] {
+        self.buffer.fill(ZERO);
+        fill(&mut self.buffer);
+        self.fft.process_with_scratch(&mut self.buffer, &mut self.scratch);
+        &self.buffer
+    }
 }
 
 #[cfg(test)]
@@ -177,6 +282,48 @@ mod tests {
             for ((r, c), v) in quarter.indexed_iter() {
                 assert!((whole[(r, c)] - v).abs() < 1e-9 && (whole[((128 - r) % 128, c)] - v).abs() < 1e-9);
             }
+        }
+    }
+
+    /// The PSF by its definition: the pupil's correlation with itself times the pixel's footprint, wave by wave.
+    fn by_definition(camera: &Camera, nm: f64, psi: f64, support: usize) -> Array2<f64> {
+        let grid = Grid::new(camera, nm, support);
+        let pupil = pupil(camera, nm, psi, grid);
+        let (side, band) = (pupil.nrows() as isize, 2 * grid.samples as isize - 2);
+        let correlation = |down: isize, across: isize| -> Complex64 {
+            let at = |i: isize, by: isize| (0..side).contains(&(i - by)).then(|| (i - by) as usize);
+            let product = |((r, c), v): ((usize, usize), &Complex64)| {
+                Some(v * pupil[(at(r as isize, down)?, at(c as isize, across)?)].conj())
+            };
+            pupil.indexed_iter().filter_map(product).sum()
+        };
+        let light = correlation(0, 0).re * (support * support) as f64;
+        let mut psf = Array2::zeros((support, support));
+        for (down, across) in (-band..=band).flat_map(|r| (-band..=band).map(move |c| (r, c))) {
+            let cycles = [down, across].map(|q| q as f64 / support as f64);
+            let wave = correlation(down, across) * (sinc(cycles[0]) * sinc(cycles[1]) / light);
+            for ((r, c), v) in psf.indexed_iter_mut() {
+                let turns = cycles[0] * r as f64 + cycles[1] * c as f64;
+                *v += (wave * Complex64::cis(-std::f64::consts::TAU * turns)).re;
+            }
+        }
+        psf
+    }
+
+    #[test]
+    fn psfs_are_the_sums_that_define_them() {
+        let ring = Camera::resolve("ring-outer").unwrap();
+        let coma = Camera { aberrations: vec![Aberration { noll: 8, rms_nm: 60.0 }], ..ring.clone() };
+        // Pixels of other sizes fold other frequencies over each other.
+        for (pitch, nm, psi) in [(3.0, 460.0, 7.0), (3.0, 610.0, 0.0), (5.0, 535.0, 2.0), (1.1, 535.0, 2.0)] {
+            let of = |camera: &Camera| Camera { pixel_pitch_um: pitch, ..camera.clone() };
+            let expected = by_definition(&of(&ring), nm, psi, 16);
+            for ((r, c), v) in quarter_psf(&of(&ring), nm, psi, 16).indexed_iter() {
+                assert!((v - expected[(r % 16, c % 16)]).abs() < 1e-12, "{pitch} {nm} {psi}: ({r}, {c})");
+            }
+            let expected = by_definition(&of(&coma), nm, psi, 16);
+            let whole = whole_psf(&of(&coma), nm, psi, 16);
+            assert!(whole.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12), "{pitch} {nm} {psi}");
         }
     }
 
