@@ -260,7 +260,7 @@ joint() {
         [ -e "$folder/$name.search.json" ] && continue
         say "$name"
         # shellcheck disable=SC2046,SC2086 # options are several words
-        "$edof" optics design --through edof-t4w12-outer-mid $options --images "$photographs" --photos 1,2,4,5,7,8,10,11 --rounds 12 --steps 200 \
+        "$edof" optics design --through edof-t4w12-outer-mid $options --images "$photographs" --photos 1,2,4,5,7,8,10,11 --rounds 10 --steps 200 \
             --out "$folder/$name.json" --json "$folder/$name.search.json" $([ -e "$folder/$name.json.search" ] && echo --resume) --force
     done
     for seed in ${seeds/,/ }; do

@@ -24,8 +24,13 @@ use std::ops::ControlFlow;
 
 /// Narrowest ring, and narrowest gap between two, as shares of the radius.
 const NARROWEST: f64 = 0.02;
-/// First step of a radius, of a phase and of the focus; the last round's are a tenth of them.
-const STEPS: [f64; 3] = [0.015, 0.3, 0.2];
+/// Largest steps of a radius, of a phase and of the focus at the start.
+const STEPS: [f64; 3] = [0.012, 0.25, 0.2];
+/// What a step is multiplied by after a lens that is better, and after one that is worse.
+const LONGER: f64 = 1.2;
+const SHORTER: f64 = 0.4;
+/// dB by which a lens may be worse and count as better: its network has had one round.
+const TOLERANCE: f64 = 0.02;
 /// How PSFs are computed while a lens moves: smaller kernels than a network's data have, so that rounds are short.
 const SETTINGS: Settings = Settings { energy: 0.99, wavelength_tolerance: 0.01, exact: false };
 /// The first round's training, in rounds: the network comes from another lens.
@@ -57,8 +62,16 @@ pub struct Joint {
 pub struct JointState {
     /// Rounds done.
     pub round: u32,
-    /// The lens as it is.
+    /// The lens of the next round.
     pub camera: Camera,
+    /// The best lens so far; the next one is a step from it.
+    pub best: Camera,
+    /// Its score.
+    pub best_db: Option<f64>,
+    /// The step from it for each parameter, at a length of 1.
+    pub direction: Vec<f64>,
+    /// Length of the next step.
+    pub length: f64,
     /// The network's weights as they are.
     pub weights: Vec<f32>,
     /// Running means of the gradient and of its square, for each parameter.
@@ -130,12 +143,16 @@ impl Joint {
         if network.form != self.recipe.form {
             return Err(value("form", format!("{:?}", network.form), "the recipe's").into());
         }
-        let moments = vec![[0.0; 2]; parameters(camera).len()];
+        let count = parameters(camera).len();
         Ok(JointState {
             round: 0,
             camera: camera.clone(),
+            best: camera.clone(),
+            best_db: None,
+            direction: vec![0.0; count],
+            length: 1.0,
             weights: flatten(network),
-            moments,
+            moments: vec![[0.0; 2]; count],
             history: vec![],
         })
     }
@@ -170,7 +187,7 @@ impl Joint {
         }
         let weights = trainer.state.best_weights;
         let judged = self.judge(&dataset, &state.camera, &weights)?;
-        self.step(state, &judged.gradient);
+        self.step(state, &judged);
         state.weights = weights;
         state.history.push(judged);
         state.round += 1;
@@ -262,26 +279,45 @@ impl Joint {
         part
     }
 
-    /// Moves the lens up the gradient: each parameter by its step times the running mean of its gradient over that of its size.
-    fn step(&self, state: &mut JointState, gradient: &[f64]) {
-        let done = f64::from(state.round) / f64::from(self.rounds);
-        let length = 0.1 + 0.9 * 0.5 * (1.0 + (std::f64::consts::PI * done).cos());
-        let kept = [0.7, 0.9].map(|kept: f64| (kept, 1.0 - kept.powi(state.round as i32 + 1)));
-        let mut moved = values(&state.camera);
-        for (index, parameter) in parameters(&state.camera).into_iter().enumerate() {
-            let [mean, square] = &mut state.moments[index];
-            *mean = kept[0].0 * *mean + (1.0 - kept[0].0) * gradient[index];
-            *square = kept[1].0 * *square + (1.0 - kept[1].0) * gradient[index] * gradient[index];
-            let size = (*square / kept[1].1).sqrt().max(1e-9);
-            let step = match parameter {
-                Parameter::Inner(_) | Parameter::Outer(_) => STEPS[0],
-                Parameter::Phase(_) => STEPS[1],
-                Parameter::Focus => STEPS[2],
-            };
-            moved[index] += length * step * (*mean / kept[0].1 / size).clamp(-1.0, 1.0);
+    /// Takes a lens that is better as the best one, else goes back to the best; then moves up that one's gradient. A parameter's step is in
+    /// proportion to the running mean of its gradient over that of its size.
+    fn step(&self, state: &mut JointState, judged: &Judged) {
+        if state.best_db.is_none_or(|best| judged.score_db >= best - TOLERANCE) {
+            if state.best_db.is_some() {
+                state.length = (state.length * LONGER).min(1.0);
+            }
+            (state.best, state.best_db) = (state.camera.clone(), Some(judged.score_db));
+            let accepted = state.moments.iter_mut().zip(&mut state.direction);
+            for (((moments, step), parameter), gradient) in
+                accepted.zip(parameters(&state.best)).zip(&judged.gradient)
+            {
+                *step = largest_step(parameter) * share(moments, *gradient);
+            }
+        } else {
+            state.length *= SHORTER;
         }
-        state.camera = with(&state.camera, &moved, self.max_phase);
+        let moved = values(&state.best).into_iter().zip(&state.direction);
+        let moved: Vec<f64> = moved.map(|(value, step)| value + state.length * step).collect();
+        state.camera = with(&state.best, &moved, self.max_phase);
     }
+}
+
+const fn largest_step(parameter: Parameter) -> f64 {
+    match parameter {
+        Parameter::Inner(_) | Parameter::Outer(_) => STEPS[0],
+        Parameter::Phase(_) => STEPS[1],
+        Parameter::Focus => STEPS[2],
+    }
+}
+
+/// Takes a gradient into its running means, and returns its mean over its size, −1…1.
+fn share([mean, square]: &mut [f64; 2], gradient: f64) -> f64 {
+    if *square == 0.0 {
+        (*mean, *square) = (gradient, gradient * gradient);
+    }
+    *mean = 0.5 * *mean + 0.5 * gradient;
+    *square = 0.8 * *square + 0.2 * gradient * gradient;
+    (*mean / square.sqrt().max(1e-9)).clamp(-1.0, 1.0)
 }
 
 /// dB at one noise and ψ, and its gradient for the kernels of red, green and blue.

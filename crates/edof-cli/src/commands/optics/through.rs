@@ -114,7 +114,7 @@ pub(super) fn design(args: &Design, name: &str, ui: &Ui) -> Result<(), Error> {
     }
     let begun = std::time::Instant::now();
     search(&run, &mut state, &chosen, &file, ui)?;
-    let mut camera = state.camera.clone();
+    let mut camera = state.best.clone();
     camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     camera.source = args.through_source(name, &run.start);
     edof_storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
@@ -178,6 +178,7 @@ fn tell(
         "psi": run.joint.psis,
         "noise": run.joint.noises,
         "rounds": state.round,
+        "score_db": state.best_db,
         "history": state.history,
         "photographs": run.photos,
         "seconds": seconds,
