@@ -1,4 +1,4 @@
-"""The page of lenses found together with a network, in scripts/results.sh: joint.py FOLDER SEEDS NAME=FILE..., a camera file a lens."""
+"""The page of lenses found together with a network, in scripts/results.sh: joint.py FOLDER NAME=FILE..., a camera file a lens."""
 import json
 import math
 import sys
@@ -9,6 +9,8 @@ LEVELS = ["none", "0.01", "0.02"]
 # The levels that the search weighs.
 SOUGHT = ["none", "0.01"]
 REFERENCE = "ring-outer"
+# Those of the reference; all other lenses have the first alone.
+SEEDS = [1, 2, 3]
 
 
 def photographs(folder, lens, seed):
@@ -45,34 +47,23 @@ def lens_words(camera):
     return "; ".join([ring(r) for r in camera["rings"]] + [f"focus {camera['focus_psi']:.2f}"]) + sign
 
 
-folder, seeds = Path(sys.argv[1]), sys.argv[2].split(",")
+folder = Path(sys.argv[1])
 lenses, revisions = {}, set()
-for argument in sys.argv[3:]:
+for argument in sys.argv[2:]:
     lens, file = argument.split("=", 1)
-    runs = []
-    for seed in seeds:
-        levels, revision = photographs(folder, lens, seed)
-        runs.append(levels)
-        revisions.add(revision)
-    lenses[lens] = (json.loads(Path(file).read_text()), runs)
+    levels, revision = photographs(folder, lens, 1)
+    lenses[lens] = (json.loads(Path(file).read_text()), levels)
+    revisions.add(revision)
 (revision,) = revisions
 
-
-def over_seeds(runs, of):
-    """Of each photograph, the mean over seeds."""
-    all_runs = [of(levels) for levels in runs]
-    return {name: mean(run[name] for run in all_runs) for name in all_runs[0]}
-
-
-totals = {lens: [mean(scores(levels).values()) for levels in runs] for lens, (_, runs) in lenses.items()}
-spread = math.sqrt(mean(stdev(values) ** 2 for values in totals.values())) if len(seeds) > 1 else float("nan")
-reference = over_seeds(lenses[REFERENCE][1], scores)
+seeds = [mean(scores(photographs(folder, REFERENCE, seed)[0]).values()) for seed in SEEDS]
+spread = stdev(seeds)
+reference = scores(lenses[REFERENCE][1])
 differences = {}
-for lens, (_, runs) in lenses.items():
-    own = over_seeds(runs, scores)
+for lens, (_, levels) in lenses.items():
+    own = scores(levels)
     paired = [own[name] - reference[name] for name in reference]
-    error = math.sqrt(stdev(paired) ** 2 / len(paired) + 2 * spread**2 / len(seeds))
-    differences[lens] = (mean(paired), error)
+    differences[lens] = (mean(paired), math.sqrt(stdev(paired) ** 2 / len(paired) + 2 * spread**2))
 
 print("# The mask through the network: lens and network searched together\n")
 print(f"Made by `scripts/results.sh joint` (revision `{revision}`).\n")
@@ -95,18 +86,18 @@ print("A step that lowers the score by more than 0.02 dB is taken back and short
 print("It uses eight training photographs, five ψ, and σ = 0 and 0.01. The score is the mean of the average over ψ and of the worst ψ.")
 print("`outer`, `2018` and `clear-focus` begin with `ring-outer`, `ring-2018` and `clear-mid`; the others begin at random.\n")
 print("Then each lens has networks trained from scratch by one short recipe, the same for all. dB: mean PSNR over validation windows")
-print(f"({len(reference)} photographs, five ψ; no test and no held-back photograph) / mean over photographs at the worst ψ, averaged over {len(seeds)} seeds.")
+print(f"({len(reference)} photographs, five ψ; no test and no held-back photograph) / mean over photographs at the worst ψ.")
 print(f"Difference: score minus that of `{REFERENCE}`, paired by photograph. Its ± is the standard error over photographs and seeds.")
-print(f"The score's standard deviation between seeds is {spread:.3f} dB.\n")
+print(f"The score's standard deviation over {len(SEEDS)} seeds of `{REFERENCE}` is {spread:.3f} dB; every other lens has one seed.\n")
 print("| lens | no noise | σ = 0.01 | σ = 0.02 | score | difference |")
 print("|---|---|---|---|---|---|")
-for lens, (camera, runs) in lenses.items():
+for lens, (_, levels) in lenses.items():
     cells = []
     for level in LEVELS:
-        rows = [summed(levels, level).values() for levels in runs]
-        cells.append("%.2f / %.2f" % tuple(mean(mean(row[i] for row in run) for run in rows) for i in (0, 1)))
+        rows = summed(levels, level).values()
+        cells.append("%.2f / %.2f" % tuple(mean(row[i] for row in rows) for i in (0, 1)))
     plus = "–" if lens == REFERENCE else "%+.2f ± %.2f" % differences[lens]
-    print(f"| `{lens}` | {' | '.join(cells)} | {mean(totals[lens]):.2f} | {plus} |")
+    print(f"| `{lens}` | {' | '.join(cells)} | {mean(scores(levels).values()):.2f} | {plus} |")
 print("\nThe lenses (radii as shares of the aperture's, phases at 460 nm, focus in ψ):\n")
 print("| lens | mask and focus | score in the search's first round | in its best |")
 print("|---|---|---|---|")
